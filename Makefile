@@ -1,0 +1,33 @@
+PYTHON ?= python3
+BIN := .venv/bin
+
+.PHONY: help diagram test bench clean
+help:     ## what there is to make
+	@grep -E '^[a-z]+: ' Makefile | sed -E 's/:[^#]*## /\t/' | expand -t 12
+
+.venv/run: pyproject.toml
+	test -x $(BIN)/python || $(PYTHON) -m venv .venv
+	$(BIN)/python -m pip install --quiet --editable .
+	touch $@
+
+.venv/test: pyproject.toml
+	test -x $(BIN)/python || $(PYTHON) -m venv .venv
+	$(BIN)/python -m pip install --quiet --editable '.[test]'
+	touch $@ .venv/run
+
+diagram: .venv/run    ## compute and draw the transition diagram of the paper's system
+	$(BIN)/irg run workflows/irg_transition.toml
+	$(BIN)/irg plot results/irg_transition.zarr --kind diagram -o results/irg_transition.png
+
+test: .venv/test      ## style, types, import rules and the test suite
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+	$(BIN)/python -m pytest --durations=10
+
+bench: .venv/test     ## measure speed, as ratios within one run
+	OMP_NUM_THREADS=1 $(BIN)/python -m pytest tests/benchmarks --benchmark-only --benchmark-disable-gc -s
+
+clean:                ## remove what was made, results included
+	rm -rf .venv results
