@@ -1,0 +1,76 @@
+"""The rectangular grid on which every field lives."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tribo.errors import InputError, require_positive
+
+__all__ = ["Grid"]
+
+
+@dataclass(frozen=True, slots=True)
+class Grid:
+    """A patch of ``nx × ny`` rectangular elements, each axis free or periodic.
+
+    Axis 0 is x, the sliding direction; axis 1 is y, along the cylinder's axis.
+
+    Parameters
+    ----------
+    shape : tuple of int
+        Number of elements ``(nx, ny)``, each at least 1.
+    spacing : tuple of float
+        Sides of an element ``(dx, dy)`` [m].
+    periodic : tuple of bool
+        Whether the patch repeats along x and along y. ``(False, True)`` is a line contact.
+
+    Raises
+    ------
+    InputError
+        If a number of elements is not a positive integer or a side is not positive and finite.
+
+    Examples
+    --------
+    >>> grid = Grid(shape=(240, 240), spacing=(1.632e-6, 1.9e-6), periodic=(False, True))
+    >>> f"{grid.size[1]:.3e} m, {grid.element_area:.4e} m²"
+    '4.560e-04 m, 3.1008e-12 m²'
+    """
+
+    shape: tuple[int, int]
+    spacing: tuple[float, float]
+    periodic: tuple[bool, bool] = (False, True)
+
+    def __post_init__(self) -> None:
+        if any(n != int(n) or n < 1 for n in self.shape):
+            raise InputError(f"shape is {self.shape}; it must be two integers of at least 1")
+        require_positive(**dict(zip(("dx", "dy"), self.spacing, strict=True)))
+
+    @property
+    def size(self) -> tuple[float, float]:
+        """Sides of the patch along x and y [m]."""
+        return self.shape[0] * self.spacing[0], self.shape[1] * self.spacing[1]
+
+    @property
+    def element_area(self) -> float:
+        """Area of one element [m²]."""
+        return self.spacing[0] * self.spacing[1]
+
+    @property
+    def area(self) -> float:
+        """Area of the patch [m²]."""
+        return math.prod(self.size)
+
+    def coordinates(self, axis: int) -> NDArray[np.float64]:
+        """Element centres along `axis` [m], with the patch's centre at 0.
+
+        Examples
+        --------
+        >>> Grid((4, 1), (0.5, 1.0)).coordinates(0)
+        array([-0.75, -0.25,  0.25,  0.75])
+        """
+        n, step = self.shape[axis], self.spacing[axis]
+        return np.arange(-(n - 1), n, 2, dtype=np.float64) * (step / 2)
