@@ -1,0 +1,133 @@
+import numpy as np
+import pytest
+
+from tribo import (
+    Grid,
+    InputError,
+    average_roughness,
+    block_average,
+    read_heights,
+    rms_height,
+    rms_slope,
+)
+from tribo import self_affine as make
+
+PIXELS = Grid((256, 192), (0.8e-6, 0.95e-6))
+
+
+def self_affine(grid=PIXELS, ra=0.27e-6, hurst_exponent=0.8, correlation_length=4e-6, seed=0):
+    return make(grid, ra, hurst_exponent, correlation_length, seed)
+
+
+def test_roughness_is_as_asked_and_heights_have_no_mean():
+    heights = self_affine()
+    assert average_roughness(heights) == pytest.approx(0.27e-6, rel=1e-12)
+    assert abs(heights.mean()) < 1e-12 * 0.27e-6
+
+
+def test_gaussian_heights_have_rq_of_ra_times_root_half_pi():
+    heights = self_affine(correlation_length=1e-6)
+    # The ratio scatters with the number of independent heights, here about 1e4.
+    assert rms_height(heights) / average_roughness(heights) == pytest.approx(
+        np.sqrt(np.pi / 2), rel=0.01
+    )
+
+
+def test_spectrum_falls_as_the_hurst_exponent_says():
+    grid = Grid((512, 512), (1.0, 1.0))
+    power = np.mean(
+        [np.abs(np.fft.rfft2(self_affine(grid, seed=s))) ** 2 for s in range(4)], axis=0
+    )
+    q = np.hypot(np.fft.fftfreq(512)[:, None], np.fft.rfftfreq(512)[None, :]) * 2 * np.pi
+    ring = (q > 0.05) & (q < 1.0)
+    grid_m = Grid((512, 512), (1.0, 1.0))
+    power = np.mean(
+        [
+            np.abs(np.fft.rfft2(self_affine(grid_m, correlation_length=1e3, seed=s))) ** 2
+            for s in range(4)
+        ],
+        axis=0,
+    )
+    slope = np.polyfit(np.log(q[ring]), np.log(power[ring]), 1)[0]
+    assert slope == pytest.approx(-2 * (1 + 0.8), abs=0.03)  # scatter of the fit over 2e5 modes
+
+
+def test_a_lay_correlates_further_along_y():
+    heights = self_affine(correlation_length=(2e-6, 20e-6))
+    slope_x = np.diff(heights, axis=0).std() / PIXELS.spacing[0]
+    slope_y = np.diff(heights, axis=1).std() / PIXELS.spacing[1]
+    assert slope_x > 3 * slope_y
+
+
+def test_the_seed_decides():
+    assert np.array_equal(self_affine(seed=1), self_affine(seed=1))
+    assert not np.array_equal(self_affine(seed=1), self_affine(seed=2))
+
+
+@pytest.mark.parametrize(
+    ("change", "named"),
+    [
+        ({"ra": -1.0}, "ra"),
+        ({"hurst_exponent": 1.2}, "hurst_exponent"),
+        ({"correlation_length": (1e-6, 0.0)}, "correlation_length_y"),
+        ({"grid": Grid((1, 1), (1.0, 1.0))}, "smooth"),
+    ],
+)
+def test_impossible_surfaces_are_refused(change, named):
+    with pytest.raises(InputError, match=named):
+        self_affine(**change)
+
+
+def test_block_average_is_the_mean_of_each_block():
+    heights = np.arange(24.0).reshape(4, 6)
+    averaged = block_average(heights, 2)
+    assert averaged.shape == (2, 3)
+    assert averaged[1, 2] == heights[2:, 4:].mean()
+    with pytest.raises(InputError, match="multiples"):
+        block_average(heights, 4)
+
+
+def test_rms_slope_of_a_wave_along_y():
+    y = np.linspace(0, 2 * np.pi, 2000, endpoint=False)
+    heights = np.broadcast_to(0.5 * np.sin(2 * y), (3, 2000))
+    # Central differences err by (q·dy)²/6.
+    assert rms_slope(heights, (1.0, y[1])) == pytest.approx(0.5 * 2 / np.sqrt(2), rel=1e-5)
+
+
+@pytest.mark.parametrize("suffix", [".npy", ".csv"])
+def test_measured_heights_are_read_in_their_unit(tmp_path, suffix):
+    path = tmp_path / f"disk{suffix}"
+    heights = np.array([[1.0, 2.0, 3.0], [4.0, 5.0, 6.5]])
+    np.save(path, heights) if suffix == ".npy" else np.savetxt(path, heights, delimiter=",")
+    assert read_heights(path, unit=1e-6) == pytest.approx(heights * 1e-6)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("1,2\n3,x\n", "line 2"),
+        ("1,2\n3\n", "line 2.*1 numbers"),
+        ("1,2\n3,nan\n", "row 1, column 1"),
+        ("1,inf\n3,4\n", "row 0, column 1"),
+        ("", "two-dimensional"),
+    ],
+)
+def test_a_faulty_csv_is_refused_with_its_place(tmp_path, text, said):
+    path = tmp_path / "disk.csv"
+    path.write_text(text)
+    with pytest.raises(InputError, match=said):
+        read_heights(path)
+
+
+def test_what_is_no_surface_file_is_refused(tmp_path):
+    with pytest.raises(InputError, match="cannot be read"):
+        read_heights(tmp_path / "missing.npy")
+    (tmp_path / "disk.npy").write_bytes(b"not numpy")
+    with pytest.raises(InputError, match="not a plain array"):
+        read_heights(tmp_path / "disk.npy")
+    (tmp_path / "disk.txt").write_text("1")
+    with pytest.raises(InputError, match=r"use \.npy or \.csv"):
+        read_heights(tmp_path / "disk.txt")
+    np.save(tmp_path / "text.npy", np.array([["a"]]))
+    with pytest.raises(InputError, match="real numbers"):
+        read_heights(tmp_path / "text.npy")

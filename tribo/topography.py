@@ -1,0 +1,206 @@
+"""Rough surfaces: self-affine ones, measured ones, and what is measured on them.
+
+Heights are positive towards the other body.
+"""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tribo.errors import InputError, require_positive
+from tribo.grid import Grid
+
+__all__ = [
+    "average_roughness",
+    "block_average",
+    "read_heights",
+    "rms_height",
+    "rms_slope",
+    "self_affine",
+]
+
+Array = NDArray[np.float64]
+
+
+def self_affine(
+    grid: Grid,
+    ra: float,
+    hurst_exponent: float,
+    correlation_length: float | tuple[float, float],
+    seed: int,
+) -> Array:
+    """Random heights [m], shape ``grid.shape``, with a self-affine power spectrum.
+
+    White Gaussian noise shaped in Fourier space by the power spectrum
+    (1 + (q_x l_x)² + (q_y l_y)²)^−(1+H), q the angular wavenumber, then scaled to the given Ra.
+    The surface repeats along both axes.
+
+    Parameters
+    ----------
+    grid : Grid
+        The pixels of the surface.
+    ra : float
+        Average roughness, the mean of |height| about the mean plane [m].
+    hurst_exponent : float
+        H, above 0 and at most 1.
+    correlation_length : float or tuple of float
+        l along both axes, or ``(l_x, l_y)`` for a lay [m]. Ground along y: l_y > l_x.
+    seed : int
+        Seed of NumPy's ``default_rng``.
+
+    Examples
+    --------
+    >>> grid = Grid((64, 64), (0.8e-6, 0.9e-6))
+    >>> heights = self_affine(grid, ra=0.27e-6, hurst_exponent=0.8, correlation_length=4e-6, seed=0)
+    >>> f"{average_roughness(heights):.3e} m"
+    '2.700e-07 m'
+    """
+    length_x, length_y = np.broadcast_to(correlation_length, 2).tolist()
+    require_positive(ra=ra, correlation_length_x=length_x, correlation_length_y=length_y)
+    if not 0 < hurst_exponent <= 1:
+        raise InputError(f"hurst_exponent is {hurst_exponent!r}; it must be above 0 and at most 1")
+    if grid.shape == (1, 1):
+        raise InputError("a single element has no roughness; use more pixels or a smooth surface")
+    noise = np.random.default_rng(seed).standard_normal(grid.shape)
+    (nx, ny), (dx, dy) = grid.shape, grid.spacing
+    q_x = 2 * np.pi * np.fft.fftfreq(nx, dx)[:, None]
+    q_y = 2 * np.pi * np.fft.rfftfreq(ny, dy)[None, :]
+    amplitude = (1 + (q_x * length_x) ** 2 + (q_y * length_y) ** 2) ** (-(1 + hurst_exponent) / 2)
+    amplitude[0, 0] = 0.0
+    heights = np.fft.irfft2(np.fft.rfft2(noise) * amplitude, s=grid.shape)
+    scaled: Array = heights * (ra / average_roughness(heights))
+    return scaled
+
+
+def read_heights(path: str | Path, unit: float = 1.0) -> Array:
+    """Heights [m] of a measured surface from ``.npy`` or comma-separated ``.csv``.
+
+    Parameters
+    ----------
+    path : str or Path
+        A two-dimensional array: one row for each x, one column for each y.
+    unit : float
+        What one unit of the file is worth [m].
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, is not a two-dimensional array of numbers, or holds NaN or
+        inf; the message says where.
+    """
+    path = Path(path)
+    try:
+        match path.suffix.lower():
+            case ".npy":
+                heights = np.load(path, allow_pickle=False)
+            case ".csv":
+                heights = _read_csv(path)
+            case suffix:
+                raise InputError(f"{path}: format {suffix!r} is not known; use .npy or .csv")
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read: {error.strerror or error}") from error
+    except (ValueError, EOFError) as error:
+        if isinstance(error, InputError):
+            raise
+        raise InputError(f"{path}: not a plain array of numbers: {error}") from error
+    if heights.ndim != 2 or heights.size == 0 or heights.dtype.kind not in "fiu":
+        raise InputError(
+            f"{path}: an array of shape {heights.shape} and type {heights.dtype}; "
+            "needed are two-dimensional real numbers, rows along x and columns along y"
+        )
+    bad = np.argwhere(~np.isfinite(heights))
+    if bad.size:
+        row, column = bad[0].tolist()
+        raise InputError(
+            f"{path}: {len(bad)} of {heights.size} heights are not finite, the first at "
+            f"row {row}, column {column} (counted from 0); fill or crop them before"
+        )
+    scaled: Array = heights.astype(np.float64) * unit
+    return scaled
+
+
+def _read_csv(path: Path) -> Array:
+    """Rows of numbers; the error names the line."""
+    rows: list[list[float]] = []
+    with path.open(newline="", encoding="utf-8") as file:
+        for number, cells in enumerate(csv.reader(file), start=1):
+            if not cells:
+                continue
+            try:
+                rows.append([float(cell) for cell in cells])
+            except ValueError as error:
+                raise InputError(f"{path}, line {number}: {error}") from error
+            if len(rows[-1]) != len(rows[0]):
+                raise InputError(
+                    f"{path}, line {number}: {len(rows[-1])} numbers, but {len(rows[0])} in the "
+                    "first row; all rows must be of equal length"
+                )
+    return np.array(rows)
+
+
+def block_average(heights: Array, factor: int) -> Array:
+    """Mean of each block of ``factor × factor`` pixels, shape ``(nx/factor, ny/factor)``.
+
+    Raises
+    ------
+    InputError
+        If the shape is not a multiple of the factor.
+
+    Examples
+    --------
+    >>> block_average(np.array([[1.0, 3.0], [5.0, 7.0]]), 2)
+    array([[4.]])
+    """
+    nx, ny = heights.shape
+    if factor < 1 or nx % factor or ny % factor:
+        raise InputError(
+            f"{nx} × {ny} pixels cannot be averaged {factor} × {factor}; "
+            "both numbers must be multiples of the factor"
+        )
+    blocks = heights.reshape(nx // factor, factor, ny // factor, factor)
+    averaged: Array = blocks.mean(axis=(1, 3))
+    return averaged
+
+
+def average_roughness(heights: Array) -> float:
+    """Ra, the mean distance from the mean plane [m].
+
+    Examples
+    --------
+    >>> average_roughness(np.array([[0.0, 2.0, 4.0, 2.0]]))
+    1.0
+    """
+    return float(np.abs(heights - heights.mean()).mean())
+
+
+def rms_height(heights: Array) -> float:
+    """Rq, the standard deviation of the heights [m].
+
+    Examples
+    --------
+    >>> f"{rms_height(np.sin(np.linspace(0, 2 * np.pi, 64, endpoint=False))[None, :]):.6f}"
+    '0.707107'
+    """
+    return float(heights.std())
+
+
+def rms_slope(heights: Array, spacing: tuple[float, float]) -> float:
+    """Root mean square of the gradient, from central differences on a surface that repeats.
+
+    Examples
+    --------
+    A sine of amplitude A and wavenumber q has slope Aq/√2:
+
+    >>> x = np.linspace(0, 2 * np.pi, 1000, endpoint=False)
+    >>> f"{rms_slope(np.sin(3 * x)[:, None], (x[1], 1.0)):.4f}"
+    '2.1212'
+    """
+    squares = 0.0
+    for axis, step in enumerate(spacing):
+        difference = np.roll(heights, -1, axis) - np.roll(heights, 1, axis)
+        squares += float(np.mean((difference / (2 * step)) ** 2))
+    return float(np.sqrt(squares))
