@@ -1,0 +1,133 @@
+"""Convolution of a field with an influence kernel, on any mix of free and periodic axes.
+
+A free axis is padded with zeros to twice its length, so that nothing wraps around (the DC-FFT of
+Liu, Wang and Liu, Wear 243, 2000); a periodic axis is not padded at all.
+"""
+
+from __future__ import annotations
+
+import copy
+from typing import Self
+
+import numpy as np
+import scipy.fft
+from numpy.typing import NDArray
+
+from tribo.errors import InputError
+from tribo.grid import Grid
+
+__all__ = ["Convolution", "padded_shape", "wrapped_offsets"]
+
+
+def padded_shape(grid: Grid) -> tuple[int, int]:
+    """Lengths of the transforms along x and y: at least 2n − 1 along a free axis of n elements.
+
+    Examples
+    --------
+    >>> padded_shape(Grid((240, 240), (1.0, 1.0), periodic=(False, True)))
+    (480, 240)
+    """
+    nx, ny = (
+        n if periodic else scipy.fft.next_fast_len(2 * n - 1)
+        for n, periodic in zip(grid.shape, grid.periodic, strict=True)
+    )
+    return nx, ny
+
+
+def wrapped_offsets(grid: Grid, axis: int) -> NDArray[np.float64]:
+    """Offsets along `axis` at which a kernel is sampled, in the order of the transform [m].
+
+    0, 1, 2, … then the negative ones, each times the spacing: entry m stands for m or m − n,
+    whichever is nearer to 0, n being the length of the transform.
+
+    Examples
+    --------
+    >>> wrapped_offsets(Grid((3, 1), (1.0, 1.0)), axis=0)
+    array([ 0.,  1.,  2., -2., -1.])
+    >>> wrapped_offsets(Grid((1, 4), (1.0, 0.5)), axis=1)
+    array([ 0. ,  0.5, -1. , -0.5])
+    """
+    n = padded_shape(grid)[axis]
+    index = np.arange(n)
+    return np.where(index <= (n - 1) // 2, index, index - n) * grid.spacing[axis]
+
+
+class Convolution:
+    """A linear map between fields on a grid, diagonal in Fourier space.
+
+    Parameters
+    ----------
+    grid : Grid
+        The grid of both fields.
+    spectrum : ndarray, shape (mx, my//2 + 1), real or complex
+        Discrete Fourier transform of the kernel in the order of `wrapped_offsets`, with
+        ``(mx, my) = padded_shape(grid)``.
+
+    Notes
+    -----
+    The buffers of the transforms are kept: freshly allocated temporaries of this size cost more
+    in page faults than the transforms themselves. An object is therefore not to be shared by
+    threads.
+
+    Examples
+    --------
+    >>> grid = Grid((2, 2), (1.0, 1.0), periodic=(False, True))
+    >>> neighbour = np.zeros(padded_shape(grid))
+    >>> neighbour[1, 0] = 1.0                      # each source acts one element further along x
+    >>> shifted = Convolution.from_kernel(grid, neighbour)(np.array([[1.0, 2.0], [3.0, 4.0]]))
+    >>> np.allclose(shifted, [[0.0, 0.0], [1.0, 2.0]])
+    True
+    """
+
+    def __init__(self, grid: Grid, spectrum: NDArray[np.inexact]) -> None:
+        mx, my = padded_shape(grid)
+        if spectrum.shape != (mx, my // 2 + 1):
+            raise InputError(
+                f"the spectrum has shape {spectrum.shape}; this grid needs {(mx, my // 2 + 1)}"
+            )
+        self.grid = grid
+        self.spectrum = spectrum
+        self._lengths = mx, my
+        self._modes = np.zeros(spectrum.shape, dtype=np.complex128)
+        self._padded = np.zeros((grid.shape[0], my))
+
+    @classmethod
+    def from_kernel(cls, grid: Grid, kernel: NDArray[np.float64]) -> Convolution:
+        """Build from kernel values, shape `padded_shape`, in the order of `wrapped_offsets`."""
+        return cls(grid, np.fft.rfft2(kernel))
+
+    def __call__(
+        self, field: NDArray[np.float64], out: NDArray[np.float64] | None = None
+    ) -> NDArray[np.float64]:
+        """Convolve `field`, shape ``grid.shape``; the result goes to `out` if given."""
+        (nx, ny), (mx, my) = self.grid.shape, self._lengths
+        if out is None:
+            out = np.empty(self.grid.shape)
+        modes, padded = self._modes, self._padded
+        source = field
+        if my > ny:
+            padded[:, :ny] = field
+            padded[:, ny:] = 0.0
+            source = padded
+        np.fft.rfft(source, axis=1, out=modes[:nx])
+        modes[nx:] = 0.0
+        if mx > 1:
+            np.fft.fft(modes, axis=0, out=modes)
+        np.multiply(modes, self.spectrum, out=modes)
+        if mx > 1:
+            np.fft.ifft(modes, axis=0, out=modes)
+        if my == ny:
+            return np.fft.irfft(modes[:nx], n=my, axis=1, out=out)
+        np.fft.irfft(modes[:nx], n=my, axis=1, out=padded)
+        out[...] = padded[:, :ny]
+        return out
+
+    def with_spectrum(self, spectrum: NDArray[np.inexact]) -> Self:
+        """Return a copy with another spectrum; it shares the buffers."""
+        changed = copy.copy(self)
+        changed.spectrum = spectrum
+        return changed
+
+    def __add__(self, other: Convolution) -> Convolution:
+        """Return the map whose result is the sum of both."""
+        return Convolution(self.grid, self.spectrum + other.spectrum)
