@@ -1,0 +1,93 @@
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tribo import ElasticHalfSpace, Grid, InputError, elastic_influence
+
+REFERENCES = json.loads(
+    Path(__file__).with_name("references").joinpath("elastic_influence.json").read_text()
+)
+UNIT = 1 / np.pi  # contact modulus with which the influence is ∫∫ 1/r
+E_STAR = 115.385e9
+
+
+@pytest.mark.parametrize("entry", REFERENCES["free"], ids=str)
+def test_free_kernel_equals_love_in_25_digits(entry):
+    i, j = entry["i"], entry["j"]
+    grid = Grid((i + 1, j + 1), (entry["dx"], entry["dy"]), (False, False))
+    influence = elastic_influence(grid, UNIT)
+    assert influence[i, j] == pytest.approx(entry["value"], abs=1e-13 * influence[0, 0])
+    if max(i, j) > 20:  # far entries keep their own digits too
+        assert influence[i, j] == pytest.approx(entry["value"], rel=1e-10)
+
+
+@pytest.mark.parametrize("entry", REFERENCES["line_periodic"], ids=str)
+@pytest.mark.parametrize("axis", [1, 0])
+def test_line_periodic_kernel_equals_the_extrapolated_sum_over_images(entry, axis):
+    n = 2 * entry["i"] + 2
+    order = slice(None, None, 1 if axis == 1 else -1)
+    grid = Grid((n, entry["ny"])[order], (entry["dx"], entry["dy"])[order], (False, True)[order])
+    influence = elastic_influence(grid, UNIT)
+    self_term = ElasticHalfSpace(grid, UNIT).self_influence
+    difference = influence[(entry["i"], entry["j"])[order]] - influence[0, 0]
+    assert difference == pytest.approx(entry["value"], abs=1e-12 * self_term)
+
+
+@pytest.mark.parametrize("shape", [(48, 48), (48, 30), (30, 48), (27, 35)])
+def test_doubly_periodic_kernel_has_the_spectrum_of_2_over_modulus_and_wavenumber(shape):
+    grid = Grid(shape, (1.0, 1.1), (True, True))
+    spectrum = ElasticHalfSpace(grid, E_STAR).spectrum
+    # Sampled values carry every mode that the grid cannot tell apart. Their sum is slow, so the
+    # reference takes 2·200 + 1 aliases along each axis; what it leaves out is below 1e-5.
+    aliases = np.arange(-200, 201)
+    for m, n in ((1, 0), (0, 1), (2, 3), (5, 4)):
+        qx = 2 * np.pi * (m / (shape[0] * 1.0) + aliases / 1.0)[:, None]
+        qy = 2 * np.pi * (n / (shape[1] * 1.1) + aliases / 1.1)[None, :]
+        averaged = np.sinc(qx / (2 * np.pi)) * np.sinc(qy * 1.1 / (2 * np.pi))
+        expected = np.sum(2 / (E_STAR * np.hypot(qx, qy)) * averaged)
+        assert spectrum[m, n] == pytest.approx(expected, rel=1e-5)
+
+
+def test_smallest_eigenvalues_are_those_of_the_specification():
+    rough = ElasticHalfSpace(Grid((240, 240), (1.632e-6, 1.9e-6)), E_STAR)
+    plane = ElasticHalfSpace(Grid((240, 1), (1.632e-6, 456e-6)), E_STAR)
+    assert rough.spectrum.min() == pytest.approx(8.80e-18, rel=1e-3)
+    assert plane.spectrum.min() == pytest.approx(1.05e-17, rel=2e-3)
+
+
+def test_uniform_pressure_along_y_gives_the_plane_displacement():
+    grid = Grid((60, 12), (1.632e-6, 1.9e-6))
+    plane = Grid((60, 1), (1.632e-6, 12 * 1.9e-6))
+    pressure = 1e9 * np.random.default_rng(0).uniform(size=(60, 1))
+    rough = ElasticHalfSpace(grid, E_STAR)(np.repeat(pressure, 12, axis=1))
+    smooth = ElasticHalfSpace(plane, E_STAR)(pressure)
+    # Equal up to a constant and the quadrature over y, which 12 elements sample to 1e-3.
+    assert np.ptp(rough, axis=1).max() < 1e-12 * np.abs(rough).max()
+    shift = rough[:, :1] - smooth
+    assert np.ptp(shift) < 2e-3 * np.ptp(smooth)
+
+
+@pytest.mark.parametrize("periodic", [(False, False), (False, True), (True, False), (True, True)])
+def test_influence_is_even_and_its_spectrum_positive(periodic):
+    grid = Grid((9, 14), (1.0, 2.0), periodic)
+    influence = elastic_influence(grid, UNIT)
+    mirrored = np.roll(influence[::-1, ::-1], 1, axis=(0, 1))
+    assert np.array_equal(influence, mirrored)
+    spectrum = ElasticHalfSpace(grid, UNIT).spectrum
+    assert spectrum.ravel()[1:].min() > 0
+    assert spectrum[0, 0] == 0 if all(periodic) else spectrum[0, 0] > 0
+
+
+@pytest.mark.parametrize("spacing", [(1.0, 1e-3), (1e-3, 1.0)])
+def test_elements_of_aspect_1000_keep_their_digits(spacing):
+    for periodic in ((False, False), (False, True), (True, True)):
+        influence = elastic_influence(Grid((4, 6), spacing, periodic), UNIT)
+        assert np.isfinite(influence).all()
+        assert influence.argmax() == 0
+
+
+def test_a_modulus_that_is_no_modulus_is_refused():
+    with pytest.raises(InputError, match="contact_modulus"):
+        ElasticHalfSpace(Grid((4, 4), (1.0, 1.0)), 0.0)
