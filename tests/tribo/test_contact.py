@@ -1,0 +1,249 @@
+import math
+
+import numpy as np
+import pytest
+from scipy.linalg import cholesky, solve_triangular
+from scipy.optimize import brentq, lsq_linear
+
+from tribo import (
+    ConvergenceError,
+    ElasticHalfSpace,
+    Grid,
+    InputError,
+    self_affine,
+    solve_contact,
+)
+from tribo.analytic import (
+    hertz_line_half_width,
+    hertz_line_peak_pressure,
+    hertz_point_peak_pressure,
+    hertz_point_radius,
+    hertz_pressure,
+    westergaard_full_contact_pressure,
+    westergaard_mean_pressure,
+)
+
+E_STAR = 115.385e9
+
+
+def dense(solid):
+    """The matrix of the map, column by column."""
+    unit = np.eye(math.prod(solid.grid.shape)).reshape(-1, *solid.grid.shape)
+    return np.array([solid(column).ravel() for column in unit]).T
+
+
+def bounded_least_squares(matrix, z, total, hardness):
+    """The same problem with other means: ‖Rp − R⁻ᵀ(α − z)‖ within bounds, α by root finding."""
+    root = cholesky(matrix)
+
+    def pressure(approach):
+        target = solve_triangular(root, approach - z, trans="T")
+        return lsq_linear(root, target, bounds=(0, hardness), method="bvls", tol=1e-14).x
+
+    scale = matrix.diagonal().max() * total
+    low, high = z.min(), z.max() + 10 * scale
+    approach = brentq(lambda a: pressure(a).sum() - total, low, high, xtol=1e-16 * high, rtol=1e-14)
+    return pressure(approach), approach
+
+
+def assert_certified(contact, solid, z, load, hardness, tolerance):
+    """Evaluate every condition on the returned pressure alone."""
+    p = contact.pressure
+    gap = solid(p) + z - contact.approach
+    unit = solid.self_influence * p.max()
+    assert p.min() >= 0
+    assert p.max() <= hardness
+    assert p.sum() * solid.grid.element_area == pytest.approx(load, rel=1e-12)
+    slack = (tolerance + 1e-12) * unit
+    assert np.abs(gap[(p > 0) & (p < hardness)]).max(initial=0) <= slack
+    assert gap[p == 0].min(initial=0) >= -slack
+    assert gap[p == hardness].max(initial=0) <= slack
+
+
+@pytest.mark.parametrize("periodic", [(False, False), (False, True), (True, False)])
+@pytest.mark.parametrize("hardness", [math.inf, 2.2, 1.3])
+@pytest.mark.parametrize("seed", [0, 1])
+def test_equals_an_independent_bounded_least_squares_solution(periodic, hardness, seed):
+    grid = Grid((8, 7), (1.0, 1.2), periodic)
+    solid = ElasticHalfSpace(grid, 1.0)
+    z = 2 * np.random.default_rng(seed).uniform(size=grid.shape)
+    load = 0.8 * grid.area
+    contact = solve_contact(solid, z, load, hardness, tolerance=1e-10)
+    reference, approach = bounded_least_squares(
+        dense(solid), z.ravel(), load / grid.element_area, hardness
+    )
+    assert contact.pressure.ravel() == pytest.approx(reference, abs=1e-7 * reference.max())
+    assert contact.approach == pytest.approx(approach, rel=1e-7)
+
+
+def test_cylinder_of_figure_4_is_hertz_within_a_thousandth():
+    grid = Grid((128, 64), (3e-6, 456e-6 / 64))
+    z = np.broadcast_to(grid.coordinates(0)[:, None] ** 2 / (2 * 8e-3), grid.shape)
+    contact = solve_contact(ElasticHalfSpace(grid, E_STAR), z, 222.2e3 * grid.size[1])
+    cylinder = (222.2e3, 8e-3, E_STAR)
+    half_width, peak = hertz_line_half_width(*cylinder), hertz_line_peak_pressure(*cylinder)
+    assert peak == pytest.approx(1.010e9, rel=1e-3)
+    assert half_width == pytest.approx(0.14e-3, rel=1e-3)
+    assert contact.pressure.max() == pytest.approx(peak, rel=1e-3)
+    profile = contact.pressure[:, 0]
+    inside = profile > 0.2 * peak
+    # p² falls linearly in x², and is 0 at the half-width.
+    slope, offset = np.polyfit(grid.coordinates(0)[inside] ** 2, profile[inside] ** 2, 1)
+    assert math.sqrt(-offset / slope) == pytest.approx(half_width, rel=1e-3)
+    # The kernel knows the line's images to 1e-13; the solver's tolerance is 1e-8 of the peak.
+    assert np.ptp(contact.pressure, axis=1).max() < 1e-6 * peak
+
+
+def test_sphere_is_hertz_and_converges_with_the_grid():
+    radius, load = 10e-3, 10.0
+    contact_radius = hertz_point_radius(load, radius, E_STAR)
+    peak = hertz_point_peak_pressure(load, radius, E_STAR)
+    errors = []
+    for n in (16, 32, 64, 128):
+        side = 3 * contact_radius / n
+        grid = Grid((n, n), (side, side), (False, False))
+        x, y = grid.coordinates(0)[:, None], grid.coordinates(1)[None, :]
+        z = (x**2 + y**2) / (2 * radius)
+        pressure = solve_contact(ElasticHalfSpace(grid, E_STAR), z, load).pressure
+        exact = hertz_pressure(np.hypot(x, y), contact_radius, peak)
+        errors.append(np.abs(pressure - exact).mean() / peak)
+    order = -np.polyfit(np.log([16, 32, 64, 128]), np.log(errors), 1)[0]
+    assert order > 1  # the pressure falls off like a square root at a rim that cuts elements
+    assert errors[-1] < 2e-3
+
+
+def test_westergaard_wave_in_full_and_partial_contact():
+    grid = Grid((256, 4), (1e-6, 1e-6), (True, True))
+    length, amplitude = grid.size[0], 0.2e-6
+    solid = ElasticHalfSpace(grid, E_STAR)
+    wave = amplitude * (1 - np.cos(2 * np.pi * grid.coordinates(0) / length))[:, None]
+    z = np.broadcast_to(wave, grid.shape)
+    full = westergaard_full_contact_pressure(amplitude, length, E_STAR)
+    contact = solve_contact(solid, z, 1.2 * full * grid.area)
+    expected = 1.2 * full + full * np.cos(2 * np.pi * grid.coordinates(0) / length)
+    # Constant pressure on 256 elements resolves the wave to (qdx)²/24.
+    assert contact.pressure[:, 0] == pytest.approx(expected, rel=2e-4)
+    half_width = length / 5
+    partial = westergaard_mean_pressure(half_width, full, length)
+    contact = solve_contact(solid, z, partial * grid.area)
+    assert np.count_nonzero(contact.pressure[:, 0]) * 1e-6 == pytest.approx(
+        2 * half_width, abs=2e-6
+    )
+
+
+@pytest.mark.parametrize("saturation", [0.05, 0.3, 0.6, 0.9, 0.99])
+@pytest.mark.parametrize("periodic", [(False, True), (True, True), (False, False)])
+def test_rough_capped_contacts_are_certified(saturation, periodic):
+    grid = Grid((48, 40), (1e-6, 1.1e-6), periodic)
+    solid = ElasticHalfSpace(grid, E_STAR)
+    z = -self_affine(grid, ra=0.3e-6, hurst_exponent=0.8, correlation_length=4e-6, seed=3)
+    hardness = 6.6e9
+    load = saturation * hardness * grid.area
+    contact = solve_contact(solid, z, load, hardness, tolerance=1e-9)
+    assert contact.residual <= 1e-9
+    assert_certified(contact, solid, z, load, hardness, 1e-9)
+
+
+def test_the_start_changes_the_way_but_not_the_answer():
+    grid = Grid((40, 40), (1e-6, 1e-6))
+    solid = ElasticHalfSpace(grid, E_STAR)
+    z = grid.coordinates(0)[:, None] ** 2 / 4e-3 - self_affine(grid, 0.1e-6, 0.8, 4e-6, 0)
+    cold = solve_contact(solid, z, 2.0, 6.6e9, tolerance=1e-10)
+    near = solve_contact(solid, z, 2.02, 6.6e9, tolerance=1e-10)
+    warm = solve_contact(solid, z, 2.0, 6.6e9, tolerance=1e-10, initial_pressure=near.pressure)
+    odd = solve_contact(
+        solid, z, 2.0, 6.6e9, tolerance=1e-10, initial_pressure=near.pressure[::-1] * 7
+    )
+    assert warm.iterations < cold.iterations
+    for other in (warm, odd):
+        assert other.pressure == pytest.approx(cold.pressure, abs=1e-8 * cold.pressure.max())
+
+
+def test_units_scale():
+    grid = Grid((24, 20), (1e-6, 1e-6))
+    z = -self_affine(grid, 0.3e-6, 0.8, 3e-6, 1)
+    metres = solve_contact(ElasticHalfSpace(grid, E_STAR), z, 1e-2, 6.6e9)
+    micrometres = solve_contact(
+        ElasticHalfSpace(Grid((24, 20), (1.0, 1.0)), E_STAR * 1e-12), z * 1e6, 1e-2, 6.6e9 * 1e-12
+    )
+    assert micrometres.pressure * 1e12 == pytest.approx(metres.pressure, abs=1e-6 * 6.6e9)
+
+
+def test_more_load_means_more_contact():
+    grid = Grid((32, 32), (1e-6, 1e-6), (True, True))
+    solid = ElasticHalfSpace(grid, E_STAR)
+    z = -self_affine(grid, 0.3e-6, 0.8, 3e-6, 1)
+    areas = [
+        np.count_nonzero(solve_contact(solid, z, load, 6.6e9).pressure)
+        for load in (1e-3, 1e-2, 1e-1, 1.0, 6.0)
+    ]
+    assert areas == sorted(areas)
+    assert areas[0] < areas[-1] <= 32 * 32
+
+
+def test_translation_along_a_periodic_axis_translates_the_answer():
+    grid = Grid((20, 24), (1e-6, 1e-6))
+    solid = ElasticHalfSpace(grid, E_STAR)
+    z = grid.coordinates(0)[:, None] ** 2 / 4e-3 - self_affine(grid, 0.1e-6, 0.8, 4e-6, 0)
+    still = solve_contact(solid, z, 1.0, 6.6e9)
+    moved = solve_contact(solid, np.roll(z, 7, axis=1), 1.0, 6.6e9)
+    assert moved.pressure == pytest.approx(np.roll(still.pressure, 7, axis=1), abs=1e-6 * 6.6e9)
+
+
+@pytest.mark.parametrize("shape", [(1, 1), (1, 9), (9, 1), (7, 13)])
+def test_small_odd_and_prime_grids(shape):
+    grid = Grid(shape, (1e-6, 1e-6))
+    solid = ElasticHalfSpace(grid, E_STAR)
+    z = 1e-7 * np.random.default_rng(0).uniform(size=shape)
+    load = 0.7 * 1e9 * grid.area
+    assert_certified(solve_contact(solid, z, load, 1e9), solid, z, load, 1e9, 1e-8)
+
+
+def test_no_load_and_the_most_that_hardness_carries():
+    grid = Grid((6, 5), (1e-6, 1e-6))
+    solid = ElasticHalfSpace(grid, E_STAR)
+    z = 1e-7 * np.random.default_rng(0).uniform(size=grid.shape)
+    unloaded = solve_contact(solid, z, 0.0, 1e9)
+    assert unloaded.pressure.max() == 0
+    assert unloaded.gap.min() == 0
+    saturated = solve_contact(solid, z, 1e9 * grid.area, 1e9)
+    assert saturated.pressure == pytest.approx(1e9)
+    assert saturated.gap.max() == 0
+
+
+def test_a_spike_is_a_contact_of_one_element():
+    grid = Grid((9, 9), (1e-6, 1e-6), (False, False))
+    solid = ElasticHalfSpace(grid, E_STAR)
+    z = np.full(grid.shape, 1e-3)
+    z[3, 4] = 0.0
+    contact = solve_contact(solid, z, 1e-3)
+    assert np.flatnonzero(contact.pressure).tolist() == [3 * 9 + 4]
+    assert contact.approach == pytest.approx(solid.self_influence * 1e-3 / grid.element_area)
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"normal_load": 1.1e9 * 30e-12}, "hardness"),
+        ({"normal_load": -1.0}, "between 0"),
+        ({"normal_load": math.nan}, "between 0"),
+        ({"separation": np.full((6, 5), math.nan)}, "finite"),
+        ({"separation": np.zeros((5, 6))}, "shape"),
+    ],
+)
+def test_impossible_contacts_are_refused(change, said):
+    solid = ElasticHalfSpace(Grid((6, 5), (1e-6, 1e-6)), E_STAR)
+    given = {"separation": np.zeros((6, 5)), "normal_load": 1e-3, "hardness": 1e9} | change
+    with pytest.raises(InputError, match=said):
+        solve_contact(solid, **given)
+
+
+def test_running_out_of_iterations_says_so_and_hands_over_what_there_is():
+    grid = Grid((24, 20), (1e-6, 1e-6))
+    solid = ElasticHalfSpace(grid, E_STAR)
+    z = -self_affine(grid, 0.3e-6, 0.8, 3e-6, 1)
+    with pytest.raises(ConvergenceError, match="did not converge") as caught:
+        solve_contact(solid, z, 1.0, 6.6e9, tolerance=1e-12, max_iterations=5)
+    partial = caught.value.solution
+    assert partial.residual > 1e-12
+    assert partial.pressure.sum() * grid.element_area == pytest.approx(1.0)
