@@ -1,0 +1,52 @@
+import numpy as np
+import pytest
+
+from tribo import ElasticHalfSpace, Grid, InputError, Wear, solve_contact
+
+GRID = Grid((12, 10), (1e-6, 1e-6))
+
+
+@pytest.mark.parametrize("pattern", ["local", "swept"])
+def test_worn_volume_is_rate_times_load_times_distance(pattern):
+    pressure = 1e9 * np.random.default_rng(0).uniform(size=GRID.shape)
+    depth = Wear(1.2e-15, pattern).depth(pressure, distance=0.0625)
+    load = pressure.sum() * GRID.element_area
+    assert depth.sum() * GRID.element_area == pytest.approx(1.2e-15 * load * 0.0625)
+
+
+def test_swept_wear_is_uniform_along_y_and_local_wear_follows_the_pressure():
+    pressure = 1e9 * np.random.default_rng(0).uniform(size=GRID.shape)
+    swept, local = (Wear(1e-15, pattern).depth(pressure, 1.0) for pattern in ("swept", "local"))
+    assert np.ptp(swept, axis=1).max() == 0
+    assert local == pytest.approx(1e-15 * pressure)
+    assert swept.mean(axis=1) == pytest.approx(local.mean(axis=1))
+
+
+@pytest.mark.parametrize("pattern", ["local", "swept"])
+@pytest.mark.parametrize("distance", [0.0, 0.0625, 1e4])
+def test_yielding_solid_displaces_by_elasticity_and_wear(pattern, distance):
+    solid = ElasticHalfSpace(GRID, 115e9)
+    wear = Wear(1.2e-15, pattern)
+    pressure = 1e9 * np.random.default_rng(1).uniform(size=GRID.shape)
+    expected = solid(pressure) + wear.depth(pressure, distance)
+    assert wear.yielding(solid, distance)(pressure) == pytest.approx(expected, rel=1e-12)
+
+
+def test_implicit_step_ends_where_the_worn_shape_carries_the_pressure():
+    solid = ElasticHalfSpace(GRID, 115e9)
+    z = 1e-7 * np.random.default_rng(2).uniform(size=GRID.shape)
+    wear, distance = Wear(1.2e-15, "swept"), 0.0625
+    stepped = solve_contact(wear.yielding(solid, distance), z, 0.02, 6.6e9, tolerance=1e-10)
+    worn = z + wear.depth(stepped.pressure, distance)
+    again = solve_contact(solid, worn, 0.02, 6.6e9, tolerance=1e-10)
+    assert again.pressure == pytest.approx(stepped.pressure, abs=1e-7 * 6.6e9)
+
+
+def test_impossible_wear_is_refused():
+    with pytest.raises(InputError, match="specific_wear_rate"):
+        Wear(-1e-15)
+    with pytest.raises(InputError, match="local, swept"):
+        Wear(1e-15, "sweeping")
+    free = ElasticHalfSpace(Grid((4, 4), (1e-6, 1e-6), (False, False)), 115e9)
+    with pytest.raises(InputError, match="'local'"):
+        Wear(1e-15, "swept").yielding(free, 1.0)
