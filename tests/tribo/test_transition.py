@@ -1,0 +1,33 @@
+import numpy as np
+import pytest
+
+from tribo import QUANTILES, InputError, contact_quantiles, failed_share
+
+
+def test_quantile_and_failed_share_are_one_criterion():
+    random = np.random.default_rng(0)
+    rise = random.gamma(4.0, 20.0, size=(60, 50))
+    contact = random.uniform(size=rise.shape) < 0.5
+    quantiles = contact_quantiles(rise, contact)
+    for share in (0.05, 0.1, 0.2):
+        limit = quantiles[QUANTILES.index(1 - share)]
+        # 1500 nodes: one of them is 0.07 % of the area.
+        assert np.mean(rise[contact] > limit) == pytest.approx(share, abs=7e-4)
+        assert failed_share(quantiles, limit) == pytest.approx(share, abs=1e-12)
+
+
+def test_only_the_contact_counts():
+    rise = np.array([[10.0, 500.0], [20.0, 30.0]])
+    contact = np.array([[True, False], [True, True]])
+    assert contact_quantiles(rise, contact)[-1] == 30.0
+
+
+def test_share_is_nothing_above_the_maximum_and_all_below_the_minimum():
+    quantiles = np.linspace(10.0, 20.0, len(QUANTILES))
+    assert failed_share(quantiles, 20.1) == 0.0
+    assert failed_share(quantiles, 9.9) == 1.0
+
+
+def test_no_contact_has_no_temperature():
+    with pytest.raises(InputError, match="contact"):
+        contact_quantiles(np.zeros((2, 2)), np.zeros((2, 2), dtype=bool))

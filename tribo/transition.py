@@ -1,0 +1,61 @@
+"""What decides between mild and severe wear: the temperature over the contact area.
+
+Wear turns severe where more than a given share of the real contact area is hotter than the
+critical temperature. The same thing, but smooth: the quantile of the temperature that this share
+exceeds lies above the critical temperature.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tribo.errors import InputError
+
+__all__ = ["QUANTILES", "contact_quantiles", "failed_share"]
+
+Array = NDArray[np.float64]
+
+QUANTILES: tuple[float, ...] = (
+    0.0, 0.01, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5, 0.55, 0.6, 0.65, 0.7, 0.75,
+    0.8, 0.825, 0.85, 0.875, 0.89, 0.9, 0.91, 0.925, 0.95, 0.975, 0.99, 0.999, 1.0,
+)  # fmt: skip
+"""Shares of the contact area that are cooler, at which the temperature is kept."""
+
+
+def contact_quantiles(rise: Array, contact: NDArray[np.bool_]) -> Array:
+    """Temperature rise that each of `QUANTILES` of the contact area stays below [K].
+
+    Parameters
+    ----------
+    rise : ndarray, shape (nx, ny)
+        [K].
+    contact : ndarray of bool, shape (nx, ny)
+        Where the pressure is positive. All elements are of equal area.
+
+    Examples
+    --------
+    >>> rise = np.arange(11.0)[None, :]
+    >>> contact_quantiles(rise, rise >= 0)[QUANTILES.index(0.9)]
+    np.float64(9.0)
+    """
+    if not contact.any():
+        raise InputError("nothing is in contact, so there is no temperature to take quantiles of")
+    quantiles: Array = np.quantile(rise[contact], QUANTILES)
+    return quantiles
+
+
+def failed_share(rise_quantiles: Array, limit: float) -> float:
+    """Share of the contact area whose rise exceeds `limit`, from its quantiles.
+
+    Linear between the quantiles.
+
+    Examples
+    --------
+    >>> failed_share(np.linspace(0.0, 200.0, len(QUANTILES)), 300.0)
+    0.0
+    >>> rise = np.arange(101.0)[None, :]
+    >>> f"{failed_share(contact_quantiles(rise, rise >= 0), limit=88.0):.3f}"
+    '0.120'
+    """
+    return float(1 - np.interp(limit, rise_quantiles, QUANTILES, left=0.0, right=1.0))
