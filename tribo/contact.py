@@ -28,8 +28,10 @@ __all__ = ["ContactSolution", "solve_contact"]
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
-_INNER_ITERATIONS = 6  # of conjugate gradients in an active-set step,
-_INNER_REDUCTION = 0.2  # fewer once the residual has fallen by this factor
+# Conjugate gradient iterations in the first active-set step. Each later one, which changes fewer
+# nodes' state, may take twice as many, but no more than reduce the residual by the factor.
+_INNER_ITERATIONS = 3
+_INNER_REDUCTION = 0.1
 _SETTLED = 0.2  # share of the contact's nodes that may change state before active-set steps start
 _PATIENCE = 3  # active-set steps without progress before gradient steps take over
 
@@ -142,6 +144,7 @@ class _Problem:
     def __init__(self, solid: ElasticHalfSpace, z: Array, total: float, hardness: float) -> None:
         self.solid, self.z, self.total, self.hardness = solid, z, total, hardness
         self.iterations = 0
+        self._inner_iterations = _INNER_ITERATIONS
         self.pressure = np.empty(z.shape)
         self.displacement = np.empty(z.shape)
         self._direction = np.zeros(z.shape)
@@ -222,7 +225,7 @@ class _Problem:
         direction = residual.copy()
         square = float(np.sum(residual * residual))
         self._direction[...] = 0.0
-        for _ in range(_INNER_ITERATIONS):
+        for _ in range(self._inner_iterations):
             if square == 0.0:
                 break
             self._direction.ravel()[nodes] = direction
@@ -239,6 +242,7 @@ class _Problem:
                 break
             direction *= square / previous
             direction += residual
+        self._inner_iterations *= 2
         if pressure.min() >= 0 and pressure.max() <= self.hardness:
             self.pressure.ravel()[nodes] = pressure
             return
