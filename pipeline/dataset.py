@@ -1,0 +1,96 @@
+"""A stored sweep as a labelled dataset, with the temperatures of the scene's own conditions."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+
+from pipeline.folder import PathLike, folder_of, read_metadata
+from pipeline.layout import COLUMNS, DONE
+from tribo import failed_share
+
+__all__ = ["end_of_point", "open_sweep"]
+
+
+def open_sweep(path: PathLike) -> xr.Dataset:
+    """Open a stored sweep.
+
+    Parameters
+    ----------
+    path : str or path
+        Of a store that `pipeline.run_sweep` has made; it may still be growing.
+
+    Returns
+    -------
+    Dataset
+        What is stored, loads and velocities ascending. Steps beyond a load's own and points that
+        are not done are NaN. Under the conditions of the scene there are also, at each step where
+        the temperature was asked for:
+
+        ``max_temperature``, ``mean_temperature``
+            Of the contact [K].
+        ``temperature_quantile``
+            Temperature that a share ``quantile`` of the contact area stays below [K].
+        ``failed_fraction``
+            Share of the contact area above the critical temperature.
+
+        Fields and the like are read when they are used.
+
+    Raises
+    ------
+    StoreError
+        If there is no readable store.
+    """
+    folder = folder_of(path)
+    read_metadata(folder)
+    stored = xr.open_zarr(folder, chunks=None, consolidated=True, zarr_format=3)
+    ds = stored.sortby(["load", "velocity"])
+    done = ds["status"] == DONE
+    if not done.all():  # a point that was cut short has data, too
+        ds = ds.assign(
+            {name: ds[name].where(done).assign_attrs(ds[name].attrs) for name in COLUMNS}
+        )
+    return ds.assign(_temperatures(ds))
+
+
+def end_of_point(ds: xr.Dataset) -> xr.Dataset:
+    """Take each point at its last step, the load that it is named after.
+
+    Parameters
+    ----------
+    ds : Dataset
+        Of `open_sweep`.
+
+    Returns
+    -------
+    Dataset
+        Without the dimension ``step``; NaN where a point is not done.
+    """
+    steps = ds["time"].notnull().sum("step")
+    return ds.isel(step=(steps - 1).clip(min=0)).drop_vars("step")
+
+
+def _temperatures(ds: xr.Dataset) -> dict[str, xr.DataArray]:
+    """Temperature and failed share at the friction and bulk temperature of the scene."""
+    conditions = ds.attrs["conditions"]
+    friction, bulk = conditions["friction"], conditions["bulk_temperature"]
+    derived = {
+        f"{kind}_temperature": (ds[f"{kind}_rise"] * friction + bulk).assign_attrs(
+            units="K", long_name=f"{meaning} temperature of the contact"
+        )
+        for kind, meaning in (("max", "highest"), ("mean", "mean"))
+    }
+    temperature = ds["rise_quantile"] * friction + bulk
+    derived["temperature_quantile"] = temperature.assign_attrs(
+        units="K", long_name="quantile of the temperature of the contact"
+    )
+    shares = np.full(temperature.shape[:-1], np.nan)
+    for index in zip(*np.nonzero(temperature[..., 0].notnull().values), strict=True):
+        quantiles = temperature.values[index]
+        shares[index] = failed_share(quantiles, conditions["critical_temperature"])
+    derived["failed_fraction"] = xr.DataArray(
+        shares,
+        dims=temperature.dims[:-1],
+        attrs={"units": "1", "long_name": "share of the contact above the critical temperature"},
+    )
+    return derived
