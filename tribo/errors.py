@@ -4,7 +4,9 @@
 
     TriboError
     ├── InputError (also a ValueError)          a value that physics or the method does not allow
-    └── ConvergenceError (also a RuntimeError)  a solver that did not reach its tolerance
+    ├── ConvergenceError (also a RuntimeError)  a solver that did not reach its tolerance
+    ├── InvariantError                          a result that breaks a law it must obey
+    └── RangeError (also an ArithmeticError)    numbers too large or small for double precision
 
 A message says what is wrong, the value given, what is allowed and what to do.
 """
@@ -14,7 +16,19 @@ from __future__ import annotations
 import math
 from typing import Any
 
-__all__ = ["ConvergenceError", "InputError", "TriboError", "require_positive"]
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+__all__ = [
+    "ConvergenceError",
+    "InputError",
+    "InvariantError",
+    "RangeError",
+    "TriboError",
+    "finite_field",
+    "require_integer",
+    "require_positive",
+]
 
 
 class TriboError(Exception):
@@ -43,6 +57,14 @@ class ConvergenceError(TriboError, RuntimeError):
         return type(self), (str(self), self.solution)
 
 
+class InvariantError(TriboError):
+    """A result that breaks a law which every result must obey: a defect, not a wrong input."""
+
+
+class RangeError(TriboError, ArithmeticError):
+    """Numbers too large or too small for double precision on the way to a result."""
+
+
 def require_positive(**values: float) -> None:
     """Raise `InputError` for the first value that is not finite and positive.
 
@@ -57,3 +79,46 @@ def require_positive(**values: float) -> None:
     for name, value in values.items():
         if not (math.isfinite(value) and value > 0):
             raise InputError(f"{name} is {value!r}; it must be finite and greater than 0")
+
+
+def require_integer(lowest: int, **values: float) -> None:
+    """Raise `InputError` for the first value that is not an integer of at least `lowest`.
+
+    Examples
+    --------
+    >>> require_integer(1, increments=100)
+    >>> require_integer(1, increments=math.inf)
+    Traceback (most recent call last):
+        ...
+    tribo.errors.InputError: increments is inf; it must be an integer of at least 1
+    """
+    for name, value in values.items():
+        if not (math.isfinite(value) and value == int(value) and value >= lowest):
+            raise InputError(f"{name} is {value!r}; it must be an integer of at least {lowest}")
+
+
+def finite_field(name: str, field: ArrayLike, shape: tuple[int, ...]) -> NDArray[np.float64]:
+    """Return `field` as an array of float64; raise `InputError` if that would hide a fault.
+
+    Examples
+    --------
+    >>> finite_field("separation", [[1, 2], [3, 4]], shape=(2, 2))
+    array([[1., 2.],
+           [3., 4.]])
+    """
+    try:
+        array = np.asarray(field)
+    except ValueError as error:
+        raise InputError(f"{name} is not an array: {error}") from error
+    if array.dtype.kind not in "fiu":
+        raise InputError(f"{name} holds {array.dtype}; it must hold real numbers")
+    if array.shape != shape:
+        raise InputError(f"{name} has shape {array.shape}; it must be {shape}, like the grid")
+    finite = np.isfinite(array)
+    if not finite.all():
+        bad = np.argwhere(~finite)
+        raise InputError(
+            f"{name} holds NaN or inf at {len(bad)} of {array.size} places, the first at "
+            f"{tuple(bad[0].tolist())}, counted from 0; every value must be finite"
+        )
+    return array.astype(np.float64, copy=False)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tribo.errors import InputError, require_positive
+from tribo.errors import InputError, require_integer, require_positive
 
 __all__ = ["Grid"]
 
@@ -45,9 +45,12 @@ class Grid:
     periodic: tuple[bool, bool] = (False, True)
 
     def __post_init__(self) -> None:
-        if any(n != int(n) or n < 1 for n in self.shape):
-            raise InputError(f"shape is {self.shape}; it must be two integers of at least 1")
+        for name in ("shape", "spacing", "periodic"):
+            if len(getattr(self, name)) != 2:
+                raise InputError(f"{name} is {getattr(self, name)!r}; it must hold two values")
+        require_integer(1, **dict(zip(("nx", "ny"), self.shape, strict=True)))
         require_positive(**dict(zip(("dx", "dy"), self.spacing, strict=True)))
+        require_positive(element_area=self.element_area, area=self.area)
 
     @property
     def size(self) -> tuple[float, float]:

@@ -1,0 +1,186 @@
+"""Schemes by which wear advances over a step (tribo/wear.py, tribo/simulation.py)."""
+
+import functools
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tests.tribo.scenes import STEEL, small_scene
+from tribo import (
+    WEAR_SCHEMES,
+    Cylinder,
+    ElasticHalfSpace,
+    Fidelity,
+    Grid,
+    InputError,
+    Ramp,
+    Scene,
+    Wear,
+    advance,
+    contact_modulus,
+    measures,
+    simulate,
+    start,
+    warnings,
+)
+
+LOAD, VELOCITY = 750.0, 1.25  # the paper's severest point
+
+
+def plane(**fidelity):
+    """The paper's grid and wear under a smooth pin, where nothing depends on y."""
+    choices = {"pixels_per_element": 1, "contact_tolerance": 1e-9} | fidelity
+    return Scene(
+        pin=Cylinder(2e-3, 3.4e-3, STEEL),
+        disk=STEEL,
+        pixels=Grid((240, 1), (1.632e-6, 456e-6)),
+        loading=Ramp(150.0, 750.0),
+        wear=Wear(1.2e-15, "swept"),
+        fidelity=Fidelity(**choices),
+    )
+
+
+@functools.cache
+def end(scene):
+    state = start(scene)
+    for station in scene.stations(LOAD):
+        state = advance(scene, state, station, VELOCITY)
+    return state
+
+
+def roughness_of_pressure(state):
+    """Mean change of slope from element to element in the contact, over the mean pressure."""
+    inside = state.pressure[state.pressure[:, 0] > 0].mean(axis=1)
+    return float(np.abs(np.diff(inside, 2)).mean() / inside.mean())
+
+
+@pytest.mark.parametrize("scheme", WEAR_SCHEMES)
+def test_the_worn_volume_is_that_of_the_load_on_its_way(scheme):
+    state = end(plane(wear_scheme=scheme, increments=40, contact_tolerance=1e-3))
+    volume = measures(plane(), state)["wear_volume"]
+    exact = 1.2e-15 * LOAD / 2 * VELOCITY * 5.0
+    # The load at the end of each of 40 steps is too much by 1/40; sdirk2 integrates it exactly.
+    expected = exact if scheme == "sdirk2" else exact * (1 + 1 / 40)
+    assert volume == pytest.approx(expected, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("scheme", "lowest", "highest"), [("implicit", 0.95, 1.05), ("sdirk2", 1.8, 2.2)]
+)
+def test_worn_depth_converges_at_the_order_of_the_scheme(scheme, lowest, highest):
+    """Where the edge of the contact passes, depth has a kink in time and the order is less.
+
+    So the order is that of the depth in the middle, and on average.
+    """
+    exact = end(plane(wear_scheme="sdirk2", increments=320)).wear_depth
+    middle = slice(96, 144)
+    counts = [5, 10, 20, 40]
+    depths = [end(plane(wear_scheme=scheme, increments=n)).wear_depth for n in counts]
+    for errors in (
+        [np.abs(depth - exact)[middle].max() for depth in depths],
+        [np.abs(depth - exact).mean() for depth in depths],
+    ):
+        assert lowest < -np.polyfit(np.log(counts), np.log(errors), 1)[0] < highest
+
+
+def test_second_order_is_worth_a_hundred_times_the_increments():
+    exact = end(plane(wear_scheme="sdirk2", increments=320)).wear_depth
+    first, second = (
+        np.abs(end(plane(wear_scheme=scheme, increments=20)).wear_depth - exact).mean()
+        for scheme in ("implicit", "sdirk2")
+    )
+    assert second < 1e-2 * first
+
+
+def test_explicit_wear_with_the_paper_s_increments_is_a_checkerboard_and_says_so():
+    scene = plane(wear_scheme="explicit", increments=100, contact_tolerance=1e-6)
+    smooth = end(plane(increments=100, contact_tolerance=1e-6))
+    rough = end(scene)
+    # Neighbours differ by more than the mean pressure; by implicit wear, by a thousandth.
+    assert roughness_of_pressure(smooth) < 0.01
+    assert roughness_of_pressure(rough) > 0.5
+    assert rough.pressure.max() > 2 * smooth.pressure.max()
+    (warning,) = warnings(scene, rough)
+    assert "unstable" in warning
+    assert "at least 358 increments" in warning  # 100 times 7.15, over 2
+    assert warnings(plane(), smooth) == []
+
+
+def test_explicit_wear_warns_at_the_first_step():
+    scene = plane(wear_scheme="explicit", increments=100, contact_tolerance=1e-6)
+    assert "unstable" in warnings(scene, next(iter(simulate(scene, LOAD, VELOCITY))))[0]
+    assert warnings(scene, start(scene)) == []
+
+
+@pytest.mark.parametrize(("increments", "stable"), [(300, False), (358, True)])
+def test_the_number_of_increments_that_is_advised_is_the_least_that_is_stable(increments, stable):
+    scene = plane(wear_scheme="explicit", increments=increments, contact_tolerance=1e-6)
+    state = end(scene)
+    assert (warnings(scene, state) == []) is stable
+    assert (roughness_of_pressure(state) < 0.02) is stable
+
+
+def test_explicit_wear_with_enough_increments_is_the_implicit_result():
+    explicit = end(plane(wear_scheme="explicit", increments=1000, contact_tolerance=1e-6))
+    implicit = end(plane(increments=100, contact_tolerance=1e-6))
+    assert explicit.pressure.max() == pytest.approx(implicit.pressure.max(), rel=0.01)
+    # Both of first order: their errors of 1/1000 and 1/100 of the volume differ by 0.9 %.
+    assert explicit.wear_depth.max() == pytest.approx(implicit.wear_depth.max(), rel=0.01)
+
+
+@pytest.mark.parametrize("pattern", ["local", "swept"])
+@pytest.mark.parametrize("stiffness", [0.01, 1.0, 8.5, 1e2, 1e4])
+def test_implicit_schemes_are_smooth_whatever_the_stiffness(pattern, stiffness):
+    wears = small_scene(pattern, roughness=False)
+    solid = ElasticHalfSpace(wears.grid, contact_modulus(STEEL, STEEL))
+    rate = stiffness * 1.2e-15 / wears.wear.stiffness(solid, VELOCITY * 0.5)
+    for scheme in ("implicit", "sdirk2"):
+        scene = replace(
+            small_scene(pattern, roughness=False, wear_scheme=scheme), wear=Wear(rate, pattern)
+        )
+        state = end(scene)
+        # A Hertzian profile on 17 elements has 0.05, a wide worn one less.
+        assert roughness_of_pressure(state) < 0.1
+
+
+@pytest.mark.parametrize("pattern", ["local", "swept"])
+def test_explicit_wear_of_a_rough_contact_fails_where_it_warns(pattern):
+    implicit, explicit = (
+        end(small_scene(pattern, wear_scheme=scheme)) for scheme in ("implicit", "explicit")
+    )
+    scene = small_scene(pattern, wear_scheme="explicit")
+    assert "unstable" in warnings(scene, explicit)[0]
+    waviness = [np.abs(np.diff(s.wear_depth.mean(axis=1), 2)).mean() for s in (implicit, explicit)]
+    assert waviness[1] > 3 * waviness[0]
+
+
+def test_a_hold_that_steps_too_far_is_named():
+    scene = plane(wear_scheme="explicit", increments=400, contact_tolerance=1e-6)
+    held = replace(scene, loading=replace(scene.loading, hold=0.5, hold_steps=2))
+    state = end(scene)
+    assert warnings(held, replace(state, time=5.0)) == []  # the hold has not begun
+    holding = replace(state, time=5.5, sliding_distance=VELOCITY * 5.5)
+    (warning,) = warnings(held, holding)
+    assert "at least 36 steps of the hold" in warning  # 2 of 5 times 7.15, over 2
+
+
+def test_stiffness_is_that_of_the_shapes_that_wear():
+    solid = ElasticHalfSpace(Grid((240, 240), (1.632e-6, 1.9e-6)), 115.385e9)
+    local, swept = (
+        Wear(1.2e-15, pattern).stiffness(solid, 0.0625) for pattern in ("local", "swept")
+    )
+    # PHYSICS 3: the smallest eigenvalues are 8.80e-18 and 1.05e-17 m/Pa, to three digits.
+    assert local == pytest.approx(1.2e-15 * 0.0625 / 8.80e-18, rel=1e-3)
+    assert swept == pytest.approx(1.2e-15 * 0.0625 / 1.05e-17, rel=2e-3)
+
+
+@pytest.mark.parametrize("scheme", WEAR_SCHEMES)
+def test_schemes_without_wear_are_one(scheme):
+    scene, plain = small_scene(wear=False, wear_scheme=scheme), small_scene(wear=False)
+    assert np.array_equal(end(scene).pressure, end(plain).pressure)
+
+
+def test_unknown_scheme_is_refused():
+    with pytest.raises(InputError, match="wear_scheme is 'rk4'; allowed are implicit, explicit"):
+        Fidelity(wear_scheme="rk4")
