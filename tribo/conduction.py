@@ -19,8 +19,9 @@ Fourier series (`_series_factor`).
 
 from __future__ import annotations
 
+import itertools
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -32,10 +33,16 @@ from tribo.errors import InputError
 from tribo.grid import Grid
 from tribo.material import Material
 
-__all__ = ["ConductingHalfSpace", "thermal_influence"]
+__all__ = [
+    "ConductingHalfSpace",
+    "flux_history_spectrum",
+    "settling_time",
+    "thermal_influence",
+]
 
 # erfc(6) = 2e-17 and exp(-6²) = 2e-16: what lies this many diffusion lengths off is nothing.
 _REACH = 6.0
+_NOTHING = 1e-12  # of a length, below which no part of the integral is worth a panel
 
 
 class ConductingHalfSpace(Convolution):
@@ -84,7 +91,8 @@ class ConductingHalfSpace(Convolution):
         time: float,
         quadrature_nodes: int = 10,
     ) -> None:
-        super().__init__(grid, _spectrum(grid, material, velocity, time, quadrature_nodes))
+        spectrum = _spectrum(grid, material, velocity, (0.0, time), (1.0, 1.0), quadrature_nodes)
+        super().__init__(grid, spectrum)
 
 
 def thermal_influence(
@@ -108,8 +116,77 @@ def thermal_influence(
     >>> kernel.shape, f"{kernel[0, 0] * math.sqrt(math.pi) * steel.thermal_effusivity:.4e}"
     ((5, 4), '2.0000e-06')
     """
-    spectrum = _spectrum(grid, material, velocity, time, quadrature_nodes)
+    spectrum = _spectrum(grid, material, velocity, (0.0, time), (1.0, 1.0), quadrature_nodes)
     return np.fft.irfft2(spectrum, s=padded_shape(grid))
+
+
+def settling_time(grid: Grid, material: Material, velocity: float) -> float:
+    """Time after which the kernel of a `ConductingHalfSpace` no longer changes [s].
+
+    By then what was heated has left the patch, and its heat does not come back against the
+    motion. Infinite at rest, and where the patch repeats along x.
+
+    Examples
+    --------
+    >>> steel = Material(210e9, 0.3, 45.0, 7800.0, 470.0)
+    >>> patch = Grid((240, 240), (1.632e-6, 1.9e-6))
+    >>> f"{settling_time(patch, steel, velocity=1.25) * 1e3:.2f} ms"
+    '1.70 ms'
+    """
+    if grid.periodic[0]:
+        return math.inf
+    kappa = material.thermal_diffusivity
+    width = (grid.shape[0] - 0.5) * grid.spacing[0]
+    # The rest is for rounding.
+    return _diffusion_length(-_REACH, abs(velocity) / (4 * kappa), width) ** 2 / (4 * kappa) * 1.001
+
+
+def flux_history_spectrum(
+    grid: Grid,
+    material: Material,
+    velocity: float,
+    ages: Sequence[float],
+    strengths: Sequence[float],
+    quadrature_nodes: int = 10,
+) -> NDArray[np.inexact]:
+    """Spectrum of the present rise due to a flux of unit shape whose strength varied with time.
+
+    By Duhamel's principle Eq. (1) with the strength of the flux at the age τ = s²/(4κ) under the
+    integral.
+
+    Parameters
+    ----------
+    grid, material, velocity, quadrature_nodes
+        Those of `ConductingHalfSpace`.
+    ages : sequence of float
+        Times before now [s], at least 0 and not decreasing.
+    strengths : sequence of float
+        Of the flux at these ages, linear in between; 0 before the first and after the last.
+
+    Returns
+    -------
+    ndarray, shape (mx, c)
+        The first c columns of a spectrum for `Convolution`; the others are 0, since what varies
+        quickly along a periodic y has faded since the first age. [K m²/W]
+
+    Raises
+    ------
+    InputError
+        If an age is negative, not finite or below the one before, besides those of
+        `ConductingHalfSpace`.
+
+    Examples
+    --------
+    A flux that has grown in proportion to time gives two thirds of the rise of its final value:
+
+    >>> steel = Material(210e9, 0.3, 45.0, 7800.0, 470.0)
+    >>> plane = Grid((4, 3), (1e-6, 1e-6), periodic=(True, True))
+    >>> ramp = flux_history_spectrum(plane, steel, 1.0, ages=(0.0, 5.0), strengths=(1.0, 0.0))
+    >>> constant = ConductingHalfSpace(plane, steel, velocity=1.0, time=5.0)
+    >>> print(f"{(ramp[0, 0] / constant.spectrum[0, 0]).real:.12f}")
+    0.666666666667
+    """
+    return _spectrum(grid, material, velocity, ages, strengths, quadrature_nodes)
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,13 +211,19 @@ class _Axis:
 
 
 def _spectrum(
-    grid: Grid, material: Material, velocity: float, time: float, quadrature_nodes: int
+    grid: Grid,
+    material: Material,
+    velocity: float,
+    ages: Sequence[float],
+    strengths: Sequence[float],
+    quadrature_nodes: int,
 ) -> NDArray[np.inexact]:
-    """Transform of the kernel, shape (mx, my//2 + 1) [K m²/W]; real if nothing moves."""
+    """Transform of the kernel [K m²/W], without the last columns if 0; real if nothing moves."""
     if not math.isfinite(velocity):
         raise InputError(f"velocity is {velocity!r}; it must be finite")
-    if not (math.isfinite(time) and time >= 0):
-        raise InputError(f"time is {time!r}; it must be finite and at least 0")
+    for earlier, time in itertools.pairwise((0.0, *ages)):
+        if not (math.isfinite(time) and time >= earlier):
+            raise InputError(f"time is {time!r}; it must be finite and at least {earlier:g}")
     if quadrature_nodes < 1:
         raise InputError(f"quadrature_nodes is {quadrature_nodes!r}; it must be at least 1")
     (mx, my), (dx, dy) = padded_shape(grid), grid.spacing
@@ -148,32 +231,48 @@ def _spectrum(
     y = _Axis(grid.shape[1], dy, my, grid.periodic[1])
     K, kappa = material.thermal_conductivity, material.thermal_diffusivity
     v = abs(velocity) / (4 * kappa)
-    end = 2 * math.sqrt(kappa * time)
-    if not x.periodic:
-        # Later the source has left the patch, and its heat does not come back against the motion.
-        end = min(end, _diffusion_length(-_REACH, v, (x.n - 0.5) * dx))
     # Earlier no heat has crossed half an element: both factors are 2 on the element, 0 off it.
-    start = min(end, _diffusion_length(_REACH, v, min(dx, dy) / 2))
+    confined = _diffusion_length(_REACH, v, min(dx, dy) / 2)
+    # Later the source has left the patch, and its heat does not come back against the motion.
+    gone = math.inf if x.periodic else _diffusion_length(-_REACH, v, (x.n - 0.5) * dx)
 
     nodes, weights = np.polynomial.legendre.leggauss(quadrature_nodes)
-    half = np.full((mx // 2 + 1, my // 2 + 1), 4 * start, dtype=complex if v else float)
+    half = np.zeros((mx // 2 + 1, my // 2 + 1), dtype=complex if v else float)
+    columns = 0 if ages[0] > 0 else my // 2 + 1
     filon_start = x.series_start(v) if v else math.inf
-    for low, high in _panels(v, start, end, filon_start):
-        if low >= filon_start:
-            square = (high**2 + low**2) / 2 + (high**2 - low**2) / 2 * nodes
-            s = np.sqrt(square)
-            k = _wavenumbers(x, low)
-            terms = _filon_weights(k * v, low**2, high**2, nodes, weights) / (2 * s)[:, None, None]
-            f = (terms * _series_terms(x, s, k)).sum(axis=1)
-        else:
-            s = (high + low) / 2 + (high - low) / 2 * nodes
-            f = _factor(x, s, low, v) * ((high - low) / 2 * weights)[:, None]
-        g = _factor(y, s, low, 0.0)
-        # Not a matrix product: the bits of one by BLAS depend on the number of its threads.
-        block = half[: f.shape[1], : g.shape[1]]
-        block.real += np.einsum("sm,sn->mn", f.real, g)
-        if v:
-            block.imag += np.einsum("sm,sn->mn", f.imag, g)
+    lengths = [2 * math.sqrt(kappa * age) for age in ages]
+    for (begin, end), (first, last) in zip(
+        itertools.pairwise(lengths), itertools.pairwise(strengths), strict=True
+    ):
+        # The strength is first + slope·(s² − begin²), linear in the age.
+        slope = (last - first) / (end**2 - begin**2) if end > begin else 0.0
+        end = min(end, gone)
+        middle = max(begin, min(confined, end))
+        if middle > begin:
+            half += 4 * (
+                (first - slope * begin**2) * (middle - begin) + slope * (middle**3 - begin**3) / 3
+            )
+            columns = my // 2 + 1
+        for low, high in _panels(v, middle, end, filon_start, dx):
+            if low >= filon_start:
+                square = (high**2 + low**2) / 2 + (high**2 - low**2) / 2 * nodes
+                s = np.sqrt(square)
+                k = _wavenumbers(x, low)
+                terms = _filon_weights(k * v, low**2, high**2, nodes, weights)
+                terms = terms / (2 * s)[:, None, None]
+                f = (terms * _series_terms(x, s, k)).sum(axis=1)
+            else:
+                s = (high + low) / 2 + (high - low) / 2 * nodes
+                f = _factor(x, s, low, v) * ((high - low) / 2 * weights)[:, None]
+            f *= (first + slope * (s**2 - begin**2))[:, None]
+            g = _factor(y, s, low, 0.0)
+            # Not a matrix product: the bits of one by BLAS depend on the number of its threads.
+            block = half[: f.shape[1], : g.shape[1]]
+            block.real += np.einsum("sm,sn->mn", f.real, g)
+            if v:
+                block.imag += np.einsum("sm,sn->mn", f.imag, g)
+            columns = max(columns, g.shape[1])
+    half = half[:, :columns]
     if velocity < 0:
         half = half.conj()
     mirrored = half[1 : (mx + 1) // 2][::-1].conj()
@@ -193,19 +292,39 @@ def _diffusion_length(reach: float, drift: float, distance: float) -> float:
 
 
 def _panels(
-    drift: float, start: float, end: float, filon_start: float
+    drift: float, start: float, end: float, filon_start: float, side: float
 ) -> Iterator[tuple[float, float]]:
     """Split the diffusion lengths from `start` to `end` so that Gauss' rule resolves each part.
 
     Heat spreads in proportion to s, hence panels that double; and within one panel the source
-    moves by at most half of `_REACH` diffusion lengths, unless Filon's rule takes care of that.
+    moves by at most half of `_REACH` diffusion lengths, unless Filon's rule takes care of that, or
+    its edges stay away from the centres of all elements, of length `side`: seen from there, a
+    source that passes quickly is either over an element or not.
     """
     low = start
     while low < end:
-        step = _REACH / (_REACH / low + 2 * drift) if low < filon_start else low / 2
+        if low >= filon_start:
+            step = low / 2
+        else:
+            step = max(_REACH / (_REACH / low + 2 * drift), _NOTHING * low)
+            if drift:
+                step = max(step, min(low, _undisturbed(drift, low, side)))
         high = min(low + step, end)
         yield low, high
         low = high
+
+
+def _undisturbed(drift: float, low: float, side: float) -> float:
+    """How far s can grow until an edge of the source comes within reach of an element's centre.
+
+    0 or less if one is within reach already. The edges pass centres when drift·s² is an odd
+    multiple of half the side, and reach this far for a change of s by `_REACH`/(2 drift).
+    """
+    passed = math.floor(drift * low**2 / side + 0.5)
+    reach = _REACH / (2 * drift)
+    if passed and low < math.sqrt((passed - 0.5) * side / drift) + reach:
+        return 0.0
+    return math.sqrt((passed + 0.5) * side / drift) - reach - low
 
 
 def _factor(axis: _Axis, s: NDArray[np.float64], low: float, drift: float) -> NDArray[np.inexact]:
