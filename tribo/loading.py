@@ -2,18 +2,21 @@
 
 One ramp serves every load: its trunk advances by a fixed increment, whatever loads are asked
 for, and each load branches off the last station of the trunk below it with one shorter step. So
-no point depends on which other loads there are.
+no point depends on which other loads there are. A hold at constant load belongs to its point.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
-from tribo.errors import require_positive
+from tribo.errors import InputError, require_integer, require_positive
 
-__all__ = ["Ramp", "Station"]
+__all__ = ["MOST_STEPS", "Ramp", "Station"]
+
+MOST_STEPS = 1_000_000
+"""Steps that a load or a hold may take; more are an oversight."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,16 +31,22 @@ class Station:
         Since the load began to grow [s].
     on_trunk : bool
         Whether higher loads pass through this station too.
+    index : int
+        How many steps lead here from the unloaded state.
+    holding : bool
+        Whether the load has been the same since the station before.
     """
 
     normal_load: float
     time: float
     on_trunk: bool
+    index: int
+    holding: bool = False
 
 
 @dataclass(frozen=True, slots=True)
 class Ramp:
-    """A load that grows at a constant rate.
+    """A load that grows at a constant rate and may then be held.
 
     Parameters
     ----------
@@ -45,39 +54,96 @@ class Ramp:
         [N/s].
     reference_load : float
         The load [N] that the trunk reaches in the scene's number of increments.
+    hold : float, optional
+        For how long each point's load goes on once it is reached [s].
+    hold_steps : int, optional
+        In how many steps; if not given, in as few as are no longer than those of the trunk.
+
+    Raises
+    ------
+    InputError
+        If a value lies outside its range.
 
     Examples
     --------
-    >>> ramp = Ramp(rate=150.0, reference_load=750.0)
-    >>> [station.normal_load for station in ramp.stations(200.0, increments=10)]
-    [75.0, 150.0, 200.0]
+    >>> ramp = Ramp(rate=150.0, reference_load=750.0, hold=4.0, hold_steps=2)
+    >>> for station in ramp.stations(200.0, increments=10):
+    ...     print(f"{station.normal_load:g} N at {station.time:.4f} s")
+    75 N at 0.5000 s
+    150 N at 1.0000 s
+    200 N at 1.3333 s
+    200 N at 3.3333 s
+    200 N at 5.3333 s
     """
 
     rate: float
     reference_load: float
+    hold: float = 0.0
+    hold_steps: int | None = None
 
     def __post_init__(self) -> None:
         require_positive(rate=self.rate, reference_load=self.reference_load)
+        if not 0 <= self.hold < math.inf:
+            raise InputError(f"hold is {self.hold!r} s; it must be finite and at least 0")
+        if self.hold_steps is not None:
+            require_integer(1, hold_steps=self.hold_steps)
 
     def stations(
         self, normal_load: float, increments: int, after: float = 0.0
     ) -> Iterator[Station]:
-        """Stations beyond the load `after` up to `normal_load`, the last one included.
+        """Stations beyond the load `after` up to `normal_load` and through its hold.
+
+        Parameters
+        ----------
+        normal_load : float
+            On the whole pin at the end [N].
+        increments : int
+            Steps of the trunk up to the reference load.
+        after : float
+            Load of a station on the trunk [N], or 0.
 
         Raises
         ------
         InputError
-            If the load is not positive.
+            If the load is not positive, or would take more than `MOST_STEPS`.
         """
         require_positive(normal_load=normal_load)
+        require_integer(1, increments=increments)
+        for station in self._rise(normal_load, increments, after):
+            yield station  # `yield from` would not keep the last one
+        if self.hold:
+            step = self.reference_load / increments / self.rate
+            steps = self.hold_steps or _whole(math.ceil, self.hold, step)
+            for number in range(1, steps + 1):
+                yield Station(
+                    normal_load,
+                    station.time + self.hold * number / steps,
+                    on_trunk=False,
+                    index=station.index + number,
+                    holding=True,
+                )
+
+    def _rise(self, normal_load: float, increments: int, after: float) -> Iterator[Station]:
+        """Stations of the trunk, and the one at `normal_load`."""
         increment = self.reference_load / increments
         first = round(after / increment) + 1
-        # A load within rounding of a station is that station, not a step of no length beyond it.
-        last = math.floor(normal_load / increment * (1 + 1e-12))
+        last = _whole(math.floor, normal_load, increment)
+        time = normal_load / self.rate
         for index in range(first, last + 1):
             load = index * increment
             if math.isclose(load, normal_load, rel_tol=1e-12):
-                yield Station(normal_load, normal_load / self.rate, on_trunk=load == normal_load)
+                yield Station(normal_load, time, load == normal_load, index)
                 return
-            yield Station(load, load / self.rate, on_trunk=True)
-        yield Station(normal_load, normal_load / self.rate, on_trunk=False)
+            yield Station(load, load / self.rate, True, index)
+        yield Station(normal_load, time, False, last + 1)
+
+
+def _whole(rounded: Callable[[float], int], whole: float, step: float) -> int:
+    """How many steps make up the whole; what is within rounding of a number of steps is it."""
+    steps = whole / step if step > 0 else math.inf
+    if not steps <= MOST_STEPS:
+        raise InputError(
+            f"{whole:g} takes {steps:g} steps of {step:g}; at most {MOST_STEPS} are allowed. "
+            "Choose fewer increments or a higher reference_load"
+        )
+    return rounded(steps * (1 - 1e-12 if rounded is math.ceil else 1 + 1e-12))

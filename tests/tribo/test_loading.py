@@ -49,3 +49,34 @@ def test_rounding_makes_no_step_of_no_length():
 def test_loads_that_are_no_loads_are_refused(load):
     with pytest.raises(InputError, match="normal_load"):
         list(RAMP.stations(load, 10))
+
+
+def test_a_hold_follows_the_point_and_is_no_part_of_the_trunk():
+    held = Ramp(150.0, 750.0, hold=4.0, hold_steps=8)
+    for load in (200.0, 600.0):
+        plain, stations = list(RAMP.stations(load, 100)), list(held.stations(load, 100))
+        assert stations[: len(plain)] == plain
+        hold = stations[len(plain) :]
+        assert {s.normal_load for s in hold} == {load}
+        assert [s.time - load / 150 for s in hold] == pytest.approx([0.5 * n for n in range(1, 9)])
+        assert [s.index for s in hold] == [plain[-1].index + n for n in range(1, 9)]
+        assert all(s.holding and not s.on_trunk for s in hold)
+        assert not any(s.holding for s in plain)
+    rest = list(held.stations(600.0, 100, after=450.0))
+    assert rest == list(held.stations(600.0, 100))[60:]
+
+
+@pytest.mark.parametrize(("hold", "steps"), [(4.0, 80), (0.05, 1), (0.051, 2), (1e-9, 1)])
+def test_steps_of_a_hold_are_no_longer_than_those_of_the_trunk(hold, steps):
+    stations = list(Ramp(150.0, 750.0, hold).stations(600.0, 100))
+    assert len(stations) - 80 == steps
+    assert stations[-1].time == pytest.approx(4.0 + hold)
+
+
+@pytest.mark.parametrize(
+    ("hold", "steps", "said"),
+    [(-1.0, None, "hold is -1"), (float("nan"), None, "hold is nan"), (1.0, 0, "hold_steps is 0")],
+)
+def test_holds_that_are_no_holds_are_refused(hold, steps, said):
+    with pytest.raises(InputError, match=said):
+        Ramp(150.0, 750.0, hold, steps)
