@@ -6,7 +6,9 @@ Heights are positive towards the other body.
 from __future__ import annotations
 
 import csv
+import tokenize
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +19,7 @@ from tribo.grid import Grid
 __all__ = [
     "average_roughness",
     "block_average",
+    "block_sample",
     "read_heights",
     "rms_height",
     "rms_slope",
@@ -24,6 +27,9 @@ __all__ = [
 ]
 
 Array = NDArray[np.float64]
+
+LARGEST_SURFACE = 10**8
+"""Heights of a file that `read_heights` reads at most; 0.8 GB."""
 
 
 def self_affine(
@@ -93,17 +99,18 @@ def read_heights(path: str | Path, unit: float = 1.0) -> Array:
         inf; the message says where.
     """
     path = Path(path)
+    require_positive(unit=unit)
     try:
         match path.suffix.lower():
             case ".npy":
-                heights = np.load(path, allow_pickle=False)
+                heights = _read_npy(path)
             case ".csv":
                 heights = _read_csv(path)
             case suffix:
                 raise InputError(f"{path}: format {suffix!r} is not known; use .npy or .csv")
     except OSError as error:
         raise InputError(f"{path}: cannot be read: {error.strerror or error}") from error
-    except (ValueError, EOFError) as error:
+    except (ValueError, EOFError, csv.Error, tokenize.TokenError) as error:
         if isinstance(error, InputError):
             raise
         raise InputError(f"{path}: not a plain array of numbers: {error}") from error
@@ -112,34 +119,64 @@ def read_heights(path: str | Path, unit: float = 1.0) -> Array:
             f"{path}: an array of shape {heights.shape} and type {heights.dtype}; "
             "needed are two-dimensional real numbers, rows along x and columns along y"
         )
-    bad = np.argwhere(~np.isfinite(heights))
+    with np.errstate(over="ignore"):
+        scaled: Array = heights.astype(np.float64) * unit
+    bad = np.argwhere(~np.isfinite(scaled))
     if bad.size:
         row, column = bad[0].tolist()
         raise InputError(
             f"{path}: {len(bad)} of {heights.size} heights are not finite, the first at "
             f"row {row}, column {column} (counted from 0); fill or crop them before"
         )
-    scaled: Array = heights.astype(np.float64) * unit
     return scaled
+
+
+def _read_npy(path: Path) -> NDArray[Any]:
+    """The array of the file, unless it is a packed archive, or too large to be a surface."""
+    with path.open("rb") as file:
+        magic = file.read(len(np.lib.format.MAGIC_PREFIX))
+    if magic != np.lib.format.MAGIC_PREFIX:
+        raise ValueError("the file does not begin as NumPy writes arrays")
+    if path.stat().st_size > 2 * 8 * LARGEST_SURFACE:
+        raise _too_large(path, f"{path.stat().st_size / 2**30:.1f} GiB")
+    try:
+        array: NDArray[Any] = np.load(path, allow_pickle=False)
+    except MemoryError as error:
+        raise ValueError(f"its header asks for more than there is memory: {error}") from error
+    if array.size > LARGEST_SURFACE:
+        raise _too_large(path, f"{array.size} heights")
+    return array
 
 
 def _read_csv(path: Path) -> Array:
     """Rows of numbers; the error names the line."""
-    rows: list[list[float]] = []
-    with path.open(newline="", encoding="utf-8") as file:
-        for number, cells in enumerate(csv.reader(file), start=1):
+    rows: list[Array] = []
+    count = 0
+    with path.open(newline="", encoding="utf-8-sig") as file:
+        reader = csv.reader(file)
+        for cells in reader:
             if not cells:
                 continue
+            where = f"{path}, line {reader.line_num}"
             try:
-                rows.append([float(cell) for cell in cells])
+                rows.append(np.array([float(cell) for cell in cells]))
             except ValueError as error:
-                raise InputError(f"{path}, line {number}: {error}") from error
+                raise InputError(f"{where}: {error}") from error
             if len(rows[-1]) != len(rows[0]):
                 raise InputError(
-                    f"{path}, line {number}: {len(rows[-1])} numbers, but {len(rows[0])} in the "
+                    f"{where}: {len(rows[-1])} numbers, but {len(rows[0])} in the "
                     "first row; all rows must be of equal length"
                 )
+            count += len(cells)
+            if count > LARGEST_SURFACE:
+                raise _too_large(path, f"more than {LARGEST_SURFACE} heights up to {where}")
     return np.array(rows)
+
+
+def _too_large(path: Path, size: str) -> InputError:
+    return InputError(
+        f"{path}: {size}; at most {LARGEST_SURFACE} heights are read. Crop or average them before"
+    )
 
 
 def block_average(heights: Array, factor: int) -> Array:
@@ -155,15 +192,37 @@ def block_average(heights: Array, factor: int) -> Array:
     >>> block_average(np.array([[1.0, 3.0], [5.0, 7.0]]), 2)
     array([[4.]])
     """
+    averaged: Array = _blocks(heights, factor).mean(axis=(1, 3))
+    return averaged
+
+
+def block_sample(heights: Array, factor: int) -> Array:
+    """One pixel in the middle of each block of ``factor × factor``, shape as of `block_average`.
+
+    Raises
+    ------
+    InputError
+        If the shape is not a multiple of the factor.
+
+    Examples
+    --------
+    >>> block_sample(np.arange(9.0).reshape(3, 3), 3)
+    array([[4.]])
+    """
+    middle = factor // 2
+    sampled: Array = _blocks(heights, factor)[:, middle, :, middle]
+    return np.ascontiguousarray(sampled)
+
+
+def _blocks(heights: Array, factor: int) -> Array:
+    """Pixels by block and place in it, shape ``(nx/factor, factor, ny/factor, factor)``."""
     nx, ny = heights.shape
     if factor < 1 or nx % factor or ny % factor:
         raise InputError(
             f"{nx} × {ny} pixels cannot be averaged {factor} × {factor}; "
             "both numbers must be multiples of the factor"
         )
-    blocks = heights.reshape(nx // factor, factor, ny // factor, factor)
-    averaged: Array = blocks.mean(axis=(1, 3))
-    return averaged
+    return heights.reshape(nx // factor, factor, ny // factor, factor)
 
 
 def average_roughness(heights: Array) -> float:
