@@ -4,12 +4,24 @@ from tribo.conduction import ConductingHalfSpace
 from tribo.contact import ContactSolution, solve_contact
 from tribo.convolution import Convolution
 from tribo.elasticity import ElasticHalfSpace, elastic_influence
-from tribo.errors import ConvergenceError, InputError, TriboError
+from tribo.errors import ConvergenceError, InputError, InvariantError, RangeError, TriboError
 from tribo.fidelity import PRESETS, Fidelity
 from tribo.grid import Grid
+from tribo.history import Conductor, HeatHistory, partition_with_history
+from tribo.inverse import (
+    AISI_316,
+    CriticalTemperature,
+    Transition,
+    WearRate,
+    critical_temperature,
+    critical_temperature_rig,
+    rig_heating,
+    specific_wear_rate,
+)
 from tribo.loading import Ramp, Station
 from tribo.material import Material, contact_modulus
 from tribo.partition import HeatPartition, partition_heat
+from tribo.record import MeasuredLoad, read_load
 from tribo.scene import Ball, Cylinder, MeasuredRoughness, Scene, SelfAffineRoughness
 from tribo.simulation import Heat, State, advance, heat, measures, simulate, start, warnings
 from tribo.topography import (
@@ -21,48 +33,64 @@ from tribo.topography import (
     self_affine,
 )
 from tribo.transition import QUANTILES, contact_quantiles, failed_share
-from tribo.wear import Wear
+from tribo.wear import WEAR_SCHEMES, Wear
 
 __all__ = [
+    "AISI_316",
     "PRESETS",
     "QUANTILES",
+    "WEAR_SCHEMES",
     "Ball",
     "ConductingHalfSpace",
+    "Conductor",
     "ContactSolution",
     "ConvergenceError",
     "Convolution",
+    "CriticalTemperature",
     "Cylinder",
     "ElasticHalfSpace",
     "Fidelity",
     "Grid",
     "Heat",
+    "HeatHistory",
     "HeatPartition",
     "InputError",
+    "InvariantError",
     "Material",
+    "MeasuredLoad",
     "MeasuredRoughness",
     "Ramp",
+    "RangeError",
     "Scene",
     "SelfAffineRoughness",
     "State",
     "Station",
+    "Transition",
     "TriboError",
     "Wear",
+    "WearRate",
     "advance",
     "average_roughness",
     "block_average",
     "contact_modulus",
     "contact_quantiles",
+    "critical_temperature",
+    "critical_temperature_rig",
     "elastic_influence",
     "failed_share",
     "heat",
     "measures",
     "partition_heat",
+    "partition_with_history",
     "read_heights",
+    "read_load",
+    "rig_heating",
     "rms_height",
     "rms_slope",
     "self_affine",
     "simulate",
     "solve_contact",
+    "specific_wear_rate",
     "start",
     "warnings",
 ]

@@ -3,22 +3,27 @@
 from __future__ import annotations
 
 import hashlib
-from dataclasses import dataclass, field
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tribo.errors import InputError, require_positive
+from tribo.errors import InputError, finite_field, require_positive
 from tribo.fidelity import Fidelity
 from tribo.grid import Grid
-from tribo.loading import Ramp
+from tribo.loading import Ramp, Station
 from tribo.material import Material
-from tribo.topography import block_average, self_affine
+from tribo.record import MeasuredLoad
+from tribo.topography import block_average, block_sample, self_affine
 from tribo.wear import Wear
 
 __all__ = ["Ball", "Cylinder", "MeasuredRoughness", "Scene", "SelfAffineRoughness"]
 
 Array = NDArray[np.float64]
+
+# Elements along x with which the shape of the wear is still known well.
+_FEWEST_ELEMENTS = 24
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,9 +120,12 @@ class MeasuredRoughness:
     digest: str = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        array = np.ascontiguousarray(self.array, dtype=np.float64)
-        if array.ndim != 2 or not np.isfinite(array).all():
-            raise InputError("measured heights must be a two-dimensional array of finite numbers")
+        shape = np.shape(self.array)
+        if len(shape) != 2 or 0 in shape:
+            raise InputError(
+                f"measured heights have shape {shape}; they must be a two-dimensional array"
+            )
+        array = np.ascontiguousarray(finite_field("measured heights", self.array, shape))
         object.__setattr__(self, "array", array)
         digest = hashlib.sha256(repr(array.shape).encode() + array.tobytes()).hexdigest()
         object.__setattr__(self, "digest", digest)
@@ -150,7 +158,7 @@ class Scene:
         Of the body that moves along +x.
     pixels : Grid
         The patch of the contact, and the pixels on which the disk's roughness is given.
-    loading : Ramp
+    loading : Ramp or MeasuredLoad
     roughness : SelfAffineRoughness or MeasuredRoughness, optional
         Of the disk; smooth if not given.
     wear : Wear, optional
@@ -166,7 +174,7 @@ class Scene:
     pin: Cylinder | Ball
     disk: Material
     pixels: Grid
-    loading: Ramp
+    loading: Ramp | MeasuredLoad
     roughness: SelfAffineRoughness | MeasuredRoughness | None = None
     wear: Wear | None = None
     fidelity: Fidelity = field(default_factory=Fidelity)
@@ -186,15 +194,36 @@ class Scene:
             raise InputError(
                 "swept wear needs a patch that is periodic along y; use the pattern 'local'"
             )
+        if self.fidelity.kernel == "nearest-image" and not self.pixels.periodic[1]:
+            raise InputError(
+                "the kernel 'nearest-image' needs a patch that is periodic along y; use 'periodic'"
+            )
         if isinstance(self.roughness, MeasuredRoughness):
             self.roughness.heights(self.pixels)
 
     @property
     def grid(self) -> Grid:
-        """The elements, each of ``pixels_per_element`` squared pixels."""
+        """The elements, each of ``pixels_per_element`` squared pixels.
+
+        Where both bodies are smooth under a cylinder, on a patch that repeats along y, nothing
+        depends on y: elements as long as the patch stand for whole rows.
+        """
         block = self.fidelity.pixels_per_element
         (nx, ny), (dx, dy) = self.pixels.shape, self.pixels.spacing
+        if self.is_plane:
+            return Grid((nx // block, 1), (dx * block, dy * ny), self.pixels.periodic)
         return Grid((nx // block, ny // block), (dx * block, dy * block), self.pixels.periodic)
+
+    @property
+    def is_plane(self) -> bool:
+        """Whether nothing depends on y."""
+        smooth = self.roughness is None and isinstance(self.pin, Cylinder)
+        return smooth and self.pixels.periodic[1] and self.fidelity.kernel == "periodic"
+
+    @property
+    def rows_per_element(self) -> int:
+        """Rows of elements, as the fidelity has them, that one element stands for."""
+        return self.pixels.shape[1] // self.fidelity.pixels_per_element if self.is_plane else 1
 
     @property
     def hardness(self) -> float:
@@ -206,5 +235,64 @@ class Scene:
         profile = self.pin.profile(self.grid)
         if self.roughness is None:
             return profile.copy()
-        heights = self.roughness.heights(self.pixels)
-        return profile - block_average(heights, self.fidelity.pixels_per_element)
+        heights, block = self.roughness.heights(self.pixels), self.fidelity.pixels_per_element
+        coarsened = block_sample if self.fidelity.averaging == "sample" else block_average
+        return profile - coarsened(heights, block)
+
+    def stations(self, normal_load: float, after: float = 0.0) -> Iterator[Station]:
+        """Steps that lead to a load and through its hold, as many as the physics needs.
+
+        What wears depends on its past, as temperature does by the heat model "history", and needs
+        every step of the loading. Else nothing remembers the way, and only the steps are left at
+        which a temperature is asked for.
+
+        Parameters
+        ----------
+        normal_load : float
+            On the whole pin at the end [N].
+        after : float
+            Load of a station on the trunk [N], or 0.
+        """
+        fidelity = self.fidelity
+        stations = self.loading.stations(normal_load, fidelity.increments, after)
+        wears = self.wear is not None and self.wear.specific_wear_rate > 0
+        if wears or fidelity.heat_model == "history":
+            yield from stations
+            return
+        interval = fidelity.temperature_interval
+        for station in stations:
+            asked = bool(interval) and station.index % interval == 0
+            if asked:
+                yield station
+        if not asked:
+            yield replace(station, on_trunk=False)
+
+    @property
+    def coarsening(self) -> int:
+        """How many times larger elements are, along each axis, until a point's last step.
+
+        The largest number up to the fidelity's ``history_coarsening`` that divides the grid and
+        leaves enough of it to know the wear; 1 where the wear is local, or the heat of all the
+        steps before acts on the last.
+        """
+        if (self.wear and self.wear.pattern == "local") or self.fidelity.heat_model == "history":
+            return 1
+        nx, ny = self.grid.shape
+        fits = (
+            factor
+            for factor in range(self.fidelity.history_coarsening, 1, -1)
+            if nx % factor == ny % factor == 0 and nx // factor >= _FEWEST_ELEMENTS
+        )
+        return next(fits, 1)
+
+    def levels(self) -> Iterator[Scene]:
+        """The scene on ever finer grids: first that of the history, last its own."""
+        factor = self.coarsening
+        while factor > 1:
+            block = self.fidelity.pixels_per_element * factor
+            yield replace(
+                self,
+                fidelity=replace(self.fidelity, pixels_per_element=block, history_coarsening=1),
+            )
+            factor = next(n for n in range(factor - 1, 0, -1) if factor % n == 0)
+        yield self

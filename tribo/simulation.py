@@ -1,4 +1,4 @@
-"""One point of the diagram: a load ramp at constant velocity, with wear and friction heat."""
+"""One point of the diagram: a loading at constant velocity, with wear and friction heat."""
 
 from __future__ import annotations
 
@@ -9,19 +9,25 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from tribo.conduction import ConductingHalfSpace
+from tribo.conduction import ConductingHalfSpace, settling_time
 from tribo.contact import solve_contact
 from tribo.elasticity import ElasticHalfSpace
 from tribo.errors import InputError, require_positive
+from tribo.grid import Grid
+from tribo.history import Conductor, HeatHistory, partition_with_history
+from tribo.invariants import check_contact, check_heat, check_wear, within_range
 from tribo.loading import Station
-from tribo.material import contact_modulus
+from tribo.material import Material, contact_modulus
 from tribo.partition import HeatPartition, partition_heat
 from tribo.scene import Scene
 from tribo.transition import contact_quantiles
+from tribo.wear import EXPLICIT_LIMIT, WEAR_SCHEMES
 
 __all__ = ["Heat", "State", "advance", "heat", "measures", "simulate", "start", "warnings"]
 
 Array = NDArray[np.float64]
+
+_FARTHEST = 2.0  # steps of the load over which its last step is extrapolated
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -38,6 +44,8 @@ class Heat:
         Over the contact area [K].
     pin_heat_share : float
         Share of the friction heat that goes into the pin.
+    iterations : int
+        Of the heat partition, each one convolution.
     """
 
     rise: Array
@@ -45,11 +53,12 @@ class Heat:
     max_rise: float
     mean_rise: float
     pin_heat_share: float
+    iterations: int = 0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class State:
-    """The contact at one moment of the ramp.
+    """The contact at one moment of the loading.
 
     Attributes
     ----------
@@ -66,7 +75,9 @@ class State:
     on_trunk : bool
         Whether the simulation of a higher load passes through this state.
     iterations : int
-        Convolutions that the contact took.
+        Convolutions that the contact took, on all grids.
+    work : int
+        Those convolutions times the elements of their grids.
     residual : float
         Of the contact.
     previous_pressure : ndarray, shape (nx, ny)
@@ -75,6 +86,11 @@ class State:
         The load at that station [N].
     heat : Heat or None
         Where the temperature was asked for.
+    history : State or None
+        The same moment on the coarser grid of the history, where there is one; it is from there
+        that the ramp goes on.
+    heat_history : HeatHistory or None
+        Heat that has flowed so far, where the temperature depends on it.
     """
 
     pressure: Array
@@ -87,13 +103,16 @@ class State:
     residual: float
     previous_pressure: Array
     previous_load: float
+    work: int = 0
     heat: Heat | None = None
+    history: State | None = None
+    heat_history: HeatHistory | None = None
 
 
 def simulate(
     scene: Scene, normal_load: float, velocity: float, trunk: State | None = None
 ) -> Iterator[State]:
-    """Ramp the load up to `normal_load` at constant `velocity`.
+    """Bring the load up to `normal_load` at constant `velocity`, and through its hold.
 
     Parameters
     ----------
@@ -109,7 +128,8 @@ def simulate(
     Yields
     ------
     State
-        After every step, the last one at `normal_load` with its temperature.
+        After every step. The one that reaches `normal_load` and the last one have their
+        temperature, besides those that the fidelity asks for.
 
     Raises
     ------
@@ -122,28 +142,38 @@ def simulate(
     if not np.isfinite(velocity):
         raise InputError(f"velocity is {velocity!r}; it must be finite")
     require_positive(normal_load=normal_load)
+    capacity = scene.hardness * scene.grid.area * scene.pin.patches(scene.grid)
+    if normal_load > capacity * (1 + 1e-12):
+        raise InputError(
+            f"normal_load is {normal_load:g} N; the window carries at most {capacity:g} N, its "
+            f"area times the hardness of {scene.hardness:g} Pa"
+        )
     state = start(scene) if trunk is None else trunk
     if not state.on_trunk or state.normal_load >= normal_load:
         raise InputError(
             f"cannot go on to {normal_load:g} N from the state at {state.normal_load:g} N; "
             "it must lie on the trunk, at a lower load"
         )
-    fidelity = scene.fidelity
-    interval = fidelity.temperature_interval
-    first = round(state.normal_load / scene.loading.reference_load * fidelity.increments) + 1
-    stations = scene.loading.stations(normal_load, fidelity.increments, after=state.normal_load)
-    for index, station in enumerate(stations, start=first):
-        state = advance(scene, state, station, velocity)
-        at_end = station.normal_load == normal_load
-        if at_end or (interval and index % interval == 0):
-            yield replace(state, heat=heat(scene, state, velocity))
+    heat_model = scene.fidelity.heat_model
+    if (heat_model == "history") != (state.heat_history is not None):
+        raise InputError(f"heat model {heat_model!r} cannot go on from a state of the other one")
+    interval = scene.fidelity.temperature_interval
+    levels = _levels(scene)
+    stations = list(scene.stations(normal_load, after=state.normal_load))
+    for station in stations:
+        before, state = state, advance(levels[0], state, station, velocity)
+        reached = station.normal_load == normal_load and not station.holding
+        asked = reached or station is stations[-1] or (interval and station.index % interval == 0)
+        if asked and state.heat is None and state.pressure.any():
+            refined = _refined(levels, before, state, station, velocity)
+            yield replace(refined, heat=heat(scene, refined, velocity))
         else:
             yield state
 
 
 def start(scene: Scene) -> State:
     """The unloaded, unworn state."""
-    zero = np.zeros(scene.grid.shape)
+    zero = np.zeros(_levels(scene)[0].grid.shape)
     return State(
         pressure=zero,
         wear_depth=zero,
@@ -155,11 +185,15 @@ def start(scene: Scene) -> State:
         residual=0.0,
         previous_pressure=zero,
         previous_load=0.0,
+        heat_history=HeatHistory() if scene.fidelity.heat_model == "history" else None,
     )
 
 
-def advance(scene: Scene, state: State, station: Station, velocity: float) -> State:
-    """Slide and load until `station`, wearing the pin by the implicit scheme.
+@within_range("a step of the loading")
+def advance(
+    scene: Scene, state: State, station: Station, velocity: float, guess: Array | None = None
+) -> State:
+    """Slide and load until `station`, wearing the pin by the scheme of the fidelity.
 
     Parameters
     ----------
@@ -169,39 +203,79 @@ def advance(scene: Scene, state: State, station: Station, velocity: float) -> St
     station : Station
     velocity : float
         [m/s].
+    guess : ndarray, shape (nx, ny), optional
+        Of the pressure [Pa]; extrapolated from the last two states if not given.
 
     Returns
     -------
     State
-        Without temperature.
+        With its temperature where that depends on the earlier ones, else without.
     """
     solid, separation = _bodies(scene)
+    fidelity, wear = scene.fidelity, scene.wear
+    scheme = WEAR_SCHEMES[fidelity.wear_scheme if wear else "implicit"]
     distance = abs(velocity) * (station.time - state.time)
-    if scene.wear is not None:
-        solid = scene.wear.yielding(solid, distance)
-    contact = solve_contact(
-        solid,
-        separation + state.wear_depth,
-        station.normal_load / scene.pin.patches(scene.grid),
-        hardness=scene.hardness,
-        tolerance=scene.fidelity.contact_tolerance,
-        initial_pressure=_extrapolated(state, station.normal_load),
-    )
-    wear_depth = state.wear_depth
-    if scene.wear is not None:
-        wear_depth = wear_depth + scene.wear.depth(contact.pressure, distance)
-    return State(
+    if wear:
+        solid = wear.yielding(solid, scheme.implicitness * distance)
+    patches, area = scene.pin.patches(scene.grid), scene.grid.element_area
+    by_gap = fidelity.contact_criterion == "gap"
+    wear_depth, iterations, residual, force = state.wear_depth, 0, 0.0, 0.0
+    for fraction, weight in zip(scheme.fractions, scheme.weights, strict=True):
+        normal_load = (1 - fraction) * state.normal_load + fraction * station.normal_load
+        contact = solve_contact(
+            solid,
+            separation + wear_depth,
+            normal_load / patches,
+            hardness=scene.hardness,
+            tolerance=fidelity.contact_tolerance,
+            criterion=fidelity.contact_criterion,
+            initial_pressure=_extrapolated(state, normal_load) if guess is None else guess,
+        )
+        iterations, residual = iterations + contact.iterations, max(residual, contact.residual)
+        force += weight * normal_load
+        check_contact(
+            contact.pressure,
+            normal_load / patches,
+            area,
+            scene.hardness,
+            contact.residual,
+            fidelity.contact_tolerance if by_gap else np.inf,
+        )
+        if wear:
+            wear_depth = wear_depth + wear.depth(contact.pressure, weight * distance)
+    if wear:
+        volume = wear.specific_wear_rate * force * distance
+        check_wear(state.wear_depth, wear_depth, area * patches, volume)
+    advanced = State(
         pressure=contact.pressure,
         wear_depth=wear_depth,
         normal_load=station.normal_load,
         time=station.time,
         sliding_distance=state.sliding_distance + distance,
         on_trunk=station.on_trunk,
-        iterations=contact.iterations,
-        residual=contact.residual,
+        iterations=iterations,
+        work=iterations * contact.pressure.size,
+        residual=residual,
         previous_pressure=state.pressure,
         previous_load=state.normal_load,
     )
+    if state.heat_history is None:
+        return advanced
+    in_contact = advanced.pressure > 0
+    split, heat_history = partition_with_history(
+        scene.grid,
+        Conductor(scene.pin.material, 0.0),
+        Conductor(scene.disk, velocity),
+        state.heat_history,
+        advanced.time,
+        abs(velocity) * advanced.pressure,
+        in_contact,
+        method=fidelity.partition,
+        tolerance=fidelity.heat_tolerance,
+    )
+    _check_split(scene, advanced, velocity, in_contact, split)
+    summary = _summary(scene, split, in_contact) if in_contact.any() else None
+    return replace(advanced, heat=summary, heat_history=heat_history)
 
 
 def measures(scene: Scene, state: State) -> dict[str, float]:
@@ -217,7 +291,8 @@ def measures(scene: Scene, state: State) -> dict[str, float]:
         pin) [m³], ``iterations`` and ``residual`` of the contact; ``max_rise``, ``mean_rise`` [K]
         and ``pin_heat_share``, NaN where the temperature was not asked for.
     """
-    grid, pressure = scene.grid, state.pressure
+    pressure = state.pressure
+    grid = next(level.grid for level in _levels(scene) if level.grid.shape == pressure.shape)
     contact = pressure > 0
     nodes = int(np.count_nonzero(contact))
     rows = np.flatnonzero(contact.any(axis=1))
@@ -242,33 +317,73 @@ def measures(scene: Scene, state: State) -> dict[str, float]:
 
 def warnings(scene: Scene, state: State) -> list[str]:
     """What a user should know about a state before relying on it."""
+    found = _unstable_wear(scene, state)
     touched = [
         f"{name} edge"
         for name, axis in (("x", 0), ("y", 1))
         if not scene.grid.periodic[axis] and np.take(state.pressure, (0, -1), axis=axis).any()
     ]
     if touched:
-        return [
+        found.append(
             f"contact touches the window's {' and '.join(touched)} at {state.normal_load:g} N; "
             "a wider window would carry load there too"
+        )
+    return found
+
+
+def _unstable_wear(scene: Scene, state: State) -> list[str]:
+    """Where steps so far have been too long for explicit wear, and how many would do."""
+    fidelity = scene.fidelity
+    if not scene.wear or fidelity.wear_scheme != "explicit" or not state.normal_load:
+        return []
+    solid, _ = _bodies(scene)
+    velocity = state.sliding_distance / state.time
+    stations = [
+        station
+        for station in scene.loading.stations(state.normal_load, fidelity.increments)
+        if station.time <= state.time
+    ]
+    times = [0.0, *(station.time for station in stations)]
+    found = []
+    for holding, name in ((False, "increments"), (True, "steps of the hold")):
+        lengths = [
+            station.time - before
+            for before, station in zip(times, stations, strict=False)
+            if station.holding == holding
         ]
-    return []
+        stiffness = scene.wear.stiffness(solid, velocity * max(lengths, default=0.0))
+        if stiffness >= EXPLICIT_LIMIT:
+            count = len(lengths) if holding else fidelity.increments
+            found.append(
+                f"explicit wear is unstable: k·dS is {stiffness:.1f} times the smallest compliance "
+                f"of the grid, the limit is {EXPLICIT_LIMIT:g}; take at least "
+                f"{int(count * stiffness / EXPLICIT_LIMIT) + 1} {name}, or another wear scheme"
+            )
+    return found
 
 
+@within_range("the temperature of a contact")
 def heat(scene: Scene, state: State, velocity: float) -> Heat:
     """Temperature of a state, at friction coefficient 1 and with both bodies' bulk equal.
 
-    The present friction heat is taken to act since time 0 (Bosman & de Rooij).
+    The present friction heat is taken to act since time 0 (Bosman & de Rooij), whatever the heat
+    model of the fidelity.
     """
     contact = state.pressure > 0
-    split = _partition(scene, state, velocity, contact)
+    return _summary(scene, _partition(scene, state, velocity, contact), contact)
+
+
+def _summary(scene: Scene, split: HeatPartition, contact: NDArray[np.bool_]) -> Heat:
     on_contact = split.rise[contact]
+    # Quantiles interpolate between the nodes, so each row that a plane stands for has to count.
+    rows = scene.rows_per_element
     return Heat(
         rise=split.rise,
-        rise_quantile=contact_quantiles(split.rise, contact),
+        rise_quantile=contact_quantiles(split.rise.repeat(rows, 1), contact.repeat(rows, 1)),
         max_rise=float(on_contact.max()),
         mean_rise=float(on_contact.mean()),
         pin_heat_share=split.pin_share,
+        iterations=split.iterations,
     )
 
 
@@ -276,28 +391,104 @@ def _partition(
     scene: Scene, state: State, velocity: float, contact: NDArray[np.bool_]
 ) -> HeatPartition:
     grid = scene.grid
-    return partition_heat(
-        ConductingHalfSpace(grid, scene.pin.material, 0.0, state.time),
-        ConductingHalfSpace(grid, scene.disk, velocity, state.time),
+    if velocity == 0:
+        return HeatPartition(np.zeros(grid.shape), np.zeros(grid.shape), np.nan, 0, 0.0)
+    split = partition_heat(
+        _conductor(grid, scene.pin.material, 0.0, state.time),
+        _conductor(grid, scene.disk, velocity, state.time),
         abs(velocity) * state.pressure,
         contact,
         method=scene.fidelity.partition,
         tolerance=scene.fidelity.heat_tolerance,
     )
+    _check_split(scene, state, velocity, contact, split)
+    return split
+
+
+def _check_split(
+    scene: Scene,
+    state: State,
+    velocity: float,
+    contact: NDArray[np.bool_],
+    split: HeatPartition,
+) -> None:
+    local = scene.fidelity.partition == "local"
+    tolerance = scene.fidelity.heat_tolerance if local else np.inf
+    check_heat(abs(velocity) * state.pressure, contact, split, tolerance)
+
+
+def _refined(
+    levels: tuple[Scene, ...], before: State, after: State, station: Station, velocity: float
+) -> State:
+    """Repeat the step from `before` to `after` on ever finer grids, each begun with the last."""
+    state = after
+    for scene in levels[1:]:
+        on_grid = replace(
+            before,
+            pressure=_prolonged(before.pressure, scene.grid.shape),
+            wear_depth=_prolonged_along_x(before.wear_depth, scene.grid.shape),
+            previous_pressure=_prolonged(before.previous_pressure, scene.grid.shape),
+        )
+        guess = _prolonged(state.pressure, scene.grid.shape)
+        finer = advance(scene, on_grid, station, velocity, guess)
+        state = replace(
+            finer,
+            iterations=state.iterations + finer.iterations,
+            work=state.work + finer.work,
+            history=after,
+        )
+    return state
+
+
+def _prolonged(field: Array, shape: tuple[int, int]) -> Array:
+    """A field on finer elements, each with the value of the one that it was part of."""
+    for axis, n in enumerate(shape):
+        field = np.repeat(field, n // field.shape[axis], axis)
+    return field
+
+
+def _prolonged_along_x(wear_depth: Array, shape: tuple[int, int]) -> Array:
+    """Swept wear on finer elements: linear along x, and uniform along y."""
+    at, known = ((np.arange(n) + 0.5) / n for n in (shape[0], len(wear_depth)))
+    profile = np.interp(at, known, wear_depth[:, 0])
+    return np.repeat(profile[:, None], shape[1], axis=1)
 
 
 def _extrapolated(state: State, normal_load: float) -> Array | None:
-    """Pressure at the next load, linear in the load through the last two states."""
+    """Pressure at the next load, linear in the load through the last two states.
+
+    As it is where the load has hardly changed before, as in a hold.
+    """
     if state.normal_load == 0.0:
         return None
-    if state.previous_load == 0.0:
+    change, before = normal_load - state.normal_load, state.normal_load - state.previous_load
+    if state.previous_load == 0.0 or abs(change) >= _FARTHEST * abs(before):
         return state.pressure
-    ratio = (normal_load - state.normal_load) / (state.normal_load - state.previous_load)
-    return state.pressure + ratio * (state.pressure - state.previous_pressure)
+    return state.pressure + change / before * (state.pressure - state.previous_pressure)
 
 
-@functools.lru_cache(maxsize=2)
+def _conductor(grid: Grid, material: Material, velocity: float, time: float) -> ConductingHalfSpace:
+    """The thermal map of a body, which after a while no longer depends on the time."""
+    return _kept_conductor(
+        grid, material, velocity, min(time, settling_time(grid, material, velocity))
+    )
+
+
+@functools.lru_cache(maxsize=16)
+def _kept_conductor(
+    grid: Grid, material: Material, velocity: float, time: float
+) -> ConductingHalfSpace:
+    return ConductingHalfSpace(grid, material, velocity, time)
+
+
+@functools.lru_cache(maxsize=4)
+def _levels(scene: Scene) -> tuple[Scene, ...]:
+    """The scene on the grid of its history, and on ever finer ones up to its own."""
+    return tuple(scene.levels())
+
+
+@functools.lru_cache(maxsize=8)
 def _bodies(scene: Scene) -> tuple[ElasticHalfSpace, Array]:
     """The elastic map and the undeformed separation, which no step changes."""
     modulus = contact_modulus(scene.pin.material, scene.disk)
-    return ElasticHalfSpace(scene.grid, modulus), scene.separation()
+    return ElasticHalfSpace(scene.grid, modulus, scene.fidelity.kernel), scene.separation()

@@ -223,3 +223,80 @@ def test_temperatures_of_the_paper_s_system_are_those_of_the_trial():
     decisive = 25 + 0.094 * state.heat.rise_quantile[QUANTILES.index(0.9)]
     assert decisive == pytest.approx(146.0, abs=0.5)
     assert 25 + 0.094 * state.heat.max_rise == pytest.approx(173.0, abs=0.5)
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"wear_scheme": "explicit", "increments": 40},
+        {"wear_scheme": "sdirk2"},
+        {"heat_model": "history"},
+        {"heat_model": "history", "wear_scheme": "sdirk2", "partition": "uniform"},
+        {"kernel": "nearest-image"},
+        {"contact_criterion": "pressure-change"},
+        {"hold": 1.0},
+        {"hold": 1.0, "heat_model": "history"},
+    ],
+    ids=lambda options: "-".join(map(str, options.values())),
+)
+def test_going_on_from_the_trunk_is_the_same_bit_for_bit_with_every_option(options):
+    hold = options.get("hold", 0.0)
+    scene = small_scene(**{name: value for name, value in options.items() if name != "hold"})
+    scene = replace(scene, loading=replace(scene.loading, hold=hold))
+    alone = list(simulate(scene, 600.0, 1.25))
+    for lower in (100.0, 300.0, 525.0):
+        trunk = [s for s in simulate(scene, lower, 1.25) if s.on_trunk][-1]
+        rest = list(simulate(scene, 600.0, 1.25, trunk=replace(trunk, heat=None)))
+        assert_same(rest[-1], alone[-1])
+        assert [s.time for s in rest] == [s.time for s in alone[-len(rest) :]]
+        if "heat_model" in options:
+            ours, theirs = rest[-1].heat_history, alone[-1].heat_history
+            assert ours.times == theirs.times
+            for mine, other in zip(ours.pin_flux, theirs.pin_flux, strict=True):
+                assert np.array_equal(mine, other)
+
+
+def test_options_change_the_result_as_much_as_they_should():
+    plain = last(simulate(small_scene(increments=20), 600.0, 1.25))
+    for option, low, high in (
+        ({"kernel": "nearest-image"}, 1e-4, 0.1),
+        ({"wear_scheme": "sdirk2"}, 1e-4, 0.1),
+        ({"heat_model": "history"}, 1e-3, 0.02),
+        ({"contact_criterion": "pressure-change"}, 0.0, 1e-4),
+    ):
+        other = last(simulate(small_scene(increments=20, **option), 600.0, 1.25))
+        assert low <= abs(other.heat.mean_rise / plain.heat.mean_rise - 1) < high
+
+
+def test_in_a_hold_the_worn_contact_cools_and_wears_on_at_full_load():
+    """Fig. 5: with wear the temperature falls as soon as the load no longer grows."""
+    scene = small_scene(temperature_interval=1)
+    held = replace(scene, loading=replace(scene.loading, hold=4.0))
+    states = list(simulate(held, 600.0, 1.25))
+    rises = [state.heat.mean_rise for state in states]
+    assert len(states) == 8 + 8
+    assert np.argmax(rises) == 7
+    assert (np.diff(rises[7:]) < 0).all()
+    assert {state.normal_load for state in states[7:]} == {600.0}
+    volumes = [measures(held, state)["wear_volume"] for state in states]
+    # Implicit wear at a constant load is exact: k·F·V·t.
+    assert volumes[-1] - volumes[7] == pytest.approx(1.2e-15 * 600.0 * 1.25 * 4.0, rel=1e-9)
+    unworn = replace(held, wear=None)
+    rises = [state.heat.mean_rise for state in simulate(unworn, 600.0, 1.25)]
+    assert (np.diff(rises) >= 0).all()
+
+
+def test_the_end_of_the_ramp_has_its_temperature_besides_the_end_of_the_hold():
+    scene = small_scene()
+    held = replace(scene, loading=replace(scene.loading, hold=1.0))
+    ramp, *_, end = [state for state in simulate(held, 600.0, 1.25) if state.heat]
+    assert (ramp.time, end.time) == (4.0, 5.0)
+    assert_same(ramp, last(simulate(scene, 600.0, 1.25)))
+
+
+def test_options_that_do_not_fit_are_refused():
+    with pytest.raises(InputError, match="nearest-image"):
+        small_scene("local", periodic=(False, False), kernel="nearest-image")
+    for field in ("kernel", "wear_scheme", "heat_model", "contact_criterion"):
+        with pytest.raises(InputError, match=f"{field} is 'none'; allowed are"):
+            Fidelity(**{field: "none"})

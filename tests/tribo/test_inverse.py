@@ -1,0 +1,150 @@
+"""Inverse problems (tribo/inverse.py), on points that the model itself has made."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tests.tribo.scenes import small_scene
+from tribo import (
+    AISI_316,
+    QUANTILES,
+    Grid,
+    InputError,
+    Transition,
+    Wear,
+    contact_modulus,
+    critical_temperature,
+    critical_temperature_rig,
+    measures,
+    rig_heating,
+    simulate,
+    specific_wear_rate,
+)
+from tribo.analytic import hertz_point_peak_pressure, hertz_point_radius
+
+BULK, CRITICAL = 25.0, 145.0
+DECISIVE = QUANTILES.index(0.9)
+
+
+def last(states):
+    *_, state = states
+    return state
+
+
+def transition(scene, load, friction, velocities):
+    """Where the model puts the transition, by interpolation between a few velocities."""
+    rises = [last(simulate(scene, load, v)).heat.rise_quantile[DECISIVE] for v in velocities]
+    wanted = (CRITICAL - BULK) / friction
+    assert rises[0] < wanted < rises[-1]
+    return Transition(load, float(np.interp(wanted, rises, velocities)), friction)
+
+
+@pytest.fixture(scope="module")
+def transitions():
+    scene = small_scene()
+    return [
+        transition(scene, 750.0, 0.103, [0.8, 1.0, 1.2, 1.4]),
+        transition(scene, 400.0, 0.091, [2.0, 2.5, 3.0, 3.5]),
+        transition(scene, 200.0, 0.094, [4.0, 4.5, 5.0, 5.5]),
+    ]
+
+
+def test_critical_temperature_comes_back_from_the_model_s_own_transitions(transitions):
+    found = critical_temperature(small_scene(), transitions, BULK)
+    # Linear interpolation over steps of a fifth of the velocity leaves less than 1 °C.
+    assert found.temperatures == pytest.approx([CRITICAL] * 3, abs=1.0)
+    assert found.mean == pytest.approx(np.mean(found.temperatures))
+    assert found.spread == pytest.approx(np.std(found.temperatures, ddof=1))
+    assert found.spread < 1.0
+
+
+def test_one_transition_gives_a_temperature_without_a_spread(transitions):
+    found = critical_temperature(small_scene(), transitions[:1], BULK)
+    assert found.temperatures == (found.mean,)
+    assert math.isnan(found.spread)
+
+
+def test_a_smaller_share_is_a_hotter_part_and_none_the_maximum(transitions):
+    load, velocity, friction = transitions[0]
+    state = last(simulate(small_scene(), load, velocity))
+    tenth, twentieth, hottest = (
+        critical_temperature(small_scene(), transitions[:1], BULK, share).mean
+        for share in (0.1, 0.05, 0.0)
+    )
+    assert tenth < twentieth < hottest
+    assert hottest == pytest.approx(BULK + friction * state.heat.max_rise)
+
+
+@pytest.mark.parametrize(
+    ("transitions", "share", "said"),
+    [
+        ([], 0.1, "no transition"),
+        ([(300.0, 1.0, 0.1)], 1.0, "share is 1"),
+        ([(300.0, 1.0, 0.0)], 0.1, "friction"),
+        ([(-300.0, 1.0, 0.1)], 0.1, "normal_load"),
+    ],
+)
+def test_what_is_no_transition_is_refused(transitions, share, said):
+    with pytest.raises(InputError, match=said):
+        critical_temperature(small_scene(), transitions, BULK, share)
+
+
+@pytest.mark.parametrize("rough", [True, False])
+@pytest.mark.parametrize("rate", [3e-16, 1.2e-15])
+def test_wear_rate_comes_back_from_the_width_that_it_makes(rate, rough):
+    scene = small_scene(roughness=rough)
+    if not rough:
+        scene = replace(scene, pixels=Grid((192, 1), (2e-6, 128e-6)))
+    worn = replace(scene, wear=Wear(rate, "swept"))
+    width = measures(worn, last(simulate(worn, 750.0, 1.25)))["contact_width"]
+    found = specific_wear_rate(scene, width, 750.0, 1.25)
+    # The ends are known to the 1 % at which halving stops.
+    assert 0.99 * found.lowest <= rate <= 1.01 * found.highest
+    assert found.lowest < found.value < found.highest
+    if not rough:  # elements of 2 µm leave little room
+        assert found.value == pytest.approx(rate, rel=0.1)
+
+
+def test_sliding_on_at_full_load_makes_the_same_width_by_less_wear():
+    scene = small_scene()
+    held = replace(scene, loading=replace(scene.loading, hold=5.0))
+    ramped, long = (specific_wear_rate(s, 304e-6, 750.0, 1.25).value for s in (scene, held))
+    # Under the ramp the load acts over 5 s with half its size, in the hold with all of it.
+    assert 2 < ramped / long < 4
+
+
+@pytest.mark.parametrize("width", [1e-4, 4e-4])
+def test_a_width_that_no_wear_makes_is_refused(width):
+    with pytest.raises(InputError, match="without wear the contact is"):
+        specific_wear_rate(small_scene(), width, 750.0, 1.25)
+
+
+def test_rig_at_rest_is_as_warm_as_a_hertzian_source():
+    # By the same integral as Hertz' displacement, a source q0·√(1 − r²/a²) on each of two equal
+    # bodies at rest warms its centre by π(q0/2)a/(4K).
+    load, velocity, friction = 10.0, 1e-6, 0.1
+    modulus = contact_modulus(AISI_316, AISI_316)
+    radius = hertz_point_radius(load, 10e-3, modulus)
+    flux = friction * velocity * hertz_point_peak_pressure(load, 10e-3, modulus)
+    exact = math.pi * flux / 2 * radius / (4 * AISI_316.thermal_conductivity)
+    # 43 elements across the contact: their squares cut its rim to 0.2 %.
+    assert rig_heating(friction, velocity) == pytest.approx(exact, rel=5e-3)
+    assert hertz_point_peak_pressure(load, 10e-3, modulus) < AISI_316.hardness
+
+
+def test_rig_heats_by_less_than_the_15_degrees_of_the_paper():
+    # At 0.1 by half of that; up to a friction coefficient of 0.2 it holds.
+    assert 5 < rig_heating(friction=0.1) < 10
+    assert rig_heating(friction=0.2) == pytest.approx(2 * rig_heating(friction=0.1))
+    assert rig_heating(friction=0.2) < 15
+
+
+def test_rig_is_in_its_steady_state_whatever_the_duration():
+    short, long = (
+        last(simulate(critical_temperature_rig(duration=t), 10.0, 0.065)).heat.max_rise
+        for t in (30.0, 3000.0)
+    )
+    # What is left falls like a/√(πκt): 0.4 % at 30 s.
+    assert short == pytest.approx(long, rel=6e-3)

@@ -1,0 +1,251 @@
+"""What measurements say about a system: its critical temperature and its wear rate.
+
+The simulation is run with what was measured, and asked for what was not.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+
+from tribo.analytic import hertz_point_radius
+from tribo.errors import InputError, require_positive
+from tribo.fidelity import Fidelity
+from tribo.grid import Grid
+from tribo.loading import Ramp
+from tribo.material import Material, contact_modulus
+from tribo.scene import Ball, Scene
+from tribo.simulation import advance, measures, simulate, start
+from tribo.transition import QUANTILES
+from tribo.wear import Wear, WearPattern
+
+__all__ = [
+    "AISI_316",
+    "CriticalTemperature",
+    "Transition",
+    "WearRate",
+    "critical_temperature",
+    "critical_temperature_rig",
+    "rig_heating",
+    "specific_wear_rate",
+]
+
+_WEAR_RATES = 1e-20, 1e-8  # where one is looked for [m²/N]; boundary lubrication has about 1e-15
+_PRECISION = 0.01  # of the wear rate
+
+AISI_316 = Material(
+    elastic_modulus=210e9,
+    poisson_ratio=0.3,
+    thermal_conductivity=17.0,
+    density=7780.0,
+    specific_heat=460.0,
+    hardness=1.1e9,
+)
+"""Austenitic stainless steel (Bosman & de Rooij, Table 3)."""
+
+
+class Transition(NamedTuple):
+    """A measured transition from mild to severe wear: load [N], velocity [m/s], friction."""
+
+    normal_load: float
+    velocity: float
+    friction: float
+
+
+@dataclass(frozen=True, slots=True)
+class CriticalTemperature:
+    """Temperature at which a lubricant fails, from measured transitions.
+
+    Attributes
+    ----------
+    temperatures : tuple of float
+        From each transition, on the scale of the bulk temperature.
+    mean : float
+    spread : float
+        Standard deviation of the single ones; NaN if there is but one.
+    """
+
+    temperatures: tuple[float, ...]
+    mean: float
+    spread: float
+
+
+def critical_temperature(
+    scene: Scene,
+    transitions: Sequence[tuple[float, float, float]],
+    bulk_temperature: float,
+    share: float = 0.1,
+) -> CriticalTemperature:
+    """Critical temperature from measured transitions: what the failing share exceeds there.
+
+    Bosman & de Rooij propose this for oils whose critical temperature no rig can measure
+    (Table 6). A good model gives the same temperature at all transitions.
+
+    Parameters
+    ----------
+    scene : Scene
+    transitions : sequence of Transition
+    bulk_temperature : float
+        [K] or [°C].
+    share : float
+        Of the contact area, from 0 to below 1; 0 takes the maximum temperature, as Blok does.
+
+    Returns
+    -------
+    CriticalTemperature
+
+    Raises
+    ------
+    InputError
+        If there is no transition, or the share or a friction coefficient lies outside its range,
+        besides what `tribo.simulate` raises.
+    """
+    if not transitions:
+        raise InputError("there is no transition; at least one is needed")
+    if not 0 <= share < 1:
+        raise InputError(f"share is {share!r}; it must be at least 0 and below 1")
+    found = []
+    for normal_load, velocity, friction in transitions:
+        require_positive(friction=friction)
+        rise = max(
+            float(np.interp(1 - share, QUANTILES, state.heat.rise_quantile))
+            for state in simulate(scene, normal_load, velocity)
+            if state.heat
+        )
+        found.append(bulk_temperature + friction * rise)
+    spread = float(np.std(found, ddof=1)) if len(found) > 1 else math.nan
+    return CriticalTemperature(tuple(found), float(np.mean(found)), spread)
+
+
+@dataclass(frozen=True, slots=True)
+class WearRate:
+    """Specific wear rate that explains a measured contact width [m²/N].
+
+    Attributes
+    ----------
+    value : float
+        In the middle, geometrically, of the bounds.
+    lowest, highest : float
+        With which the width is half an element less or more than measured.
+    """
+
+    value: float
+    lowest: float
+    highest: float
+
+
+def specific_wear_rate(
+    scene: Scene, contact_width: float, normal_load: float, velocity: float
+) -> WearRate:
+    """Specific wear rate of the pin from the width of its contact after a loading.
+
+    Wear flattens the pin, and so the contact is the wider the more it has worn. Widths are whole
+    numbers of elements, so that a measured one belongs to a range of wear rates. Its two ends are
+    bracketed by powers of ten and then halved.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its wear rate is not used, but the pattern of its wear is: swept if the scene has no wear
+        and its patch is periodic along y, else local.
+    contact_width : float
+        Along x at the end of the loading [m]. Sliding on at full load belongs into the loading,
+        as a hold.
+    normal_load, velocity : float
+        [N], [m/s].
+
+    Returns
+    -------
+    WearRate
+
+    Raises
+    ------
+    InputError
+        If no wear rate makes the contact that wide within the scene's window.
+    """
+    grid = scene.grid
+    half = grid.spacing[0] / 2
+    pattern: WearPattern = "swept" if grid.periodic[1] else "local"
+    fidelity = replace(scene.fidelity, heat_model="elapsed", history_coarsening=1)
+
+    @functools.cache
+    def width(rate: float) -> float:
+        wear = replace(scene.wear or Wear(0.0, pattern), specific_wear_rate=rate)
+        worn = replace(scene, wear=wear, fidelity=fidelity)
+        state = start(worn)
+        for station in worn.stations(normal_load):
+            state = advance(worn, state, station, velocity)
+        return measures(worn, state)["contact_width"]
+
+    if not width(0.0) + half < contact_width <= grid.size[0] - half:
+        raise InputError(
+            f"contact_width is {contact_width:g} m; without wear the contact is {width(0.0):g} m "
+            f"wide, and the window {grid.size[0]:g} m. It must lie in between"
+        )
+    lowest = _crossing(lambda rate: width(rate) >= contact_width - half)
+    highest = _crossing(lambda rate: width(rate) >= contact_width + half)
+    return WearRate(math.sqrt(lowest * highest), lowest, highest)
+
+
+def _crossing(exceeds: Callable[[float], bool]) -> float:
+    """Wear rate at which the contact gets wider than asked."""
+    low = high = 1e-15
+    while exceeds(low):
+        high, low = low, low / 10
+        if low < _WEAR_RATES[0]:
+            return low
+    while not exceeds(high):
+        low, high = high, high * 10
+        if high > _WEAR_RATES[1]:
+            raise InputError(f"no specific wear rate up to {low:g} m²/N makes the contact so wide")
+    while high > (1 + _PRECISION) * low:
+        middle = math.sqrt(low * high)
+        low, high = (low, middle) if exceeds(middle) else (middle, high)
+    return math.sqrt(low * high)
+
+
+def critical_temperature_rig(normal_load: float = 10.0, duration: float = 60.0) -> Scene:
+    """Ball-on-disk rig with which Bosman & de Rooij measured the critical temperature of an oil.
+
+    A polished ball of radius 10 mm on a disk, both of AISI 316 and taken as smooth. The surfaces
+    do not wear, which leaves them as hot as can be.
+
+    Parameters
+    ----------
+    normal_load : float
+        [N].
+    duration : float
+        Of sliding [s]; the contact has its steady temperature after milliseconds.
+    """
+    radius = 10e-3
+    modulus = contact_modulus(AISI_316, AISI_316)
+    side = 3 * hertz_point_radius(normal_load, radius, modulus) / 64
+    return Scene(
+        pin=Ball(radius, AISI_316),
+        disk=AISI_316,
+        pixels=Grid((64, 64), (side, side), periodic=(False, False)),
+        loading=Ramp(normal_load, normal_load, hold=duration, hold_steps=1),
+        fidelity=Fidelity(pixels_per_element=1, increments=1, contact_tolerance=1e-6),
+    )
+
+
+def rig_heating(friction: float = 0.1, velocity: float = 0.065, normal_load: float = 10.0) -> float:
+    """Highest friction heating in the rig of `critical_temperature_rig` above its bulk [K].
+
+    The critical temperature that such a rig shows, at the bulk temperature where friction jumps,
+    is too low by this; Bosman & de Rooij state at most 15 °C.
+
+    Examples
+    --------
+    >>> f"{rig_heating():.1f} K"
+    '7.5 K'
+    """
+    *_, state = simulate(critical_temperature_rig(normal_load), normal_load, velocity)
+    if state.heat is None:
+        raise InputError("nothing is in contact")
+    return friction * state.heat.max_rise
