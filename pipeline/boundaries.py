@@ -16,7 +16,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from pipeline.dataset import end_of_point
+from pipeline.dataset import asked_points, end_of_point
 from pipeline.interpolation import crossing, interpolated
 from pipeline.layout import DONE
 from pipeline.sweep import Conditions
@@ -76,7 +76,7 @@ def boundary(
     rise = decisive_rise(ds, conditions.failing_share)
     limit = rise_limit(conditions)
     loads, velocities, r = rise["load"].values, rise["velocity"].values, rise.values
-    known = np.isfinite(r)
+    missing = ~np.isfinite(r) & asked_points(ds.sortby(["load", "velocity"])).values
 
     result = xr.Dataset(
         {
@@ -92,14 +92,14 @@ def boundary(
             ),
         },
         coords={"load": rise["load"], "velocity": rise["velocity"]},
-        attrs={**asdict(conditions), "missing_points": int(np.count_nonzero(~known))},
+        attrs={**asdict(conditions), "missing_points": int(np.count_nonzero(missing))},
     )
     for name, axis in (("load", 1), ("velocity", 0)):
         found = result["critical_velocity" if name == "load" else "critical_load"].values
         result[f"outcome_at_{name}"] = (name, _outcome(found, r, limit, axis), _OUTCOME_ATTRS)
         result[f"missing_at_{name}"] = (
             name,
-            np.count_nonzero(~known, axis=axis),
+            np.count_nonzero(missing, axis=axis),
             {"units": "1", "long_name": f"pending or failed points at this {name}"},
         )
     return result
@@ -147,7 +147,9 @@ def decisive_temperature(
     return temperature.rename("decisive_temperature")
 
 
-def decisive_rise(ds: xr.Dataset, share: float, resolution: int | None = None) -> xr.DataArray:
+def decisive_rise(
+    ds: xr.Dataset, share: float, resolution: int | None = None, continued: bool = False
+) -> xr.DataArray:
     """Rise, at friction 1, that just a share of the contact area exceeds at the end of a point.
 
     Parameters
@@ -160,6 +162,8 @@ def decisive_rise(ds: xr.Dataset, share: float, resolution: int | None = None) -
         Interpolate onto so many loads and velocities, evenly spaced. The surface passes through
         the boundary that `boundary` finds for each load and each velocity. NaN beyond the
         outermost known points.
+    continued : bool, optional
+        Whether at each load to go on beyond those, as a power of the velocity.
 
     Returns
     -------
@@ -171,7 +175,7 @@ def decisive_rise(ds: xr.Dataset, share: float, resolution: int | None = None) -
     loads, velocities = ds["load"].values, ds["velocity"].values
     if resolution is not None:
         fine = np.linspace(velocities[0], velocities[-1], resolution)
-        r = np.array([interpolated(velocities, row, fine) for row in r])
+        r = np.array([interpolated(velocities, row, fine, continued) for row in r])
         velocities, fine = fine, np.linspace(loads[0], loads[-1], resolution)
         r = np.array([interpolated(loads, column, fine) for column in r.T]).T
         loads = fine

@@ -9,7 +9,7 @@ from pipeline.folder import PathLike, folder_of, read_metadata
 from pipeline.layout import COLUMNS, DONE
 from tribo import failed_share
 
-__all__ = ["end_of_point", "open_sweep"]
+__all__ = ["asked_points", "end_of_point", "open_sweep"]
 
 
 def open_sweep(path: PathLike) -> xr.Dataset:
@@ -43,14 +43,29 @@ def open_sweep(path: PathLike) -> xr.Dataset:
     """
     folder = folder_of(path)
     read_metadata(folder)
-    stored = xr.open_zarr(folder, chunks=None, consolidated=True, zarr_format=3)
-    ds = stored.sortby(["load", "velocity"])
+    ds: xr.Dataset = xr.open_zarr(folder, chunks=None, consolidated=True, zarr_format=3)
+    ds = ds.sortby(["load", "velocity"])
     done = ds["status"] == DONE
     if not done.all():  # a point that was cut short has data, too
         ds = ds.assign(
             {name: ds[name].where(done).assign_attrs(ds[name].attrs) for name in COLUMNS}
         )
     return ds.assign(_temperatures(ds))
+
+
+def asked_points(ds: xr.Dataset) -> xr.DataArray:
+    """Tell which points the last run asked for, dims (load, velocity): all, or those it chose.
+
+    What else is there, was asked for in an earlier one.
+    """
+    asked = xr.ones_like(ds["status"], dtype=bool)
+    chosen = ds.attrs.get("chosen")
+    if chosen is not None:
+        wanted = {tuple(point) for point in chosen}
+        loads, velocities = ds["load"].values.tolist(), ds["velocity"].values.tolist()
+        rows = [[(load, velocity) in wanted for velocity in velocities] for load in loads]
+        asked = xr.DataArray(rows, {"load": ds["load"], "velocity": ds["velocity"]})
+    return asked.transpose("load", "velocity")
 
 
 def end_of_point(ds: xr.Dataset) -> xr.Dataset:

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt
 
 from pipeline.boundaries import conditions_of, decisive_rise, rise_limit
+from pipeline.dataset import asked_points
 from pipeline.layout import PENDING
 from pipeline.style import (
     BLACK,
@@ -66,7 +67,9 @@ def diagram(
     axes = figure.add_subplot()
     legend: list[Artist] = []
     if min(ds.sizes["load"], ds.sizes["velocity"]) > 1:
-        plane = decisive_rise(ds, conditions.failing_share, _RESOLUTION)
+        # A sweep that only follows the boundary knows the plane nowhere else.
+        along_boundary = ds.attrs.get("chosen") is not None
+        plane = decisive_rise(ds, conditions.failing_share, _RESOLUTION, along_boundary)
         _regions(axes, plane, rise_limit(conditions))
         legend += _boundary(axes, plane, conditions)
         legend += _band(axes, plane, conditions, ds.attrs.get("friction_band"))
@@ -154,11 +157,12 @@ def _points(axes: Axes, ds: xr.Dataset, conditions: Conditions) -> list[Artist]:
     loads, velocities = np.meshgrid(ds["load"], ds["velocity"], indexing="ij")
     done = np.isfinite(r)
     failed = ~done & (status != PENDING)
+    pending = ~done & ~failed & asked_points(ds).values
     kinds: list[tuple[str, NDArray[np.bool_], dict[str, Any]]] = [
         ("mild wear, computed", done & ~severe, {"marker": "o", "mfc": "white", "mec": BLUE}),
         ("severe wear, computed", done & severe, {"marker": "s", "mfc": VERMILION, "mec": "none"}),
         ("failed", failed, {"marker": "x", "mec": BLACK, "mew": 1.3, "ms": 5.5}),
-        ("pending", ~done & ~failed, {"marker": ".", "mfc": GREY, "mec": "none", "ms": 6}),
+        ("pending", pending, {"marker": ".", "mfc": GREY, "mec": "none", "ms": 6}),
     ]
     usual: dict[str, Any] = {"ls": "none", "ms": 4.0 if done.size < 1500 else 2.0, "mew": 0.9}
     return [

@@ -64,7 +64,7 @@ def crossing(x: Array, y: Array, limit: float) -> float:
     return float(brentq(lambda q: float(smooth(q)) - limit, lower, upper, xtol=1e-14))
 
 
-def interpolated(x: Array, y: Array, at: Array) -> Array:
+def interpolated(x: Array, y: Array, at: Array, continued: bool = False) -> Array:
     """Interpolate y onto the abscissae `at`; NaN beyond the outermost points that are known.
 
     Parameters
@@ -72,6 +72,9 @@ def interpolated(x: Array, y: Array, at: Array) -> Array:
     x, y : ndarray, shape (n,)
         As for `crossing`.
     at : ndarray
+    continued : bool
+        Whether to go on instead beyond the outermost points, with the power law through the last
+        two of them; only where x and y are positive.
 
     Examples
     --------
@@ -84,6 +87,10 @@ def interpolated(x: Array, y: Array, at: Array) -> Array:
         x, y = x[known], y[known]
         inside = (at >= x[0]) & (at <= x[-1])
         result[inside] = _interpolant(x, y)(at[inside])
+        if continued and (x > 0).all() and (y > 0).all():
+            for beyond, (first, second) in ((at < x[0], (0, 1)), (at > x[-1], (-1, -2))):
+                exponent = np.log(y[first] / y[second]) / np.log(x[first] / x[second])
+                result[beyond] = y[first] * (at[beyond] / x[first]) ** exponent
     return result
 
 

@@ -13,8 +13,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from pipeline.plan import step_count
 from pipeline.sweep import Sweep
-from tribo import Scene
+from tribo import QUANTILES, Scene
 
 __all__ = [
     "COLUMNS",
@@ -29,6 +30,7 @@ __all__ = [
     "checksum",
     "describe",
     "differences",
+    "grown",
     "lasting_attributes",
     "present_attributes",
 ]
@@ -130,6 +132,21 @@ def present_attributes(sweep: Sweep) -> dict[str, Any]:
         "measured": [asdict(measurement) for measurement in sweep.measured],
         "loads": list(sweep.loads),
         "velocities": list(sweep.velocities),
+        "chosen": None if sweep.chosen is None else [list(point) for point in sweep.chosen],
+    }
+
+
+def grown(axes: Mapping[str, list[float]], sweep: Sweep) -> dict[str, list[float]]:
+    """Values along each dimension: those of a store, in their order, then what a sweep adds."""
+    loads, velocities = axes.get("load", []), axes.get("velocity", [])
+    steps = max(step_count(sweep, load) for load in sweep.loads)
+    return {
+        "load": [*loads, *(new for new in sweep.loads if new not in loads)],
+        "velocity": [*velocities, *(new for new in sweep.velocities if new not in velocities)],
+        "step": list(range(1, max(steps, len(axes.get("step", []))) + 1)),
+        "quantile": list(QUANTILES),
+        "x": sweep.grid.coordinates(0).tolist(),
+        "y": sweep.grid.coordinates(1).tolist(),
     }
 
 

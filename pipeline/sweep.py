@@ -68,6 +68,8 @@ class Sweep(Scene):
         Whether each point is simulated from the start instead of on from the next lower load.
     preset : str or None
         Name of the preset that the fidelity equals.
+    chosen : tuple of (float, float) or None
+        Loads and velocities of the points to simulate, if not all of them.
     """
 
     name: str
@@ -80,3 +82,4 @@ class Sweep(Scene):
     store_fields: bool = False
     independent: bool = False
     preset: str | None = None
+    chosen: tuple[tuple[float, float], ...] | None = None

@@ -1,0 +1,402 @@
+"""The store of a sweep: a Zarr group that any reader of Zarr opens, with every point committed.
+
+Each chunk file belongs to one point, so that processes never meet in one. A point's data are
+written first, then their checksum, then its status; a status of done means that all of it is on
+the disk. The shape is committed likewise: arrays and coordinates first, then the root
+``zarr.json``, whose consolidated metadata is what readers go by. Whatever is killed, and when,
+the store opens, and each point is either done or not.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import base64
+import functools
+import hashlib
+import json
+import struct
+from collections import deque
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+import zarr
+from numpy.typing import NDArray
+from zarr.api.asynchronous import open_group
+from zarr.codecs import ZstdCodec
+from zarr.storage import LocalStore
+
+from pipeline.folder import (
+    ROOT,
+    PathLike,
+    StoreError,
+    StoreMismatchError,
+    begin,
+    commit_metadata,
+    folder_of,
+    locked,
+    read_json,
+    read_metadata,
+    sync,
+    write_json,
+)
+from pipeline.layout import (
+    COLUMNS,
+    COORDINATES,
+    DONE,
+    FAILED,
+    FIELDS,
+    PENDING,
+    RECORDS,
+    Variable,
+    checksum,
+    describe,
+    differences,
+    grown,
+    lasting_attributes,
+    present_attributes,
+)
+from pipeline.plan import Point, PointResult
+from pipeline.sweep import Sweep
+from pipeline.together import together
+from tribo import QUANTILES
+
+__all__ = [
+    "DONE",
+    "FAILED",
+    "PENDING",
+    "FailedPoint",
+    "Store",
+    "StoreError",
+    "StoreMismatchError",
+    "Summary",
+    "locked",
+    "prepare",
+    "summary",
+]
+
+Array = NDArray[np.float64]
+
+_GROWING_CHUNK = 256  # of the coordinates along which a store grows
+_FILL: dict[str, Any] = {"float64": np.nan, "str": ""}
+_NAN = base64.b64encode(struct.pack("<d", np.nan)).decode()  # as xarray spells it in attributes
+
+
+@dataclass(frozen=True, slots=True)
+class FailedPoint:
+    """A point that could not be computed: load [N], velocity [m/s] and why."""
+
+    load: float
+    velocity: float
+    message: str
+
+
+@dataclass(frozen=True, slots=True)
+class Summary:
+    """How far a sweep has come.
+
+    Attributes
+    ----------
+    name, title : str
+        Of the scene.
+    total, done, pending : int
+        Points that the scene asks for, those of them that are done and those still to do.
+    failed : tuple of FailedPoint
+    """
+
+    name: str
+    title: str
+    total: int
+    done: int
+    pending: int
+    failed: tuple[FailedPoint, ...]
+
+
+class Store:
+    """An open store. It crosses process borders as its path; a process opens it once.
+
+    Parameters
+    ----------
+    path : str or path
+        Of a store that `prepare` has made.
+    mode : {"r+", "r"}
+        To write points too, or to read only.
+
+    Attributes
+    ----------
+    path : Path
+    attributes : dict
+        Of the root group.
+    axes : dict of list
+        Values along each dimension, in the order of the store.
+
+    Raises
+    ------
+    StoreError
+        If there is no readable store.
+    """
+
+    def __init__(self, path: PathLike, mode: Literal["r+", "r"] = "r+") -> None:
+        self.path = folder_of(path)
+        self.attributes, arrays = read_metadata(self.path)
+        self._revision = hashlib.sha256(json.dumps(arrays).encode()).hexdigest()
+        self._files = _Files(self.path)
+        (self._arrays,) = together([_opened_arrays(self._files, mode)])
+        coordinates = self._read([name for name in COORDINATES if name in self._arrays])
+        self.axes: dict[str, list[float]] = {
+            name: values.tolist() for name, values in coordinates.items()
+        }
+        self._rows = {load: index for index, load in enumerate(self.axes["load"])}
+        self._columns = {speed: index for index, speed in enumerate(self.axes["velocity"])}
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _opened, (self.path, self._revision)
+
+    def asked(self) -> list[Point]:
+        """Points of the scene that was run last."""
+        chosen = self.attributes.get("chosen")
+        if chosen is not None:
+            return [Point(load, velocity) for load, velocity in chosen]
+        loads, velocities = self.attributes["loads"], self.attributes["velocities"]
+        return [Point(load, velocity) for velocity in velocities for load in loads]
+
+    def status(self) -> dict[Point, int]:
+        """Status of every point there is room for."""
+        flags = self._read(["status"])["status"]
+        return {
+            Point(load, velocity): int(flags[i, j])
+            for load, i in self._rows.items()
+            for velocity, j in self._columns.items()
+        }
+
+    def is_done(self, point: Point) -> bool:
+        """Whether a point is complete."""
+        return bool(self._read(["status"], point)["status"] == DONE)
+
+    def summary(self) -> Summary:
+        """Count points, without reading their data."""
+        status = self.status()
+        asked = self.asked()
+        counts = [status[point] for point in asked]
+        failed = (point for point in asked if status[point] == FAILED)
+        return Summary(
+            name=self.attributes["name"],
+            title=self.attributes["title"],
+            total=len(asked),
+            done=counts.count(DONE),
+            pending=counts.count(PENDING),
+            failed=tuple(
+                FailedPoint(*at, str(self._read(["message"], at)["message"])) for at in failed
+            ),
+        )
+
+    def commit(self, result: PointResult) -> None:
+        """Put a point on the disk, its status last.
+
+        Raises
+        ------
+        StoreError
+            If it cannot be written.
+        """
+        data = result.columns | (result.fields if "pressure" in self._arrays else {})
+        with self._writing(result.point) as write:
+            write({name: self._padded(name, values) for name, values in data.items()})
+            write({"wall_time": result.wall_time, "message": "; ".join(result.warnings)})
+            write({"checksum": checksum(data)})
+            self._files.sync()
+            write({"status": DONE})
+
+    def fail(self, point: Point, message: str) -> None:
+        """Record why a point failed, unless it is done after all; raise as `commit` does."""
+        with self._writing(point) as write:
+            if not self.is_done(point):
+                write({"message": message})
+                write({"status": FAILED})
+
+    def forget(self, point: Point) -> None:
+        """Make a point pending again; raise as `commit` does."""
+        with self._writing(point) as write:
+            write({"status": PENDING})
+            write({"message": ""})
+
+    def is_intact(self, point: Point) -> bool:
+        """Whether the data of a point are those that its checksum was taken of."""
+        names = [name for name in (*COLUMNS, *FIELDS, "checksum") if name in self._arrays]
+        try:
+            found = self._read(names, point)
+        except (RuntimeError, ValueError, OSError):  # what Zarr's codecs raise on damaged chunks
+            return False
+        steps = np.count_nonzero(np.isfinite(found["time"]))
+        data = {name: found[name][:steps] for name in COLUMNS}
+        fields = {name: found[name] for name in FIELDS if name in found}
+        data |= {name: field for name, field in fields.items() if np.isfinite(field).any()}
+        return bool(found["checksum"] == checksum(data))
+
+    def _index(self, point: Point) -> tuple[int, int]:
+        return self._rows[point.load], self._columns[point.velocity]
+
+    def _read(self, names: list[str], point: Point | None = None) -> dict[str, Any]:
+        """Values by variable, all of them or those of a point."""
+        at = slice(None) if point is None else self._index(point)
+        values = together(self._arrays[name].getitem(at) for name in names)
+        return {name: np.asarray(array)[()] for name, array in zip(names, values, strict=True)}
+
+    def _padded(self, name: str, values: Array) -> Array:
+        """Values as long as the store's axis of steps, which keeps whole chunks to one point."""
+        if name not in COLUMNS:
+            return values
+        rows = np.full(self._arrays[name].shape[2:], np.nan)
+        rows[: len(values)] = values
+        return rows
+
+    @contextmanager
+    def _writing(self, point: Point) -> Iterator[Callable[[Mapping[str, Any]], None]]:
+        """Give a function that writes values of a point; in the end they are on the disk."""
+        index = self._index(point)
+
+        def write(values: Mapping[str, Any]) -> None:
+            together(self._arrays[name].setitem(index, value) for name, value in values.items())
+
+        try:
+            yield write
+            self._files.sync()
+        except OSError as error:
+            raise StoreError(
+                f"{self.path}: the point at {point.load:g} N and {point.velocity:g} m/s cannot be "
+                f"recorded: {error.strerror or error}; what is finished is safe, go on when there "
+                "is room and permission to write"
+            ) from error
+
+
+def summary(path: PathLike) -> Summary:
+    """Count the points of a store, without reading their data.
+
+    Raises
+    ------
+    StoreError
+        If there is no readable store.
+    """
+    return Store(path, mode="r").summary()
+
+
+def prepare(path: PathLike, sweep: Sweep) -> Store:
+    """Create the store of a sweep, or open it and make room for what the sweep adds.
+
+    To be called while `locked`. What is in the store stays, whether or not the sweep still asks
+    for it.
+
+    Raises
+    ------
+    StoreMismatchError
+        If the store belongs to another scene; the message says how that differs.
+    StoreError
+        If there is something else in its place, or it cannot be written.
+    """
+    folder = folder_of(path)
+    try:
+        if begin(folder):
+            _commit_shape(folder, lasting_attributes(sweep), {}, grown({}, sweep), sweep)
+            return Store(folder)
+        attributes, arrays = read_metadata(folder)
+        axes = Store(folder, mode="r").axes
+        if different := [
+            *differences(attributes["scene"], describe(sweep)),
+            *differences(axes["quantile"], list(QUANTILES), "quantile"),
+        ]:
+            reason = f"{folder} belongs to another scene; write to another store"
+            raise StoreMismatchError("\n  ".join([reason, *different]))
+        _commit_shape(folder, attributes, arrays, grown(axes, sweep), sweep)
+        return Store(folder)
+    except OSError as error:
+        raise StoreError(f"{folder} cannot be written: {error}") from error
+
+
+def _commit_shape(
+    folder: Path,
+    attributes: dict[str, Any],
+    arrays: dict[str, Any],
+    axes: Mapping[str, list[float]],
+    sweep: Sweep,
+) -> None:
+    """Bring arrays and coordinates to size; then commit that and the attributes at one stroke."""
+    files = _Files(folder)
+    with_fields = sweep.store_fields or "pressure" in arrays
+    committed = json.dumps([attributes, arrays], sort_keys=True)
+    variables = COORDINATES | COLUMNS | RECORDS | FIELDS
+    for name, variable in variables.items():
+        if not with_fields and (name in FIELDS or name in ("x", "y")):
+            continue
+        shape = [len(axes[dim]) for dim in variable.dims]
+        if name not in arrays:
+            arrays[name] = _create(files, name, variable, shape)
+        elif arrays[name]["shape"] != shape:
+            arrays[name]["shape"] = shape
+            write_json(folder / name / ROOT, arrays[name])
+        else:
+            continue
+        if name in COORDINATES:
+            zarr.open_array(files, path=name, mode="r+")[:] = np.array(axes[name])
+    files.sync()
+    attributes |= present_attributes(sweep)
+    if json.dumps([attributes, arrays], sort_keys=True) != committed:
+        commit_metadata(folder, attributes, arrays)
+
+
+def _create(files: _Files, name: str, variable: Variable, shape: list[int]) -> dict[str, Any]:
+    """Create an array; return its metadata."""
+    if name in COORDINATES:
+        chunks = [_GROWING_CHUNK] if name in ("load", "velocity", "step") else shape
+    else:
+        chunks = [1, 1, *shape[2:]]
+    attributes = {"long_name": variable.long_name, **variable.attributes}
+    if variable.units is not None:
+        attributes["units"] = variable.units
+    if variable.dtype == "float64" and name not in COORDINATES:
+        attributes["_FillValue"] = _NAN
+    zarr.create_array(
+        files,
+        name=name,
+        shape=tuple(shape),
+        dtype=variable.dtype,
+        chunks=tuple(chunks),
+        compressors=[ZstdCodec(level=1, checksum=True)],
+        fill_value=_FILL.get(variable.dtype, 0),
+        chunk_key_encoding={"name": "default", "separator": "."},
+        dimension_names=variable.dims,
+        attributes=attributes,
+        overwrite=True,
+    )
+    return read_json(files.root / name / ROOT)
+
+
+class _Files(LocalStore):
+    """A local store that sees its files to the disk when asked to."""
+
+    def __init__(self, root: Path, *, read_only: bool = False) -> None:
+        super().__init__(root, read_only=read_only)
+        self._written: deque[Path] = deque()
+
+    async def set(self, key: str, value: Any) -> None:
+        await super().set(key, value)
+        self._written.append(self.root / key)
+
+    def sync(self) -> None:
+        """Wait until all that was written is on the disk."""
+        written = [self._written.popleft() for _ in range(len(self._written))]
+        together(asyncio.to_thread(sync, file) for file in written)
+
+
+async def _opened_arrays(files: _Files, mode: Literal["r+", "r"]) -> dict[str, Any]:
+    """Arrays of a store by name, as its consolidated metadata has them."""
+    with zarr.config.set({"array.write_empty_chunks": True}):
+        group = await open_group(store=files, mode=mode, use_consolidated=True)
+        return {name: array async for name, array in group.arrays()}
+
+
+@functools.lru_cache(maxsize=4)
+def _opened(path: Path, revision: str) -> Store:
+    """The store at `path`; opened anew only after it has grown."""
+    return Store(path)
