@@ -1,0 +1,284 @@
+"""Sweeps on a cluster (pipeline/execute.py and cluster.py)."""
+
+import logging
+import multiprocessing
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+import xarray as xr
+from distributed import LocalCluster
+
+import tribo
+from pipeline import cluster
+from pipeline.execute import ExecutionError, run_sweep
+from pipeline.layout import COLUMNS, FIELDS
+from pipeline.plan import Point, run_point
+from pipeline.store import (
+    FailedPoint,
+    Store,
+    StoreError,
+    StoreMismatchError,
+    locked,
+    prepare,
+    summary,
+)
+from tests.pipeline import tiny
+
+ROOT = Path(__file__).parents[2]
+SWEEP = tiny.full()
+
+
+@pytest.fixture
+def path(tmp_path):
+    return tmp_path / "tiny.zarr"
+
+
+def content(path, names=(*COLUMNS, *FIELDS, "message", "checksum", "status")):
+    """The bytes of what was computed."""
+    with xr.open_zarr(path, chunks=None) as ds:
+        ds = ds.sortby(["load", "velocity"])
+        return {name: ds[name].values.tolist().__repr__() for name in names}
+
+
+# What is computed
+
+
+@pytest.mark.parametrize(("workers", "independent"), [(1, False), (2, False), (2, True)])
+def test_a_sweep_has_the_points_computed_alone_bit_for_bit(path, alone, workers, independent):
+    told = []
+    sweep = tiny.full(independent=independent)
+    outcome = run_sweep(sweep, path, workers=workers, progress=told.append)
+    assert (outcome.total, outcome.done, outcome.computed, outcome.failed) == (9, 9, 9, ())
+    assert content(path) == content(alone)
+    assert [report.done for report in told] == list(range(10))
+    assert told[0].time_to_go is None
+    assert told[-1].time_to_go == 0.0
+    assert multiprocessing.active_children() == []
+
+
+def test_a_measured_surface_gives_the_same_on_a_worker_as_here(path):
+    """Its array must come to the worker as it is, down to the alignment in memory."""
+    heights = SWEEP.roughness.heights(SWEEP.pixels) * 1.01 + 3e-9
+    sweep = tiny.sweep(roughness=tribo.MeasuredRoughness(heights), velocities=(1.0,))
+    run_sweep(sweep, path, workers=1)
+    with xr.open_zarr(path, chunks=None) as ds:
+        expected = run_point(sweep, 600.0, 1.0).columns["max_rise"]
+        assert ds["max_rise"].sel(load=600, velocity=1).values.tobytes() == expected.tobytes()
+
+
+def test_a_run_resumes_where_points_are_pending_failed_damaged_or_new(alone, path):
+    shutil.copytree(alone, path)
+    failed = Point(600.0, 0.5)
+    Store(path).forget(failed)
+    Store(path).fail(failed, "there was too little memory then")
+    for lost in ("status/c.0.0", "status/c.2.1", "rise_quantile/c.1.2.0.0"):
+        (path / lost).unlink()
+    assert summary(path).pending == 2
+    outcome = run_sweep(SWEEP, path, workers=1, retry_failed=True)
+    assert (outcome.computed, outcome.done) == (4, 9)
+    assert content(path) == content(alone)
+    outcome = run_sweep(tiny.full(loads=(200.0, 250.0, 800.0), velocities=(1.5,)), path)
+    assert (outcome.total, outcome.computed, outcome.done) == (3, 2, 3)
+    result = run_point(SWEEP, 800.0, 1.5)
+    with xr.open_zarr(path, chunks=None) as ds:
+        found = ds["wear_volume"].sel(load=800, velocity=1.5).values
+        assert found[: len(result.columns["time"])].tobytes() == (
+            result.columns["wear_volume"].tobytes()
+        )
+
+
+def test_nothing_to_do_starts_no_cluster(alone, path, monkeypatch):
+    shutil.copytree(alone, path)
+    monkeypatch.setattr(cluster, "LocalCluster", None)
+    outcome = run_sweep(SWEEP, path)
+    assert (outcome.done, outcome.computed) == (9, 0)
+
+
+# What goes wrong
+
+
+def test_a_killed_worker_costs_no_point(path, alone):
+    def kill_one(report):
+        if report.done == 3:
+            os.kill(multiprocessing.active_children()[0].pid, signal.SIGKILL)
+
+    outcome = run_sweep(SWEEP, path, workers=2, progress=kill_one)
+    assert (outcome.done, outcome.failed) == (9, ())
+    assert content(path) == content(alone)
+
+
+def test_a_point_that_kills_its_workers_fails_alone(path):
+    deadly = tiny.DeadlyRamp(150.0, 750.0, at=250.0)
+    outcome = run_sweep(tiny.sweep(loading=deadly, velocities=(1.0, 1.5)), path, workers=2)
+    assert outcome.done == 4
+    assert {(point.load, point.velocity) for point in outcome.failed} == {(250, 1.0), (250, 1.5)}
+    assert all("out of memory, or killed" in point.message for point in outcome.failed)
+    store = Store(path)
+    for point in (Point(150.0, 1.0), Point(600.0, 1.5)):
+        assert store.is_intact(point)
+        with xr.open_zarr(path, chunks=None) as ds:
+            found = ds["max_rise"].sel(load=point.load, velocity=point.velocity).values
+        expected = run_point(tiny.sweep(), *point).columns["max_rise"]
+        assert found[: len(expected)].tobytes() == expected.tobytes()
+
+
+def test_a_point_that_fails_says_why_and_is_tried_again_when_asked_to(path):
+    diverging = tiny.DivergingRamp(150.0, 750.0, at=250.0)
+    sweep = tiny.sweep(loading=diverging, velocities=(1.0,))
+    expected = FailedPoint(250.0, 1.0, "ConvergenceError: the contact did not converge")
+    outcome = run_sweep(sweep, path, workers=1)
+    assert (outcome.done, outcome.computed, outcome.failed) == (2, 2, (expected,))
+    assert run_sweep(sweep, path, workers=1).computed == 0
+    assert summary(path).failed == (expected,)
+    assert run_sweep(sweep, path, workers=1, retry_failed=True).failed == (expected,)
+
+
+def test_a_load_that_cannot_be_carried_fails_and_the_others_do_not(path):
+    outcome = run_sweep(tiny.sweep(loads=(150.0, 1e6), velocities=(1.0,), increments=1), path)
+    assert outcome.done == 1
+    assert "InputError: normal_load is" in outcome.failed[0].message
+
+
+def test_a_disk_that_cannot_be_written_stops_the_sweep_and_keeps_what_is_finished(path):
+    """A folder in the way of a chunk stands for a full disk, which root cannot be denied."""
+    prepare(path, SWEEP)
+    in_the_way = path / "time" / "c.2.1.0" / "x"
+    in_the_way.mkdir(parents=True)
+    with pytest.raises(StoreError, match="600 N and 1 m/s cannot be recorded"):
+        run_sweep(SWEEP, path, workers=1)
+    assert multiprocessing.active_children() == []
+    assert 5 <= summary(path).done < 9
+    shutil.rmtree(in_the_way.parent)
+    assert run_sweep(SWEEP, path, workers=1).done == 9
+
+
+def test_another_scene_and_a_second_driver_are_refused_before_a_cluster_starts(
+    alone, path, monkeypatch
+):
+    monkeypatch.setattr(cluster, "LocalCluster", None)
+    shutil.copytree(alone, path)
+    with pytest.raises(StoreMismatchError, match=r"fidelity\.increments"):
+        run_sweep(tiny.sweep(increments=5), path)
+    with locked(path), pytest.raises(StoreError, match=f"in use by process {os.getpid()}"):
+        run_sweep(SWEEP, path)
+
+
+def test_a_number_of_workers_below_one_is_refused(path):
+    with pytest.raises(tribo.InputError, match="workers is 0"):
+        run_sweep(SWEEP, path, workers=0)
+
+
+def test_a_scheduler_that_does_not_answer_is_named(path, monkeypatch):
+    monkeypatch.setattr(cluster, "_PATIENCE", 0.5)
+    with pytest.raises(ExecutionError, match=r"no Dask scheduler answers at tcp://127\.0\.0\.1:1"):
+        run_sweep(SWEEP, path, scheduler="tcp://127.0.0.1:1")
+
+
+def test_a_given_scheduler_is_used_and_its_loss_is_an_error(path, tmp_path, alone, monkeypatch):
+    """Its worker has three threads, of which only one at a time may compute."""
+    slow = tiny.sweep(loading=tiny.SlowRamp(150.0, 750.0))
+    with LocalCluster(
+        n_workers=1,
+        threads_per_worker=3,
+        dashboard_address="127.0.0.1:0",
+        scheduler_kwargs={"dashboard": False},
+        silence_logs=logging.CRITICAL,
+    ) as given:
+        assert run_sweep(SWEEP, path, scheduler=given.scheduler_address).done == 9
+        assert content(path) == content(alone)
+
+        def lose(report):
+            if report.done == 2:
+                given.close()
+
+        monkeypatch.setattr(cluster, "_PATIENCE", 1.0)
+        with pytest.raises(ExecutionError, match="scheduler is lost; finished points are safe"):
+            run_sweep(slow, tmp_path / "b.zarr", scheduler=given.scheduler_address, progress=lose)
+    assert summary(tmp_path / "b.zarr").done >= 2
+
+
+# Ctrl-C, in a process of its own
+
+SCRIPT = """
+import sys
+from pipeline.execute import run_sweep
+from tests.pipeline import tiny
+
+if __name__ == "__main__":
+    sweep = tiny.full(loading=tiny.SlowRamp(150.0, 750.0))
+    try:
+        run_sweep(
+            sweep, sys.argv[1], workers=2, progress=lambda report: print(report.done, flush=True)
+        )
+    except KeyboardInterrupt:
+        sys.exit(130)
+"""
+
+
+@pytest.fixture
+def driver(path, tmp_path):
+    script = tmp_path / "script.py"
+    script.write_text(SCRIPT)
+    process = subprocess.Popen(
+        [sys.executable, script, path],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+    )
+    yield process
+    if process.poll() is None:
+        os.killpg(process.pid, signal.SIGKILL)
+    process.communicate()
+
+
+def group_is_gone(leader, patience=10.0):
+    """Whether no process of a terminal's foreground is left."""
+    end = time.monotonic() + patience
+    while time.monotonic() < end:
+        try:
+            os.killpg(leader, 0)
+        except ProcessLookupError:
+            return True
+        time.sleep(0.05)
+    return False
+
+
+@pytest.mark.parametrize("finished", [0, 3])
+def test_ctrl_c_ends_everything_within_seconds_and_keeps_finished_points(driver, path, finished):
+    """As a terminal does it: the signal goes to the driver and all workers."""
+    while driver.stdout.readline() != f"{finished}\n":
+        pass
+    if not finished:
+        time.sleep(0.7)  # while the workers start
+    began = time.monotonic()
+    os.killpg(driver.pid, signal.SIGINT)
+    assert driver.wait(20) == 130
+    assert time.monotonic() - began < 10
+    assert group_is_gone(driver.pid)
+    assert driver.stderr.read() == ""
+    store = Store(path)
+    done = [point for point in store.asked() if store.is_done(point)]
+    assert finished <= len(done) < 9
+    assert all(store.is_intact(point) for point in done)
+    with locked(path):
+        pass
+
+
+def test_a_driver_that_is_killed_leaves_no_workers_and_a_store_to_resume(driver, path, alone):
+    while driver.stdout.readline() != "2\n":
+        pass
+    driver.kill()
+    driver.wait()
+    assert group_is_gone(driver.pid)
+    assert summary(path).done >= 2
+    slow = tiny.full(loading=tiny.SlowRamp(150.0, 750.0))
+    assert run_sweep(slow, path, workers=2).done == 9
+    assert content(path) == content(alone)
