@@ -73,8 +73,8 @@ def _is_ball(pin: Any) -> bool:
     return isinstance(pin, dict) and pin.get("shape") == "ball"
 
 
-def _has_file(roughness: Any) -> bool:
-    return isinstance(roughness, dict) and "file" in roughness
+def _has_file(table: Any) -> bool:
+    return isinstance(table, dict) and "file" in table
 
 
 def _is_list(value: Any) -> bool:
@@ -88,6 +88,7 @@ def _is_table(value: Any) -> bool:
 SIZE = Quantity("a length", "2 mm")
 LENGTH = Quantity("a length", "0.95 um")
 LOAD = Quantity("a load", "200 N")
+DURATION = Quantity("a duration", "4 s", zero=True)
 VELOCITY = Quantity("a velocity", "1.25 m/s", zero=True)
 TEMPERATURE = Quantity("a temperature", "25 degC")
 FRICTION = Number(at_least=0)
@@ -128,7 +129,16 @@ FORMAT = Table({
         "pixel_size": List(LENGTH, length=2),
         "periodic_y": Optional(Flag()),  # by default as the pin's shape has it
     }),
-    "loading": Table({"rate": Quantity("a loading rate", "150 N/s"), "reference_load": LOAD}),
+    "loading": Either(
+        Table({
+            "rate": Quantity("a loading rate", "150 N/s"),
+            "reference_load": LOAD,
+            "hold": Optional(DURATION, 0.0),
+            "hold_steps": Optional(Whole(at_least=1)),
+        }),
+        Table({"file": Text(), "reference_load": Optional(LOAD)}),  # by default the record's peak
+        when=_has_file,
+    ),
     "wear": Optional(Table({
         "specific_wear_rate": Quantity("a wear rate", "1.2e-6 mm^3/(N m)", zero=True),
         "pattern": _kind(get_type_hints(tribo.Wear)["pattern"]),
@@ -182,11 +192,12 @@ def load_scene(
     found = FORMAT.read(_toml(path), "", faults)
     fidelity, preset = _fidelity(found["fidelity"] or {}, preset, overrides or {}, faults)
     roughness = _roughness(_at(found, "disk.roughness"), path.parent, faults)
+    loading = _loading(found["loading"], path.parent, faults)
     _check_tables(found, fidelity, roughness, faults)
-    if faults:
+    if faults or loading is None:
         raise SceneFileError(path, faults)
     try:
-        return _sweep(path.stem, found, roughness, fidelity, preset)
+        return _sweep(path.stem, found, loading, roughness, fidelity, preset)
     except tribo.InputError as error:
         raise SceneFileError(path, [str(error)]) from error
 
@@ -261,6 +272,24 @@ def _roughness(
     return None
 
 
+def _loading(
+    table: Mapping[str, Any] | None, folder: Path, faults: list[str]
+) -> tribo.Ramp | tribo.MeasuredLoad | None:
+    """Make the loading; None if it is faulty."""
+    if table is None or any(
+        entry is None for key, entry in table.items() if key not in ("reference_load", "hold_steps")
+    ):
+        return None
+    try:
+        if "file" in table:
+            return tribo.read_load(folder / table["file"], table["reference_load"])
+        return tribo.Ramp(**table) if table["reference_load"] else None
+    except tribo.InputError as error:
+        key = "loading.file" if "file" in table else "loading"
+        faults.append(f"{key}: {' '.join(str(error).split())}")
+        return None
+
+
 def _check_tables(
     found: dict[str, Any],
     fidelity: tribo.Fidelity,
@@ -333,6 +362,7 @@ def _at(found: dict[str, Any], path: str) -> Any:
 def _sweep(
     name: str,
     found: dict[str, Any],
+    loading: tribo.Ramp | tribo.MeasuredLoad,
     roughness: tribo.SelfAffineRoughness | tribo.MeasuredRoughness | None,
     fidelity: tribo.Fidelity,
     preset: str | None,
@@ -353,7 +383,7 @@ def _sweep(
             window["pixel_size"],
             periodic=(False, cylinder if periodic_y is None else periodic_y),
         ),
-        loading=tribo.Ramp(**found["loading"]),
+        loading=loading,
         roughness=roughness,
         wear=tribo.Wear(**found["wear"]) if found["wear"] else None,
         fidelity=fidelity,

@@ -146,7 +146,7 @@ def test_the_scene_of_the_paper_holds_the_papers_numbers():
         loading=tribo.Ramp(rate=150.0, reference_load=750.0),
         roughness=tribo.SelfAffineRoughness(0.27e-6, 0.8, (4e-6, 4e-6), seed=0),
         wear=tribo.Wear(1.2e-15, "swept"),
-        fidelity=tribo.PRESETS["standard"],
+        fidelity=tribo.Fidelity(pixels_per_element=2, increments=100),
         name="irg_transition",
         title=sweep.title,
         loads=tuple(200.0 + 50.0 * i for i in range(12)),
@@ -161,7 +161,7 @@ def test_the_scene_of_the_paper_holds_the_papers_numbers():
         ),
         store_fields=True,
         independent=False,
-        preset="standard",
+        preset=None,
     )
     assert sweep.grid.shape == (240, 240)
     assert sweep.grid.spacing == pytest.approx((1.632e-6, 1.9e-6), rel=1e-15)
@@ -298,6 +298,12 @@ def test_a_preset_asked_for_replaces_the_files_fidelity_and_overrides_come_last(
         ("pixels =", "periodic_y = false\npixels =", "wear.pattern", ['give "local"']),
         ('"swept"', '"swetp"', "wear.pattern", ['did you mean "swept"?', '"local" or "swept"']),
         ('"150 N/s"', '"150 N"', "loading.rate", ['"150 N"', "N/s"]),
+        ('"150 N/s"', '"150 N/s"\nhold = 4', "loading.hold", ["4 has no unit", '"4 s"']),
+        ('"150 N/s"', '"150 N/s"\nhold = "4 N"', "loading.hold", ["unlike", '"4 s"']),
+        ('"150 N/s"', '"150 N/s"\nhold_steps = 0', "loading.hold_steps", ["at least 1"]),
+        ('rate = "150 N/s"', 'file = "no.csv"', "loading.file", ["No such file"]),
+        ('rate = "150 N/s"', 'file = 3\nhold = "4 s"', "loading.hold", ["unknown key"]),
+        ('rate = "150 N/s"', "file = 3", "loading.file", ["3 is no text"]),
         ('"145 degC"', '"24 degC"', "temperature.critical", ["24 °C", "25 °C"]),
         ('"145 degC"', '"25 degC"', "temperature.critical", ["not above", '"145 degC"']),
         ('length = "3.4 mm"', 'length = "0.455 mm"', "pin.length", ["0.456 mm", "at least"]),
@@ -308,7 +314,7 @@ def test_a_preset_asked_for_replaces_the_files_fidelity_and_overrides_come_last(
         ("coefficient = 0.1", "coefficient = true", "friction.coefficient", ["true is no plain"]),
         ("[pin]", '"a\\u2028b" = 1\n[pin]', 'materials.steel."a\\u2028b"', ["unknown key"]),
         ("coefficient = 0.1", "coefficient = -0.1", "friction.coefficient", ["at least 0"]),
-        ('"draft"', '"fast"', "fidelity.preset", ['"draft" or "standard" or "reference"']),
+        ('"draft"', '"fast"', "fidelity.preset", ['"draft" or "standard"', '"reference"']),
         ('"draft"', '"draft"\nincrements = 0', "fidelity.increments", ["0", "at least 1"]),
         ('"draft"', '"draft"\nincrements = "9"', "fidelity.increments", ["whole number"]),
         ('"draft"', '"draft"\npartition = "x"', "fidelity.partition", ['"local"', '"uniform"']),
@@ -344,6 +350,27 @@ def test_a_missing_table_is_named(faults, table):
     rest = TEXT[start + 1 :]
     found = faults((TEXT[start : start + 1 + rest.index("\n[")], ""))
     assert any(line.startswith(f"{table.split('.')[0]}: missing; give") for line in found)
+
+
+def test_a_load_is_held(read):
+    loading = read(('"150 N/s"', '"150 N/s"\nhold = "4 s"\nhold_steps = 8')).loading
+    assert loading == tribo.Ramp(150.0, 750.0, hold=4.0, hold_steps=8)
+
+
+def test_a_measured_load_stands_in_place_of_the_ramp(read, faults, tmp_path):
+    rows = "time [ms], load [kN]\n0, 0\n2000, 0.4\n5000, 0.8\n"
+    (tmp_path / "record.csv").write_text(rows)
+    times, loads = np.array([0.0, 2.0, 5.0]), np.array([0.0, 400.0, 800.0])
+    ramp, record = 'rate = "150 N/s"\nreference_load = "750 N"', 'file = "record.csv"'
+    assert read((ramp, record)).loading == tribo.MeasuredLoad(times, loads)
+    record += '\nreference_load = "500 N"'
+    assert read((ramp, record)).loading == tribo.MeasuredLoad(times, loads, 500.0)
+    (fault,) = faults((ramp, record.replace("500", "900")))
+    assert fault.startswith("loading.file: ")
+    assert "reaches 800 N" in fault
+    (tmp_path / "record.csv").write_text(rows + "4000, 0.8\n")
+    (fault,) = faults((ramp, record))
+    assert "line 5: time 4 s after 5 s" in fault
 
 
 def test_a_ball_fits_neither_a_periodic_window_nor_swept_wear(faults):
