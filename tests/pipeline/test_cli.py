@@ -1,0 +1,211 @@
+"""The command line, as a user types it."""
+
+import json
+
+import pytest
+import xarray as xr
+
+from pipeline.cli import main
+
+SCENE = """
+title = "A small sweep"
+
+[materials.steel]
+elastic_modulus = "210 GPa"
+poisson_ratio = 0.3
+hardness = "6.6 GPa"
+thermal_conductivity = "45 W/(m K)"
+density = "7800 kg/m^3"
+specific_heat = "470 J/(kg K)"
+
+[pin]
+shape = "cylinder"
+radius = "2 mm"
+length = "3.4 mm"
+material = "steel"
+
+[disk]
+material = "steel"
+
+[disk.roughness]
+ra = "0.27 um"
+hurst_exponent = 0.8
+correlation_length = "16 um"
+seed = 0
+
+[window]
+pixels = [48, 16]
+pixel_size = ["8 um", "8 um"]
+
+[loading]
+rate = "150 N/s"
+reference_load = "750 N"
+
+[wear]
+specific_wear_rate = "1.2e-6 mm^3/(N m)"
+pattern = "swept"
+
+[friction]
+coefficient = 0.1
+
+[temperature]
+bulk = "25 degC"
+critical = "145 degC"
+failing_share = 0.1
+
+[fidelity]
+pixels_per_element = 1
+increments = 10
+
+[sweep]
+loads = ["200 N", "400 N", "600 N"]
+velocities = ["1 m/s", "2 m/s", "4 m/s"]
+fields = true
+"""
+
+
+def run(*arguments):
+    return main([str(argument) for argument in arguments])
+
+
+@pytest.fixture(scope="module")
+def swept(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("cli")
+    (folder / "small.toml").write_text(SCENE)
+    out = folder / "small.zarr"
+    assert run("run", folder / "small.toml", "-o", out, "--workers", 1) == 0
+    return folder
+
+
+def test_run_again_has_nothing_left_to_do(swept, capsys):
+    assert run("run", swept / "small.toml", "-o", swept / "small.zarr", "--json") == 0
+    document = json.loads(capsys.readouterr().out)
+    assert (document["points"], document["done"], document["computed"]) == (9, 9, 0)
+    assert document["failed"] == []
+
+
+def test_check_says_what_would_run_and_runs_nothing(swept, capsys):
+    before = sorted(swept.iterdir())
+    assert run("check", swept / "small.toml", "--json", "--workers", 2) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert document["points"] == 9
+    # The trunk to 600 N has 8 stations and the lower loads, which lie between stations, leave it
+    # by a step each: 8 + 2 contacts at each of 3 velocities.
+    assert document["steps"] == 30
+    assert document["temperatures"] == 9
+    assert document["seconds"] > 0
+    assert sorted(swept.iterdir()) == before
+
+
+def test_status_counts_points(swept, capsys):
+    assert run("status", swept / "small.zarr") == 0
+    assert "9 points: 9 done, 0 failed, 0 pending" in capsys.readouterr().out
+
+
+def test_boundary_moves_with_the_conditions_given(swept, capsys):
+    found = []
+    for friction in (0.08, 0.1, 0.12):
+        assert run("boundary", swept / "small.zarr", "--friction", friction, "--json") == 0
+        found.append(json.loads(capsys.readouterr().out))
+    at_600 = [document["critical_velocity"][2] for document in found]
+    assert at_600 == sorted(at_600, reverse=True)
+    assert found[0]["conditions"]["friction"] == 0.08
+    arguments = ("--bulk-temperature", "60 degC", "--critical-temperature", "180 degC")
+    assert run("boundary", swept / "small.zarr", *arguments, "--json") == 0
+    # 60 and 180 °C leave the same 120 K as 25 and 145 °C.
+    moved = json.loads(capsys.readouterr().out)
+    assert moved["critical_velocity"][2] == pytest.approx(found[1]["critical_velocity"][2])
+
+
+def test_boundary_in_words_names_its_conditions(swept, capsys):
+    assert run("boundary", swept / "small.zarr") == 0
+    out = capsys.readouterr().out
+    assert "friction 0.1, bulk 25 °C, critical 145 °C, failing share 0.1" in out
+    assert "critical velocity [m/s]" in out
+
+
+def test_point_alone_equals_the_point_of_the_sweep(swept, capsys):
+    arguments = ("--load", "400 N", "--velocity", "2 m/s", "--json")
+    assert run("point", swept / "small.toml", *arguments) == 0
+    alone = json.loads(capsys.readouterr().out)
+    stored = xr.open_zarr(swept / "small.zarr", chunks=None).sel(load=400.0, velocity=2.0)
+    last = int(stored["time"].notnull().sum()) - 1
+    for name in ("max_rise", "mean_rise", "contact_width", "wear_volume", "max_pressure"):
+        assert alone[name] == float(stored[name][last])
+
+
+def test_point_in_words(swept, capsys):
+    arguments = ("--load", "600 N", "--velocity", "4 m/s")
+    assert run("point", swept / "small.toml", *arguments) == 0
+    out = capsys.readouterr().out
+    assert "600 N at 4 m/s" in out
+    assert "severe wear" in out
+    assert "°C" in out
+
+
+@pytest.mark.parametrize("kind", ["diagram", "ramp", "fields"])
+def test_plot_writes_a_figure(swept, tmp_path, capsys, kind):
+    out = tmp_path / f"{kind}.png"
+    assert run("plot", swept / "small.zarr", "--kind", kind, "-o", out, "--json") == 0
+    assert json.loads(capsys.readouterr().out) == {"kind": kind, "file": str(out)}
+    assert out.read_bytes()[:4] == b"\x89PNG"
+
+
+def test_another_scene_is_refused_with_what_differs(swept, tmp_path, capsys):
+    other = tmp_path / "other.toml"
+    other.write_text(SCENE.replace('radius = "2 mm"', 'radius = "3 mm"'))
+    assert run("run", other, "-o", swept / "small.zarr", "--workers", 1) == 3
+    assert "pin.radius" in capsys.readouterr().err
+
+
+def test_every_fault_of_a_scene_is_named_with_its_key(tmp_path, capsys):
+    scene = tmp_path / "faulty.toml"
+    text = SCENE.replace('radius = "2 mm"', 'radius = "-2 mm"').replace("title", "titel")
+    text = text.replace('"150 N/s"', '"150 N"').replace("[friction]\ncoefficient = 0.1\n", "")
+    scene.write_text(text)
+    assert run("check", scene) == 2
+    said = capsys.readouterr().err
+    for key in ("pin.radius", "titel", "loading.rate", "friction"):
+        assert key in said
+    assert "Traceback" not in said
+
+
+def test_an_unknown_preset_is_refused_with_those_known(swept, capsys):
+    assert run("run", swept / "small.toml", "--preset", "superb") == 2
+    said = capsys.readouterr().err
+    assert "superb" in said
+    assert "draft" in said
+
+
+def test_what_is_not_there_is_refused(tmp_path, capsys):
+    assert run("check", tmp_path / "missing.toml") == 2
+    assert run("status", tmp_path / "missing.zarr") == 2
+    assert run("boundary", tmp_path / "missing.zarr") == 2
+    assert run("plot", tmp_path / "missing.zarr") == 2
+    assert "Traceback" not in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["run"], "SCENE.toml"),
+        (["sing", "scene.toml"], "sing"),
+        (["run", "scene.toml", "--workers", "none"], "at least 1"),
+        (["point", "scene.toml", "--load", "5 kg", "--velocity", "1 m/s"], "750 N"),
+        (["point", "scene.toml", "--load", "5", "--velocity", "1 m/s"], "750 N"),
+        (["plot", "out.zarr", "--kind", "portrait"], "diagram"),
+        (["run", "scene.toml", "--workers", "2", "--scheduler", "tcp://a:1"], "not allowed"),
+    ],
+)
+def test_wrong_use_exits_with_2_and_says_why(arguments, said, capsys):
+    with pytest.raises(SystemExit) as caught:
+        main(arguments)
+    assert caught.value.code == 2
+    assert said in capsys.readouterr().err
+
+
+def test_conditions_out_of_range_are_refused(swept, capsys):
+    assert run("boundary", swept / "small.zarr", "--share", "1.5") == 2
+    assert "share" in capsys.readouterr().err
+    assert run("boundary", swept / "small.zarr", "--critical-temperature", "10 degC") == 2
+    assert "critical_temperature" in capsys.readouterr().err

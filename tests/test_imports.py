@@ -1,0 +1,54 @@
+"""What an import costs: heavy libraries only where they are needed."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+HEAVY = {"dask", "distributed", "zarr", "xarray", "matplotlib", "pint"}
+
+
+def loaded_by(code):
+    """Heavy modules, and those of the project, that a fresh interpreter has loaded after `code`."""
+    watched = HEAVY | {"pipeline", "tribo"}
+    report = f"import sys\n{code}\nprint(*sorted({watched!r} & set(sys.modules)))"
+    done = subprocess.run(
+        [sys.executable, "-c", report],
+        env=os.environ | {"PYTHONPATH": str(ROOT)},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    return set(done.stdout.splitlines()[-1].split())
+
+
+@pytest.mark.parametrize(
+    ("code", "allowed"),
+    [
+        ("import tribo, tribo.analytic", {"tribo"}),
+        ("import pipeline", {"pipeline"}),
+        ("import pipeline.cli", {"pipeline", "tribo"}),
+        # pint looks for dask by itself.
+        ("import pipeline; pipeline.load_scene", {"pipeline", "tribo", "pint", "dask"}),
+        ("import pipeline; pipeline.run_point", {"pipeline", "tribo"}),
+        ("import pipeline; pipeline.summary", {"pipeline", "tribo", "zarr"}),
+        ("import pipeline; pipeline.open_sweep", {"pipeline", "tribo", "zarr", "xarray"}),
+    ],
+)
+def test_an_import_loads_no_more_than_it_needs(code, allowed):
+    assert loaded_by(code) <= allowed
+
+
+def test_every_public_name_is_there():
+    import pipeline
+    import tribo
+
+    for module in (pipeline, tribo):
+        for name in module.__all__:
+            assert getattr(module, name) is not None
+    assert callable(pipeline.boundary)
+    with pytest.raises(AttributeError, match="no attribute 'nonsense'"):
+        _ = pipeline.nonsense
