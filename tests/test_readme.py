@@ -1,0 +1,46 @@
+"""What the README shows is what happens."""
+
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+import pipeline
+from pipeline.cli import main
+
+ROOT = Path(__file__).parents[1]
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+BLOCKS = re.findall(r"```python\n(.*?)```", README, flags=re.DOTALL)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """A place where the README's paths lead somewhere, with one point of its diagram computed."""
+    folder = tmp_path_factory.mktemp("readme")
+    (folder / "workflows").symlink_to(ROOT / "workflows")
+    sweep = pipeline.load_scene(ROOT / "workflows" / "first_try.toml")
+    sweep = replace(sweep, loads=(600.0,), velocities=(1.5,))
+    pipeline.run_sweep(sweep, folder / "results" / "irg_transition.zarr", workers=1)
+    return folder
+
+
+@pytest.mark.parametrize("block", BLOCKS, ids=range(len(BLOCKS)))
+def test_python_blocks_run(block, folder, monkeypatch):
+    monkeypatch.chdir(folder)
+    exec(compile(block, "README.md", "exec"), {})
+
+
+def test_every_command_shown_is_one_that_exists(capsys):
+    shown = set(re.findall(r"^irg (\w+)", README, flags=re.MULTILINE))
+    assert shown >= {"run", "check", "status", "boundary", "point", "plot"}
+    for name in shown:
+        with pytest.raises(SystemExit) as caught:
+            main([name, "--help"])
+        assert caught.value.code == 0
+    capsys.readouterr()
+
+
+def test_links_lead_somewhere():
+    for target in re.findall(r"\]\((?!https?:)([^)#]+)", README):
+        assert (ROOT / target).exists(), target
