@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from pipeline.boundaries import boundary, decisive_temperature
     from pipeline.dataset import end_of_point, open_sweep
-    from pipeline.estimate import estimate
+    from pipeline.cost import estimate
     from pipeline.execute import run_sweep
     from pipeline.figures import plot
     from pipeline.plan import run_point
@@ -31,7 +31,7 @@ _HOMES = {
     "decisive_temperature": "boundaries",
     "display": "units",
     "end_of_point": "dataset",
-    "estimate": "estimate",
+    "estimate": "cost",
     "load_scene": "scenefile",
     "open_sweep": "dataset",
     "plot": "figures",
