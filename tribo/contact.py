@@ -9,8 +9,8 @@ a single one) and clips the result; near the solution it is fast, but it may cyc
 gradient step* with Barzilai–Borwein length and exact line search (Birgin, Martínez & Raydan,
 SIAM J. Optim. 10, 2000) is slower, but always lowers the energy. It starts the iteration, and
 takes over for longer each time that the active-set steps stop making progress, so that the
-whole converges from any start. Where swept wear is softer than the half-space, both go by the
-metric of `rows`.
+whole converges from any start. Where rows of elements are soft as a whole, both go by the metric
+of `rows`.
 
 Displacements are updated along with the pressure rather than computed anew, which costs digits.
 No result is given out before what that may have cost is known to lie within the tolerance, or the
@@ -42,7 +42,9 @@ ContactCriterion = Literal["gap", "pressure-change"]
 _INNER_ITERATIONS = 3
 _INNER_REDUCTION = 0.1
 _SETTLED = 0.2  # share of the contact's nodes that may change state before active-set steps start
-_SOFT = 1.0  # wear of an element, in units of its elastic compliance, that needs a `RowMetric`
+
+_SOFT = 0.05  # coupling within rows, in units of an element's compliance, worth a `RowMetric`
+_VERY_SOFT = 1e6  # the same, far beyond elements of any shape
 _PATIENCE = 3  # active-set steps without progress before gradient steps take over
 
 _EPSILON = float(np.finfo(np.float64).eps)
@@ -50,6 +52,8 @@ _EPSILON = float(np.finfo(np.float64).eps)
 # Observed are 8 for all of a solution's updates together, and 20 where it started far off.
 _LOST_AT_ONCE, _LOST_A_STEP = 16.0, 1.0
 _STALLED = 40  # iterations without progress at the level of rounding after which to give up
+_LOST = 1000  # the same at any level
+_MOST_SHIFTS = 3  # of the datum; one does unless heights have no digits left for the contact
 _LOAD_ERROR = 1e-12  # of the load, beyond which the pressure is scaled again
 _SMALLEST, _LARGEST = 1e-280, 1e280  # of squares and products on the way
 
@@ -193,6 +197,13 @@ def _check(
             f"normal_load is {normal_load:g} N on a patch of {area:g} m²; it must be finite and "
             f"between 0 and {capacity:g} N, what the hardness of {hardness:g} Pa carries there"
         )
+    softness = _soft_rows(solid)[1] / solid.self_influence
+    if softness > _VERY_SOFT and _EPSILON * softness > 10 * tolerance:
+        raise InputError(
+            f"tolerance is {tolerance:.1e}; rounding allows no less than {_EPSILON * softness:.1e} "
+            f"where rows of elements yield {softness:.1e} times as much as one element does. If "
+            "that is by wear, take shorter steps"
+        )
     stress = normal_load / area
     depth = stress * solid.self_influence
     # An iteration multiplies stresses by depths, and depths by depths.
@@ -210,16 +221,16 @@ class _Problem:
     def __init__(self, solid: ElasticHalfSpace, z: Array, total: float, hardness: float) -> None:
         self.solid, self.total, self.hardness = solid, total, hardness
         # Heights count from a datum near the contact: far from 0 they would have few digits.
-        self.datum = float(z.min())
+        self._heights, self.datum = z, float(z.min())
         self.z = z - self.datum
         self.iterations = 0
         self._updates = 0  # of the displacement since it was last computed
+        self._shifts = 0  # of the datum
         self._lowest, self._lowest_at = math.inf, 0  # residual, iteration
         self._inner_iterations = _INNER_ITERATIONS
-        self._metric: RowMetric | None = None
-        if solid.row_compliance > _SOFT * z.shape[1] * solid.self_influence:
-            self._metric = RowMetric(solid.self_influence, solid.row_compliance, z.shape)
-        self._first_length = 1.0 if self._metric else 1 / solid.self_influence
+        self._soft_axis, self._coupling = _soft_rows(solid)
+        self._is_soft = self._coupling > _SOFT * solid.self_influence
+        self._first_length = 1.0 if self._is_soft else 1 / solid.self_influence
         self.pressure = np.empty(z.shape)
         self.displacement = np.empty(z.shape)
         self._direction = np.zeros(z.shape)
@@ -243,11 +254,11 @@ class _Problem:
             inactive = free | _wrong_side(gap, self.pressure, free)
             unit = self.solid.self_influence * float(self.pressure.max())
             residual = float(np.abs(gap[inactive]).max(initial=0.0)) / unit
-            stalled = self._has_stalled(residual, unit)
+            stalled = self._has_stalled(residual, approach, unit)
             exhausted = self.iterations >= max_iterations or not math.isfinite(residual)
             error, slack = residual, tolerance - residual
             if criterion == "pressure-change":
-                error, slack = change, math.inf
+                error, slack = change if residual else 0.0, math.inf
             if error <= tolerance or stalled or exhausted:
                 if self._is_proven(approach, unit, slack, exhausted):
                     break
@@ -266,7 +277,7 @@ class _Problem:
                 best, without_progress = residual, 0
             old_pressure = self.pressure.copy() if criterion == "pressure-change" else self.pressure
             if gradient_steps > 0:
-                length = self._gradient_step(gap, length)
+                length = self._gradient_step(gap, inactive, length)
                 gradient_steps -= 1
             else:
                 left = max_iterations - self.iterations
@@ -279,7 +290,7 @@ class _Problem:
             if stalled:
                 largest = float(np.abs(self.displacement).max())
                 advice = (
-                    f"rounding of displacements of {largest:.1e} m allows no less, so ask for at "
+                    f"with displacements of {largest:.1e} m it falls no further, so ask for at "
                     f"least {2 * residual:.0e}"
                 )
             raise ConvergenceError(
@@ -308,22 +319,26 @@ class _Problem:
     def _load_error(self) -> float:
         return abs(float(self.pressure.sum()) / self.total - 1)
 
-    def _has_stalled(self, residual: float, unit: float) -> bool:
-        """Whether the residual has stopped falling where rounding decides about it."""
+    def _has_stalled(self, residual: float, approach: float, unit: float) -> bool:
+        """Whether the residual has stopped falling, mostly because rounding decides about it."""
         if residual < 0.9 * self._lowest:
             self._lowest, self._lowest_at = residual, self.iterations
-        if self.iterations - self._lowest_at <= _STALLED:
+        waited = self.iterations - self._lowest_at
+        if waited <= _STALLED:
             return False
-        largest = float(np.abs(self.displacement).max())
-        return self._lowest * unit <= 2 * _LOST_AT_ONCE * _EPSILON * largest
+        largest = float(np.abs(self.displacement).max()) + abs(approach)
+        at_rounding = self._lowest * unit <= 2 * _LOST_AT_ONCE * _EPSILON * largest
+        return at_rounding or waited > _LOST
 
     def _is_proven(self, approach: float, unit: float, slack: float, exhausted: bool) -> bool:
         """Whether rounding has cost less than `slack` of the residual; if not, restore digits."""
         largest = float(np.abs(self.displacement).max())
         lost = (_LOST_AT_ONCE + _LOST_A_STEP * self._updates) * _EPSILON * largest
-        if abs(approach) > 4 * (largest + unit):
-            self.z = self.z - approach
+        if abs(approach) > 4 * (largest + unit) and self._shifts < _MOST_SHIFTS:
             self.datum += approach
+            self.z = self._heights - self.datum
+            self._shifts += 1
+            self._lowest = math.inf
         elif not exhausted and self._load_error() > _LOAD_ERROR:
             self.pressure = _scaled_to_load(self.pressure, self.total, self.hardness)
             self._convolve(self.pressure, self.displacement)
@@ -338,14 +353,18 @@ class _Problem:
         self.iterations += 1
         self._updates = 0 if out is self.displacement else self._updates + 1
 
-    def _gradient_step(self, gap: Array, length: float) -> float:
+    def _gradient_step(self, gap: Array, inactive: Mask, length: float) -> float:
         """Move along the projected gradient to the lowest energy; return the next length."""
-        if self._metric:
-            goal = self.pressure - length * self._metric.raised(gap)
-            step = self._metric.nearest(goal, self.total, self.hardness)
+        nodes = np.flatnonzero(inactive)
+        metric = self._metric_on(nodes)
+        if metric:
+            old = self.pressure.ravel()[nodes]
+            goal = old - length * metric.raised(gap.ravel()[nodes])
+            step = np.zeros(gap.shape)
+            step.ravel()[nodes] = self._within_bounds(goal, inactive, metric) - old
         else:
             step = _projected(self.pressure - length * gap, self.total, self.hardness)
-        step -= self.pressure
+            step -= self.pressure
         self._convolve(step, self._response)
         curvature = float(np.sum(step * self._response))
         slope = float(np.sum(step * gap))
@@ -355,11 +374,26 @@ class _Problem:
         self.pressure += fraction * step
         np.clip(self.pressure, 0.0, self.hardness, out=self.pressure)
         self.displacement += fraction * self._response
-        if self._metric:
-            return self._metric.square(step) / curvature
+        if metric:
+            return metric.square(step.ravel()[nodes]) / curvature
         if self.iterations % 2:
             return float(np.sum(step * step)) / curvature
         return curvature / float(np.sum(self._response * self._response))
+
+    def _metric_on(self, nodes: NDArray[np.intp]) -> RowMetric | None:
+        if not self._is_soft:
+            return None
+        ny = self.z.shape[1]
+        rows = nodes // ny if self._soft_axis == 1 else nodes % ny
+        return RowMetric(self.solid.self_influence, self._coupling, rows)
+
+    def _within_bounds(self, pressure: Array, inactive: Mask, metric: RowMetric | None) -> Array:
+        """Pressure on the inactive nodes, within the bounds and such that all carry the load."""
+        at_bounds = float(self.pressure.sum()) - float(self.pressure[inactive].sum())
+        load = self.total - at_bounds
+        if metric:
+            pressure = metric.nearest(pressure, load, self.hardness)
+        return _shifted_to_load(pressure, load, self.hardness)
 
     def _active_set_step(self, gap: Array, inactive: Mask, enough: float, left: int) -> None:
         """Conjugate gradients on the inactive nodes alone, then back into the bounds."""
@@ -368,7 +402,8 @@ class _Problem:
         residual = gap.ravel()[nodes]
         residual -= residual.mean()
         goal = max(_INNER_REDUCTION * float(np.abs(residual).max()), enough)
-        steepest = self._metric.balanced(residual, nodes) if self._metric else residual
+        metric = self._metric_on(nodes)
+        steepest = metric.balanced(residual) if metric else residual
         direction = steepest.copy()
         square = float(np.sum(residual * steepest))
         self._direction[...] = 0.0
@@ -387,7 +422,7 @@ class _Problem:
             residual -= length * response
             self._response *= length
             self.displacement -= self._response
-            steepest = self._metric.balanced(residual, nodes) if self._metric else residual
+            steepest = metric.balanced(residual) if metric else residual
             square, previous = float(np.sum(residual * steepest)), square
             if float(np.abs(residual).max()) <= goal:
                 break
@@ -397,14 +432,22 @@ class _Problem:
         if pressure.min() >= 0 and pressure.max() <= self.hardness:
             self.pressure.ravel()[nodes] = pressure
             return
-        if self._metric:
-            self.pressure.ravel()[nodes] = pressure
-            self.pressure = self._metric.nearest(self.pressure, self.total, self.hardness)
-            self._convolve(self.pressure, self.displacement)
-            return
-        at_bounds = self.total - (float(self.pressure.sum()) - float(self.pressure[inactive].sum()))
-        self.pressure.ravel()[nodes] = _shifted_to_load(pressure, at_bounds, self.hardness)
+        self.pressure.ravel()[nodes] = self._within_bounds(pressure, inactive, metric)
         self._convolve(self.pressure, self.displacement)
+
+
+def _soft_rows(solid: ElasticHalfSpace) -> tuple[int, float]:
+    """The axis along which rows yield most as a whole, and c/n of `rows` [m/Pa].
+
+    c is what waves across the rows yield, in the median, beyond what an element does.
+    """
+    (nx, ny), spectrum = solid.grid.shape, solid.spectrum.real
+    couplings = [
+        (float(np.median(across)) - solid.self_influence) / n if len(across) else 0.0
+        for n, across in ((nx, spectrum[0, 1:]), (ny, spectrum[1:, 0]))
+    ]
+    axis = int(couplings[1] >= couplings[0])
+    return axis, max(0.0, couplings[axis])
 
 
 def _approach(gap: Array, free: Mask, pressure: Array) -> float:

@@ -49,9 +49,6 @@ class ElasticHalfSpace(Convolution):
     self_influence : float
         Displacement of an element under unit pressure on itself alone, all images left out
         [m/Pa]. The unit in which the contact solver judges a gap.
-    row_compliance : float
-        What has been added to the displacement of a row along y by the mean pressure on it [m/Pa],
-        as swept wear does.
 
     Examples
     --------
@@ -70,7 +67,6 @@ class ElasticHalfSpace(Convolution):
         super().__init__(grid, np.fft.rfft2(influence).real)
         if all(grid.periodic):
             self.spectrum[0, 0] = 0.0
-        self.row_compliance = 0.0
         half_sides = grid.spacing[0] / 2, grid.spacing[1] / 2
         self.self_influence = float(
             _love(np.zeros(1), np.zeros(1), *half_sides)[0] / (np.pi * contact_modulus)
@@ -211,13 +207,12 @@ def _long_element(x: Array, y: Array, a: float, b: float, period: float) -> Arra
     It is that of line loads −(2/L) ln(|x|/L), plus what varies along y, which decays like
     exp(−2π|x|/L) and so is taken from parts of the element that are close and short enough.
     """
-    half = a / math.ceil(2 * a / period)
     total = np.repeat(_line_load(x, a, b, period)[:, None], y.size, axis=1)
     for index in np.flatnonzero(x - a < _FADED * period):
-        left = x[index] - a
-        first, last = ((limit - left) / (2 * half) for limit in (-_FADED * period, _FADED * period))
-        parts = np.arange(max(0, math.floor(first)), min(round(a / half), math.ceil(last)))
-        centres = np.abs(left + half * (2 * parts + 1))
+        left, right = max(x[index] - a, -_FADED * period), min(x[index] + a, _FADED * period)
+        parts = math.ceil((right - left) / period)
+        half = (right - left) / (2 * parts)
+        centres = np.abs(left + half * (2 * np.arange(parts) + 1))
         varying = _images_summed(centres, y, half, b, period)
         varying -= _line_load(centres, half, b, period)[:, None]
         total[index] += varying.sum(axis=0)

@@ -1,14 +1,17 @@
-"""The metric in which pressure is measured where swept wear is much softer than the half-space.
+"""The metric in which pressure is measured where rows of elements are soft as a whole.
 
-Swept wear yields to the mean pressure of a row along y alone: it adds c·⟨p⟩_y to the displacement.
-With c a million times the compliance of an element, plain gradients point almost nowhere but at
-the rows' means. In the metric
+A row along y or x may yield far more to its mean pressure than its elements do to what they carry
+beyond it: because of swept wear, which adds c·⟨p⟩_y to the displacement, or because its elements
+are long across the row and so lie close together. Plain gradients then point almost nowhere but
+at the rows' means. In the metric
 
-    M = d·I + (c/ny) Σᵢ 1ᵢ1ᵢᵀ,    1ᵢ the nodes of row i,                                       (1)
+    M = d·I + (c/n) Σᵢ 1ᵢ1ᵢᵀ,    1ᵢ the n nodes of row i,                                      (1)
 
-with d the compliance of an element, the operator is as well conditioned as without wear. M is
-inverted row by row (Sherman & Morrison), and the nearest pressure within bounds is found for all
-rows at once.
+with d the compliance of an element and c that of a row, the operator is about as well conditioned
+as if there were no rows. M is inverted row by row (Sherman & Morrison), and the nearest pressure
+within bounds is found for all rows at once. On the paper's grid and ramp, but with 10 increments
+and at 5 m/s, that takes 19 iterations an increment in place of 180; with wear a million times
+larger, 17 in place of none that would do.
 """
 
 from __future__ import annotations
@@ -20,81 +23,94 @@ __all__ = ["RowMetric"]
 
 Array = NDArray[np.float64]
 
-_ROUNDING = 1e-14
-_MOST_STEPS = 200  # of a root finder that halves its bracket at the latest every second step
+_ROUNDING = 1e-15
+_MOST_STEPS = 100  # of a root finder that halves its bracket where Newton's method leaves it
 
 
 class RowMetric:
-    """The metric of Eq. (1) for fields of a given shape.
+    """The metric of Eq. (1) on some nodes of a field; all others stay as they are.
+
+    Fields are vectors of the values at these nodes.
 
     Parameters
     ----------
-    compliance : float
-        d [m/Pa].
-    row_compliance : float
-        c [m/Pa].
-    shape : tuple of int
-        ``(nx, ny)``.
+    compliance, coupling : float
+        d and c/n [m/Pa].
+    rows : ndarray of int
+        Number of the row of each node.
 
     Examples
     --------
-    >>> metric = RowMetric(compliance=1.0, row_compliance=4.0, shape=(1, 2))
-    >>> metric.square(np.array([[1.0, 3.0]]))
+    >>> metric = RowMetric(1.0, 2.0, rows=np.array([3, 3]))
+    >>> metric.square(np.array([1.0, 3.0]))
     42.0
-    >>> metric.raised(np.array([[1.0 + 2 * 4, 3.0 + 2 * 4]]))
-    array([[1., 3.]])
+    >>> metric.raised(np.array([1.0 + 2 * 4, 3.0 + 2 * 4]))
+    array([1., 3.])
     """
 
-    def __init__(self, compliance: float, row_compliance: float, shape: tuple[int, int]) -> None:
-        self._d, self._k = compliance, row_compliance / shape[1]
-        self._shape = shape
+    def __init__(self, compliance: float, coupling: float, rows: NDArray[np.intp]) -> None:
+        self._d, self._k = compliance, coupling
+        count = np.bincount(rows)
+        # Rows that hold none of the nodes are left out.
+        self._row = (np.cumsum(count > 0) - 1)[rows]
+        self._count = count[count > 0]
+        self._softness = 1 / (self._d + self._k * self._count)
+
+    def _sums(self, values: Array) -> Array:
+        sums: Array = np.bincount(self._row, values, minlength=len(self._count)).astype(np.float64)
+        return sums
 
     def square(self, step: Array) -> float:
-        """StepᵀM step of a field."""
-        rows = step.sum(axis=1)
+        """StepᵀM step."""
+        rows = self._sums(step)
         return self._d * float(np.sum(step * step)) + self._k * float(np.sum(rows * rows))
 
     def raised(self, gradient: Array) -> Array:
-        """M⁻¹ gradient of a field: the direction in which the energy falls fastest."""
-        mean = gradient.mean(axis=1, keepdims=True)
-        softened = mean / (self._d + self._k * self._shape[1])
-        direction: Array = (gradient - mean) / self._d + softened
-        return direction
+        """M⁻¹ gradient: the direction in which the energy falls fastest."""
+        mean = self._sums(gradient) / self._count
+        return np.asarray(
+            (gradient - mean[self._row]) / self._d + (self._softness * mean)[self._row]
+        )
 
-    def balanced(self, gradient: Array, nodes: NDArray[np.intp]) -> Array:
-        """The same on some `nodes` alone, given by their flat index, and at constant load.
-
-        That is M⁻¹(gradient − μ) with the μ for which it sums to 0.
-        """
-        rows = nodes // self._shape[1]
-        count = np.bincount(rows, minlength=self._shape[0])
-        softness = 1 / (self._d + self._k * count)
-        mean = np.bincount(rows, gradient, minlength=self._shape[0]) / np.maximum(count, 1)
-        direction = (gradient - mean[rows]) / self._d + (softness * mean)[rows]
-        excess = float(np.sum(count * softness * mean)) / float(np.sum(count * softness))
-        direction -= excess * softness[rows]
-        return direction
+    def balanced(self, gradient: Array) -> Array:
+        """The same at constant load: M⁻¹(gradient − μ), with the μ for which it sums to 0."""
+        weight = self._count * self._softness
+        mu = float(np.sum(weight * self._sums(gradient) / self._count)) / float(np.sum(weight))
+        return self.raised(gradient - mu)
 
     def nearest(self, field: Array, total: float, highest: float) -> Array:
         """The field nearest to `field` that sums to `total` and lies between 0 and `highest`.
 
         Within row i it is clip(q + sᵢ), q being the given field, with
 
-            d·sᵢ + (c/ny)(Σ clip(q + sᵢ) − Σ q) = μ                                           (2)
+            d·sᵢ + (c/n)(Σ clip(q + sᵢ) − Qᵢ) = μ,   Qᵢ = Σ q,                                (2)
 
         for every row. The left-hand side grows with sᵢ, and the sum of all with μ: one root inside
         another, each by Newton's method in a bracket.
         """
-        q, top = field, min(highest, total)
-        sums = q.sum(axis=1)
+        q, sums = field, self._sums(field)
+        for _ in range(3):
+            nearest, shift, sums = self._shifted(q, sums, total, highest)
+            if abs(float(nearest.sum()) - total) <= 100 * _ROUNDING * total:
+                break
+            # Where q is far larger than what is left of it, the rest has more digits.
+            q = q + shift[self._row]
+        return nearest
+
+    def _shifted(
+        self, q: Array, sums: Array, total: float, highest: float
+    ) -> tuple[Array, Array, Array]:
+        """Solve Eq. (2) as exactly as the digits of q allow: clip(q + s), s, and its rows' sums."""
+        top = min(highest, total)
+        digits = _ROUNDING * (total + float(np.abs(sums).sum()))
         reach = self._d * (top + float(np.abs(q).max()))
-        reach += self._k * (float(np.abs(sums).max()) + self._shape[1] * top)
+        reach += self._k * (float(np.abs(sums).max()) + float(self._count.max()) * top)
         low, high, mu = -reach, reach, 0.0
-        shift = np.zeros(len(q))
+        shift = np.zeros(len(sums))
         for _ in range(_MOST_STEPS):
             nearest, shift, moving = self._rows_at(mu, q, sums, shift, highest, top)
             excess = float(nearest.sum()) - total
-            if abs(excess) <= 10 * _ROUNDING * total:
+            if abs(excess) <= digits:
                 break
             low, high = (low, mu) if excess > 0 else (mu, high)
             slope = float(np.sum(moving / (self._d + self._k * moving)))
@@ -104,11 +120,11 @@ class RowMetric:
             if following == mu:
                 break
             mu = following
-        return nearest
+        return nearest, shift, self._sums(nearest)
 
     def _rows_at(
         self, mu: float, q: Array, sums: Array, shift: Array, highest: float, top: float
-    ) -> tuple[Array, Array, NDArray[np.intp]]:
+    ) -> tuple[Array, Array, Array]:
         """Solve Eq. (2) for every row: clip(q + s), s, and how many nodes are between the bounds.
 
         Where there is no root, all nodes of the row are at one bound, whatever s.
@@ -117,10 +133,10 @@ class RowMetric:
         low = np.full(shift.shape, -float(q.max()))
         high = np.full(shift.shape, top - float(q.min()))
         for _ in range(_MOST_STEPS):
-            clipped = q + shift[:, None]
-            moving = np.count_nonzero((clipped > 0) & (clipped < highest), axis=1)
+            clipped = q + shift[self._row]
+            moving = self._sums(((clipped > 0) & (clipped < highest)).astype(np.float64))
             np.clip(clipped, 0.0, highest, out=clipped)
-            carried = clipped.sum(axis=1)
+            carried = self._sums(clipped)
             excess = d * shift + k * (carried - sums) - mu
             size = d * np.abs(shift) + k * (carried + np.abs(sums)) + abs(mu)
             over = excess > 0

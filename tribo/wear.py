@@ -140,9 +140,7 @@ class Wear:
             return worn
         spectrum = solid.spectrum.copy()
         spectrum[:, 0] += compliance
-        worn = solid.with_spectrum(spectrum)
-        worn.row_compliance += compliance
-        return worn
+        return solid.with_spectrum(spectrum)
 
     def stiffness(self, solid: ElasticHalfSpace, distance: float) -> float:
         """k·dS/λ_min, the decay of the shortest wave over a sliding distance.
