@@ -66,7 +66,12 @@ class MeasuredLoad:
     digest: str = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        times, loads = (np.array(column, dtype=np.float64) for column in (self.times, self.loads))
+        try:
+            times, loads = (
+                np.array(column, dtype=np.float64) for column in (self.times, self.loads)
+            )
+        except (TypeError, ValueError) as error:
+            raise InputError(f"a load record must hold real numbers: {error}") from error
         if times.ndim != 1 or times.shape != loads.shape or len(times) < 2:
             raise InputError(
                 f"a load record has times of shape {times.shape} and loads of shape {loads.shape}; "

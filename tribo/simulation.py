@@ -235,8 +235,8 @@ def advance(
         force += weight * normal_load
         check_contact(
             contact.pressure,
-            normal_load / patches,
-            area,
+            normal_load,
+            area * patches,
             scene.hardness,
             contact.residual,
             fidelity.contact_tolerance if by_gap else np.inf,

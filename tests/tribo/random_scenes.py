@@ -81,7 +81,7 @@ def random_point(seed, wildness):
     load = area * patches * stress * draw.log(1e-4, 0.7, far=9.0)
     if draw.chance(0.1):
         load = area * patches * stress * draw.either(0.9, 0.999, 1 - 1e-9, 1.0, 1.01)
-    reference = load * draw.log(0.7, 3.0, far=1.0)
+    reference = load * draw.log(0.3, 3.0, far=0.0)
     velocity = draw.either(-1.0, 1.0, 1.0, 1.0) * draw.log(1e-2, 1e1)
     if draw.chance(0.1):
         velocity = 0.0
