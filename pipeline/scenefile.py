@@ -14,6 +14,9 @@ from os import PathLike
 from pathlib import Path
 from typing import Any, Literal, get_args, get_origin, get_type_hints
 
+import numpy as np
+from numpy.typing import NDArray
+
 import tribo
 from pipeline.schema import (
     Choice,
@@ -33,6 +36,7 @@ from pipeline.schema import (
     did_you_mean,
     quoted,
 )
+from pipeline.surfaces import PLAIN, Surface, cropped, filled, levelled, read_surface
 from pipeline.sweep import Conditions, Measurement, Sweep
 from pipeline.units import display
 
@@ -120,7 +124,13 @@ FORMAT = Table({
                 "correlation_length": Either(LENGTH, List(LENGTH, length=2), when=_is_list),
                 "seed": Optional(Whole(at_least=0), 0),
             }),
-            Table({"file": Text(), "height_unit": Unit("a unit of length", "um")}),
+            Table({
+                "file": Text(),
+                "height_unit": Optional(Unit("a unit of length", "um")),  # where the file has none
+                "crop": Optional(List(Whole(at_least=0), length=2)),  # its first row and column
+                "level": Optional(Flag(), False),
+                "missing": Optional(Choice(("refuse", "fill")), "refuse"),
+            }),
             when=_has_file,
         )),
     }),
@@ -191,15 +201,17 @@ def load_scene(
     faults: list[str] = []
     found = FORMAT.read(_toml(path), "", faults)
     fidelity, preset = _fidelity(found["fidelity"] or {}, preset, overrides or {}, faults)
-    roughness = _roughness(_at(found, "disk.roughness"), path.parent, faults)
+    notes: list[str] = []
+    roughness = _roughness(found, path.parent, faults, notes)
     loading = _loading(found["loading"], path.parent, faults)
     _check_tables(found, fidelity, roughness, faults)
     if faults or loading is None:
         raise SceneFileError(path, faults)
     try:
-        return _sweep(path.stem, found, loading, roughness, fidelity, preset)
+        sweep = _sweep(path.stem, found, loading, roughness, fidelity, preset)
     except tribo.InputError as error:
         raise SceneFileError(path, [str(error)]) from error
+    return replace(sweep, notes=tuple(notes))
 
 
 def _toml(path: Path) -> dict[str, Any]:
@@ -252,24 +264,82 @@ def _fidelity(
 
 
 def _roughness(
-    table: Mapping[str, Any] | None, folder: Path, faults: list[str]
+    found: dict[str, Any], folder: Path, faults: list[str], notes: list[str]
 ) -> tribo.SelfAffineRoughness | tribo.MeasuredRoughness | None:
     """Make the disk's roughness; None if there is none, or a faulty one."""
-    if table is None or None in table.values():
+    table = _at(found, "disk.roughness")
+    if table is None:
         return None
-    if "file" not in table:
-        length = table["correlation_length"]
-        pair = length if isinstance(length, tuple) else (length, length)
-        return tribo.SelfAffineRoughness(**{**table, "correlation_length": pair})
-    file = folder / table["file"]
+    if "file" in table:
+        heights = _measured_heights(table, found, folder, faults, notes)
+        return None if heights is None else tribo.MeasuredRoughness(heights)
+    if None in table.values():
+        return None
+    length = table["correlation_length"]
+    pair = length if isinstance(length, tuple) else (length, length)
+    return tribo.SelfAffineRoughness(**{**table, "correlation_length": pair})
+
+
+def _measured_heights(
+    table: Mapping[str, Any],
+    found: dict[str, Any],
+    folder: Path,
+    faults: list[str],
+    notes: list[str],
+) -> NDArray[np.float64] | None:
+    """Read a measured surface, and make it fit: cropped, levelled, without holes."""
+    if any(fault.startswith("disk.roughness.") for fault in faults):
+        return None
+    file, unit = folder / table["file"], table["height_unit"]
+    if unit is None and file.suffix.lower() in PLAIN:
+        faults.append(
+            f"disk.roughness.height_unit: missing; {file.suffix} files need a unit of length, such "
+            'as "um"'
+        )
+        return None
     try:
-        return tribo.MeasuredRoughness(tribo.read_heights(file, table["height_unit"]))
+        surface = read_surface(file, unit)
     except tribo.InputError as error:
         fault = str(error)
     except Exception as error:  # a damaged file makes NumPy raise errors of any kind
         fault = f"{file}: not a plain array of numbers: {error!r}"
+    else:
+        return _fitted_heights(surface, table, found, faults, notes)
     faults.append(f"disk.roughness.file: {' '.join(fault.split())}")
     return None
+
+
+def _fitted_heights(
+    surface: Surface,
+    table: Mapping[str, Any],
+    found: dict[str, Any],
+    faults: list[str],
+    notes: list[str],
+) -> NDArray[np.float64] | None:
+    pixels, sides = _at(found, "window.pixels"), _at(found, "window.pixel_size")
+    if surface.pixel_size and sides and not np.allclose(surface.pixel_size, sides, rtol=0.01):
+        own = " × ".join(display(side, "µm") for side in surface.pixel_size)
+        faults.append(f"window.pixel_size: the pixels of disk.roughness.file are {own}; give those")
+    heights = surface.heights
+    if table["crop"] is not None and pixels:
+        try:
+            heights = cropped(heights, table["crop"], pixels)
+        except tribo.InputError as error:
+            faults.append(f"disk.roughness.crop: {error}; give less, or fewer window.pixels")
+            return None
+    holes = np.argwhere(~np.isfinite(heights))
+    if len(holes):
+        row, column = holes[0].tolist()
+        share = f"{len(holes)} of {heights.size} heights ({100 * len(holes) / heights.size:.2g} %)"
+        if table["missing"] == "refuse" or len(holes) == heights.size:
+            faults.append(
+                f"disk.roughness.missing: {share} are missing, the first at row {row}, column "
+                f'{column} (counted from 0); crop them off, or give "fill"'
+            )
+            return None
+        notes.append(f"disk.roughness.file: {share} are missing and were filled from around them")
+        heights = filled(heights)
+    return levelled(heights) if table["level"] else heights
 
 
 def _loading(

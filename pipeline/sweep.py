@@ -68,6 +68,8 @@ class Sweep(Scene):
         Whether each point is simulated from the start instead of on from the next lower load.
     preset : str or None
         Name of the preset that the fidelity equals.
+    notes : tuple of str
+        What reading the scene had to settle, and a user should know.
     chosen : tuple of (float, float) or None
         Loads and velocities of the points to simulate, if not all of them.
     """
@@ -82,4 +84,5 @@ class Sweep(Scene):
     store_fields: bool = False
     independent: bool = False
     preset: str | None = None
+    notes: tuple[str, ...] = ()
     chosen: tuple[tuple[float, float], ...] | None = None

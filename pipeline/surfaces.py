@@ -1,0 +1,200 @@
+"""Measured surfaces as instruments write them, made fit for a scene.
+
+Arrays in ``.npy`` and ``.csv`` are read by `tribo.read_heights`. All else is left to
+SurfaceTopography, which knows some forty formats of profilers, microscopes and the like. It is an
+extra, ``pip install irg-transition[surfaces]``, and loaded when a file needs it.
+"""
+
+from __future__ import annotations
+
+import importlib
+import warnings
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+from scipy.sparse.linalg import spsolve
+
+from tribo import InputError, read_heights
+
+__all__ = ["Surface", "cropped", "filled", "levelled", "read_surface"]
+
+Array = NDArray[np.float64]
+
+PLAIN = (".csv", ".npy")
+"""Endings of plain arrays, which say neither a unit nor the size of a pixel."""
+
+
+@dataclass(frozen=True, slots=True)
+class Surface:
+    """A measured surface.
+
+    Attributes
+    ----------
+    heights : ndarray, shape (nx, ny)
+        [m], positive outwards; NaN where the instrument has none.
+    pixel_size : tuple of float or None
+        Along x and y [m], where the file says so.
+    """
+
+    heights: Array
+    pixel_size: tuple[float, float] | None = None
+
+
+def read_surface(path: str | Path, height_unit: float | None = None) -> Surface:
+    """Read a measured surface.
+
+    Parameters
+    ----------
+    path : str or Path
+        A plain array, or a file of any format that SurfaceTopography reads.
+    height_unit : float, optional
+        What one unit of the file is worth [m], where the file does not say it.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, is no surface, or its unit is not known; or if the extra that
+        its format needs is not installed.
+    """
+    path = Path(path)
+    if path.suffix.lower() in PLAIN:
+        if height_unit is None:
+            raise InputError(f"{path}: a plain array does not say its unit; give it")
+        return Surface(read_heights(path, height_unit))
+    try:
+        formats: Any = importlib.import_module("SurfaceTopography.IO")
+    except ImportError as error:
+        raise InputError(
+            f"{path}: reading {path.suffix or 'such'} files needs SurfaceTopography; get it with "
+            'pip install "irg-transition[surfaces]", or save the heights as .npy'
+        ) from error
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of its own house-keeping
+            topography = formats.open_topography(str(path)).topography()
+            return _converted(path, topography, height_unit)
+    except InputError:
+        raise
+    except Exception as error:  # readers of damaged files raise errors of any kind
+        reason = str(error).strip().splitlines()[:1] or [type(error).__name__]
+        if type(error).__name__ == "CannotDetectFileFormat":
+            reason = ["its format is not known"]
+        raise InputError(f"{path}: cannot be read as a surface: {reason[0]}") from error
+
+
+def _converted(path: Path, topography: Any, height_unit: float | None) -> Surface:
+    """Copy what a topography of the library holds, in metres."""
+    if topography.dim != 2 or not topography.is_uniform:
+        raise InputError(f"{path}: a profile, or unevenly spaced; needed is a map of heights")
+    if topography.unit is None:
+        if height_unit is None:
+            raise InputError(f"{path}: the file does not say the unit of its heights; give it")
+        heights, pixel_size = topography.heights() * height_unit, None
+    else:
+        topography = topography.to_unit("m")
+        heights = topography.heights()
+        dx, dy = topography.pixel_size
+        pixel_size = float(dx), float(dy)
+    copied = np.ma.filled(np.ma.masked_invalid(np.ma.array(heights, dtype=np.float64)), np.nan)
+    return Surface(np.ascontiguousarray(copied), pixel_size)
+
+
+def cropped(heights: Array, first: tuple[int, int], shape: tuple[int, int]) -> Array:
+    """Cut a patch out.
+
+    Parameters
+    ----------
+    heights : ndarray, shape (mx, my)
+    first : tuple of int
+        Row and column at which the patch begins, counted from 0.
+    shape : tuple of int
+        Of the patch, (nx, ny).
+
+    Raises
+    ------
+    InputError
+        If the patch reaches beyond the surface.
+
+    Examples
+    --------
+    >>> cropped(np.arange(12.0).reshape(3, 4), first=(1, 2), shape=(2, 2))
+    array([[ 6.,  7.],
+           [10., 11.]])
+    """
+    (i, j), (nx, ny) = first, shape
+    if i + nx > heights.shape[0] or j + ny > heights.shape[1]:
+        raise InputError(
+            f"a patch of {nx} × {ny} heights from row {i}, column {j} reaches beyond the surface "
+            f"of {heights.shape[0]} × {heights.shape[1]}"
+        )
+    return heights[i : i + nx, j : j + ny].copy()
+
+
+def levelled(heights: Array) -> Array:
+    """Heights above their least-squares plane [m]; NaN stays NaN.
+
+    Examples
+    --------
+    >>> i, j = np.indices((4, 5))
+    >>> bool(np.abs(levelled(3.0 + 2.0 * i - 0.5 * j)).max() < 1e-12)
+    True
+    """
+    known = np.isfinite(heights)
+    i, j = np.indices(heights.shape) / max(heights.shape)
+    terms = np.stack([np.ones(heights.shape), i, j], axis=-1)
+    plane, *_ = np.linalg.lstsq(terms[known], heights[known], rcond=None)
+    level: Array = heights - terms @ plane
+    return level
+
+
+def filled(heights: Array) -> Array:
+    """Replace NaN by the harmonic function that continues the heights around it.
+
+    A membrane spanned over each hole: it adds neither peaks nor valleys, and no roughness.
+
+    Raises
+    ------
+    InputError
+        If there is no height at all.
+
+    Examples
+    --------
+    >>> surface = np.add.outer(np.arange(4.0), np.arange(4.0))
+    >>> holed = surface.copy()
+    >>> holed[1:3, 1:3] = np.nan
+    >>> bool(np.allclose(filled(holed), surface))
+    True
+    """
+    missing = ~np.isfinite(heights)
+    if missing.all():
+        raise InputError("all heights are missing")
+    if not missing.any():
+        return heights.copy()
+    count = int(missing.sum())
+    number = np.full(heights.shape, -1)
+    number[missing] = np.arange(count)
+    rows, columns, weights = [np.empty(0, int)], [np.empty(0, int)], [np.empty(0)]
+    neighbours, known = np.zeros(count), np.zeros(count)
+    for axis in (0, 1):
+        low = tuple(slice(None, -1) if k == axis else slice(None) for k in (0, 1))
+        high = tuple(slice(1, None) if k == axis else slice(None) for k in (0, 1))
+        for here, there in ((low, high), (high, low)):
+            hole = missing[here]
+            own, other, height = number[here][hole], number[there][hole], heights[there][hole]
+            neighbours += np.bincount(own, minlength=count)
+            to_known = other < 0
+            known += np.bincount(own[to_known], height[to_known], minlength=count)
+            rows.append(own[~to_known])
+            columns.append(other[~to_known])
+            weights.append(-np.ones(int((~to_known).sum())))
+    off = sparse.csc_matrix(
+        (np.concatenate(weights), (np.concatenate(rows), np.concatenate(columns))),
+        shape=(count, count),
+    )
+    result = heights.copy()
+    result[missing] = spsolve(sparse.diags(neighbours, format="csc") + off, known)
+    return result
