@@ -1,0 +1,46 @@
+"""The presets on the shipped scene, and what its boundary costs in each way."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+import pipeline
+from pipeline.accuracy import choose_fidelity
+from pipeline.tradeoff import trade
+
+SCENE = Path(__file__).parents[2] / "workflows" / "irg_transition.toml"
+
+
+@pytest.fixture(scope="module")
+def sweep():
+    return pipeline.load_scene(SCENE)
+
+
+def test_presets_against_the_reference(benchmark, sweep):
+    found = benchmark.pedantic(trade, (sweep,), {"base": None}, rounds=1)
+    print(f"\n{found}")
+    draft, standard, fine = found.choices[:3]
+    assert draft.velocity_error > standard.velocity_error > fine.velocity_error > 0
+    for choice, error, saving in ((draft, 0.05, 100), (standard, 0.03, 20), (fine, 0.01, 3)):
+        assert choice.velocity_error <= error
+        assert min(choice.saving, choice.speedup) >= saving
+
+
+@pytest.mark.parametrize("accuracy", [0.05, 0.02, 0.01])
+def test_choice_of_a_fidelity(benchmark, sweep, accuracy):
+    selection = benchmark.pedantic(choose_fidelity, (sweep, accuracy), rounds=1)
+    print(f"\n{selection}")
+    assert selection.error <= accuracy
+
+
+@pytest.mark.parametrize("mode", ["grid", "boundary"])
+def test_whole_boundary(benchmark, sweep, tmp_path, mode):
+    sweep = replace(sweep, store_fields=False)
+    out = tmp_path / "out.zarr"
+    if mode == "grid":
+        benchmark.pedantic(pipeline.run_sweep, (sweep, out), rounds=1)
+    else:
+        benchmark.pedantic(pipeline.follow_boundary, (sweep, out, 0.01), rounds=1)
+    found = pipeline.boundary(pipeline.open_sweep(out))
+    print(f"\n{found['critical_velocity'].values}")
