@@ -1,0 +1,95 @@
+"""Boundary mode: a sweep that chooses its velocities itself, to find the boundary and no more."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import replace
+
+import numpy as np
+
+from pipeline.boundaries import decisive_rise, rise_limit
+from pipeline.dataset import open_sweep
+from pipeline.execute import Outcome, Progress, run_sweep
+from pipeline.folder import ROOT, PathLike, folder_of
+from pipeline.layout import FAILED
+from pipeline.plan import Point, points
+from pipeline.search import BoundarySearch
+from pipeline.sweep import Sweep
+from tribo import InputError
+
+__all__ = ["follow_boundary"]
+
+
+def follow_boundary(
+    sweep: Sweep,
+    out: PathLike,
+    tolerance: float = 0.01,
+    workers: int | None = None,
+    scheduler: str | None = None,
+    progress: Callable[[Progress], None] | None = None,
+    retry_failed: bool = False,
+) -> Outcome:
+    """Find the critical velocity at each load of a sweep, with as few points as that takes.
+
+    The result is a store like that of `pipeline.run_sweep`, with velocities of the search's own
+    between the sweep's lowest and highest. It resumes like that, begins with what is there, and
+    can be completed to the whole sweep later.
+
+    Parameters
+    ----------
+    sweep : Sweep
+    out, workers, scheduler, progress, retry_failed
+        See `pipeline.run_sweep`.
+    tolerance : float
+        Relative, of the critical velocity, besides the error of the scene's fidelity.
+
+    Raises
+    ------
+    InputError
+        If there is no boundary to look for: no friction, or one velocity alone.
+    StoreMismatchError, StoreError, ExecutionError
+        See `pipeline.run_sweep`.
+    """
+    limit = rise_limit(sweep.conditions)
+    moving = [velocity for velocity in sweep.velocities if velocity > 0]
+    if not np.isfinite(limit) or len(moving) < 2:
+        raise InputError(
+            "there is no boundary to look for without friction, or between fewer than two "
+            "velocities above 0"
+        )
+    search = BoundarySearch(sweep.loads, moving[0], moving[-1], limit, tolerance)
+
+    def further() -> Sweep | None:
+        known, failed = _found(sweep, out)
+        asked = search.wanted(known, failed)
+        return _with_points(sweep, {*known, *failed, *asked}) if asked else None
+
+    def begun() -> Sweep:
+        if not (folder_of(out) / ROOT).exists():
+            return _with_points(sweep, search.wanted({}))
+        known, failed = _found(sweep, out)
+        return _with_points(sweep, {*known, *failed, *search.wanted(known, failed)})
+
+    return run_sweep(begun(), out, workers, scheduler, progress, retry_failed, further)
+
+
+def _found(sweep: Sweep, out: PathLike) -> tuple[dict[Point, float], list[Point]]:
+    """The decisive rise at the points that are done, and the points that failed."""
+    ds = open_sweep(out)
+    rise = decisive_rise(ds, sweep.conditions.failing_share)
+    status = ds["status"].transpose("load", "velocity").values
+    known, failed = {}, []
+    for i, load in enumerate(rise["load"].values.tolist()):
+        for j, velocity in enumerate(rise["velocity"].values.tolist()):
+            if load in sweep.loads and np.isfinite(rise.values[i, j]):
+                known[Point(load, velocity)] = float(rise.values[i, j])
+            elif load in sweep.loads and status[i, j] == FAILED:
+                failed.append(Point(load, velocity))
+    return known, failed
+
+
+def _with_points(sweep: Sweep, chosen: Iterable[Point]) -> Sweep:
+    """The sweep at these points alone."""
+    asked = replace(sweep, chosen=tuple(chosen))
+    velocities = tuple(sorted({point.velocity for point in points(asked)}))
+    return replace(asked, velocities=velocities, chosen=points(asked))
