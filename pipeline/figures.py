@@ -24,15 +24,23 @@ from pipeline.boundaries import conditions_of, decisive_rise, rise_exceeded, ris
 from pipeline.dataset import open_sweep
 from pipeline.diagram import diagram
 from pipeline.layout import DONE
-from pipeline.style import BLACK, GREY, celsius, exceeding, heating, in_house_style, title_of
+from pipeline.style import (
+    BLACK,
+    GREY,
+    celsius,
+    exceeding,
+    figure_path,
+    heating,
+    in_house_style,
+    save_figure,
+    title_of,
+)
 from pipeline.sweep import Conditions
 from tribo import InputError
 
 __all__ = ["diagram", "fields", "plot", "ramp"]
 
 Array = NDArray[np.float64]
-
-_SUFFIXES = (".pdf", ".png", ".svg")
 
 
 def plot(
@@ -67,10 +75,9 @@ def plot(
     for name in options:
         if name not in allowed:
             raise InputError(f"{kind} has no option {name!r}; it has {', '.join(allowed)}")
-    if out is not None and Path(out).suffix.lower() not in _SUFFIXES:
-        raise InputError(f"cannot write {out}: the suffix must be one of {', '.join(_SUFFIXES)}")
+    path = None if out is None else figure_path(out)
     figure = draw(ds if isinstance(ds, xr.Dataset) else open_sweep(ds), **options)
-    return figure if out is None else _write(figure, Path(out))
+    return figure if path is None else save_figure(figure, path)
 
 
 @in_house_style
@@ -202,15 +209,6 @@ def fields(
 
 
 _KINDS: dict[str, Callable[..., Figure]] = {"diagram": diagram, "ramp": ramp, "fields": fields}
-
-
-@in_house_style
-def _write(figure: Figure, out: Path) -> Path:
-    try:
-        figure.savefig(out)
-    except OSError as error:
-        raise InputError(f"cannot write {out}: {error.strerror or error}") from error
-    return out
 
 
 def _points(

@@ -5,13 +5,16 @@ from __future__ import annotations
 import functools
 import textwrap
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any, ParamSpec, TypeVar
 
 import xarray as xr
 from cycler import cycler
 from matplotlib import rc_context
+from matplotlib.figure import Figure
 
 from pipeline.sweep import Conditions
+from tribo import InputError
 
 __all__ = [
     "BLACK",
@@ -21,8 +24,10 @@ __all__ = [
     "celsius",
     "criterion",
     "exceeding",
+    "figure_path",
     "heating",
     "in_house_style",
+    "save_figure",
     "title_of",
 ]
 
@@ -57,6 +62,8 @@ _HOUSE_STYLE: Any = {
     "ytick.color": "#444444",
 }
 
+_SUFFIXES = (".pdf", ".png", ".svg")
+
 P = ParamSpec("P")
 R = TypeVar("R")
 
@@ -70,6 +77,36 @@ def in_house_style(draw: Callable[P, R]) -> Callable[P, R]:
             return draw(*args, **kwargs)
 
     return styled
+
+
+def figure_path(out: str | Path) -> Path:
+    """Give the path of a figure to be written, before it is drawn.
+
+    Raises
+    ------
+    InputError
+        If the suffix is none of .pdf, .png and .svg, which decides the format.
+    """
+    path = Path(out)
+    if path.suffix.lower() not in _SUFFIXES:
+        raise InputError(f"cannot write {out}: the suffix must be one of {', '.join(_SUFFIXES)}")
+    return path
+
+
+@in_house_style
+def save_figure(figure: Figure, out: Path) -> Path:
+    """Write a figure.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be written.
+    """
+    try:
+        figure.savefig(out)
+    except OSError as error:
+        raise InputError(f"cannot write {out}: {error.strerror or error}") from error
+    return out
 
 
 def celsius(temperature: Any) -> Any:
