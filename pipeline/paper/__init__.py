@@ -1,0 +1,152 @@
+"""Every figure and table of the paper, recomputed, beside what it prints.
+
+`RESULTS` are their names; `reproduce` computes one; `write_gallery` all of them, and the page that
+shows them.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterable
+from dataclasses import replace
+from pathlib import Path
+
+from pipeline.paper.gallery import page
+from pipeline.paper.held_load import fig5
+from pipeline.paper.line_pressure import fig4
+from pipeline.paper.load_record import fig8
+from pipeline.paper.measured import inverse
+from pipeline.paper.report import Finding, Report, Table
+from pipeline.paper.resolution import fig6
+from pipeline.paper.sensitivity import sensitivity
+from pipeline.paper.study import WORKFLOWS, Study
+from pipeline.paper.table_4 import table4
+from pipeline.paper.table_6 import table6
+from pipeline.paper.transition_diagram import fig10
+from pipeline.schema import did_you_mean
+from pipeline.style import figure_path, save_figure
+from tribo import PRESETS, InputError
+
+__all__ = ["RESULTS", "Finding", "Report", "Study", "Table", "reproduce", "write_gallery"]
+
+_MAKERS: dict[str, tuple[Callable[[Study], Report], str]] = {
+    "fig4": (fig4, "pressure of a cylinder: free ends, nearest images, all images, Hertz"),
+    "fig5": (fig5, "highest temperature through a ramp and a hold, with and without wear"),
+    "fig6": (fig6, "highest temperature against the number of elements and of increments"),
+    "fig8": (fig8, "a recorded load (synthetic) and its linear fit"),
+    "fig10": (fig10, "the transition diagram, with the measured transitions"),
+    "table4": (table4, "contact width, failed share and temperatures at the transitions"),
+    "table6": (table6, "temperatures at the transitions of oil A, at 25 and 100 °C"),
+    "sensitivity": (sensitivity, "to correlation length, lay and Hurst exponent of the roughness"),
+    "inverse": (inverse, "critical temperature, wear rate and rig heating from measurements"),
+}
+
+RESULTS: dict[str, str] = {name: what for name, (_, what) in _MAKERS.items()}
+"""What can be reproduced, by name, in a line each."""
+
+
+def reproduce(
+    name: str,
+    out: str | Path | None = None,
+    *,
+    preset: str | None = None,
+    surfaces: int | None = None,
+    workers: int | None = None,
+    scenes: str | Path = WORKFLOWS,
+    results: str | Path = "results",
+    progress: Callable[[str], None] | None = None,
+) -> Report:
+    """Compute a figure or table of the paper.
+
+    Parameters
+    ----------
+    name : str
+        One of `RESULTS`.
+    out : path, optional
+        Where to write the figure: .pdf, .png or .svg.
+    preset : str, optional
+        Fidelity in place of the one that belongs to the result.
+    surfaces : int, optional
+        Number of random surfaces in place of the result's own.
+    workers : int, optional
+        For a sweep; one for each core if not given.
+    scenes, results : path
+        Folders of the scene files and of the stores.
+    progress : callable, optional
+        Called with a line on what comes next.
+
+    Raises
+    ------
+    InputError
+        If the name, the preset, the number of surfaces or the suffix cannot be, or a scene is
+        missing; besides what the simulation raises.
+    """
+    if name not in _MAKERS:
+        raise InputError(
+            f"{name!r} is no figure or table{did_you_mean(name, _MAKERS)}; "
+            f"there are {', '.join(_MAKERS)}"
+        )
+    if preset is not None and preset not in PRESETS:
+        raise InputError(
+            f"preset is {preset!r}{did_you_mean(preset, PRESETS)}; allowed are {', '.join(PRESETS)}"
+        )
+    if surfaces is not None and not 1 <= surfaces <= 1000:
+        raise InputError(f"surfaces is {surfaces!r}; it must be from 1 to 1000")
+    file = None if out is None else figure_path(out)
+    began = time.perf_counter()
+    study = Study(
+        scenes=Path(scenes),
+        results=Path(results),
+        preset=preset,
+        surfaces=surfaces,
+        workers=workers,
+        tell=progress or (lambda line: None),
+    )
+    report = _MAKERS[name][0](study)
+    if file is not None:
+        save_figure(report.figure, file)
+    return replace(report, seconds=time.perf_counter() - began, file=file)
+
+
+def write_gallery(
+    folder: str | Path,
+    names: Iterable[str] = RESULTS,
+    *,
+    preset: str | None = None,
+    surfaces: int | None = None,
+    workers: int | None = None,
+    scenes: str | Path = WORKFLOWS,
+    results: str | Path = "results",
+    progress: Callable[[str], None] | None = None,
+) -> list[Report]:
+    """Compute every result, and write its figure and the page that shows them.
+
+    Parameters
+    ----------
+    folder : path
+        Where to write ``README.md`` and the figures.
+    names : iterable of str
+        Of the results, all if not given.
+    preset, surfaces, workers, scenes, results, progress
+        See `reproduce`.
+    """
+    folder = Path(folder)
+    if not folder.is_dir():
+        raise InputError(f"{folder} is no folder; give one that exists")
+    tell = progress or (lambda line: None)
+    reports = []
+    for name in names:
+        tell(f"{name}: {RESULTS.get(name, '')}")
+        report = reproduce(
+            name,
+            folder / f"{name}.png",
+            preset=preset,
+            surfaces=surfaces,
+            workers=workers,
+            scenes=scenes,
+            results=results,
+            progress=progress,
+        )
+        reports.append(report)
+    (folder / "README.md").write_text(page(reports), encoding="utf-8")
+    return reports

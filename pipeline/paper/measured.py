@@ -1,0 +1,247 @@
+"""Inverse problems: what the paper's measurements say about what was not measured."""
+
+from __future__ import annotations
+
+import functools
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from pipeline.paper.printed import RIG_HEATING, SPECIFIC_WEAR_RATE, TABLE_4, TABLE_6
+from pipeline.paper.report import Finding, Report, Table, mean_and_spread, statistics
+from pipeline.paper.study import Study, end_of, resurfaced
+from pipeline.style import BLACK, BLUE, GREEN, GREY, VERMILION, celsius, in_house_style
+from pipeline.sweep import Sweep
+from tribo import (
+    InputError,
+    Ramp,
+    Transition,
+    critical_temperature,
+    rig_heating,
+    specific_wear_rate,
+)
+
+__all__ = ["inverse"]
+
+_SURFACES = 8
+_DURATIONS = (6.0, 7.0, 8.0, 9.0, 10.0)  # s, of the whole test: not published
+_FRICTIONS = (0.1, 0.2, 0.4)  # before the friction of the rig jumps, and after it
+
+
+def inverse(study: Study) -> Report:
+    """Critical temperature, specific wear rate and heating of the rig."""
+    white = study.scene("irg_transition", usual_preset="standard")
+    oils = {
+        "white oil": (white,),
+        "oil A": tuple(study.scene(name, "standard") for name in ("oil_a", "oil_a_hot")),
+    }
+    critical = {name: _critical(study, scenes) for name, scenes in oils.items()}
+    study.tell("specific wear rate")
+    rates = _wear_rates(white)
+    widening = _widening(white)
+    lasting = {load: _duration_for(row, SPECIFIC_WEAR_RATE) for load, row in rates.items()}
+    study.tell("friction heating of the rig")
+    heating = {friction: rig_heating(friction) for friction in _FRICTIONS}
+
+    known = float(celsius(white.conditions.critical_temperature))
+    of_surface = [float(np.mean(column)) for column in zip(*critical["white oil"], strict=True)]
+    mean, spread = statistics(of_surface)
+    of_transition = [statistics(column)[0] for column in critical["white oil"]]
+    oil_a = [statistics(column)[0] for column in critical["oil A"]]
+    chosen = len(_DURATIONS) // 2
+    at_chosen = [row[chosen] for row in rates.values()]
+
+    rows: list[tuple[str, ...]] = [("critical temperature [°C], from each transition",)]
+    for name, scenes in oils.items():
+        entries = [(entry, scene) for scene in scenes for entry in scene.measured]
+        for (entry, scene), column in zip(entries, critical[name], strict=True):
+            bulk = celsius(scene.conditions.bulk_temperature)
+            rows.append(
+                (
+                    f"  {name}, {entry.normal_load:g} N, {entry.velocity:g} m/s, {bulk:g} °C",
+                    f"{known:g}" if name == "white oil" else "",
+                    mean_and_spread(column, 1),
+                )
+            )
+    rows.append(
+        (f"specific wear rate [1e-6 mm³/(N m)], if the test lasts {_DURATIONS[chosen]:g} s",)
+    )
+    rows += [
+        (f"  {load:g} N", f"{SPECIFIC_WEAR_RATE * 1e15:g}", f"{row[chosen] * 1e15:.2f}")
+        for load, row in rates.items()
+    ]
+    rows.append(("duration of the test that gives the printed wear rate [s]",))
+    rows += [(f"  {load:g} N", "", f"{seconds:.1f}") for load, seconds in lasting.items()]
+    rows.append(("friction heating of the critical-temperature rig [K]",))
+    rows += [
+        (f"  at friction {friction:g}", f"up to {RIG_HEATING:g}", f"{value:.1f}")
+        for friction, value in heating.items()
+    ]
+    findings = (
+        Finding(
+            f"a critical temperature of {known:g} °C for the white oil",
+            f"{mean:.0f} °C ± {spread:.1f} K over surfaces, {min(of_transition):.0f} to "
+            f"{max(of_transition):.0f} °C from single transitions",
+            abs(mean - known) < 5,
+            "So a single measured transition would have been enough to within "
+            f"{max(abs(value - mean) for value in of_transition):.0f} K of all four.",
+        ),
+        Finding(
+            "one critical temperature explains the transitions of oil A at both bulk temperatures",
+            f"{', '.join(f'{value:.0f}' for value in oil_a)} °C",
+            statistics(oil_a)[1] < 15,
+            f"Their mean is {statistics(oil_a)[0]:.0f} °C and their spread "
+            f"{statistics(oil_a)[1]:.0f} K, where the printed highest temperatures have "
+            f"{statistics([row.max_celsius for row in TABLE_6])[1]:.0f} K (see table6).",
+        ),
+        Finding(
+            f"a specific wear rate of {SPECIFIC_WEAR_RATE * 1e15:g}e-6 mm³/(N m) from the measured "
+            "contact widths",
+            f"{min(at_chosen) * 1e15:.2f} to {max(at_chosen) * 1e15:.2f}e-6 mm³/(N m) if the tests "
+            f"last {_DURATIONS[chosen]:g} s",
+            0.7 < statistics(at_chosen)[0] / SPECIFIC_WEAR_RATE < 1.4,
+            "How long the tests lasted is not printed; "
+            f"{min(lasting.values()):.0f} to {max(lasting.values()):.0f} s give the printed rate.",
+        ),
+        Finding(
+            f"friction heats the rig by at most {RIG_HEATING:g} °C",
+            ", ".join(f"{value:.1f} K at friction {mu:g}" for mu, value in heating.items()),
+            heating[_FRICTIONS[1]] < RIG_HEATING * 1.01,
+            "Up to a friction of "
+            f"{_FRICTIONS[0] * RIG_HEATING / heating[_FRICTIONS[0]]:.2f} it is so; the friction "
+            "that jumps, 0.4, heats more, but then the film has failed already.",
+        ),
+    )
+    return Report(
+        name="inverse",
+        title="what the measurements say about what was not measured",
+        table=Table(("", "printed", "computed"), tuple(rows)),
+        findings=findings,
+        notes=(
+            f"Critical temperatures over {len(of_surface)} surfaces (mean ± spread), by the "
+            "temperature exceeded on 10 % of the contact. They rest on the correlation length "
+            "of the roughness, our choice (see sensitivity).",
+            "The wear rate is found on a smooth disk; with the roughness a contact worn by the "
+            f"printed rate is {100 * widening:+.0f} % wider, and the rates would be "
+            f"{-100 * ((1 + widening) ** -3 - 1):.0f} % lower.",
+        ),
+        data={
+            "critical_celsius": critical,
+            "wear_rate": {f"{load:g}": row for load, row in rates.items()},
+            "durations": list(_DURATIONS),
+            "duration_for_printed_rate": {f"{load:g}": s for load, s in lasting.items()},
+            "widening_by_roughness": widening,
+            "rig_heating": {f"{mu:g}": value for mu, value in heating.items()},
+        },
+        figure=_draw(critical, known, rates),
+    )
+
+
+def _critical(study: Study, scenes: Sequence[Sweep]) -> list[list[float]]:
+    """Critical temperature [°C] by transition and surface."""
+    found: list[list[float]] = []
+    for scene in scenes:
+        transitions = [
+            Transition(
+                entry.normal_load, entry.velocity, entry.friction or scene.conditions.friction
+            )
+            for entry in scene.measured
+        ]
+        by_surface = []
+        for seed in study.seeds(_SURFACES):
+            study.tell(f"{scene.name}: surface {seed + 1} of {len(study.seeds(_SURFACES))}")
+            result = critical_temperature(
+                resurfaced(scene, seed),
+                transitions,
+                scene.conditions.bulk_temperature,
+                scene.conditions.failing_share,
+            )
+            by_surface.append([float(celsius(value)) for value in result.temperatures])
+        found += [list(column) for column in zip(*by_surface, strict=True)]
+    return found
+
+
+def _wear_rates(sweep: Sweep) -> dict[float, list[float]]:
+    """Wear rate [m²/N] that gives each width of Table 4, by duration of the test."""
+    loading = sweep.loading
+    if not isinstance(loading, Ramp):
+        raise InputError("the wear rate of Table 4 needs a scene with a ramp")
+    smooth = replace(
+        sweep,
+        roughness=None,
+        fidelity=replace(sweep.fidelity, averaging="mean", temperature_interval=0),
+    )
+    velocities = {entry.normal_load: entry.velocity for entry in sweep.measured}
+
+    @functools.cache
+    def rate(load: float, width: float, duration: float) -> float:
+        hold = duration - load / loading.rate
+        held = replace(smooth, loading=replace(loading, hold=hold, hold_steps=50))
+        return specific_wear_rate(held, width, load, velocities[load]).value
+
+    return {
+        row.normal_load: [
+            rate(row.normal_load, row.measured_width, duration) for duration in _DURATIONS
+        ]
+        for row in TABLE_4
+    }
+
+
+def _widening(sweep: Sweep) -> float:
+    """By how much the roughness widens the contact after a test, relative."""
+    if not isinstance(sweep.loading, Ramp):
+        raise InputError("the wear rate of Table 4 needs a scene with a ramp")
+    row = TABLE_4[0]
+    hold = _DURATIONS[len(_DURATIONS) // 2] - row.normal_load / sweep.loading.rate
+    held = replace(sweep, loading=replace(sweep.loading, hold=hold, hold_steps=20))
+    rough, smooth = (
+        end_of(scene, row.normal_load, row.velocity).contact_width
+        for scene in (held, replace(held, roughness=None))
+    )
+    return rough / smooth - 1
+
+
+def _duration_for(rates: Sequence[float], wanted: float) -> float:
+    """Duration at which the wear rate takes a value, linear in the logarithms."""
+    slope, offset = np.polyfit(np.log(_DURATIONS), np.log(rates), 1)
+    return math.exp((math.log(wanted) - offset) / slope)
+
+
+@in_house_style
+def _draw(
+    critical: dict[str, list[list[float]]], known: float, rates: dict[float, list[float]]
+) -> Figure:
+    figure = Figure(figsize=(9.6, 4.4))
+    left, right = figure.subplots(1, 2)
+    start = 0
+    for (name, columns), colour in zip(critical.items(), (BLUE, VERMILION), strict=True):
+        mean, spread = np.array([statistics(column) for column in columns]).T
+        at = np.arange(start, start + len(columns))
+        left.errorbar(at, mean, spread, color=colour, marker="o", ls="none", capsize=3, label=name)
+        left.hlines(mean.mean(), at[0] - 0.3, at[-1] + 0.3, color=colour, lw=0.9)
+        start += len(columns)
+    left.axhline(known, color=GREY, ls=":", lw=1.4, label=f"white oil on the rig, {known:g} °C")
+    loads = [f"{row.normal_load:g} N" for row in TABLE_4]
+    left.set_xticks(
+        range(start),
+        [*loads, *["700 N\n25 °C", "550 N\n25 °C", "700 N\n100 °C", "400 N\n100 °C"]][:start],
+    )
+    left.tick_params(axis="x", labelsize=8)
+    bottom, top = left.get_ylim()
+    left.set_ylim(bottom, top + 0.25 * (top - bottom))
+    left.set_ylabel("critical temperature [°C]")
+    left.set_title("from each measured transition", loc="left")
+    left.legend(loc="upper left")
+
+    for (load, row), colour in zip(rates.items(), (BLACK, BLUE, VERMILION, GREEN), strict=True):
+        right.plot(_DURATIONS, 1e15 * np.array(row), "o-", color=colour, label=f"{load:g} N")
+    right.axhline(1e15 * SPECIFIC_WEAR_RATE, color=GREY, ls=":", lw=1.4, label="printed")
+    right.set_xlabel("duration of the test [s]")
+    right.set_ylabel("specific wear rate [10$^{-6}$ mm³/(N m)]")
+    right.set_ylim(0, None)
+    right.set_title("from each measured contact width", loc="left")
+    right.legend(loc="lower left", ncols=2)
+    return figure

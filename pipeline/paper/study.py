@@ -1,0 +1,138 @@
+"""What the results share: their scenes, the ensemble of surfaces, and the end of a point."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.scenefile import load_scene
+from pipeline.style import celsius
+from pipeline.sweep import Sweep
+from tribo import (
+    QUANTILES,
+    InputError,
+    Scene,
+    SelfAffineRoughness,
+    State,
+    failed_share,
+    measures,
+    simulate,
+)
+
+__all__ = ["WORKFLOWS", "End", "Study", "end_of", "resurfaced"]
+
+WORKFLOWS = Path(__file__).parents[2] / "workflows"
+"""The scenes that come with the source."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Study:
+    """Where a result takes its scenes from, and how much is spent on it.
+
+    Attributes
+    ----------
+    scenes : Path
+        Folder of the scene files.
+    results : Path
+        Folder of stores, as `irg run` fills it.
+    preset : str or None
+        Fidelity in place of the one that the scene, or else the result, chooses.
+    surfaces : int or None
+        Number of random surfaces in place of each result's own.
+    workers : int or None
+        Of a sweep; one for each core if not given.
+    tell : callable
+        Called with a line on what comes next.
+    """
+
+    scenes: Path = WORKFLOWS
+    results: Path = Path("results")
+    preset: str | None = None
+    surfaces: int | None = None
+    workers: int | None = None
+    tell: Callable[[str], None] = lambda line: None
+
+    def scene(self, name: str, usual_preset: str | None = None) -> Sweep:
+        """The scene of this name; its own fidelity, the result's or the one asked for."""
+        path = self.scenes / f"{name}.toml"
+        if not path.exists():
+            raise InputError(
+                f"{path} is missing: the paper's scenes lie in the folder workflows/ of the "
+                "source; say where it is"
+            )
+        return load_scene(path, preset=self.preset or usual_preset)
+
+    def seeds(self, usual: int) -> range:
+        """Seeds of the random surfaces."""
+        return range(self.surfaces or usual)
+
+
+@dataclass(frozen=True, slots=True)
+class End:
+    """The end of a point.
+
+    Attributes
+    ----------
+    contact_width : float
+        Between the outermost elements in contact [m].
+    bearing_width : float
+        Of the rows of elements across the sliding direction that carry at least 5 % of what the
+        most loaded one carries [m].
+    rise_quantile : ndarray
+        At friction 1 [K].
+    """
+
+    contact_width: float
+    bearing_width: float
+    rise_quantile: NDArray[np.float64]
+
+    def exceeded(self, share: float, friction: float, bulk_temperature: float) -> float:
+        """Temperature that a share of the contact area exceeds [°C]; 0 for the maximum."""
+        rise = float(np.interp(1 - share, QUANTILES, self.rise_quantile))
+        return float(celsius(bulk_temperature + friction * rise))
+
+    def failed_share(
+        self, critical_temperature: float, friction: float, bulk_temperature: float
+    ) -> float:
+        """Share of the contact area above a temperature [K]."""
+        return failed_share(
+            self.rise_quantile, (critical_temperature - bulk_temperature) / friction
+        )
+
+
+def end_of(scene: Scene, normal_load: float, velocity: float) -> End:
+    """Simulate a point."""
+    *_, state = simulate(scene, normal_load, velocity)
+    return summary_of(scene, state)
+
+
+def summary_of(scene: Scene, state: State) -> End:
+    """What of a state with temperature is compared with the paper."""
+    if state.heat is None:
+        raise InputError("a point ended without a temperature")
+    carried = state.pressure.mean(axis=1)
+    bearing = np.count_nonzero(carried >= 0.05 * carried.max()) * scene.grid.spacing[0]
+    return End(
+        measures(scene, state)["contact_width"], float(bearing), state.heat.rise_quantile.copy()
+    )
+
+
+def resurfaced(
+    scene: Sweep,
+    seed: int,
+    correlation_length: Sequence[float] | None = None,
+    hurst_exponent: float | None = None,
+) -> Sweep:
+    """The scene with another random surface."""
+    rough = scene.roughness
+    if not isinstance(rough, SelfAffineRoughness):
+        raise InputError("an ensemble needs a random surface; give the scene a [disk.roughness]")
+    if correlation_length is not None:
+        rough = replace(rough, correlation_length=(correlation_length[0], correlation_length[-1]))
+    if hurst_exponent is not None:
+        rough = replace(rough, hurst_exponent=hurst_exponent)
+    return replace(scene, roughness=replace(rough, seed=seed))
