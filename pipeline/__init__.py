@@ -9,57 +9,83 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from pipeline.accuracy import at_accuracy, choose_fidelity
     from pipeline.boundaries import boundary, decisive_temperature
-    from pipeline.dataset import end_of_point, open_sweep
     from pipeline.cost import estimate
+    from pipeline.dataset import end_of_point, open_sweep
     from pipeline.execute import run_sweep
     from pipeline.figures import plot
+    from pipeline.follow import follow_boundary
+    from pipeline.paper import RESULTS, reproduce, write_gallery
     from pipeline.plan import run_point
     from pipeline.scenefile import SceneFileError, load_scene
     from pipeline.store import StoreError, StoreMismatchError, summary
+    from pipeline.style import figure_path, save_figure
     from pipeline.sweep import Conditions, Measurement, Sweep
+    from pipeline.tradeoff import trade
+    from pipeline.tradeoff_figure import draw_trade
     from pipeline.units import display, to_si
 
 _HOMES = {
+    "RESULTS": "paper",
     "Conditions": "sweep",
     "Measurement": "sweep",
     "SceneFileError": "scenefile",
     "StoreError": "store",
     "StoreMismatchError": "store",
     "Sweep": "sweep",
+    "at_accuracy": "accuracy",
     "boundary": "boundaries",
+    "choose_fidelity": "accuracy",
     "decisive_temperature": "boundaries",
     "display": "units",
+    "draw_trade": "tradeoff_figure",
     "end_of_point": "dataset",
     "estimate": "cost",
+    "figure_path": "style",
+    "follow_boundary": "follow",
     "load_scene": "scenefile",
     "open_sweep": "dataset",
     "plot": "figures",
+    "reproduce": "paper",
     "run_point": "plan",
     "run_sweep": "execute",
+    "save_figure": "style",
     "summary": "store",
     "to_si": "units",
+    "trade": "tradeoff",
+    "write_gallery": "paper",
 }
 
 __all__ = [
+    "RESULTS",
     "Conditions",
     "Measurement",
     "SceneFileError",
     "StoreError",
     "StoreMismatchError",
     "Sweep",
+    "at_accuracy",
     "boundary",
+    "choose_fidelity",
     "decisive_temperature",
     "display",
+    "draw_trade",
     "end_of_point",
     "estimate",
+    "figure_path",
+    "follow_boundary",
     "load_scene",
     "open_sweep",
     "plot",
+    "reproduce",
     "run_point",
     "run_sweep",
+    "save_figure",
     "summary",
     "to_si",
+    "trade",
+    "write_gallery",
 ]
 
 

@@ -1,0 +1,286 @@
+"""What each command of ``irg`` does, given its options; each returns its exit code."""
+
+from __future__ import annotations
+
+import argparse
+import tomllib
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Any
+
+import pipeline
+from pipeline.plan import Point
+from pipeline.sweep import Sweep
+from pipeline.terminal import ProgressLine, duration, show, tell
+from tribo import TriboError, failed_share, measures
+
+__all__ = [
+    "CONDITIONS",
+    "DONE",
+    "INTERRUPTED",
+    "OTHER_SCENE",
+    "SOME_FAILED",
+    "WRONG_USE",
+    "boundary",
+    "check",
+    "plot",
+    "point",
+    "reproduce",
+    "run",
+    "setting",
+    "status",
+    "trade",
+]
+
+DONE, SOME_FAILED, WRONG_USE, OTHER_SCENE, INTERRUPTED = 0, 1, 2, 3, 130
+
+CONDITIONS = ("friction", "bulk_temperature", "critical_temperature", "share")
+_NO_CROSSING = {1: "mild throughout", 2: "severe from the lowest", 3: "not known yet"}
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run or resume a sweep, or the part of it that the boundary needs."""
+    sweep = _scene(options)
+    out = options.output or Path("results") / f"{sweep.name}.zarr"
+    with ProgressLine(sweep) as line:
+        cluster = {
+            "workers": options.workers,
+            "scheduler": options.scheduler,
+            "progress": line,
+            "retry_failed": options.retry_failed,
+        }
+        if options.boundary_only is None:
+            outcome = pipeline.run_sweep(sweep, out, **cluster)
+        else:
+            outcome = pipeline.follow_boundary(sweep, out, options.boundary_only, **cluster)
+    document = {
+        "store": str(out),
+        "points": outcome.total,
+        "computed": outcome.computed,
+        "done": outcome.done,
+        "failed": [
+            {"load": p.load, "velocity": p.velocity, "message": p.message} for p in outcome.failed
+        ],
+        "wall_time": outcome.wall_time,
+    }
+    show(options, document, _run_text(document))
+    return SOME_FAILED if outcome.failed else DONE
+
+
+def _run_text(document: dict[str, Any]) -> Iterable[str]:
+    yield (
+        f"{document['store']}: {document['done']} of {document['points']} points done, "
+        f"{document['computed']} of them now, in {document['wall_time']:.1f} s"
+    )
+    yield from _failed_text(document["failed"])
+    if document["failed"]:
+        yield "try these again with: irg run --retry-failed"
+
+
+def _failed_text(failed: list[dict[str, Any]]) -> Iterable[str]:
+    for point in failed:
+        yield f"failed: {point['load']:g} N, {point['velocity']:g} m/s: {point['message']}"
+
+
+def check(options: argparse.Namespace) -> int:
+    """Say what a sweep would cost."""
+    sweep = _scene(options)
+    found = pipeline.estimate(sweep, workers=options.workers)
+    nx, ny = sweep.grid.shape
+    text = [
+        f"{sweep.title}",
+        f"  points   {found.points}: {len(sweep.loads)} loads, {len(sweep.velocities)} velocities",
+        f"  grid     {nx} × {ny} elements on {_um(sweep.grid.size[0])} × {_um(sweep.grid.size[1])}",
+        f"  steps    {found.steps} contacts and {found.temperatures} temperatures to solve",
+        f"  time     about {duration(found.seconds)} on {found.workers} worker(s)",
+        f"  memory   about {found.worker_bytes / 1e6:.0f} MB a worker",
+        f"  disk     about {found.disk_bytes / 1e6:.0f} MB",
+    ]
+    text += [f"  left out {reason}" for reason in found.left_out]
+    text += [f"  note     {note}" for note in sweep.notes]
+    show(options, {"title": sweep.title, "notes": sweep.notes} | found.as_dict(), text)
+    return DONE
+
+
+def status(options: argparse.Namespace) -> int:
+    """Count points."""
+    found = pipeline.summary(options.store)
+    failed = [{"load": p.load, "velocity": p.velocity, "message": p.message} for p in found.failed]
+    document = {
+        "title": found.title,
+        "points": found.total,
+        "done": found.done,
+        "failed": failed,
+        "pending": found.pending,
+    }
+    text = [
+        found.title,
+        f"{found.total} points: {found.done} done, {len(failed)} failed, {found.pending} pending",
+        *_failed_text(failed),
+    ]
+    show(options, document, text)
+    return SOME_FAILED if failed else DONE
+
+
+def boundary(options: argparse.Namespace) -> int:
+    """Print critical velocities and loads."""
+    result = pipeline.boundary(pipeline.open_sweep(options.store), **_given(options, *CONDITIONS))
+    document = {
+        "conditions": {
+            name: result.attrs[name]
+            for name in ("friction", "bulk_temperature", "critical_temperature", "failing_share")
+        },
+        "missing_points": result.attrs["missing_points"],
+        "load": result["load"].values.tolist(),
+        "critical_velocity": result["critical_velocity"].values.tolist(),
+        "velocity": result["velocity"].values.tolist(),
+        "critical_load": result["critical_load"].values.tolist(),
+    }
+    text = [
+        f"friction {result.attrs['friction']:g}, "
+        f"bulk {pipeline.display(result.attrs['bulk_temperature'], '°C')}, "
+        f"critical {pipeline.display(result.attrs['critical_temperature'], '°C')}, "
+        f"failing share {result.attrs['failing_share']:g}",
+        "",
+        "  load [N]   critical velocity [m/s]",
+        *_crossings(document["load"], document["critical_velocity"], result["outcome_at_load"]),
+        "",
+        "  velocity [m/s]   critical load [N]",
+        *_crossings(document["velocity"], document["critical_load"], result["outcome_at_velocity"]),
+    ]
+    if document["missing_points"]:
+        text += ["", f"{document['missing_points']} points are pending or failed and were left out"]
+    show(options, document, text)
+    return DONE
+
+
+def _crossings(axis: list[float], found: list[float], outcome: Any) -> Iterable[str]:
+    for position, value, why in zip(axis, found, outcome.values.tolist(), strict=True):
+        yield f"{position:10g}   " + _NO_CROSSING.get(why, f"{value:.4g}")
+
+
+def point(options: argparse.Namespace) -> int:
+    """Simulate one point."""
+    sweep = _scene(options, points=[Point(options.load, options.velocity)])
+    result = pipeline.run_point(sweep, options.load, options.velocity)
+    found, heat, conditions = measures(sweep, result.state), result.state.heat, sweep.conditions
+    if heat is None:
+        raise TriboError("the point ended without a temperature")
+    warming = conditions.critical_temperature - conditions.bulk_temperature
+    share = (
+        failed_share(heat.rise_quantile, warming / conditions.friction)
+        if conditions.friction
+        else 0.0
+    )
+    hottest = conditions.bulk_temperature + conditions.friction * heat.max_rise
+    severe = share > conditions.failing_share
+    document = found | {
+        "velocity": options.velocity,
+        "friction": conditions.friction,
+        "max_temperature": hottest,
+        "failed_fraction": share,
+        "severe": severe,
+        "warnings": list(result.warnings),
+        "wall_time": result.wall_time,
+    }
+    text = [
+        f"{options.load:g} N at {options.velocity:g} m/s after {found['time']:.3g} s "
+        f"and {found['sliding_distance']:.3g} m: {'severe' if severe else 'mild'} wear",
+        f"  failed share      {100 * share:.1f} % of the contact above "
+        f"{pipeline.display(conditions.critical_temperature, '°C')} "
+        f"(severe above {100 * conditions.failing_share:g} %)",
+        f"  max temperature   {pipeline.display(hottest, '°C', 4)} at friction "
+        f"{conditions.friction:g}",
+        f"  pin's heat share  {100 * found['pin_heat_share']:.1f} %",
+        f"  contact width     {_um(found['contact_width'])}",
+        f"  contact area      {100 * found['contact_fraction']:.2f} % of the window",
+        f"  pressure          {found['mean_pressure'] / 1e9:.3f} GPa on average, "
+        f"{found['max_pressure'] / 1e9:.3f} GPa at most",
+        f"  wear              {_um(found['wear_depth_max'])} deep, "
+        f"{found['wear_volume'] * 1e9:.3g} mm³",
+        f"  computed in       {result.wall_time:.2f} s",
+        *(f"  note: {note}" for note in sweep.notes),
+        *(f"  warning: {warning}" for warning in result.warnings),
+    ]
+    show(options, document, text)
+    return DONE
+
+
+def plot(options: argparse.Namespace) -> int:
+    """Draw a figure of a store."""
+    ds = pipeline.open_sweep(options.store)
+    out = options.output or options.store.with_name(f"{options.store.stem}_{options.kind}.png")
+    written = pipeline.plot(
+        ds, options.kind, out, **_given(options, "load", "velocity", *CONDITIONS)
+    )
+    show(options, {"kind": options.kind, "file": str(written)}, [f"{written}"])
+    return DONE
+
+
+def trade(options: argparse.Namespace) -> int:
+    """Measure speed against accuracy on a scene."""
+    out = pipeline.figure_path(options.output) if options.output else None
+    found = pipeline.trade(
+        _scene(options), base=options.base, diagram=options.diagram, progress=tell
+    )
+    document, text = found.as_dict(), [str(found)]
+    if out:
+        pipeline.save_figure(pipeline.draw_trade(found), out)
+        document["figure"] = str(out)
+        text.append(f"figure: {out}")
+    show(options, document, text)
+    return DONE
+
+
+def reproduce(options: argparse.Namespace) -> int:
+    """Recompute a figure or table of the paper, all of them, or list them."""
+    if options.list or options.name is None:
+        results = pipeline.RESULTS
+        show(options, results, [f"{name:12} {what}" for name, what in results.items()])
+        return DONE
+    chosen = _given(options, "preset", "surfaces", "workers")
+    if options.name == "all":
+        reports = pipeline.write_gallery(options.output or Path("results"), progress=tell, **chosen)
+        text = [line for report in reports for line in (*report.lines(), "")]
+        show(options, {report.name: report.as_dict() for report in reports}, text)
+        return DONE
+    report = pipeline.reproduce(options.name, options.output, progress=tell, **chosen)
+    show(options, report.as_dict(), report.lines())
+    return DONE
+
+
+def _scene(options: argparse.Namespace, points: Sequence[Point] | None = None) -> Sweep:
+    """The scene, at the fidelity that the user asked for; accurate at `points` if given."""
+    sweep: Sweep = pipeline.load_scene(
+        options.scene, preset=options.preset, overrides=dict(options.set)
+    )
+    if getattr(options, "accuracy", None) is not None:
+        sweep, selection = pipeline.at_accuracy(sweep, options.accuracy, points)
+        tell(str(selection))
+    return sweep
+
+
+def setting(text: str) -> tuple[str, Any]:
+    """Read ``KEY=VALUE``, the value as in a scene file, quotes left out.
+
+    Examples
+    --------
+    >>> setting("increments=50"), setting("partition=uniform")
+    (('increments', 50), ('partition', 'uniform'))
+    """
+    key, separator, value = text.partition("=")
+    if not (separator and key and value):
+        raise argparse.ArgumentTypeError(f'"{text}" is no setting; give one like increments=50')
+    try:
+        return key, tomllib.loads(f"value = {value}")["value"]
+    except tomllib.TOMLDecodeError:
+        return key, value
+
+
+def _um(length: float) -> str:
+    return pipeline.display(length, "µm", 4)
+
+
+def _given(options: argparse.Namespace, *names: str) -> dict[str, Any]:
+    """The options of these names that the user gave."""
+    return {name: value for name in names if (value := getattr(options, name)) is not None}
