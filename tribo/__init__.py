@@ -7,6 +7,7 @@ from tribo.elasticity import ElasticHalfSpace, elastic_influence
 from tribo.errors import ConvergenceError, InputError, InvariantError, RangeError, TriboError
 from tribo.fidelity import PRESETS, Fidelity
 from tribo.grid import Grid
+from tribo.heating import heat
 from tribo.history import Conductor, HeatHistory, partition_with_history
 from tribo.inverse import (
     AISI_316,
@@ -23,7 +24,8 @@ from tribo.material import Material, contact_modulus
 from tribo.partition import HeatPartition, partition_heat
 from tribo.record import MeasuredLoad, read_load
 from tribo.scene import Ball, Cylinder, MeasuredRoughness, Scene, SelfAffineRoughness
-from tribo.simulation import Heat, State, advance, heat, measures, simulate, start, warnings
+from tribo.simulation import advance, measures, simulate, start, warnings
+from tribo.state import Heat, State
 from tribo.topography import (
     average_roughness,
     block_average,

@@ -4,109 +4,28 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tribo.conduction import ConductingHalfSpace, settling_time
 from tribo.contact import solve_contact
 from tribo.elasticity import ElasticHalfSpace
 from tribo.errors import InputError, require_positive
-from tribo.grid import Grid
-from tribo.history import Conductor, HeatHistory, partition_with_history
-from tribo.invariants import check_contact, check_heat, check_wear, within_range
+from tribo.heating import heat, heated_since
+from tribo.history import HeatHistory
+from tribo.invariants import check_contact, check_wear, within_range
 from tribo.loading import Station
-from tribo.material import Material, contact_modulus
-from tribo.partition import HeatPartition, partition_heat
+from tribo.material import contact_modulus
 from tribo.scene import Scene
-from tribo.transition import contact_quantiles
+from tribo.state import State
 from tribo.wear import EXPLICIT_LIMIT, WEAR_SCHEMES
 
-__all__ = ["Heat", "State", "advance", "heat", "measures", "simulate", "start", "warnings"]
+__all__ = ["advance", "measures", "simulate", "start", "warnings"]
 
 Array = NDArray[np.float64]
 
 _FARTHEST = 2.0  # steps of the load over which its last step is extrapolated
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Heat:
-    """Temperature of the contact, per unit friction coefficient.
-
-    Attributes
-    ----------
-    rise : ndarray, shape (nx, ny)
-        Of the pin's surface above bulk [K].
-    rise_quantile : ndarray, shape (len(QUANTILES),)
-        Of the rise over the contact area [K].
-    max_rise, mean_rise : float
-        Over the contact area [K].
-    pin_heat_share : float
-        Share of the friction heat that goes into the pin.
-    iterations : int
-        Of the heat partition, each one convolution.
-    """
-
-    rise: Array
-    rise_quantile: Array
-    max_rise: float
-    mean_rise: float
-    pin_heat_share: float
-    iterations: int = 0
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class State:
-    """The contact at one moment of the loading.
-
-    Attributes
-    ----------
-    pressure : ndarray, shape (nx, ny)
-        [Pa].
-    wear_depth : ndarray, shape (nx, ny)
-        Lost by the pin since the start [m].
-    normal_load : float
-        On the whole pin [N].
-    time : float
-        Since the start [s].
-    sliding_distance : float
-        Since the start [m].
-    on_trunk : bool
-        Whether the simulation of a higher load passes through this state.
-    iterations : int
-        Convolutions that the contact took, on all grids.
-    work : int
-        Those convolutions times the elements of their grids.
-    residual : float
-        Of the contact.
-    previous_pressure : ndarray, shape (nx, ny)
-        One station before [Pa]; the next pressure is extrapolated from it.
-    previous_load : float
-        The load at that station [N].
-    heat : Heat or None
-        Where the temperature was asked for.
-    history : State or None
-        The same moment on the coarser grid of the history, where there is one; it is from there
-        that the ramp goes on.
-    heat_history : HeatHistory or None
-        Heat that has flowed so far, where the temperature depends on it.
-    """
-
-    pressure: Array
-    wear_depth: Array
-    normal_load: float
-    time: float
-    sliding_distance: float
-    on_trunk: bool
-    iterations: int
-    residual: float
-    previous_pressure: Array
-    previous_load: float
-    work: int = 0
-    heat: Heat | None = None
-    history: State | None = None
-    heat_history: HeatHistory | None = None
 
 
 def simulate(
@@ -261,21 +180,7 @@ def advance(
     )
     if state.heat_history is None:
         return advanced
-    in_contact = advanced.pressure > 0
-    split, heat_history = partition_with_history(
-        scene.grid,
-        Conductor(scene.pin.material, 0.0),
-        Conductor(scene.disk, velocity),
-        state.heat_history,
-        advanced.time,
-        abs(velocity) * advanced.pressure,
-        in_contact,
-        method=fidelity.partition,
-        tolerance=fidelity.heat_tolerance,
-    )
-    _check_split(scene, advanced, velocity, in_contact, split)
-    summary = _summary(scene, split, in_contact) if in_contact.any() else None
-    return replace(advanced, heat=summary, heat_history=heat_history)
+    return heated_since(scene, state.heat_history, advanced, velocity)
 
 
 def measures(scene: Scene, state: State) -> dict[str, float]:
@@ -362,61 +267,6 @@ def _unstable_wear(scene: Scene, state: State) -> list[str]:
     return found
 
 
-@within_range("the temperature of a contact")
-def heat(scene: Scene, state: State, velocity: float) -> Heat:
-    """Temperature of a state, at friction coefficient 1 and with both bodies' bulk equal.
-
-    The present friction heat is taken to act since time 0 (Bosman & de Rooij), whatever the heat
-    model of the fidelity.
-    """
-    contact = state.pressure > 0
-    return _summary(scene, _partition(scene, state, velocity, contact), contact)
-
-
-def _summary(scene: Scene, split: HeatPartition, contact: NDArray[np.bool_]) -> Heat:
-    on_contact = split.rise[contact]
-    # Quantiles interpolate between the nodes, so each row that a plane stands for has to count.
-    rows = scene.rows_per_element
-    return Heat(
-        rise=split.rise,
-        rise_quantile=contact_quantiles(split.rise.repeat(rows, 1), contact.repeat(rows, 1)),
-        max_rise=float(on_contact.max()),
-        mean_rise=float(on_contact.mean()),
-        pin_heat_share=split.pin_share,
-        iterations=split.iterations,
-    )
-
-
-def _partition(
-    scene: Scene, state: State, velocity: float, contact: NDArray[np.bool_]
-) -> HeatPartition:
-    grid = scene.grid
-    if velocity == 0:
-        return HeatPartition(np.zeros(grid.shape), np.zeros(grid.shape), np.nan, 0, 0.0)
-    split = partition_heat(
-        _conductor(grid, scene.pin.material, 0.0, state.time),
-        _conductor(grid, scene.disk, velocity, state.time),
-        abs(velocity) * state.pressure,
-        contact,
-        method=scene.fidelity.partition,
-        tolerance=scene.fidelity.heat_tolerance,
-    )
-    _check_split(scene, state, velocity, contact, split)
-    return split
-
-
-def _check_split(
-    scene: Scene,
-    state: State,
-    velocity: float,
-    contact: NDArray[np.bool_],
-    split: HeatPartition,
-) -> None:
-    local = scene.fidelity.partition == "local"
-    tolerance = scene.fidelity.heat_tolerance if local else np.inf
-    check_heat(abs(velocity) * state.pressure, contact, split, tolerance)
-
-
 def _refined(
     levels: tuple[Scene, ...], before: State, after: State, station: Station, velocity: float
 ) -> State:
@@ -465,20 +315,6 @@ def _extrapolated(state: State, normal_load: float) -> Array | None:
     if state.previous_load == 0.0 or abs(change) >= _FARTHEST * abs(before):
         return state.pressure
     return state.pressure + change / before * (state.pressure - state.previous_pressure)
-
-
-def _conductor(grid: Grid, material: Material, velocity: float, time: float) -> ConductingHalfSpace:
-    """The thermal map of a body, which after a while no longer depends on the time."""
-    return _kept_conductor(
-        grid, material, velocity, min(time, settling_time(grid, material, velocity))
-    )
-
-
-@functools.lru_cache(maxsize=16)
-def _kept_conductor(
-    grid: Grid, material: Material, velocity: float, time: float
-) -> ConductingHalfSpace:
-    return ConductingHalfSpace(grid, material, velocity, time)
 
 
 @functools.lru_cache(maxsize=4)

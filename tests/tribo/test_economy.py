@@ -14,9 +14,9 @@ from tribo import (
     MeasuredRoughness,
     Ramp,
     Wear,
+    heating,
     measures,
     simulate,
-    simulation,
 )
 
 DECISIVE = QUANTILES.index(0.9)
@@ -173,21 +173,21 @@ def test_only_what_does_not_depend_on_y_is_plane():
 
 
 def test_no_motion_needs_no_kernel():
-    simulation._kept_conductor.cache_clear()
+    heating._kept_conductor.cache_clear()
     state = last(simulate(small_scene(), 300.0, 0.0))
-    assert simulation._kept_conductor.cache_info().misses == 0
+    assert heating._kept_conductor.cache_info().misses == 0
     assert state.heat.iterations == 0
 
 
 def test_thermal_kernels_are_made_anew_only_where_they_change():
     scene = small_scene()
-    simulation._kept_conductor.cache_clear()
+    heating._kept_conductor.cache_clear()
     for load in (300.0, 450.0, 600.0):
         for velocity in (1.0, 1.25):
             last(simulate(scene, load, velocity))
     # One of the disk for each velocity, since the heat has left the window long before; one of
     # the pin for each time.
-    assert simulation._kept_conductor.cache_info().misses == 2 + 3
+    assert heating._kept_conductor.cache_info().misses == 2 + 3
 
 
 def test_without_hardness_the_pressure_is_bounded_below_only():

@@ -12,6 +12,7 @@ from tribo import (
     RangeError,
     TriboError,
     Wear,
+    heating,
     measures,
     partition,
     simulate,
@@ -143,15 +144,15 @@ def test_wear_and_heat_that_are_wrong_are_found_out_in_a_simulation(monkeypatch)
         patch.setattr(Wear, "depth", lambda *given: 1.0001 * depth(*given))
         with pytest.raises(InvariantError, match="wear balance"):
             last(simulate(small_scene(), 300.0, 1.25))
-    divide = simulation.partition_heat
+    divide = heating.partition_heat
 
     def leaking(*arguments, **options):
         split = divide(*arguments, **options)
         return replace(split, pin_flux=0.99 * split.pin_flux)
 
-    monkeypatch.setattr(simulation, "partition_heat", leaking)
+    monkeypatch.setattr(heating, "partition_heat", leaking)
     with pytest.raises(InvariantError, match="heat balance"):
-        simulation.heat(small_scene(), states[-1], 1.25)
+        heating.heat(small_scene(), states[-1], 1.25)
 
 
 @pytest.mark.parametrize("pattern", ["local", "swept"])
