@@ -298,6 +298,7 @@ def _variations(start: Fidelity) -> dict[str, tuple[Any, ...]]:
         "partition": ("uniform",),
         "heat_tolerance": (start.heat_tolerance / 100, start.heat_tolerance * 100),
         "kernel": ("nearest-image",),
+        "precision": ("single",),
     }
 
 

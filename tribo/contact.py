@@ -47,12 +47,11 @@ _SOFT = 0.05  # coupling within rows, in units of an element's compliance, worth
 _VERY_SOFT = 1e6  # the same, far beyond elements of any shape
 _PATIENCE = 3  # active-set steps without progress before gradient steps take over
 
-_EPSILON = float(np.finfo(np.float64).eps)
 # What a convolution, and each update, may cost of the displacement, in ε of its largest value.
 # Observed are 8 for all of a solution's updates together, and 20 where it started far off.
 _LOST_AT_ONCE, _LOST_A_STEP = 16.0, 1.0
 _STALLED = 40  # iterations without progress at the level of rounding after which to give up
-_LOST = 1000  # the same at any level
+_LOST, _MOST_IDLE = 1000, 20  # the same at any level, and gradient steps without a way down
 _MOST_SHIFTS = 3  # of the datum; one does unless heights have no digits left for the contact
 _LOAD_ERROR = 1e-12  # of the load, beyond which the pressure is scaled again
 _SMALLEST, _LARGEST = 1e-280, 1e280  # of squares and products on the way
@@ -198,9 +197,10 @@ def _check(
             f"between 0 and {capacity:g} N, what the hardness of {hardness:g} Pa carries there"
         )
     softness = _soft_rows(solid)[1] / solid.self_influence
-    if softness > _VERY_SOFT and _EPSILON * softness > 10 * tolerance:
+    lost = solid.rounding * softness
+    if softness > _VERY_SOFT and lost > 10 * tolerance:
         raise InputError(
-            f"tolerance is {tolerance:.1e}; rounding allows no less than {_EPSILON * softness:.1e} "
+            f"tolerance is {tolerance:.1e}; rounding allows no less than {lost:.1e} "
             f"where rows of elements yield {softness:.1e} times as much as one element does. If "
             "that is by wear, take shorter steps"
         )
@@ -226,6 +226,7 @@ class _Problem:
         self.iterations = 0
         self._updates = 0  # of the displacement since it was last computed
         self._shifts = 0  # of the datum
+        self._idle_steps = 0  # gradient steps in a row that found no way down
         self._lowest, self._lowest_at = math.inf, 0  # residual, iteration
         self._inner_iterations = _INNER_ITERATIONS
         self._soft_axis, self._coupling = _soft_rows(solid)
@@ -327,13 +328,13 @@ class _Problem:
         if waited <= _STALLED:
             return False
         largest = float(np.abs(self.displacement).max()) + abs(approach)
-        at_rounding = self._lowest * unit <= 2 * _LOST_AT_ONCE * _EPSILON * largest
-        return at_rounding or waited > _LOST
+        at_rounding = self._lowest * unit <= 2 * _LOST_AT_ONCE * self.solid.rounding * largest
+        return at_rounding or waited > _LOST or self._idle_steps > _MOST_IDLE
 
     def _is_proven(self, approach: float, unit: float, slack: float, exhausted: bool) -> bool:
         """Whether rounding has cost less than `slack` of the residual; if not, restore digits."""
         largest = float(np.abs(self.displacement).max())
-        lost = (_LOST_AT_ONCE + _LOST_A_STEP * self._updates) * _EPSILON * largest
+        lost = (_LOST_AT_ONCE + _LOST_A_STEP * self._updates) * self.solid.rounding * largest
         if abs(approach) > 4 * (largest + unit) and self._shifts < _MOST_SHIFTS:
             self.datum += approach
             self.z = self._heights - self.datum
@@ -369,7 +370,9 @@ class _Problem:
         curvature = float(np.sum(step * self._response))
         slope = float(np.sum(step * gap))
         if not (curvature > 0 and slope < 0):
+            self._idle_steps += 1
             return self._first_length
+        self._idle_steps = 0
         fraction = min(1.0, -slope / curvature)
         self.pressure += fraction * step
         np.clip(self.pressure, 0.0, self.hardness, out=self.pressure)

@@ -7,7 +7,7 @@ Liu, Wang and Liu, Wear 243, 2000); a periodic axis is not padded at all.
 from __future__ import annotations
 
 import copy
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 import scipy.fft
@@ -88,8 +88,8 @@ class Convolution:
         self.grid = grid
         self.spectrum = spectrum
         self._lengths = mx, my
-        self._modes = np.zeros(spectrum.shape, dtype=np.complex128)
-        self._padded = np.zeros((grid.shape[0], my))
+        self._modes: NDArray[Any] = np.zeros(spectrum.shape, dtype=np.complex128)
+        self._padded: NDArray[Any] = np.zeros((grid.shape[0], my))
 
     @classmethod
     def from_kernel(cls, grid: Grid, kernel: NDArray[np.float64]) -> Convolution:
@@ -103,6 +103,8 @@ class Convolution:
         (nx, ny), (mx, my) = self.grid.shape, self._lengths
         if out is None:
             out = np.empty(self.grid.shape)
+        if self._modes.dtype == np.complex64:
+            return self._in_single_precision(field, out)
         modes, padded = self._modes, self._padded
         source = field
         if my > ny:
@@ -121,6 +123,41 @@ class Convolution:
         np.fft.irfft(modes[:nx], n=my, axis=1, out=padded)
         out[...] = padded[:, :ny]
         return out
+
+    def _in_single_precision(
+        self, field: NDArray[np.float64], out: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        """Convolve with SciPy, whose transforms in single precision are the faster ones."""
+        (nx, ny), my = self.grid.shape, self._lengths[1]
+        self._padded[:, :ny] = field
+        self._modes[:nx] = scipy.fft.rfft(self._padded, axis=1)
+        self._modes[nx:] = 0.0
+        modes = scipy.fft.fft(self._modes, axis=0, overwrite_x=True)
+        modes *= self.spectrum
+        modes = scipy.fft.ifft(modes, axis=0, overwrite_x=True)
+        out[...] = scipy.fft.irfft(modes[:nx], n=my, axis=1)[:, :ny]
+        return out
+
+    @property
+    def rounding(self) -> float:
+        """Relative error of a number of the precision in which the transforms count."""
+        return float(np.finfo(self._padded.dtype).eps)
+
+    def in_single_precision(self) -> Self:
+        """Return a copy that counts in single precision: seven digits, faster on large grids.
+
+        Examples
+        --------
+        >>> grid = Grid((4, 4), (1.0, 1.0))
+        >>> double = Convolution.from_kernel(grid, np.ones(padded_shape(grid)))
+        >>> double.in_single_precision()(np.eye(4)).max().round(5), double.rounding < 1e-15
+        (np.float64(4.0), True)
+        """
+        real = np.isrealobj(self.spectrum)
+        single = self.with_spectrum(self.spectrum.astype(np.float32 if real else np.complex64))
+        single._modes = np.zeros(self._modes.shape, dtype=np.complex64)
+        single._padded = np.zeros(self._padded.shape, dtype=np.float32)
+        return single
 
     def with_spectrum(self, spectrum: NDArray[np.inexact]) -> Self:
         """Return a copy with another spectrum; it shares the buffers."""

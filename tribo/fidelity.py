@@ -13,10 +13,9 @@ from tribo.wear import WearScheme
 __all__ = ["PRESETS", "Fidelity"]
 
 Averaging = Literal["mean", "sample"]
-_AVERAGINGS: tuple[Averaging, ...] = ("mean", "sample")
 Partition = Literal["local", "uniform", "direct"]
-_PARTITIONS: tuple[Partition, ...] = ("local", "uniform", "direct")
 HeatModel = Literal["elapsed", "history"]
+Precision = Literal["double", "single"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -44,6 +43,9 @@ class Fidelity:
         Residual of the contact at which its solver stops; see `tribo.solve_contact`.
     contact_criterion : {"gap", "pressure-change"}
         Of what the residual is taken; see `tribo.solve_contact`.
+    precision : {"double", "single"}
+        Of the contact's transforms. Single precision is faster on large grids and allows contact
+        tolerances down to about 1e-3; a contact that it cannot solve to its tolerance is an error.
     wear_scheme : {"implicit", "explicit", "sdirk2"}
         How wear advances over a step; see `tribo.WEAR_SCHEMES`.
     heat_model : {"elapsed", "history"}
@@ -71,6 +73,7 @@ class Fidelity:
     kernel: ElasticKernel = "periodic"
     contact_tolerance: float = 1e-3
     contact_criterion: ContactCriterion = "gap"
+    precision: Precision = "double"
     wear_scheme: WearScheme = "implicit"
     heat_model: HeatModel = "elapsed"
     partition: Partition = "local"
@@ -90,19 +93,14 @@ class Fidelity:
             raise InputError(
                 f"heat_tolerance is {self.heat_tolerance!r}; it must be from 1e-14 to below 1"
             )
-        if self.averaging not in _AVERAGINGS:
-            raise InputError(
-                f"averaging is {self.averaging!r}; allowed are {', '.join(_AVERAGINGS)}"
-            )
-        if self.partition not in _PARTITIONS:
-            raise InputError(
-                f"partition is {self.partition!r}; allowed are {', '.join(_PARTITIONS)}"
-            )
         for name, choices in (
+            ("averaging", get_args(Averaging)),
             ("kernel", get_args(ElasticKernel)),
             ("contact_criterion", get_args(ContactCriterion)),
+            ("precision", get_args(Precision)),
             ("wear_scheme", get_args(WearScheme)),
             ("heat_model", get_args(HeatModel)),
+            ("partition", get_args(Partition)),
         ):
             if getattr(self, name) not in choices:
                 raise InputError(

@@ -327,4 +327,7 @@ def _levels(scene: Scene) -> tuple[Scene, ...]:
 def _bodies(scene: Scene) -> tuple[ElasticHalfSpace, Array]:
     """The elastic map and the undeformed separation, which no step changes."""
     modulus = contact_modulus(scene.pin.material, scene.disk)
-    return ElasticHalfSpace(scene.grid, modulus, scene.fidelity.kernel), scene.separation()
+    solid = ElasticHalfSpace(scene.grid, modulus, scene.fidelity.kernel)
+    if scene.fidelity.precision == "single":
+        solid = solid.in_single_precision()
+    return solid, scene.separation()

@@ -39,6 +39,21 @@ def test_result_goes_where_it_is_asked_to():
     assert out == pytest.approx(24.0)
 
 
+@pytest.mark.parametrize("periodic", AXES)
+@pytest.mark.parametrize("shape", [(1, 1), (5, 4), (6, 7)])
+def test_single_precision_keeps_seven_digits(shape, periodic):
+    grid = Grid(shape, (1.0, 0.5), periodic)
+    random = np.random.default_rng(3)
+    convolve = Convolution.from_kernel(grid, random.normal(size=padded_shape(grid)))
+    single = convolve.in_single_precision()
+    for _ in range(2):  # kept buffers carry nothing over
+        field = random.normal(size=shape)
+        exact = convolve(field)
+        # Some tens of roundings of 6e-8 each.
+        assert single(field) == pytest.approx(exact, abs=2e-6 * max(1.0, np.abs(exact).max()))
+        assert single(field).dtype == np.float64
+
+
 def test_maps_add():
     grid = Grid((4, 6), (1.0, 1.0))
     random = np.random.default_rng(2)
