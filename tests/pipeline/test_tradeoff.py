@@ -65,6 +65,7 @@ def test_each_numerical_choice_is_varied_alone(measured):
         "kernel",
         "partition",
         "pixels_per_element",
+        "precision",
         "wear_scheme",
     }
     fine = PRESETS["fine"]
