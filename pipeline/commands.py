@@ -42,7 +42,7 @@ def run(options: argparse.Namespace) -> int:
     """Run or resume a sweep, or the part of it that the boundary needs."""
     sweep = _scene(options)
     out = options.output or Path("results") / f"{sweep.name}.zarr"
-    with ProgressLine(sweep) as line:
+    with ProgressLine() as line:
         cluster = {
             "workers": options.workers,
             "scheduler": options.scheduler,

@@ -13,30 +13,27 @@ from tqdm import tqdm
 
 if TYPE_CHECKING:
     from pipeline.execute import Progress
-    from pipeline.sweep import Sweep
 
 __all__ = ["ProgressLine", "duration", "show", "tell"]
 
 
 class ProgressLine:
-    """The state of a run on one line of stderr."""
+    """The state of a run on one line of stderr, from the first report on."""
 
-    def __init__(self, sweep: Sweep) -> None:
-        self._total = len(sweep.loads) * len(sweep.velocities)
+    def __init__(self) -> None:
         self._bar: Any = None
 
     def __enter__(self) -> Callable[[Progress], None]:
-        on_terminal = sys.stderr.isatty()
-        self._bar = tqdm(
-            total=self._total,
-            unit="point",
-            mininterval=0.1 if on_terminal else 10.0,
-            bar_format="{n_fmt} of {total_fmt} points done{postfix} |{bar:20}|",
-            postfix="",
-        )
         return self._show
 
     def _show(self, progress: Progress) -> None:
+        if self._bar is None:
+            self._bar = tqdm(
+                total=progress.total,
+                mininterval=0.1 if sys.stderr.isatty() else 10.0,
+                bar_format="{n_fmt} of {total_fmt} points done{postfix} |{bar:20}|",
+                postfix="",
+            )
         self._bar.total = progress.total
         self._bar.n = progress.done
         parts = [f"{progress.failed} failed", f"{duration(progress.elapsed)} so far"]
@@ -46,8 +43,9 @@ class ProgressLine:
         self._bar.update(0)
 
     def __exit__(self, *_: object) -> None:
-        self._bar.refresh()
-        self._bar.close()
+        if self._bar is not None:
+            self._bar.refresh()
+            self._bar.close()
 
 
 def duration(seconds: float) -> str:
