@@ -1,7 +1,7 @@
 PYTHON ?= python3
 BIN := .venv/bin
 
-.PHONY: help diagram test bench clean
+.PHONY: help diagram gallery test slow bench clean
 help:     ## what there is to make
 	@grep -E '^[a-z]+: ' Makefile | sed -E 's/:[^#]*## /\t/' | expand -t 12
 
@@ -19,12 +19,18 @@ diagram: .venv/run    ## compute and draw the transition diagram of the paper's 
 	$(BIN)/irg run workflows/irg_transition.toml
 	$(BIN)/irg plot results/irg_transition.zarr --kind diagram -o results/irg_transition.png
 
+gallery: .venv/run    ## recompute every figure and table of the paper, and their page
+	$(BIN)/irg reproduce all -o workflows
+
 test: .venv/test      ## style, types, import rules and the test suite
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 	$(BIN)/python -m pytest --durations=10
+
+slow: .venv/test      ## the long checks: 500 random scenes, large capped contacts
+	$(BIN)/python -m pytest tests/tribo -m slow
 
 bench: .venv/test     ## measure speed, as ratios within one run
 	OMP_NUM_THREADS=1 $(BIN)/python -m pytest tests/benchmarks --benchmark-only --benchmark-disable-gc -s
