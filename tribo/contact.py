@@ -50,9 +50,11 @@ _PATIENCE = 3  # active-set steps without progress before gradient steps take ov
 # What a convolution, and each update, may cost of the displacement, in ε of its largest value.
 # Observed are 8 for all of a solution's updates together, and 20 where it started far off.
 _LOST_AT_ONCE, _LOST_A_STEP = 16.0, 1.0
+_LOST_BY_TRANSFORM = 3.0  # of that, what no update of the pressure can restore; observed are 2
 _STALLED = 40  # iterations without progress at the level of rounding after which to give up
 _LOST, _MOST_IDLE = 1000, 20  # the same at any level, and gradient steps without a way down
 _MOST_SHIFTS = 3  # of the datum; one does unless heights have no digits left for the contact
+_FULL = 1e-14  # of the load that the hardness carries, within which all of it is asked for
 _LOAD_ERROR = 1e-12  # of the load, beyond which the pressure is scaled again
 _SMALLEST, _LARGEST = 1e-280, 1e280  # of squares and products on the way
 
@@ -74,7 +76,8 @@ class ContactSolution:
     iterations : int
         Convolutions with the solid's kernel that were needed.
     residual : float
-        Largest violation of the conditions on the gap, in units of D_self·max(p).
+        Largest violation of the conditions on the gap, in units of D_self·max(p), and what
+        rounding may hide of it.
     load_error : float
         |Σp·dA/F − 1|.
     penetration : float
@@ -162,7 +165,7 @@ def solve_contact(
     if normal_load == 0:
         gap = z - z.min()
         return ContactSolution(np.zeros(z.shape), gap, float(z.min()), 0, 0.0)
-    if normal_load >= hardness * grid.area:
+    if normal_load >= hardness * grid.area * (1 - _FULL):
         pressure = np.full(z.shape, hardness)
         gap = solid(pressure) + z
         load_error = abs(hardness * grid.area / normal_load - 1)
@@ -261,9 +264,12 @@ class _Problem:
             if criterion == "pressure-change":
                 error, slack = change if residual else 0.0, math.inf
             if error <= tolerance or stalled or exhausted:
-                if self._is_proven(approach, unit, slack, exhausted):
+                if self._has_restored_digits(approach, unit, slack, exhausted):
+                    continue
+                residual += self._transform_error() / unit
+                error = residual if criterion == "gap" else error
+                if error <= tolerance or stalled or exhausted:
                     break
-                continue
             if gradient_steps == math.inf and free_before is not None:
                 changed = int(np.count_nonzero(free_before != free))
                 if changed <= _SETTLED * max(1, int(np.count_nonzero(self.pressure))):
@@ -331,8 +337,14 @@ class _Problem:
         at_rounding = self._lowest * unit <= 2 * _LOST_AT_ONCE * self.solid.rounding * largest
         return at_rounding or waited > _LOST or self._idle_steps > _MOST_IDLE
 
-    def _is_proven(self, approach: float, unit: float, slack: float, exhausted: bool) -> bool:
-        """Whether rounding has cost less than `slack` of the residual; if not, restore digits."""
+    def _transform_error(self) -> float:
+        """What a displacement that has just been computed may be wrong by [m]."""
+        return _LOST_BY_TRANSFORM * self.solid.rounding * float(np.abs(self.displacement).max())
+
+    def _has_restored_digits(
+        self, approach: float, unit: float, slack: float, exhausted: bool
+    ) -> bool:
+        """Restore what rounding has cost, if that may be more than `slack` of the residual."""
         largest = float(np.abs(self.displacement).max())
         lost = (_LOST_AT_ONCE + _LOST_A_STEP * self._updates) * self.solid.rounding * largest
         if abs(approach) > 4 * (largest + unit) and self._shifts < _MOST_SHIFTS:
@@ -346,8 +358,8 @@ class _Problem:
         elif self._updates and not lost <= slack * unit:
             self._convolve(self.pressure, self.displacement)
         else:
-            return True
-        return False
+            return False
+        return True
 
     def _convolve(self, field: Array, out: Array) -> None:
         self.solid(field, out=out)

@@ -126,8 +126,8 @@ class Ramp:
     def _rise(self, normal_load: float, increments: int, after: float) -> Iterator[Station]:
         """Stations of the trunk, and the one at `normal_load`."""
         increment = self.reference_load / increments
-        first = round(after / increment) + 1
         last = _whole(math.floor, normal_load, increment)
+        first = round(after / increment) + 1
         time = normal_load / self.rate
         for index in range(first, last + 1):
             load = index * increment

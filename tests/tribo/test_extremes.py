@@ -30,13 +30,16 @@ from tribo import (
     elastic_influence,
     heat,
     measures,
+    read_heights,
     self_affine,
     simulate,
     solve_contact,
+    topography,
     warnings,
 )
 from tribo.analytic import uniform_flux_rise
 from tribo.conduction import thermal_influence
+from tribo.record import MeasuredLoad, read_load
 
 TABLE = Path(__file__).with_name("EXTREMES.md")
 SOLVED = "solved"
@@ -226,18 +229,19 @@ def surfaces():
         pin = replace(small_scene().pin, radius=radius)
         yield Extreme("surface", f"pin of radius {radius:g} m", changed(pin=pin))
     ball = changed(
-        pin=Ball(10e-3, STEEL), pixels=Grid((24, 24), (8e-6, 8e-6), (False, False)),
-        wear=Wear(1e-15, "local"),
+        pin=Ball(10e-3, STEEL), pixels=Grid((25, 25), (8e-6, 8e-6), (False, False)),
+        roughness=None, wear=Wear(1e-15, "local"),
     )  # fmt: skip
     yield Extreme("surface", "ball, one node in contact", ball, load=1e-9)
     yield Extreme("surface", "ball, all nodes in contact", ball, load=200.0)
 
 
 def materials():
-    for hardness in (1.2e8, 4.7e8, 1e12, 1e30, math.inf):
+    for share in (0.9, 0.3, 1e-3, 1e-21, 0.0):
+        hardness = 1e9 / share if share else math.inf
         steel = replace(STEEL, hardness=hardness)
-        what = f"hardness {hardness:g} Pa, 0.3 of it the mean pressure or less"
-        load = 0.3 * min(hardness, 6.6e9) / 6.6e9 * CAPACITY
+        what = f"hardness {hardness:.2g} Pa, mean pressure {share:g} of it"
+        load = 1e9 / 6.6e9 * CAPACITY
         yield Extreme("material", what, bodies(steel, steel, loading=Ramp(150.0, load)), load=load)
     soft = replace(STEEL, hardness=1e6)
     yield Extreme(
@@ -325,6 +329,22 @@ def test_no_motion_means_no_heat_and_no_wear():
     _, state = Extreme("", "", small_scene, velocity=0.0).run()
     assert state.heat.max_rise == state.wear_depth.max() == 0
     assert math.isnan(state.heat.pin_heat_share)
+
+
+@pytest.mark.parametrize(
+    ("what", "touching", "yielding"),
+    [
+        ("ball, one node in contact", 1, 0),
+        ("ball, all nodes in contact", 25 * 25, 0),
+        ("one spike, 1e-9 of nominal", 1, 0),
+        ("H·A: p = H", 48 * 16, 48 * 16),
+        ("1 − 1e-9 H·A", 48 * 16, 48 * 16 - 1),
+    ],
+)
+def test_extremes_are_as_extreme_as_their_names_say(what, touching, yielding):
+    scene, state = next(case for case in EXTREMES if case.what == what).run()
+    assert np.count_nonzero(state.pressure) == touching
+    assert np.count_nonzero(state.pressure == scene.hardness) == yielding
 
 
 def test_an_offset_of_a_metre_changes_nothing_but_the_digits_it_costs():
@@ -593,6 +613,117 @@ def test_temperature_of_a_state_at_any_peclet_number_grows_with_the_velocity():
     rises = [heat(scene, state, velocity).mean_rise for velocity in np.geomspace(1e-6, 1e5, 12)]
     assert (np.diff(rises) > 0).all()
     assert measures(scene, state)["mean_rise"] == pytest.approx(heat(scene, state, 1.0).mean_rise)
+
+
+# Bad input: each says where it is.
+
+
+def archive(path):
+    np.savez(path.with_suffix(".npz"), heights=np.ones((2, 2)))
+    path.write_bytes(path.with_suffix(".npz").read_bytes())
+
+
+def header(shape):
+    text = f"{{'descr': '<f8', 'fortran_order': False, 'shape': {shape}, }}"
+    return b"\x93NUMPY\x01\x00" + (118).to_bytes(2, "little") + text.ljust(117).encode() + b"\n"
+
+
+SURFACES = {
+    "empty": ("a.npy", b"", "does not begin as NumPy"),
+    "archive": ("a.npy", archive, "does not begin as NumPy"),
+    "more than memory": ("a.npy", header("(10000000, 10000000)"), "more than there is memory"),
+    "shorter than it says": ("a.npy", header("(3, 3)") + b"12345678", "not a plain array"),
+    "broken header": ("a.npy", header("(3, "), "not a plain array"),
+    "no row": ("a.npy", header("(0, 5)"), r"shape \(0, 5\)"),
+    "empty text": ("a.csv", b"", "two-dimensional"),
+    "header line": ("a.csv", b"x,y\n1,2\n", "line 1: .*'x'"),
+    "semicolons": ("a.csv", b"1,2\n3;4\n", "line 2: .*'3;4'"),
+    "long field": ("a.csv", b"1," + b"9" * 200_000, "field larger than"),
+    "NUL": ("a.csv", b"1,2\n3,\x00\n", "line 2"),
+    "another encoding": ("a.csv", "1,2\n3,4\n".encode("utf-16"), "utf-8"),
+    "beyond doubles": ("a.csv", b"1,2\n3,1e999\n", "row 1, column 1"),
+    "a gap": ("a.csv", b"1,2\n3,\n", "line 2"),
+}
+
+
+@pytest.mark.parametrize("fault", SURFACES)
+def test_a_measured_surface_that_is_none_is_refused_with_the_place(fault, tmp_path):
+    name, content, said = SURFACES[fault]
+    path = tmp_path / name
+    content(path) if callable(content) else path.write_bytes(content)
+    with pytest.raises(InputError, match=said) as caught:
+        read_heights(path)
+    assert str(path) in str(caught.value)
+
+
+def test_a_measured_surface_is_read_with_a_byte_order_mark_and_refused_beyond_a_size(
+    tmp_path, monkeypatch
+):
+    text, array = tmp_path / "a.csv", tmp_path / "a.npy"
+    text.write_bytes(b"\xef\xbb\xbf1,2\n3,4\n5,6\n")
+    np.save(array, np.ones((3, 2)))
+    assert read_heights(text).shape == (3, 2)
+    monkeypatch.setattr(topography, "LARGEST_SURFACE", 5)
+    with pytest.raises(InputError, match=r"more than 5 heights up to .*line 3"):
+        read_heights(text)
+    with pytest.raises(InputError, match="at most 5 heights"):
+        read_heights(array)
+    (tmp_path / "folder.csv").mkdir()
+    with pytest.raises(InputError, match="cannot be read: Is a directory"):
+        read_heights(tmp_path / "folder.csv")
+    for unit in (math.nan, 0.0, -1.0):
+        with pytest.raises(InputError, match="unit is"):
+            read_heights(text, unit)
+
+
+RECORDS = {
+    "empty": (b"", "0 rows"),
+    "no unit": (b"time,load\n0,0\n1,9\n", "line 1: .*unit"),
+    "one column": (b"time [s], load [N]\n0\n", "line 2: 1 columns"),
+    "text": (b"time [s], load [N]\n0,0\n1,high\n", "line 3: .*'high'"),
+    "NaN": (b"time [s], load [N]\n0,0\n1,nan\n", "line 3: .*finite"),
+    "time backwards": (b"time [s], load [N]\n0,0\n2,9\n1,10\n", "line 4: .*must increase"),
+    "another encoding": ("time [s], load [N]\n0,0\n".encode("utf-16"), "UTF-8"),
+    "long field": (b"time [s], load [N]\n0," + b"9" * 200_000, "field larger than"),
+}
+
+
+@pytest.mark.parametrize("fault", RECORDS)
+def test_a_load_record_that_is_none_is_refused_with_the_place(fault, tmp_path):
+    content, said = RECORDS[fault]
+    path = tmp_path / "load.csv"
+    path.write_bytes(content)
+    with pytest.raises(InputError, match=said) as caught:
+        read_load(path)
+    assert str(path) in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("build", "said"),
+    [
+        (lambda: Grid((math.nan, 4), (1.0, 1.0)), "nx is nan"),
+        (lambda: Grid((4, math.inf), (1.0, 1.0)), "ny is inf"),
+        (lambda: Grid((4, 4, 4), (1.0, 1.0)), "shape is .* two values"),
+        (lambda: Grid((4, 4), (1e-200, 1e-200)), "element_area is 0.0"),
+        (lambda: Grid((4, 4), (1e200, 1e200)), "element_area is inf"),
+        (lambda: Fidelity(increments=math.inf), "increments is inf"),
+        (lambda: Fidelity(pixels_per_element=math.nan), "pixels_per_element is nan"),
+        (lambda: Fidelity(heat_tolerance=1.0), "heat_tolerance is 1.0"),
+        (lambda: list(Ramp(1.0, 1.0).stations(1.0, math.nan)), "increments is nan"),
+        (lambda: list(Ramp(1.0, 1e-9).stations(1.0, 10)), "at most 1000000"),
+        (lambda: list(Ramp(1.0, 1.0, hold=1e9).stations(1.0, 10)), "at most 1000000"),
+        (lambda: list(Ramp(1.0, 5e-324).stations(1.0, 10)), "at most 1000000"),
+        (lambda: MeasuredRoughness(np.zeros((0, 4))), r"shape \(0, 4\)"),
+        (lambda: MeasuredRoughness(np.zeros(4)), r"shape \(4,\)"),
+        (lambda: MeasuredRoughness(np.array([["a"]])), "must hold real numbers"),
+        (lambda: MeasuredRoughness([[1.0], [math.inf]]), r"1 of 2 places, the first at \(1, 0\)"),
+        (lambda: MeasuredLoad(["a", "b"], [0.0, 1.0]), "must hold real numbers"),
+        (lambda: MeasuredLoad([0.0, 1.0], [0.0, math.nan]), "row 1"),
+    ],
+)
+def test_what_is_no_number_shape_or_size_is_named(build, said):
+    with pytest.raises(InputError, match=said):
+        build()
 
 
 if __name__ == "__main__":
