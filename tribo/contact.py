@@ -47,9 +47,10 @@ _SOFT = 0.05  # coupling within rows, in units of an element's compliance, worth
 _VERY_SOFT = 1e6  # the same, far beyond elements of any shape
 _PATIENCE = 3  # active-set steps without progress before gradient steps take over
 
-# What a convolution, and each update, may cost of the displacement, in ε of its largest value.
-# Observed are 8 for all of a solution's updates together, and 20 where it started far off.
-_LOST_AT_ONCE, _LOST_A_STEP = 16.0, 1.0
+# What updates may cost of the displacement, once and each, in rounding errors of its largest
+# value: observed are 8 for all updates of a solution together, and 70 where it began far off.
+_LOST_AT_ONCE, _LOST_A_STEP = 100.0, 10.0
+_AT_ROUNDING = 32.0  # the same, of a residual that rounding keeps from falling
 _LOST_BY_TRANSFORM = 3.0  # of that, what no update of the pressure can restore; observed are 2
 _STALLED = 40  # iterations without progress at the level of rounding after which to give up
 _LOST, _MOST_IDLE = 1000, 20  # the same at any level, and gradient steps without a way down
@@ -57,6 +58,8 @@ _MOST_SHIFTS = 3  # of the datum; one does unless heights have no digits left fo
 _FULL = 1e-14  # of the load that the hardness carries, within which all of it is asked for
 _LOAD_ERROR = 1e-12  # of the load, beyond which the pressure is scaled again
 _SMALLEST, _LARGEST = 1e-280, 1e280  # of squares and products on the way
+_SMALLEST_SINGLE = 1e-27  # of stresses and depths, a transform of which single precision can hold
+_DOUBLE_ROUNDING = float(np.finfo(np.float64).eps)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -211,11 +214,20 @@ def _check(
     depth = stress * solid.self_influence
     # An iteration multiplies stresses by depths, and depths by depths.
     in_range = all(_SMALLEST < product < _LARGEST for product in (stress * depth, depth * depth))
+    precision = "double"
+    if _is_single(solid):
+        precision = "single"
+        in_range = all(_SMALLEST_SINGLE < x < 1 / _SMALLEST_SINGLE for x in (stress, depth))
     if normal_load and not in_range:
         raise InputError(
             f"normal_load is {normal_load:g} N on a patch of {area:g} m² of an influence of "
-            f"{solid.self_influence:g} m/Pa; double precision cannot hold a contact of this size"
+            f"{solid.self_influence:g} m/Pa; {precision} precision cannot hold a contact of this "
+            "size"
         )
+
+
+def _is_single(solid: ElasticHalfSpace) -> bool:
+    return solid.rounding > _DOUBLE_ROUNDING
 
 
 class _Problem:
@@ -300,6 +312,8 @@ class _Problem:
                     f"with displacements of {largest:.1e} m it falls no further, so ask for at "
                     f"least {2 * residual:.0e}"
                 )
+                if _is_single(self.solid):
+                    advice += " or for double precision"
             raise ConvergenceError(
                 f"the contact did not converge: residual {error:.2e} after {self.iterations} "
                 f"iterations, asked were {tolerance:.2e}; {advice}",
@@ -334,7 +348,7 @@ class _Problem:
         if waited <= _STALLED:
             return False
         largest = float(np.abs(self.displacement).max()) + abs(approach)
-        at_rounding = self._lowest * unit <= 2 * _LOST_AT_ONCE * self.solid.rounding * largest
+        at_rounding = self._lowest * unit <= _AT_ROUNDING * self.solid.rounding * largest
         return at_rounding or waited > _LOST or self._idle_steps > _MOST_IDLE
 
     def _transform_error(self) -> float:
