@@ -1,9 +1,12 @@
 PYTHON ?= python3
 BIN := .venv/bin
 
-.PHONY: help diagram gallery test slow bench clean
+MEASURE := OMP_NUM_THREADS=1 $(BIN)/python -m pytest --benchmark-only --benchmark-disable-gc \
+	--benchmark-timer=time.process_time --benchmark-columns=min,rounds -s
+
+.PHONY: help diagram gallery test slow bench bench-peers clean
 help:     ## what there is to make
-	@grep -E '^[a-z]+: ' Makefile | sed -E 's/:[^#]*## /\t/' | expand -t 12
+	@grep -E '^[a-z-]+: ' Makefile | sed -E 's/:[^#]*## /\t/' | expand -t 16
 
 .venv/run: pyproject.toml
 	test -x $(BIN)/python || $(PYTHON) -m venv .venv
@@ -33,7 +36,11 @@ slow: .venv/test      ## the long checks: 500 random scenes, large capped contac
 	$(BIN)/python -m pytest tests/tribo -m slow
 
 bench: .venv/test     ## measure speed, as ratios within one run
-	OMP_NUM_THREADS=1 $(BIN)/python -m pytest tests/benchmarks --benchmark-only --benchmark-disable-gc -s
+	$(MEASURE) tests/benchmarks
+
+bench-peers: .venv/test    ## measure the contact solver beside others, which it installs
+	$(BIN)/python -m pip install --quiet --requirement tests/benchmarks/peers.txt
+	$(MEASURE) tests/benchmarks/test_contact.py
 
 clean:                ## remove what was made, results included
 	rm -rf .venv results

@@ -1,0 +1,107 @@
+"""One contact at a time, against other solvers at equal accuracy and against bare transforms.
+
+`make bench-peers` installs the others and compares; without them only ours is measured.
+"""
+
+import tracemalloc
+
+import numpy as np
+import pytest
+
+from tests.benchmarks.bare import bare_transforms, shortest
+from tests.benchmarks.peers import (
+    CONTACT_MODULUS,
+    HARDNESS,
+    SOLVERS,
+    Ours,
+    line,
+    residual,
+    rough,
+    sphere,
+)
+from tribo import solve_contact
+
+pytestmark = pytest.mark.filterwarnings("ignore")  # others' own
+
+ACCURACY = 1e-9  # residual that each solver is asked for by its own tolerance, or a stricter one
+TOLERANCES = (1e-9, 1e-10, 1e-11, 1e-12, 1e-13)
+
+PATCH = 512e-6**2
+LIGHT, HEAVY = (share * CONTACT_MODULUS * PATCH for share in (1.27e-3, 5.6e-3))
+CASES = {
+    "rough, 5 % in contact, 256²": lambda name: rough(name, 256, LIGHT),
+    "rough, 20 % in contact, 256²": lambda name: rough(name, 256, HEAVY),
+    "rough, 20 % in contact, 512²": lambda name: rough(name, 512, HEAVY),
+    "rough, capped, 256²": lambda name: rough(name, 256, HEAVY, HARDNESS / 2),
+    "rough, capped, 512²": lambda name: rough(name, 512, HEAVY, HARDNESS / 2),
+    "Hertz sphere, 256²": lambda name: sphere(name, 256),
+    "Hertz sphere, 512²": lambda name: sphere(name, 512),
+    "rough line, 240²": lambda name: line(name, 240),
+    "rough line, capped, 240²": lambda name: line(name, 240, HARDNESS),
+}
+
+
+@pytest.fixture(scope="module", params=CASES)
+def case(request):
+    return CASES[request.param](request.param)
+
+
+@pytest.mark.parametrize("kind", SOLVERS, ids=lambda kind: kind.name)
+def test_contact(benchmark, case, kind, found):
+    if not kind.solves(case):
+        pytest.skip(f"{kind.name} does not solve this")
+    try:
+        solver = kind(case)
+    except ModuleNotFoundError as error:
+        pytest.skip(f"{error.name} is not installed")
+    for tolerance in TOLERANCES:
+        pressure = solver.solve(tolerance)
+        reached = residual(solver, pressure)
+        if reached <= ACCURACY:
+            break
+    benchmark.group = case.name
+    benchmark.pedantic(solver.solve, (tolerance,), rounds=3)
+    found.setdefault(case.name, {})[kind.name] = benchmark.stats["min"]
+    benchmark.extra_info["residual"] = reached
+    if kind is Ours:
+        found[case.name] |= shares_of_transforms(solver, benchmark.stats["min"], tolerance)
+    assert reached <= ACCURACY
+    touching = np.count_nonzero(pressure) / pressure.size
+    print(f"\n{case.name}, {kind.name}: residual {reached:.0e}, {touching:.1%} in contact")
+
+
+def shares_of_transforms(solver, duration, tolerance):
+    case = solver.case
+    problem = (solver.displacement, case.separation, case.normal_load, case.hardness, tolerance)
+    tracemalloc.start()
+    convolutions = solve_contact(*problem).iterations
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    bare = shortest(bare_transforms(case.grid, convolutions))
+    return {
+        "convolutions": convolutions,
+        "transforms": duration / bare,
+        "fields": peak / case.separation.nbytes,
+    }
+
+
+@pytest.fixture(scope="module")
+def found():
+    """What was measured, by case; printed as a table when all is done."""
+    found = {}
+    yield found
+    names = [kind.name for kind in SOLVERS[1:]]
+    print("\n\n| case | convolutions | ms | × bare transforms | fields of memory |", end="")
+    print("".join(f" {name} |" for name in names))
+    print("|---" * (5 + len(names)) + "|")
+    for case, row in found.items():
+        ours = row[Ours.name]
+        cells = [
+            case,
+            f"{row['convolutions']}",
+            f"{1e3 * ours:.0f}",
+            f"{row['transforms']:.2f}",
+            f"{row['fields']:.0f}",
+            *(f"{row[name] / ours:.1f} ×" if name in row else "–" for name in names),
+        ]
+        print("| " + " | ".join(cells) + " |")
