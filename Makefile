@@ -2,7 +2,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 
 MEASURE := OMP_NUM_THREADS=1 $(BIN)/python -m pytest --benchmark-only --benchmark-disable-gc \
-	--benchmark-timer=time.process_time --benchmark-columns=min,rounds -s
+	--benchmark-columns=min,rounds -s
 
 .PHONY: help diagram gallery test slow bench bench-peers clean
 help:     ## what there is to make

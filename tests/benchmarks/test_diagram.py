@@ -1,0 +1,71 @@
+"""The paper's whole diagram, 12 loads × 30 velocities, as a user runs it: start-up included."""
+
+import os
+import re
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import pipeline
+from pipeline.plan import run_point
+from tests.benchmarks.bare import bare_time, counted_transforms, shortest
+
+SCENE = Path(__file__).parents[2] / "workflows" / "irg_transition.toml"
+VELOCITIES = [f"{velocity:.3f} m/s" for velocity in np.linspace(0.5, 5.0, 30)]
+WORKERS = os.cpu_count()
+MODES = {
+    "240 × 240, 100 increments": (),
+    "standard": ("--preset", "standard"),
+    "standard, boundary alone": ("--preset", "standard", "--boundary-only", "1%"),
+    "draft": ("--preset", "draft"),
+}
+
+
+@pytest.fixture(scope="module")
+def scene(tmp_path_factory):
+    text = SCENE.read_text(encoding="utf-8")
+    text = re.sub(r"^velocities = .*$", f"velocities = {VELOCITIES}", text, flags=re.MULTILINE)
+    text = text.replace("fields = true", "fields = false")
+    path = tmp_path_factory.mktemp("diagram") / "diagram.toml"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize("mode", MODES)
+def test_whole_diagram(benchmark, scene, tmp_path, mode):
+    out = tmp_path / "out.zarr"
+    command = [sys.executable, "-m", "pipeline.cli", "run", str(scene), "-o", str(out)]
+
+    def run():
+        began = time.perf_counter()
+        subprocess.run([*command, *MODES[mode]], check=True, capture_output=True)
+        return time.perf_counter() - began
+
+    seconds = benchmark.pedantic(run, rounds=1)
+    ds = pipeline.open_sweep(out)
+    done = int((ds["status"] == 1).sum())
+    points_take = float(ds["wall_time"].sum())
+    line = f"\n{mode}: {done} points in {seconds:.1f} s on {WORKERS} workers, "
+    line += f"of which points {points_take / WORKERS:.1f} s"
+    print(line)
+    assert done == ds["status"].size or "--boundary-only" in MODES[mode]
+
+
+@pytest.mark.parametrize("velocity", [0.5, 1.25, 5.0])
+def test_points_against_their_transforms(benchmark, velocity):
+    """All loads at one velocity, in this process."""
+    sweep = pipeline.load_scene(SCENE)
+
+    def chain():
+        trunk = None
+        for load in sweep.loads:
+            trunk = run_point(sweep, load, velocity, trunk).trunk
+
+    with counted_transforms() as transforms:
+        chain()  # makes kernels and roughness, too, which are kept
+    seconds = benchmark.pedantic(lambda: shortest(chain), rounds=1)
+    print(f"\n{velocity} m/s: {seconds / bare_time(transforms):.2f} × the bare transforms")
