@@ -100,7 +100,8 @@ class Selection:
 
     def as_dict(self) -> dict[str, Any]:
         """Return all of it as plain data."""
-        return asdict(self) | {"points": [point._asdict() for point in self.points]}
+        points = [{"load": at.load, "velocity": at.velocity} for at in self.points]
+        return asdict(self) | {"points": points}
 
     def __str__(self) -> str:
         dropped = [f"{trial.name} errs by {100 * trial.error:.2g} %" for trial in self.trials[:-1]]

@@ -16,7 +16,8 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from pipeline.dataset import asked_points, end_of_point
+from pipeline.band import CROSSES, MILD, SEVERE, UNKNOWN, with_band
+from pipeline.dataset import asked_points, by_surface, end_of_point, ordered
 from pipeline.interpolation import crossing, interpolated
 from pipeline.layout import DONE
 from pipeline.sweep import Conditions
@@ -33,8 +34,6 @@ __all__ = [
 
 Array = NDArray[np.float64]
 
-_CROSSES, _MILD, _SEVERE, _UNKNOWN = range(4)
-
 
 def boundary(
     ds: xr.Dataset,
@@ -44,6 +43,8 @@ def boundary(
     share: float | None = None,
 ) -> xr.Dataset:
     """Critical velocity for each load and critical load for each velocity.
+
+    Over several random surfaces there is a boundary for each of them, and the band of them all.
 
     Parameters
     ----------
@@ -67,16 +68,33 @@ def boundary(
         ``missing_at_velocity`` count the points that are pending or failed. The conditions are
         attributes, and ``missing_points`` their total.
 
+        All of these have a dimension ``realization`` more over several surfaces, and there are
+        ``critical_velocity_quantile(quantile, load)``, the velocity below which 10, 50 and 90 %
+        of the surfaces turn severe: those that stay mild or are severe throughout are counted,
+        beyond all velocities, so that a quantile among them is NaN. ``critical_velocity_mean``
+        and ``critical_velocity_spread`` (standard deviation) are NaN unless every surface
+        crosses. ``crossing_at_load`` counts those that do, ``known_at_load`` those that are known
+        to cross or not. Likewise for ``critical_load``.
+
     Raises
     ------
     InputError
         If a condition lies outside its range.
     """
     conditions = conditions_of(ds, friction, bulk_temperature, critical_temperature, share)
+    found = [_boundary(surface, conditions) for surface in by_surface(ordered(ds))]
+    if "realization" not in ds.dims:
+        return found[0]
+    band = with_band(xr.concat(found, "realization", combine_attrs="override"))
+    return band.assign_attrs(missing_points=sum(each.attrs["missing_points"] for each in found))
+
+
+def _boundary(ds: xr.Dataset, conditions: Conditions) -> xr.Dataset:
+    """The boundary on one surface."""
     rise = decisive_rise(ds, conditions.failing_share)
     limit = rise_limit(conditions)
     loads, velocities, r = rise["load"].values, rise["velocity"].values, rise.values
-    missing = ~np.isfinite(r) & asked_points(ds.sortby(["load", "velocity"])).values
+    missing = ~np.isfinite(r) & asked_points(ds).values
 
     result = xr.Dataset(
         {
@@ -91,7 +109,7 @@ def boundary(
                 {"units": "N", "long_name": "normal load at the transition to severe wear"},
             ),
         },
-        coords={"load": rise["load"], "velocity": rise["velocity"]},
+        coords=rise.coords,
         attrs={**asdict(conditions), "missing_points": int(np.count_nonzero(missing))},
     )
     for name, axis in (("load", 1), ("velocity", 0)):
@@ -107,7 +125,7 @@ def boundary(
 
 _OUTCOME_ATTRS = {
     "long_name": "why there is no crossing",
-    "flag_values": np.array([_CROSSES, _MILD, _SEVERE, _UNKNOWN], dtype=np.int8),
+    "flag_values": np.array([CROSSES, MILD, SEVERE, UNKNOWN], dtype=np.int8),
     "flag_meanings": "crosses mild_throughout severe_from_the_lowest unknown",
 }
 
@@ -133,7 +151,7 @@ def decisive_temperature(
 
     Returns
     -------
-    DataArray, dims (load, velocity)
+    DataArray, dims (load, velocity), after ``realization`` over several surfaces
         [K]; NaN at points that are pending or failed.
     """
     conditions = conditions_of(ds, friction, bulk_temperature, critical_temperature, share)
@@ -167,10 +185,15 @@ def decisive_rise(
 
     Returns
     -------
-    DataArray, dims (load, velocity)
-        [K], sorted along both axes; NaN at points that are pending or failed.
+    DataArray, dims (load, velocity), after ``realization`` over several surfaces
+        [K], sorted along all axes; NaN at points that are pending or failed.
     """
-    ds = end_of_point(ds[["time", "rise_quantile", "status"]].sortby(["load", "velocity"]))
+    ds = ordered(ds[["time", "rise_quantile", "status"]])
+    if "realization" in ds.dims:
+        each = [decisive_rise(part, share, resolution, continued) for part in by_surface(ds)]
+        found: xr.DataArray = xr.concat(each, "realization")
+        return found
+    ds = end_of_point(ds)
     r = rise_exceeded(ds, share).where(ds["status"] == DONE).transpose("load", "velocity").values
     loads, velocities = ds["load"].values, ds["velocity"].values
     if resolution is not None:
@@ -184,6 +207,7 @@ def decisive_rise(
         coords={
             "load": ("load", loads, ds["load"].attrs),
             "velocity": ("velocity", velocities, ds["velocity"].attrs),
+            **{name: ds[name] for name in ("realization",) if name in ds.coords},
         },
         dims=("load", "velocity"),
         name="decisive_rise",
@@ -283,7 +307,7 @@ def _require_share(share: float) -> None:
 def _outcome(found: Array, r: Array, limit: float, axis: int) -> NDArray[np.int8]:
     known = np.isfinite(r)
     lowest = np.take_along_axis(r, np.expand_dims(known.argmax(axis), axis), axis).squeeze(axis)
-    outcome = np.where(lowest > limit, _SEVERE, _MILD)
-    outcome[~known.any(axis)] = _UNKNOWN
-    outcome[np.isfinite(found)] = _CROSSES
+    outcome = np.where(lowest > limit, SEVERE, MILD)
+    outcome[~known.any(axis)] = UNKNOWN
+    outcome[np.isfinite(found)] = CROSSES
     return outcome.astype(np.int8)

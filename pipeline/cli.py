@@ -173,17 +173,24 @@ def _parser() -> argparse.ArgumentParser:
             required=required,
             help='like "1.25 m/s"',
         )
+        added.add_argument(
+            "--realization", metavar="SEED", type=_seed, help="of several random surfaces, which"
+        )
     return parser
 
 
-def _count(text: str) -> int:
+def _count(text: str, least: int = 1) -> int:
     try:
         number = int(text)
     except ValueError:
-        number = 0
-    if number < 1:
-        raise argparse.ArgumentTypeError(f'"{text}": give a whole number of at least 1')
+        number = least - 1
+    if number < least:
+        raise argparse.ArgumentTypeError(f'"{text}": give a whole number of at least {least}')
     return number
+
+
+def _seed(text: str) -> int:
+    return _count(text, least=0)
 
 
 def _share(text: str) -> float:

@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 import argparse
+import math
 import tomllib
 from collections.abc import Iterable, Sequence
+from dataclasses import asdict
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pipeline
-from pipeline.plan import Point
-from pipeline.sweep import Sweep
+from pipeline.sweep import Point, Sweep
 from pipeline.terminal import ProgressLine, duration, show, tell
 from tribo import TriboError, failed_share, measures
+
+if TYPE_CHECKING:
+    from pipeline.store import FailedPoint
 
 __all__ = [
     "CONDITIONS",
@@ -58,28 +62,26 @@ def run(options: argparse.Namespace) -> int:
         "points": outcome.total,
         "computed": outcome.computed,
         "done": outcome.done,
-        "failed": [
-            {"load": p.load, "velocity": p.velocity, "message": p.message} for p in outcome.failed
-        ],
+        "failed": _failed(outcome.failed),
         "wall_time": outcome.wall_time,
     }
-    show(options, document, _run_text(document))
+    text = [
+        f"{out}: {outcome.done} of {outcome.total} points done, {outcome.computed} of them now, "
+        f"in {outcome.wall_time:.1f} s",
+        *(f"failed: {point}" for point in outcome.failed),
+    ]
+    if outcome.failed:
+        text.append("try these again with: irg run --retry-failed")
+    show(options, document, text)
     return SOME_FAILED if outcome.failed else DONE
 
 
-def _run_text(document: dict[str, Any]) -> Iterable[str]:
-    yield (
-        f"{document['store']}: {document['done']} of {document['points']} points done, "
-        f"{document['computed']} of them now, in {document['wall_time']:.1f} s"
-    )
-    yield from _failed_text(document["failed"])
-    if document["failed"]:
-        yield "try these again with: irg run --retry-failed"
-
-
-def _failed_text(failed: list[dict[str, Any]]) -> Iterable[str]:
-    for point in failed:
-        yield f"failed: {point['load']:g} N, {point['velocity']:g} m/s: {point['message']}"
+def _failed(points: Iterable[FailedPoint]) -> list[dict[str, Any]]:
+    """As in a JSON document; the surface only in a sweep over several."""
+    return [
+        {name: value for name, value in asdict(point).items() if value is not None}
+        for point in points
+    ]
 
 
 def check(options: argparse.Namespace) -> int:
@@ -89,7 +91,8 @@ def check(options: argparse.Namespace) -> int:
     nx, ny = sweep.grid.shape
     text = [
         f"{sweep.title}",
-        f"  points   {found.points}: {len(sweep.loads)} loads, {len(sweep.velocities)} velocities",
+        f"  points   {found.points}: {len(sweep.loads)} loads, {len(sweep.velocities)} velocities"
+        + (f", {len(sweep.realizations)} surfaces" if sweep.realizations else ""),
         f"  grid     {nx} × {ny} elements on {_um(sweep.grid.size[0])} × {_um(sweep.grid.size[1])}",
         f"  steps    {found.steps} contacts and {found.temperatures} temperatures to solve",
         f"  time     about {duration(found.seconds)} on {found.workers} worker(s)",
@@ -105,37 +108,44 @@ def check(options: argparse.Namespace) -> int:
 def status(options: argparse.Namespace) -> int:
     """Count points."""
     found = pipeline.summary(options.store)
-    failed = [{"load": p.load, "velocity": p.velocity, "message": p.message} for p in found.failed]
     document = {
         "title": found.title,
         "points": found.total,
         "done": found.done,
-        "failed": failed,
+        "failed": _failed(found.failed),
         "pending": found.pending,
     }
     text = [
         found.title,
-        f"{found.total} points: {found.done} done, {len(failed)} failed, {found.pending} pending",
-        *_failed_text(failed),
+        f"{found.total} points: {found.done} done, {len(found.failed)} failed, "
+        f"{found.pending} pending",
+        *(f"failed: {point}" for point in found.failed),
     ]
     show(options, document, text)
-    return SOME_FAILED if failed else DONE
+    return SOME_FAILED if found.failed else DONE
 
 
 def boundary(options: argparse.Namespace) -> int:
     """Print critical velocities and loads."""
     result = pipeline.boundary(pipeline.open_sweep(options.store), **_given(options, *CONDITIONS))
+    several = "realization" in result.dims
+    shown = ["load", "critical_velocity", "velocity", "critical_load"]
+    if several:
+        shown += ["realization", "quantile"]
+        shown += [
+            f"{name}_{kind}"
+            for name in ("critical_velocity", "critical_load")
+            for kind in ("mean", "spread", "quantile")
+        ]
+        shown += ["crossing_at_load", "known_at_load", "crossing_at_velocity", "known_at_velocity"]
     document = {
         "conditions": {
             name: result.attrs[name]
             for name in ("friction", "bulk_temperature", "critical_temperature", "failing_share")
         },
         "missing_points": result.attrs["missing_points"],
-        "load": result["load"].values.tolist(),
-        "critical_velocity": result["critical_velocity"].values.tolist(),
-        "velocity": result["velocity"].values.tolist(),
-        "critical_load": result["critical_load"].values.tolist(),
-    }
+    } | {name: result[name].values.tolist() for name in shown}
+    lines = _band_lines if several else _crossings
     text = [
         f"friction {result.attrs['friction']:g}, "
         f"bulk {pipeline.display(result.attrs['bulk_temperature'], '°C')}, "
@@ -143,10 +153,10 @@ def boundary(options: argparse.Namespace) -> int:
         f"failing share {result.attrs['failing_share']:g}",
         "",
         "  load [N]   critical velocity [m/s]",
-        *_crossings(document["load"], document["critical_velocity"], result["outcome_at_load"]),
+        *lines(result, "critical_velocity", "load"),
         "",
         "  velocity [m/s]   critical load [N]",
-        *_crossings(document["velocity"], document["critical_load"], result["outcome_at_velocity"]),
+        *lines(result, "critical_load", "velocity"),
     ]
     if document["missing_points"]:
         text += ["", f"{document['missing_points']} points are pending or failed and were left out"]
@@ -154,14 +164,40 @@ def boundary(options: argparse.Namespace) -> int:
     return DONE
 
 
-def _crossings(axis: list[float], found: list[float], outcome: Any) -> Iterable[str]:
-    for position, value, why in zip(axis, found, outcome.values.tolist(), strict=True):
-        yield f"{position:10g}   " + _NO_CROSSING.get(why, f"{value:.4g}")
+def _crossings(result: Any, name: str, axis: str) -> Iterable[str]:
+    for place in range(result.sizes[axis]):
+        at = result.isel({axis: place})
+        why = int(at[f"outcome_at_{axis}"])
+        yield f"{float(at[axis]):10g}   " + _NO_CROSSING.get(why, f"{float(at[name]):.4g}")
+
+
+def _band_lines(result: Any, name: str, axis: str) -> Iterable[str]:
+    """Median, lower and upper end of the band, mean ± spread, and how many surfaces cross."""
+
+    def number(value: Any) -> str:
+        return f"{float(value):.4g}" if math.isfinite(float(value)) else "-"
+
+    low, middle, high = (f"{100 * share:g} %" for share in result["quantile"].values)
+    yield f"{'':10}   {'median':>8} {low:>8} {high:>8} {'mean':>8} {'spread':>8}   surfaces"
+    for place in range(result.sizes[axis]):
+        at = result.isel({axis: place})
+        low, middle, high = (number(value) for value in at[f"{name}_quantile"])
+        outcome = at[f"outcome_at_{axis}"].values.tolist()
+        counts = [f"{int(at[f'crossing_at_{axis}'])} of {len(outcome)} cross"]
+        counts += [
+            f"{outcome.count(why)} {meaning}"
+            for why, meaning in _NO_CROSSING.items()
+            if why in outcome
+        ]
+        mean, spread = number(at[f"{name}_mean"]), number(at[f"{name}_spread"])
+        columns = " ".join(f"{value:>8}" for value in (middle, low, high, mean, spread))
+        yield f"{float(at[axis]):10g}   {columns}   {', '.join(counts)}"
 
 
 def point(options: argparse.Namespace) -> int:
     """Simulate one point."""
     sweep = _scene(options, points=[Point(options.load, options.velocity)])
+    sweep = sweep.on_surface(options.realization)
     result = pipeline.run_point(sweep, options.load, options.velocity)
     found, heat, conditions = measures(sweep, result.state), result.state.heat, sweep.conditions
     if heat is None:
@@ -211,7 +247,7 @@ def plot(options: argparse.Namespace) -> int:
     ds = pipeline.open_sweep(options.store)
     out = options.output or options.store.with_name(f"{options.store.stem}_{options.kind}.png")
     written = pipeline.plot(
-        ds, options.kind, out, **_given(options, "load", "velocity", *CONDITIONS)
+        ds, options.kind, out, **_given(options, "load", "velocity", "realization", *CONDITIONS)
     )
     show(options, {"kind": options.kind, "file": str(written)}, [f"{written}"])
     return DONE

@@ -67,21 +67,23 @@ def estimate(sweep: Sweep, workers: int | None = None) -> Estimate:
         One for each core if not given.
     """
     workers = workers or os.cpu_count() or 1
-    points = len(sweep.loads) * len(sweep.velocities)
+    surfaces = len(sweep.realizations) or 1
+    points = len(sweep.loads) * len(sweep.velocities) * surfaces
     counts = [step_count(sweep, load) for load in sweep.loads]
     # A chain is the trunk up to the highest load, and a step off it for each lower one.
     steps = sum(counts) if sweep.independent else max(counts) + len(counts) - 1
     interval = sweep.fidelity.temperature_interval
     temperatures = len(counts) + (max(counts) // interval if interval else 0)
     moving = sum(velocity != 0 for velocity in sweep.velocities)
-    steps, temperatures = steps * len(sweep.velocities), temperatures * moving
+    ramps = len(sweep.velocities) * surfaces
+    steps, temperatures = steps * ramps, temperatures * moving * surfaces
     convolutions = (
         steps * _CONVOLUTIONS_PER_CONTACT / sweep.coarsening**2
         + temperatures * _CONVOLUTIONS_PER_TEMPERATURE
     )
     if sweep.coarsening > 1:
         convolutions += points * _CONVOLUTIONS_PER_REFINEMENT
-    parallel = min(workers, points if sweep.independent else len(sweep.velocities))
+    parallel = min(workers, points if sweep.independent else ramps)
     field_bytes = 8.0 * np.prod(sweep.grid.shape)
     row_bytes = 8.0 * (_STORED_COLUMNS + len(QUANTILES)) * max(counts)
     return Estimate(
@@ -92,11 +94,11 @@ def estimate(sweep: Sweep, workers: int | None = None) -> Estimate:
         seconds=convolutions * _convolution_seconds(sweep) / parallel,
         worker_bytes=_WORKER_BYTES + _FIELDS_IN_MEMORY * field_bytes,
         disk_bytes=points * (row_bytes + (3 * field_bytes if sweep.store_fields else 0.0)),
-        left_out=tuple(_left_out(sweep, max(counts))),
+        left_out=tuple(_left_out(sweep, max(counts), surfaces)),
     )
 
 
-def _left_out(sweep: Sweep, steps: int) -> Iterator[str]:
+def _left_out(sweep: Sweep, steps: int, surfaces: int) -> Iterator[str]:
     """What would be computed or stored for another scene, and why not for this one."""
     nx, ny = sweep.grid.shape
     if sweep.is_plane:
@@ -113,7 +115,7 @@ def _left_out(sweep: Sweep, steps: int) -> Iterator[str]:
         yield "the bound on the pressure from above: no body has a hardness"
     still = sum(velocity == 0 for velocity in sweep.velocities)
     if still:
-        yield f"heat at {still * len(sweep.loads)} points: nothing moves there"
+        yield f"heat at {still * len(sweep.loads) * surfaces} points: nothing moves there"
     interval = sweep.fidelity.temperature_interval
     if not interval and steps > 1 and sweep.fidelity.heat_model != "history":
         yield f"temperatures at up to {steps - 1} steps on the way: asked for at the end only"
@@ -124,7 +126,7 @@ def _left_out(sweep: Sweep, steps: int) -> Iterator[str]:
             "know the wear"
         )
     if not sweep.store_fields:
-        megabytes = 24e-6 * nx * ny * len(sweep.loads) * len(sweep.velocities)
+        megabytes = 24e-6 * nx * ny * len(sweep.loads) * len(sweep.velocities) * surfaces
         yield f"fields: not asked for, which would take up to {megabytes:.0f} MB"
 
 

@@ -7,9 +7,10 @@ import xarray as xr
 
 from pipeline.folder import PathLike, folder_of, read_metadata
 from pipeline.layout import COLUMNS, DONE
-from tribo import failed_share
+from pipeline.sweep import Point
+from tribo import InputError, failed_share
 
-__all__ = ["asked_points", "end_of_point", "open_sweep"]
+__all__ = ["asked_points", "by_surface", "end_of_point", "on_surface", "open_sweep", "ordered"]
 
 
 def open_sweep(path: PathLike) -> xr.Dataset:
@@ -23,9 +24,9 @@ def open_sweep(path: PathLike) -> xr.Dataset:
     Returns
     -------
     Dataset
-        What is stored, loads and velocities ascending. Steps beyond a load's own and points that
-        are not done are NaN. Under the conditions of the scene there are also, at each step where
-        the temperature was asked for:
+        What is stored, loads, velocities and seeds of surfaces ascending. Steps beyond a load's
+        own and points that are not done are NaN. Under the conditions of the scene there are
+        also, at each step where the temperature was asked for:
 
         ``max_temperature``, ``mean_temperature``
             Of the contact [K].
@@ -44,7 +45,7 @@ def open_sweep(path: PathLike) -> xr.Dataset:
     folder = folder_of(path)
     read_metadata(folder)
     ds: xr.Dataset = xr.open_zarr(folder, chunks=None, consolidated=True, zarr_format=3)
-    ds = ds.sortby(["load", "velocity"])
+    ds = ordered(ds)
     done = ds["status"] == DONE
     if not done.all():  # a point that was cut short has data, too
         ds = ds.assign(
@@ -53,15 +54,49 @@ def open_sweep(path: PathLike) -> xr.Dataset:
     return ds.assign(_temperatures(ds))
 
 
+def ordered(ds: xr.Dataset) -> xr.Dataset:
+    """Sort the axes of a sweep, which a store keeps in the order in which they grew."""
+    return ds.sortby([name for name in ("realization", "load", "velocity") if name in ds.dims])
+
+
+def by_surface(ds: xr.Dataset) -> list[xr.Dataset]:
+    """Take the sweep on each of its surfaces alone; as it is if it has no such dimension."""
+    if "realization" not in ds.dims:
+        return [ds]
+    return [ds.sel(realization=seed) for seed in ds["realization"].values.tolist()]
+
+
+def on_surface(ds: xr.Dataset, realization: int | None = None) -> xr.Dataset:
+    """Take the sweep on one of its surfaces, the first if not given.
+
+    Raises
+    ------
+    InputError
+        If the sweep does not hold that surface.
+    """
+    seeds = ds["realization"].values.tolist() if "realization" in ds.dims else []
+    if realization is None:
+        return ds.sel(realization=seeds[0]) if seeds else ds
+    if realization not in seeds:
+        held = f"it holds {', '.join(map(str, seeds))}" if seeds else "its scene gives no others"
+        raise InputError(f"realization is {realization}, which the sweep does not hold; {held}")
+    return ds.sel(realization=realization)
+
+
 def asked_points(ds: xr.Dataset) -> xr.DataArray:
     """Tell which points the last run asked for, dims (load, velocity): all, or those it chose.
 
-    What else is there, was asked for in an earlier one.
+    What else is there, was asked for in an earlier one. The sweep is on one surface.
     """
     asked = xr.ones_like(ds["status"], dtype=bool)
     chosen = ds.attrs.get("chosen")
     if chosen is not None:
-        wanted = {tuple(point) for point in chosen}
+        surface = int(ds["realization"]) if "realization" in ds.coords else None
+        wanted = {
+            point[:2]
+            for point in (Point(*entry) for entry in chosen)
+            if point.realization == surface
+        }
         loads, velocities = ds["load"].values.tolist(), ds["velocity"].values.tolist()
         rows = [[(load, velocity) in wanted for velocity in velocities] for load in loads]
         asked = xr.DataArray(rows, {"load": ds["load"], "velocity": ds["velocity"]})

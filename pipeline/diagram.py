@@ -17,12 +17,14 @@ from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt
 
+from pipeline.band import BAND
 from pipeline.boundaries import conditions_of, decisive_rise, rise_limit
-from pipeline.dataset import asked_points
+from pipeline.dataset import asked_points, by_surface, ordered
 from pipeline.layout import PENDING
 from pipeline.style import (
     BLACK,
     BLUE,
+    GREEN,
     GREY,
     VERMILION,
     criterion,
@@ -51,10 +53,11 @@ def diagram(
 ) -> Figure:
     """Draw the transition diagram.
 
-    The boundary is drawn on the plane interpolated between the computed points, on which
-    `pipeline.boundary` lies for each load and each velocity. Where the sweep has a band of
-    friction coefficients, the boundaries at its ends enclose a shaded area; where it has measured
-    transitions, they are marked.
+    Over several surfaces the boundary is that of the median surface, and a band holds what lies
+    between the tenth and the ninetieth of a hundred. The boundary is drawn on the plane
+    interpolated between the computed points, on which `pipeline.boundary` lies for each load and
+    each velocity. Where the sweep has a band of friction coefficients, the boundaries at its ends
+    enclose a shaded area; where it has measured transitions, they are marked.
 
     Parameters
     ----------
@@ -62,16 +65,22 @@ def diagram(
         See `pipeline.boundary`.
     """
     conditions = conditions_of(ds, friction, bulk_temperature, critical_temperature, share)
-    ds = ds.sortby(["load", "velocity"])
+    ds = ordered(ds)
     figure = Figure(figsize=(8.0, 6.4))
     axes = figure.add_subplot()
     legend: list[Artist] = []
     if min(ds.sizes["load"], ds.sizes["velocity"]) > 1:
         # A sweep that only follows the boundary knows the plane nowhere else.
         along_boundary = ds.attrs.get("chosen") is not None
-        plane = decisive_rise(ds, conditions.failing_share, _RESOLUTION, along_boundary)
+        planes = decisive_rise(ds, conditions.failing_share, _RESOLUTION, along_boundary)
+        plane = planes
+        if "realization" in ds.dims:
+            planes = planes.dropna("realization", how="all")
+            plane = planes.quantile(0.5, "realization", skipna=False)
         _regions(axes, plane, rise_limit(conditions))
         legend += _boundary(axes, plane, conditions)
+        if "realization" in ds.dims:
+            legend += _surface_band(axes, planes, conditions)
         legend += _band(axes, plane, conditions, ds.attrs.get("friction_band"))
     legend += _points(axes, ds, conditions)
     measured = ds.attrs.get("measured") or []
@@ -139,6 +148,28 @@ def _band(
     return [Patch(fc=_TINTS["band"], ec=GREY, ls="--", lw=0.8, alpha=0.8, label=text)]
 
 
+def _surface_band(axes: Axes, planes: xr.DataArray, conditions: Conditions) -> list[Artist]:
+    """Shade where some surfaces are severe, but neither nearly none nor nearly all of them."""
+    if planes.sizes["realization"] < 2:
+        return []
+    limit = rise_limit(conditions)
+    low, high = planes.quantile([BAND[0], BAND[-1]], "realization", skipna=False)
+    inside = ((low <= limit) & (high > limit)).values.astype(float)
+    if not inside.any():
+        return []
+    for edge in (low, high):
+        _isoline(axes, edge, limit, "surface band edge", colors=GREEN, linewidths=0.9)
+    axes.contourf(
+        planes["velocity"], planes["load"], inside, levels=[0.5, 1.5], colors=[GREEN],
+        alpha=0.3, zorder=0.9,
+    ).set_gid("surface band")  # fmt: skip
+    text = (
+        f"{100 * BAND[0]:g} to {100 * BAND[-1]:g} % of {planes.sizes['realization']} surfaces; "
+        "line: their median"
+    )
+    return [Patch(fc=GREEN, ec=GREEN, lw=0.9, alpha=0.4, label=text)]
+
+
 def _isoline(axes: Axes, plane: xr.DataArray, level: float, gid: str, **look: Any) -> bool:
     r = plane.values
     if not np.nanmin(r, initial=np.inf) < level < np.nanmax(r, initial=-np.inf):
@@ -151,16 +182,21 @@ def _isoline(axes: Axes, plane: xr.DataArray, level: float, gid: str, **look: An
 
 
 def _points(axes: Axes, ds: xr.Dataset, conditions: Conditions) -> list[Artist]:
-    r = decisive_rise(ds, conditions.failing_share).values
-    severe = r > rise_limit(conditions)
-    status = ds["status"].transpose("load", "velocity").values
+    """Mark the points; where there are several surfaces, by what those say that are done."""
+    parts = by_surface(ds)
+    r = np.array([decisive_rise(part, conditions.failing_share).values for part in parts])
+    status = np.array([part["status"].transpose("load", "velocity").values for part in parts])
+    asked = np.array([asked_points(part).values for part in parts]).any(axis=0)
     loads, velocities = np.meshgrid(ds["load"], ds["velocity"], indexing="ij")
-    done = np.isfinite(r)
-    failed = ~done & (status != PENDING)
-    pending = ~done & ~failed & asked_points(ds).values
-    kinds: list[tuple[str, NDArray[np.bool_], dict[str, Any]]] = [
-        ("mild wear, computed", done & ~severe, {"marker": "o", "mfc": "white", "mec": BLUE}),
-        ("severe wear, computed", done & severe, {"marker": "s", "mfc": VERMILION, "mec": "none"}),
+    limit = rise_limit(conditions)
+    hot, cold = np.any(r > limit, axis=0), np.any(r <= limit, axis=0)
+    done = hot | cold
+    failed = ~done & (status != PENDING).any(axis=0)
+    pending = ~done & ~failed & asked
+    kinds: list[tuple[str, Any, dict[str, Any]]] = [
+        ("mild wear, computed", cold & ~hot, {"marker": "o", "mfc": "white", "mec": BLUE}),
+        ("severe wear, computed", hot & ~cold, {"marker": "s", "mfc": VERMILION, "mec": "none"}),
+        ("severe on some surfaces", hot & cold, {"marker": "s", "mfc": "white", "mec": VERMILION}),
         ("failed", failed, {"marker": "x", "mec": BLACK, "mew": 1.3, "ms": 5.5}),
         ("pending", pending, {"marker": ".", "mfc": GREY, "mec": "none", "ms": 6}),
     ]

@@ -225,7 +225,7 @@ class _Tally:
 
 @dataclass(eq=False)
 class _Chain:
-    """Points still to compute at one velocity, the trunk to go on from, and the worker with it."""
+    """Points still to compute on one ramp, the trunk to go on from, and the worker with it."""
 
     points: deque[Point]
     trunk: Future | None = None
@@ -328,17 +328,22 @@ def _unpacked(parcel: bytes) -> Sweep:
 
 
 def _compute(
-    parcel: bytes, store: Store, load: float, velocity: float, trunk: bytes | None
+    parcel: bytes,
+    store: Store,
+    load: float,
+    velocity: float,
+    realization: int | None,
+    trunk: bytes | None,
 ) -> bytes:
     """Compute and commit a point; return the trunk."""
     with _one_at_a_time:
         sweep = _unpacked(parcel)
         before: Trunk | None = pickle.loads(trunk) if trunk else None
-        point = Point(load, velocity)
+        point = Point(load, velocity, realization)
         if store.is_done(point):  # Dask asks again, since the trunk was lost with a worker
-            return pickle.dumps(advance_trunk(sweep, load, velocity, before))
+            return pickle.dumps(advance_trunk(sweep, *point, before))
         try:
-            result = run_point(sweep, load, velocity, before)
+            result = run_point(sweep, *point, before)
         except Exception as error:
             store.fail(point, _text(error))
             raise PointFailedError(_text(error)) from None

@@ -21,7 +21,7 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from pipeline.boundaries import conditions_of, decisive_rise, rise_exceeded, rise_limit
-from pipeline.dataset import open_sweep
+from pipeline.dataset import on_surface, open_sweep, ordered
 from pipeline.diagram import diagram
 from pipeline.layout import DONE
 from pipeline.style import (
@@ -35,7 +35,7 @@ from pipeline.style import (
     save_figure,
     title_of,
 )
-from pipeline.sweep import Conditions
+from pipeline.sweep import Conditions, Point
 from tribo import InputError
 
 __all__ = ["diagram", "fields", "plot", "ramp"]
@@ -89,6 +89,7 @@ def ramp(
     bulk_temperature: float | None = None,
     critical_temperature: float | None = None,
     share: float | None = None,
+    realization: int | None = None,
 ) -> Figure:
     """Draw what happens while the load grows.
 
@@ -104,9 +105,11 @@ def ramp(
         [m/s]; the one nearest to the transition at that load if not given.
     friction, bulk_temperature, critical_temperature, share
         See `pipeline.boundary`.
+    realization : int, optional
+        Seed of the surface to draw; the first if not given.
     """
     conditions = conditions_of(ds, friction, bulk_temperature, critical_temperature, share)
-    ds = ds.sortby(["load", "velocity"]).transpose("load", "velocity", "step", ...)
+    ds = on_surface(ordered(ds), realization).transpose("load", "velocity", "step", ...)
     points = _points(ds, load, velocity, conditions)
 
     figure = Figure(figsize=(7.2, 7.8))
@@ -146,6 +149,7 @@ def fields(
     bulk_temperature: float | None = None,
     critical_temperature: float | None = None,
     share: float | None = None,
+    realization: int | None = None,
 ) -> Figure:
     """Draw pressure, temperature and wear depth over the contact at the end of one point.
 
@@ -158,6 +162,8 @@ def fields(
         [m/s]; the one nearest to the transition at that load if not given.
     friction, bulk_temperature, critical_temperature, share
         See `pipeline.boundary`.
+    realization : int, optional
+        Seed of the surface to draw; the first if not given.
 
     Raises
     ------
@@ -165,7 +171,7 @@ def fields(
         If the sweep holds no fields.
     """
     conditions = conditions_of(ds, friction, bulk_temperature, critical_temperature, share)
-    ds = ds.sortby(["load", "velocity"])
+    ds = on_surface(ordered(ds), realization)
     if not {"pressure", "rise", "wear_depth"} <= set(ds.data_vars):
         raise InputError(
             "the sweep holds no fields; store them with 'fields = true' under [sweep] in the "
@@ -255,7 +261,8 @@ def _index(ds: xr.Dataset, axis: str, unit: str, value: float) -> int:
 
 
 def _name(ds: xr.Dataset, point: tuple[int, int]) -> str:
-    return f"{ds['load'].values[point[0]]:g} N, {ds['velocity'].values[point[1]]:g} m/s"
+    surface = int(ds["realization"]) if "realization" in ds.coords else None
+    return str(Point(ds["load"].values[point[0]], ds["velocity"].values[point[1]], surface))
 
 
 def _temperatures(

@@ -8,13 +8,13 @@ from dataclasses import replace
 import numpy as np
 
 from pipeline.boundaries import decisive_rise, rise_limit
-from pipeline.dataset import open_sweep
+from pipeline.dataset import by_surface, open_sweep
 from pipeline.execute import Outcome, Progress, run_sweep
 from pipeline.folder import ROOT, PathLike, folder_of
 from pipeline.layout import FAILED
-from pipeline.plan import Point, points
+from pipeline.plan import points
 from pipeline.search import BoundarySearch
-from pipeline.sweep import Sweep
+from pipeline.sweep import Point, Sweep
 from tribo import InputError
 
 __all__ = ["follow_boundary"]
@@ -31,9 +31,10 @@ def follow_boundary(
 ) -> Outcome:
     """Find the critical velocity at each load of a sweep, with as few points as that takes.
 
-    The result is a store like that of `pipeline.run_sweep`, with velocities of the search's own
-    between the sweep's lowest and highest. It resumes like that, begins with what is there, and
-    can be completed to the whole sweep later.
+    Each of several surfaces has a boundary of its own, and is searched for it. The result is a
+    store like that of `pipeline.run_sweep`, with velocities of the search's own between the
+    sweep's lowest and highest. It resumes like that, begins with what is there, and can be
+    completed to the whole sweep later.
 
     Parameters
     ----------
@@ -59,33 +60,44 @@ def follow_boundary(
         )
     search = BoundarySearch(sweep.loads, moving[0], moving[-1], limit, tolerance)
 
+    def searched() -> tuple[set[Point], set[Point]]:
+        """The points of the sweep that are known or failed, and those to look at next."""
+        there: set[Point] = set()
+        wanted: set[Point] = set()
+        found = _found(sweep, out) if (folder_of(out) / ROOT).exists() else {}
+        for seed in sweep.realizations or (None,):
+            known, failed = found.get(seed, ({}, []))
+            there |= {at._replace(realization=seed) for at in (*known, *failed)}
+            wanted |= {at._replace(realization=seed) for at in search.wanted(known, failed)}
+        return there, wanted
+
     def further() -> Sweep | None:
-        known, failed = _found(sweep, out)
-        asked = search.wanted(known, failed)
-        return _with_points(sweep, {*known, *failed, *asked}) if asked else None
+        there, wanted = searched()
+        return _with_points(sweep, there | wanted) if wanted else None
 
-    def begun() -> Sweep:
-        if not (folder_of(out) / ROOT).exists():
-            return _with_points(sweep, search.wanted({}))
-        known, failed = _found(sweep, out)
-        return _with_points(sweep, {*known, *failed, *search.wanted(known, failed)})
-
-    return run_sweep(begun(), out, workers, scheduler, progress, retry_failed, further)
+    there, wanted = searched()
+    begun = _with_points(sweep, there | wanted)
+    return run_sweep(begun, out, workers, scheduler, progress, retry_failed, further)
 
 
-def _found(sweep: Sweep, out: PathLike) -> tuple[dict[Point, float], list[Point]]:
-    """The decisive rise at the points that are done, and the points that failed."""
-    ds = open_sweep(out)
-    rise = decisive_rise(ds, sweep.conditions.failing_share)
-    status = ds["status"].transpose("load", "velocity").values
-    known, failed = {}, []
-    for i, load in enumerate(rise["load"].values.tolist()):
-        for j, velocity in enumerate(rise["velocity"].values.tolist()):
-            if load in sweep.loads and np.isfinite(rise.values[i, j]):
-                known[Point(load, velocity)] = float(rise.values[i, j])
-            elif load in sweep.loads and status[i, j] == FAILED:
-                failed.append(Point(load, velocity))
-    return known, failed
+_Found = tuple[dict[Point, float], list[Point]]
+
+
+def _found(sweep: Sweep, out: PathLike) -> dict[int | None, _Found]:
+    """By surface the decisive rise at the points that are done, and the points that failed."""
+    found: dict[int | None, _Found] = {}
+    for ds in by_surface(open_sweep(out)):
+        rise = decisive_rise(ds, sweep.conditions.failing_share)
+        status = ds["status"].transpose("load", "velocity").values
+        known, failed = {}, []
+        for i, load in enumerate(rise["load"].values.tolist()):
+            for j, velocity in enumerate(rise["velocity"].values.tolist()):
+                if load in sweep.loads and np.isfinite(rise.values[i, j]):
+                    known[Point(load, velocity)] = float(rise.values[i, j])
+                elif load in sweep.loads and status[i, j] == FAILED:
+                    failed.append(Point(load, velocity))
+        found[int(ds["realization"]) if "realization" in ds.coords else None] = known, failed
+    return found
 
 
 def _with_points(sweep: Sweep, chosen: Iterable[Point]) -> Sweep:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict, fields, is_dataclass
 from importlib import metadata
 from typing import Any, NamedTuple
@@ -33,6 +33,7 @@ __all__ = [
     "grown",
     "lasting_attributes",
     "present_attributes",
+    "variables",
 ]
 
 FORMAT = 1
@@ -58,6 +59,7 @@ _FIELD = (*_POINT, "x", "y")
 _RISE = "per unit friction coefficient"
 
 COORDINATES = {
+    "realization": Variable(("realization",), "1", "seed of the random surface", "int64"),
     "load": Variable(("load",), "N", "normal load on the pin at the end of the ramp"),
     "velocity": Variable(("velocity",), "m/s", "sliding velocity"),
     "step": Variable(("step",), "1", "step of the ramp", "int64"),
@@ -104,6 +106,23 @@ RECORDS = {
 }
 
 
+def variables(over_surfaces: bool, with_fields: bool) -> dict[str, Variable]:
+    """Variables of a store, the leading dimension ``realization`` only over several surfaces."""
+    left_out = set() if with_fields else {"x", "y", *FIELDS}
+    found = {
+        n: v for n, v in (COORDINATES | COLUMNS | RECORDS | FIELDS).items() if n not in left_out
+    }
+    if not over_surfaces:
+        del found["realization"]
+        return found
+    return {
+        name: variable
+        if name in COORDINATES
+        else variable._replace(dims=("realization", *variable.dims))
+        for name, variable in found.items()
+    }
+
+
 def lasting_attributes(sweep: Sweep) -> dict[str, Any]:
     """Attributes that a store keeps from its creation: the scene, and what computed it."""
     try:
@@ -132,17 +151,23 @@ def present_attributes(sweep: Sweep) -> dict[str, Any]:
         "measured": [asdict(measurement) for measurement in sweep.measured],
         "loads": list(sweep.loads),
         "velocities": list(sweep.velocities),
+        "realizations": list(sweep.realizations),
         "chosen": None if sweep.chosen is None else [list(point) for point in sweep.chosen],
     }
 
 
 def grown(axes: Mapping[str, list[float]], sweep: Sweep) -> dict[str, list[float]]:
     """Values along each dimension: those of a store, in their order, then what a sweep adds."""
-    loads, velocities = axes.get("load", []), axes.get("velocity", [])
     steps = max(step_count(sweep, load) for load in sweep.loads)
+
+    def widened(name: str, wanted: Iterable[float]) -> list[float]:
+        known = axes.get(name, [])
+        return [*known, *(new for new in wanted if new not in known)]
+
     return {
-        "load": [*loads, *(new for new in sweep.loads if new not in loads)],
-        "velocity": [*velocities, *(new for new in sweep.velocities if new not in velocities)],
+        "realization": widened("realization", sweep.realizations),
+        "load": widened("load", sweep.loads),
+        "velocity": widened("velocity", sweep.velocities),
         "step": list(range(1, max(steps, len(axes.get("step", []))) + 1)),
         "quantile": list(QUANTILES),
         "x": sweep.grid.coordinates(0).tolist(),
@@ -150,9 +175,15 @@ def grown(axes: Mapping[str, list[float]], sweep: Sweep) -> dict[str, list[float
     }
 
 
-def describe(scene: Scene) -> dict[str, Any]:
-    """What decides a scene's numbers, as plain data in SI: its parts, arrays as their digest."""
-    return {entry.name: _plain(getattr(scene, entry.name)) for entry in fields(Scene)}
+def describe(sweep: Sweep) -> dict[str, Any]:
+    """What decides a scene's numbers, as plain data in SI: its parts, arrays as their digest.
+
+    A seed is none of it where there are realizations, each with its own.
+    """
+    parts = {entry.name: _plain(getattr(sweep, entry.name)) for entry in fields(Scene)}
+    if sweep.realizations:
+        parts["roughness"]["seed"] = None
+    return parts
 
 
 def differences(stored: Any, wanted: Any, key: str = "scene") -> Iterator[str]:

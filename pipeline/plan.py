@@ -2,7 +2,8 @@
 
 At one velocity every load passes through the same trunk of the ramp, so the points of a velocity
 form a chain: each takes the trunk over where the next lower load left it. A point computed from
-the start, or from any trunk, has the same numbers, bit for bit.
+the start, or from any trunk, has the same numbers, bit for bit. On each random surface, the chains
+are others.
 """
 
 from __future__ import annotations
@@ -11,12 +12,11 @@ import itertools
 import time
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.sweep import Sweep
+from pipeline.sweep import Point, Sweep
 from tribo import QUANTILES, Scene, State, measures, simulate, start, warnings
 
 __all__ = [
@@ -34,13 +34,6 @@ Array = NDArray[np.float64]
 Record = Mapping[str, float | Array]
 
 _NO_QUANTILES = np.full(len(QUANTILES), np.nan)
-
-
-class Point(NamedTuple):
-    """One place in the diagram: a normal load on the whole pin [N] and a velocity [m/s]."""
-
-    load: float
-    velocity: float
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -98,11 +91,11 @@ class PointResult:
 
 
 def points(sweep: Sweep) -> tuple[Point, ...]:
-    """Every point of a sweep, velocity by velocity, loads ascending."""
+    """Every point of a sweep, surface by surface, velocity by velocity, loads ascending."""
     if sweep.chosen is not None:
-        ordered = sorted(sweep.chosen, key=lambda at: (at[1], at[0]))
-        return tuple(Point(load, velocity) for load, velocity in ordered)
-    return tuple(Point(load, velocity) for velocity in sweep.velocities for load in sweep.loads)
+        return tuple(sorted(sweep.chosen, key=_order))
+    places = itertools.product(sweep.realizations or (None,), sweep.velocities, sweep.loads)
+    return tuple(Point(load, velocity, surface) for surface, velocity, load in places)
 
 
 def chains(todo: Iterable[Point], independent: bool = False) -> tuple[tuple[Point, ...], ...]:
@@ -117,15 +110,19 @@ def chains(todo: Iterable[Point], independent: bool = False) -> tuple[tuple[Poin
     Examples
     --------
     >>> for chain in chains([Point(300.0, 1.5), Point(150.0, 1.5), Point(150.0, 1.0)]):
-    ...     print(*chain)
-    Point(load=150.0, velocity=1.0)
-    Point(load=150.0, velocity=1.5) Point(load=300.0, velocity=1.5)
+    ...     print(*chain, sep="; ")
+    150 N, 1 m/s
+    150 N, 1.5 m/s; 300 N, 1.5 m/s
     """
-    ordered = sorted(todo, key=lambda point: (point.velocity, point.load))
+    ordered = sorted(todo, key=_order)
     if independent:
         return tuple((point,) for point in ordered)
-    by_velocity = itertools.groupby(ordered, key=lambda point: point.velocity)
-    return tuple(tuple(chain) for _, chain in by_velocity)
+    ramps = itertools.groupby(ordered, key=lambda point: (point.realization, point.velocity))
+    return tuple(tuple(chain) for _, chain in ramps)
+
+
+def _order(point: Point) -> tuple[int, float, float]:
+    return point.realization or 0, point.velocity, point.load
 
 
 def step_count(scene: Scene, load: float) -> int:
@@ -134,7 +131,11 @@ def step_count(scene: Scene, load: float) -> int:
 
 
 def run_point(
-    sweep: Sweep, load: float, velocity: float, trunk: Trunk | None = None
+    sweep: Sweep,
+    load: float,
+    velocity: float,
+    realization: int | None = None,
+    trunk: Trunk | None = None,
 ) -> PointResult:
     """Simulate one point.
 
@@ -145,9 +146,11 @@ def run_point(
         At the end of the ramp [N].
     velocity : float
         [m/s].
+    realization : int, optional
+        Seed of the random surface in place of the sweep's own.
     trunk : Trunk, optional
-        Of a lower load at the same velocity; from the start of the ramp if not given. The result
-        is the same.
+        Of a lower load at the same velocity on the same surface; from the start of the ramp if
+        not given. The result is the same.
 
     Raises
     ------
@@ -155,13 +158,14 @@ def run_point(
         What `tribo.simulate` raises.
     """
     began = time.perf_counter()
+    sweep = sweep.on_surface(realization)
     trunk = trunk or Trunk(start(sweep))
     records = list(trunk.records)
     for state in simulate(sweep, load, velocity, trunk.state):
         records.append(_record(sweep, state))
         trunk = _extended(sweep, trunk, state, load)
     return PointResult(
-        point=Point(load, velocity),
+        point=Point(load, velocity, realization),
         columns={name: np.array([record[name] for record in records]) for name in records[0]},
         state=state,
         warnings=tuple(warnings(sweep, state)),
@@ -170,11 +174,18 @@ def run_point(
     )
 
 
-def advance_trunk(sweep: Sweep, load: float, velocity: float, trunk: Trunk | None = None) -> Trunk:
+def advance_trunk(
+    sweep: Sweep,
+    load: float,
+    velocity: float,
+    realization: int | None = None,
+    trunk: Trunk | None = None,
+) -> Trunk:
     """The trunk up to the last station below a load, without computing the point there.
 
     Parameters are those of `run_point`.
     """
+    sweep = sweep.on_surface(realization)
     trunk = trunk or Trunk(start(sweep))
     below = [
         station

@@ -104,7 +104,7 @@ def probe(
         Whether to measure the memory too, with one more, cheaper point.
     """
     scene = replace(sweep, fidelity=replace(fidelity, temperature_interval=0))
-    load, velocity = min(points)
+    load, velocity = min((point.load, point.velocity) for point in points)
     if with_memory:
         tracemalloc.start()
     try:
@@ -115,7 +115,7 @@ def probe(
         if with_memory:
             tracemalloc.stop()
     began = time.process_time()
-    runs = [_last(scene, *point) for point in points]
+    runs = [_last(scene, point.load, point.velocity) for point in points]
     seconds = time.process_time() - began
     return Probe(
         fidelity,

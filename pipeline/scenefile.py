@@ -96,6 +96,8 @@ DURATION = Quantity("a duration", "4 s", zero=True)
 VELOCITY = Quantity("a velocity", "1.25 m/s", zero=True)
 TEMPERATURE = Quantity("a temperature", "25 degC")
 FRICTION = Number(at_least=0)
+SEED = Whole(at_least=0)
+SURFACES = Whole(at_least=1, at_most=100_000)
 SHAPE = Choice(("cylinder", "ball"))
 PRESET = Choice(tuple(tribo.PRESETS))
 FIDELITY = {name: Optional(_kind(hint)) for name, hint in get_type_hints(tribo.Fidelity).items()}
@@ -122,7 +124,7 @@ FORMAT = Table({
                 "ra": LENGTH,
                 "hurst_exponent": Number(above=0, at_most=1),
                 "correlation_length": Either(LENGTH, List(LENGTH, length=2), when=_is_list),
-                "seed": Optional(Whole(at_least=0), 0),
+                "seed": Optional(SEED, 0),
             }),
             Table({
                 "file": Text(),
@@ -166,6 +168,7 @@ FORMAT = Table({
     "sweep": Table({
         "loads": Either(List(LOAD, distinct=True), Range(LOAD), when=_is_table),
         "velocities": Either(List(VELOCITY, distinct=True), Range(VELOCITY), when=_is_table),
+        "realizations": Optional(Either(SURFACES, List(SEED, distinct=True), when=_is_list)),
         "fields": Optional(Flag(), False),
         "independent": Optional(Flag(), False),
     }),
@@ -202,13 +205,14 @@ def load_scene(
     found = FORMAT.read(_toml(path), "", faults)
     fidelity, preset = _fidelity(found["fidelity"] or {}, preset, overrides or {}, faults)
     notes: list[str] = []
+    realizations = _realizations(found, faults)
     roughness = _roughness(found, path.parent, faults, notes)
     loading = _loading(found["loading"], path.parent, faults)
     _check_tables(found, fidelity, roughness, faults)
     if faults or loading is None:
         raise SceneFileError(path, faults)
     try:
-        sweep = _sweep(path.stem, found, loading, roughness, fidelity, preset)
+        sweep = _sweep(path.stem, found, loading, roughness, realizations, fidelity, preset)
     except tribo.InputError as error:
         raise SceneFileError(path, [str(error)]) from error
     return replace(sweep, notes=tuple(notes))
@@ -261,6 +265,32 @@ def _fidelity(
             else:
                 fidelity = changed if counts else fidelity
     return fidelity, name if fidelity == tribo.PRESETS[name] else None
+
+
+def _realizations(found: dict[str, Any], faults: list[str]) -> tuple[int, ...]:
+    """Seeds of the random surfaces: those listed, or so many from the surface's own seed on.
+
+    The first becomes the scene's own.
+    """
+    wanted = _at(found, "sweep.realizations")
+    if wanted is None:
+        return ()
+    rough = _at(found, "disk.roughness")
+    if found["disk"] is not None and (rough is None or "file" in rough):
+        surface = "smooth" if rough is None else "measured"
+        given = wanted if isinstance(wanted, int) else list(wanted)
+        if not any(fault.startswith("disk.roughness") for fault in faults):
+            faults.append(
+                f"sweep.realizations: {quoted(given)} does not fit a {surface} disk; leave it "
+                "out, or give a [disk.roughness] that is made from a seed"
+            )
+        return ()
+    if isinstance(wanted, int):
+        first = _at(found, "disk.roughness.seed") or 0
+        return tuple(range(first, first + wanted))
+    seeds = tuple(sorted(wanted))
+    rough["seed"] = seeds[0]
+    return seeds
 
 
 def _roughness(
@@ -434,6 +464,7 @@ def _sweep(
     found: dict[str, Any],
     loading: tribo.Ramp | tribo.MeasuredLoad,
     roughness: tribo.SelfAffineRoughness | tribo.MeasuredRoughness | None,
+    realizations: tuple[int, ...],
     fidelity: tribo.Fidelity,
     preset: str | None,
 ) -> Sweep:
@@ -467,6 +498,7 @@ def _sweep(
             temperature["critical"],
             temperature["failing_share"],
         ),
+        realizations=realizations,
         friction_band=friction["band"],
         measured=tuple(
             Measurement(entry["load"], entry["velocity"], entry["friction"])

@@ -13,10 +13,11 @@ import asyncio
 import base64
 import functools
 import hashlib
+import itertools
 import json
 import struct
 from collections import deque
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -50,7 +51,6 @@ from pipeline.layout import (
     FAILED,
     FIELDS,
     PENDING,
-    RECORDS,
     Variable,
     checksum,
     describe,
@@ -58,9 +58,10 @@ from pipeline.layout import (
     grown,
     lasting_attributes,
     present_attributes,
+    variables,
 )
-from pipeline.plan import Point, PointResult
-from pipeline.sweep import Sweep
+from pipeline.plan import PointResult
+from pipeline.sweep import Point, Sweep
 from pipeline.together import together
 from tribo import QUANTILES
 
@@ -80,6 +81,7 @@ __all__ = [
 
 Array = NDArray[np.float64]
 
+_GROWING = ("realization", "load", "velocity", "step")
 _GROWING_CHUNK = 256  # of the coordinates along which a store grows
 _FILL: dict[str, Any] = {"float64": np.nan, "str": ""}
 _NAN = base64.b64encode(struct.pack("<d", np.nan)).decode()  # as xarray spells it in attributes
@@ -87,11 +89,15 @@ _NAN = base64.b64encode(struct.pack("<d", np.nan)).decode()  # as xarray spells 
 
 @dataclass(frozen=True, slots=True)
 class FailedPoint:
-    """A point that could not be computed: load [N], velocity [m/s] and why."""
+    """A point that could not be computed: load [N], velocity [m/s], why, and on which surface."""
 
     load: float
     velocity: float
     message: str
+    realization: int | None = None
+
+    def __str__(self) -> str:
+        return f"{Point(self.load, self.velocity, self.realization)}: {self.message}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -149,8 +155,11 @@ class Store:
         self.axes: dict[str, list[float]] = {
             name: values.tolist() for name, values in coordinates.items()
         }
-        self._rows = {load: index for index, load in enumerate(self.axes["load"])}
-        self._columns = {speed: index for index, speed in enumerate(self.axes["velocity"])}
+        self._places = {
+            name: {value: index for index, value in enumerate(self.axes[name])}
+            for name in ("realization", "load", "velocity")
+            if name in self.axes
+        }
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _opened, (self.path, self._revision)
@@ -159,17 +168,20 @@ class Store:
         """Points of the scene that was run last."""
         chosen = self.attributes.get("chosen")
         if chosen is not None:
-            return [Point(load, velocity) for load, velocity in chosen]
+            return [Point(*point) for point in chosen]
+        surfaces = self.attributes.get("realizations") or [None]
         loads, velocities = self.attributes["loads"], self.attributes["velocities"]
-        return [Point(load, velocity) for velocity in velocities for load in loads]
+        places = itertools.product(surfaces, velocities, loads)
+        return [Point(load, velocity, surface) for surface, velocity, load in places]
 
     def status(self) -> dict[Point, int]:
         """Status of every point there is room for."""
         flags = self._read(["status"])["status"]
+        surfaces: Iterable[Any] = self._places.get("realization", [None])
+        places = itertools.product(surfaces, self._places["load"], self._places["velocity"])
         return {
-            Point(load, velocity): int(flags[i, j])
-            for load, i in self._rows.items()
-            for velocity, j in self._columns.items()
+            Point(load, velocity, surface): flag
+            for (surface, load, velocity), flag in zip(places, flags.ravel().tolist(), strict=True)
         }
 
     def is_done(self, point: Point) -> bool:
@@ -189,7 +201,13 @@ class Store:
             done=counts.count(DONE),
             pending=counts.count(PENDING),
             failed=tuple(
-                FailedPoint(*at, str(self._read(["message"], at)["message"])) for at in failed
+                FailedPoint(
+                    at.load,
+                    at.velocity,
+                    str(self._read(["message"], at)["message"]),
+                    at.realization,
+                )
+                for at in failed
             ),
         )
 
@@ -235,8 +253,8 @@ class Store:
         data |= {name: field for name, field in fields.items() if np.isfinite(field).any()}
         return bool(found["checksum"] == checksum(data))
 
-    def _index(self, point: Point) -> tuple[int, int]:
-        return self._rows[point.load], self._columns[point.velocity]
+    def _index(self, point: Point) -> tuple[int, ...]:
+        return tuple(index[getattr(point, name)] for name, index in self._places.items())
 
     def _read(self, names: list[str], point: Point | None = None) -> dict[str, Any]:
         """Values by variable, all of them or those of a point."""
@@ -248,7 +266,7 @@ class Store:
         """Values as long as the store's axis of steps, which keeps whole chunks to one point."""
         if name not in COLUMNS:
             return values
-        rows = np.full(self._arrays[name].shape[2:], np.nan)
+        rows = np.full(self._arrays[name].shape[len(self._places) :], np.nan)
         rows[: len(values)] = values
         return rows
 
@@ -265,9 +283,9 @@ class Store:
             self._files.sync()
         except OSError as error:
             raise StoreError(
-                f"{self.path}: the point at {point.load:g} N and {point.velocity:g} m/s cannot be "
-                f"recorded: {error.strerror or error}; what is finished is safe, go on when there "
-                "is room and permission to write"
+                f"{self.path}: the point at {point} cannot be recorded: "
+                f"{error.strerror or error}; what is finished is safe, go on when there is room "
+                "and permission to write"
             ) from error
 
 
@@ -302,6 +320,8 @@ def prepare(path: PathLike, sweep: Sweep) -> Store:
             return Store(folder)
         attributes, arrays = read_metadata(folder)
         axes = Store(folder, mode="r").axes
+        if ("realization" in axes) != bool(sweep.realizations):
+            raise StoreMismatchError(f"{folder} {_OTHER_SURFACES[bool(sweep.realizations)]}")
         if different := [
             *differences(attributes["scene"], describe(sweep)),
             *differences(axes["quantile"], list(QUANTILES), "quantile"),
@@ -312,6 +332,14 @@ def prepare(path: PathLike, sweep: Sweep) -> Store:
         return Store(folder)
     except OSError as error:
         raise StoreError(f"{folder} cannot be written: {error}") from error
+
+
+_OTHER_SURFACES = {
+    True: "has no axis for sweep.realizations, and the dimensions of a store stay what they were "
+    "at its creation; write to another store",
+    False: "has an axis for sweep.realizations, which the scene does not give; give the seeds "
+    "that are wanted, or write to another store",
+}
 
 
 def _commit_shape(
@@ -325,10 +353,7 @@ def _commit_shape(
     files = _Files(folder)
     with_fields = sweep.store_fields or "pressure" in arrays
     committed = json.dumps([attributes, arrays], sort_keys=True)
-    variables = COORDINATES | COLUMNS | RECORDS | FIELDS
-    for name, variable in variables.items():
-        if not with_fields and (name in FIELDS or name in ("x", "y")):
-            continue
+    for name, variable in variables(bool(sweep.realizations), with_fields).items():
         shape = [len(axes[dim]) for dim in variable.dims]
         if name not in arrays:
             arrays[name] = _create(files, name, variable, shape)
@@ -348,9 +373,10 @@ def _commit_shape(
 def _create(files: _Files, name: str, variable: Variable, shape: list[int]) -> dict[str, Any]:
     """Create an array; return its metadata."""
     if name in COORDINATES:
-        chunks = [_GROWING_CHUNK] if name in ("load", "velocity", "step") else shape
+        chunks = [_GROWING_CHUNK] if name in _GROWING else shape
     else:
-        chunks = [1, 1, *shape[2:]]
+        own = variable.dims.index("velocity") + 1  # the dimensions that choose a point
+        chunks = [1] * own + shape[own:]
     attributes = {"long_name": variable.long_name, **variable.attributes}
     if variable.units is not None:
         attributes["units"] = variable.units

@@ -160,7 +160,7 @@ class Trade:
     def as_dict(self) -> dict[str, Any]:
         """Return all of it as plain data."""
         return asdict(self) | {
-            "points": [point._asdict() for point in self.points],
+            "points": [{"load": at.load, "velocity": at.velocity} for at in self.points],
             "front": [choice.name for choice in self.front],
             "cheapest_within": {
                 f"{bound:g}": self.cheapest(bound).name for bound in (0.05, 0.03, 0.02, 0.01, 0.005)
@@ -168,7 +168,7 @@ class Trade:
         }
 
     def __str__(self) -> str:
-        places = ", ".join(f"{load:g} N {velocity:.3g} m/s" for load, velocity in self.points)
+        places = ", ".join(f"{at.load:g} N {at.velocity:.3g} m/s" for at in self.points)
         rows = [_HEADER, *map(_row, self.choices)]
         lines = [
             f"{self.title}: speed against accuracy at",

@@ -150,7 +150,7 @@ def test_a_disk_that_cannot_be_written_stops_the_sweep_and_keeps_what_is_finishe
     prepare(path, SWEEP)
     in_the_way = path / "time" / "c.2.1.0" / "x"
     in_the_way.mkdir(parents=True)
-    with pytest.raises(StoreError, match="600 N and 1 m/s cannot be recorded"):
+    with pytest.raises(StoreError, match="600 N, 1 m/s cannot be recorded"):
         run_sweep(SWEEP, path, workers=1)
     assert multiprocessing.active_children() == []
     assert 5 <= summary(path).done < 9

@@ -86,14 +86,14 @@ def test_a_point_on_a_trunk_equals_the_point_alone_bit_for_bit(physics, interval
     sweep = tiny.sweep(temperature_interval=interval, **PHYSICS[physics])
     trunk = None
     for load in (100.0, 150.0, 250.0, 500.0, 600.0):
-        result = run_point(sweep, load, 1.0, trunk)
+        result = run_point(sweep, load, 1.0, trunk=trunk)
         assert same(result, run_point(sweep, load, 1.0))
         assert len(result.columns["time"]) == step_count(sweep, load)
         assert np.isfinite(result.columns["max_rise"][-1])
         trunk = pickle.loads(pickle.dumps(result.trunk))
         assert same(
-            run_point(sweep, 625.0, 1.0, advance_trunk(sweep, load, 1.0)),
-            run_point(sweep, 625.0, 1.0, trunk),
+            run_point(sweep, 625.0, 1.0, trunk=advance_trunk(sweep, load, 1.0)),
+            run_point(sweep, 625.0, 1.0, trunk=trunk),
         )
 
 
@@ -121,25 +121,27 @@ def test_whatever_lower_loads_there_are_the_point_is_the_same(loads, interval):
     sweep = tiny.sweep(temperature_interval=interval)
     trunk = None
     for load in sorted(loads):
-        trunk = run_point(sweep, load, 1.5, trunk).trunk
-    assert same(run_point(sweep, 500.0, 1.5, trunk), run_point(sweep, 500.0, 1.5))
+        trunk = run_point(sweep, load, 1.5, trunk=trunk).trunk
+    assert same(run_point(sweep, 500.0, 1.5, trunk=trunk), run_point(sweep, 500.0, 1.5))
 
 
 @pytest.mark.parametrize("load", [100.0, 150.0, 250.0, 600.0])
 def test_a_trunk_advanced_without_its_point_serves_the_next_one(load):
     trunk = advance_trunk(SWEEP, load, 1.0)
     assert trunk.state.normal_load < load
-    assert same(run_point(SWEEP, 700.0, 1.0, trunk), run_point(SWEEP, 700.0, 1.0))
+    assert same(run_point(SWEEP, 700.0, 1.0, trunk=trunk), run_point(SWEEP, 700.0, 1.0))
 
 
 def test_advancing_a_trunk_in_two_goes_is_advancing_it_once():
     halfway = advance_trunk(SWEEP, 300.0, 1.0)
-    assert same_trunks(advance_trunk(SWEEP, 700.0, 1.0, halfway), advance_trunk(SWEEP, 700.0, 1.0))
+    assert same_trunks(
+        advance_trunk(SWEEP, 700.0, 1.0, trunk=halfway), advance_trunk(SWEEP, 700.0, 1.0)
+    )
 
 
 def test_a_trunk_beyond_the_load_is_refused():
     with pytest.raises(tribo.InputError, match="at a lower load"):
-        run_point(SWEEP, 200.0, 1.0, run_point(SWEEP, 600.0, 1.0).trunk)
+        run_point(SWEEP, 200.0, 1.0, trunk=run_point(SWEEP, 600.0, 1.0).trunk)
 
 
 def test_a_contact_at_the_edge_of_the_window_is_a_warning_of_the_point():

@@ -240,6 +240,25 @@ def test_a_lay_has_two_correlation_lengths(read):
     assert sweep.roughness.correlation_length == (4e-6, 4e-5)
 
 
+def test_realizations_are_so_many_seeds_or_a_list_of_them(read, faults, tmp_path):
+    def realized(given, *changes):
+        return read(("fields =", f"realizations = {given}\nfields ="), *changes)
+
+    assert read().realizations == ()
+    assert realized("3").realizations == (0, 1, 2)
+    assert realized("3", ("seed = 0", "seed = 5")).realizations == (5, 6, 7)
+    sweep = realized("[9, 2]")
+    assert sweep.realizations == (2, 9)
+    assert sweep.roughness.seed == 2  # what takes one surface takes the first
+    np.save(tmp_path / "surface.npy", np.zeros((480, 480)))
+    for surface, what in (
+        (("[disk.roughness]\n" + ROUGHNESS, ""), "smooth"),
+        ((ROUGHNESS, MEASURED_SURFACE), "measured"),
+    ):
+        (fault,) = faults(("fields =", "realizations = 3\nfields ="), surface)
+        assert fault.startswith(f"sweep.realizations: 3 does not fit a {what} disk")
+
+
 def test_a_measured_surface_is_read_from_beside_the_scene(read, tmp_path):
     heights = np.arange(48.0).reshape(8, 6)
     np.save(tmp_path / "surface.npy", heights)
@@ -328,6 +347,11 @@ def test_a_preset_asked_for_replaces_the_files_fidelity_and_overrides_come_last(
         ('{ from = "1 m/s", to', "{ to", "sweep.velocities.from", ["missing"]),
         ('from = "1 m/s"', 'from = "5 m/s"', "sweep.velocities", ["steps"]),
         ("fields = true", 'fields = "yes"', "sweep.fields", ["true or false"]),
+        ("fields =", "realizations = 0\nfields =", "sweep.realizations", ["0", "at least 1"]),
+        ("fields =", "realizations = []\nfields =", "sweep.realizations", ["0 entries", "list"]),
+        ("fields =", "realizations = [3, 3]\nfields =", "sweep.realizations[1]", ["entry [0]"]),
+        ("fields =", "realizations = [-1]\nfields =", "sweep.realizations[0]", ["at least 0"]),
+        ("fields =", 'realizations = "8"\nfields =', "sweep.realizations", ["whole number"]),
         ('velocity = "3.75 m/s"', 'velocity = "3.75 N"', "measured[3].velocity", ["m/s"]),
         ('title = "', 'title = 3 # "', "title", ["text"]),
         ("seed = 0", "seed = -1", "disk.roughness.seed", ["at least 0"]),
@@ -393,6 +417,7 @@ def test_all_faults_are_named_at_once(read, faults):
         ('"145 degC"', '"20 degC"'),
         ('"750 N"]', '"-750 N"]'),
         ("[480, 480]", "[482, 480]"),
+        ("fields =", "realizations = -3\nfields ="),
     )
     found = faults(*changes, preset="slow", overrides={"increment": 3, "increments": -3})
     assert sorted(line.split(":")[0] for line in found) == [
@@ -404,10 +429,11 @@ def test_all_faults_are_named_at_once(read, faults):
         "overrides.increments",
         "preset",
         "sweep.loads[3]",
+        "sweep.realizations",
         "temperature.critical",
         "window.pixels",
     ]
-    with pytest.raises(SceneFileError, match=r"scene\.toml: 6 faults") as caught:
+    with pytest.raises(SceneFileError, match=r"scene\.toml: 7 faults") as caught:
         read(*changes[:2], *changes[3:], ("poisson_ratio = 0.3", "poisson_ratio = 3"))
     error = caught.value
     assert all(line in str(error) for line in error.faults)

@@ -246,7 +246,7 @@ def test_a_full_disk_is_an_error_that_says_so(path, monkeypatch):
         raise OSError(errno.ENOSPC, "No space left on device")
 
     monkeypatch.setattr(store_module._Files, "set", full)
-    with pytest.raises(StoreError, match=r"250 N and 1 m/s .* No space left on device"):
+    with pytest.raises(StoreError, match=r"250 N, 1 m/s .* No space left on device"):
         store.commit(run_point(SWEEP, *POINT))
     with pytest.raises(StoreError, match="No space left"):
         store.fail(POINT, "why")

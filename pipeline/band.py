@@ -1,0 +1,107 @@
+"""The band of a boundary over several random surfaces: what they have in common, and the spread.
+
+A surface whose transition lies beyond the sweep has no number, but is not without evidence: its
+transition lies above all of the sweep's velocities (or loads) if wear is mild throughout, below
+them if it is severe from the lowest. Quantiles are therefore taken with it in its place, and are
+known as long as they fall within the sweep. A mean has no such way out: it is given only where
+every surface crosses, since the mean of those that do would be biased towards the sweep's middle.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+__all__ = ["BAND", "CROSSES", "MILD", "SEVERE", "UNKNOWN", "quantile", "with_band"]
+
+Array = NDArray[np.float64]
+
+CROSSES, MILD, SEVERE, UNKNOWN = range(4)
+"""Values of the variables ``outcome_at_load`` and ``outcome_at_velocity``."""
+
+BAND = (0.1, 0.5, 0.9)
+"""Shares of the surfaces whose transition lies lower: lower end, middle and upper end."""
+
+
+def with_band(boundaries: xr.Dataset) -> xr.Dataset:
+    """Add to the boundaries of several surfaces what `pipeline.boundary` says of all of them.
+
+    Parameters
+    ----------
+    boundaries : Dataset
+        With ``critical_velocity(realization, load)``, ``critical_load(realization, velocity)``,
+        and the outcomes of each.
+    """
+    found = boundaries.assign_coords(
+        quantile=("quantile", list(BAND), {"long_name": "share of the surfaces that lie lower"})
+    )
+    for name, axis in (("critical_velocity", "load"), ("critical_load", "velocity")):
+        outcome = found[f"outcome_at_{axis}"].transpose("realization", axis).values
+        values = found[name].transpose("realization", axis).values
+        unit = {"units": found[name].attrs["units"]}
+        crossing, known = (outcome == CROSSES).sum(axis=0), (outcome != UNKNOWN).sum(axis=0)
+        columns = [
+            np.select([why == MILD, why == SEVERE, why == UNKNOWN], [np.inf, -np.inf, np.nan], at)
+            for at, why in zip(values.T, outcome.T, strict=True)
+        ]
+        of_all = [np.mean(c) if np.isfinite(c).all() else math.nan for c in _known(columns)]
+        spread = [
+            np.std(c, ddof=1) if len(c) > 1 and np.isfinite(c).all() else math.nan
+            for c in _known(columns)
+        ]
+        quantiles = [[quantile(c, share) for c in columns] for share in BAND]
+        found = found.assign({
+            f"{name}_mean": (axis, of_all, unit | {"long_name": "mean over the surfaces"}),
+            f"{name}_spread": (axis, spread, unit | {"long_name": "their standard deviation"}),
+            f"{name}_quantile": (
+                ("quantile", axis),
+                quantiles,
+                unit | {"long_name": "that a share of the surfaces stays below"},
+            ),
+            f"crossing_at_{axis}": (
+                axis, crossing, {"units": "1", "long_name": "surfaces that cross"},
+            ),
+            f"known_at_{axis}": (
+                axis, known, {"units": "1", "long_name": "surfaces whose outcome is known"},
+            ),
+        })  # fmt: skip
+    return found
+
+
+def _known(columns: Sequence[Array]) -> list[Array]:
+    """Without surfaces of which nothing is known; NaN alone where there is no other."""
+    return [c[~np.isnan(c)] if not np.isnan(c).all() else np.array([math.nan]) for c in columns]
+
+
+def quantile(values: Array, share: float) -> float:
+    """Value that a share of all stays below, linear between them; infinite ones beyond the rest.
+
+    Parameters
+    ----------
+    values : ndarray
+        NaN is left out.
+    share : float
+
+    Returns
+    -------
+    float
+        NaN where it does not lie between finite values.
+
+    Examples
+    --------
+    >>> values = np.array([2.0, 1.0, np.inf, np.nan, -np.inf, 3.0])
+    >>> quantile(values, 0.5), quantile(values, 0.375), quantile(values, 0.9)
+    (2.0, 1.5, nan)
+    """
+    ranked = np.sort(values[~np.isnan(values)])
+    if not ranked.size:
+        return math.nan
+    place = share * (len(ranked) - 1)
+    low, high = ranked[math.floor(place)], ranked[math.ceil(place)]
+    if not (np.isfinite(low) and np.isfinite(high)):
+        return math.nan
+    return float(low + (place - math.floor(place)) * (high - low))
