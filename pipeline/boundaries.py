@@ -9,6 +9,7 @@ rise at friction 1 that the failing share of the contact exceeds, wear is severe
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import asdict
 from typing import Any
 
@@ -37,7 +38,7 @@ Array = NDArray[np.float64]
 
 def boundary(
     ds: xr.Dataset,
-    friction: float | None = None,
+    friction: float | Iterable[float] | None = None,
     bulk_temperature: float | None = None,
     critical_temperature: float | None = None,
     share: float | None = None,
@@ -50,8 +51,9 @@ def boundary(
     ----------
     ds : Dataset
         Of `pipeline.open_sweep`. Points that are pending or failed are skipped.
-    friction : float, optional
+    friction : float or several, optional
         Coefficient of friction, at least 0; like the following the sweep's own if not given.
+        Several give a dimension ``friction``.
     bulk_temperature, critical_temperature : float, optional
         [K].
     share : float, optional
@@ -81,6 +83,16 @@ def boundary(
     InputError
         If a condition lies outside its range.
     """
+    if isinstance(friction, Iterable):
+        others = (bulk_temperature, critical_temperature, share)
+        values = [float(value) for value in friction]
+        axis = xr.Variable("friction", values, {"units": "1", "long_name": "friction coefficient"})
+        return xr.concat(
+            [boundary(ds, value, *others) for value in values],
+            axis,
+            data_vars="all",
+            combine_attrs="drop_conflicts",
+        )
     conditions = conditions_of(ds, friction, bulk_temperature, critical_temperature, share)
     found = [_boundary(surface, conditions) for surface in by_surface(ordered(ds))]
     if "realization" not in ds.dims:
@@ -269,6 +281,8 @@ def conditions_of(
     values = {}
     for name, value in given.items():
         value = own.get(name) if value is None else value
+        if isinstance(value, Iterable):
+            raise InputError(f"{name} is {value!r}; it must be one number here")
         if value is None:
             raise InputError(f"the sweep has no {name} of its own; give one")
         values[name] = float(value)

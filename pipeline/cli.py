@@ -149,7 +149,12 @@ def _parser() -> argparse.ArgumentParser:
         "-o", "--output", metavar="FILE.png", type=Path, help="default: beside the store"
     )
     for added in (boundary, plot):
-        added.add_argument("--friction", type=float, help="coefficient of friction")
+        added.add_argument(
+            "--friction",
+            metavar="MU",
+            type=_frictions,
+            help="coefficient of friction, or several such as 0.09,0.103",
+        )
         added.add_argument(
             "--bulk-temperature", metavar="T", type=_quantity("25 degC"), help='like "25 degC"'
         )
@@ -187,6 +192,17 @@ def _count(text: str, least: int = 1) -> int:
     if number < least:
         raise argparse.ArgumentTypeError(f'"{text}": give a whole number of at least {least}')
     return number
+
+
+def _frictions(text: str) -> float | tuple[float, ...]:
+    """Read a number, or several between commas."""
+    try:
+        values = tuple(float(part) for part in text.split(","))
+    except ValueError:
+        raise argparse.ArgumentTypeError(
+            f'"{text}": give a number such as 0.1, or several such as 0.09,0.103'
+        ) from None
+    return values if len(values) > 1 else values[0]
 
 
 def _seed(text: str) -> int:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import math
 import tomllib
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict
@@ -11,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pipeline
+from pipeline.crossings import document_of, text_of
 from pipeline.sweep import Point, Sweep
 from pipeline.terminal import ProgressLine, duration, show, tell
 from tribo import TriboError, failed_share, measures
@@ -39,7 +39,6 @@ __all__ = [
 DONE, SOME_FAILED, WRONG_USE, OTHER_SCENE, INTERRUPTED = 0, 1, 2, 3, 130
 
 CONDITIONS = ("friction", "bulk_temperature", "critical_temperature", "share")
-_NO_CROSSING = {1: "mild throughout", 2: "severe from the lowest", 3: "not known yet"}
 
 
 def run(options: argparse.Namespace) -> int:
@@ -127,71 +126,9 @@ def status(options: argparse.Namespace) -> int:
 
 def boundary(options: argparse.Namespace) -> int:
     """Print critical velocities and loads."""
-    result = pipeline.boundary(pipeline.open_sweep(options.store), **_given(options, *CONDITIONS))
-    several = "realization" in result.dims
-    shown = ["load", "critical_velocity", "velocity", "critical_load"]
-    if several:
-        shown += ["realization", "quantile"]
-        shown += [
-            f"{name}_{kind}"
-            for name in ("critical_velocity", "critical_load")
-            for kind in ("mean", "spread", "quantile")
-        ]
-        shown += ["crossing_at_load", "known_at_load", "crossing_at_velocity", "known_at_velocity"]
-    document = {
-        "conditions": {
-            name: result.attrs[name]
-            for name in ("friction", "bulk_temperature", "critical_temperature", "failing_share")
-        },
-        "missing_points": result.attrs["missing_points"],
-    } | {name: result[name].values.tolist() for name in shown}
-    lines = _band_lines if several else _crossings
-    text = [
-        f"friction {result.attrs['friction']:g}, "
-        f"bulk {pipeline.display(result.attrs['bulk_temperature'], '°C')}, "
-        f"critical {pipeline.display(result.attrs['critical_temperature'], '°C')}, "
-        f"failing share {result.attrs['failing_share']:g}",
-        "",
-        "  load [N]   critical velocity [m/s]",
-        *lines(result, "critical_velocity", "load"),
-        "",
-        "  velocity [m/s]   critical load [N]",
-        *lines(result, "critical_load", "velocity"),
-    ]
-    if document["missing_points"]:
-        text += ["", f"{document['missing_points']} points are pending or failed and were left out"]
-    show(options, document, text)
+    found = pipeline.boundary(pipeline.open_sweep(options.store), **_given(options, *CONDITIONS))
+    show(options, document_of(found), text_of(found))
     return DONE
-
-
-def _crossings(result: Any, name: str, axis: str) -> Iterable[str]:
-    for place in range(result.sizes[axis]):
-        at = result.isel({axis: place})
-        why = int(at[f"outcome_at_{axis}"])
-        yield f"{float(at[axis]):10g}   " + _NO_CROSSING.get(why, f"{float(at[name]):.4g}")
-
-
-def _band_lines(result: Any, name: str, axis: str) -> Iterable[str]:
-    """Median, lower and upper end of the band, mean ± spread, and how many surfaces cross."""
-
-    def number(value: Any) -> str:
-        return f"{float(value):.4g}" if math.isfinite(float(value)) else "-"
-
-    low, middle, high = (f"{100 * share:g} %" for share in result["quantile"].values)
-    yield f"{'':10}   {'median':>8} {low:>8} {high:>8} {'mean':>8} {'spread':>8}   surfaces"
-    for place in range(result.sizes[axis]):
-        at = result.isel({axis: place})
-        low, middle, high = (number(value) for value in at[f"{name}_quantile"])
-        outcome = at[f"outcome_at_{axis}"].values.tolist()
-        counts = [f"{int(at[f'crossing_at_{axis}'])} of {len(outcome)} cross"]
-        counts += [
-            f"{outcome.count(why)} {meaning}"
-            for why, meaning in _NO_CROSSING.items()
-            if why in outcome
-        ]
-        mean, spread = number(at[f"{name}_mean"]), number(at[f"{name}_spread"])
-        columns = " ".join(f"{value:>8}" for value in (middle, low, high, mean, spread))
-        yield f"{float(at[axis]):10g}   {columns}   {', '.join(counts)}"
 
 
 def point(options: argparse.Namespace) -> int:
@@ -246,9 +183,8 @@ def plot(options: argparse.Namespace) -> int:
     """Draw a figure of a store."""
     ds = pipeline.open_sweep(options.store)
     out = options.output or options.store.with_name(f"{options.store.stem}_{options.kind}.png")
-    written = pipeline.plot(
-        ds, options.kind, out, **_given(options, "load", "velocity", "realization", *CONDITIONS)
-    )
+    given = _given(options, "load", "velocity", "realization", *CONDITIONS)
+    written = pipeline.plot(ds, options.kind, out, **given)
     show(options, {"kind": options.kind, "file": str(written)}, [f"{written}"])
     return DONE
 

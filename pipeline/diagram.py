@@ -46,7 +46,7 @@ _LABEL_SIZE = (0.30, 0.13)  # of the axes: about what the names of the regions t
 @in_house_style
 def diagram(
     ds: xr.Dataset,
-    friction: float | None = None,
+    friction: float | Sequence[float] | None = None,
     bulk_temperature: float | None = None,
     critical_temperature: float | None = None,
     share: float | None = None,
@@ -61,9 +61,16 @@ def diagram(
 
     Parameters
     ----------
-    ds, friction, bulk_temperature, critical_temperature, share
+    ds, bulk_temperature, critical_temperature, share
         See `pipeline.boundary`.
+    friction : float or several, optional
+        The lowest and highest of several make the band in place of the sweep's own, and the
+        boundary is that of their median.
     """
+    band = ds.attrs.get("friction_band")
+    if isinstance(friction, Sequence):
+        band = min(friction), max(friction)
+        friction = float(np.median(friction))
     conditions = conditions_of(ds, friction, bulk_temperature, critical_temperature, share)
     ds = ordered(ds)
     figure = Figure(figsize=(8.0, 6.4))
@@ -81,7 +88,7 @@ def diagram(
         legend += _boundary(axes, plane, conditions)
         if "realization" in ds.dims:
             legend += _surface_band(axes, planes, conditions)
-        legend += _band(axes, plane, conditions, ds.attrs.get("friction_band"))
+        legend += _band(axes, plane, conditions, band)
     legend += _points(axes, ds, conditions)
     measured = ds.attrs.get("measured") or []
     legend += _measured(axes, measured)

@@ -296,3 +296,17 @@ def test_a_share_beyond_the_stored_quantiles_is_refused(sweep):
     upper = sweep.isel(quantile=slice(10, None))
     with pytest.raises(InputError, match=r"share is 0.9; .* allow from 0 to 0.55"):
         boundary(upper, share=0.9)
+
+
+def test_several_frictions_are_a_dimension_and_each_is_as_alone(sweep):
+    found = boundary(sweep, friction=(0.09, 0.103), share=0.05)
+    assert found["critical_velocity"].dims == ("friction", "load")
+    for friction in (0.09, 0.103):
+        alone, part = boundary(sweep, friction=friction, share=0.05), found.sel(friction=friction)
+        for name in alone.data_vars:
+            np.testing.assert_array_equal(part[name], alone[name])
+    assert found.attrs["critical_temperature"] == 418.15
+    with pytest.raises(InputError, match="at least 0"):
+        boundary(sweep, friction=(0.1, -0.1))
+    with pytest.raises(InputError, match="one number"):
+        decisive_temperature(sweep, friction=(0.09, 0.103))

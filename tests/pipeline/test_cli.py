@@ -124,6 +124,19 @@ def test_boundary_in_words_names_its_conditions(swept, capsys):
     assert "critical velocity [m/s]" in out
 
 
+def test_boundary_takes_several_frictions_at_once(swept, capsys):
+    assert run("boundary", swept / "small.zarr", "--friction", "0.08,0.12", "--json") == 0
+    both = json.loads(capsys.readouterr().out)
+    assert both["conditions"]["friction"] == [0.08, 0.12]
+    assert run("boundary", swept / "small.zarr", "--friction", "0.12", "--json") == 0
+    assert json.loads(capsys.readouterr().out)["critical_load"] == both["critical_load"][1]
+    assert run("boundary", swept / "small.zarr", "--friction", "0.08,0.12") == 0
+    assert "friction   0.08                    0.12" in capsys.readouterr().out
+    with pytest.raises(SystemExit):
+        run("boundary", swept / "small.zarr", "--friction", "0.08,high")
+    assert "0.09,0.103" in capsys.readouterr().err
+
+
 def test_point_alone_equals_the_point_of_the_sweep(swept, capsys):
     arguments = ("--load", "400 N", "--velocity", "2 m/s", "--json")
     assert run("point", swept / "small.toml", *arguments) == 0

@@ -117,6 +117,15 @@ def test_measured_points_are_shown_where_there_are_any(sweep, drawn):
     assert len(labels(bare.legends[0])) == 5
 
 
+def test_several_frictions_make_the_band_and_their_middle_the_boundary(sweep):
+    figure = diagram(sweep, friction=(0.1, 0.08, 0.12))
+    assert "transition at friction 0.08–0.12" in labels(figure.legends[0])
+    (line,) = contour(figure.axes[0], "boundary")
+    x, y = line.T
+    expected = synthetic.critical_velocity(y, synthetic.limit(friction=0.1))
+    np.testing.assert_allclose(x, expected, rtol=1e-3)
+
+
 @pytest.mark.parametrize("friction", [0.05, 0.1, 0.2])
 def test_names_stand_inside_their_regions(sweep, friction):
     axes = diagram(sweep, friction=friction).axes[0]
