@@ -18,7 +18,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from pipeline.band import CROSSES, MILD, SEVERE, UNKNOWN, with_band
-from pipeline.dataset import asked_points, by_surface, end_of_point, ordered
+from pipeline.dataset import asked_points, by_surface, ordered
 from pipeline.interpolation import crossing, interpolated
 from pipeline.layout import DONE
 from pipeline.sweep import Conditions
@@ -150,7 +150,7 @@ def decisive_temperature(
     share: float | None = None,
     resolution: int | None = None,
 ) -> xr.DataArray:
-    """Temperature that just the failing share of the contact area exceeds at the end of a point.
+    """Temperature that just the failing share of the contact area exceeds, at the highest.
 
     Wear is severe where it lies above the critical temperature.
 
@@ -180,7 +180,10 @@ def decisive_temperature(
 def decisive_rise(
     ds: xr.Dataset, share: float, resolution: int | None = None, continued: bool = False
 ) -> xr.DataArray:
-    """Rise, at friction 1, that just a share of the contact area exceeds at the end of a point.
+    """Rise, at friction 1, that just a share of the contact area exceeds, at the highest.
+
+    It is the highest one from when the load of a point is reached on: at the end of the ramp or,
+    where the load is held, at any later step at which the temperature was asked for.
 
     Parameters
     ----------
@@ -200,13 +203,13 @@ def decisive_rise(
     DataArray, dims (load, velocity), after ``realization`` over several surfaces
         [K], sorted along all axes; NaN at points that are pending or failed.
     """
-    ds = ordered(ds[["time", "rise_quantile", "status"]])
+    ds = ordered(ds[["normal_load", "rise_quantile", "status"]])
     if "realization" in ds.dims:
         each = [decisive_rise(part, share, resolution, continued) for part in by_surface(ds)]
         found: xr.DataArray = xr.concat(each, "realization")
         return found
-    ds = end_of_point(ds)
-    r = rise_exceeded(ds, share).where(ds["status"] == DONE).transpose("load", "velocity").values
+    reached = (ds["normal_load"] >= ds["load"]) & (ds["status"] == DONE)
+    r = rise_exceeded(ds, share).where(reached).max("step").transpose("load", "velocity").values
     loads, velocities = ds["load"].values, ds["velocity"].values
     if resolution is not None:
         fine = np.linspace(velocities[0], velocities[-1], resolution)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 import tomllib
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict
@@ -13,7 +14,7 @@ import pipeline
 from pipeline.crossings import document_of, text_of
 from pipeline.sweep import Point, Sweep
 from pipeline.terminal import ProgressLine, duration, show, tell
-from tribo import TriboError, failed_share, measures
+from tribo import failed_share, measures
 
 if TYPE_CHECKING:
     from pipeline.store import FailedPoint
@@ -136,22 +137,25 @@ def point(options: argparse.Namespace) -> int:
     sweep = _scene(options, points=[Point(options.load, options.velocity)])
     sweep = sweep.on_surface(options.realization)
     result = pipeline.run_point(sweep, options.load, options.velocity)
-    found, heat, conditions = measures(sweep, result.state), result.state.heat, sweep.conditions
-    if heat is None:
-        raise TriboError("the point ended without a temperature")
+    found, columns, conditions = measures(sweep, result.state), result.columns, sweep.conditions
     warming = conditions.critical_temperature - conditions.bulk_temperature
-    share = (
-        failed_share(heat.rise_quantile, warming / conditions.friction)
-        if conditions.friction
-        else 0.0
+    limit = warming / conditions.friction if conditions.friction else math.inf
+    # Where the load is held, wear is severe if it is so at any time.
+    share, rise, time = max(
+        (failed_share(quantiles, limit), float(quantiles[-1]), float(time))
+        for load, quantiles, time in zip(
+            columns["normal_load"], columns["rise_quantile"], columns["time"], strict=True
+        )
+        if load >= options.load and math.isfinite(quantiles[-1])
     )
-    hottest = conditions.bulk_temperature + conditions.friction * heat.max_rise
+    hottest = conditions.bulk_temperature + conditions.friction * rise
     severe = share > conditions.failing_share
     document = found | {
         "velocity": options.velocity,
         "friction": conditions.friction,
         "max_temperature": hottest,
         "failed_fraction": share,
+        "failed_fraction_time": time,
         "severe": severe,
         "warnings": list(result.warnings),
         "wall_time": result.wall_time,
@@ -161,7 +165,8 @@ def point(options: argparse.Namespace) -> int:
         f"and {found['sliding_distance']:.3g} m: {'severe' if severe else 'mild'} wear",
         f"  failed share      {100 * share:.1f} % of the contact above "
         f"{pipeline.display(conditions.critical_temperature, '°C')} "
-        f"(severe above {100 * conditions.failing_share:g} %)",
+        f"(severe above {100 * conditions.failing_share:g} %)"
+        + (f" at its highest, after {time:.3g} s" if time < found["time"] else ""),
         f"  max temperature   {pipeline.display(hottest, '°C', 4)} at friction "
         f"{conditions.friction:g}",
         f"  pin's heat share  {100 * found['pin_heat_share']:.1f} %",

@@ -286,6 +286,16 @@ def _temperatures(
     key = [Line2D([], [], color=BLACK, label=label, **look) for _, label, look in rises]
     key.append(Line2D([], [], color=GREY, ls=":", lw=1.4, label=f"critical, {critical:g} °C"))
     axes.legend(handles=key, loc="upper left", ncols=3)
+    for start in {start for point in points if (start := _held_from(ds, point)) is not None}:
+        axes.axvline(start, color=GREY, lw=0.9)
+        axes.text(start, bottom, " load held", va="bottom", color=GREY)
+
+
+def _held_from(ds: xr.Dataset, point: tuple[int, int]) -> float | None:
+    """When a point's load was reached, if it goes on after that [s]."""
+    time, load = ds["time"].values[point], ds["normal_load"].values[point]
+    reached = time[load >= ds["load"].values[point[0]]]
+    return float(reached[0]) if len(reached) > 1 else None
 
 
 def _order(point: tuple[int, int]) -> float:
@@ -298,7 +308,12 @@ def _along_ramp(ds: xr.Dataset, rise: Array, point: tuple[int, int]) -> tuple[Ar
     i, j = point
     done = ds["status"].values[: i + 1, j] == DONE
     time, rise = ds["time"].values[: i + 1, j][done].ravel(), rise[: i + 1, j][done].ravel()
+    load = ds["normal_load"].values[: i + 1, j][done].ravel()
     known = np.isfinite(rise)
+    # A lower load that is held, or that was reached in another way, lies elsewhere at that time.
+    own = np.isfinite(ds["time"].values[point])
+    times, loads = (np.append(0.0, ds[name].values[point][own]) for name in ("time", "normal_load"))
+    known[known] = np.isclose(load[known], np.interp(time[known], times, loads), rtol=1e-9)
     time, first = np.unique(time[known], return_index=True)
     return time, rise[known][first]
 

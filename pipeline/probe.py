@@ -109,13 +109,13 @@ def probe(
         tracemalloc.start()
     try:
         # Makes kernels and surface, which a whole sweep makes once.
-        _last(scene, load / 2, velocity * 0.9)
+        _run(scene, load / 2, velocity * 0.9)
         peak = tracemalloc.get_traced_memory()[1] if with_memory else None
     finally:
         if with_memory:
             tracemalloc.stop()
     began = time.process_time()
-    runs = [_last(scene, point.load, point.velocity) for point in points]
+    runs = [_run(scene, point.load, point.velocity) for point in points]
     seconds = time.process_time() - began
     return Probe(
         fidelity,
@@ -134,14 +134,18 @@ class _Run:
     work: int
 
 
-def _last(scene: Sweep, load: float, velocity: float) -> _Run:
-    """The end of a point, and what it took to get there."""
+def _run(scene: Sweep, load: float, velocity: float) -> _Run:
+    """A point at its hottest under full load, and what it took to its end."""
     convolutions = work = 0
+    hot: list[tuple[float, State]] = []
     for state in simulate(scene, load, velocity):
         on_way = state.heat.iterations if state.heat else 0
         convolutions += state.iterations + on_way
         work += state.work + on_way * state.pressure.size
-    return _Run(state, convolutions, work)
+        if state.heat is not None and state.normal_load >= load:
+            hot.append((decisive_rise_of(scene, state.heat.rise_quantile), state))
+    hottest = max(hot, key=lambda found: found[0])[1] if hot else state
+    return _Run(hottest, convolutions, work)
 
 
 def _reading(sweep: Sweep, scene: Sweep, state: State) -> Reading:
@@ -227,7 +231,7 @@ def near_the_boundary(
     for load in loads:
 
         def rise(velocity: float, load: float = load) -> float:
-            return _reading(sweep, scene, _last(scene, load, velocity).state).rise
+            return _reading(sweep, scene, _run(scene, load, velocity).state).rise
 
         velocity = critical_velocity(rise, limit, min(moving) / 2, max(moving) * 2)
         points.append(Point(load, velocity))

@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 import tribo
+from pipeline.boundaries import decisive_rise, rise_exceeded
 from pipeline.dataset import end_of_point, open_sweep
+from pipeline.figures import ramp
 from pipeline.plan import Point, points, run_point, step_count
 from pipeline.store import Store, StoreError, prepare
 from pipeline.sweep import Conditions
@@ -60,6 +62,43 @@ def test_temperatures_are_bulk_plus_friction_times_rise(ds):
     assert last["mean_temperature"] < last["max_temperature"]
     assert all(ds[name].attrs["units"] == ("1" if "fraction" in name else "K") for name in DERIVED)
     assert all("long_name" in ds[name].attrs for name in DERIVED)
+
+
+@pytest.fixture(scope="module")
+def held(tmp_path_factory):
+    """Three seconds at full load, in which wear lets the contact cool."""
+    path = tmp_path_factory.mktemp("held") / "held.zarr"
+    loading = tribo.Ramp(rate=150.0, reference_load=750.0, hold=3.0, hold_steps=4)
+    with np.errstate(all="raise", under="ignore"):
+        commit_all(path, tiny.sweep(loading=loading, temperature_interval=1))
+    return open_sweep(path)
+
+
+def test_the_steps_of_a_hold_are_in_the_dataset(held):
+    point = held.sel(load=600.0, velocity=1.0).dropna("step", subset=["time"])
+    np.testing.assert_allclose(point["time"][-5:], [4.0, 4.75, 5.5, 6.25, 7.0])
+    np.testing.assert_array_equal(point["normal_load"][-5:], [600.0] * 5)
+    assert np.isfinite(point["max_temperature"]).all()
+
+
+def test_a_point_is_as_severe_as_it_is_at_any_time_of_its_hold(held):
+    rise = decisive_rise(held, 0.1).sel(load=600.0, velocity=1.0).item()
+    by_step = rise_exceeded(held, 0.1).sel(load=600.0, velocity=1.0)
+    assert rise == by_step.max("step") == by_step[4]
+    assert rise > by_step.dropna("step")[-1] + 10
+    # Hotter at a lower load than ever at its own: only what is reached at full load counts.
+    earlier = held.copy(deep=True)
+    earlier["rise_quantile"][{"step": 0}] *= 10
+    assert decisive_rise(earlier, 0.1).sel(load=600.0, velocity=1.0) == rise
+
+
+def test_a_ramp_is_drawn_through_its_own_hold_and_no_other(held):
+    axes = ramp(held, load=600.0, velocity=1.0).axes[0]
+    times = next(line.get_xdata() for line in axes.lines if len(line.get_xdata()) > 2)
+    # Stations, the ends of 150 and 250 N, and the hold of 600 N.
+    expected = [5 / 6, 1.0, 5 / 3, 2.5, 10 / 3, 4.0, 4.75, 5.5, 6.25, 7.0]
+    np.testing.assert_allclose(times, expected)
+    assert "load held" in [text.get_text().strip() for text in axes.texts]
 
 
 @pytest.mark.parametrize("critical", [330.0, 350.0, 390.0, 1000.0])
