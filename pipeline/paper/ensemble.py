@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from pipeline.paper.report import statistics
-from pipeline.paper.study import End, Study, end_of, resurfaced
+from pipeline.paper.study import End, Study, end_of
 from pipeline.style import BLACK, BLUE, GREEN, VERMILION
 from pipeline.sweep import Measurement, Sweep
 from tribo import InputError
@@ -61,7 +61,7 @@ def over_surfaces(
     found: list[list[End]] = [[] for _ in measured]
     for seed in study.seeds(_SURFACES):
         study.tell(f"{what}: surface {seed + 1} of {len(study.seeds(_SURFACES))}")
-        surface = resurfaced(sweep, seed)
+        surface = sweep.on_surface(seed)
         for column, entry in zip(found, measured, strict=True):
             column.append(end_of(surface, entry.normal_load, entry.velocity))
     return found

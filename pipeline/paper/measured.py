@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 
 from pipeline.paper.printed import RIG_HEATING, SPECIFIC_WEAR_RATE, TABLE_4, TABLE_6
 from pipeline.paper.report import Finding, Report, Table, mean_and_spread, statistics
-from pipeline.paper.study import Study, end_of, resurfaced
+from pipeline.paper.study import Study, end_of
 from pipeline.style import BLACK, BLUE, GREEN, GREY, VERMILION, celsius, in_house_style
 from pipeline.sweep import Sweep
 from tribo import (
@@ -154,7 +154,7 @@ def _critical(study: Study, scenes: Sequence[Sweep]) -> list[list[float]]:
         for seed in study.seeds(_SURFACES):
             study.tell(f"{scene.name}: surface {seed + 1} of {len(study.seeds(_SURFACES))}")
             result = critical_temperature(
-                resurfaced(scene, seed),
+                scene.on_surface(seed),
                 transitions,
                 scene.conditions.bulk_temperature,
                 scene.conditions.failing_share,

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure, SubFigure
 from numpy.typing import NDArray
 
 from pipeline.paper.report import Finding, Report, Table, mean_and_spread, statistics
-from pipeline.paper.study import End, Study, resurfaced, summary_of
+from pipeline.paper.study import End, Study, summary_of
 from pipeline.style import BLACK, BLUE, GREEN, GREY, VERMILION, celsius, in_house_style
 from pipeline.sweep import Sweep
 from tribo import ConvergenceError, simulate, warnings
@@ -43,7 +43,7 @@ def fig6(study: Study) -> Report:
     friction = measured.friction or conditions.friction
     blocks = [n for n in BLOCKS if sweep.preset is None or n >= sweep.fidelity.pixels_per_element]
     counts = [n for n in INCREMENTS if study.preset is None or n <= 50]
-    surfaces = [resurfaced(sweep, seed) for seed in study.seeds(1)]
+    surfaces = [sweep.on_surface(seed) for seed in study.seeds(1)]
 
     def hottest(end: End, share: float = 0.0) -> float:
         return end.exceeded(share, friction, conditions.bulk_temperature)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 
 from pipeline.paper.printed import TABLE_4
 from pipeline.paper.report import Finding, Report, Table, statistics
-from pipeline.paper.study import Study, end_of, resurfaced
+from pipeline.paper.study import Study, end_of
 from pipeline.style import BLACK, BLUE, GREEN, GREY, VERMILION, celsius, in_house_style
 from pipeline.sweep import Sweep
 from tribo import SelfAffineRoughness
@@ -46,7 +46,8 @@ def sensitivity(study: Study) -> Report:
     base = own.correlation_length[0] * 1e6
     kinds: dict[str, dict[str, dict[str, Any]]] = {
         "correlation length": {
-            f"{length:g} µm": {"correlation_length": (length * 1e-6,)} for length in LENGTHS
+            f"{length:g} µm": {"correlation_length": (length * 1e-6, length * 1e-6)}
+            for length in LENGTHS
         },
         "lay": {
             f"{base * along:g} × {base * across:g} µm": {
@@ -57,17 +58,17 @@ def sensitivity(study: Study) -> Report:
         "Hurst exponent": {f"{value:g}": {"hurst_exponent": value} for value in HURST},
     }
     found: dict[str, dict[str, _Outcome]] = {}
-    known: dict[Any, _Outcome] = {}
+    known: dict[SelfAffineRoughness, _Outcome] = {}
     for kind, variants in kinds.items():
         found[kind] = {}
         for name, changes in variants.items():
-            rough = resurfaced(sweep, 0, **changes).roughness
+            rough = replace(own, **changes)
             if rough not in known:
                 study.tell(f"{kind} {name}")
-                known[rough] = _outcome(study, sweep, changes)
+                known[rough] = _outcome(study, replace(sweep, roughness=rough))
             found[kind][name] = known[rough]
 
-    own_outcome = known[resurfaced(sweep, 0).roughness]
+    own_outcome = known[own]
     lengths = [mean_off(outcome) for outcome in found["correlation length"].values()]
     good = [
         name
@@ -128,14 +129,14 @@ def sensitivity(study: Study) -> Report:
     )
 
 
-def _outcome(study: Study, sweep: Sweep, changes: Mapping[str, Any]) -> _Outcome:
+def _outcome(study: Study, sweep: Sweep) -> _Outcome:
     conditions = sweep.conditions
     bulk, share = conditions.bulk_temperature, conditions.failing_share
     target = math.log(conditions.critical_temperature - bulk)
     number_of = len(sweep.measured)
     outcome = _Outcome(*(_empty(number_of) for _ in range(3)))
     for seed in study.seeds(_SURFACES):
-        surface = resurfaced(sweep, seed, **changes)
+        surface = sweep.on_surface(seed)
         for number, entry in enumerate(sweep.measured):
             end = end_of(surface, entry.normal_load, entry.velocity)
             friction = entry.friction or conditions.friction

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -16,14 +16,13 @@ from tribo import (
     QUANTILES,
     InputError,
     Scene,
-    SelfAffineRoughness,
     State,
     failed_share,
     measures,
     simulate,
 )
 
-__all__ = ["WORKFLOWS", "End", "Study", "end_of", "resurfaced"]
+__all__ = ["WORKFLOWS", "End", "Study", "end_of"]
 
 WORKFLOWS = Path(__file__).parents[2] / "workflows"
 """The scenes that come with the source."""
@@ -119,20 +118,3 @@ def summary_of(scene: Scene, state: State) -> End:
     return End(
         measures(scene, state)["contact_width"], float(bearing), state.heat.rise_quantile.copy()
     )
-
-
-def resurfaced(
-    scene: Sweep,
-    seed: int,
-    correlation_length: Sequence[float] | None = None,
-    hurst_exponent: float | None = None,
-) -> Sweep:
-    """The scene with another random surface."""
-    rough = scene.roughness
-    if not isinstance(rough, SelfAffineRoughness):
-        raise InputError("an ensemble needs a random surface; give the scene a [disk.roughness]")
-    if correlation_length is not None:
-        rough = replace(rough, correlation_length=(correlation_length[0], correlation_length[-1]))
-    if hurst_exponent is not None:
-        rough = replace(rough, hurst_exponent=hurst_exponent)
-    return replace(scene, roughness=replace(rough, seed=seed))
