@@ -14,10 +14,8 @@ from os import PathLike
 from pathlib import Path
 from typing import Any, Literal, get_args, get_origin, get_type_hints
 
-import numpy as np
-from numpy.typing import NDArray
-
 import tribo
+from pipeline.roughness import realizations_of, roughness_of
 from pipeline.schema import (
     Choice,
     Either,
@@ -34,9 +32,9 @@ from pipeline.schema import (
     Unit,
     Whole,
     did_you_mean,
+    entry_at,
     quoted,
 )
-from pipeline.surfaces import PLAIN, Surface, cropped, filled, levelled, read_surface
 from pipeline.sweep import Conditions, Measurement, Sweep
 from pipeline.units import display
 
@@ -205,8 +203,8 @@ def load_scene(
     found = FORMAT.read(_toml(path), "", faults)
     fidelity, preset = _fidelity(found["fidelity"] or {}, preset, overrides or {}, faults)
     notes: list[str] = []
-    realizations = _realizations(found, faults)
-    roughness = _roughness(found, path.parent, faults, notes)
+    realizations = realizations_of(found, faults)
+    roughness = roughness_of(found, path.parent, faults, notes)
     loading = _loading(found["loading"], path.parent, faults)
     _check_tables(found, fidelity, roughness, faults)
     if faults or loading is None:
@@ -267,111 +265,6 @@ def _fidelity(
     return fidelity, name if fidelity == tribo.PRESETS[name] else None
 
 
-def _realizations(found: dict[str, Any], faults: list[str]) -> tuple[int, ...]:
-    """Seeds of the random surfaces: those listed, or so many from the surface's own seed on.
-
-    The first becomes the scene's own.
-    """
-    wanted = _at(found, "sweep.realizations")
-    if wanted is None:
-        return ()
-    rough = _at(found, "disk.roughness")
-    if found["disk"] is not None and (rough is None or "file" in rough):
-        surface = "smooth" if rough is None else "measured"
-        given = wanted if isinstance(wanted, int) else list(wanted)
-        if not any(fault.startswith("disk.roughness") for fault in faults):
-            faults.append(
-                f"sweep.realizations: {quoted(given)} does not fit a {surface} disk; leave it "
-                "out, or give a [disk.roughness] that is made from a seed"
-            )
-        return ()
-    if isinstance(wanted, int):
-        first = _at(found, "disk.roughness.seed") or 0
-        return tuple(range(first, first + wanted))
-    seeds = tuple(sorted(wanted))
-    rough["seed"] = seeds[0]
-    return seeds
-
-
-def _roughness(
-    found: dict[str, Any], folder: Path, faults: list[str], notes: list[str]
-) -> tribo.SelfAffineRoughness | tribo.MeasuredRoughness | None:
-    """Make the disk's roughness; None if there is none, or a faulty one."""
-    table = _at(found, "disk.roughness")
-    if table is None:
-        return None
-    if "file" in table:
-        heights = _measured_heights(table, found, folder, faults, notes)
-        return None if heights is None else tribo.MeasuredRoughness(heights)
-    if None in table.values():
-        return None
-    length = table["correlation_length"]
-    pair = length if isinstance(length, tuple) else (length, length)
-    return tribo.SelfAffineRoughness(**{**table, "correlation_length": pair})
-
-
-def _measured_heights(
-    table: Mapping[str, Any],
-    found: dict[str, Any],
-    folder: Path,
-    faults: list[str],
-    notes: list[str],
-) -> NDArray[np.float64] | None:
-    """Read a measured surface, and make it fit: cropped, levelled, without holes."""
-    if any(fault.startswith("disk.roughness.") for fault in faults):
-        return None
-    file, unit = folder / table["file"], table["height_unit"]
-    if unit is None and file.suffix.lower() in PLAIN:
-        faults.append(
-            f"disk.roughness.height_unit: missing; {file.suffix} files need a unit of length, such "
-            'as "um"'
-        )
-        return None
-    try:
-        surface = read_surface(file, unit)
-    except tribo.InputError as error:
-        fault = str(error)
-    except Exception as error:  # a damaged file makes NumPy raise errors of any kind
-        fault = f"{file}: not a plain array of numbers: {error!r}"
-    else:
-        return _fitted_heights(surface, table, found, faults, notes)
-    faults.append(f"disk.roughness.file: {' '.join(fault.split())}")
-    return None
-
-
-def _fitted_heights(
-    surface: Surface,
-    table: Mapping[str, Any],
-    found: dict[str, Any],
-    faults: list[str],
-    notes: list[str],
-) -> NDArray[np.float64] | None:
-    pixels, sides = _at(found, "window.pixels"), _at(found, "window.pixel_size")
-    if surface.pixel_size and sides and not np.allclose(surface.pixel_size, sides, rtol=0.01):
-        own = " × ".join(display(side, "µm") for side in surface.pixel_size)
-        faults.append(f"window.pixel_size: the pixels of disk.roughness.file are {own}; give those")
-    heights = surface.heights
-    if table["crop"] is not None and pixels:
-        try:
-            heights = cropped(heights, table["crop"], pixels)
-        except tribo.InputError as error:
-            faults.append(f"disk.roughness.crop: {error}; give less, or fewer window.pixels")
-            return None
-    holes = np.argwhere(~np.isfinite(heights))
-    if len(holes):
-        row, column = holes[0].tolist()
-        share = f"{len(holes)} of {heights.size} heights ({100 * len(holes) / heights.size:.2g} %)"
-        if table["missing"] == "refuse" or len(holes) == heights.size:
-            faults.append(
-                f"disk.roughness.missing: {share} are missing, the first at row {row}, column "
-                f'{column} (counted from 0); crop them off, or give "fill"'
-            )
-            return None
-        notes.append(f"disk.roughness.file: {share} are missing and were filled from around them")
-        heights = filled(heights)
-    return levelled(heights) if table["level"] else heights
-
-
 def _loading(
     table: Mapping[str, Any] | None, folder: Path, faults: list[str]
 ) -> tribo.Ramp | tribo.MeasuredLoad | None:
@@ -399,7 +292,7 @@ def _check_tables(
     """Note what does not fit together, as far as the entries in question are sound."""
     materials = found["materials"]
     for body in ("pin", "disk"):
-        name = _at(found, f"{body}.material")
+        name = entry_at(found, f"{body}.material")
         if name and materials and name not in materials:
             allowed = " or ".join(map(quoted, materials))
             hint = did_you_mean(name, materials)
@@ -408,7 +301,7 @@ def _check_tables(
                 f"give {allowed}"
             )
 
-    pixels, block = _at(found, "window.pixels"), fidelity.pixels_per_element
+    pixels, block = entry_at(found, "window.pixels"), fidelity.pixels_per_element
     if pixels and any(n % block for n in pixels):
         faults.append(
             f"window.pixels: {quoted(list(pixels))} cannot be averaged {block} × {block}; give "
@@ -424,39 +317,31 @@ def _check_tables(
                 f"window.pixels, {quoted(list(pixels))}"
             )
 
-    length, sides = _at(found, "pin.length"), _at(found, "window.pixel_size")
+    length, sides = entry_at(found, "pin.length"), entry_at(found, "window.pixel_size")
     if length and pixels and sides and length < pixels[1] * sides[1] * (1 - 1e-9):
         faults.append(
             f"pin.length: {display(length, 'mm')} is shorter than the window, which is "
             f"{display(pixels[1] * sides[1], 'mm')} along y; give at least that"
         )
 
-    ball, periodic_y = _at(found, "pin.shape") == "ball", _at(found, "window.periodic_y")
+    ball, periodic_y = entry_at(found, "pin.shape") == "ball", entry_at(found, "window.periodic_y")
     if ball and periodic_y:
         faults.append("window.periodic_y: true does not fit a ball; give false, or leave it out")
-    if _at(found, "wear.pattern") == "swept" and (ball or periodic_y is False):
+    if entry_at(found, "wear.pattern") == "swept" and (ball or periodic_y is False):
         faults.append(
             'wear.pattern: "swept" averages along y, which needs a window that is periodic along '
             'y, under a cylinder; give "local"'
         )
 
-    bulk, critical = _at(found, "temperature.bulk"), _at(found, "temperature.critical")
+    bulk, critical = entry_at(found, "temperature.bulk"), entry_at(found, "temperature.critical")
     if bulk and critical and critical <= bulk:
         faults.append(
             f"temperature.critical: {display(critical, '°C')} is not above temperature.bulk, "
             f'{display(bulk, "°C")}; give a higher one, such as "145 degC"'
         )
-    band = _at(found, "friction.band")
+    band = entry_at(found, "friction.band")
     if band and band[0] > band[1]:
         faults.append(f"friction.band: {quoted(list(band))} falls; give the lower one first")
-
-
-def _at(found: dict[str, Any], path: str) -> Any:
-    """Look up a path; None where it, or a table on the way to it, is missing or faulty."""
-    entry: Any = found
-    for key in path.split("."):
-        entry = None if entry is None else entry.get(key)
-    return entry
 
 
 def _sweep(

@@ -37,6 +37,7 @@ __all__ = [
     "Unit",
     "Whole",
     "did_you_mean",
+    "entry_at",
     "quoted",
 ]
 
@@ -364,6 +365,14 @@ def did_you_mean(word: str, known: Iterable[str]) -> str:
     longer = [other for other in known if len(word) > 2 and other.startswith(word)]
     near = longer or difflib.get_close_matches(word, known, n=1)
     return f' (did you mean "{near[0]}"?)' if near else ""
+
+
+def entry_at(found: Mapping[str, Any], path: str) -> Any:
+    """Look up a path; None where it, or a table on the way to it, is missing or faulty."""
+    entry: Any = found
+    for key in path.split("."):
+        entry = None if entry is None else entry.get(key)
+    return entry
 
 
 def _join(at: str, key: str) -> str:
