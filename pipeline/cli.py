@@ -77,7 +77,8 @@ def _parser() -> argparse.ArgumentParser:
                 type=commands.setting,
                 action="append",
                 default=[],
-                help="one numerical choice, such as increments=50; may be repeated",
+                help="another numerical choice, such as increments=50, or another entry of the "
+                "scene, such as wear.pattern=local; may be repeated",
             )
         else:
             added.add_argument("store", metavar="OUT.zarr", type=Path)

@@ -242,8 +242,8 @@ def setting(text: str) -> tuple[str, Any]:
 
     Examples
     --------
-    >>> setting("increments=50"), setting("partition=uniform")
-    (('increments', 50), ('partition', 'uniform'))
+    >>> setting("increments=50"), setting("wear.pattern=local")
+    (('increments', 50), ('wear.pattern', 'local'))
     """
     key, separator, value = text.partition("=")
     if not (separator and key and value):

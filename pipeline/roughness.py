@@ -26,10 +26,10 @@ def realizations_of(found: dict[str, Any], faults: list[str]) -> tuple[int, ...]
     The first becomes the scene's own.
     """
     wanted = entry_at(found, "sweep.realizations")
-    if wanted is None:
+    if wanted is None or found["disk"] is None:
         return ()
     rough = entry_at(found, "disk.roughness")
-    if found["disk"] is not None and (rough is None or "file" in rough):
+    if rough is None or "file" in rough:
         surface = "smooth" if rough is None else "measured"
         given = wanted if isinstance(wanted, int) else list(wanted)
         if not any(fault.startswith("disk.roughness") for fault in faults):

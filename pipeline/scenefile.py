@@ -41,6 +41,7 @@ from pipeline.units import display
 __all__ = ["FORMAT", "Conditions", "Measurement", "SceneFileError", "Sweep", "load_scene"]
 
 _LARGEST_FILE = 10_000_000
+_PATHS = ("wear.pattern", "loading.hold", "temperature.failing_share", "sweep.realizations")
 
 
 class SceneFileError(tribo.TriboError):
@@ -191,7 +192,8 @@ def load_scene(
         Name of the fidelity to use in place of the file's whole table ``[fidelity]``, its preset
         and its single entries: what is asked for now goes before what was written then.
     overrides : mapping, optional
-        Fields of `tribo.Fidelity`, applied last.
+        Fields of `tribo.Fidelity`, applied last; or entries of the file by their key path, such
+        as ``wear.pattern``, in place of what it says there.
 
     Raises
     ------
@@ -200,8 +202,10 @@ def load_scene(
     """
     path = Path(path)
     faults: list[str] = []
-    found = FORMAT.read(_toml(path), "", faults)
-    fidelity, preset = _fidelity(found["fidelity"] or {}, preset, overrides or {}, faults)
+    overrides = {key.removeprefix("fidelity."): value for key, value in (overrides or {}).items()}
+    entries = {key: overrides.pop(key) for key in list(overrides) if "." in key}
+    found = FORMAT.read(_changed(_toml(path), entries, faults), "", faults)
+    fidelity, preset = _fidelity(found["fidelity"] or {}, preset, overrides, faults)
     notes: list[str] = []
     realizations = realizations_of(found, faults)
     roughness = roughness_of(found, path.parent, faults, notes)
@@ -237,6 +241,22 @@ def _toml(path: Path) -> dict[str, Any]:
         raise SceneFileError(path, [f"is not valid TOML: {reason}"]) from error
 
 
+def _changed(
+    document: dict[str, Any], entries: Mapping[str, Any], faults: list[str]
+) -> dict[str, Any]:
+    """The document with other entries, whose tables are made where there are none."""
+    for key, value in entries.items():
+        *tables, last = key.split(".")
+        table: Any = document
+        for name in tables:
+            table = table.setdefault(name, {}) if isinstance(table, dict) else None
+        if isinstance(table, dict):
+            table[last] = value
+        else:
+            faults.append(f"overrides.{key}: {'.'.join(tables)} is no table")
+    return document
+
+
 def _fidelity(
     table: Mapping[str, Any],
     preset: str | None,
@@ -248,7 +268,13 @@ def _fidelity(
     name = wanted or table.get("preset") or "standard"
     fidelity = tribo.PRESETS[name]
     entries = {key: value for key, value in table.items() if key != "preset"}
-    last = Table(FIDELITY).read(dict(overrides), "overrides", faults)
+    for key in set(overrides) - set(FIDELITY):
+        faults.append(
+            f"overrides.{key}: unknown key{did_you_mean(key, [*FIDELITY, *_PATHS])}; give one of "
+            f"{', '.join(FIDELITY)}; or a path such as {' or '.join(_PATHS[:2])}"
+        )
+    known = {key: value for key, value in overrides.items() if key in FIDELITY}
+    last = Table(FIDELITY).read(known, "overrides", faults)
     for where, values, counts in (
         ("fidelity", entries, preset is None),
         ("overrides", last, True),

@@ -286,6 +286,47 @@ def test_a_preset_asked_for_replaces_the_files_fidelity_and_overrides_come_last(
     assert read(overrides={"increments": tribo.PRESETS["draft"].increments}).preset == "draft"
 
 
+def test_any_entry_may_be_given_in_place_of_the_files(read, faults):
+    given = {
+        "wear.pattern": "local",
+        "loading.hold": "4 s",
+        "sweep.loads": ["300 N", "500 N"],
+        "temperature.failing_share": 0,
+        "fidelity.increments": 30,
+        "partition": "uniform",
+    }
+    changed = read(overrides=given)
+    expected = read(
+        ('"swept"', '"local"'),
+        ('"150 N/s"', '"150 N/s"\nhold = "4 s"'),
+        ('["200 N", "400 N", "600 N", "750 N"]', '["300 N", "500 N"]'),
+        ("failing_share = 0.1", "failing_share = 0"),
+        ('"draft"', '"draft"\nincrements = 30\npartition = "uniform"'),
+    )
+    assert changed == expected
+    # What is asked for now goes before the preset that is asked for now.
+    assert read(preset="standard", overrides=given).fidelity.increments == 30
+    found = faults(
+        overrides={
+            "wear.pattern": "lcoal",
+            "waer.pattern": "local",
+            "title.long": "x",
+            "realizations": 3,
+            "incremnts": 3,
+        }
+    )
+    assert sorted(line.split(": ")[0] for line in found) == [
+        "overrides.incremnts",
+        "overrides.realizations",
+        "overrides.title.long",
+        "waer",
+        "wear.pattern",
+    ]
+    said = "\n".join(found)
+    for hint in ('"increments"?', '"sweep.realizations"?', '"wear"?', '"local"?', "no table"):
+        assert hint in said
+
+
 @pytest.mark.parametrize(
     ("old", "new", "key", "said"),
     [
