@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from pipeline.tradeoff import trade
     from pipeline.tradeoff_figure import draw_trade
     from pipeline.units import display, to_si
+    from pipeline.verify import verify_store
 
 _HOMES = {
     "RESULTS": "paper",
@@ -54,6 +55,7 @@ _HOMES = {
     "summary": "store",
     "to_si": "units",
     "trade": "tradeoff",
+    "verify_store": "verify",
     "write_gallery": "paper",
 }
 
@@ -85,6 +87,7 @@ __all__ = [
     "summary",
     "to_si",
     "trade",
+    "verify_store",
     "write_gallery",
 ]
 

@@ -107,6 +107,11 @@ def _parser() -> argparse.ArgumentParser:
 
     command("status", commands.status, "count the points done, failed and pending", "store")
 
+    verify = command("verify", commands.verify, "read a whole store, name what is damaged", "store")
+    verify.add_argument(
+        "--repair", action="store_true", help="set damaged points to be computed again"
+    )
+
     boundary = command(
         "boundary", commands.boundary, "find the transition, without a new simulation", "store"
     )

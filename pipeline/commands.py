@@ -18,6 +18,7 @@ from tribo import failed_share, measures
 
 if TYPE_CHECKING:
     from pipeline.store import FailedPoint
+    from pipeline.verify import Damage
 
 __all__ = [
     "CONDITIONS",
@@ -35,6 +36,7 @@ __all__ = [
     "setting",
     "status",
     "trade",
+    "verify",
 ]
 
 DONE, SOME_FAILED, WRONG_USE, OTHER_SCENE, INTERRUPTED = 0, 1, 2, 3, 130
@@ -76,7 +78,7 @@ def run(options: argparse.Namespace) -> int:
     return SOME_FAILED if outcome.failed else DONE
 
 
-def _failed(points: Iterable[FailedPoint]) -> list[dict[str, Any]]:
+def _failed(points: Iterable[FailedPoint | Damage]) -> list[dict[str, Any]]:
     """As in a JSON document; the surface only in a sweep over several."""
     return [
         {name: value for name, value in asdict(point).items() if value is not None}
@@ -123,6 +125,30 @@ def status(options: argparse.Namespace) -> int:
     ]
     show(options, document, text)
     return SOME_FAILED if found.failed else DONE
+
+
+def verify(options: argparse.Namespace) -> int:
+    """Read everything and name what is damaged."""
+    found = pipeline.verify_store(options.store, repair=options.repair)
+    document = {
+        "done": found.done,
+        "damaged": _failed(found.damaged),
+        "shared": found.shared,
+        "repaired": found.repaired,
+    }
+    text = [
+        f"{found.done} points are done and intact, {len(found.damaged)} are damaged",
+        *(f"damaged: {damage}" for damage in found.damaged),
+        *(f"damaged: {fault}" for fault in found.shared),
+    ]
+    if not found.is_clean:
+        text.append(
+            "repaired; damaged points are pending, and computed again by: irg run"
+            if found.repaired
+            else "set damaged points to be computed again with: irg verify --repair"
+        )
+    show(options, document, text)
+    return DONE if found.is_clean else SOME_FAILED
 
 
 def boundary(options: argparse.Namespace) -> int:

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-from pipeline.folder import PathLike, folder_of, read_metadata
-from pipeline.layout import COLUMNS, DONE
+from pipeline.committed import Committed
+from pipeline.folder import PathLike, folder_of
 from pipeline.sweep import Point
 from tribo import InputError, failed_share
 
@@ -42,15 +42,7 @@ def open_sweep(path: PathLike) -> xr.Dataset:
     StoreError
         If there is no readable store.
     """
-    folder = folder_of(path)
-    read_metadata(folder)
-    ds: xr.Dataset = xr.open_zarr(folder, chunks=None, consolidated=True, zarr_format=3)
-    ds = ordered(ds)
-    done = ds["status"] == DONE
-    if not done.all():  # a point that was cut short has data, too
-        ds = ds.assign(
-            {name: ds[name].where(done).assign_attrs(ds[name].attrs) for name in COLUMNS}
-        )
+    ds = ordered(xr.open_dataset(folder_of(path), engine=Committed))
     return ds.assign(_temperatures(ds))
 
 

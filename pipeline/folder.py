@@ -21,7 +21,9 @@ from pipeline.lock import HeldError, hold
 from tribo import TriboError
 
 __all__ = [
+    "DAMAGED",
     "ROOT",
+    "UNREADABLE",
     "PathLike",
     "StoreError",
     "StoreMismatchError",
@@ -39,6 +41,10 @@ PathLike = str | os.PathLike[str]
 _METADATA = "consolidated_metadata"
 ROOT = "zarr.json"
 """Name of the file with the metadata of a group or an array."""
+
+UNREADABLE = (RuntimeError, ValueError, OSError)
+"""What Zarr and its codecs raise on damaged chunks."""
+DAMAGED = "{}: {} cannot be read; irg verify names what is damaged, and repairs it with --repair"
 
 
 class StoreError(TriboError):

@@ -33,6 +33,7 @@ __all__ = [
     "grown",
     "lasting_attributes",
     "present_attributes",
+    "scene_hash",
     "variables",
 ]
 
@@ -134,10 +135,15 @@ def lasting_attributes(sweep: Sweep) -> dict[str, Any]:
         "Conventions": "CF-1.11",
         "format": FORMAT,
         "scene": description,
-        "scene_hash": hashlib.sha256(json.dumps(description, sort_keys=True).encode()).hexdigest(),
+        "scene_hash": scene_hash(description),
         "versions": {"tribo": tribo}
         | {name: metadata.version(name) for name in ("numpy", "scipy", "zarr")},
     }
+
+
+def scene_hash(description: Mapping[str, Any]) -> str:
+    """SHA-256 of what `describe` gives."""
+    return hashlib.sha256(json.dumps(description, sort_keys=True).encode()).hexdigest()
 
 
 def present_attributes(sweep: Sweep) -> dict[str, Any]:

@@ -31,7 +31,9 @@ from zarr.codecs import ZstdCodec
 from zarr.storage import LocalStore
 
 from pipeline.folder import (
+    DAMAGED,
     ROOT,
+    UNREADABLE,
     PathLike,
     StoreError,
     StoreMismatchError,
@@ -151,10 +153,7 @@ class Store:
         self._revision = hashlib.sha256(json.dumps(arrays).encode()).hexdigest()
         self._files = _Files(self.path)
         (self._arrays,) = together([_opened_arrays(self._files, mode)])
-        coordinates = self._read([name for name in COORDINATES if name in self._arrays])
-        self.axes: dict[str, list[float]] = {
-            name: values.tolist() for name, values in coordinates.items()
-        }
+        self.axes: dict[str, list[float]] = self.attributes.get("axes") or self._coordinates()
         self._places = {
             name: {value: index for index, value in enumerate(self.axes[name])}
             for name in ("realization", "load", "velocity")
@@ -177,12 +176,7 @@ class Store:
     def status(self) -> dict[Point, int]:
         """Status of every point there is room for."""
         flags = self._read(["status"])["status"]
-        surfaces: Iterable[Any] = self._places.get("realization", [None])
-        places = itertools.product(surfaces, self._places["load"], self._places["velocity"])
-        return {
-            Point(load, velocity, surface): flag
-            for (surface, load, velocity), flag in zip(places, flags.ravel().tolist(), strict=True)
-        }
+        return dict(zip(self.places(), flags.ravel().tolist(), strict=True))
 
     def is_done(self, point: Point) -> bool:
         """Whether a point is complete."""
@@ -240,12 +234,44 @@ class Store:
             write({"status": PENDING})
             write({"message": ""})
 
+    def discard(self, point: Point, names: Iterable[str]) -> None:
+        """Remove what is stored in some variables of a point that is not done."""
+        together(self._files.delete(self._key(name, point)) for name in names)
+
+    def damaged_coordinates(self) -> list[str]:
+        """Coordinates that are not, or cannot be read, as they were committed."""
+        names = [name for name in COORDINATES if name in self._arrays]
+        return [name for name in names if self._coordinate(name) != self.axes[name]]
+
+    def restore(self, coordinate: str) -> None:
+        """Write a coordinate as it was committed."""
+        values = np.array(self.axes[coordinate])
+        together([self._arrays[coordinate].setitem(slice(None), values)])
+        self._files.sync()
+
+    def places(self) -> list[Point]:
+        """Every point there is room for."""
+        surfaces = self.axes.get("realization", [None])
+        places = itertools.product(surfaces, self.axes["load"], self.axes["velocity"])
+        return [Point(load, velocity, surface) for surface, load, velocity in places]
+
+    def unreadable(self, point: Point) -> list[str]:
+        """Variables with damaged files at a point."""
+        names = [name for name in self._arrays if name not in COORDINATES]
+        return [name for name in names if not self._is_readable(name, point)]
+
+    def missing(self, point: Point) -> list[str]:
+        """Variables without a file at a point, of those that each point writes on its way."""
+        names = [name for name in RECORDS if name in self._arrays]
+        there = together(self._files.exists(self._key(name, point)) for name in names)
+        return [name for name, exists in zip(names, there, strict=True) if not exists]
+
     def is_intact(self, point: Point) -> bool:
         """Whether the data of a point are those that its checksum was taken of."""
         names = [name for name in (*COLUMNS, *FIELDS, "checksum") if name in self._arrays]
         try:
             found = self._read(names, point)
-        except (RuntimeError, ValueError, OSError):  # what Zarr's codecs raise on damaged chunks
+        except StoreError:
             return False
         steps = np.count_nonzero(np.isfinite(found["time"]))
         data = {name: found[name][:steps] for name in COLUMNS}
@@ -256,10 +282,37 @@ class Store:
     def _index(self, point: Point) -> tuple[int, ...]:
         return tuple(index[getattr(point, name)] for name, index in self._places.items())
 
+    def _coordinates(self) -> dict[str, list[float]]:
+        names = [name for name in COORDINATES if name in self._arrays]
+        return {name: values.tolist() for name, values in self._read(names).items()}
+
+    def _coordinate(self, name: str) -> list[float] | None:
+        try:
+            values: list[float] = self._read([name])[name].tolist()
+        except StoreError:
+            return None
+        return values
+
+    def _key(self, name: str, point: Point) -> str:
+        """Name of the file with a variable at a point, the first of them along the steps."""
+        array, index = self._arrays[name], self._index(point)
+        place = (*index, *[0] * (len(array.shape) - len(index)))
+        return f"{name}/{array.metadata.encode_chunk_key(place)}"
+
+    def _is_readable(self, name: str, point: Point) -> bool:
+        try:
+            self._read([name], point)
+        except StoreError:
+            return False
+        return True
+
     def _read(self, names: list[str], point: Point | None = None) -> dict[str, Any]:
         """Values by variable, all of them or those of a point."""
         at = slice(None) if point is None else self._index(point)
-        values = together(self._arrays[name].getitem(at) for name in names)
+        try:
+            values = together(self._arrays[name].getitem(at) for name in names)
+        except UNREADABLE as error:
+            raise StoreError(DAMAGED.format(self.path, " or ".join(names))) from error
         return {name: np.asarray(array)[()] for name, array in zip(names, values, strict=True)}
 
     def _padded(self, name: str, values: Array) -> Array:
@@ -366,6 +419,7 @@ def _commit_shape(
             zarr.open_array(files, path=name, mode="r+")[:] = np.array(axes[name])
     files.sync()
     attributes |= present_attributes(sweep)
+    attributes["axes"] = {name: axes[name] for name in COORDINATES if name in arrays}
     if json.dumps([attributes, arrays], sort_keys=True) != committed:
         commit_metadata(folder, attributes, arrays)
 
