@@ -4,7 +4,7 @@ BIN := .venv/bin
 MEASURE := OMP_NUM_THREADS=1 $(BIN)/python -m pytest --benchmark-only --benchmark-disable-gc \
 	--benchmark-columns=min,rounds -s
 
-.PHONY: help diagram gallery test slow bench bench-peers clean
+.PHONY: help diagram gallery test slow crash bench bench-peers clean
 help:     ## what there is to make
 	@grep -E '^[a-z-]+: ' Makefile | sed -E 's/:[^#]*## /\t/' | expand -t 16
 
@@ -34,6 +34,9 @@ test: .venv/test      ## style, types, import rules and the test suite
 
 slow: .venv/test      ## the long checks: 500 random scenes, large capped contacts
 	$(BIN)/python -m pytest tests/tribo -m slow
+
+crash: .venv/test     ## kill a sweep before each change to its files, and at random times
+	OMP_NUM_THREADS=1 $(BIN)/python -m tests.pipeline.crash
 
 bench: .venv/test     ## measure speed, as ratios within one run
 	$(MEASURE) tests/benchmarks

@@ -16,7 +16,7 @@ from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
 
-from pipeline.layout import FORMAT
+from pipeline.layout import FORMAT, VARIABLES
 from pipeline.lock import HeldError, hold
 from tribo import TriboError
 
@@ -88,23 +88,27 @@ def locked(path: PathLike) -> Iterator[None]:
 def begin(folder: Path) -> bool:
     """Make a folder for a new store, unless there is a store; say whether it is new.
 
-    A store is new until its root has consolidated metadata, so a creation that was cut short
-    begins again. A folder with anything else in it is left alone.
+    A store is new until it has a root, so a creation that was cut short begins again. A folder
+    with anything else in it is left alone.
     """
     if folder.exists():
         if not folder.is_dir():
             raise StoreError(f"{folder} is a file, not a store")
-        if any(entry.suffix != ".partial" for entry in folder.iterdir()):
-            new = _METADATA not in _read_root(folder)
-            for left in folder.glob("*/*.partial"):  # by a process that was killed
+        if not _is_begun(folder):
+            _read_root(folder)
+            for left in folder.rglob("*.partial"):  # by a process that was killed
                 left.unlink(missing_ok=True)
-            return new
+            return False
     folder.mkdir(exist_ok=True)
-    write_json(
-        folder / ROOT,
-        {"zarr_format": 3, "node_type": "group", "attributes": {"format": FORMAT}},
-    )
     return True
+
+
+def _is_begun(folder: Path) -> bool:
+    """Whether a folder holds what comes before the root of a store, and nothing else."""
+    return all(
+        entry.suffix == ".partial" or (entry.is_dir() and entry.name in VARIABLES)
+        for entry in folder.iterdir()
+    )
 
 
 def _read_root(folder: Path) -> dict[str, Any]:
@@ -119,6 +123,8 @@ def _read_root(folder: Path) -> dict[str, Any]:
         root = read_json(folder / ROOT)
         version = int(root["attributes"]["format"])
     except (FileNotFoundError, NotADirectoryError):
+        if folder.is_dir() and any(folder.iterdir()) and _is_begun(folder):
+            raise StoreError(f"{folder} was not created completely; run the sweep again") from None
         raise StoreError(f"{folder} is not a store: there is no {ROOT}") from None
     except OSError as error:
         raise StoreError(f"{folder} cannot be read: {error.strerror}") from error
@@ -146,7 +152,9 @@ def read_metadata(folder: Path) -> tuple[dict[str, Any], dict[str, Any]]:
     try:
         return root["attributes"], root[_METADATA]["metadata"]
     except (KeyError, TypeError):
-        raise StoreError(f"{folder} was not created completely; run the sweep again") from None
+        raise StoreError(
+            f"{folder} is not the store of a sweep, or its {ROOT} is damaged"
+        ) from None
 
 
 def commit_metadata(folder: Path, attributes: Mapping[str, Any], arrays: Mapping[str, Any]) -> None:

@@ -26,6 +26,7 @@ __all__ = [
     "FORMAT",
     "PENDING",
     "RECORDS",
+    "VARIABLES",
     "Variable",
     "checksum",
     "describe",
@@ -105,6 +106,9 @@ RECORDS = {
     "message": Variable(_POINT, None, "why the point failed, or what to know of it", "str"),
     "checksum": Variable(_POINT, None, "BLAKE2b-64 of the point's data", "uint64"),
 }
+
+VARIABLES = COORDINATES | COLUMNS | RECORDS | FIELDS
+"""All that a store may hold."""
 
 
 def variables(over_surfaces: bool, with_fields: bool) -> dict[str, Variable]:

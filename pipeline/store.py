@@ -53,6 +53,7 @@ from pipeline.layout import (
     FAILED,
     FIELDS,
     PENDING,
+    RECORDS,
     Variable,
     checksum,
     describe,
@@ -251,7 +252,7 @@ class Store:
 
     def places(self) -> list[Point]:
         """Every point there is room for."""
-        surfaces = self.axes.get("realization", [None])
+        surfaces: Iterable[Any] = self.axes.get("realization", [None])
         places = itertools.product(surfaces, self.axes["load"], self.axes["velocity"])
         return [Point(load, velocity, surface) for surface, load, velocity in places]
 
@@ -436,9 +437,9 @@ def _create(files: _Files, name: str, variable: Variable, shape: list[int]) -> d
         attributes["units"] = variable.units
     if variable.dtype == "float64" and name not in COORDINATES:
         attributes["_FillValue"] = _NAN
+    array = _Files(files.root / name)  # given a name instead, Zarr would make the root, too
     zarr.create_array(
-        files,
-        name=name,
+        array,
         shape=tuple(shape),
         dtype=variable.dtype,
         chunks=tuple(chunks),
@@ -449,6 +450,7 @@ def _create(files: _Files, name: str, variable: Variable, shape: list[int]) -> d
         attributes=attributes,
         overwrite=True,
     )
+    array.sync()
     return read_json(files.root / name / ROOT)
 
 

@@ -1,0 +1,178 @@
+"""A sweep that is created, run, grown and resumed, in one process and with known results."""
+
+import functools
+from concurrent.futures import Future
+from contextlib import contextmanager
+from unittest import mock
+
+import numpy as np
+import xarray as xr
+
+import tribo
+from pipeline import execute, together
+from pipeline.layout import COLUMNS, DONE, FAILED, FIELDS
+from pipeline.plan import Point, points, run_point
+from pipeline.store import Store
+from pipeline.verify import verify_store
+from tests.pipeline import tiny
+
+FIRST = tiny.full(loads=(150.0, 600.0), velocities=(0.5,))
+GROWN = tiny.full(loads=(150.0, 600.0, 900.0), velocities=(0.5,))  # and longer by some steps
+WIDER = tiny.full(loads=(150.0, 900.0), velocities=(0.5, 1.0))
+EVERY = tiny.full(loads=(150.0, 600.0, 900.0), velocities=(0.5, 1.0))
+FAILING, REASON = Point(600.0, 0.5), "ConvergenceError: the contact did not converge"
+ASKED = [point for point in points(EVERY) if point != Point(600.0, 1.0)]
+
+
+@functools.cache
+def results():
+    """What is computed at each point."""
+    with np.errstate(all="raise", under="ignore"):
+        return {point: run_point(EVERY, *point) for point in ASKED}
+
+
+def run(path, tell):
+    """Create, run with a failure, grow and try again, grow and run on.
+
+    `tell` is called with what was acknowledged: "done" or "failed", and the point; and with
+    "pending", before a point is made that.
+    """
+    with acknowledging(tell):
+        with computing(failing={FAILING}):
+            execute.run_sweep(FIRST, path)
+        resume(path)
+
+
+def resume(path):
+    """Go on from wherever the store is, to its end."""
+    with computing():
+        execute.run_sweep(GROWN, path, retry_failed=True)
+        execute.run_sweep(WIDER, path)
+
+
+@contextmanager
+def computing(failing=frozenset()):
+    """Let points be computed here, one after the other, from what is known."""
+
+    def known(sweep, load, velocity, trunk=None):
+        if (load, velocity) in failing:
+            raise tribo.ConvergenceError("the contact did not converge", solution=None)
+        return results()[Point(load, velocity)]
+
+    @contextmanager
+    def connected(workers, scheduler):
+        yield _Here()
+
+    with (
+        mock.patch.object(execute, "run_point", known),
+        mock.patch.object(execute, "connected", connected),
+        # One write after the other: so a crash point is the same each time.
+        mock.patch.object(together, "_THREADS", 1),
+    ):
+        yield
+
+
+@contextmanager
+def acknowledging(tell):
+    commit, fail, forget = Store.commit, Store.fail, Store.forget
+
+    def committed(self, result):
+        commit(self, result)
+        tell("done", result.point)
+
+    def failed(self, point, message):
+        fail(self, point, message)
+        tell("failed", point)
+
+    def forgotten(self, point):
+        tell("pending", point)
+        forget(self, point)
+
+    with (
+        mock.patch.object(Store, "commit", committed),
+        mock.patch.object(Store, "fail", failed),
+        mock.patch.object(Store, "forget", forgotten),
+    ):
+        yield
+
+
+@contextmanager
+def status_first():
+    """A store that makes the mistake which all of this is to find."""
+
+    def commit(self, result):
+        with self._writing(result.point) as write:
+            write({"status": DONE})
+        correct(self, result)
+
+    correct = Store.commit
+    with mock.patch.object(Store, "commit", commit):
+        yield
+
+
+class _Here:
+    """What a sweep needs of a Dask client, done at once."""
+
+    def nthreads(self):
+        return {"here": 1}
+
+    def wait_for_workers(self, *_, **__):
+        pass
+
+    def submit(self, function, *arguments, **_):
+        ended = _Ended()
+        ended.key = id(ended)
+        values = (each.result() if isinstance(each, Future) else each for each in arguments)
+        try:
+            ended.set_result(function(*values))
+            ended.status = "finished"
+        except Exception as error:
+            ended.set_exception(error)
+            ended.status = "error"
+        return ended
+
+
+class _Ended(Future):
+    pass
+
+
+def check(path, acknowledged):
+    """Faults of a store left by a crash, given what was acknowledged before."""
+    if not (path / "zarr.json").exists():
+        return ["a point was acknowledged, but there is no store"] if acknowledged else []
+    with xr.open_zarr(path, chunks=None) as ds:
+        ds = ds.load()
+    faults = [str(damage) for damage in verify_store(path).damaged]
+    told = {tuple(point): how for how, point in acknowledged}
+    for i, load in enumerate(ds["load"].values.tolist()):
+        for j, velocity in enumerate(ds["velocity"].values.tolist()):
+            point, stored = Point(load, velocity), ds.isel(load=i, velocity=j)
+            status, known = int(stored["status"]), told.pop(point, "pending")
+            if known != "pending" and status != {"done": DONE, "failed": FAILED}[known]:
+                faults.append(f"{point} was acknowledged as {known}, but its status is {status}")
+            if status == DONE:
+                faults += [f"{point}: {name} differs" for name in differing(stored, point)]
+            if status == FAILED and stored["message"] != REASON:
+                faults.append(f"{point}: the reason of its failure is {stored['message'].item()!r}")
+    return faults + [f"{point} was acknowledged, but is not there" for point in told]
+
+
+def differing(stored, point):
+    """Variables whose values are not, bit for bit, those that were computed."""
+    result = results()[point]
+    for name, expected in result.columns.items():
+        values = stored[name].values
+        own, beyond = values[: len(expected)], values[len(expected) :]
+        if own.tobytes() != expected.tobytes() or np.isfinite(beyond).any():
+            yield name
+    for name, expected in result.fields.items():
+        if stored[name].values.tobytes() != expected.tobytes():
+            yield name
+
+
+def content(path):
+    """All that a finished store holds, whatever the order of its axes on the disk."""
+    with xr.open_zarr(path, chunks=None) as ds:
+        ds = ds.sortby(["load", "velocity"]).load()
+        names = (*COLUMNS, *FIELDS, "status", "message", "checksum", "load", "velocity", "step")
+        return {name: ds[name].values.tolist().__repr__() for name in names}
