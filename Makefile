@@ -37,6 +37,7 @@ slow: .venv/test      ## the long checks: 500 random scenes, large capped contac
 
 crash: .venv/test     ## kill a sweep before each change to its files, and at random times
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.pipeline.crash
+	$(BIN)/python -m tests.pipeline.crash.kills
 
 bench: .venv/test     ## measure speed, as ratios within one run
 	$(MEASURE) tests/benchmarks

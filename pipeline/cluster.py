@@ -15,7 +15,7 @@ import time
 from collections import Counter
 from collections.abc import Iterator
 from concurrent.futures import CancelledError
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from multiprocessing import resource_tracker
 
 import dask
@@ -45,6 +45,7 @@ _CONFIGURATION = {
     "distributed.worker.memory.pause": False,
     "distributed.admin.large-graph-warning-threshold": "1 TB",
 }
+_ATTEMPTS = 3  # to start workers, one of which may be killed before it is ready
 _PATIENCE = 30.0  # [s] to wait for a scheduler, and for workers if there are none
 
 
@@ -83,6 +84,13 @@ def connected(workers: int, scheduler: str | None) -> Iterator[Client]:
 
 
 def _local_cluster(workers: int) -> LocalCluster:
+    for _ in range(_ATTEMPTS - 1):
+        with suppress(ExecutionError):
+            return _started(workers)
+    return _started(workers)
+
+
+def _started(workers: int) -> LocalCluster:
     try:
         return LocalCluster(
             n_workers=workers,

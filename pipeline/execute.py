@@ -225,11 +225,15 @@ class _Tally:
 
 @dataclass(eq=False)
 class _Chain:
-    """Points still to compute on one ramp, the trunk to go on from, and the worker with it."""
+    """Points still to compute on one ramp, the trunk to go on from, and the worker with it.
+
+    A suspect is a point that workers have died of before.
+    """
 
     points: deque[Point]
     trunk: Future | None = None
     worker: str = ""
+    suspect: bool = False
 
 
 def _run(
@@ -242,9 +246,12 @@ def _run(
     """Compute all points, as many at a time as there are threads."""
     parcel = share(client, pickle.dumps(sweep))
     ready = [_Chain(deque(chain)) for chain in waiting]
+    suspects: list[_Chain] = []
     running: dict[str, tuple[_Chain, Future]] = {}
     ended: queue.SimpleQueue[Future] = queue.SimpleQueue()
-    while ready or running:
+    while ready or running or suspects:
+        if not ready and not running:
+            ready, suspects = suspects, []
         threads = threads_of(client)
         spare = threads - Counter(chain.worker for chain, _ in running.values())
         while ready and spare and len(running) < threads.total():
@@ -271,7 +278,7 @@ def _run(
         except queue.Empty:
             continue
         chain, task = running.pop(key)
-        _conclude(chain, task, store, tally)
+        suspects += _conclude(chain, task, store, tally)
         if chain.points:
             ready.append(chain)
 
@@ -283,23 +290,28 @@ def _next(ready: list[_Chain], worker: str, running: int, threads: int) -> _Chai
     return max(ready, key=lambda chain: (chain.worker == worker, chain.trunk is not None))
 
 
-def _conclude(chain: _Chain, task: Future, store: Store, tally: _Tally) -> None:
-    """Take note of how a task ended, and of what its chain goes on from."""
+def _conclude(chain: _Chain, task: Future, store: Store, tally: _Tally) -> list[_Chain]:
+    """Take note of how a task ended, and of what its chain goes on from; give new suspects."""
     point = chain.points[0]
     if task.status == "finished":
         chain.trunk = task
         chain.points.popleft()
         tally.report(done=1)
-        return
+        return []
     error = _error(task)
     if isinstance(error, StoreError | ExecutionError):
         raise error
     if isinstance(error, KilledWorker):
         trunk, chain.trunk = chain.trunk, None
         if error.task != task.key and trunk is not None:
-            return  # the trunk's fault; without it, the same point begins at the start
+            return []  # the trunk's fault; without it, the same point begins at the start
+        if not chain.suspect:
+            # Whoever kills workers at random hits the same point twice before long, so it is
+            # tried once more, when nothing else is left that could suffer from it.
+            chain.points.popleft()
+            return [_Chain(deque([point]), suspect=True)]
         error = PointFailedError(
-            "two worker processes died one after the other while computing it: "
+            "every worker process that computed it died, and the next one again: "
             "out of memory, or killed from outside"
         )
         store.fail(point, str(error))
@@ -307,6 +319,7 @@ def _conclude(chain: _Chain, task: Future, store: Store, tally: _Tally) -> None:
         store.fail(point, _text(error))
     chain.points.popleft()
     tally.report(failed=1)
+    return []
 
 
 def _error(task: Future) -> BaseException:

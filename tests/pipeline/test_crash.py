@@ -9,9 +9,9 @@ from pathlib import Path
 ROOT = Path(__file__).parents[2]
 
 
-def crashes(*options):
+def reported(module, *options):
     done = subprocess.run(
-        [sys.executable, "-m", "tests.pipeline.crash", *options],
+        [sys.executable, "-m", f"tests.pipeline.{module}", *options],
         cwd=ROOT,
         env={**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"},
         stdout=subprocess.PIPE,
@@ -22,11 +22,18 @@ def crashes(*options):
 
 
 def test_killed_before_any_change_a_store_opens_keeps_its_points_and_resumes():
-    found = crashes("--every", "191")
+    found = reported("crash", "--every", "191")
     assert found["crashes"] > 7
     assert found["faults"] == {}
 
 
 def test_a_status_written_before_its_data_would_be_noticed():
-    found = crashes("--every", "401", "--status-first")
+    found = reported("crash", "--every", "401", "--status-first")
     assert any("differs" in fault for faults in found["faults"].values() for fault in faults)
+
+
+def test_killed_at_random_nothing_is_lost_damaged_or_wrongly_marked_failed():
+    found = reported("crash.kills", "--kills", "2")
+    assert found["kills"] == {"worker": 1, "everything": 1}
+    assert found["sweeps"] >= 1
+    assert found["faults"] == []

@@ -115,12 +115,13 @@ def test_a_killed_worker_costs_no_point(path, alone):
 
 def test_a_point_that_kills_its_workers_fails_alone(path):
     deadly = tiny.DeadlyRamp(150.0, 750.0, at=250.0)
-    outcome = run_sweep(tiny.sweep(loading=deadly, velocities=(1.0, 1.5)), path, workers=2)
-    assert outcome.done == 4
-    assert {(point.load, point.velocity) for point in outcome.failed} == {(250, 1.0), (250, 1.5)}
-    assert all("out of memory, or killed" in point.message for point in outcome.failed)
+    outcome = run_sweep(tiny.sweep(loading=deadly, velocities=(1.0,)), path, workers=2)
+    assert outcome.done == 2
+    (failed,) = outcome.failed
+    assert (failed.load, failed.velocity) == (250.0, 1.0)
+    assert "out of memory, or killed" in failed.message
     store = Store(path)
-    for point in (Point(150.0, 1.0), Point(600.0, 1.5)):
+    for point in (Point(150.0, 1.0), Point(600.0, 1.0)):
         assert store.is_intact(point)
         with xr.open_zarr(path, chunks=None) as ds:
             found = ds["max_rise"].sel(load=point.load, velocity=point.velocity).values
@@ -270,15 +271,3 @@ def test_ctrl_c_ends_everything_within_seconds_and_keeps_finished_points(driver,
     assert all(store.is_intact(point) for point in done)
     with locked(path):
         pass
-
-
-def test_a_driver_that_is_killed_leaves_no_workers_and_a_store_to_resume(driver, path, alone):
-    while driver.stdout.readline() != "2\n":
-        pass
-    driver.kill()
-    driver.wait()
-    assert group_is_gone(driver.pid)
-    assert summary(path).done >= 2
-    slow = tiny.full(loading=tiny.SlowRamp(150.0, 750.0))
-    assert run_sweep(slow, path, workers=2).done == 9
-    assert content(path) == content(alone)
