@@ -23,7 +23,7 @@ from distributed import Client, Future, LocalCluster
 
 from tribo import TriboError
 
-__all__ = ["LOST", "ExecutionError", "connected", "share", "threads_of"]
+__all__ = ["LOST", "ExecutionError", "connected", "dashboard_of", "share", "threads_of"]
 
 LOST = "the Dask scheduler is lost; finished points are safe, run the sweep again to go on"
 
@@ -102,6 +102,12 @@ def _started(workers: int) -> LocalCluster:
         )
     except (OSError, RuntimeError) as error:
         raise ExecutionError(f"the worker processes do not start: {error}") from error
+
+
+def dashboard_of(client: Client) -> str | None:
+    """Address of the cluster's dashboard, if it has one."""
+    has_one = "dashboard" in client.scheduler_info(n_workers=0)["services"]
+    return str(client.dashboard_link) if has_one and client.cluster is None else None
 
 
 def share(client: Client, content: bytes) -> Future:

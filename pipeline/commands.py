@@ -17,7 +17,7 @@ from pipeline.terminal import ProgressLine, duration, show, tell
 from tribo import failed_share, measures
 
 if TYPE_CHECKING:
-    from pipeline.store import FailedPoint
+    from pipeline.store import FailedPoint, Summary
     from pipeline.verify import Damage
 
 __all__ = [
@@ -54,6 +54,7 @@ def run(options: argparse.Namespace) -> int:
             "scheduler": options.scheduler,
             "progress": line,
             "retry_failed": options.retry_failed,
+            "tell": tell,
         }
         if options.boundary_only is None:
             outcome = pipeline.run_sweep(sweep, out, **cluster)
@@ -116,15 +117,29 @@ def status(options: argparse.Namespace) -> int:
         "done": found.done,
         "failed": _failed(found.failed),
         "pending": found.pending,
+        "running": found.running is not None,
+        "points_per_minute": None if found.rate is None else 60 * found.rate,
+        "time_to_go": found.time_to_go,
     }
     text = [
         found.title,
         f"{found.total} points: {found.done} done, {len(found.failed)} failed, "
         f"{found.pending} pending",
+        *_pace_text(found),
         *(f"failed: {point}" for point in found.failed),
     ]
     show(options, document, text)
     return SOME_FAILED if found.failed else DONE
+
+
+def _pace_text(found: Summary) -> Iterable[str]:
+    if found.running:
+        yield f"running: {found.running}"
+    if found.pending and found.rate and found.time_to_go:
+        yield (
+            f"{60 * found.rate:.3g} points a minute {'now' if found.running else 'the last time'}, "
+            f"{duration(found.time_to_go)} to go"
+        )
 
 
 def verify(options: argparse.Namespace) -> int:

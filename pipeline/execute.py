@@ -28,7 +28,7 @@ from dask.system import CPU_COUNT
 from distributed import Client, Future
 from distributed.scheduler import KilledWorker
 
-from pipeline.cluster import LOST, ExecutionError, connected, share, threads_of
+from pipeline.cluster import LOST, ExecutionError, connected, dashboard_of, share, threads_of
 from pipeline.folder import PathLike
 from pipeline.plan import Point, Trunk, advance_trunk, chains, points, run_point
 from pipeline.store import (
@@ -109,6 +109,7 @@ def run_sweep(
     progress: Callable[[Progress], None] | None = None,
     retry_failed: bool = False,
     further: Callable[[], Sweep | None] | None = None,
+    tell: Callable[[str], None] | None = None,
 ) -> Outcome:
     """Compute every point of a sweep that its store does not have yet.
 
@@ -131,6 +132,8 @@ def run_sweep(
     further : callable, optional
         Called when every point is done or has failed: gives the same sweep with more points, to
         go on with, or None.
+    tell : callable, optional
+        Called with a line for the user, such as where the cluster's dashboard is.
 
     Raises
     ------
@@ -159,6 +162,8 @@ def run_sweep(
             # Points that come later may have more chains than those that wait now.
             least = len(waiting) if further is None else CPU_COUNT
             with connected(min(workers or CPU_COUNT, least), scheduler) as client:
+                if tell and (dashboard := dashboard_of(client)):
+                    tell(f"the cluster's dashboard is at {dashboard}")
                 while True:
                     if waiting:
                         _run(client, sweep, store, waiting, tally)

@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from pipeline.layout import FORMAT, VARIABLES
-from pipeline.lock import HeldError, hold
+from pipeline.lock import HeldError, hold, holder
 from tribo import TriboError
 
 __all__ = [
@@ -34,6 +34,7 @@ __all__ = [
     "read_json",
     "read_metadata",
     "sync",
+    "user",
     "write_json",
 ]
 
@@ -83,6 +84,12 @@ def locked(path: PathLike) -> Iterator[None]:
         except OSError as error:
             raise StoreError(f"{folder} cannot be written: {error}") from error
         yield
+
+
+def user(path: PathLike) -> str | None:
+    """Tell which process runs a sweep into a store, if one does."""
+    folder = folder_of(path)
+    return holder(folder.with_name(folder.name + ".lock"))
 
 
 def begin(folder: Path) -> bool:

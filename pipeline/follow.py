@@ -28,6 +28,7 @@ def follow_boundary(
     scheduler: str | None = None,
     progress: Callable[[Progress], None] | None = None,
     retry_failed: bool = False,
+    tell: Callable[[str], None] | None = None,
 ) -> Outcome:
     """Find the critical velocity at each load of a sweep, with as few points as that takes.
 
@@ -39,7 +40,7 @@ def follow_boundary(
     Parameters
     ----------
     sweep : Sweep
-    out, workers, scheduler, progress, retry_failed
+    out, workers, scheduler, progress, retry_failed, tell
         See `pipeline.run_sweep`.
     tolerance : float
         Relative, of the critical velocity, besides the error of the scene's fidelity.
@@ -77,7 +78,7 @@ def follow_boundary(
 
     there, wanted = searched()
     begun = _with_points(sweep, there | wanted)
-    return run_sweep(begun, out, workers, scheduler, progress, retry_failed, further)
+    return run_sweep(begun, out, workers, scheduler, progress, retry_failed, further, tell)
 
 
 _Found = tuple[dict[Point, float], list[Point]]

@@ -103,20 +103,19 @@ RECORDS = {
         {"flag_values": [PENDING, DONE, FAILED], "flag_meanings": "pending done failed"},
     ),
     "wall_time": Variable(_POINT, "s", "duration of the point's computation"),
+    "finished_at": Variable(_POINT, "s", "when the point was finished, since 1970-01-01 UTC"),
     "message": Variable(_POINT, None, "why the point failed, or what to know of it", "str"),
     "checksum": Variable(_POINT, None, "BLAKE2b-64 of the point's data", "uint64"),
 }
 
-VARIABLES = COORDINATES | COLUMNS | RECORDS | FIELDS
-"""All that a store may hold."""
+VARIABLES = COORDINATES | RECORDS | COLUMNS | FIELDS
+"""All that a store may hold; its status first, so that who reads all has it before the data."""
 
 
 def variables(over_surfaces: bool, with_fields: bool) -> dict[str, Variable]:
     """Variables of a store, the leading dimension ``realization`` only over several surfaces."""
     left_out = set() if with_fields else {"x", "y", *FIELDS}
-    found = {
-        n: v for n, v in (COORDINATES | COLUMNS | RECORDS | FIELDS).items() if n not in left_out
-    }
+    found = {name: variable for name, variable in VARIABLES.items() if name not in left_out}
     if not over_surfaces:
         del found["realization"]
         return found

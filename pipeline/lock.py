@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-__all__ = ["HeldError", "hold"]
+__all__ = ["HeldError", "hold", "holder"]
 
 
 class HeldError(Exception):
@@ -43,6 +43,22 @@ def hold(file: Path) -> Iterator[None]:
             file.unlink(missing_ok=True)
     finally:
         os.close(descriptor)
+
+
+def holder(file: Path) -> str | None:
+    """Tell who holds the lock, or on another machine may hold it; None if nobody does."""
+    try:
+        descriptor = os.open(file, os.O_RDONLY)
+    except OSError:
+        return None
+    try:
+        said = os.read(descriptor, 1000).decode(errors="replace").strip()
+        fcntl.flock(descriptor, fcntl.LOCK_SH | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return said or "another process"
+    finally:
+        os.close(descriptor)
+    return None if not said or said.endswith(f" on {socket.gethostname()}") else said
 
 
 def _lock(file: Path) -> int:

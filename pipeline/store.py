@@ -16,10 +16,11 @@ import hashlib
 import itertools
 import json
 import struct
+import time
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal
 
@@ -44,6 +45,7 @@ from pipeline.folder import (
     read_json,
     read_metadata,
     sync,
+    user,
     write_json,
 )
 from pipeline.layout import (
@@ -63,6 +65,7 @@ from pipeline.layout import (
     present_attributes,
     variables,
 )
+from pipeline.pace import pace
 from pipeline.plan import PointResult
 from pipeline.sweep import Point, Sweep
 from pipeline.together import together
@@ -114,6 +117,10 @@ class Summary:
     total, done, pending : int
         Points that the scene asks for, those of them that are done and those still to do.
     failed : tuple of FailedPoint
+    rate : float or None
+        At which points were finished most recently [1/s]; None if that is not known.
+    running : str or None
+        Who computes points now, if anyone does.
     """
 
     name: str
@@ -122,6 +129,13 @@ class Summary:
     done: int
     pending: int
     failed: tuple[FailedPoint, ...]
+    rate: float | None = None
+    running: str | None = None
+
+    @property
+    def time_to_go(self) -> float | None:
+        """Time that the pending points take at that rate [s]."""
+        return self.pending / self.rate if self.rate else None
 
 
 class Store:
@@ -206,6 +220,13 @@ class Store:
             ),
         )
 
+    def finished_at(self) -> Array:
+        """When points were finished [s], in no order; those of which it is known."""
+        if "finished_at" not in self._arrays:
+            return np.empty(0)
+        times: Array = self._read(["finished_at"])["finished_at"]
+        return times[np.isfinite(times)]
+
     def commit(self, result: PointResult) -> None:
         """Put a point on the disk, its status last.
 
@@ -218,6 +239,8 @@ class Store:
         with self._writing(result.point) as write:
             write({name: self._padded(name, values) for name, values in data.items()})
             write({"wall_time": result.wall_time, "message": "; ".join(result.warnings)})
+            if "finished_at" in self._arrays:  # not so in the oldest stores
+                write({"finished_at": time.time()})
             write({"checksum": checksum(data)})
             self._files.sync()
             write({"status": DONE})
@@ -344,14 +367,15 @@ class Store:
 
 
 def summary(path: PathLike) -> Summary:
-    """Count the points of a store, without reading their data.
+    """Count the points of a store and tell their rate, without reading their data.
 
     Raises
     ------
     StoreError
         If there is no readable store.
     """
-    return Store(path, mode="r").summary()
+    store = Store(path, mode="r")
+    return replace(store.summary(), rate=pace(store.finished_at()), running=user(path))
 
 
 def prepare(path: PathLike, sweep: Sweep) -> Store:
@@ -407,7 +431,10 @@ def _commit_shape(
     files = _Files(folder)
     with_fields = sweep.store_fields or "pressure" in arrays
     committed = json.dumps([attributes, arrays], sort_keys=True)
+    is_old = bool(arrays)
     for name, variable in variables(bool(sweep.realizations), with_fields).items():
+        if name in RECORDS and is_old and name not in arrays:
+            continue  # its points lack it
         shape = [len(axes[dim]) for dim in variable.dims]
         if name not in arrays:
             arrays[name] = _create(files, name, variable, shape)

@@ -66,7 +66,7 @@ def show(options: argparse.Namespace, document: dict[str, Any], text: Iterable[s
 
 def tell(message: str) -> None:
     """Print a message that is not a result."""
-    print(f"irg: {message}", file=sys.stderr)
+    tqdm.write(f"irg: {message}", file=sys.stderr)  # beside a progress line, if there is one
 
 
 def _without_nan(value: Any) -> Any:
