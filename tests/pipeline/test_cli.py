@@ -84,6 +84,17 @@ def test_run_again_has_nothing_left_to_do(swept, capsys):
     assert document["failed"] == []
 
 
+def test_points_that_fail_are_listed_and_the_others_are_done(tmp_path, capsys):
+    (tmp_path / "heavy.toml").write_text(SCENE.replace('"400 N"', '"1e7 N"'))
+    arguments = ("--set", "increments=1", "-o", tmp_path / "heavy.zarr", "--workers", 1)
+    assert run("run", tmp_path / "heavy.toml", *arguments) == 1
+    out = capsys.readouterr().out
+    assert "6 of 9 points done" in out
+    assert out.count("failed: 1e+07 N") == 3
+    assert "irg run --retry-failed" in out
+    assert run("status", tmp_path / "heavy.zarr") == 1
+
+
 def test_check_says_what_would_run_and_runs_nothing(swept, capsys):
     before = sorted(swept.iterdir())
     assert run("check", swept / "small.toml", "--json", "--workers", 2) == 0

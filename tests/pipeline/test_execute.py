@@ -1,13 +1,17 @@
 """Sweeps on a cluster (pipeline/execute.py and cluster.py)."""
 
+import json
 import logging
+import math
 import multiprocessing
 import os
 import shutil
 import signal
 import subprocess
 import sys
+import tempfile
 import time
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
@@ -17,7 +21,7 @@ from distributed import LocalCluster
 import tribo
 from pipeline import cluster
 from pipeline.execute import ExecutionError, run_sweep
-from pipeline.layout import COLUMNS, FIELDS
+from pipeline.layout import COLUMNS, FIELDS, describe, scene_hash
 from pipeline.plan import Point, run_point
 from pipeline.store import (
     FailedPoint,
@@ -25,9 +29,9 @@ from pipeline.store import (
     StoreError,
     StoreMismatchError,
     locked,
-    prepare,
     summary,
 )
+from pipeline.verify import verify_store
 from tests.pipeline import tiny
 
 ROOT = Path(__file__).parents[2]
@@ -44,6 +48,14 @@ def content(path, names=(*COLUMNS, *FIELDS, "message", "checksum", "status")):
     with xr.open_zarr(path, chunks=None) as ds:
         ds = ds.sortby(["load", "velocity"])
         return {name: ds[name].values.tolist().__repr__() for name in names}
+
+
+def belong_to(path, sweep):
+    """Let a store be that of another scene."""
+    root = json.loads((path / "zarr.json").read_text())
+    scene = describe(sweep)
+    root["attributes"] |= {"scene": scene, "scene_hash": scene_hash(scene)}
+    (path / "zarr.json").write_text(json.dumps(root))
 
 
 # What is computed
@@ -146,17 +158,52 @@ def test_a_load_that_cannot_be_carried_fails_and_the_others_do_not(path):
     assert "InputError: normal_load is" in outcome.failed[0].message
 
 
-def test_a_disk_that_cannot_be_written_stops_the_sweep_and_keeps_what_is_finished(path):
-    """A folder in the way of a chunk stands for a full disk, which root cannot be denied."""
-    prepare(path, SWEEP)
-    in_the_way = path / "time" / "c.2.1.0" / "x"
-    in_the_way.mkdir(parents=True)
-    with pytest.raises(StoreError, match="600 N, 1 m/s cannot be recorded"):
-        run_sweep(SWEEP, path, workers=1)
+def test_a_full_disk_stops_the_sweep_and_keeps_what_is_finished(path, alone):
+    filling = tiny.full(loading=tiny.FillingRamp(150.0, 750.0, at=600.0))
+    with pytest.raises(StoreError, match=r"600 N.* cannot be recorded: File too large; .* go on"):
+        run_sweep(filling, path, workers=1)
     assert multiprocessing.active_children() == []
-    assert 5 <= summary(path).done < 9
-    shutil.rmtree(in_the_way.parent)
-    assert run_sweep(SWEEP, path, workers=1).done == 9
+    assert 2 <= summary(path).done < 9
+    assert summary(path).failed == ()
+    assert verify_store(path).is_clean
+    room = tiny.full(loading=tiny.FillingRamp(150.0, 750.0, at=math.inf))
+    belong_to(path, room)
+    assert run_sweep(room, path, workers=1).done == 9
+    assert content(path) == content(alone)
+
+
+@contextmanager
+def as_root():
+    before = os.geteuid()
+    os.seteuid(os.getuid())
+    yield
+    os.seteuid(before)
+
+
+@pytest.fixture
+def nobody():
+    """Someone who, unlike root, can be denied to write; and a folder that they can read."""
+    with tempfile.TemporaryDirectory() as folder:
+        Path(folder).chmod(0o755)
+        root = os.geteuid() == 0
+        if root:
+            os.seteuid(65534)
+        yield Path(folder)
+        if root:
+            os.seteuid(0)
+
+
+def test_a_folder_that_may_not_be_written_is_refused_and_can_be_read(nobody, alone, monkeypatch):
+    monkeypatch.setattr(cluster, "LocalCluster", None)
+    with as_root():
+        shutil.copytree(alone, nobody / "tiny.zarr")
+        nobody.chmod(0o555)
+    with pytest.raises(StoreError, match=r"cannot be written: .*Permission denied"):
+        run_sweep(SWEEP, nobody / "tiny.zarr")
+    assert summary(nobody / "tiny.zarr").done == 9
+    assert verify_store(nobody / "tiny.zarr").is_clean
+    with pytest.raises(StoreError, match="cannot be written"):
+        verify_store(nobody / "tiny.zarr", repair=True)
 
 
 def test_another_scene_and_a_second_driver_are_refused_before_a_cluster_starts(

@@ -3,6 +3,7 @@
 import math
 import multiprocessing
 import os
+import resource
 import signal
 import time
 from dataclasses import dataclass
@@ -83,3 +84,10 @@ class SlowRamp(FaultyRamp):
         if multiprocessing.parent_process() is not None:
             time.sleep(0.2)
         return tribo.Ramp.stations(self, normal_load, increments, after)
+
+
+class FillingRamp(FaultyRamp):
+    """From here on, files of more than a few bytes find no room."""
+
+    def fault(self):
+        resource.setrlimit(resource.RLIMIT_FSIZE, (100, resource.RLIM_INFINITY))
