@@ -23,22 +23,35 @@ from distributed import Client, Future, LocalCluster
 
 from tribo import TriboError
 
-__all__ = ["LOST", "ExecutionError", "connected", "dashboard_of", "share", "threads_of"]
+__all__ = [
+    "CONFIGURATION",
+    "LOST",
+    "PATIENCE",
+    "WORKER_ENVIRONMENT",
+    "ExecutionError",
+    "connected",
+    "dashboard_of",
+    "share",
+    "threads_of",
+]
 
 LOST = "the Dask scheduler is lost; finished points are safe, run the sweep again to go on"
 
-_CONFIGURATION = {
+WORKER_ENVIRONMENT = {
+    # Dask's own thresholds return each FFT's memory to the kernel, which takes longer than the
+    # FFT. What is set in Dask's configuration replaces all of it, so the threads are stated again.
+    "MALLOC_TRIM_THRESHOLD_": 268435456,
+    "MALLOC_MMAP_THRESHOLD_": 67108864,
+    "OMP_NUM_THREADS": 1,
+    "MKL_NUM_THREADS": 1,
+    "OPENBLAS_NUM_THREADS": 1,
+}
+"""For workers that are started elsewhere, too."""
+
+CONFIGURATION = {
     # A task is given up when a second worker has died of it.
     "distributed.scheduler.allowed-failures": 1,
-    # Dask's own thresholds return each FFT's memory to the kernel, which takes longer than the
-    # FFT. This replaces its whole dictionary, so the threads are stated again.
-    "distributed.nanny.pre-spawn-environ": {
-        "MALLOC_TRIM_THRESHOLD_": 268435456,
-        "MALLOC_MMAP_THRESHOLD_": 67108864,
-        "OMP_NUM_THREADS": 1,
-        "MKL_NUM_THREADS": 1,
-        "OPENBLAS_NUM_THREADS": 1,
-    },
+    "distributed.nanny.pre-spawn-environ": WORKER_ENVIRONMENT,
     # Nothing here is worth a spill to disk, and a worker that pauses never ends.
     "distributed.worker.memory.target": False,
     "distributed.worker.memory.spill": False,
@@ -46,7 +59,8 @@ _CONFIGURATION = {
     "distributed.admin.large-graph-warning-threshold": "1 TB",
 }
 _ATTEMPTS = 3  # to start workers, one of which may be killed before it is ready
-_PATIENCE = 30.0  # [s] to wait for a scheduler, and for workers if there are none
+PATIENCE = 30.0
+"""For how long to wait for a scheduler, and for workers if there are none [s]."""
 
 
 class ExecutionError(TriboError):
@@ -54,7 +68,7 @@ class ExecutionError(TriboError):
 
 
 @contextmanager
-def connected(workers: int, scheduler: str | None) -> Iterator[Client]:
+def connected(workers: int, scheduler: str | None, patience: float) -> Iterator[Client]:
     """Connect to a scheduler, or start one with workers and see to it that all of them end.
 
     Raises
@@ -64,14 +78,14 @@ def connected(workers: int, scheduler: str | None) -> Iterator[Client]:
     """
     if scheduler is not None:
         try:
-            client = Client(scheduler, set_as_default=False, timeout=_PATIENCE)
+            client = Client(scheduler, set_as_default=False, timeout=patience)
         except (OSError, ValueError) as error:
             raise ExecutionError(f"no Dask scheduler answers at {scheduler}: {error}") from error
         with client:
             yield client
         return
     cluster = None
-    with dask.config.set(_CONFIGURATION):
+    with dask.config.set(CONFIGURATION):
         try:
             with _interrupts_put_off():
                 cluster = _local_cluster(workers)
@@ -110,7 +124,7 @@ def dashboard_of(client: Client) -> str | None:
     return str(client.dashboard_link) if has_one and client.cluster is None else None
 
 
-def share(client: Client, content: bytes) -> Future:
+def share(client: Client, content: bytes, patience: float) -> Future:
     """Bring something to the workers once, for many tasks to take as an argument.
 
     As the result of a task it outlives the workers that hold it.
@@ -121,11 +135,11 @@ def share(client: Client, content: bytes) -> Future:
         If there is no worker to take it, or none that can.
     """
     try:
-        client.wait_for_workers(1, timeout=_PATIENCE)
+        client.wait_for_workers(1, timeout=patience)
         shared = client.submit(_same, content, pure=False)
-        error = shared.exception(timeout=_PATIENCE)
+        error = shared.exception(timeout=patience)
     except TimeoutError:
-        raise ExecutionError(f"no Dask worker is ready within {_PATIENCE:g} s") from None
+        raise ExecutionError(f"no Dask worker is ready within {patience:g} s") from None
     except CancelledError:
         raise ExecutionError(LOST) from None
     if error is not None:
@@ -137,7 +151,7 @@ def _same(content: bytes) -> bytes:
     return content
 
 
-def threads_of(client: Client) -> Counter[str]:
+def threads_of(client: Client, patience: float) -> Counter[str]:
     """Number of threads of each worker; if there is no worker, wait for one to come back.
 
     Raises
@@ -145,7 +159,7 @@ def threads_of(client: Client) -> Counter[str]:
     ExecutionError
         If the scheduler is lost, or no worker comes back.
     """
-    end = time.monotonic() + _PATIENCE
+    end = time.monotonic() + patience
     while True:
         try:
             threads = Counter(client.nthreads())

@@ -28,7 +28,15 @@ from dask.system import CPU_COUNT
 from distributed import Client, Future
 from distributed.scheduler import KilledWorker
 
-from pipeline.cluster import LOST, ExecutionError, connected, dashboard_of, share, threads_of
+from pipeline.cluster import (
+    LOST,
+    PATIENCE,
+    ExecutionError,
+    connected,
+    dashboard_of,
+    share,
+    threads_of,
+)
 from pipeline.folder import PathLike
 from pipeline.plan import Point, Trunk, advance_trunk, chains, points, run_point
 from pipeline.store import (
@@ -110,6 +118,7 @@ def run_sweep(
     retry_failed: bool = False,
     further: Callable[[], Sweep | None] | None = None,
     tell: Callable[[str], None] | None = None,
+    patience: float = PATIENCE,
 ) -> Outcome:
     """Compute every point of a sweep that its store does not have yet.
 
@@ -134,6 +143,8 @@ def run_sweep(
         go on with, or None.
     tell : callable, optional
         Called with a line for the user, such as where the cluster's dashboard is.
+    patience : float, optional
+        How long to wait for a scheduler to answer, and for workers if there are none [s].
 
     Raises
     ------
@@ -161,12 +172,12 @@ def run_sweep(
         if waiting or more:
             # Points that come later may have more chains than those that wait now.
             least = len(waiting) if further is None else CPU_COUNT
-            with connected(min(workers or CPU_COUNT, least), scheduler) as client:
+            with connected(min(workers or CPU_COUNT, least), scheduler, patience) as client:
                 if tell and (dashboard := dashboard_of(client)):
                     tell(f"the cluster's dashboard is at {dashboard}")
                 while True:
                     if waiting:
-                        _run(client, sweep, store, waiting, tally)
+                        _run(client, sweep, store, waiting, tally, patience)
                     more = more or (further() if further else None)
                     if more is None:
                         break
@@ -247,9 +258,10 @@ def _run(
     store: Store,
     waiting: Iterable[tuple[Point, ...]],
     tally: _Tally,
+    patience: float,
 ) -> None:
     """Compute all points, as many at a time as there are threads."""
-    parcel = share(client, pickle.dumps(sweep))
+    parcel = share(client, pickle.dumps(sweep), patience)
     ready = [_Chain(deque(chain)) for chain in waiting]
     suspects: list[_Chain] = []
     running: dict[str, tuple[_Chain, Future]] = {}
@@ -257,7 +269,7 @@ def _run(
     while ready or running or suspects:
         if not ready and not running:
             ready, suspects = suspects, []
-        threads = threads_of(client)
+        threads = threads_of(client, patience)
         spare = threads - Counter(chain.worker for chain, _ in running.values())
         while ready and spare and len(running) < threads.total():
             ((worker, _),) = spare.most_common(1)

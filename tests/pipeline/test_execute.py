@@ -1,7 +1,6 @@
 """Sweeps on a cluster (pipeline/execute.py and cluster.py)."""
 
 import json
-import logging
 import math
 import multiprocessing
 import os
@@ -16,11 +15,10 @@ from pathlib import Path
 
 import pytest
 import xarray as xr
-from distributed import LocalCluster
 
 import tribo
 from pipeline import cluster
-from pipeline.execute import ExecutionError, run_sweep
+from pipeline.execute import run_sweep
 from pipeline.layout import COLUMNS, FIELDS, describe, scene_hash
 from pipeline.plan import Point, run_point
 from pipeline.store import (
@@ -220,35 +218,6 @@ def test_another_scene_and_a_second_driver_are_refused_before_a_cluster_starts(
 def test_a_number_of_workers_below_one_is_refused(path):
     with pytest.raises(tribo.InputError, match="workers is 0"):
         run_sweep(SWEEP, path, workers=0)
-
-
-def test_a_scheduler_that_does_not_answer_is_named(path, monkeypatch):
-    monkeypatch.setattr(cluster, "_PATIENCE", 0.5)
-    with pytest.raises(ExecutionError, match=r"no Dask scheduler answers at tcp://127\.0\.0\.1:1"):
-        run_sweep(SWEEP, path, scheduler="tcp://127.0.0.1:1")
-
-
-def test_a_given_scheduler_is_used_and_its_loss_is_an_error(path, tmp_path, alone, monkeypatch):
-    """Its worker has three threads, of which only one at a time may compute."""
-    slow = tiny.sweep(loading=tiny.SlowRamp(150.0, 750.0))
-    with LocalCluster(
-        n_workers=1,
-        threads_per_worker=3,
-        dashboard_address="127.0.0.1:0",
-        scheduler_kwargs={"dashboard": False},
-        silence_logs=logging.CRITICAL,
-    ) as given:
-        assert run_sweep(SWEEP, path, scheduler=given.scheduler_address).done == 9
-        assert content(path) == content(alone)
-
-        def lose(report):
-            if report.done == 2:
-                given.close()
-
-        monkeypatch.setattr(cluster, "_PATIENCE", 1.0)
-        with pytest.raises(ExecutionError, match="scheduler is lost; finished points are safe"):
-            run_sweep(slow, tmp_path / "b.zarr", scheduler=given.scheduler_address, progress=lose)
-    assert summary(tmp_path / "b.zarr").done >= 2
 
 
 # Ctrl-C, in a process of its own

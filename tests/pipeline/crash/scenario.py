@@ -1,8 +1,10 @@
 """A sweep that is created, run, grown and resumed, in one process and with known results."""
 
 import functools
+import itertools
 from concurrent.futures import Future
 from contextlib import contextmanager
+from dataclasses import replace
 from unittest import mock
 
 import numpy as np
@@ -11,24 +13,24 @@ import xarray as xr
 import tribo
 from pipeline import execute, together
 from pipeline.layout import COLUMNS, DONE, FAILED, FIELDS
-from pipeline.plan import Point, points, run_point
+from pipeline.plan import points, run_point
 from pipeline.store import Store
+from pipeline.sweep import Point
 from pipeline.verify import verify_store
 from tests.pipeline import tiny
 
-FIRST = tiny.full(loads=(150.0, 600.0), velocities=(0.5,))
-GROWN = tiny.full(loads=(150.0, 600.0, 900.0), velocities=(0.5,))  # and longer by some steps
-WIDER = tiny.full(loads=(150.0, 900.0), velocities=(0.5, 1.0))
-EVERY = tiny.full(loads=(150.0, 600.0, 900.0), velocities=(0.5, 1.0))
-FAILING, REASON = Point(600.0, 0.5), "ConvergenceError: the contact did not converge"
-ASKED = [point for point in points(EVERY) if point != Point(600.0, 1.0)]
+FIRST = tiny.full(loads=(150.0, 600.0), velocities=(0.5,), realizations=(1,))
+GROWN = replace(FIRST, loads=(150.0, 600.0, 900.0))  # and longer by some steps
+WIDER = replace(FIRST, loads=(150.0,), velocities=(0.5, 1.0), realizations=(1, 2))
+ASKED = {*points(FIRST), *points(GROWN), *points(WIDER)}
+FAILING, REASON = Point(600.0, 0.5, 1), "ConvergenceError: the contact did not converge"
 
 
 @functools.cache
 def results():
     """What is computed at each point."""
     with np.errstate(all="raise", under="ignore"):
-        return {point: run_point(EVERY, *point) for point in ASKED}
+        return {point: run_point(GROWN, *point) for point in ASKED}
 
 
 def run(path, tell):
@@ -54,13 +56,14 @@ def resume(path):
 def computing(failing=frozenset()):
     """Let points be computed here, one after the other, from what is known."""
 
-    def known(sweep, load, velocity, trunk=None):
-        if (load, velocity) in failing:
+    def known(sweep, load, velocity, realization, trunk=None):
+        point = Point(load, velocity, realization)
+        if point in failing:
             raise tribo.ConvergenceError("the contact did not converge", solution=None)
-        return results()[Point(load, velocity)]
+        return results()[point]
 
     @contextmanager
-    def connected(workers, scheduler):
+    def connected(*_):
         yield _Here()
 
     with (
@@ -144,17 +147,22 @@ def check(path, acknowledged):
         ds = ds.load()
     faults = [str(damage) for damage in verify_store(path).damaged]
     told = {tuple(point): how for how, point in acknowledged}
-    for i, load in enumerate(ds["load"].values.tolist()):
-        for j, velocity in enumerate(ds["velocity"].values.tolist()):
-            point, stored = Point(load, velocity), ds.isel(load=i, velocity=j)
-            status, known = int(stored["status"]), told.pop(point, "pending")
-            if known != "pending" and status != {"done": DONE, "failed": FAILED}[known]:
-                faults.append(f"{point} was acknowledged as {known}, but its status is {status}")
-            if status == DONE:
-                faults += [f"{point}: {name} differs" for name in differing(stored, point)]
-            if status == FAILED and stored["message"] != REASON:
-                faults.append(f"{point}: the reason of its failure is {stored['message'].item()!r}")
+    for point in places(ds):
+        stored = ds.sel(point._asdict())
+        status, known = int(stored["status"]), told.pop(point, "pending")
+        if known != "pending" and status != {"done": DONE, "failed": FAILED}[known]:
+            faults.append(f"{point} was acknowledged as {known}, but its status is {status}")
+        if status == DONE:
+            faults += [f"{point}: {name} differs" for name in differing(stored, point)]
+        if status == FAILED and stored["message"] != REASON:
+            faults.append(f"{point}: the reason of its failure is {stored['message'].item()!r}")
     return faults + [f"{point} was acknowledged, but is not there" for point in told]
+
+
+def places(ds):
+    """Points that there is room for."""
+    axes = (ds[name].values.tolist() for name in Point._fields)
+    return [Point(*values) for values in itertools.product(*axes)]
 
 
 def differing(stored, point):
@@ -173,6 +181,6 @@ def differing(stored, point):
 def content(path):
     """All that a finished store holds, whatever the order of its axes on the disk."""
     with xr.open_zarr(path, chunks=None) as ds:
-        ds = ds.sortby(["load", "velocity"]).load()
-        names = (*COLUMNS, *FIELDS, "status", "message", "checksum", "load", "velocity", "step")
+        ds = ds.sortby(list(Point._fields)).load()
+        names = (*COLUMNS, *FIELDS, "status", "message", "checksum", *Point._fields)
         return {name: ds[name].values.tolist().__repr__() for name in names}
