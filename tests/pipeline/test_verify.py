@@ -17,8 +17,10 @@ from pipeline.plan import Point
 from pipeline.store import Store, StoreError, locked, prepare, summary
 from pipeline.verify import verify_store
 from tests.pipeline import tiny
+from tests.pipeline.conftest import commit_all
 
 SWEEP = tiny.full()
+AXES = [name for name in COORDINATES if name != "realization"]
 POINT = Point(250.0, 1.0)
 
 
@@ -63,12 +65,12 @@ def test_a_flipped_bit_in_any_chunk_is_found_and_repaired(copy, alone, seed):
     """A bit in each file at once, since the reasons name them one by one."""
     rng = np.random.default_rng(seed)
     files = chunks(copy)
-    for file in [*files, *chunks(copy, COORDINATES)]:
+    for file in [*files, *chunks(copy, AXES)]:
         flip_any(file, rng)
     found = verify_store(copy)
     assert found.done == 0
     assert sum(damage.reason.count(",") + 1 for damage in found.damaged) == len(files)
-    assert len(found.shared) == len(COORDINATES)
+    assert len(found.shared) == len(AXES)
     assert not verify_store(copy, repair=True).is_clean
     assert verify_store(copy).is_clean
     assert summary(copy).pending == 9
@@ -79,7 +81,7 @@ def test_a_flipped_bit_in_any_chunk_is_found_and_repaired(copy, alone, seed):
         )
 
 
-@pytest.mark.parametrize("name", [*COLUMNS, *RECORDS, *FIELDS, *COORDINATES])
+@pytest.mark.parametrize("name", [*COLUMNS, *RECORDS, *FIELDS, *AXES])
 def test_a_flipped_bit_in_any_variable_is_not_read(copy, name):
     for file in chunks(copy, [name]):
         flip(file, 8 * (file.stat().st_size // 2))
@@ -187,3 +189,19 @@ def test_opening_reads_no_field(copy):
     with open_sweep(copy) as ds:
         assert ds["pressure"].shape == (3, 3, 32, 16)
         np.testing.assert_array_equal(ds["load"], SWEEP.loads)
+
+
+def test_damage_on_one_of_several_surfaces_is_named_and_repaired(tmp_path):
+    path = tmp_path / "tiny.zarr"
+    commit_all(path, tiny.sweep(loads=(150.0,), velocities=(0.5,), realizations=(1, 2)))
+    flip(path / "time" / "c.1.0.0.0", 200)
+    flip(path / "realization" / "c.0", 100)
+    found = verify_store(path, repair=True)
+    assert [str(damage) for damage in found.damaged] == [
+        "150 N, 0.5 m/s, surface 2: time cannot be read"
+    ]
+    assert found.shared == ("the coordinate realization is damaged",)
+    assert verify_store(path).is_clean
+    with open_sweep(path) as ds:
+        assert ds["realization"].values.tolist() == [1, 2]
+        assert ds["status"].values.ravel().tolist() == [1, 0]
