@@ -81,13 +81,13 @@ def _parser() -> argparse.ArgumentParser:
                 "scene, such as wear.pattern=local; may be repeated",
             )
         else:
-            added.add_argument("store", metavar="OUT.zarr", type=Path)
+            added.add_argument("store", metavar="OUT.zarr", type=_store)
         added.add_argument("--json", action="store_true", help="print one JSON document")
         return added
 
     run = command("run", commands.run, "run or resume the sweep of a scene", "scene")
     run.add_argument(
-        "-o", "--output", metavar="OUT.zarr", type=Path, help="default: results/<scene>.zarr"
+        "-o", "--output", metavar="OUT.zarr", type=_store, help="default: results/<scene>.zarr"
     )
     where = run.add_mutually_exclusive_group()
     where.add_argument("--workers", metavar="N", type=_count, help="default: one for each core")
@@ -188,6 +188,11 @@ def _parser() -> argparse.ArgumentParser:
             "--realization", metavar="SEED", type=_seed, help="of several random surfaces, which"
         )
     return parser
+
+
+def _store(text: str) -> Path | str:
+    """The folder or address of a store."""
+    return text if "://" in text else Path(text)
 
 
 def _count(text: str, least: int = 1) -> int:

@@ -228,7 +228,8 @@ def point(options: argparse.Namespace) -> int:
 def plot(options: argparse.Namespace) -> int:
     """Draw a figure of a store."""
     ds = pipeline.open_sweep(options.store)
-    out = options.output or options.store.with_name(f"{options.store.stem}_{options.kind}.png")
+    store = Path(options.store if isinstance(options.store, Path) else Path(options.store).name)
+    out = options.output or store.with_name(f"{store.stem}_{options.kind}.png")
     given = _given(options, "load", "velocity", "realization", *CONDITIONS)
     written = pipeline.plot(ds, options.kind, out, **given)
     show(options, {"kind": options.kind, "file": str(written)}, [f"{written}"])

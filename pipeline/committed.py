@@ -7,7 +7,6 @@ them. So the status is read first, and the data of points that are not done by t
 from __future__ import annotations
 
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -16,7 +15,7 @@ from numpy.typing import NDArray
 from xarray.backends import BackendArray, BackendEntrypoint
 from xarray.core import indexing
 
-from pipeline.folder import DAMAGED, UNREADABLE, StoreError, read_metadata
+from pipeline.folder import DAMAGED, UNREADABLE, Place, StoreError, folder_of, read_metadata
 from pipeline.layout import COLUMNS, DONE, FIELDS
 
 __all__ = ["Committed"]
@@ -33,10 +32,10 @@ class Committed(BackendEntrypoint):
         StoreError
             If there is no readable store.
         """
-        folder = Path(filename_or_obj)
+        folder = folder_of(filename_or_obj)
         attributes, _ = read_metadata(folder)
         try:
-            ds = xr.open_zarr(folder, chunks=None, consolidated=True, zarr_format=3)
+            ds = xr.open_zarr(str(folder), chunks=None, consolidated=True, zarr_format=3)
             status = ds["status"].load()
         except UNREADABLE as error:
             raise StoreError(DAMAGED.format(folder, "coordinates or status")) from error
@@ -53,7 +52,7 @@ class Committed(BackendEntrypoint):
         return found
 
 
-def _as_needed(folder: Path, name: str, stored: xr.Variable, done: xr.Variable) -> xr.Variable:
+def _as_needed(folder: Place, name: str, stored: xr.Variable, done: xr.Variable) -> xr.Variable:
     """The same variable, NaN where a point is not done."""
     leads = name in COLUMNS or name in FIELDS
 

@@ -42,7 +42,7 @@ def open_sweep(path: PathLike) -> xr.Dataset:
     StoreError
         If there is no readable store.
     """
-    ds = ordered(xr.open_dataset(folder_of(path), engine=Committed))
+    ds = ordered(xr.open_dataset(str(folder_of(path)), engine=Committed))
     return ds.assign(_temperatures(ds))
 
 

@@ -1,4 +1,4 @@
-"""Where stores lie, so far in local folders, and how their files are read and replaced.
+"""Where stores lie, in folders or in an object store, and how their files are read and replaced.
 
 ::
 
@@ -13,11 +13,13 @@ import json
 import os
 from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 from pipeline.layout import FORMAT, VARIABLES
 from pipeline.lock import HeldError, hold, holder
+from pipeline.remote import SCHEME, Remote
 from tribo import TriboError
 
 __all__ = [
@@ -25,6 +27,7 @@ __all__ = [
     "ROOT",
     "UNREADABLE",
     "PathLike",
+    "Place",
     "StoreError",
     "StoreMismatchError",
     "begin",
@@ -38,7 +41,8 @@ __all__ = [
     "write_json",
 ]
 
-PathLike = str | os.PathLike[str]
+PathLike = str | os.PathLike[str] | Remote
+Place = Path | Remote
 _METADATA = "consolidated_metadata"
 ROOT = "zarr.json"
 """Name of the file with the metadata of a group or an array."""
@@ -56,11 +60,18 @@ class StoreMismatchError(StoreError):
     """A store that belongs to another scene."""
 
 
-def folder_of(path: PathLike) -> Path:
+def folder_of(path: PathLike) -> Place:
     """The folder of a store, the same for processes that run elsewhere."""
-    if "://" in os.fspath(path):
-        raise StoreError(f"{path}: so far a store is a local folder, not a URL")
-    return Path(path).absolute()
+    if isinstance(path, Remote):
+        return path
+    address = os.fspath(path)
+    if address.startswith(SCHEME):
+        if find_spec("s3fs") is None:
+            raise StoreError(f"{address}: this needs pip install 'irg-transition[s3]'")
+        return Remote(address.rstrip("/"))
+    if "://" in address:
+        raise StoreError(f"{address}: a store is a local folder or an {SCHEME} address")
+    return Path(address).absolute()
 
 
 @contextmanager
@@ -75,7 +86,6 @@ def locked(path: PathLike) -> Iterator[None]:
     folder = folder_of(path)
     with ExitStack() as stack:
         try:
-            folder.parent.mkdir(parents=True, exist_ok=True)
             stack.enter_context(hold(folder.with_name(folder.name + ".lock")))
         except HeldError as error:
             raise StoreError(
@@ -92,7 +102,7 @@ def user(path: PathLike) -> str | None:
     return holder(folder.with_name(folder.name + ".lock"))
 
 
-def begin(folder: Path) -> bool:
+def begin(folder: Place) -> bool:
     """Make a folder for a new store, unless there is a store; say whether it is new.
 
     A store is new until it has a root, so a creation that was cut short begins again. A folder
@@ -103,14 +113,16 @@ def begin(folder: Path) -> bool:
             raise StoreError(f"{folder} is a file, not a store")
         if not _is_begun(folder):
             _read_root(folder)
-            for left in folder.rglob("*.partial"):  # by a process that was killed
-                left.unlink(missing_ok=True)
+            if isinstance(folder, Path):
+                for left in folder.rglob("*.partial"):  # by a process that was killed
+                    left.unlink(missing_ok=True)
             return False
-    folder.mkdir(exist_ok=True)
+    if isinstance(folder, Path):
+        folder.mkdir(exist_ok=True)
     return True
 
 
-def _is_begun(folder: Path) -> bool:
+def _is_begun(folder: Place) -> bool:
     """Whether a folder holds what comes before the root of a store, and nothing else."""
     return all(
         entry.suffix == ".partial" or (entry.is_dir() and entry.name in VARIABLES)
@@ -118,7 +130,7 @@ def _is_begun(folder: Path) -> bool:
     )
 
 
-def _read_root(folder: Path) -> dict[str, Any]:
+def _read_root(folder: Place) -> dict[str, Any]:
     """Read the ``zarr.json`` of a store, if it is one of a format known here.
 
     Raises
@@ -134,7 +146,7 @@ def _read_root(folder: Path) -> dict[str, Any]:
             raise StoreError(f"{folder} was not created completely; run the sweep again") from None
         raise StoreError(f"{folder} is not a store: there is no {ROOT}") from None
     except OSError as error:
-        raise StoreError(f"{folder} cannot be read: {error.strerror}") from error
+        raise StoreError(f"{folder} cannot be read: {error.strerror or error}") from error
     except (ValueError, KeyError, TypeError):
         raise StoreError(
             f"{folder} is not the store of a sweep, or its {ROOT} is damaged"
@@ -147,7 +159,7 @@ def _read_root(folder: Path) -> dict[str, Any]:
     return root
 
 
-def read_metadata(folder: Path) -> tuple[dict[str, Any], dict[str, Any]]:
+def read_metadata(folder: Place) -> tuple[dict[str, Any], dict[str, Any]]:
     """Attributes of a store, and the metadata of each array, as of the last commit.
 
     Raises
@@ -164,7 +176,9 @@ def read_metadata(folder: Path) -> tuple[dict[str, Any], dict[str, Any]]:
         ) from None
 
 
-def commit_metadata(folder: Path, attributes: Mapping[str, Any], arrays: Mapping[str, Any]) -> None:
+def commit_metadata(
+    folder: Place, attributes: Mapping[str, Any], arrays: Mapping[str, Any]
+) -> None:
     """Replace attributes and the metadata of all arrays at one stroke."""
     consolidated = {"kind": "inline", "must_understand": False, "metadata": arrays}
     write_json(
@@ -178,16 +192,20 @@ def commit_metadata(folder: Path, attributes: Mapping[str, Any], arrays: Mapping
     )
 
 
-def read_json(file: Path) -> dict[str, Any]:
+def read_json(file: Place) -> dict[str, Any]:
     """Read a JSON object."""
     document: dict[str, Any] = json.loads(file.read_bytes())
     return document
 
 
-def write_json(file: Path, document: Mapping[str, Any]) -> None:
+def write_json(file: Place, document: Mapping[str, Any]) -> None:
     """Replace a file at one stroke, and see it on the disk."""
+    content = json.dumps(document, indent=1, allow_nan=False).encode()
+    if isinstance(file, Remote):
+        file.write_bytes(content)
+        return
     partial = file.with_name(file.name + ".partial")
-    partial.write_text(json.dumps(document, indent=1, allow_nan=False))
+    partial.write_bytes(content)
     sync(partial)
     partial.replace(file)
     sync(file.parent)

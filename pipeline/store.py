@@ -9,44 +9,33 @@ the store opens, and each point is either done or not.
 
 from __future__ import annotations
 
-import asyncio
-import base64
 import functools
 import hashlib
 import itertools
 import json
-import struct
 import time
-from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
 import zarr
 from numpy.typing import NDArray
 from zarr.api.asynchronous import open_group
-from zarr.codecs import ZstdCodec
-from zarr.storage import LocalStore
 
+from pipeline.files import Files, RemoteFiles, files_in
 from pipeline.folder import (
     DAMAGED,
-    ROOT,
     UNREADABLE,
     PathLike,
     StoreError,
     StoreMismatchError,
     begin,
-    commit_metadata,
     folder_of,
     locked,
-    read_json,
     read_metadata,
-    sync,
     user,
-    write_json,
 )
 from pipeline.layout import (
     COLUMNS,
@@ -56,17 +45,15 @@ from pipeline.layout import (
     FIELDS,
     PENDING,
     RECORDS,
-    Variable,
     checksum,
     describe,
     differences,
     grown,
     lasting_attributes,
-    present_attributes,
-    variables,
 )
 from pipeline.pace import pace
 from pipeline.plan import PointResult
+from pipeline.shape import commit_shape
 from pipeline.sweep import Point, Sweep
 from pipeline.together import together
 from tribo import QUANTILES
@@ -86,11 +73,6 @@ __all__ = [
 ]
 
 Array = NDArray[np.float64]
-
-_GROWING = ("realization", "load", "velocity", "step")
-_GROWING_CHUNK = 256  # of the coordinates along which a store grows
-_FILL: dict[str, Any] = {"float64": np.nan, "str": ""}
-_NAN = base64.b64encode(struct.pack("<d", np.nan)).decode()  # as xarray spells it in attributes
 
 
 @dataclass(frozen=True, slots=True)
@@ -150,7 +132,7 @@ class Store:
 
     Attributes
     ----------
-    path : Path
+    path : Path or Remote
     attributes : dict
         Of the root group.
     axes : dict of list
@@ -166,7 +148,7 @@ class Store:
         self.path = folder_of(path)
         self.attributes, arrays = read_metadata(self.path)
         self._revision = hashlib.sha256(json.dumps(arrays).encode()).hexdigest()
-        self._files = _Files(self.path)
+        self._files = files_in(self.path)
         (self._arrays,) = together([_opened_arrays(self._files, mode)])
         self.axes: dict[str, list[float]] = self.attributes.get("axes") or self._coordinates()
         self._places = {
@@ -394,7 +376,7 @@ def prepare(path: PathLike, sweep: Sweep) -> Store:
     folder = folder_of(path)
     try:
         if begin(folder):
-            _commit_shape(folder, lasting_attributes(sweep), {}, grown({}, sweep), sweep)
+            commit_shape(folder, lasting_attributes(sweep), {}, grown({}, sweep), sweep)
             return Store(folder)
         attributes, arrays = read_metadata(folder)
         axes = Store(folder, mode="r").axes
@@ -406,7 +388,7 @@ def prepare(path: PathLike, sweep: Sweep) -> Store:
         ]:
             reason = f"{folder} belongs to another scene; write to another store"
             raise StoreMismatchError("\n  ".join([reason, *different]))
-        _commit_shape(folder, attributes, arrays, grown(axes, sweep), sweep)
+        commit_shape(folder, attributes, arrays, grown(axes, sweep), sweep)
         return Store(folder)
     except OSError as error:
         raise StoreError(f"{folder} cannot be written: {error}") from error
@@ -420,85 +402,7 @@ _OTHER_SURFACES = {
 }
 
 
-def _commit_shape(
-    folder: Path,
-    attributes: dict[str, Any],
-    arrays: dict[str, Any],
-    axes: Mapping[str, list[float]],
-    sweep: Sweep,
-) -> None:
-    """Bring arrays and coordinates to size; then commit that and the attributes at one stroke."""
-    files = _Files(folder)
-    with_fields = sweep.store_fields or "pressure" in arrays
-    committed = json.dumps([attributes, arrays], sort_keys=True)
-    is_old = bool(arrays)
-    for name, variable in variables(bool(sweep.realizations), with_fields).items():
-        if name in RECORDS and is_old and name not in arrays:
-            continue  # its points lack it
-        shape = [len(axes[dim]) for dim in variable.dims]
-        if name not in arrays:
-            arrays[name] = _create(files, name, variable, shape)
-        elif arrays[name]["shape"] != shape:
-            arrays[name]["shape"] = shape
-            write_json(folder / name / ROOT, arrays[name])
-        else:
-            continue
-        if name in COORDINATES:
-            zarr.open_array(files, path=name, mode="r+")[:] = np.array(axes[name])
-    files.sync()
-    attributes |= present_attributes(sweep)
-    attributes["axes"] = {name: axes[name] for name in COORDINATES if name in arrays}
-    if json.dumps([attributes, arrays], sort_keys=True) != committed:
-        commit_metadata(folder, attributes, arrays)
-
-
-def _create(files: _Files, name: str, variable: Variable, shape: list[int]) -> dict[str, Any]:
-    """Create an array; return its metadata."""
-    if name in COORDINATES:
-        chunks = [_GROWING_CHUNK] if name in _GROWING else shape
-    else:
-        own = variable.dims.index("velocity") + 1  # the dimensions that choose a point
-        chunks = [1] * own + shape[own:]
-    attributes = {"long_name": variable.long_name, **variable.attributes}
-    if variable.units is not None:
-        attributes["units"] = variable.units
-    if variable.dtype == "float64" and name not in COORDINATES:
-        attributes["_FillValue"] = _NAN
-    array = _Files(files.root / name)  # given a name instead, Zarr would make the root, too
-    zarr.create_array(
-        array,
-        shape=tuple(shape),
-        dtype=variable.dtype,
-        chunks=tuple(chunks),
-        compressors=[ZstdCodec(level=1, checksum=True)],
-        fill_value=_FILL.get(variable.dtype, 0),
-        chunk_key_encoding={"name": "default", "separator": "."},
-        dimension_names=variable.dims,
-        attributes=attributes,
-        overwrite=True,
-    )
-    array.sync()
-    return read_json(files.root / name / ROOT)
-
-
-class _Files(LocalStore):
-    """A local store that sees its files to the disk when asked to."""
-
-    def __init__(self, root: Path, *, read_only: bool = False) -> None:
-        super().__init__(root, read_only=read_only)
-        self._written: deque[Path] = deque()
-
-    async def set(self, key: str, value: Any) -> None:
-        await super().set(key, value)
-        self._written.append(self.root / key)
-
-    def sync(self) -> None:
-        """Wait until all that was written is on the disk."""
-        written = [self._written.popleft() for _ in range(len(self._written))]
-        together(asyncio.to_thread(sync, file) for file in written)
-
-
-async def _opened_arrays(files: _Files, mode: Literal["r+", "r"]) -> dict[str, Any]:
+async def _opened_arrays(files: Files | RemoteFiles, mode: Literal["r+", "r"]) -> dict[str, Any]:
     """Arrays of a store by name, as its consolidated metadata has them."""
     with zarr.config.set({"array.write_empty_chunks": True}):
         group = await open_group(store=files, mode=mode, use_consolidated=True)
@@ -506,6 +410,6 @@ async def _opened_arrays(files: _Files, mode: Literal["r+", "r"]) -> dict[str, A
 
 
 @functools.lru_cache(maxsize=4)
-def _opened(path: Path, revision: str) -> Store:
+def _opened(path: PathLike, revision: str) -> Store:
     """The store at `path`; opened anew only after it has grown."""
     return Store(path)

@@ -10,10 +10,18 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import ExitStack
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
-from pipeline.folder import ROOT, PathLike, folder_of, locked, read_json, read_metadata, write_json
+from pipeline.folder import (
+    ROOT,
+    PathLike,
+    Place,
+    folder_of,
+    locked,
+    read_json,
+    read_metadata,
+    write_json,
+)
 from pipeline.layout import scene_hash
 from pipeline.store import Store
 from pipeline.sweep import Point
@@ -135,7 +143,7 @@ def _shared(path: PathLike, repair: bool) -> Iterator[str]:
             store.restore(name)
 
 
-def _is_same(file: Path, expected: dict[str, Any]) -> bool:
+def _is_same(file: Place, expected: dict[str, Any]) -> bool:
     """Whether metadata are as they were committed, but for a growth that was cut short."""
     try:
         return read_json(file) | {"shape": expected["shape"]} == expected

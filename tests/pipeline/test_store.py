@@ -17,6 +17,8 @@ import zarr
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+import pipeline.files as files_module
+import pipeline.shape as shape_module
 import pipeline.store as store_module
 import tribo
 from pipeline.layout import COLUMNS, COORDINATES, FIELDS, describe
@@ -174,14 +176,14 @@ def test_a_point_is_done_once_it_is_committed(path):
 @pytest.mark.parametrize("name", ["time", "rise_quantile", "checksum", "status"])
 def test_a_point_cut_short_at_any_write_is_pending(path, monkeypatch, name):
     store = prepare(path, SWEEP)
-    written = store_module._Files.set
+    written = files_module.Files.set
 
     async def cut(self, key, value):
         if key.startswith(f"{name}/c"):
             raise Killed
         await written(self, key, value)
 
-    monkeypatch.setattr(store_module._Files, "set", cut)
+    monkeypatch.setattr(files_module.Files, "set", cut)
     with pytest.raises(Killed):
         store.commit(run_point(SWEEP, *POINT))
     monkeypatch.undo()
@@ -194,14 +196,14 @@ def test_a_point_cut_short_at_any_write_is_pending(path, monkeypatch, name):
 def test_everything_else_is_on_the_disk_before_the_status_is_written(path, monkeypatch):
     store = prepare(path, SWEEP)
     log = []
-    written = store_module._Files.set
+    written = files_module.Files.set
 
     async def logged(self, key, value):
         log.append(key)
         await written(self, key, value)
 
-    monkeypatch.setattr(store_module._Files, "set", logged)
-    monkeypatch.setattr(store_module, "sync", lambda file: log.append(f"sync {file.parent.name}"))
+    monkeypatch.setattr(files_module.Files, "set", logged)
+    monkeypatch.setattr(files_module, "sync", lambda file: log.append(f"sync {file.parent.name}"))
     store.commit(run_point(SWEEP, *POINT))
     status = next(index for index, entry in enumerate(log) if entry.startswith("status/"))
     for name in (*COLUMNS, "wall_time", "message", "checksum"):
@@ -245,7 +247,7 @@ def test_a_full_disk_is_an_error_that_says_so(path, monkeypatch):
     async def full(self, key, value):
         raise OSError(errno.ENOSPC, "No space left on device")
 
-    monkeypatch.setattr(store_module._Files, "set", full)
+    monkeypatch.setattr(files_module.Files, "set", full)
     with pytest.raises(StoreError, match=r"250 N, 1 m/s .* No space left on device"):
         store.commit(run_point(SWEEP, *POINT))
     with pytest.raises(StoreError, match="No space left"):
@@ -389,7 +391,8 @@ def test_a_creation_cut_short_is_begun_again(path, monkeypatch, survived):
 
 def cut_after(monkeypatch, name, calls):
     """Let a function of the store be killed at a call."""
-    function, left = getattr(store_module, name), [calls]
+    module = files_module if name == "sync" else shape_module
+    function, left = getattr(module, name), [calls]
 
     def cut(*arguments):
         if not left[0]:
@@ -397,7 +400,7 @@ def cut_after(monkeypatch, name, calls):
         left[0] -= 1
         return function(*arguments)
 
-    monkeypatch.setattr(store_module, name, cut)
+    monkeypatch.setattr(module, name, cut)
 
 
 # Refusals
@@ -468,8 +471,8 @@ def test_what_is_no_store_is_refused_and_left_alone(path, make, complaint, use):
 def test_a_store_that_is_not_there_and_a_url_are_refused(path):
     with pytest.raises(StoreError, match="is not a store"):
         summary(path)
-    with pytest.raises(StoreError, match="local folder, not a URL"):
-        prepare("s3://bucket/tiny.zarr", SWEEP)
+    with pytest.raises(StoreError, match="a local folder or an s3:// address"):
+        prepare("https://example.org/tiny.zarr", SWEEP)
 
 
 def test_a_place_that_cannot_be_written_is_refused(tmp_path):

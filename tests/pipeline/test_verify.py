@@ -8,7 +8,7 @@ import pytest
 import xarray as xr
 from numcodecs.zstd import Zstd
 
-import pipeline.store as store_module
+import pipeline.shape as shape_module
 from pipeline.cli import main
 from pipeline.dataset import open_sweep
 from pipeline.execute import run_sweep
@@ -144,7 +144,7 @@ def test_a_growth_cut_short_is_no_damage(copy, monkeypatch):
     def cut(*_):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(store_module, "commit_metadata", cut)
+    monkeypatch.setattr(shape_module, "commit_metadata", cut)
     with pytest.raises(KeyboardInterrupt):
         prepare(copy, tiny.full(loads=(150.0, 1500.0)))
     assert verify_store(copy).is_clean

@@ -1,0 +1,67 @@
+"""The files of a store as Zarr writes them, on a disk or in an object store."""
+
+from __future__ import annotations
+
+import asyncio
+import atexit
+import functools
+from collections import deque
+from pathlib import Path
+from typing import Any
+
+from zarr.storage import FsspecStore, LocalStore
+
+from pipeline.folder import Place, sync
+from pipeline.remote import Remote, as_os_error, asynchronous
+from pipeline.together import together
+
+__all__ = ["Files", "RemoteFiles", "files_in"]
+
+
+class Files(LocalStore):
+    """Files on a disk, which are seen to it when asked to."""
+
+    def __init__(self, root: Path, *, read_only: bool = False) -> None:
+        super().__init__(root, read_only=read_only)
+        self._written: deque[Path] = deque()
+
+    async def set(self, key: str, value: Any) -> None:
+        """Replace a file."""
+        await super().set(key, value)
+        self._written.append(self.root / key)
+
+    def sync(self) -> None:
+        """Wait until all that was written is on the disk."""
+        written = [self._written.popleft() for _ in range(len(self._written))]
+        together(asyncio.to_thread(sync, file) for file in written)
+
+
+class RemoteFiles(FsspecStore):
+    """Objects, which are safe once they are written; to be used by `together` alone."""
+
+    async def set(self, key: str, value: Any, byte_range: Any = None) -> None:
+        """Replace an object."""
+        with as_os_error():
+            await super().set(key, value, byte_range)
+
+    def sync(self) -> None:
+        """Do nothing."""
+
+
+def files_in(folder: Place) -> Files | RemoteFiles:
+    """The files below a folder."""
+    if isinstance(folder, Remote):
+        return RemoteFiles(_objects(), path=folder.key)
+    return Files(folder)
+
+
+@functools.cache
+def _objects() -> Any:
+    objects = asynchronous()
+
+    async def close() -> None:
+        session = await objects.set_session()
+        await session.close()
+
+    atexit.register(lambda: together([close()]))  # or it complains on stderr
+    return objects
