@@ -47,9 +47,14 @@ def wrapped_offsets(grid: Grid, axis: int) -> NDArray[np.float64]:
     >>> wrapped_offsets(Grid((1, 4), (1.0, 0.5)), axis=1)
     array([ 0. ,  0.5, -1. , -0.5])
     """
+    return _wrapped_indices(grid, axis).astype(np.float64) * grid.spacing[axis]
+
+
+def _wrapped_indices(grid: Grid, axis: int) -> NDArray[np.intp]:
+    """The same in elements."""
     n = padded_shape(grid)[axis]
     index = np.arange(n)
-    return np.where(index <= (n - 1) // 2, index, index - n) * grid.spacing[axis]
+    return np.where(index <= (n - 1) // 2, index, index - n)
 
 
 class Convolution:
@@ -97,31 +102,42 @@ class Convolution:
         return cls(grid, np.fft.rfft2(kernel))
 
     def __call__(
-        self, field: NDArray[np.float64], out: NDArray[np.float64] | None = None
+        self,
+        field: NDArray[np.float64],
+        out: NDArray[np.float64] | None = None,
+        rows: tuple[int, int] | None = None,
     ) -> NDArray[np.float64]:
-        """Convolve `field`, shape ``grid.shape``; the result goes to `out` if given."""
+        """Convolve `field`, shape ``grid.shape``.
+
+        The result goes to `out` if given. If the field is 0 but for the rows x from the first to
+        before the second one of `rows`, and only these are of interest, it takes less time; the
+        other rows of the result are then undefined.
+        """
         (nx, ny), (mx, my) = self.grid.shape, self._lengths
         if out is None:
             out = np.empty(self.grid.shape)
         if self._modes.dtype == np.complex64:
             return self._in_single_precision(field, out)
-        modes, padded = self._modes, self._padded
-        source = field
+        low, high = rows or (0, nx)
+        source, target = field[low:high], out[low:high]
+        modes, padded = self._modes, self._padded[low:high]
         if my > ny:
-            padded[:, :ny] = field
+            padded[:, :ny] = source
             padded[:, ny:] = 0.0
             source = padded
-        np.fft.rfft(source, axis=1, out=modes[:nx])
-        modes[nx:] = 0.0
+        modes[:low] = 0.0
+        np.fft.rfft(source, axis=1, out=modes[low:high])
+        modes[high:] = 0.0
         if mx > 1:
             np.fft.fft(modes, axis=0, out=modes)
         np.multiply(modes, self.spectrum, out=modes)
         if mx > 1:
             np.fft.ifft(modes, axis=0, out=modes)
         if my == ny:
-            return np.fft.irfft(modes[:nx], n=my, axis=1, out=out)
-        np.fft.irfft(modes[:nx], n=my, axis=1, out=padded)
-        out[...] = padded[:, :ny]
+            np.fft.irfft(modes[low:high], n=my, axis=1, out=target)
+        else:
+            np.fft.irfft(modes[low:high], n=my, axis=1, out=padded)
+            target[...] = padded[:, :ny]
         return out
 
     def _in_single_precision(
@@ -163,6 +179,54 @@ class Convolution:
         """Return a copy with another spectrum; it shares the buffers."""
         changed = copy.copy(self)
         changed.spectrum = spectrum
+        return changed
+
+    def cropped(self, shape: tuple[int, int]) -> Self:
+        """Return the map between fields on a part of the patch, `shape` elements large.
+
+        Only a free axis can be shorter than the patch.
+
+        Examples
+        --------
+        >>> row = Convolution.from_kernel(Grid((3, 1), (1.0, 1.0)), np.array([[9, 2, 1, 1, 2.0]]).T)
+        >>> row.cropped((2, 1))(np.array([[1.0], [0.0]])).round(9)
+        array([[9.],
+               [2.]])
+        """
+        grid = Grid(shape, self.grid.spacing, self.grid.periodic)
+        kernel = np.fft.irfft2(self.spectrum, s=self._lengths)
+        return self._on(grid, kernel[np.ix_(*(_wrapped_indices(grid, axis) for axis in (0, 1)))])
+
+    def coarsened(self) -> Self:
+        """Return the map between means over blocks of 2 × 2 elements.
+
+        Of an axis with a single element, blocks have one; others have an even number.
+
+        Examples
+        --------
+        >>> row = Convolution.from_kernel(Grid((4, 1), (1.0, 1.0), (True, True)), np.eye(4)[:, :1])
+        >>> coarse = row.coarsened()
+        >>> coarse.grid, coarse(np.array([[1.0], [0.0]])).round(9).tolist()
+        (Grid(shape=(2, 1), spacing=(2.0, 1.0), periodic=(True, True)), [[1.0], [0.0]])
+        """
+        (nx, ny), (dx, dy) = self.grid.shape, self.grid.spacing
+        fx, fy = min(nx, 2), min(ny, 2)
+        grid = Grid((nx // fx, ny // fy), (dx * fx, dy * fy), self.grid.periodic)
+        kernel = np.fft.irfft2(self.spectrum, s=self._lengths)
+        for axis, factor in enumerate((fx, fy)):
+            if factor == 2:
+                kernel += (np.roll(kernel, 1, axis) + np.roll(kernel, -1, axis)) / 2
+            kernel = kernel.take(factor * _wrapped_indices(grid, axis), axis, mode="wrap")
+        return self._on(grid, kernel)
+
+    def _on(self, grid: Grid, kernel: NDArray[np.float64]) -> Self:
+        """Return a copy with another grid and kernel."""
+        modes = np.fft.rfft2(kernel)
+        spectrum = modes.real if np.isrealobj(self.spectrum) else modes
+        changed = self.with_spectrum(spectrum.astype(self.spectrum.dtype))
+        changed.grid, changed._lengths = grid, padded_shape(grid)
+        changed._modes = np.zeros(spectrum.shape, dtype=self._modes.dtype)
+        changed._padded = np.zeros((grid.shape[0], changed._lengths[1]), dtype=self._padded.dtype)
         return changed
 
     def __add__(self, other: Convolution) -> Convolution:

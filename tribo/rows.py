@@ -16,15 +16,61 @@ larger, 17 in place of none that would do.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["RowMetric"]
+from tribo.elasticity import ElasticHalfSpace
+
+__all__ = ["RowMetric", "SoftRows"]
 
 Array = NDArray[np.float64]
 
 _ROUNDING = 1e-15
 _MOST_STEPS = 100  # of a root finder that halves its bracket where Newton's method leaves it
+
+
+_SOFT = 0.05  # coupling, in units of an element's compliance, that is worth a metric
+
+
+@dataclass(frozen=True, slots=True)
+class SoftRows:
+    """The rows of a solid that yield most as a whole.
+
+    Attributes
+    ----------
+    axis : int
+        Along which they lie.
+    coupling : float
+        c/n of Eq. (1) [m/Pa]: c is what waves across the rows yield, in the median, beyond what
+        an element does.
+    matter : bool
+        Whether that is enough for iterations to mind it.
+    """
+
+    axis: int
+    coupling: float
+    matter: bool
+
+    @classmethod
+    def of(cls, solid: ElasticHalfSpace) -> SoftRows:
+        """Find them."""
+        (nx, ny), spectrum = solid.grid.shape, solid.spectrum.real
+        couplings = [
+            (float(np.sort(across)[len(across) // 2]) - solid.self_influence) / n
+            if len(across)
+            else 0.0
+            for n, across in ((nx, spectrum[0, 1:]), (ny, spectrum[1:, 0]))
+        ]
+        axis = int(couplings[1] >= couplings[0])
+        coupling = max(0.0, couplings[axis])
+        return cls(axis, coupling, coupling > _SOFT * solid.self_influence)
+
+    def numbers(self, nodes: NDArray[np.intp], shape: tuple[int, int]) -> NDArray[np.intp]:
+        """Number of the row of each node, nodes of a field being counted along y first."""
+        numbers: NDArray[np.intp] = nodes // shape[1] if self.axis else nodes % shape[1]
+        return numbers
 
 
 class RowMetric:

@@ -141,14 +141,21 @@ def advance(
     wear_depth, iterations, residual, force = state.wear_depth, 0, 0.0, 0.0
     for fraction, weight in zip(scheme.fractions, scheme.weights, strict=True):
         normal_load = (1 - fraction) * state.normal_load + fraction * station.normal_load
+        initial, displacement = (
+            _extrapolated(state, normal_load) if guess is None else (guess, None)
+        )
+        if wear and displacement is not None and initial is not None:
+            displacement += wear.depth(initial, scheme.implicitness * distance)
+        shape = separation + wear_depth
         contact = solve_contact(
             solid,
-            separation + wear_depth,
+            shape,
             normal_load / patches,
             hardness=scene.hardness,
             tolerance=fidelity.contact_tolerance,
             criterion=fidelity.contact_criterion,
-            initial_pressure=_extrapolated(state, normal_load) if guess is None else guess,
+            initial_pressure=initial,
+            initial_displacement=displacement,
         )
         iterations, residual = iterations + contact.iterations, max(residual, contact.residual)
         force += weight * normal_load
@@ -160,7 +167,9 @@ def advance(
             contact.residual,
             fidelity.contact_tolerance if by_gap else np.inf,
         )
+        displacement = contact.gap + contact.approach - shape
         if wear:
+            displacement -= wear.depth(contact.pressure, scheme.implicitness * distance)
             wear_depth = wear_depth + wear.depth(contact.pressure, weight * distance)
     if wear:
         volume = wear.specific_wear_rate * force * distance
@@ -177,6 +186,8 @@ def advance(
         residual=residual,
         previous_pressure=state.pressure,
         previous_load=state.normal_load,
+        displacement=displacement,
+        previous_displacement=state.displacement,
     )
     if state.heat_history is None:
         return advanced
@@ -304,17 +315,22 @@ def _prolonged_along_x(wear_depth: Array, shape: tuple[int, int]) -> Array:
     return np.repeat(profile[:, None], shape[1], axis=1)
 
 
-def _extrapolated(state: State, normal_load: float) -> Array | None:
-    """Pressure at the next load, linear in the load through the last two states.
+def _extrapolated(state: State, normal_load: float) -> tuple[Array | None, Array | None]:
+    """Pressure and elastic displacement at the next load, linear through the last two states.
 
-    As it is where the load has hardly changed before, as in a hold.
+    The pressure as it is where the load has hardly changed before, as in a hold.
     """
     if state.normal_load == 0.0:
-        return None
+        return None, None
     change, before = normal_load - state.normal_load, state.normal_load - state.previous_load
     if state.previous_load == 0.0 or abs(change) >= _FARTHEST * abs(before):
-        return state.pressure
-    return state.pressure + change / before * (state.pressure - state.previous_pressure)
+        return state.pressure, None
+    ratio = change / before
+    pressure = state.pressure + ratio * (state.pressure - state.previous_pressure)
+    if state.displacement is None or state.previous_displacement is None:
+        return pressure, None
+    rise = state.displacement - state.previous_displacement
+    return pressure, state.displacement + ratio * rise
 
 
 @functools.lru_cache(maxsize=4)

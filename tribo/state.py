@@ -68,6 +68,8 @@ class State:
         One station before [Pa]; the next pressure is extrapolated from it.
     previous_load : float
         The load at that station [N].
+    displacement, previous_displacement : ndarray, shape (nx, ny), or None
+        Elastic ones under both pressures [m], from the datum of the solid, where they are known.
     heat : Heat or None
         Where the temperature was asked for.
     history : State or None
@@ -87,6 +89,8 @@ class State:
     residual: float
     previous_pressure: Array
     previous_load: float
+    displacement: Array | None = None
+    previous_displacement: Array | None = None
     work: int = 0
     heat: Heat | None = None
     history: State | None = None

@@ -159,6 +159,52 @@ def test_the_start_changes_the_way_but_not_the_answer():
         assert other.pressure == pytest.approx(cold.pressure, abs=1e-8 * cold.pressure.max())
 
 
+@pytest.mark.parametrize(
+    ("periodic", "curvature", "load", "hardness", "most"),
+    [
+        ((True, True), 0.0, 12.0, math.inf, 62),  # rough, a twentieth touches
+        ((True, True), 0.0, 60.0, math.inf, 72),  # a fifth
+        ((True, True), 0.0, 60.0, 6.6e9, 78),  # part of which yields
+        ((False, True), 500.0, 8.0, 6.6e9, 35),
+        ((False, False), 100.0, 1.0, math.inf, 30),
+    ],
+)
+def test_a_cold_start_takes_few_iterations(periodic, curvature, load, hardness, most):
+    grid = Grid((256, 256), (1e-6, 1e-6), periodic)
+    solid = ElasticHalfSpace(grid, E_STAR)
+    x, y = grid.coordinates(0)[:, None], grid.coordinates(1)
+    z = curvature / 2 * (x**2 + (0 if periodic[1] else y**2)) + np.zeros(grid.shape)
+    if any(periodic):
+        z -= self_affine(grid, 0.3e-6, 0.8, 20e-6, 0)
+    contact = solve_contact(solid, z, load, hardness, tolerance=1e-10)
+    assert contact.residual <= 1e-10
+    assert contact.iterations <= most
+
+
+@pytest.mark.parametrize("hardness", [math.inf, 2e9])
+def test_a_known_displacement_saves_iterations(hardness):
+    grid = Grid((64, 64), (2e-6, 2e-6))
+    solid = ElasticHalfSpace(grid, E_STAR)
+    z = grid.coordinates(0)[:, None] ** 2 / 4e-3 - self_affine(grid, 0.1e-6, 0.8, 8e-6, 0)
+    first, second = (solve_contact(solid, z, load, hardness, 1e-6) for load in (2.2, 2.1))
+    guess = 2 * second.pressure - first.pressure  # which exceeds the bounds at 2.0 N
+    assert guess.min() < 0
+    found = [
+        solve_contact(
+            solid, z, 2.0, hardness, 1e-3, initial_pressure=guess, initial_displacement=known
+        )
+        for known in (None, solid(guess))
+    ]
+    assert found[1].iterations < found[0].iterations
+    for contact in found:
+        assert_certified(contact, solid, z, 2.0, hardness, 1e-3)
+    # What is not the displacement misleads, but no further than into more iterations.
+    contact = solve_contact(
+        solid, z, 2.0, hardness, 1e-6, initial_pressure=guess, initial_displacement=z
+    )
+    assert_certified(contact, solid, z, 2.0, hardness, 1e-6)
+
+
 def test_units_scale():
     grid = Grid((24, 20), (1e-6, 1e-6))
     z = -self_affine(grid, 0.3e-6, 0.8, 3e-6, 1)

@@ -40,6 +40,47 @@ def test_result_goes_where_it_is_asked_to():
 
 
 @pytest.mark.parametrize("periodic", AXES)
+@pytest.mark.parametrize("shape", [(7, 1), (5, 4), (6, 7)])
+def test_rows_without_a_source_may_be_left_out(shape, periodic):
+    grid = Grid(shape, (1.0, 0.5), periodic)
+    random = np.random.default_rng(4)
+    convolve = Convolution.from_kernel(grid, random.normal(size=padded_shape(grid)))
+    field = random.normal(size=shape)
+    convolve(field)  # kept buffers carry nothing over
+    field[:2], field[4:] = 0.0, 0.0
+    assert np.array_equal(convolve(field, rows=(2, 4))[2:4], convolve(field)[2:4])
+
+
+@pytest.mark.parametrize("periodic", AXES)
+def test_on_a_part_of_the_patch_the_map_is_the_same(periodic):
+    grid = Grid((9, 7), (1.0, 0.5), periodic)
+    random = np.random.default_rng(5)
+    convolve = Convolution.from_kernel(grid, random.normal(size=padded_shape(grid)))
+    part = tuple(n if p else n - 3 for n, p in zip(grid.shape, periodic, strict=True))
+    window = tuple(slice(n - m, n) for n, m in zip(grid.shape, part, strict=True))
+    field = np.zeros(grid.shape)
+    field[window] = random.normal(size=part)
+    cropped = convolve.cropped(part)
+    assert cropped(field[window]) == pytest.approx(convolve(field)[window], abs=1e-13)
+    assert cropped.grid.spacing == grid.spacing
+
+
+@pytest.mark.parametrize("periodic", AXES)
+@pytest.mark.parametrize("shape", [(8, 6), (1, 6), (8, 1)])
+def test_on_a_coarser_grid_it_maps_means_to_means(shape, periodic):
+    grid = Grid(shape, (1.0, 0.5), periodic)
+    random = np.random.default_rng(6)
+    convolve = Convolution.from_kernel(grid, random.normal(size=padded_shape(grid)))
+    coarse = convolve.coarsened()
+    (nx, ny), (fx, fy) = coarse.grid.shape, (min(n, 2) for n in shape)
+    means = random.normal(size=(nx, ny))
+    fine = convolve(means.repeat(fx, 0).repeat(fy, 1))
+    expected = fine.reshape(nx, fx, ny, fy).mean(axis=(1, 3))
+    assert coarse(means) == pytest.approx(expected, abs=1e-13)
+    assert coarse.grid.size == grid.size
+
+
+@pytest.mark.parametrize("periodic", AXES)
 @pytest.mark.parametrize("shape", [(1, 1), (5, 4), (6, 7)])
 def test_single_precision_keeps_seven_digits(shape, periodic):
     grid = Grid(shape, (1.0, 0.5), periodic)

@@ -1,0 +1,113 @@
+"""Pressures within bounds that carry a load: 0 ≤ p ≤ H and Σp = F/dA, the capped simplex."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["LARGEST", "LOAD_ERROR", "SMALLEST", "nearest", "scaled_to_load", "shifted_to_load"]
+
+Array = NDArray[np.float64]
+
+LOAD_ERROR = 1e-12
+"""Of the load; beyond it a pressure does not carry it."""
+
+SMALLEST, LARGEST = 1e-280, 1e280
+"""Of squares and products on the way, as far as double precision holds them."""
+
+_NEAR = 2.0  # times as much, or as little, as a guess that is taken to know which nodes yield
+
+
+def scaled_to_load(guess: Array, total: float, hardness: float) -> Array:
+    """Scale a guess towards the sum `total`; what the hardness cuts off goes to its neighbours.
+
+    Examples
+    --------
+    >>> scaled_to_load(np.array([0.0, 1.0, 3.0]), total=8.0, hardness=5.0)
+    array([0., 3., 5.])
+    """
+    largest, smallest = float(guess.max()), float(guess.min())
+    within = smallest >= 0 and largest <= hardness
+    if within and abs(float(guess.sum()) - total) <= 0.1 * LOAD_ERROR * total:
+        return guess.copy()
+    if not SMALLEST**0.5 < largest < LARGEST**0.5:  # nor could it be summed
+        return nearest(np.zeros(guess.shape), total, hardness)
+    pressure = np.clip(guess, 0.0, hardness)
+    loaded = pressure > 0
+    if total >= hardness * np.count_nonzero(loaded):
+        return nearest(pressure, total, hardness)
+    # Of a near guess, nodes that yield go on to yield.
+    between = loaded & (pressure < hardness)
+    carried = float(pressure[between].sum())
+    rest = total - (float(pressure.sum()) - carried)
+    near = carried > 0 and 1 / _NEAR < rest / carried < _NEAR
+    if not (near and rest < hardness * np.count_nonzero(between)):
+        between, carried, rest = loaded, float(pressure.sum()), total
+    pressure[between] = nearest(rest / carried * pressure[between], rest, hardness)
+    return pressure
+
+
+def shifted_to_load(pressure: Array, total: float, hardness: float) -> Array:
+    """Clip to the bounds, then shift what lies between them so that all sums to `total`.
+
+    Examples
+    --------
+    >>> shifted_to_load(np.array([-3.0, 1.0, 2.0]), total=4.0, hardness=5.0)
+    array([0. , 1.5, 2.5])
+    """
+    clipped = np.clip(pressure, 0.0, hardness)
+    between = (clipped > 0) & (clipped < hardness)
+    moving = clipped[between]
+    rest = total - float(clipped.sum()) + float(moving.sum())
+    if 0 < rest < hardness * moving.size:
+        clipped[between] = nearest(moving, rest, hardness)
+        return clipped
+    return nearest(pressure, total, hardness)
+
+
+def nearest(pressure: Array, total: float, hardness: float) -> Array:
+    """The nearest field within the bounds that sums to `total`: clip(p + s) with the right s.
+
+    The sum is a continuous, piecewise linear, growing function of s. Newton's method finds its
+    root in a few steps, kept inside a bracket that bisection shrinks where Newton leaves it.
+
+    Examples
+    --------
+    >>> nearest(np.array([-3.0, 1.0, 6.0]), total=8.0, hardness=5.0)
+    array([0., 3., 5.])
+    """
+    for _ in range(3):
+        field, shift = _shifted(pressure, total, hardness)
+        if abs(float(field.sum()) - total) <= 0.1 * LOAD_ERROR * total:
+            break
+        pressure = pressure + shift  # what is left after this has more digits
+    return field
+
+
+def _shifted(pressure: Array, total: float, hardness: float) -> tuple[Array, float]:
+    """clip(p + s) that sums to `total` as nearly as the digits of p allow, and s."""
+    bound = total if hardness == math.inf else hardness
+    low = -float(pressure.max())
+    high = bound - float(pressure.min())
+    shift = 0.0 if low <= 0 <= high else (low + high) / 2
+    field = np.empty(pressure.shape)
+    for _ in range(200):
+        np.add(pressure, shift, out=field)
+        moving = np.count_nonzero((field > 0) & (field < hardness))
+        np.clip(field, 0.0, hardness, out=field)
+        excess = float(field.sum()) - total
+        if abs(excess) <= 1e-14 * total or low >= high:
+            break
+        if excess > 0:
+            high = shift
+        else:
+            low = shift
+        following = shift - excess / moving if moving else (low + high) / 2
+        if not low < following < high:
+            following = (low + high) / 2
+        if following == shift:
+            break
+        shift = following
+    return field, shift
