@@ -335,7 +335,7 @@ class Iteration:
     def _preconditioner(self, nodes: Nodes, stencil: Stencil) -> Preconditioner:
         rows = self._soft.numbers(nodes, self.solid.grid.shape)
         coupling = self._soft.coupling if self._soft.matter else 0.0
-        middle = self._near.inverse[0, 0]
+        middle = self._near.inverse[1, 0]
         inverse = functools.partial(stencil, self._near.inverse / middle)
         return Preconditioner(inverse, rows, coupling * middle)
 

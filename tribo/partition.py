@@ -15,6 +15,7 @@ their threads; sums by NumPy itself do not.
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -26,6 +27,7 @@ from numpy.typing import ArrayLike, NDArray
 from tribo.convolution import Convolution, padded_shape
 from tribo.errors import ConvergenceError, InputError
 from tribo.grid import Grid
+from tribo.stencil import Neighbourhood
 
 __all__ = ["DIRECT_MEMORY", "HeatPartition", "partition_heat"]
 
@@ -128,34 +130,36 @@ def partition_heat(
     grid = pin.grid
     difference = np.broadcast_to(np.asarray(bulk_difference, dtype=float), grid.shape)
     _check(grid, disk.grid, heat_flux, contact, difference, method, tolerance)
-    q, delta = heat_flux[contact], difference[contact]
-    target = _on_contact(disk, contact, q) + delta if q.any() else delta
+    nodes = np.flatnonzero(contact)
+    q, delta = heat_flux.take(nodes), difference.take(nodes)
+    target = disk(heat_flux).take(nodes) + delta if q.any() else delta
     if not target.any():
         return HeatPartition(np.zeros(grid.shape), np.zeros(grid.shape), math.nan, 0, 0.0)
     if method == "uniform":
         return _uniform(pin(heat_flux), target, delta, heat_flux, contact)
 
     both = pin + disk
-    kernel = np.fft.irfft2(both.spectrum, s=padded_shape(grid))
-    if not kernel[0, 0] > 0:
+    near = Neighbourhood(both)
+    if not near.influence[1, 0] > 0:
         raise InputError("the bodies have had no time to conduct; bulk_difference must be 0 then")
     if method == "direct":
+        kernel = np.fft.irfft2(both.spectrum, s=padded_shape(grid))
         solution, iterations = _eliminate(_dense(kernel, contact), target), 0
     else:
         solution, iterations = _iterate(
-            lambda flux: _on_contact(both, contact, flux),
-            _local_inverse(kernel, grid, contact),
+            _on_nodes(both, nodes),
+            functools.partial(near.on(nodes), near.inverse),
             target,
             _RESERVE * tolerance,
             max_iterations,
         )
     pin_flux = np.zeros(grid.shape)
-    pin_flux[contact] = solution
+    pin_flux.reshape(-1)[nodes] = solution
     total = float(np.sum(q))
     share = float(np.sum(solution)) / total if total else math.nan
     rise = pin(pin_flux)
     # From both temperatures and not from the iteration's own residual, which rounding detaches.
-    mismatch = (disk(heat_flux - pin_flux) - rise)[contact] + delta
+    mismatch = (disk(heat_flux - pin_flux) - rise).take(nodes) + delta
     residual = _norm(mismatch) / _norm(target)
     partition = HeatPartition(rise, pin_flux, share, iterations, residual)
     if method == "local" and not residual <= tolerance:
@@ -202,11 +206,17 @@ def _check(
         raise InputError(f"tolerance is {tolerance!r}; it must be from 1e-14 to below 1")
 
 
-def _on_contact(body: Convolution, contact: NDArray[np.bool_], flux: Field) -> Field:
-    """Surface temperature on the contact [K] due to a flux there; both are vectors of nodes."""
-    field = np.zeros(body.grid.shape)
-    field[contact] = flux
-    return body(field, out=field)[contact]
+def _on_nodes(body: Convolution, nodes: NDArray[np.intp]) -> Callable[[Field], Field]:
+    """The map from flux [W/m²] to temperature [K], both on some nodes alone."""
+    field, rise = np.zeros(body.grid.shape), np.empty(body.grid.shape)
+    ny = body.grid.shape[1]
+    rows = int(nodes[0]) // ny, int(nodes[-1]) // ny + 1
+
+    def apply(flux: Field) -> Field:
+        field.reshape(-1)[nodes] = flux
+        return body(field, out=rise, rows=rows).take(nodes)
+
+    return apply
 
 
 def _norm(vector: Field) -> float:
@@ -259,35 +269,6 @@ def _iterate(
         residual -= step * images[place]
         iteration, error = iteration + 1, _norm(residual) / scale
     return solution, iteration
-
-
-def _local_inverse(
-    kernel: Field, grid: Grid, contact: NDArray[np.bool_]
-) -> Callable[[Field], Field]:
-    """Approximate inverse of the kernel's operator on the contact: a stencil of 3 × 3 elements.
-
-    The stencil is the middle column of the inverse for those elements alone. It undoes what is
-    worst conditioned, the kernel's 1/|k| at short waves, for a tenth of a convolution's cost.
-    """
-    rx, ry = (min(1, (n - 1) // 2) for n in grid.shape)
-    i, j = (steps.ravel() for steps in np.mgrid[-rx : rx + 1, -ry : ry + 1])
-    block = kernel[i[:, None] - i, j[:, None] - j]
-    stencil = _eliminate(block, np.where((i == 0) & (j == 0), 1.0, 0.0))
-    # Numbers of the contact's nodes; every other element has the number of an appended zero.
-    outside = np.count_nonzero(contact)
-    numbers = np.full(grid.shape, outside)
-    numbers[contact] = np.arange(outside)
-    for periodic, margin in zip(grid.periodic, ([(rx,), (0,)], [(0,), (ry,)]), strict=True):
-        if periodic:
-            numbers = np.pad(numbers, margin, mode="wrap")
-        else:
-            numbers = np.pad(numbers, margin, constant_values=outside)
-    nx, ny = grid.shape
-    shifted = (
-        numbers[rx - di : rx - di + nx, ry - dj : ry - dj + ny] for di, dj in zip(i, j, strict=True)
-    )
-    neighbours = np.stack([nodes[contact] for nodes in shifted])
-    return lambda vector: np.einsum("k,kn->n", stencil, np.append(vector, 0.0)[neighbours])
 
 
 def _dense(kernel: Field, contact: NDArray[np.bool_]) -> Field:

@@ -29,7 +29,9 @@ _RIGID = 0.3
 
 
 class Neighbourhood:
-    """The stencils of a convolution whose kernel is even in both offsets.
+    """The stencils of a convolution whose kernel is even along y.
+
+    A stencil holds the factors of the elements at -1, 0 and 1 along x, and 0 and 1 along y.
 
     Parameters
     ----------
@@ -40,9 +42,9 @@ class Neighbourhood:
 
     Attributes
     ----------
-    influence, inverse : ndarray, shape (2, 2)
-        The kernel at the offsets (0, 0), (0, 1), (1, 0) and (1, 1), and the stencil that undoes
-        it: on 3 × 3 elements, or where rows are rigid compared with their coupling, on 3 of a row.
+    influence, inverse : ndarray, shape (3, 2)
+        The kernel, and the stencil that undoes it: on 3 × 3 elements, or where rows are rigid
+        compared with their coupling, on 3 of a row.
 
     Examples
     --------
@@ -61,13 +63,20 @@ class Neighbourhood:
         self._shape = nx, ny
         rx, ry = min(1, (nx - 1) // 2), min(1, (ny - 1) // 2)
         kernel = _near_kernel(convolution)
-        self.influence = np.zeros((2, 2))
-        self.influence[: rx + 1, : ry + 1] = kernel[: rx + 1, : ry + 1]
-        row = kernel[0, :] if soft_axis else kernel[:, 0]
+        self.influence = np.zeros((3, 2))
+        self.influence[1 - rx : 2 + rx, : 1 + ry] = kernel[2 - rx : 3 + rx, : 1 + ry]
+        row = kernel[2, :] if soft_axis else kernel[:, 0]
         row -= coupling
-        if coupling > _RIGID * kernel[0, 0]:
+        if coupling > _RIGID * kernel[2, 0]:
             rx, ry = (0, ry) if soft_axis else (rx, 0)
         self.inverse = _inverse(kernel, rx, ry)
+        # Only a dominant middle makes it surely positive definite on any set of nodes, as it has
+        # to be where the kernel is even along x too.
+        middle, total = self.inverse[1, 0], self.inverse.sum() + self.inverse[:, 1].sum()
+        dominant = np.count_nonzero(self.inverse > 0) == 1 and 0 < total < np.inf
+        if not (dominant if np.isrealobj(convolution.spectrum) else 0 < middle < np.inf):
+            self.inverse = np.zeros((3, 2))
+            self.inverse[1, 0] = 1 / kernel[2, 0] if kernel[2, 0] > 0 else 1.0
 
     def on(self, nodes: Nodes) -> Callable[[Array, Array], Array]:
         """Return the map (stencil, values) -> values on `nodes`, ascending indices."""
@@ -79,13 +88,18 @@ class Neighbourhood:
         low, high = (0, nx) if along_x else (int(nodes[0]) // ny, int(nodes[-1]) // ny + 1)
         row = ny + 2
         places = nodes + 2 * (nodes // ny) + (1 + (1 - low) * row)
-        flat, sides, column, total = np.empty((4, (high - low + 2) * row), dtype=np.float32)
+        flat, sides, ahead, total = np.empty((4, (high - low + 2) * row), dtype=np.float32)
         field = flat.reshape(-1, row)
         flat[...] = 0.0
         sides[[0, -1]] = 0.0
 
+        def weighted(factors: Array, out: NDArray[np.float32]) -> NDArray[np.float32]:
+            np.multiply(sides, factors[1], out=total)
+            np.multiply(flat, factors[0], out=out)
+            return np.add(out, total, out=out)
+
         def apply(stencil: Array, values: Array) -> Array:
-            (_, beside), (above, corner) = (stencil / stencil[0, 0]).astype(np.float32)
+            before, here, after = (stencil / stencil[1, 0]).astype(np.float32)
             largest = float(np.abs(values).max(initial=0.0))
             if largest == 0.0:
                 return np.zeros(values.size)
@@ -95,15 +109,16 @@ class Neighbourhood:
             if along_x:
                 field[0], field[-1] = field[-2], field[1]
             np.add(flat[:-2], flat[2:], out=sides[1:-1])
-            np.multiply(flat, above, out=column)
-            np.multiply(sides, corner, out=total)
-            np.add(column, total, out=column)
-            np.multiply(sides, beside, out=sides)
-            np.add(column[: -2 * row], column[2 * row :], out=total[row:-row])
+            behind = weighted(before, ahead)
+            if not np.array_equal(before, after):
+                behind = weighted(before, np.empty_like(ahead))
+                weighted(after, ahead)
+            np.multiply(sides, here[1], out=sides)
+            np.add(ahead[: -2 * row], behind[2 * row :], out=total[row:-row])
             np.add(total, sides, out=total)
             result: Array = total.take(places) * np.float64(largest)
             result += values
-            result *= stencil[0, 0]
+            result *= stencil[1, 0]
             return result
 
         return apply
@@ -162,16 +177,12 @@ class Preconditioner:
 def _inverse(kernel: Array, rx: int, ry: int) -> Array:
     """The stencil that undoes a kernel on a block that reaches rx and ry elements far."""
     i, j, middle = _block(rx, ry)
-    inverse = np.zeros((2, 2))
+    inverse = np.zeros((3, 2))
     try:
-        column = np.linalg.solve(kernel[np.abs(i[:, None] - i), np.abs(j[:, None] - j)], middle)
+        column = np.linalg.solve(kernel[2 + i[:, None] - i, np.abs(j[:, None] - j)], middle)
     except np.linalg.LinAlgError:
-        column = np.zeros(middle.size)
-    # Only then it is surely positive definite on any set of nodes.
-    diagonally_dominant = np.count_nonzero(column > 0) == 1 and 0 < column.sum() < np.inf
-    if not diagonally_dominant:
-        column = middle / kernel[0, 0] if kernel[0, 0] > 0 else middle
-    inverse[np.abs(i), np.abs(j)] = column
+        column = 0 * middle
+    inverse[1 + i, np.abs(j)] = column
     return inverse
 
 
@@ -183,19 +194,21 @@ def _block(rx: int, ry: int) -> tuple[Nodes, Nodes, Array]:
 
 
 def _near_kernel(convolution: Convolution) -> Array:
-    """The kernel at the offsets 0, 1 and 2 along each axis, shape (3, 3)."""
-    wave_x, wave_y = _waves(*padded_shape(convolution.grid))
+    """The kernel at the offsets -2 to 2 along x, and 0 to 2 along y, shape (5, 3)."""
+    even, odd, wave_y = _waves(*padded_shape(convolution.grid))
+    spectrum = convolution.spectrum
     # Not a matrix product: the bits of one by BLAS depend on the number of its threads.
-    along_y = np.einsum("ix,xy->iy", wave_x, convolution.spectrum.real)
-    kernel: Array = np.einsum("iy,jy->ij", along_y, wave_y)
+    sums = np.einsum("ix,xy->iy", even, spectrum.real)
+    if np.iscomplexobj(spectrum):
+        sums -= np.einsum("ix,xy->iy", odd, spectrum.imag)
+    kernel: Array = np.einsum("iy,jy->ij", sums, wave_y)
     return kernel
 
 
 @functools.lru_cache(maxsize=16)
-def _waves(mx: int, my: int) -> tuple[Array, Array]:
-    """What sums modes to the values at the offsets 0, 1 and 2 along x and along y."""
-    step = np.arange(3)[:, None]
-    wave_x = np.cos(2 * np.pi / mx * step * np.arange(mx)) / mx
-    wave_y = np.cos(2 * np.pi / my * step * np.arange(my // 2 + 1)) / my
+def _waves(mx: int, my: int) -> tuple[Array, Array, Array]:
+    """What sums modes to the values at offsets along x, their even and odd part, and along y."""
+    phase_x = 2 * np.pi / mx * np.arange(-2, 3)[:, None] * np.arange(mx)
+    wave_y = np.cos(2 * np.pi / my * np.arange(3)[:, None] * np.arange(my // 2 + 1)) / my
     wave_y[:, 1 : (my + 1) // 2] *= 2  # modes that the half spectrum leaves out
-    return wave_x, wave_y
+    return np.cos(phase_x) / mx, np.sin(phase_x) / mx, wave_y
