@@ -9,7 +9,7 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from pipeline.accuracy import at_accuracy, choose_fidelity
+    from pipeline.accuracy import at_accuracy, choose_fidelity, stored_selection
     from pipeline.boundaries import boundary, decisive_temperature
     from pipeline.cost import estimate
     from pipeline.dataset import end_of_point, open_sweep
@@ -52,6 +52,7 @@ _HOMES = {
     "run_point": "plan",
     "run_sweep": "execute",
     "save_figure": "style",
+    "stored_selection": "accuracy",
     "summary": "store",
     "to_si": "units",
     "trade": "tradeoff",
@@ -84,6 +85,7 @@ __all__ = [
     "run_point",
     "run_sweep",
     "save_figure",
+    "stored_selection",
     "summary",
     "to_si",
     "trade",

@@ -6,9 +6,10 @@ import math
 import statistics
 import time
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import asdict, dataclass, replace
-from typing import Any, NamedTuple
+from dataclasses import replace
+from typing import NamedTuple
 
+from pipeline.folder import ROOT, PathLike, StoreMismatchError, folder_of, read_metadata
 from pipeline.plan import Point
 from pipeline.probe import (
     Probe,
@@ -18,10 +19,14 @@ from pipeline.probe import (
     rise_limit_of,
     some_loads,
 )
+from pipeline.selection import Selection, Trial
 from pipeline.sweep import Sweep
 from tribo import PRESETS, ConvergenceError, Fidelity, InputError
 
-__all__ = ["Selection", "Trial", "at_accuracy", "choose_fidelity"]
+__all__ = ["KEPT_FIELDS", "at_accuracy", "choose_fidelity", "stored_selection"]
+
+KEPT_FIELDS = ("temperature_interval", "heat_model")
+"""What a scene keeps of its own fidelity: what it asks to see, and by which physics."""
 
 _LOADS = 4
 # Elements times convolutions, some seconds, that may be spent on the reference at every load; and
@@ -53,74 +58,62 @@ _YARDSTICKS = (
 )
 
 
-@dataclass(frozen=True, slots=True)
-class Trial:
-    """A fidelity that was tried, and by how much it moves the boundary velocity at most."""
-
-    name: str
-    fidelity: Fidelity
-    error: float
-    work: float
-
-
-@dataclass(frozen=True, slots=True)
-class Selection:
-    """The fidelity that was picked, and why.
-
-    Attributes
-    ----------
-    accuracy : float
-        That was asked for, relative, of the boundary velocity.
-    name : str
-    fidelity : Fidelity
-    error : float
-        To expect at most, from those measured and what the yardstick itself may err; 0 for the
-        reference.
-    yardstick : str
-        What the error was measured against.
-    trials : tuple of Trial
-        What was tried, from cheap to dear; the last one was picked.
-    points : tuple of Point
-        Where.
-    saving : float
-        How many times less work than the yardstick takes.
-    seconds : float
-        That the probe took.
-    """
-
-    accuracy: float
-    name: str
-    fidelity: Fidelity
-    error: float
-    yardstick: str
-    trials: tuple[Trial, ...]
-    points: tuple[Point, ...]
-    saving: float
-    seconds: float
-
-    def as_dict(self) -> dict[str, Any]:
-        """Return all of it as plain data."""
-        points = [{"load": at.load, "velocity": at.velocity} for at in self.points]
-        return asdict(self) | {"points": points}
-
-    def __str__(self) -> str:
-        dropped = [f"{trial.name} errs by {100 * trial.error:.2g} %" for trial in self.trials[:-1]]
-        why = f" ({', '.join(dropped)})" if dropped else ""
-        return (
-            f"accuracy {100 * self.accuracy:g} %: picked {self.name}, whose boundary errs by "
-            f"{100 * self.error:.2g} % against {self.yardstick} with {self.saving:.2g} times less "
-            f"work{why}; the probe took {self.seconds:.1f} s"
-        )
-
-
 def at_accuracy(
-    sweep: Sweep, accuracy: float, points: Sequence[Point] | None = None
-) -> tuple[Sweep, Selection]:
-    """Give a sweep the cheapest fidelity within an accuracy; see `choose_fidelity`."""
-    selection = choose_fidelity(sweep, accuracy, points)
-    named = selection.fidelity == PRESETS.get(selection.name)
-    changed = replace(sweep, fidelity=selection.fidelity, preset=selection.name if named else None)
-    return changed, selection
+    sweep: Sweep,
+    accuracy: float,
+    points: Sequence[Point] | None = None,
+    store: PathLike | None = None,
+    progress: Callable[[str], None] | None = None,
+) -> Sweep:
+    """Give a sweep the cheapest fidelity within an accuracy, and the reasons for it.
+
+    Parameters
+    ----------
+    sweep, accuracy, points, progress
+        See `choose_fidelity`.
+    store : str or path, optional
+        That the sweep goes on with. If its fidelity was picked for its accuracy, that one is
+        taken again, without another probe.
+
+    Raises
+    ------
+    StoreMismatchError
+        If the fidelity of the store was picked for a lower accuracy, and does not keep this one.
+    InputError
+        See `choose_fidelity`.
+    """
+    selection = None if store is None else stored_selection(store)
+    if selection is None:
+        selection = choose_fidelity(sweep, accuracy, points, progress)
+    elif selection.error > accuracy:
+        raise StoreMismatchError(
+            f"{store} was computed with {selection.name}, whose boundary errs by "
+            f"{100 * selection.error:.2g} %; write to another store for {100 * accuracy:g} %"
+        )
+    fidelity = _of(sweep, selection.fidelity)
+    named = fidelity == PRESETS.get(selection.name)
+    return replace(
+        sweep,
+        fidelity=fidelity,
+        preset=selection.name if named else None,
+        selection=selection,
+    )
+
+
+def stored_selection(path: PathLike) -> Selection | None:
+    """Why a store has the fidelity that it has; None if it was not picked, or is not there.
+
+    Raises
+    ------
+    StoreError
+        If there is something else in its place.
+    """
+    folder = folder_of(path)
+    if not (folder / ROOT).exists():
+        return None
+    attributes, _ = read_metadata(folder)
+    known = attributes.get("selection")
+    return None if known is None else Selection.from_dict(known)
 
 
 def choose_fidelity(
@@ -137,7 +130,7 @@ def choose_fidelity(
     Parameters
     ----------
     sweep : Sweep
-        Of its fidelity only ``temperature_interval`` and ``heat_model`` are kept.
+        Of its fidelity only `KEPT_FIELDS` are kept.
     accuracy : float
         Largest relative error of the boundary velocity, such as 0.02.
     points : sequence of Point, optional
@@ -155,6 +148,8 @@ def choose_fidelity(
         raise InputError(f"accuracy is {accuracy!r}; it must be between 0 and 1, such as 0.02")
     if not math.isfinite(rise_limit_of(sweep)):
         raise InputError("without friction there is no heat, and no boundary to be accurate about")
+    if points and not all(point.velocity for point in points):
+        raise InputError("at velocity 0 there is no heat, and nothing to be accurate about")
     began = time.perf_counter()
     tell = progress or (lambda name: None)
     is_small = _is_small(sweep)
@@ -170,7 +165,7 @@ def choose_fidelity(
     yardstick = next(entry for entry in _YARDSTICKS if finest >= entry.finest_accuracy)
     tell(yardstick.name)
     truth = probe(sweep, _of(sweep, yardstick.fidelity), places)
-    trials = []
+    trials, spent = [], truth.work
     for name, fidelity in _ladder(sweep):
         tell(name)
         try:
@@ -180,6 +175,7 @@ def choose_fidelity(
         error = yardstick.error
         if found is not truth:
             error += _bound(found, truth, exponents, of_all_loads=is_small)
+            spent += found.work
         trials.append(Trial(name, fidelity, error, found.work))
         if error <= accuracy:
             break
@@ -191,8 +187,9 @@ def choose_fidelity(
         error=picked.error,
         yardstick=yardstick.name,
         trials=tuple(trials),
-        points=tuple(places),
+        points=tuple((point.load, point.velocity) for point in places),
         saving=truth.work / picked.work,
+        work=spent,
         seconds=time.perf_counter() - began,
     )
 

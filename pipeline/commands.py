@@ -11,10 +11,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pipeline
+from pipeline.accuracy import KEPT_FIELDS
 from pipeline.crossings import document_of, text_of
 from pipeline.sweep import Point, Sweep
 from pipeline.terminal import ProgressLine, duration, show, tell
-from tribo import failed_share, measures
+from tribo import InputError, failed_share, measures
 
 if TYPE_CHECKING:
     from pipeline.store import FailedPoint, Summary
@@ -46,8 +47,8 @@ CONDITIONS = ("friction", "bulk_temperature", "critical_temperature", "share")
 
 def run(options: argparse.Namespace) -> int:
     """Run or resume a sweep, or the part of it that the boundary needs."""
-    sweep = _scene(options)
-    out = options.output or Path("results") / f"{sweep.name}.zarr"
+    out = options.output or Path("results") / f"{options.scene.stem}.zarr"
+    sweep = _scene(options, store=out)
     with ProgressLine() as line:
         cluster = {
             "workers": options.workers,
@@ -67,6 +68,7 @@ def run(options: argparse.Namespace) -> int:
         "done": outcome.done,
         "failed": _failed(outcome.failed),
         "wall_time": outcome.wall_time,
+        **_selected(sweep),
     }
     text = [
         f"{out}: {outcome.done} of {outcome.total} points done, {outcome.computed} of them now, "
@@ -111,6 +113,7 @@ def check(options: argparse.Namespace) -> int:
 def status(options: argparse.Namespace) -> int:
     """Count points."""
     found = pipeline.summary(options.store)
+    selection = pipeline.stored_selection(options.store)
     document = {
         "title": found.title,
         "points": found.total,
@@ -120,12 +123,14 @@ def status(options: argparse.Namespace) -> int:
         "running": found.running is not None,
         "points_per_minute": None if found.rate is None else 60 * found.rate,
         "time_to_go": found.time_to_go,
+        "selection": selection.as_dict() if selection else None,
     }
     text = [
         found.title,
         f"{found.total} points: {found.done} done, {len(found.failed)} failed, "
         f"{found.pending} pending",
         *_pace_text(found),
+        *([str(selection)] if selection else []),
         *(f"failed: {point}" for point in found.failed),
     ]
     show(options, document, text)
@@ -200,6 +205,7 @@ def point(options: argparse.Namespace) -> int:
         "severe": severe,
         "warnings": list(result.warnings),
         "wall_time": result.wall_time,
+        **_selected(sweep),
     }
     text = [
         f"{options.load:g} N at {options.velocity:g} m/s after {found['time']:.3g} s "
@@ -268,15 +274,33 @@ def reproduce(options: argparse.Namespace) -> int:
     return DONE
 
 
-def _scene(options: argparse.Namespace, points: Sequence[Point] | None = None) -> Sweep:
-    """The scene, at the fidelity that the user asked for; accurate at `points` if given."""
+def _scene(
+    options: argparse.Namespace, points: Sequence[Point] | None = None, store: Path | None = None
+) -> Sweep:
+    """The scene, at the fidelity that the user asked for.
+
+    For an accuracy that is the one that `store` has, or else one that is accurate at `points`.
+    """
     sweep: Sweep = pipeline.load_scene(
         options.scene, preset=options.preset, overrides=dict(options.set)
     )
     if getattr(options, "accuracy", None) is not None:
-        sweep, selection = pipeline.at_accuracy(sweep, options.accuracy, points)
-        tell(str(selection))
+        fields = (key.removeprefix("fidelity.") for key, _ in options.set)
+        own = [f"--set {key}" for key in fields if "." not in key and key not in KEPT_FIELDS]
+        if given := [*(["--preset"] if options.preset else []), *own]:
+            raise InputError(
+                f"--accuracy picks the numerical choices itself; leave out {', '.join(given)}"
+            )
+        sweep = pipeline.at_accuracy(
+            sweep, options.accuracy, points, store, lambda name: tell(f"probing {name}")
+        )
+        tell(str(sweep.selection))
     return sweep
+
+
+def _selected(sweep: Sweep) -> dict[str, Any]:
+    """Why the fidelity was picked, if it was."""
+    return {"selection": sweep.selection.as_dict()} if sweep.selection else {}
 
 
 def setting(text: str) -> tuple[str, Any]:

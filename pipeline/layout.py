@@ -150,8 +150,12 @@ def scene_hash(description: Mapping[str, Any]) -> str:
 
 
 def present_attributes(sweep: Sweep) -> dict[str, Any]:
-    """Attributes that follow the scene file, since they do not decide the numbers."""
-    return {
+    """Attributes that follow the scene file, since they do not decide the numbers.
+
+    Why the fidelity was picked is kept from an earlier run, if this one did not pick it.
+    """
+    picked = {"selection": sweep.selection.as_dict()} if sweep.selection else {}
+    return picked | {
         "name": sweep.name,
         "title": sweep.title,
         "preset": sweep.preset,

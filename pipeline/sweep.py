@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import NamedTuple, Self
 
+from pipeline.selection import Selection
 from tribo import InputError, Scene, SelfAffineRoughness
 
 __all__ = ["Conditions", "Measurement", "Point", "Sweep"]
@@ -99,6 +100,8 @@ class Sweep(Scene):
         Whether each point is simulated from the start instead of on from the next lower load.
     preset : str or None
         Name of the preset that the fidelity equals.
+    selection : Selection or None
+        Why the fidelity is what it is, if it was picked for its accuracy.
     notes : tuple of str
         What reading the scene had to settle, and a user should know.
     chosen : tuple of Point or None
@@ -121,6 +124,7 @@ class Sweep(Scene):
     store_fields: bool = False
     independent: bool = False
     preset: str | None = None
+    selection: Selection | None = None
     notes: tuple[str, ...] = ()
     chosen: tuple[Point, ...] | None = None
 

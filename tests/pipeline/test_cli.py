@@ -175,6 +175,34 @@ def test_plot_writes_a_figure(swept, tmp_path, capsys, kind):
     assert out.read_bytes()[:4] == b"\x89PNG"
 
 
+def test_an_accuracy_is_stored_with_what_it_picked(swept, tmp_path, capsys):
+    out = tmp_path / "accurate.zarr"
+    arguments = ("run", swept / "small.toml", "-o", out, "--workers", 1, "--accuracy", "10%")
+    assert run(*arguments, "--json") == 0
+    first = capsys.readouterr()
+    picked = json.loads(first.out)["selection"]
+    assert picked["error"] <= picked["accuracy"] == 0.1
+    assert picked["trials"][-1]["fidelity"] == picked["fidelity"]
+    assert picked["seconds"] > 0
+    assert "probing" in first.err
+    assert run(*arguments) == 0
+    second = capsys.readouterr()
+    assert "probing" not in second.err
+    assert "0 of them now" in second.out
+    assert run("status", out) == 0
+    assert f"accuracy 10 %: picked {picked['name']}" in capsys.readouterr().out
+    assert run(*arguments, "--set", "increments=7") == 2
+    assert "leave out --set increments" in capsys.readouterr().err
+
+
+def test_a_point_says_why_it_has_its_fidelity(swept, capsys):
+    at = ("--load", "400 N", "--velocity", "2 m/s", "--json")
+    assert run("point", swept / "small.toml", *at, "--accuracy", "10%") == 0
+    picked = json.loads(capsys.readouterr().out)["selection"]
+    assert picked["error"] <= 0.1
+    assert picked["points"] == [{"load": 400.0, "velocity": 2.0}]
+
+
 def test_another_scene_is_refused_with_what_differs(swept, tmp_path, capsys):
     other = tmp_path / "other.toml"
     other.write_text(SCENE.replace('radius = "2 mm"', 'radius = "3 mm"'))
