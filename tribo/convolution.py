@@ -120,6 +120,11 @@ class Convolution:
             return self._in_single_precision(field, out)
         low, high = rows or (0, nx)
         source, target = field[low:high], out[low:high]
+        if my == 1:
+            modes = np.fft.rfft(source[:, 0], n=mx)
+            modes *= self.spectrum[: modes.size, 0]
+            target[:, 0] = np.fft.irfft(modes, n=mx)[: high - low]
+            return out
         modes, padded = self._modes, self._padded[low:high]
         if my > ny:
             padded[:, :ny] = source
