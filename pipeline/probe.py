@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.plan import Point
+from pipeline.plan import Point, chains
 from pipeline.sweep import Sweep
 from tribo import (
     PRESETS,
@@ -20,6 +20,7 @@ from tribo import (
     InputError,
     State,
     failed_share,
+    forget_kernels,
     measures,
     simulate,
 )
@@ -39,6 +40,7 @@ __all__ = [
 Array = NDArray[np.float64]
 
 _USUAL_EXPONENT = 0.6  # of the rise over velocity
+_STEPS_FOR_MEMORY = 3
 _STEP = 0.05  # of the logarithm of velocity over which its exponent is taken
 
 
@@ -71,7 +73,7 @@ class Probe:
     readings : tuple of Reading
         One for each point.
     seconds : float
-        Of one core, once kernels and surface are there.
+        Of one core, once the surface and the kernels of the contact are there.
     convolutions : int
         On all grids, of contacts and of heat.
     work : float
@@ -99,53 +101,70 @@ def probe(
     sweep : Sweep
     fidelity : Fidelity
     points : sequence of Point
-        The ones at one velocity share nothing; each is simulated from the start.
+        Those at one velocity share their ramp, as in a sweep.
     with_memory : bool
         Whether to measure the memory too, with one more, cheaper point.
     """
     scene = replace(sweep, fidelity=replace(fidelity, temperature_interval=0))
+    peak = _peak_bytes(scene, points) if with_memory else None
+    # Makes surface and kernels of the contact, which a whole sweep makes once.
     load, velocity = min((point.load, point.velocity) for point in points)
-    if with_memory:
-        tracemalloc.start()
-    try:
-        # Makes kernels and surface, which a whole sweep makes once.
-        _run(scene, load / 2, velocity * 0.9)
-        peak = tracemalloc.get_traced_memory()[1] if with_memory else None
-    finally:
-        if with_memory:
-            tracemalloc.stop()
+    _run(scene, load / 2, velocity * 0.9)
     began = time.process_time()
-    runs = [_run(scene, point.load, point.velocity) for point in points]
+    runs = {}
+    for chain in chains(points):
+        trunk = None
+        for point in chain:
+            runs[point] = run = _run(scene, point.load, point.velocity, trunk)
+            trunk = run.trunk
     seconds = time.process_time() - began
     return Probe(
         fidelity,
-        tuple(_reading(sweep, scene, run.state) for run in runs),
+        tuple(_reading(sweep, scene, runs[point].state) for point in points),
         seconds,
-        sum(run.convolutions for run in runs),
-        float(sum(run.work for run in runs)),
+        sum(run.convolutions for run in runs.values()),
+        float(sum(run.work for run in runs.values())),
         peak,
     )
+
+
+def _peak_bytes(scene: Sweep, points: Sequence[Point]) -> int:
+    """Most memory for arrays of the heaviest point, which a few of its steps are enough to tell."""
+    fidelity = scene.fidelity
+    if fidelity.heat_model == "elapsed" and fidelity.wear_scheme != "explicit":
+        fidelity = replace(fidelity, increments=min(fidelity.increments, _STEPS_FOR_MEMORY))
+    forget_kernels()
+    tracemalloc.start()
+    try:
+        load, velocity = max((point.load, point.velocity) for point in points)
+        _run(replace(scene, fidelity=fidelity), load, velocity)
+        return tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
 
 
 @dataclass(frozen=True, slots=True)
 class _Run:
     state: State
+    trunk: State | None
     convolutions: int
     work: int
 
 
-def _run(scene: Sweep, load: float, velocity: float) -> _Run:
-    """A point at its hottest under full load, and what it took to its end."""
+def _run(scene: Sweep, load: float, velocity: float, trunk: State | None = None) -> _Run:
+    """A point at its hottest under full load, what it took, and where a higher load goes on."""
     convolutions = work = 0
     hot: list[tuple[float, State]] = []
-    for state in simulate(scene, load, velocity):
+    for state in simulate(scene, load, velocity, trunk):
         on_way = state.heat.iterations if state.heat else 0
         convolutions += state.iterations + on_way
         work += state.work + on_way * state.pressure.size
+        if state.on_trunk:
+            trunk = state.history or replace(state, heat=None)
         if state.heat is not None and state.normal_load >= load:
             hot.append((decisive_rise_of(scene, state.heat.rise_quantile), state))
     hottest = max(hot, key=lambda found: found[0])[1] if hot else state
-    return _Run(hottest, convolutions, work)
+    return _Run(hottest, trunk, convolutions, work)
 
 
 def _reading(sweep: Sweep, scene: Sweep, state: State) -> Reading:

@@ -294,7 +294,7 @@ def _variations(start: Fidelity) -> dict[str, tuple[Any, ...]]:
         "history_coarsening": (max(1, coarsening // 2), 2 * coarsening, 4 * coarsening),
         "increments": (start.increments // 10, start.increments // 4, 2 * start.increments),
         "wear_scheme": ("sdirk2",),
-        "contact_tolerance": (start.contact_tolerance / 30, start.contact_tolerance * 10),
+        "contact_tolerance": (_round(start.contact_tolerance / 30), start.contact_tolerance * 10),
         "partition": ("uniform",),
         "heat_tolerance": (start.heat_tolerance / 100, start.heat_tolerance * 100),
         "kernel": ("nearest-image",),
@@ -345,9 +345,13 @@ class _Comparison:
                 )
             )
         ours, theirs = self._crossings(measured), self._crossings(self.reference)
+        if all(map(math.isnan, theirs)):
+            raise InputError("the reference has no transition between these velocities")
         return tuple(
-            one / true - 1 for one, true in zip(ours, theirs, strict=True) if true == true
-        ) or (math.nan,)
+            math.inf if math.isnan(one) else one / true - 1
+            for one, true in zip(ours, theirs, strict=True)
+            if not math.isnan(true)
+        )
 
     def _crossings(self, measured: Probe) -> list[float]:
         rows: dict[float, list[tuple[float, float]]] = {}
@@ -385,6 +389,10 @@ def _wasted(choices: Sequence[Choice], base: str, start: Fidelity) -> tuple[Find
     return tuple(sorted(found.values(), key=lambda finding: -finding.saving))
 
 
+def _round(value: float) -> float:
+    return float(f"{value:.0e}")
+
+
 def _shown(value: Any) -> str:
     return f"{value:g}" if isinstance(value, float) else str(value)
 
@@ -405,4 +413,4 @@ def _row(choice: Choice) -> str:
 
 
 def _percent(value: float) -> str:
-    return f"{100 * value:.2f} %"
+    return f"{100 * value:.2f} %" if math.isfinite(value) else "none"

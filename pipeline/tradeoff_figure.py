@@ -2,21 +2,24 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.patheffects import withStroke
 from matplotlib.ticker import FuncFormatter, NullFormatter
 
+from pipeline.labels import Label, name_points
 from pipeline.style import BLACK, BLUE, GREY, VERMILION, in_house_style
 from pipeline.tradeoff import Choice, Trade
+from tribo import PRESETS
 
 __all__ = ["draw_trade"]
 
 _LEAST = 1e-4  # the smallest error that is told apart from none
 _OUTLYING = 0.1  # relative error from which what is varied is not drawn
-_CROWDED = 0.032  # of the axes: how near the labels of two choices may come
+_NAMED = {"fontsize": 10, "fontweight": "bold", "color": BLACK}
+_VARIED = {"fontsize": 7.5, "color": GREY}
 
 
 @in_house_style
@@ -33,7 +36,7 @@ def draw_trade(trade: Trade) -> Figure:
     shown = [
         choice
         for choice in trade.choices[:-1]
-        if choice.varied is None or choice.velocity_error < _OUTLYING
+        if choice.velocity_error < (_OUTLYING if choice.varied else math.inf)
     ]
     axes.set_xscale("log")
     axes.set_yscale("log")
@@ -44,19 +47,13 @@ def draw_trade(trade: Trade) -> Figure:
         drawstyle="steps-post", color=BLUE, lw=1.2, zorder=2, gid="front",
         label="no other choice is both faster and nearer",
     )  # fmt: skip
-    looks: tuple[tuple[bool, dict[str, Any], str], ...] = (
-        (False, {"marker": "o", "mfc": "white", "mec": GREY, "ms": 4.5}, _varied_label(trade)),
-        (True, {"marker": "D", "mfc": VERMILION, "mec": "white", "ms": 8.5}, "presets"),
-    )
-    for is_preset, look, label in looks:
-        places = [_place(choice) for choice in shown if (choice.varied is None) == is_preset]
-        if places:
-            x, y = zip(*places, strict=True)
-            axes.plot(x, y, ls="none", zorder=3 + is_preset, label=label, gid=label, **look)
+    for label, chosen, look in _kinds(trade, shown):
+        if chosen:
+            x, y = zip(*map(_place, chosen), strict=True)
+            axes.plot(x, y, ls="none", label=label, gid=label, **look)
     work = [choice.saving for choice in shown]
     axes.set_xlim(max(work) * 2.0, min(work) / 2.0)
     _limit_errors(axes, shown)
-    _labels(figure, axes, trade, shown)
 
     axes.set_xlabel("times less work than the reference  (faster to the left)")
     axes.set_ylabel("largest error of the boundary velocity")
@@ -65,7 +62,8 @@ def draw_trade(trade: Trade) -> Figure:
     axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axes.xaxis.set_minor_formatter(NullFormatter())
     axes.set_title(f"Speed against accuracy: {trade.title}", pad=10)
-    figure.legend(loc="outside lower center", ncols=3)
+    figure.legend(loc="outside lower center", ncols=4)
+    name_points(figure, axes, _labels(trade, shown))
     return figure
 
 
@@ -73,8 +71,22 @@ def _place(choice: Choice) -> tuple[float, float]:
     return choice.saving, max(choice.velocity_error, _LEAST)
 
 
-def _varied_label(trade: Trade) -> str:
-    return f"one choice of {trade.base} varied" if trade.base else "varied"
+def _kinds(
+    trade: Trade, shown: list[Choice]
+) -> tuple[tuple[str, list[Choice], dict[str, Any]], ...]:
+    """Name of each kind of choice, those of it, and how they look."""
+    varied = [choice for choice in shown if choice.varied]
+    presets = [choice for choice in shown if choice.name in PRESETS]
+    own = [choice for choice in shown if choice not in varied and choice not in presets]
+    return (
+        (
+            f"one choice of {trade.base} varied",
+            varied,
+            {"marker": "o", "mfc": "white", "mec": GREY, "ms": 4.5, "zorder": 4},
+        ),
+        ("presets", presets, {"marker": "D", "mfc": VERMILION, "mec": "white", "ms": 8.5}),
+        ("the scene's own", own, {"marker": "s", "mfc": BLACK, "mec": "white", "ms": 7.5}),
+    )
 
 
 def _limit_errors(axes: Axes, shown: list[Choice]) -> None:
@@ -82,35 +94,15 @@ def _limit_errors(axes: Axes, shown: list[Choice]) -> None:
     axes.set_ylim(min(errors) / 1.8, max(errors) * 2.2)
 
 
-def _labels(figure: Figure, axes: Axes, trade: Trade, shown: list[Choice]) -> None:
-    """Name the presets, and each varied choice that has room for its name."""
-    figure.draw_without_rendering()
-    taken: list[tuple[float, float, float]] = []
-    to_axes = axes.transData + axes.transAxes.inverted()
-    for choice in sorted(shown, key=lambda choice: choice.varied is not None):
-        x, y = to_axes.transform(_place(choice))
-        preset = choice.varied is None
-        text = choice.name if preset else choice.name.removeprefix(f"{trade.base}, ")
+def _labels(trade: Trade, shown: list[Choice]) -> list[Label]:
+    """Names of the presets, then of what lies on the front, then of the others."""
+    front = trade.front
+    labels = []
+    for choice in sorted(
+        shown, key=lambda choice: (choice.varied is not None, choice not in front)
+    ):
+        look = _NAMED if choice.varied is None else _VARIED
+        text = choice.name.removeprefix(f"{trade.base}, ") if choice.varied else choice.name
         text = text.replace("history_coarsening", "history grid").replace("_", " ")
-        width = (0.0155 if preset else 0.0115) * len(text)
-        left = x + 0.015 + width > 1.0
-        extent = (x - width, x) if left else (x, x + width)
-        if not preset and any(
-            abs(y - other_y) < _CROWDED and extent[0] - 0.01 < b and a < extent[1] + 0.01
-            for a, b, other_y in taken
-        ):
-            continue
-        taken.append((*extent, y))
-        axes.annotate(
-            text,
-            _place(choice),
-            xytext=(-6 if left else 6, 6),
-            textcoords="offset points",
-            ha="right" if left else "left",
-            va="bottom",
-            path_effects=[withStroke(linewidth=2.5, foreground="white")],
-            fontsize=10 if preset else 7.5,
-            fontweight="bold" if preset else "normal",
-            color=BLACK if preset else GREY,
-            zorder=5,
-        )
+        labels.append(Label(text, *_place(choice), look))
+    return labels

@@ -24,7 +24,7 @@ from tribo.material import Material, contact_modulus
 from tribo.partition import HeatPartition, partition_heat
 from tribo.record import MeasuredLoad, read_load
 from tribo.scene import Ball, Cylinder, MeasuredRoughness, Scene, SelfAffineRoughness
-from tribo.simulation import advance, measures, simulate, start, warnings
+from tribo.simulation import advance, forget_kernels, measures, simulate, start, warnings
 from tribo.state import Heat, State
 from tribo.topography import (
     average_roughness,
@@ -80,6 +80,7 @@ __all__ = [
     "critical_temperature_rig",
     "elastic_influence",
     "failed_share",
+    "forget_kernels",
     "heat",
     "measures",
     "partition_heat",

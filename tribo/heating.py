@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from tribo.conduction import ConductingHalfSpace, settling_time
 from tribo.grid import Grid
-from tribo.history import Conductor, HeatHistory, partition_with_history
+from tribo.history import Conductor, HeatHistory, forget_spectra, partition_with_history
 from tribo.invariants import check_heat, within_range
 from tribo.material import Material
 from tribo.partition import HeatPartition, partition_heat
@@ -18,7 +18,7 @@ from tribo.scene import Scene
 from tribo.state import Heat, State
 from tribo.transition import contact_quantiles
 
-__all__ = ["heat", "heated_since"]
+__all__ = ["forget_conductors", "heat", "heated_since"]
 
 
 @within_range("the temperature of a contact")
@@ -100,6 +100,12 @@ def _conductor(grid: Grid, material: Material, velocity: float, time: float) -> 
     return _kept_conductor(
         grid, material, velocity, min(time, settling_time(grid, material, velocity))
     )
+
+
+def forget_conductors() -> None:
+    """Free the thermal maps that are kept for the next steps."""
+    _kept_conductor.cache_clear()
+    forget_spectra()
 
 
 @functools.lru_cache(maxsize=16)

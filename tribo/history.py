@@ -32,7 +32,7 @@ from tribo.grid import Grid
 from tribo.material import Material
 from tribo.partition import HeatPartition, partition_heat
 
-__all__ = ["Conductor", "HeatHistory", "partition_with_history"]
+__all__ = ["Conductor", "HeatHistory", "forget_spectra", "partition_with_history"]
 
 Array = NDArray[np.float64]
 Spectrum = NDArray[np.inexact]
@@ -164,12 +164,21 @@ def _age(time: float) -> float:
     return float(f"{time:.{_AGE_DIGITS}g}")
 
 
+def forget_spectra() -> None:
+    """Free the spectra of fluxes that are kept for the next steps."""
+    _SPECTRA.clear()
+
+
 class _Spectra:
     """Spectra of fluxes by what they depend on; those used last are kept, up to a size."""
 
     def __init__(self, bytes_kept: int) -> None:
         self._limit, self._bytes = bytes_kept, 0
         self._kept: OrderedDict[Hashable, Spectrum] = OrderedDict()
+
+    def clear(self) -> None:
+        self._bytes = 0
+        self._kept.clear()
 
     def __call__(
         self, grid: Grid, body: Conductor, ages: tuple[float, ...], strengths: tuple[float, ...]

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from tribo.contact import solve_contact
 from tribo.elasticity import ElasticHalfSpace
 from tribo.errors import InputError, require_positive
-from tribo.heating import heat, heated_since
+from tribo.heating import forget_conductors, heat, heated_since
 from tribo.history import HeatHistory
 from tribo.invariants import check_contact, check_wear, within_range
 from tribo.loading import Station
@@ -21,7 +21,7 @@ from tribo.scene import Scene
 from tribo.state import State
 from tribo.wear import EXPLICIT_LIMIT, WEAR_SCHEMES
 
-__all__ = ["advance", "measures", "simulate", "start", "warnings"]
+__all__ = ["advance", "forget_kernels", "measures", "simulate", "start", "warnings"]
 
 Array = NDArray[np.float64]
 
@@ -136,7 +136,8 @@ def advance(
     distance = abs(velocity) * (station.time - state.time)
     if wear:
         solid = wear.yielding(solid, scheme.implicitness * distance)
-    patches, area = scene.pin.patches(scene.grid), scene.grid.element_area
+    grid = solid.grid
+    patches, area = scene.pin.patches(grid), grid.element_area
     by_gap = fidelity.contact_criterion == "gap"
     wear_depth, iterations, residual, force = state.wear_depth, 0, 0.0, 0.0
     for fraction, weight in zip(scheme.fractions, scheme.weights, strict=True):
@@ -331,6 +332,13 @@ def _extrapolated(state: State, normal_load: float) -> tuple[Array | None, Array
         return pressure, None
     rise = state.displacement - state.previous_displacement
     return pressure, state.displacement + ratio * rise
+
+
+def forget_kernels() -> None:
+    """Free what simulations keep for the next ones of the same scene."""
+    _levels.cache_clear()
+    _bodies.cache_clear()
+    forget_conductors()
 
 
 @functools.lru_cache(maxsize=4)

@@ -1,11 +1,13 @@
 """Speed against accuracy, measured on a small scene."""
 
+import itertools
 import json
 from dataclasses import replace
 
 import pytest
 
 from pipeline import tradeoff
+from pipeline.plan import Point
 from pipeline.probe import fitted, near_the_boundary, probe
 from pipeline.tradeoff import trade
 from pipeline.tradeoff_figure import draw_trade
@@ -127,9 +129,24 @@ def test_text_and_json_tell_the_same(measured):
 def test_the_figure_shows_presets_variations_and_front(measured):
     (axes,) = draw_trade(measured).axes
     ids = {line.get_gid() for line in axes.lines}
-    assert ids == {"front", "presets", "one choice of fine varied"}
+    assert ids == {"front", "presets", "one choice of fine varied", "the scene's own"}
     words = {text.get_text() for text in axes.texts}
-    assert {"draft", "standard", "fine"} <= words
+    assert {"draft", "standard", "fine", "as in the scene"} <= words
+
+
+def test_no_name_in_the_figure_covers_another_or_a_point(measured):
+    figure = draw_trade(measured)
+    (axes,) = figure.axes
+    figure.draw_without_rendering()
+    names = [text.get_window_extent() for text in axes.texts if text.get_text()]
+    assert len(names) > 15
+    for one, other in itertools.combinations(names, 2):
+        assert not one.overlaps(other)
+    lines = [line for line in axes.lines if line.get_gid() != "front"]
+    points = [axes.transData.transform(xy) for line in lines for xy in line.get_xydata()]
+    assert len(points) >= len(names)
+    assert not any(name.contains(*point) for name in names for point in points)
+    assert all(axes.get_window_extent().contains(name.x0, name.y1) for name in names)
 
 
 def test_whole_diagrams_are_compared_by_their_crossings():
@@ -139,6 +156,34 @@ def test_whole_diagrams_are_compared_by_their_crossings():
     assert 0 < draft.velocity_error < 0.3
     at_points = named(trade(SCENES["no wear"], ("draft",), base=None, loads=LOADS), "draft")
     assert draft.velocity_errors == pytest.approx(at_points.velocity_errors, abs=0.02)
+
+
+def test_points_at_one_velocity_share_their_ramp():
+    points = [Point(load, 2.0) for load in (200.0, 400.0, 750.0)]
+    together = probe(PAPER, PRESETS["draft"], points)
+    alone = [probe(PAPER, PRESETS["draft"], [point]) for point in points]
+    assert together.readings == tuple(found.readings[0] for found in alone)
+    assert together.work < sum(found.work for found in alone)
+    assert together.work > alone[-1].work
+
+
+def test_memory_is_counted_whatever_was_computed_before():
+    points = (Point(500.0, 1.5),)
+    first, again = (
+        probe(PAPER, PRESETS["standard"], points, with_memory=True).peak_bytes for _ in range(2)
+    )
+    assert again == pytest.approx(first, rel=0.05)
+    finer = replace(PRESETS["standard"], pixels_per_element=1)
+    # Four times as many elements.
+    assert 3 < probe(PAPER, finer, points, with_memory=True).peak_bytes / again < 5
+
+
+def test_a_diagram_without_a_transition_is_refused():
+    cold = replace(
+        SCENES["smooth"], conditions=replace(PAPER.conditions, critical_temperature=5000.0)
+    )
+    with pytest.raises(InputError, match="no transition between"):
+        trade(cold, ("draft",), base=None, loads=LOADS, diagram=True)
 
 
 def test_points_lie_on_the_boundary():
