@@ -8,9 +8,16 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from tribo.conduction import ConductingHalfSpace, settling_time
+from tribo.conduction import settling_time
+from tribo.convolution import Convolution, padded_shape
 from tribo.grid import Grid
-from tribo.history import Conductor, HeatHistory, forget_spectra, partition_with_history
+from tribo.history import (
+    Conductor,
+    HeatHistory,
+    forget_spectra,
+    kept_spectrum,
+    partition_with_history,
+)
 from tribo.invariants import check_heat, within_range
 from tribo.material import Material
 from tribo.partition import HeatPartition, partition_heat
@@ -95,21 +102,21 @@ def _check_split(
     check_heat(abs(velocity) * state.pressure, contact, split, tolerance)
 
 
-def _conductor(grid: Grid, material: Material, velocity: float, time: float) -> ConductingHalfSpace:
+def _conductor(grid: Grid, material: Material, velocity: float, time: float) -> Convolution:
     """The thermal map of a body, which after a while no longer depends on the time."""
-    return _kept_conductor(
-        grid, material, velocity, min(time, settling_time(grid, material, velocity))
-    )
+    settled = min(time, settling_time(grid, material, velocity))
+    spectrum = kept_spectrum(grid, Conductor(material, velocity), (0.0, settled), (1.0, 1.0))
+    return _unfilled(grid).with_spectrum(spectrum)
+
+
+@functools.lru_cache(maxsize=2)
+def _unfilled(grid: Grid) -> Convolution:
+    """A map whose buffers all bodies on a grid share."""
+    mx, my = padded_shape(grid)
+    return Convolution(grid, np.zeros((mx, my // 2 + 1)))
 
 
 def forget_conductors() -> None:
     """Free the thermal maps that are kept for the next steps."""
-    _kept_conductor.cache_clear()
+    _unfilled.cache_clear()
     forget_spectra()
-
-
-@functools.lru_cache(maxsize=16)
-def _kept_conductor(
-    grid: Grid, material: Material, velocity: float, time: float
-) -> ConductingHalfSpace:
-    return ConductingHalfSpace(grid, material, velocity, time)

@@ -32,7 +32,13 @@ from tribo.grid import Grid
 from tribo.material import Material
 from tribo.partition import HeatPartition, partition_heat
 
-__all__ = ["Conductor", "HeatHistory", "forget_spectra", "partition_with_history"]
+__all__ = [
+    "Conductor",
+    "HeatHistory",
+    "forget_spectra",
+    "kept_spectrum",
+    "partition_with_history",
+]
 
 Array = NDArray[np.float64]
 Spectrum = NDArray[np.inexact]
@@ -162,6 +168,13 @@ def _past_rise(
 
 def _age(time: float) -> float:
     return float(f"{time:.{_AGE_DIGITS}g}")
+
+
+def kept_spectrum(
+    grid: Grid, body: Conductor, ages: tuple[float, ...], strengths: tuple[float, ...]
+) -> Spectrum:
+    """`tribo.conduction.flux_history_spectrum`, computed once as long as there is room for it."""
+    return _SPECTRA(grid, body, ages, strengths)
 
 
 def forget_spectra() -> None:

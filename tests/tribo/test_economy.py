@@ -14,9 +14,12 @@ from tribo import (
     MeasuredRoughness,
     Ramp,
     Wear,
+    forget_kernels,
     heating,
+    history,
     measures,
     simulate,
+    simulation,
 )
 
 DECISIVE = QUANTILES.index(0.9)
@@ -172,22 +175,61 @@ def test_only_what_does_not_depend_on_y_is_plane():
 # No motion, no hardness.
 
 
-def test_no_motion_needs_no_kernel():
-    heating._kept_conductor.cache_clear()
+@pytest.fixture
+def kernels(monkeypatch):
+    """Velocity and ages of each thermal kernel that is made."""
+    made = []
+
+    def counted(grid, material, velocity, ages, *rest):
+        made.append((velocity, ages))
+        return flux_history_spectrum(grid, material, velocity, ages, *rest)
+
+    flux_history_spectrum = history.flux_history_spectrum
+    monkeypatch.setattr(history, "flux_history_spectrum", counted)
+    forget_kernels()
+    return made
+
+
+def test_no_motion_needs_no_kernel(kernels):
     state = last(simulate(small_scene(), 300.0, 0.0))
-    assert heating._kept_conductor.cache_info().misses == 0
+    assert not kernels
     assert state.heat.iterations == 0
 
 
-def test_thermal_kernels_are_made_anew_only_where_they_change():
+def test_thermal_kernels_are_made_anew_only_where_they_change(kernels):
     scene = small_scene()
-    heating._kept_conductor.cache_clear()
-    for load in (300.0, 450.0, 600.0):
-        for velocity in (1.0, 1.25):
+    loads = np.linspace(300.0, 600.0, 20)  # more than a cache of fixed length may hold
+    for velocity in (1.0, 1.25):
+        for load in loads:
             last(simulate(scene, load, velocity))
     # One of the disk for each velocity, since the heat has left the window long before; one of
     # the pin for each time.
-    assert heating._kept_conductor.cache_info().misses == 2 + 3
+    assert len(kernels) == 2 + len(loads)
+    for velocity in (1.0, 1.25):
+        ((*_, settled),) = [ages for speed, ages in kernels if speed == velocity]
+        assert settled < 300.0 / 150.0  # the time of the lowest load
+
+
+def test_thermal_kernels_share_their_buffers():
+    *_, state = simulate(small_scene(), 300.0, 1.0)
+    pin, disk = (heating._conductor(small_scene().grid, STEEL, v, state.time) for v in (0.0, 1.0))
+    assert pin._modes is disk._modes
+    assert not np.shares_memory(pin.spectrum, disk.spectrum)
+
+
+def test_temperature_is_computed_at_the_steps_that_are_asked_for(monkeypatch):
+    times = []
+
+    def counted(scene, state, velocity):
+        times.append(state.normal_load)
+        return heating.heat(scene, state, velocity)
+
+    monkeypatch.setattr(simulation, "heat", counted)
+    list(simulate(small_scene(), 600.0, 1.25))
+    assert times == [600.0]
+    times.clear()
+    list(simulate(small_scene(temperature_interval=3), 600.0, 1.25))
+    assert times == [225.0, 450.0, 600.0]
 
 
 def test_without_hardness_the_pressure_is_bounded_below_only():
