@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import os
-import time
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from typing import Any
@@ -12,18 +11,20 @@ from typing import Any
 import numpy as np
 
 from pipeline.plan import step_count
+from pipeline.sample import busy_cores, elimination_seconds, sampled
 from pipeline.sweep import Sweep
-from tribo import QUANTILES, ElasticHalfSpace, contact_modulus
+from tribo import QUANTILES
+from tribo.partition import DIRECT_MEMORY
 
 __all__ = ["Estimate", "estimate"]
 
-# Counted on the shipped scene; `irg run` stores the true numbers as `iterations`.
-_CONVOLUTIONS_PER_CONTACT = 14.0
-_CONVOLUTIONS_PER_REFINEMENT = 35.0  # of a point's last step, from the grid of the history
-_CONVOLUTIONS_PER_TEMPERATURE = 30.0
+_CONVOLUTIONS_PER_REFINEMENT = 20.0  # of a point's last step, from the grid of the history
+_SECONDS_TO_START = 3.0  # a cluster
+_SECONDS_TO_COMMIT = 0.015  # a point
 _WORKER_BYTES = 115e6  # interpreter and libraries
 _FIELDS_IN_MEMORY = 60  # arrays of the grid's size that a worker holds at a time
 _STORED_COLUMNS = 15
+_LONG = 10.0  # s for one temperature
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,9 +37,15 @@ class Estimate:
         Points of the diagram; contacts and heat partitions to solve for them.
     workers : int
     seconds : float
-        Wall time, from the time of a convolution measured here and now.
+        Wall time, as long as the machine stays as busy as it is.
+    convolutions : float
+        To solve contacts and heat partitions, on all grids.
+    basis : str
+        What the time rests on.
     worker_bytes, disk_bytes : float
         Memory of each worker, and size of the store.
+    too_much : tuple of str
+        What of it will fail, or is beyond reason.
     left_out : tuple of str
         What the scene does not require, and why.
     """
@@ -48,8 +55,11 @@ class Estimate:
     temperatures: int
     workers: int
     seconds: float
+    convolutions: float
+    basis: str
     worker_bytes: float
     disk_bytes: float
+    too_much: tuple[str, ...] = ()
     left_out: tuple[str, ...] = ()
 
     def as_dict(self) -> dict[str, Any]:
@@ -58,32 +68,71 @@ class Estimate:
 
 
 def estimate(sweep: Sweep, workers: int | None = None) -> Estimate:
-    """Estimate the cost of a whole sweep.
+    """Estimate the cost of a whole sweep, from a few of its steps done here and now.
 
     Parameters
     ----------
     sweep : Sweep
     workers : int, optional
         One for each core if not given.
+
+    Raises
+    ------
+    TriboError
+        If the first step of the scene has no solution.
     """
-    workers = workers or os.cpu_count() or 1
+    cores = os.cpu_count() or 1
+    workers = workers or cores
     surfaces = len(sweep.realizations) or 1
     points = len(sweep.loads) * len(sweep.velocities) * surfaces
     counts = [step_count(sweep, load) for load in sweep.loads]
-    # A chain is the trunk up to the highest load, and a step off it for each lower one.
-    steps = sum(counts) if sweep.independent else max(counts) + len(counts) - 1
-    interval = sweep.fidelity.temperature_interval
+    steps = sum(counts) if sweep.independent else _steps_of_chain(sweep)
+    fidelity = sweep.fidelity
+    interval = fidelity.temperature_interval
     temperatures = len(counts) + (max(counts) // interval if interval else 0)
+    if fidelity.heat_model == "history":
+        temperatures = steps
     moving = sum(velocity != 0 for velocity in sweep.velocities)
     ramps = len(sweep.velocities) * surfaces
     steps, temperatures = steps * ramps, temperatures * moving * surfaces
-    convolutions = (
-        steps * _CONVOLUTIONS_PER_CONTACT / sweep.coarsening**2
-        + temperatures * _CONVOLUTIONS_PER_TEMPERATURE
-    )
-    if sweep.coarsening > 1:
-        convolutions += points * _CONVOLUTIONS_PER_REFINEMENT
     parallel = min(workers, points if sweep.independent else ramps)
+
+    busy = busy_cores()
+    sample = sampled(sweep)
+    on_history, on_own = sample.seconds_per_convolution
+    contacts = steps * sample.convolutions_per_contact
+    refinements = points * _CONVOLUTIONS_PER_REFINEMENT if sweep.coarsening > 1 else 0.0
+    heats = temperatures * sample.convolutions_per_temperature
+    pin_kernel, disk_kernel = sample.kernel_seconds
+    pin_kernels = temperatures / max(moving * surfaces, 1) * parallel
+    seconds = (
+        contacts * on_history
+        + (refinements + heats) * on_own
+        + pin_kernels * pin_kernel
+        + moving * disk_kernel
+    )
+    nodes = sample.contact_fraction * np.prod(sweep.grid.shape)
+    matrix_bytes, too_much = 0.0, []
+    if fidelity.partition == "direct" and moving:
+        matrix_bytes = 8.0 * nodes**2
+        each = elimination_seconds(sweep, nodes)
+        seconds += temperatures * each
+        heats = 0.0
+        if matrix_bytes > DIRECT_MEMORY:
+            too_much.append(
+                f"direct partition of {nodes:.0f} nodes takes a matrix of "
+                f"{matrix_bytes / 2**30:.1f} GiB, allowed are {DIRECT_MEMORY / 2**30:.1f} GiB: "
+                "points at high loads will fail; take partition = 'local'"
+            )
+        elif each > _LONG:
+            too_much.append(
+                f"direct partition of {nodes:.0f} nodes takes about {each:.0f} s a temperature; "
+                "partition = 'local' gives the same within heat_tolerance"
+            )
+    # The sample has had one core among those that are busy; workers will share them.
+    crowd = max(1.0, (busy + parallel) / cores)
+    seconds *= crowd / max(1.0, (busy + 1) / cores)
+    seconds += points * _SECONDS_TO_COMMIT * crowd
     field_bytes = 8.0 * np.prod(sweep.grid.shape)
     row_bytes = 8.0 * (_STORED_COLUMNS + len(QUANTILES)) * max(counts)
     return Estimate(
@@ -91,11 +140,26 @@ def estimate(sweep: Sweep, workers: int | None = None) -> Estimate:
         steps=steps,
         temperatures=temperatures,
         workers=workers,
-        seconds=convolutions * _convolution_seconds(sweep) / parallel,
-        worker_bytes=_WORKER_BYTES + _FIELDS_IN_MEMORY * field_bytes,
+        seconds=_SECONDS_TO_START * crowd + sample.surface_seconds * surfaces + seconds / parallel,
+        convolutions=contacts + refinements + heats,
+        basis=(
+            f"measured just now: {1e3 * on_own:.3g} ms a convolution, "
+            f"{sample.convolutions_per_contact:.0f} a contact and "
+            f"{sample.convolutions_per_temperature:.0f} a temperature on larger elements; "
+            f"{busy:.1f} of {cores} cores were busy, and are taken to stay so"
+        ),
+        worker_bytes=_WORKER_BYTES + _FIELDS_IN_MEMORY * field_bytes + matrix_bytes,
         disk_bytes=points * (row_bytes + (3 * field_bytes if sweep.store_fields else 0.0)),
+        too_much=tuple(too_much),
         left_out=tuple(_left_out(sweep, max(counts), surfaces)),
     )
+
+
+def _steps_of_chain(sweep: Sweep) -> int:
+    """Steps of the trunk up to the highest load, and of the points that lie off it."""
+    trunk = sum(station.on_trunk for station in sweep.stations(max(sweep.loads)))
+    off = (not station.on_trunk for load in sweep.loads for station in sweep.stations(load))
+    return trunk + sum(off)
 
 
 def _left_out(sweep: Sweep, steps: int, surfaces: int) -> Iterator[str]:
@@ -128,16 +192,3 @@ def _left_out(sweep: Sweep, steps: int, surfaces: int) -> Iterator[str]:
     if not sweep.store_fields:
         megabytes = 24e-6 * nx * ny * len(sweep.loads) * len(sweep.velocities) * surfaces
         yield f"fields: not asked for, which would take up to {megabytes:.0f} MB"
-
-
-def _convolution_seconds(sweep: Sweep) -> float:
-    """Time of one convolution on the sweep's grid, the median of a few."""
-    solid = ElasticHalfSpace(sweep.grid, contact_modulus(sweep.pin.material, sweep.disk))
-    pressure = np.ones(sweep.grid.shape)
-    out = np.empty(sweep.grid.shape)
-    times = []
-    for _ in range(7):
-        began = time.perf_counter()
-        solid(pressure, out=out)
-        times.append(time.perf_counter() - began)
-    return float(np.median(times))

@@ -169,6 +169,13 @@ class Trade:
 
     def __str__(self) -> str:
         places = ", ".join(f"{at.load:g} N {at.velocity:.3g} m/s" for at in self.points)
+        loads = sorted({at.load for at in self.points})
+        velocities = sorted({at.velocity for at in self.points})
+        if len(velocities) < len(self.points):  # a diagram
+            places = (
+                f"{', '.join(f'{load:g}' for load in loads)} N, "
+                f"{', '.join(f'{velocity:.3g}' for velocity in velocities)} m/s"
+            )
         rows = [_HEADER, *map(_row, self.choices)]
         lines = [
             f"{self.title}: speed against accuracy at",

@@ -152,6 +152,7 @@ def test_no_name_in_the_figure_covers_another_or_a_point(measured):
 def test_whole_diagrams_are_compared_by_their_crossings():
     found = trade(SCENES["no wear"], ("draft",), base=None, loads=LOADS, diagram=True)
     assert len(found.points) == 2 * 5
+    assert "  200, 750 N, " in str(found)
     draft = named(found, "draft")
     assert 0 < draft.velocity_error < 0.3
     at_points = named(trade(SCENES["no wear"], ("draft",), base=None, loads=LOADS), "draft")
