@@ -304,6 +304,11 @@ def conditions_of(
             f"the bulk temperature, {conditions.bulk_temperature:g} K"
         )
     _require_share(conditions.failing_share)
+    if conditions.friction and not ds.attrs.get("scene", {}).get("friction_heat", True):
+        raise InputError(
+            f"friction is {conditions.friction:g}; the sweep was computed without friction, and "
+            "so without any heat: run it again with friction, into another store"
+        )
     return conditions
 
 

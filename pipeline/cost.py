@@ -90,9 +90,9 @@ def estimate(sweep: Sweep, workers: int | None = None) -> Estimate:
     fidelity = sweep.fidelity
     interval = fidelity.temperature_interval
     temperatures = len(counts) + (max(counts) // interval if interval else 0)
-    if fidelity.heat_model == "history":
+    if sweep.remembers_heat:
         temperatures = steps
-    moving = sum(velocity != 0 for velocity in sweep.velocities)
+    moving = sum(velocity != 0 for velocity in sweep.velocities) if sweep.friction_heat else 0
     ramps = len(sweep.velocities) * surfaces
     steps, temperatures = steps * ramps, temperatures * moving * surfaces
     parallel = min(workers, points if sweep.independent else ramps)
@@ -178,10 +178,12 @@ def _left_out(sweep: Sweep, steps: int, surfaces: int) -> Iterator[str]:
     if not math.isfinite(sweep.hardness):
         yield "the bound on the pressure from above: no body has a hardness"
     still = sum(velocity == 0 for velocity in sweep.velocities)
-    if still:
+    if not sweep.friction_heat:
+        yield "heat: the friction coefficient is 0, so nothing gets warmer"
+    elif still:
         yield f"heat at {still * len(sweep.loads) * surfaces} points: nothing moves there"
     interval = sweep.fidelity.temperature_interval
-    if not interval and steps > 1 and sweep.fidelity.heat_model != "history":
+    if not interval and steps > 1 and sweep.friction_heat and not sweep.remembers_heat:
         yield f"temperatures at up to {steps - 1} steps on the way: asked for at the end only"
     if sweep.coarsening > 1:
         factor = sweep.coarsening

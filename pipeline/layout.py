@@ -35,6 +35,7 @@ __all__ = [
     "lasting_attributes",
     "present_attributes",
     "scene_hash",
+    "stored_scene",
     "variables",
 ]
 
@@ -197,6 +198,18 @@ def describe(sweep: Sweep) -> dict[str, Any]:
     if sweep.realizations:
         parts["roughness"]["seed"] = None
     return parts
+
+
+def stored_scene(attributes: Mapping[str, Any]) -> dict[str, Any]:
+    """The description of a scene in a store, with what stores did not always say.
+
+    Examples
+    --------
+    >>> stored_scene({"scene": {"wear": None}})
+    {'friction_heat': True, 'wear': None}
+    """
+    scene: dict[str, Any] = attributes["scene"]
+    return {"friction_heat": True} | scene
 
 
 def differences(stored: Any, wanted: Any, key: str = "scene") -> Iterator[str]:

@@ -210,11 +210,10 @@ def _extended(sweep: Sweep, trunk: Trunk, state: State, load: float) -> Trunk:
 
 def _is_same_for_higher_loads(sweep: Sweep, state: State, load: float) -> bool:
     """Whether a state has its temperature, and with it the finest grid, not as the point's end."""
-    fidelity = sweep.fidelity
-    if state.normal_load < load or fidelity.heat_model == "history":
+    if state.normal_load < load or sweep.remembers_heat:
         return True
     (station,) = (at for at in sweep.stations(load) if at.on_trunk and at.normal_load == load)
-    interval = fidelity.temperature_interval
+    interval = sweep.fidelity.temperature_interval
     return interval > 0 and station.index % interval == 0
 
 

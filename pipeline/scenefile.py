@@ -398,6 +398,7 @@ def _sweep(
         loading=loading,
         roughness=roughness,
         wear=tribo.Wear(**found["wear"]) if found["wear"] else None,
+        friction_heat=max([friction["coefficient"], *(friction["band"] or [])]) > 0,
         fidelity=fidelity,
         name=name,
         title=found["title"] or name,

@@ -50,6 +50,7 @@ from pipeline.layout import (
     differences,
     grown,
     lasting_attributes,
+    stored_scene,
 )
 from pipeline.pace import pace
 from pipeline.plan import PointResult
@@ -383,7 +384,7 @@ def prepare(path: PathLike, sweep: Sweep) -> Store:
         if ("realization" in axes) != bool(sweep.realizations):
             raise StoreMismatchError(f"{folder} {_OTHER_SURFACES[bool(sweep.realizations)]}")
         if different := [
-            *differences(attributes["scene"], describe(sweep)),
+            *differences(stored_scene(attributes), describe(sweep)),
             *differences(axes["quantile"], list(QUANTILES), "quantile"),
         ]:
             reason = f"{folder} belongs to another scene; write to another store"

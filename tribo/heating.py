@@ -76,7 +76,7 @@ def _partition(
     scene: Scene, state: State, velocity: float, contact: NDArray[np.bool_]
 ) -> HeatPartition:
     grid = scene.grid
-    if velocity == 0:
+    if velocity == 0 or not scene.friction_heat:
         return HeatPartition(np.zeros(grid.shape), np.zeros(grid.shape), np.nan, 0, 0.0)
     split = partition_heat(
         _conductor(grid, scene.pin.material, 0.0, state.time),

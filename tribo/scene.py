@@ -163,6 +163,9 @@ class Scene:
         Of the disk; smooth if not given.
     wear : Wear, optional
         Of the pin; none if not given.
+    friction_heat : bool
+        Whether there is friction, and with it heat. If not, no temperature is solved for: the rise
+        is 0.
     fidelity : Fidelity
 
     Raises
@@ -177,6 +180,7 @@ class Scene:
     loading: Ramp | MeasuredLoad
     roughness: SelfAffineRoughness | MeasuredRoughness | None = None
     wear: Wear | None = None
+    friction_heat: bool = True
     fidelity: Fidelity = field(default_factory=Fidelity)
 
     def __post_init__(self) -> None:
@@ -230,6 +234,11 @@ class Scene:
         """Hardness of the softer body [Pa]."""
         return min(self.pin.material.hardness, self.disk.hardness)
 
+    @property
+    def remembers_heat(self) -> bool:
+        """Whether a temperature depends on the heat of the steps before."""
+        return self.friction_heat and self.fidelity.heat_model == "history"
+
     def separation(self) -> Array:
         """Distance of the unworn, undeformed surfaces [m], shape ``grid.shape``."""
         profile = self.pin.profile(self.grid)
@@ -256,7 +265,7 @@ class Scene:
         fidelity = self.fidelity
         stations = self.loading.stations(normal_load, fidelity.increments, after)
         wears = self.wear is not None and self.wear.specific_wear_rate > 0
-        if wears or fidelity.heat_model == "history":
+        if wears or self.remembers_heat:
             yield from stations
             return
         interval = fidelity.temperature_interval
@@ -275,7 +284,7 @@ class Scene:
         leaves enough of it to know the wear; 1 where the wear is local, or the heat of all the
         steps before acts on the last.
         """
-        if (self.wear and self.wear.pattern == "local") or self.fidelity.heat_model == "history":
+        if (self.wear and self.wear.pattern == "local") or self.remembers_heat:
             return 1
         nx, ny = self.grid.shape
         fits = (

@@ -73,8 +73,8 @@ def simulate(
             f"cannot go on to {normal_load:g} N from the state at {state.normal_load:g} N; "
             "it must lie on the trunk, at a lower load"
         )
-    heat_model = scene.fidelity.heat_model
-    if (heat_model == "history") != (state.heat_history is not None):
+    if scene.remembers_heat != (state.heat_history is not None):
+        heat_model = scene.fidelity.heat_model
         raise InputError(f"heat model {heat_model!r} cannot go on from a state of the other one")
     interval = scene.fidelity.temperature_interval
     levels = _levels(scene)
@@ -104,7 +104,7 @@ def start(scene: Scene) -> State:
         residual=0.0,
         previous_pressure=zero,
         previous_load=0.0,
-        heat_history=HeatHistory() if scene.fidelity.heat_model == "history" else None,
+        heat_history=HeatHistory() if scene.remembers_heat else None,
     )
 
 

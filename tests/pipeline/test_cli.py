@@ -195,6 +195,24 @@ def test_an_accuracy_is_stored_with_what_it_picked(swept, tmp_path, capsys):
     assert "leave out --set increments" in capsys.readouterr().err
 
 
+def test_without_friction_there_is_no_heat_and_no_claim_about_it(tmp_path, capsys):
+    scene, out = tmp_path / "slippery.toml", tmp_path / "slippery.zarr"
+    text = SCENE.replace("coefficient = 0.1", "coefficient = 0.0")
+    scene.write_text(text.replace('["1 m/s", "2 m/s", "4 m/s"]', '["1 m/s", "4 m/s"]'))
+    assert run("check", scene, "--json") == 0
+    document = json.loads(capsys.readouterr().out)
+    assert document["temperatures"] == 0
+    assert any("friction coefficient is 0" in reason for reason in document["left_out"])
+    assert run("run", scene, "-o", out, "--workers", 1) == 0
+    assert run("boundary", out) == 0
+    assert "mild throughout" in capsys.readouterr().out
+    assert run("boundary", out, "--friction", "0.1") == 2
+    assert "without any heat" in capsys.readouterr().err
+    scene.write_text(SCENE)
+    assert run("run", scene, "-o", out, "--workers", 1) == 3
+    assert "scene.friction_heat: False in the store, True in the scene" in capsys.readouterr().err
+
+
 def test_a_point_says_why_it_has_its_fidelity(swept, capsys):
     at = ("--load", "400 N", "--velocity", "2 m/s", "--json")
     assert run("point", swept / "small.toml", *at, "--accuracy", "10%") == 0

@@ -172,7 +172,7 @@ def test_only_what_does_not_depend_on_y_is_plane():
     assert not nearest.is_plane  # a window of twice its length has ends
 
 
-# No motion, no hardness.
+# No friction, no motion, no hardness.
 
 
 @pytest.fixture
@@ -194,6 +194,23 @@ def test_no_motion_needs_no_kernel(kernels):
     state = last(simulate(small_scene(), 300.0, 0.0))
     assert not kernels
     assert state.heat.iterations == 0
+
+
+@pytest.mark.parametrize("heat_model", ["elapsed", "history"])
+def test_no_friction_needs_no_heat(kernels, heat_model):
+    scene = replace(small_scene(heat_model=heat_model), friction_heat=False)
+    *_, state = simulate(scene, 300.0, 1.25)
+    assert not kernels
+    assert state.heat.iterations == 0
+    assert not state.heat.rise.any()
+    assert state.heat_history is None
+    warm = last(simulate(small_scene(heat_model=heat_model), 300.0, 1.25))
+    assert np.array_equal(state.pressure, warm.pressure)
+
+
+def test_without_friction_no_step_is_there_for_the_heat_of_the_next():
+    scene = replace(small_scene(wear=False, heat_model="history"), friction_heat=False)
+    assert len(list(simulate(scene, 600.0, 1.25))) == 1
 
 
 def test_thermal_kernels_are_made_anew_only_where_they_change(kernels):
