@@ -32,8 +32,8 @@ test: .venv/test      ## style, types, import rules and the test suite
 	$(BIN)/lint-imports
 	$(BIN)/python -m pytest --durations=10
 
-slow: .venv/test      ## the long checks: 500 random scenes, large capped contacts
-	$(BIN)/python -m pytest tests/tribo -m slow
+slow: .venv/test      ## the long checks: random scenes, large capped contacts, promised accuracies
+	$(BIN)/python -m pytest tests -m slow
 
 crash: .venv/test     ## kill a sweep before each change to its files, and at random times
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.pipeline.crash
