@@ -7,6 +7,7 @@ import pytest
 from pipeline import cost
 from pipeline.cost import estimate
 from pipeline.plan import chains, points, run_point
+from pipeline.store import locked, prepare
 from tests.pipeline import tiny
 from tests.pipeline.kept import PAPER
 from tribo import PRESETS, Fidelity, Grid, Wear
@@ -82,6 +83,22 @@ def test_a_partition_beyond_reason_is_named_beforehand(monkeypatch):
     (said,) = estimate(direct).too_much
     assert "about 600 s a temperature" in said
     assert not estimate(replace(direct, velocities=(0.0,))).too_much  # no heat at all
+
+
+def test_fields_take_room_only_where_they_are_asked_for(tmp_path):
+    sizes, foretold = [], []
+    for fields in (False, True):
+        sweep = tiny.sweep(store_fields=fields, pixels=Grid((64, 32), (6.5e-6, 7.5e-6)))
+        with locked(tmp_path / f"{fields}.zarr"):
+            store = prepare(tmp_path / f"{fields}.zarr", sweep)
+            for point in points(sweep)[:3]:
+                store.commit(run_point(sweep, *point))
+        files = [file for file in store.path.rglob("*") if file.is_file()]
+        assert any(file.parent.name == "pressure" for file in files) == fields
+        sizes.append(sum(file.stat().st_size for file in files))
+        foretold.append(estimate(sweep).disk_bytes)
+    assert foretold[1] - foretold[0] == len(points(sweep)) * 3 * 8 * 64 * 32
+    assert sizes[1] > 1.5 * sizes[0], sizes
 
 
 @pytest.mark.parametrize(

@@ -123,6 +123,13 @@ def test_without_wear_a_point_is_one_step(wear):
     assert states[0].heat.rise == pytest.approx(hardly[-1].heat.rise, rel=1e-5)
 
 
+def test_without_wear_no_step_makes_a_wear_depth():
+    scene = small_scene(wear=False, temperature_interval=3)
+    states = list(simulate(scene, 600.0, 1.25))
+    assert len({id(state.wear_depth) for state in states}) == 1  # nothing but the first zeros
+    assert not states[-1].wear_depth.any()
+
+
 def test_without_wear_the_steps_are_those_that_are_asked_for():
     scene = small_scene(wear=False, temperature_interval=3)
     alone = list(simulate(scene, 600.0, 1.25))
