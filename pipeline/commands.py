@@ -101,11 +101,11 @@ def check(options: argparse.Namespace) -> int:
         f"  grid     {nx} × {ny} elements on {_um(sweep.grid.size[0])} × {_um(sweep.grid.size[1])}",
         f"  steps    {found.steps} contacts and {found.temperatures} temperatures to solve",
         f"  time     about {duration(found.seconds)} on {found.workers} worker(s)",
-        f"           {found.basis}",
+        *(f"           {line}" for line in found.basis.split("; ")),
         f"  memory   about {found.worker_bytes / 1e6:.0f} MB a worker",
         f"  disk     about {found.disk_bytes / 1e6:.0f} MB",
     ]
-    text += [f"  too much {what}" for what in found.too_much]
+    text += [f"  warning  {what}" for what in found.warnings]
     text += [f"  left out {reason}" for reason in found.left_out]
     text += [f"  note     {note}" for note in sweep.notes]
     show(options, {"title": sweep.title, "notes": sweep.notes} | found.as_dict(), text)

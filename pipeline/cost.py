@@ -44,7 +44,7 @@ class Estimate:
         What the time rests on.
     worker_bytes, disk_bytes : float
         Memory of each worker, and size of the store.
-    too_much : tuple of str
+    warnings : tuple of str
         What of it will fail, or is beyond reason.
     left_out : tuple of str
         What the scene does not require, and why.
@@ -59,7 +59,7 @@ class Estimate:
     basis: str
     worker_bytes: float
     disk_bytes: float
-    too_much: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
     left_out: tuple[str, ...] = ()
 
     def as_dict(self) -> dict[str, Any]:
@@ -112,20 +112,20 @@ def estimate(sweep: Sweep, workers: int | None = None) -> Estimate:
         + moving * disk_kernel
     )
     nodes = sample.contact_fraction * np.prod(sweep.grid.shape)
-    matrix_bytes, too_much = 0.0, []
+    matrix_bytes, warnings = 0.0, []
     if fidelity.partition == "direct" and moving:
         matrix_bytes = 8.0 * nodes**2
         each = elimination_seconds(sweep, nodes)
         seconds += temperatures * each
         heats = 0.0
         if matrix_bytes > DIRECT_MEMORY:
-            too_much.append(
+            warnings.append(
                 f"direct partition of {nodes:.0f} nodes takes a matrix of "
                 f"{matrix_bytes / 2**30:.1f} GiB, allowed are {DIRECT_MEMORY / 2**30:.1f} GiB: "
                 "points at high loads will fail; take partition = 'local'"
             )
         elif each > _LONG:
-            too_much.append(
+            warnings.append(
                 f"direct partition of {nodes:.0f} nodes takes about {each:.0f} s a temperature; "
                 "partition = 'local' gives the same within heat_tolerance"
             )
@@ -145,12 +145,12 @@ def estimate(sweep: Sweep, workers: int | None = None) -> Estimate:
         basis=(
             f"measured just now: {1e3 * on_own:.3g} ms a convolution, "
             f"{sample.convolutions_per_contact:.0f} a contact and "
-            f"{sample.convolutions_per_temperature:.0f} a temperature on larger elements; "
+            f"{sample.convolutions_per_temperature:.0f} a temperature{sample.where}; "
             f"{busy:.1f} of {cores} cores were busy, and are taken to stay so"
         ),
         worker_bytes=_WORKER_BYTES + _FIELDS_IN_MEMORY * field_bytes + matrix_bytes,
         disk_bytes=points * (row_bytes + (3 * field_bytes if sweep.store_fields else 0.0)),
-        too_much=tuple(too_much),
+        warnings=tuple(warnings),
         left_out=tuple(_left_out(sweep, max(counts), surfaces)),
     )
 

@@ -44,6 +44,8 @@ class Sample:
     ----------
     convolutions_per_contact, convolutions_per_temperature : float
         Counted along the ramp to the highest load, on larger elements.
+    where : str
+        On which elements that was counted, if not on the scene's own.
     contact_fraction : float
         Of the window, at the end of that ramp.
     seconds_per_convolution : tuple of float
@@ -57,6 +59,7 @@ class Sample:
 
     convolutions_per_contact: float
     convolutions_per_temperature: float
+    where: str
     contact_fraction: float
     seconds_per_convolution: tuple[float, float]
     kernel_seconds: tuple[float, float]
@@ -74,7 +77,8 @@ def sampled(sweep: Sweep) -> Sample:
     load = max(sweep.loads)
     moving = sorted(abs(velocity) for velocity in sweep.velocities if velocity)
     velocity = moving[len(moving) // 2] if moving else 0.0
-    contacts, temperature, fraction = _counts(sweep, load, velocity)
+    coarse = _coarse(sweep)
+    contacts, temperature, fraction = _counts(sweep, coarse, load, velocity)
     own_grid = replace(sweep, fidelity=replace(sweep.fidelity, history_coarsening=1))
     of_history = next(sweep.levels())
     forget_kernels()
@@ -90,6 +94,7 @@ def sampled(sweep: Sweep) -> Sample:
     return Sample(
         convolutions_per_contact=contacts,
         convolutions_per_temperature=temperature,
+        where=" on larger elements" if coarse.grid != sweep.grid else "",
         contact_fraction=fraction,
         seconds_per_convolution=(history, own),
         kernel_seconds=(pin, disk),
@@ -119,12 +124,13 @@ def _eliminated(sweep: Sweep, nodes: int) -> float:
     return _timed(functools.partial(partition_heat, body, body, flux, flux > 0, method="direct"))[0]
 
 
-def _counts(sweep: Sweep, load: float, velocity: float) -> tuple[float, float, float]:
+def _counts(
+    sweep: Sweep, coarse: Scene, load: float, velocity: float
+) -> tuple[float, float, float]:
     """Convolutions of a contact and of a temperature, and the share of the window in contact."""
     contacts: list[float] = []
     temperature = fraction = 0.0
     began = time.perf_counter()
-    coarse = _coarse(sweep)
     ratio = sweep.fidelity.pixels_per_element / coarse.fidelity.pixels_per_element
     finer = ratio**_AREA_EXPONENT if sweep.roughness else 1.0
     try:

@@ -74,15 +74,15 @@ def test_more_work_takes_more_time_on_the_same_measure(monkeypatch):
 
 def test_a_partition_beyond_reason_is_named_beforehand(monkeypatch):
     direct = replace(SWEEP, fidelity=replace(PRESETS["as-published"], pixels_per_element=1))
-    assert not estimate(direct).too_much
+    assert not estimate(direct).warnings
     monkeypatch.setattr(cost, "DIRECT_MEMORY", 1e5)
-    (said,) = estimate(direct).too_much
+    (said,) = estimate(direct).warnings
     assert "points at high loads will fail" in said
     monkeypatch.undo()
     monkeypatch.setattr(cost, "elimination_seconds", lambda sweep, nodes: 600.0)
-    (said,) = estimate(direct).too_much
+    (said,) = estimate(direct).warnings
     assert "about 600 s a temperature" in said
-    assert not estimate(replace(direct, velocities=(0.0,))).too_much  # no heat at all
+    assert not estimate(replace(direct, velocities=(0.0,))).warnings  # no heat at all
 
 
 def test_fields_take_room_only_where_they_are_asked_for(tmp_path):
