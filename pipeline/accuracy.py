@@ -23,10 +23,7 @@ from pipeline.selection import Selection, Trial
 from pipeline.sweep import Sweep
 from tribo import PRESETS, ConvergenceError, Fidelity, InputError
 
-__all__ = ["KEPT_FIELDS", "at_accuracy", "choose_fidelity", "stored_selection"]
-
-KEPT_FIELDS = ("temperature_interval", "heat_model")
-"""What a scene keeps of its own fidelity: what it asks to see, and by which physics."""
+__all__ = ["at_accuracy", "choose_fidelity", "stored_selection"]
 
 _LOADS = 4
 # Elements times convolutions, some seconds, that may be spent on the reference at every load; and
@@ -130,7 +127,7 @@ def choose_fidelity(
     Parameters
     ----------
     sweep : Sweep
-        Of its fidelity only `KEPT_FIELDS` are kept.
+        Of its fidelity only `pipeline.selection.KEPT_FIELDS` are kept.
     accuracy : float
         Largest relative error of the boundary velocity, such as 0.02.
     points : sequence of Point, optional

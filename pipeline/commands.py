@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pipeline
-from pipeline.accuracy import KEPT_FIELDS
 from pipeline.crossings import document_of, text_of
+from pipeline.selection import KEPT_FIELDS
 from pipeline.sweep import Point, Sweep
 from pipeline.terminal import ProgressLine, duration, show, tell
 from tribo import InputError, failed_share, measures

@@ -8,7 +8,10 @@ from typing import Any
 
 from tribo import Fidelity
 
-__all__ = ["Selection", "Trial"]
+__all__ = ["KEPT_FIELDS", "Selection", "Trial"]
+
+KEPT_FIELDS = ("temperature_interval", "heat_model")
+"""What a scene keeps of its own fidelity: what it asks to see, and by which physics."""
 
 
 @dataclass(frozen=True, slots=True)

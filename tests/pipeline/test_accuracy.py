@@ -28,7 +28,7 @@ def test_it_picks_the_first_that_is_good_enough_and_says_why():
         assert word in said
     assert selection.as_dict()["points"][0] == {
         "load": 200.0,
-        "velocity": selection.points[0].velocity,
+        "velocity": selection.points[0][1],
     }
     assert Selection.from_dict(json.loads(json.dumps(selection.as_dict()))) == selection
     assert changed.preset == (selection.name if selection.name in PRESETS else None)
