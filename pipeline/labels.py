@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,8 +14,25 @@ from matplotlib.patheffects import withStroke
 
 __all__ = ["Label", "name_points"]
 
-_DISTANCES = (9.0, 15.0, 24.0, 34.0, 46.0, 60.0, 76.0, 94.0)  # of a name from its point [pt]
-_DIRECTIONS = (45, 135, -45, -135, 15, 165, -15, -165, 75, 105, -75, -105)  # [degree]
+_DISTANCES = (9.0, 15.0, 24.0, 34.0, 46.0, 60.0, 76.0, 94.0, 115.0)  # of a name from its point [pt]
+_DIRECTIONS = (
+    45,
+    135,
+    -45,
+    -135,
+    15,
+    165,
+    -15,
+    -165,
+    30,
+    150,
+    60,
+    120,
+    75,
+    105,
+    -75,
+    -105,
+)  # [degree]
 _LEADS = 12.0  # [pt] from which a line leads to the name
 _MARKER = 5.0  # half the size of what stands for a point [pt]
 _MARGIN = 1.5  # about each name [pt]
@@ -44,8 +62,13 @@ class _Box(NamedTuple):
         return inside and self.bottom >= other.bottom and self.top <= other.top
 
 
-def name_points(figure: Figure, axes: Axes, labels: Sequence[Label]) -> tuple[str, ...]:
-    """Write names beside their points such that none covers another, or a point.
+def name_points(
+    figure: Figure,
+    axes: Axes,
+    labels: Sequence[Label],
+    line: Sequence[tuple[float, float]] = (),
+) -> tuple[str, ...]:
+    """Write names beside their points such that none covers another, a point, or a line.
 
     Those that come first have the first choice. To be called when the axes have their limits.
 
@@ -55,6 +78,8 @@ def name_points(figure: Figure, axes: Axes, labels: Sequence[Label]) -> tuple[st
     axes : Axes
         Of the figure.
     labels : sequence of Label
+    line : sequence of (float, float)
+        Corners of a line that is drawn through some of the points.
 
     Returns
     -------
@@ -68,6 +93,12 @@ def name_points(figure: Figure, axes: Axes, labels: Sequence[Label]) -> tuple[st
     places = [tuple(axes.transData.transform((label.x, label.y))) for label in labels]
     size = _MARKER * point
     taken = [_Box(x - size, y - size, x + size, y + size) for x, y in places]
+    corners = [tuple(axes.transData.transform(corner)) for corner in line]
+    drawn = [
+        box
+        for ends in itertools.pairwise(corners)
+        for box in _along(*ends, spacing=_MARKER * point)
+    ]
     left_out = []
     for number, (label, (x, y)) in enumerate(zip(labels, places, strict=True)):
         note = axes.annotate(
@@ -83,19 +114,23 @@ def name_points(figure: Figure, axes: Axes, labels: Sequence[Label]) -> tuple[st
         extent = note.get_window_extent()
         width, height = extent.width + 2 * _MARGIN * point, extent.height + 2 * _MARGIN * point
         others = [*taken[:number], *taken[number + 1 :]]
+        in_the_way = [box for box in others if not box.meets(taken[number])]
         for distance, angle in ((d, a) for d in _DISTANCES for a in _DIRECTIONS):
             dx, dy = (distance * f(math.radians(angle)) for f in (math.cos, math.sin))
             start = x + dx * point - (width if dx < 0 else 0.0)
             box = _Box(
                 start, y + dy * point - height / 2, start + width, y + dy * point + height / 2
             )
-            lead = _along((x, y), (x + dx * point, y + dy * point))
-            if box.lies_in(room) and not any(
-                box.meets(other) or any(step.meets(other) for step in lead) for other in others
+            lead = _along((x, y), (x + dx * point, y + dy * point), point)
+            if (
+                box.lies_in(room)
+                and not any(map(box.meets, [*others, *drawn]))
+                and not any(step.meets(other) for step in lead for other in in_the_way)
             ):
                 taken.append(box)
                 note.set(x=dx, y=dy, ha="right" if dx < 0 else "left")
                 if distance > _LEADS:
+                    drawn += lead
                     axes.annotate(
                         "",
                         (label.x, label.y),
@@ -111,7 +146,7 @@ def name_points(figure: Figure, axes: Axes, labels: Sequence[Label]) -> tuple[st
     return tuple(left_out)
 
 
-def _along(start: tuple[float, float], end: tuple[float, float]) -> Iterable[_Box]:
-    """Small boxes along the outer part of a line."""
-    steps = np.linspace(start, end, 12)[4:-1]
+def _along(start: tuple[float, ...], end: tuple[float, ...], spacing: float) -> list[_Box]:
+    """Small boxes along a line, so far apart."""
+    steps = np.linspace(start, end, 2 + int(math.dist(start, end) / spacing))
     return [_Box(x - 0.5, y - 0.5, x + 0.5, y + 0.5) for x, y in steps.tolist()]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from typing import Any
 
@@ -63,7 +64,9 @@ def draw_trade(trade: Trade) -> Figure:
     axes.xaxis.set_minor_formatter(NullFormatter())
     axes.set_title(f"Speed against accuracy: {trade.title}", pad=10)
     figure.legend(loc="outside lower center", ncols=4)
-    name_points(figure, axes, _labels(trade, shown))
+    steps = [(x, y) for (_, y), (x, _) in itertools.pairwise(map(_place, front))]
+    corners = itertools.chain(*itertools.zip_longest(map(_place, front), steps, fillvalue=None))
+    name_points(figure, axes, _labels(trade, shown), [corner for corner in corners if corner])
     return figure
 
 
