@@ -151,7 +151,7 @@ def estimate(sweep: Sweep, workers: int | None = None) -> Estimate:
         worker_bytes=_WORKER_BYTES + _FIELDS_IN_MEMORY * field_bytes + matrix_bytes,
         disk_bytes=points * (row_bytes + (3 * field_bytes if sweep.store_fields else 0.0)),
         warnings=tuple(warnings),
-        left_out=tuple(_left_out(sweep, max(counts), surfaces)),
+        left_out=tuple(_left_out(sweep, max(counts), surfaces, sample.contact_rows)),
     )
 
 
@@ -162,13 +162,18 @@ def _steps_of_chain(sweep: Sweep) -> int:
     return trunk + sum(off)
 
 
-def _left_out(sweep: Sweep, steps: int, surfaces: int) -> Iterator[str]:
+def _left_out(sweep: Sweep, steps: int, surfaces: int, contact_rows: float) -> Iterator[str]:
     """What would be computed or stored for another scene, and why not for this one."""
     nx, ny = sweep.grid.shape
     if sweep.is_plane:
         yield (
             f"the axis y: both bodies are smooth, so {nx} × 1 elements stand for "
             f"{nx} × {sweep.rows_per_element}"
+        )
+    elif (apart := nx - math.ceil(contact_rows * nx)) > 0:
+        yield (
+            f"transforms along y of {apart} of {nx} rows of elements, which carry nothing even at "
+            f"{max(sweep.loads):g} N"
         )
     increments = sum(1 for _ in sweep.loading.stations(max(sweep.loads), sweep.fidelity.increments))
     if steps < increments:

@@ -46,8 +46,9 @@ class Sample:
         Counted along the ramp to the highest load, on larger elements.
     where : str
         On which elements that was counted, if not on the scene's own.
-    contact_fraction : float
-        Of the window, at the end of that ramp.
+    contact_fraction, contact_rows : float
+        Shares of the window in contact, and of its rows between the first and the last that are,
+        at the end of that ramp.
     seconds_per_convolution : tuple of float
         With all that goes with it, timed in a step on the grid of the history and on the scene's
         own; wall time.
@@ -61,6 +62,7 @@ class Sample:
     convolutions_per_temperature: float
     where: str
     contact_fraction: float
+    contact_rows: float
     seconds_per_convolution: tuple[float, float]
     kernel_seconds: tuple[float, float]
     surface_seconds: float
@@ -78,7 +80,7 @@ def sampled(sweep: Sweep) -> Sample:
     moving = sorted(abs(velocity) for velocity in sweep.velocities if velocity)
     velocity = moving[len(moving) // 2] if moving else 0.0
     coarse = _coarse(sweep)
-    contacts, temperature, fraction = _counts(sweep, coarse, load, velocity)
+    contacts, temperature, fraction, rows = _counts(sweep, coarse, load, velocity)
     own_grid = replace(sweep, fidelity=replace(sweep.fidelity, history_coarsening=1))
     of_history = next(sweep.levels())
     forget_kernels()
@@ -96,6 +98,7 @@ def sampled(sweep: Sweep) -> Sample:
         convolutions_per_temperature=temperature,
         where=" on larger elements" if coarse.grid != sweep.grid else "",
         contact_fraction=fraction,
+        contact_rows=rows,
         seconds_per_convolution=(history, own),
         kernel_seconds=(pin, disk),
         surface_seconds=surface,
@@ -126,10 +129,10 @@ def _eliminated(sweep: Sweep, nodes: int) -> float:
 
 def _counts(
     sweep: Sweep, coarse: Scene, load: float, velocity: float
-) -> tuple[float, float, float]:
-    """Convolutions of a contact and of a temperature, and the share of the window in contact."""
+) -> tuple[float, float, float, float]:
+    """Convolutions of a contact and of a temperature; shares of the window, and of its rows."""
     contacts: list[float] = []
-    temperature = fraction = 0.0
+    temperature = fraction = rows = 0.0
     began = time.perf_counter()
     ratio = sweep.fidelity.pixels_per_element / coarse.fidelity.pixels_per_element
     finer = ratio**_AREA_EXPONENT if sweep.roughness else 1.0
@@ -137,13 +140,15 @@ def _counts(
         for state in simulate(coarse, load, velocity):
             contacts.append(float(state.iterations))
             fraction = float(np.count_nonzero(state.pressure)) / state.pressure.size * finer
+            touched = np.flatnonzero(state.pressure.any(axis=1))
+            rows = float(np.ptp(touched) + 1) / len(state.pressure) if touched.size else 0.0
             if state.heat:
                 temperature = float(state.heat.iterations)
             if time.perf_counter() - began > _SECONDS:
                 break
     except TriboError:  # of the coarse copy alone
         pass
-    return float(np.mean(contacts or [0.0])), temperature, fraction
+    return float(np.mean(contacts or [0.0])), temperature, fraction, rows
 
 
 def _coarse(sweep: Sweep) -> Scene:

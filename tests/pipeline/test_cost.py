@@ -110,6 +110,7 @@ def test_fields_take_room_only_where_they_are_asked_for(tmp_path):
         ({"velocities": (0.0, 1.0)}, "heat at 3 points: nothing moves there"),
         ({}, "temperatures at up to"),
         ({"fidelity": PRESETS["standard"]}, "the fine grid until a point's last step"),
+        ({}, "rows of elements, which carry nothing even at 750 N"),
         ({}, "fields: not asked for"),
     ],
 )

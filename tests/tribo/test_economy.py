@@ -8,6 +8,7 @@ import pytest
 from tests.tribo.scenes import STEEL, small_scene
 from tribo import (
     QUANTILES,
+    Convolution,
     Cylinder,
     Fidelity,
     Grid,
@@ -47,6 +48,32 @@ def with_hardness(scene, hardness):
 
 def total_work(states):
     return sum(s.work + (s.heat.iterations * s.pressure.size if s.heat else 0) for s in states)
+
+
+# A window that is wider than the contact.
+
+
+def test_rows_that_carry_nothing_are_not_transformed(monkeypatch):
+    scene = rough_scene(contact_tolerance=1e-10)
+    transformed, rfft = [], np.fft.rfft
+
+    def counted(field, *arguments, **options):
+        transformed.append(len(field))
+        return rfft(field, *arguments, **options)
+
+    monkeypatch.setattr(np.fft, "rfft", counted)
+    ours = last(simulate(scene, 300.0, 1.25))
+    touched = np.count_nonzero(ours.pressure.any(axis=1))
+    assert touched < 0.6 * len(ours.pressure)
+    assert np.mean(transformed) < 0.6 * len(ours.pressure)
+
+    def everywhere(self, field, out=None, rows=None):
+        return convolved(self, field, out)
+
+    convolved = Convolution.__call__
+    monkeypatch.setattr(Convolution, "__call__", everywhere)
+    theirs = last(simulate(scene, 300.0, 1.25))
+    assert ours.pressure == pytest.approx(theirs.pressure, abs=1e-7 * ours.pressure.max())
 
 
 # The history of a point on a coarser grid.
