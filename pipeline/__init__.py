@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from pipeline.accuracy import at_accuracy, choose_fidelity, stored_selection
     from pipeline.boundaries import boundary, decisive_temperature
+    from pipeline.compact import compact_store
     from pipeline.cost import estimate
     from pipeline.dataset import end_of_point, open_sweep
     from pipeline.execute import run_sweep
@@ -38,6 +39,7 @@ _HOMES = {
     "at_accuracy": "accuracy",
     "boundary": "boundaries",
     "choose_fidelity": "accuracy",
+    "compact_store": "compact",
     "decisive_temperature": "boundaries",
     "display": "units",
     "draw_trade": "tradeoff_figure",
@@ -71,6 +73,7 @@ __all__ = [
     "at_accuracy",
     "boundary",
     "choose_fidelity",
+    "compact_store",
     "decisive_temperature",
     "display",
     "draw_trade",

@@ -112,6 +112,13 @@ def _parser() -> argparse.ArgumentParser:
         "--repair", action="store_true", help="set damaged points to be computed again"
     )
 
+    command(
+        "compact",
+        commands.compact,
+        "rewrite a store in few files, to open faster",
+        "store",
+    )
+
     boundary = command(
         "boundary", commands.boundary, "find the transition, without a new simulation", "store"
     )

@@ -30,6 +30,7 @@ __all__ = [
     "WRONG_USE",
     "boundary",
     "check",
+    "compact",
     "plot",
     "point",
     "reproduce",
@@ -171,6 +172,13 @@ def verify(options: argparse.Namespace) -> int:
         )
     show(options, document, text)
     return DONE if found.is_clean else SOME_FAILED
+
+
+def compact(options: argparse.Namespace) -> int:
+    """Rewrite a store in large chunks."""
+    pipeline.compact_store(options.store)
+    show(options, {"store": str(options.store)}, [f"{options.store} is compact"])
+    return DONE
 
 
 def boundary(options: argparse.Namespace) -> int:

@@ -37,7 +37,9 @@ from pipeline.cluster import (
     share,
     threads_of,
 )
+from pipeline.compact import lay_out
 from pipeline.folder import PathLike
+from pipeline.layout import BY_POINT, COMPACT
 from pipeline.plan import Point, Trunk, advance_trunk, chains, points, run_point
 from pipeline.store import (
     DONE,
@@ -55,6 +57,7 @@ from tribo import InputError, TriboError
 
 __all__ = ["ExecutionError", "Outcome", "PointFailedError", "Progress", "run_sweep"]
 
+_MANY = 2000  # points, from which compacting is worth a word
 _POLL = 2.0  # [s] after which to look for workers that came or went
 
 # Buffers of the transforms are shared within a process, whatever threads a given cluster has.
@@ -169,7 +172,11 @@ def run_sweep(
         waiting = chains(_todo(store, sweep, retry_failed, checked), sweep.independent)
         tally = _Tally(store.summary(), began, progress)
         more = None if waiting or further is None else further()
+        was_compact = store.is_compact
         if waiting or more:
+            if was_compact:
+                lay_out(store.path, BY_POINT)
+                store = Store(store.path)
             # Points that come later may have more chains than those that wait now.
             least = len(waiting) if further is None else CPU_COUNT
             with connected(min(workers or CPU_COUNT, least), scheduler, patience) as client:
@@ -185,7 +192,12 @@ def run_sweep(
                     store = prepare(out, sweep)
                     waiting = chains(_todo(store, sweep, False, checked), sweep.independent)
                     tally.widen(store.summary())
+            if was_compact:
+                lay_out(store.path, COMPACT)
+                store = Store(store.path)
         found = store.summary()
+    if tell and found.total >= _MANY and not was_compact:
+        tell(f"{out} opens faster after: irg compact {out}")
     return Outcome(
         total=found.total,
         done=found.done,

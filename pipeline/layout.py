@@ -18,7 +18,9 @@ from pipeline.sweep import Sweep
 from tribo import QUANTILES, Scene
 
 __all__ = [
+    "BY_POINT",
     "COLUMNS",
+    "COMPACT",
     "COORDINATES",
     "DONE",
     "FAILED",
@@ -41,6 +43,9 @@ __all__ = [
 
 FORMAT = 1
 """Version of the layout; a program reads this one and older ones."""
+
+BY_POINT, COMPACT = ".", "/"
+"""What separates the numbers in the names of chunks that hold one point, and of those with many."""
 
 PENDING, DONE, FAILED = 0, 1, 2
 """Values of the variable ``status``."""

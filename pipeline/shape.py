@@ -14,7 +14,7 @@ from zarr.codecs import ZstdCodec
 
 from pipeline.files import Files, RemoteFiles, files_in
 from pipeline.folder import ROOT, Place, commit_metadata, read_json, write_json
-from pipeline.layout import COORDINATES, RECORDS, Variable, present_attributes, variables
+from pipeline.layout import BY_POINT, COORDINATES, RECORDS, Variable, present_attributes, variables
 from pipeline.sweep import Sweep
 from pipeline.together import together
 
@@ -83,7 +83,7 @@ def _create(folder: Place, name: str, variable: Variable, shape: list[int]) -> d
         chunks=tuple(chunks),
         compressors=[ZstdCodec(level=1, checksum=True)],
         fill_value=_FILL.get(variable.dtype, 0),
-        chunk_key_encoding={"name": "default", "separator": "."},
+        chunk_key_encoding={"name": "default", "separator": BY_POINT},
         dimension_names=variable.dims,
         attributes=attributes,
         overwrite=True,

@@ -39,6 +39,7 @@ from pipeline.folder import (
 )
 from pipeline.layout import (
     COLUMNS,
+    COMPACT,
     COORDINATES,
     DONE,
     FAILED,
@@ -74,6 +75,8 @@ __all__ = [
 ]
 
 Array = NDArray[np.float64]
+
+_KEPT = 3  # chunks of each variable, if they hold many points
 
 
 @dataclass(frozen=True, slots=True)
@@ -152,6 +155,7 @@ class Store:
         self._files = files_in(self.path)
         (self._arrays,) = together([_opened_arrays(self._files, mode)])
         self.axes: dict[str, list[float]] = self.attributes.get("axes") or self._coordinates()
+        self._kept: dict[tuple[str, tuple[int, ...]], Any] = {}
         self._places = {
             name: {value: index for index, value in enumerate(self.axes[name])}
             for name in ("realization", "load", "velocity")
@@ -160,6 +164,11 @@ class Store:
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _opened, (self.path, self._revision)
+
+    @property
+    def is_compact(self) -> bool:
+        """Whether a chunk holds many points."""
+        return bool(self._arrays["status"].metadata.chunk_key_encoding.separator == COMPACT)
 
     def asked(self) -> list[Point]:
         """Points of the scene that was run last."""
@@ -243,6 +252,7 @@ class Store:
 
     def discard(self, point: Point, names: Iterable[str]) -> None:
         """Remove what is stored in some variables of a point that is not done."""
+        self._kept.clear()
         together(self._files.delete(self._key(name, point)) for name in names)
 
     def damaged_coordinates(self) -> list[str]:
@@ -255,6 +265,15 @@ class Store:
         values = np.array(self.axes[coordinate])
         together([self._arrays[coordinate].setitem(slice(None), values)])
         self._files.sync()
+
+    @property
+    def axes_of_points(self) -> dict[str, list[float]]:
+        """Values along the dimensions that tell points apart."""
+        return {name: self.axes[name] for name in self._places}
+
+    def values(self, name: str) -> Any:
+        """All of a variable."""
+        return self._read([name])[name]
 
     def places(self) -> list[Point]:
         """Every point there is room for."""
@@ -303,7 +322,8 @@ class Store:
     def _key(self, name: str, point: Point) -> str:
         """Name of the file with a variable at a point, the first of them along the steps."""
         array, index = self._arrays[name], self._index(point)
-        place = (*index, *[0] * (len(array.shape) - len(index)))
+        place = tuple(i // size for i, size in zip(index, array.chunks, strict=False))
+        place += (0,) * (len(array.shape) - len(index))
         return f"{name}/{array.metadata.encode_chunk_key(place)}"
 
     def _is_readable(self, name: str, point: Point) -> bool:
@@ -313,14 +333,32 @@ class Store:
             return False
         return True
 
-    def _read(self, names: list[str], point: Point | None = None) -> dict[str, Any]:
+    def _read(self, names: Iterable[str], point: Point | None = None) -> dict[str, Any]:
         """Values by variable, all of them or those of a point."""
-        at = slice(None) if point is None else self._index(point)
+        names = list(names)
         try:
-            values = together(self._arrays[name].getitem(at) for name in names)
+            if point is None:
+                values = together(self._arrays[name].getitem(slice(None)) for name in names)
+            else:
+                index = self._index(point)
+                values = together(self._part(name, index) for name in names)
         except UNREADABLE as error:
             raise StoreError(DAMAGED.format(self.path, " or ".join(names))) from error
         return {name: np.asarray(array)[()] for name, array in zip(names, values, strict=True)}
+
+    async def _part(self, name: str, index: tuple[int, ...]) -> Any:
+        """Values of a variable at a point; what else its chunk holds is kept for the next ones."""
+        array = self._arrays[name]
+        sizes = array.chunks[: len(index)]
+        if max(sizes) == 1:
+            return await array.getitem(index)
+        begins = tuple(i // size * size for i, size in zip(index, sizes, strict=True))
+        if (name, begins) not in self._kept:
+            block = tuple(slice(i, i + size) for i, size in zip(begins, sizes, strict=True))
+            self._kept[name, begins] = np.asarray(await array.getitem(block))
+            while len(self._kept) > _KEPT * len(self._arrays):
+                del self._kept[next(iter(self._kept))]
+        return self._kept[name, begins][tuple(i - j for i, j in zip(index, begins, strict=True))]
 
     def _padded(self, name: str, values: Array) -> Array:
         """Values as long as the store's axis of steps, which keeps whole chunks to one point."""
@@ -336,6 +374,7 @@ class Store:
         index = self._index(point)
 
         def write(values: Mapping[str, Any]) -> None:
+            self._kept.clear()
             together(self._arrays[name].setitem(index, value) for name, value in values.items())
 
         try:

@@ -96,6 +96,7 @@ def verify_store(path: PathLike, repair: bool = False) -> Verification:
         shared = tuple(_shared(path, repair))
         store = Store(path, mode="r+" if repair else "r")
         done, damaged = 0, []
+        broken: dict[Point, list[str]] = {}
         for point in store.places():
             unreadable = store.unreadable(point)
             is_done = "status" not in unreadable and store.is_done(point)
@@ -104,13 +105,18 @@ def verify_store(path: PathLike, repair: bool = False) -> Verification:
                 done += is_done
                 continue
             damaged.append(Damage(point.load, point.velocity, reason, point.realization))
-            if repair:
+            broken[point] = unreadable
+        if repair:
+            for point, names in broken.items():
+                store.discard(point, _REWRITTEN & set(names))
                 store.forget(point)
-                store.discard(point, (name for name in unreadable if name not in _REWRITTEN))
+            for point, names in broken.items():
+                store.discard(point, set(names) - _REWRITTEN)
     return Verification(done, tuple(damaged), shared, repaired=repair)
 
 
-_REWRITTEN = ("status", "message")  # when a point is made pending
+_CHANGING = ("shape", "chunk_grid", "chunk_key_encoding")
+_REWRITTEN = {"status", "message"}  # when a point is made pending
 
 
 def _reason(store: Store, point: Point, is_done: bool, unreadable: list[str]) -> str | None:
@@ -144,8 +150,8 @@ def _shared(path: PathLike, repair: bool) -> Iterator[str]:
 
 
 def _is_same(file: Place, expected: dict[str, Any]) -> bool:
-    """Whether metadata are as they were committed, but for a growth that was cut short."""
+    """Whether metadata are as they were committed, but for a change that was cut short."""
     try:
-        return read_json(file) | {"shape": expected["shape"]} == expected
+        return read_json(file) | {name: expected[name] for name in _CHANGING} == expected
     except (OSError, ValueError):
         return False

@@ -12,6 +12,7 @@ import xarray as xr
 
 import tribo
 from pipeline import execute, together
+from pipeline.compact import compact_store
 from pipeline.layout import COLUMNS, DONE, FAILED, FIELDS
 from pipeline.plan import points, run_point
 from pipeline.store import Store
@@ -34,7 +35,7 @@ def results():
 
 
 def run(path, tell):
-    """Create, run with a failure, grow and try again, grow and run on.
+    """Create, run with a failure, grow and try again, compact, grow and run on.
 
     `tell` is called with what was acknowledged: "done" or "failed", and the point; and with
     "pending", before a point is made that.
@@ -49,6 +50,7 @@ def resume(path):
     """Go on from wherever the store is, to its end."""
     with computing():
         execute.run_sweep(GROWN, path, retry_failed=True)
+        compact_store(path)
         execute.run_sweep(WIDER, path)
 
 
