@@ -16,6 +16,7 @@ from contextlib import nullcontext
 from pathlib import Path
 
 import numpy as np
+import pint  # noqa: F401  xarray would import it in every process
 
 from tests.pipeline.crash import scenario
 from tests.pipeline.crash.countdown import Countdown
@@ -78,6 +79,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--every", type=int, default=1, help="crash points to go on by")
     parser.add_argument("--status-first", action="store_true", help="make the mistake to find")
+    parser.add_argument("--until-fault", action="store_true", help="stop at the first fault")
     options = parser.parse_args()
     warnings.simplefilter("error")
     np.seterr(all="raise", under="ignore")
@@ -88,17 +90,20 @@ def main():
         changes = forked(crash, folder, None, False)
         expected = forked(scenario.content, folder / "store" / "out.zarr")
         faults = {}
-        points = range((options.every + 1) // 2, changes + 1, options.every)
-        for last in points:
+        crashes = 0
+        for last in range((options.every + 1) // 2, changes + 1, options.every):
+            crashes += 1
             shutil.rmtree(folder / "store")
             (folder / "store").mkdir()
             if forked(crash, folder, last, options.status_first) is not None:
                 faults[last] = ["it was not killed"]
             elif found := forked(look, folder, expected):
                 faults[last] = found
+            if faults and options.until_fault:
+                break
             if sys.stderr.isatty():
                 print(f"\r{last} of {changes}, {len(faults)} faulty", end="", file=sys.stderr)
-    print(json.dumps({"changes": changes, "crashes": len(points), "faults": faults}, indent=1))
+    print(json.dumps({"changes": changes, "crashes": crashes, "faults": faults}, indent=1))
     return 1 if faults else 0
 
 
