@@ -6,7 +6,7 @@ them. So the status is read first, and the data of points that are not done by t
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Hashable, Mapping
 from typing import Any
 
 import numpy as np
@@ -18,7 +18,7 @@ from xarray.core import indexing
 from pipeline.folder import DAMAGED, UNREADABLE, Place, StoreError, folder_of, read_metadata
 from pipeline.layout import COLUMNS, DONE, FIELDS
 
-__all__ = ["Committed"]
+__all__ = ["Committed", "as_needed"]
 
 
 class Committed(BackendEntrypoint):
@@ -43,16 +43,16 @@ class Committed(BackendEntrypoint):
             if not np.array_equal(ds[name].values, values):
                 raise StoreError(DAMAGED.format(folder, name))
         done = (status == DONE).variable
-        as_needed = {
-            name: _as_needed(folder, str(name), data.variable, done)
+        variables = {
+            name: _committed(folder, str(name), data.variable, done)
             for name, data in ds.data_vars.items()
             if name != "status"
         }
-        found: xr.Dataset = ds.assign(as_needed)
+        found: xr.Dataset = ds.assign(variables)
         return found
 
 
-def _as_needed(folder: Place, name: str, stored: xr.Variable, done: xr.Variable) -> xr.Variable:
+def _committed(folder: Place, name: str, stored: xr.Variable, done: xr.Variable) -> xr.Variable:
     """The same variable, NaN where a point is not done."""
     leads = name in COLUMNS or name in FIELDS
 
@@ -66,8 +66,20 @@ def _as_needed(folder: Place, name: str, stored: xr.Variable, done: xr.Variable)
             values[~is_done] = np.nan
         return values
 
-    lazy = indexing.LazilyIndexedArray(_Read(stored.shape, stored.dtype, read))
-    return xr.Variable(stored.dims, lazy, stored.attrs, stored.encoding)
+    return as_needed(stored.dims, stored.shape, stored.dtype, read, stored.attrs)
+
+
+def as_needed(
+    dims: tuple[Hashable, ...],
+    shape: tuple[int, ...],
+    dtype: Any,
+    read: Callable[[tuple[Any, ...]], NDArray[Any]],
+    attributes: Mapping[Any, Any],
+) -> xr.Variable:
+    """A variable whose parts, each given by an orthogonal index, are read when they are used."""
+    lazy = indexing.LazilyIndexedArray(_Read(shape, np.dtype(dtype), read))
+    cached = indexing.MemoryCachedArray(lazy)  # type: ignore[no-untyped-call]
+    return xr.Variable(dims, cached, dict(attributes))
 
 
 class _Read(BackendArray):

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
-from pipeline.committed import Committed
+from pipeline.committed import Committed, as_needed
 from pipeline.folder import PathLike, folder_of
 from pipeline.sweep import Point
 from tribo import InputError, failed_share
@@ -112,27 +115,40 @@ def end_of_point(ds: xr.Dataset) -> xr.Dataset:
     return ds.isel(step=(steps - 1).clip(min=0)).drop_vars("step")
 
 
-def _temperatures(ds: xr.Dataset) -> dict[str, xr.DataArray]:
+def _temperatures(ds: xr.Dataset) -> dict[str, xr.Variable]:
     """Temperature and failed share at the friction and bulk temperature of the scene."""
     conditions = ds.attrs["conditions"]
     friction, bulk = conditions["friction"], conditions["bulk_temperature"]
-    derived = {
-        f"{kind}_temperature": (ds[f"{kind}_rise"] * friction + bulk).assign_attrs(
-            units="K", long_name=f"{meaning} temperature of the contact"
+
+    def warmed(name: str, meaning: str) -> xr.Variable:
+        rise = ds[name].variable
+        return as_needed(
+            rise.dims,
+            rise.shape,
+            rise.dtype,
+            lambda key: rise[key].values * friction + bulk,
+            {"units": "K", "long_name": f"{meaning} of the contact"},
         )
-        for kind, meaning in (("max", "highest"), ("mean", "mean"))
+
+    temperature = warmed("rise_quantile", "quantile of the temperature")
+
+    def failed(key: tuple[Any, ...]) -> NDArray[np.float64]:
+        quantiles = temperature[(*key, slice(None))].values
+        shares = np.full(quantiles.shape[:-1], np.nan)
+        for index in np.ndindex(shares.shape):
+            if np.isfinite(quantiles[index][0]):
+                shares[index] = failed_share(quantiles[index], conditions["critical_temperature"])
+        return shares
+
+    return {
+        "max_temperature": warmed("max_rise", "highest temperature"),
+        "mean_temperature": warmed("mean_rise", "mean temperature"),
+        "temperature_quantile": temperature,
+        "failed_fraction": as_needed(
+            temperature.dims[:-1],
+            temperature.shape[:-1],
+            float,
+            failed,
+            {"units": "1", "long_name": "share of the contact above the critical temperature"},
+        ),
     }
-    temperature = ds["rise_quantile"] * friction + bulk
-    derived["temperature_quantile"] = temperature.assign_attrs(
-        units="K", long_name="quantile of the temperature of the contact"
-    )
-    shares = np.full(temperature.shape[:-1], np.nan)
-    for index in zip(*np.nonzero(temperature[..., 0].notnull().values), strict=True):
-        quantiles = temperature.values[index]
-        shares[index] = failed_share(quantiles, conditions["critical_temperature"])
-    derived["failed_fraction"] = xr.DataArray(
-        shares,
-        dims=temperature.dims[:-1],
-        attrs={"units": "1", "long_name": "share of the contact above the critical temperature"},
-    )
-    return derived

@@ -274,19 +274,19 @@ def _run(
 ) -> None:
     """Compute all points, as many at a time as there are threads."""
     parcel = share(client, pickle.dumps(sweep), patience)
-    ready = [_Chain(deque(chain)) for chain in waiting]
+    fresh = deque(_Chain(deque(chain)) for chain in waiting)
+    ready: list[_Chain] = []  # and begun, so that there are never many
     suspects: list[_Chain] = []
     running: dict[str, tuple[_Chain, Future]] = {}
     ended: queue.SimpleQueue[Future] = queue.SimpleQueue()
-    while ready or running or suspects:
-        if not ready and not running:
+    while fresh or ready or running or suspects:
+        if not (fresh or ready or running):
             ready, suspects = suspects, []
         threads = threads_of(client, patience)
         spare = threads - Counter(chain.worker for chain, _ in running.values())
-        while ready and spare and len(running) < threads.total():
+        while (fresh or ready) and spare and len(running) < threads.total():
             ((worker, _),) = spare.most_common(1)
-            chain = _next(ready, worker, len(running), threads.total())
-            ready.remove(chain)
+            chain = _next(fresh, ready, worker, len(running), threads.total())
             task = client.submit(
                 _compute,
                 parcel,
@@ -312,11 +312,22 @@ def _run(
             ready.append(chain)
 
 
-def _next(ready: list[_Chain], worker: str, running: int, threads: int) -> _Chain:
+def _next(
+    fresh: deque[_Chain], ready: list[_Chain], worker: str, running: int, threads: int
+) -> _Chain:
     """Finish chains one by one, so that few trunks are kept; but let the last ones end together."""
-    if len(ready) + running < 2 * threads:
-        return max(ready, key=lambda chain: (len(chain.points), chain.worker == worker))
-    return max(ready, key=lambda chain: (chain.worker == worker, chain.trunk is not None))
+    if len(fresh) + len(ready) + running < 2 * threads:
+        ready += fresh
+        fresh.clear()
+        chosen = max(ready, key=lambda chain: (len(chain.points), chain.worker == worker))
+    else:
+        if fresh:
+            ready.append(fresh.popleft())
+        chosen = max(ready, key=lambda chain: (chain.worker == worker, chain.trunk is not None))
+        if ready[-1] is not chosen and not ready[-1].worker:
+            fresh.appendleft(ready.pop())
+    ready.remove(chosen)
+    return chosen
 
 
 def _conclude(chain: _Chain, task: Future, store: Store, tally: _Tally) -> list[_Chain]:
