@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
-from pipeline.units import display
+import pipeline
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -42,8 +42,8 @@ def text_of(found: xr.Dataset) -> Iterator[str]:
     frictions = ", ".join(f"{value:g}" for value in _frictions(found))
     yield (
         f"friction {frictions}, "
-        f"bulk {display(found.attrs['bulk_temperature'], '°C')}, "
-        f"critical {display(found.attrs['critical_temperature'], '°C')}, "
+        f"bulk {pipeline.display(found.attrs['bulk_temperature'], '°C')}, "
+        f"critical {pipeline.display(found.attrs['critical_temperature'], '°C')}, "
         f"failing share {found.attrs['failing_share']:g}"
     )
     several = "realization" in found.dims
