@@ -20,7 +20,7 @@ __all__ = ["from_coarser_grids", "in_window"]
 Array = NDArray[np.float64]
 
 _COARSEST = 64**2  # elements of a grid on which a coarser one saves nothing
-_COARSE_TOLERANCE, _COARSE_CONVOLUTIONS = 0.1, 100
+_COARSE_TOLERANCE, _COARSE_CONVOLUTIONS = 0.3, 100
 _WINDOW = 0.6  # share of the grid below which a window is worth what it costs, two convolutions
 _MARGIN = 2  # elements at least, on each side of those that carry load
 _MULTIPLE = 8  # of elements along a window, for short transforms

@@ -37,9 +37,9 @@ Stencil = Callable[[Array, Array], Array]
 # Conjugate gradient iterations in the first active-set step. Each later one, which changes fewer
 # nodes' state, may take twice as many, but no more than reduce the residual by the factor; by the
 # second one if no node has changed its state.
-_INNER_ITERATIONS, _INNER_ITERATIONS_NEAR = 1, 2
-_INNER_REDUCTION, _FINAL_REDUCTION = 0.2, 1e-3
-_SETTLED = 0.2  # share of the contact's nodes on the wrong side at which active-set steps start
+_INNER_ITERATIONS = 2
+_INNER_REDUCTION, _FINAL_REDUCTION = 0.2, 1e-4
+_SETTLED = 0.3  # share of the contact's nodes on the wrong side at which active-set steps start
 _PATIENCE = 3  # active-set steps without progress before gradient steps take over
 _FIRST_GRADIENT_STEPS = 8  # then; twice as many each time
 _LOCAL_STEPS = 2  # of the correction of a guess
@@ -368,7 +368,6 @@ class Iteration:
             gap -= float(np.sum(gap * wrong)) / max(1, int(np.count_nonzero(wrong)))
             change = wrong * stencil(self._near.inverse, wrong * gap)
             pressure = shifted_to_load(pressure - change, self._total, self._hardness)
-        self._inner_iterations = _INNER_ITERATIONS_NEAR
         corrected = np.zeros(guess.shape)
         corrected.reshape(-1)[nodes] = pressure
         return corrected

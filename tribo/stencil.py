@@ -198,9 +198,10 @@ def _near_kernel(convolution: Convolution) -> Array:
     even, odd, wave_y = _waves(*padded_shape(convolution.grid))
     spectrum = convolution.spectrum
     # Not a matrix product: the bits of one by BLAS depend on the number of its threads.
-    sums = np.einsum("ix,xy->iy", even, spectrum.real)
+    sums = np.einsum("ix,xy->iy", even, spectrum.real)[[2, 1, 0, 1, 2]]
     if np.iscomplexobj(spectrum):
-        sums -= np.einsum("ix,xy->iy", odd, spectrum.imag)
+        beyond = np.einsum("ix,xy->iy", odd, spectrum.imag)
+        sums += np.concatenate((beyond[::-1], np.zeros_like(beyond[:1]), -beyond))
     kernel: Array = np.einsum("iy,jy->ij", sums, wave_y)
     return kernel
 
@@ -208,7 +209,7 @@ def _near_kernel(convolution: Convolution) -> Array:
 @functools.lru_cache(maxsize=16)
 def _waves(mx: int, my: int) -> tuple[Array, Array, Array]:
     """What sums modes to the values at offsets along x, their even and odd part, and along y."""
-    phase_x = 2 * np.pi / mx * np.arange(-2, 3)[:, None] * np.arange(mx)
+    phase_x = 2 * np.pi / mx * np.arange(3)[:, None] * np.arange(mx)
     wave_y = np.cos(2 * np.pi / my * np.arange(3)[:, None] * np.arange(my // 2 + 1)) / my
     wave_y[:, 1 : (my + 1) // 2] *= 2  # modes that the half spectrum leaves out
-    return np.cos(phase_x) / mx, np.sin(phase_x) / mx, wave_y
+    return np.cos(phase_x) / mx, np.sin(phase_x[1:]) / mx, wave_y

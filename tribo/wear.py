@@ -115,10 +115,8 @@ class Wear:
 
     def depth(self, pressure: Array, distance: float) -> Array:
         """Depth that the pin loses over a sliding distance [m], shape of `pressure`."""
-        if self.pattern == "swept":
-            pressure = np.broadcast_to(pressure.mean(axis=1, keepdims=True), pressure.shape)
-        worn: Array = self.specific_wear_rate * distance * pressure
-        return worn
+        source = pressure.mean(axis=1, keepdims=True) if self.pattern == "swept" else pressure
+        return np.broadcast_to(self.specific_wear_rate * distance * source, pressure.shape)
 
     def yielding(self, solid: ElasticHalfSpace, distance: float) -> ElasticHalfSpace:
         """`solid` with the wear over a sliding distance added to its displacement.

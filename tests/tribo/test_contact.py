@@ -181,8 +181,8 @@ def test_a_cold_start_takes_few_iterations(periodic, curvature, load, hardness, 
     assert contact.iterations <= most
 
 
-@pytest.mark.parametrize("hardness", [math.inf, 2e9])
-def test_a_known_displacement_saves_iterations(hardness):
+@pytest.mark.parametrize(("hardness", "tolerance"), [(math.inf, 1e-3), (2e9, 1e-2)])
+def test_a_known_displacement_saves_iterations(hardness, tolerance):
     grid = Grid((64, 64), (2e-6, 2e-6))
     solid = ElasticHalfSpace(grid, E_STAR)
     z = grid.coordinates(0)[:, None] ** 2 / 4e-3 - self_affine(grid, 0.1e-6, 0.8, 8e-6, 0)
@@ -191,13 +191,13 @@ def test_a_known_displacement_saves_iterations(hardness):
     assert guess.min() < 0
     found = [
         solve_contact(
-            solid, z, 2.0, hardness, 1e-3, initial_pressure=guess, initial_displacement=known
+            solid, z, 2.0, hardness, tolerance, initial_pressure=guess, initial_displacement=known
         )
         for known in (None, solid(guess))
     ]
     assert found[1].iterations < found[0].iterations
     for contact in found:
-        assert_certified(contact, solid, z, 2.0, hardness, 1e-3)
+        assert_certified(contact, solid, z, 2.0, hardness, tolerance)
     # What is not the displacement misleads, but no further than into more iterations.
     contact = solve_contact(
         solid, z, 2.0, hardness, 1e-6, initial_pressure=guess, initial_displacement=z
@@ -327,12 +327,12 @@ def rough_line(n, tolerance, criterion="gap", guess=None, load=80.0):
 
 
 def test_a_small_change_of_pressure_is_no_convergence():
-    near, exact = rough_line(240, 1e-8, load=78.4).pressure, rough_line(240, 1e-8).pressure
-    by_change, by_gap = (rough_line(240, 0.01, c, near) for c in ("pressure-change", "gap"))
+    near, exact = rough_line(240, 1e-8, load=76.0).pressure, rough_line(240, 1e-8).pressure
+    by_change, by_gap = (rough_line(240, 0.03, c, near) for c in ("pressure-change", "gap"))
     # Near a solution already, the iteration's first change is small; the error is not.
-    assert by_change.residual > 5 * 0.01
+    assert by_change.residual > 3 * 0.03
     errors = [np.abs(found.pressure - exact).max() / 6.6e9 for found in (by_change, by_gap)]
-    assert errors[0] > 5 * 0.01 > errors[1]
+    assert errors[0] > 2 * 0.03 > 4 * errors[1]
     assert by_change.iterations < by_gap.iterations
 
 
