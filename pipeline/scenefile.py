@@ -204,6 +204,7 @@ def load_scene(
     faults: list[str] = []
     overrides = {key.removeprefix("fidelity."): value for key, value in (overrides or {}).items()}
     entries = {key: overrides.pop(key) for key in list(overrides) if "." in key}
+    preset = overrides.pop("preset", preset)
     found = FORMAT.read(_changed(_toml(path), entries, faults), "", faults)
     fidelity, preset = _fidelity(found["fidelity"] or {}, preset, overrides, faults)
     notes: list[str] = []

@@ -306,6 +306,7 @@ def test_any_entry_may_be_given_in_place_of_the_files(read, faults):
     assert changed == expected
     # What is asked for now goes before the preset that is asked for now.
     assert read(preset="standard", overrides=given).fidelity.increments == 30
+    assert read(overrides={"fidelity.preset": "fine"}) == read(preset="fine")
     found = faults(
         overrides={
             "wear.pattern": "lcoal",
