@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from pipeline.execute import run_sweep
     from pipeline.figures import plot
     from pipeline.follow import follow_boundary
+    from pipeline.inference import CriticalTemperatures, critical_temperatures
     from pipeline.paper import RESULTS, reproduce, write_gallery
     from pipeline.plan import run_point
     from pipeline.scenefile import SceneFileError, load_scene
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
 _HOMES = {
     "RESULTS": "paper",
     "Conditions": "sweep",
+    "CriticalTemperatures": "inference",
     "Measurement": "sweep",
     "SceneFileError": "scenefile",
     "StoreError": "store",
@@ -40,6 +42,7 @@ _HOMES = {
     "boundary": "boundaries",
     "choose_fidelity": "accuracy",
     "compact_store": "compact",
+    "critical_temperatures": "inference",
     "decisive_temperature": "boundaries",
     "display": "units",
     "draw_trade": "tradeoff_figure",
@@ -65,6 +68,7 @@ _HOMES = {
 __all__ = [
     "RESULTS",
     "Conditions",
+    "CriticalTemperatures",
     "Measurement",
     "SceneFileError",
     "StoreError",
@@ -74,6 +78,7 @@ __all__ = [
     "boundary",
     "choose_fidelity",
     "compact_store",
+    "critical_temperatures",
     "decisive_temperature",
     "display",
     "draw_trade",

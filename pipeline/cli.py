@@ -131,6 +131,19 @@ def _parser() -> argparse.ArgumentParser:
             help="pick the cheapest fidelity whose boundary is within a bound, such as 2%%",
         )
 
+    infer = command(
+        "infer",
+        commands.infer,
+        "find the critical temperature from measured transitions, or a wear rate from a width",
+        "scene",
+    )
+    infer.add_argument(
+        "--contact-width",
+        metavar="W",
+        type=_quantity("348 um"),
+        help='measured after a loading, like "348 um": find the specific wear rate instead',
+    )
+
     trade = command("trade", commands.trade, "measure speed against accuracy", "scene")
     trade.add_argument(
         "--base", metavar="NAME", default="fine", help="preset to vary choice by choice"
@@ -180,7 +193,7 @@ def _parser() -> argparse.ArgumentParser:
         added.add_argument(
             "--share", type=float, help="of the contact above the critical temperature, like 0.1"
         )
-    for added, required in ((point, True), (plot, False)):
+    for added, required in ((point, True), (plot, False), (infer, False)):
         added.add_argument(
             "--load", metavar="F", type=_quantity("750 N"), required=required, help='like "750 N"'
         )

@@ -15,7 +15,7 @@ from pipeline.crossings import document_of, text_of
 from pipeline.selection import KEPT_FIELDS
 from pipeline.sweep import Point, Sweep
 from pipeline.terminal import ProgressLine, duration, show, tell
-from tribo import InputError, failed_share, measures
+from tribo import InputError, failed_share, measures, specific_wear_rate
 
 if TYPE_CHECKING:
     from pipeline.store import FailedPoint, Summary
@@ -31,6 +31,7 @@ __all__ = [
     "boundary",
     "check",
     "compact",
+    "infer",
     "plot",
     "point",
     "reproduce",
@@ -238,6 +239,44 @@ def point(options: argparse.Namespace) -> int:
         *(f"  warning: {warning}" for warning in result.warnings),
     ]
     show(options, document, text)
+    return DONE
+
+
+def infer(options: argparse.Namespace) -> int:
+    """Find what was not measured from what was."""
+    sweep = _scene(options).on_surface(options.realization)
+    if options.contact_width is not None:
+        return _wear_rate(options, sweep)
+    if options.load is not None or options.velocity is not None:
+        raise InputError("--load and --velocity belong to --contact-width, which is not given")
+    found = pipeline.critical_temperatures(sweep, progress=tell)
+    rows = zip(found.transitions, found.means, found.spreads, strict=True)
+    several = f" on {len(found.surfaces)} surfaces" if len(found.surfaces) > 1 else ""
+    text = [
+        f"critical temperature from {len(found.transitions)} measured transition(s){several}: "
+        f"exceeded on {100 * found.share:g} % of the contact",
+        *(
+            f"  {at.normal_load:g} N, {at.velocity:g} m/s, friction {at.friction:g}: "
+            f"{pipeline.display(mean, '°C', 4)}" + (f" ± {spread:.1f} K" if spread else "")
+            for at, mean, spread in rows
+        ),
+        f"on average {pipeline.display(found.mean, '°C', 4)}"
+        + (f", {found.spread:.1f} K apart (standard deviation)" if found.spread else ""),
+    ]
+    show(options, found.as_dict(), text)
+    return DONE
+
+
+def _wear_rate(options: argparse.Namespace, sweep: Sweep) -> int:
+    if options.load is None or options.velocity is None:
+        raise InputError("--contact-width needs --load and --velocity: where it was measured")
+    found = specific_wear_rate(sweep, options.contact_width, options.load, options.velocity)
+    value, lowest, highest = (1e9 * rate for rate in (found.value, found.lowest, found.highest))
+    text = (
+        f"specific wear rate {value:.3g} mm³/(N m), from {lowest:.3g} to {highest:.3g} within half "
+        "an element of the width"
+    )
+    show(options, asdict(found), [text])
     return DONE
 
 

@@ -147,7 +147,11 @@ FORMAT = Table({
             "hold": Optional(DURATION, 0.0),
             "hold_steps": Optional(Whole(at_least=1)),
         }),
-        Table({"file": Text(), "reference_load": Optional(LOAD)}),  # by default the record's peak
+        Table({
+            "file": Text(),
+            "reference_load": Optional(LOAD),  # by default the record's peak
+            "fit": Optional(Flag(), False),  # a straight line in place of the record itself
+        }),
         when=_has_file,
     ),
     "wear": Optional(Table({
@@ -210,7 +214,7 @@ def load_scene(
     notes: list[str] = []
     realizations = realizations_of(found, faults)
     roughness = roughness_of(found, path.parent, faults, notes)
-    loading = _loading(found["loading"], path.parent, faults)
+    loading = _loading(found["loading"], path.parent, faults, notes)
     _check_tables(found, fidelity, roughness, faults)
     if faults or loading is None:
         raise SceneFileError(path, faults)
@@ -293,7 +297,7 @@ def _fidelity(
 
 
 def _loading(
-    table: Mapping[str, Any] | None, folder: Path, faults: list[str]
+    table: Mapping[str, Any] | None, folder: Path, faults: list[str], notes: list[str]
 ) -> tribo.Ramp | tribo.MeasuredLoad | None:
     """Make the loading; None if it is faulty."""
     if table is None or any(
@@ -302,7 +306,12 @@ def _loading(
         return None
     try:
         if "file" in table:
-            return tribo.read_load(folder / table["file"], table["reference_load"])
+            record = tribo.read_load(folder / table["file"], table["reference_load"])
+            if not table["fit"]:
+                return record
+            rate, onset = record.linear_fit()
+            notes.append(f"loading.file: fitted by {rate:.4g} N/s from {onset:.3g} s on")
+            return record.ramp()
         return tribo.Ramp(**table) if table["reference_load"] else None
     except tribo.InputError as error:
         key = "loading.file" if "file" in table else "loading"

@@ -46,6 +46,11 @@ _SCENES = Table(
     ),
 )
 
+_OPTIONS_HEAD = """Each may be set without a change of the file, such as
+`irg point workflows/first_try.toml --load "600 N" --velocity "1.5 m/s" --set wear.pattern=local`.
+Measured transitions of another lubricant go into `[[measured]]`; `irg infer` then finds its
+critical temperature as `irg reproduce inverse` does."""
+
 _OPTIONS = Table(
     ("in the paper", "entry of a scene", "what else there is"),
     (
@@ -78,6 +83,7 @@ _OPTIONS = Table(
         ("moving average of the surface", '`fidelity.averaging = "mean"`', '`"sample"`'),
         ("maximum temperature (Blok)", "`temperature.failing_share = 0`", "`0.1`"),
         ("a recorded load (Fig. 8)", '`loading.file = "record.csv"`', "`loading.rate`"),
+        ("its linear fit (Fig. 8)", "`loading.fit = true`", "the record itself"),
         ("constant load after the ramp (Fig. 5)", '`loading.hold = "4 s"`', "no hold"),
         ("all of its numerical choices", '`fidelity.preset = "as-published"`', '`"standard"` …'),
     ),
@@ -98,7 +104,15 @@ def page(reports: Iterable[Report]) -> str:
         lines += ["", *_section(report)]
     links = ((f"[`{name}.toml`]({name}.toml)", what, how) for name, what, how in _SCENES.rows)
     lines += ["", "## Scenes", "", *Table(_SCENES.columns, tuple(links)).markdown()]
-    lines += ["", "## The paper's methods as options", "", *_OPTIONS.markdown(), ""]
+    lines += [
+        "",
+        "## The paper's methods as options",
+        "",
+        _OPTIONS_HEAD,
+        "",
+        *_OPTIONS.markdown(),
+        "",
+    ]
     return "\n".join(lines)
 
 

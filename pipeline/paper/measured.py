@@ -10,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 from matplotlib.figure import Figure
 
+from pipeline.inference import critical_temperatures
 from pipeline.paper.printed import RIG_HEATING, SPECIFIC_WEAR_RATE, TABLE_4, TABLE_6
 from pipeline.paper.report import Finding, Report, Table, mean_and_spread, statistics
 from pipeline.paper.study import Study, end_of
@@ -18,8 +19,6 @@ from pipeline.sweep import Sweep
 from tribo import (
     InputError,
     Ramp,
-    Transition,
-    critical_temperature,
     rig_heating,
     specific_wear_rate,
 )
@@ -144,23 +143,9 @@ def _critical(study: Study, scenes: Sequence[Sweep]) -> list[list[float]]:
     """Critical temperature [°C] by transition and surface."""
     found: list[list[float]] = []
     for scene in scenes:
-        transitions = [
-            Transition(
-                entry.normal_load, entry.velocity, entry.friction or scene.conditions.friction
-            )
-            for entry in scene.measured
-        ]
-        by_surface = []
-        for seed in study.seeds(_SURFACES):
-            study.tell(f"{scene.name}: surface {seed + 1} of {len(study.seeds(_SURFACES))}")
-            result = critical_temperature(
-                scene.on_surface(seed),
-                transitions,
-                scene.conditions.bulk_temperature,
-                scene.conditions.failing_share,
-            )
-            by_surface.append([float(celsius(value)) for value in result.temperatures])
-        found += [list(column) for column in zip(*by_surface, strict=True)]
+        on_surfaces = replace(scene, realizations=tuple(study.seeds(_SURFACES)))
+        result = critical_temperatures(on_surfaces, study.tell)
+        found += [[float(celsius(value)) for value in row] for row in result.temperatures]
     return found
 
 

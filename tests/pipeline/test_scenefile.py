@@ -431,6 +431,13 @@ def test_a_measured_load_stands_in_place_of_the_ramp(read, faults, tmp_path):
     assert read((ramp, record)).loading == tribo.MeasuredLoad(times, loads)
     record += '\nreference_load = "500 N"'
     assert read((ramp, record)).loading == tribo.MeasuredLoad(times, loads, 500.0)
+    fitted = read((ramp, record + "\nfit = true"))
+    assert fitted.loading == tribo.MeasuredLoad(times, loads, 500.0).ramp()
+    (note,) = fitted.notes
+    assert "fitted by" in note
+    assert "N/s" in note
+    (fault,) = faults((ramp, record + '\nfit = "line"'))
+    assert fault.startswith("loading.fit: ")
     (fault,) = faults((ramp, record.replace("500", "900")))
     assert fault.startswith("loading.file: ")
     assert "reaches 800 N" in fault
