@@ -165,6 +165,29 @@ def test_table_6_takes_the_bulk_temperatures_of_its_scenes(small):
     assert [row.velocity for row in TABLE_6] == data["velocity"]
 
 
+def test_what_scatters_the_failed_share_of_table_4_is_the_single_friction_coefficients(small):
+    data = small("table4").data
+    single = np.mean(data["failed_percent"]["swept"], axis=1)
+    level = np.mean(data["failed_percent_at_mean_friction"], axis=1)
+    printed = [100 * row.failed_share for row in TABLE_4]
+    assert np.ptp(level) < 0.5 * np.ptp(single)
+    assert np.abs(level - printed).max() < 5 < np.abs(single - printed).max()
+
+
+def test_the_rises_of_table_6_are_ours_by_one_factor_at_each_bulk_temperature(small):
+    ours = np.mean(small("table6").data["exceeded_celsius"]["swept"], axis=1)
+    bulk = np.array([row.bulk_celsius for row in TABLE_6])
+    cold, second, hot, last = (np.array([row.max_celsius for row in TABLE_6]) - bulk) / (
+        ours - bulk
+    )
+    assert cold == pytest.approx(second, rel=0.03)
+    assert hot == pytest.approx(last, rel=0.03)
+    assert hot < 0.75 * cold
+    (reading,) = (f for f in small("table6").findings if "title" in f.printed)
+    assert "0.14" in reading.why
+    assert not reading.agrees
+
+
 def test_longer_waves_of_the_roughness_make_the_contact_hotter(small):
     by_length = small("sensitivity").data["correlation length"]
     means = [np.mean(outcome["exceeded_celsius"]) for outcome in by_length.values()]
