@@ -51,6 +51,8 @@ def run(options: argparse.Namespace) -> int:
     """Run or resume a sweep, or the part of it that the boundary needs."""
     out = options.output or Path("results") / f"{options.scene.stem}.zarr"
     sweep = _scene(options, store=out)
+    for note in sweep.notes:
+        tell(f"note: {note}")
     with ProgressLine() as line:
         cluster = {
             "workers": options.workers,

@@ -19,7 +19,7 @@ from scipy.ndimage import distance_transform_edt
 
 from pipeline.band import BAND
 from pipeline.boundaries import conditions_of, decisive_rise, rise_limit
-from pipeline.dataset import asked_points, by_surface, ordered
+from pipeline.dataset import asked_points, by_surface, on_surface, ordered
 from pipeline.layout import PENDING
 from pipeline.style import (
     BLACK,
@@ -50,6 +50,7 @@ def diagram(
     bulk_temperature: float | None = None,
     critical_temperature: float | None = None,
     share: float | None = None,
+    realization: int | None = None,
 ) -> Figure:
     """Draw the transition diagram.
 
@@ -66,6 +67,8 @@ def diagram(
     friction : float or several, optional
         The lowest and highest of several make the band in place of the sweep's own, and the
         boundary is that of their median.
+    realization : int, optional
+        Seed of the only surface to draw; all of them if not given.
     """
     band = ds.attrs.get("friction_band")
     if isinstance(friction, Sequence):
@@ -73,6 +76,8 @@ def diagram(
         friction = float(np.median(friction))
     conditions = conditions_of(ds, friction, bulk_temperature, critical_temperature, share)
     ds = ordered(ds)
+    if realization is not None:
+        ds = on_surface(ds, realization)
     figure = Figure(figsize=(8.0, 6.4))
     axes = figure.add_subplot()
     legend: list[Artist] = []
@@ -98,7 +103,8 @@ def diagram(
 
     axes.set_xlabel("sliding velocity [m/s]")
     axes.set_ylabel("normal load [N]")
-    axes.set_title(title_of(ds), pad=10)
+    surface = "" if realization is None else f", surface {realization}"
+    axes.set_title(title_of(ds) + surface, pad=10)
     figure.legend(
         handles=legend,
         loc="outside lower center",

@@ -310,7 +310,9 @@ def _loading(
             if not table["fit"]:
                 return record
             rate, onset = record.linear_fit()
-            notes.append(f"loading.file: fitted by {rate:.4g} N/s from {onset:.3g} s on")
+            notes.append(
+                f"loading.file: fitted by {rate:.4g} N/s from {round(onset, 3) + 0:g} s on"
+            )
             return record.ramp()
         return tribo.Ramp(**table) if table["reference_load"] else None
     except tribo.InputError as error:

@@ -95,6 +95,16 @@ def test_points_that_fail_are_listed_and_the_others_are_done(tmp_path, capsys):
     assert run("status", tmp_path / "heavy.zarr") == 1
 
 
+def test_run_says_what_reading_the_scene_had_to_settle(tmp_path, capsys):
+    (tmp_path / "record.csv").write_text("time [s], load [N]\n0, 0\n4, 600\n")
+    scene = tmp_path / "scene.toml"
+    ramp = 'rate = "150 N/s"\nreference_load = "750 N"'
+    scene.write_text(SCENE.replace(ramp, 'file = "record.csv"\nfit = true'))
+    one = ("--set", 'sweep.loads=["300 N"]', "--set", 'sweep.velocities=["1 m/s"]')
+    assert run("run", scene, "-o", tmp_path / "out.zarr", "--workers", 1, *one) == 0
+    assert "note: loading.file: fitted by 150 N/s from 0 s on" in capsys.readouterr().err
+
+
 def test_check_says_what_would_run_and_runs_nothing(swept, capsys):
     before = sorted(swept.iterdir())
     assert run("check", swept / "small.toml", "--json", "--workers", 2) == 0

@@ -234,6 +234,14 @@ def test_the_diagram_draws_a_band_of_surfaces():
     assert any("4 surfaces" in text.get_text() for text in figure.legends[0].get_texts())
 
 
+def test_a_diagram_of_one_surface_has_no_band():
+    (axes,) = pipeline.plot(ensemble(), "diagram", realization=2).axes
+    found = {artist.get_gid() for artist in axes.collections}
+    assert "boundary" in found
+    assert "surface band" not in found
+    assert axes.get_title().endswith("surface 2")
+
+
 @pytest.mark.parametrize("kind", ["ramp", "fields"])
 def test_other_figures_draw_one_surface_and_name_it(swept, kind):
     for chosen, name in ((None, "surface 1"), (7, "surface 7")):
