@@ -116,9 +116,9 @@ class Convolution:
         (nx, ny), (mx, my) = self.grid.shape, self._lengths
         if out is None:
             out = np.empty(self.grid.shape)
-        if self._modes.dtype == np.complex64:
-            return self._in_single_precision(field, out)
         low, high = rows or (0, nx)
+        if self._modes.dtype == np.complex64:
+            return self._in_single_precision(field, out, low, high)
         source, target = field[low:high], out[low:high]
         if my == 1:
             modes = np.fft.rfft(source[:, 0], n=mx)
@@ -146,17 +146,19 @@ class Convolution:
         return out
 
     def _in_single_precision(
-        self, field: NDArray[np.float64], out: NDArray[np.float64]
+        self, field: NDArray[np.float64], out: NDArray[np.float64], low: int, high: int
     ) -> NDArray[np.float64]:
         """Convolve with SciPy, whose transforms in single precision are the faster ones."""
-        (nx, ny), my = self.grid.shape, self._lengths[1]
-        self._padded[:, :ny] = field
-        self._modes[:nx] = scipy.fft.rfft(self._padded, axis=1)
-        self._modes[nx:] = 0.0
-        modes = scipy.fft.fft(self._modes, axis=0, overwrite_x=True)
+        ny, my = self.grid.shape[1], self._lengths[1]
+        modes, padded = self._modes, self._padded[low:high]
+        padded[:, :ny] = field[low:high]
+        modes[:low] = 0.0
+        modes[low:high] = scipy.fft.rfft(padded, axis=1)
+        modes[high:] = 0.0
+        modes = scipy.fft.fft(modes, axis=0, overwrite_x=True)
         modes *= self.spectrum
         modes = scipy.fft.ifft(modes, axis=0, overwrite_x=True)
-        out[...] = scipy.fft.irfft(modes[:nx], n=my, axis=1)[:, :ny]
+        out[low:high] = scipy.fft.irfft(modes[low:high], n=my, axis=1)[:, :ny]
         return out
 
     @property

@@ -44,6 +44,12 @@ _PATIENCE = 3  # active-set steps without progress before gradient steps take ov
 _FIRST_GRADIENT_STEPS = 8  # then; twice as many each time
 _LOCAL_STEPS = 2  # of the correction of a guess
 
+# Conjugate gradients go by single precision, in two thirds of the time: they only lead the way to a
+# pressure, the displacement of which is then computed in full. Not so where the
+# numbers are too large or too small for it, or the coupling within rows, in units of an element's
+# compliance, would magnify its rounding.
+_SMALLEST_SINGLE, _MOST_COUPLING = 1e-25, 1.0
+
 # What updates may cost of the displacement, once and each, in rounding errors of its largest
 # value: observed are 8 for all updates of a solution together, and 70 where it began far off.
 _LOST_AT_ONCE, _LOST_A_STEP = 100.0, 10.0
@@ -100,6 +106,9 @@ class Iteration:
         coupling = self._soft.coupling if self._soft.matter else 0.0
         self._near = Neighbourhood(solid, self._soft.axis, coupling)
         self._first_length = 1.0 if self._soft.matter else 1 / solid.self_influence
+        near_1 = _SMALLEST_SINGLE < solid.self_influence < 1 / _SMALLEST_SINGLE
+        single = near_1 and coupling < _MOST_COUPLING * solid.self_influence
+        self._inner = solid.in_single_precision() if single else solid
         self.convolutions = spent
         self._updates = 0  # of the displacement since it was last computed
         self._shifts = 0  # of the datum
@@ -107,9 +116,8 @@ class Iteration:
         self._lowest, self._lowest_at = math.inf, 0.0  # residual, convolutions
         self._inner_iterations = _INNER_ITERATIONS
         self._settled_nodes = np.empty(0, dtype=np.intp)  # of the last active-set step
-        shape = heights.shape
-        self.pressure, self.displacement, self.gap = (np.empty(shape) for _ in range(3))
-        self._direction, self._response = (np.empty(shape) for _ in range(2))
+        fields = (np.empty(heights.shape) for _ in range(5))
+        self.pressure, self.displacement, self.gap, self._direction, self._response = fields
 
     @property
     def approach(self) -> float:
@@ -238,8 +246,8 @@ class Iteration:
             return False
         return True
 
-    def _convolve(self, field: Array, out: Array, rows: tuple[int, int] | None = None) -> None:
-        self.solid(field, out=out, rows=rows)
+    def _convolve(self, field: Array, out: Array) -> None:
+        self.solid(field, out=out)
         self.convolutions += 1
         self._updates = 0 if out is self.displacement else self._updates + 1
 
@@ -311,7 +319,8 @@ class Iteration:
             direction *= square / previous
             direction += steepest
             self._direction.reshape(-1)[nodes] = direction
-            self._convolve(self._direction, self._response, rows)
+            self._inner(self._direction, out=self._response, rows=rows)
+            self.convolutions += 1
             response = self._response.take(nodes)
             response -= response.mean()
             curvature = float(np.sum(response * direction))

@@ -48,7 +48,8 @@ def test_rows_without_a_source_may_be_left_out(shape, periodic):
     field = random.normal(size=shape)
     convolve(field)  # kept buffers carry nothing over
     field[:2], field[4:] = 0.0, 0.0
-    assert np.array_equal(convolve(field, rows=(2, 4))[2:4], convolve(field)[2:4])
+    for one in (convolve, convolve.in_single_precision()):
+        assert np.array_equal(one(field, rows=(2, 4))[2:4], one(field)[2:4])
 
 
 @pytest.mark.parametrize("periodic", AXES)
