@@ -20,6 +20,7 @@ from pipeline.paper.report import Finding, Report, Table
 from pipeline.paper.resolution import fig6
 from pipeline.paper.sensitivity import sensitivity
 from pipeline.paper.study import WORKFLOWS, Study
+from pipeline.paper.surface_band import band
 from pipeline.paper.table_4 import table4
 from pipeline.paper.table_6 import table6
 from pipeline.paper.transition_diagram import fig10
@@ -35,6 +36,7 @@ _MAKERS: dict[str, tuple[Callable[[Study], Report], str]] = {
     "fig6": (fig6, "highest temperature against the number of elements and of increments"),
     "fig8": (fig8, "a recorded load (synthetic) and its linear fit"),
     "fig10": (fig10, "the transition diagram, with the measured transitions"),
+    "band": (band, "the transition over several surfaces, and within the measured friction"),
     "table4": (table4, "contact width, failed share and temperatures at the transitions"),
     "table6": (table6, "temperatures at the transitions of oil A, at 25 and 100 °C"),
     "sensitivity": (sensitivity, "to correlation length, lay and Hurst exponent of the roughness"),
