@@ -98,12 +98,9 @@ def _limit_errors(axes: Axes, shown: list[Choice]) -> None:
 
 
 def _labels(trade: Trade, shown: list[Choice]) -> list[Label]:
-    """Names of the presets, then of what lies on the front, then of the others."""
-    front = trade.front
+    """Names of the presets, then of the others from the top down."""
     labels = []
-    for choice in sorted(
-        shown, key=lambda choice: (choice.varied is not None, choice not in front)
-    ):
+    for choice in sorted(shown, key=lambda choice: (bool(choice.varied), -choice.velocity_error)):
         look = _NAMED if choice.varied is None else _VARIED
         text = choice.name.removeprefix(f"{trade.base}, ") if choice.varied else choice.name
         text = text.replace("history_coarsening", "history grid").replace("_", " ")
