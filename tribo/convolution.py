@@ -119,12 +119,12 @@ class Convolution:
         low, high = rows or (0, nx)
         if self._modes.dtype == np.complex64:
             return self._in_single_precision(field, out, low, high)
-        source, target = field[low:high], out[low:high]
         if my == 1:
-            modes = np.fft.rfft(source[:, 0], n=mx)
+            modes = np.fft.rfft(field[:, 0], n=mx)
             modes *= self.spectrum[: modes.size, 0]
-            target[:, 0] = np.fft.irfft(modes, n=mx)[: high - low]
+            out[:, 0] = np.fft.irfft(modes, n=mx)[:nx]
             return out
+        source, target = field[low:high], out[low:high]
         modes, padded = self._modes, self._padded[low:high]
         if my > ny:
             padded[:, :ny] = source
