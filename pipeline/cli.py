@@ -92,6 +92,11 @@ def _parser() -> argparse.ArgumentParser:
     where = run.add_mutually_exclusive_group()
     where.add_argument("--workers", metavar="N", type=_count, help="default: one for each core")
     where.add_argument("--scheduler", metavar="ADDRESS", help="a running Dask scheduler to use")
+    run.add_argument(
+        "--fill-fields",
+        action="store_true",
+        help="compute points again that were finished before the scene asked for fields",
+    )
     run.add_argument("--retry-failed", action="store_true", help="compute failed points again")
     run.add_argument(
         "--boundary-only",

@@ -62,7 +62,7 @@ def run(options: argparse.Namespace) -> int:
             "tell": tell,
         }
         if options.boundary_only is None:
-            outcome = pipeline.run_sweep(sweep, out, **cluster)
+            outcome = pipeline.run_sweep(sweep, out, **cluster, fill_fields=options.fill_fields)
         else:
             outcome = pipeline.follow_boundary(sweep, out, options.boundary_only, **cluster)
     document = {

@@ -39,7 +39,7 @@ from pipeline.cluster import (
 )
 from pipeline.compact import lay_out
 from pipeline.folder import PathLike
-from pipeline.layout import BY_POINT, COMPACT
+from pipeline.layout import BY_POINT, COMPACT, versions
 from pipeline.plan import Point, Trunk, advance_trunk, chains, points, run_point
 from pipeline.store import (
     DONE,
@@ -122,6 +122,7 @@ def run_sweep(
     further: Callable[[], Sweep | None] | None = None,
     tell: Callable[[str], None] | None = None,
     patience: float = PATIENCE,
+    fill_fields: bool = False,
 ) -> Outcome:
     """Compute every point of a sweep that its store does not have yet.
 
@@ -148,6 +149,8 @@ def run_sweep(
         Called with a line for the user, such as where the cluster's dashboard is.
     patience : float, optional
         How long to wait for a scheduler to answer, and for workers if there are none [s].
+    fill_fields : bool, optional
+        Whether to compute points again that were finished before the scene asked for fields.
 
     Raises
     ------
@@ -169,6 +172,12 @@ def run_sweep(
     checked: set[Point] = set()
     with locked(out):
         store = prepare(out, sweep)
+        if fill_fields:
+            for point in _without_fields(store, sweep):
+                store.forget(point)
+        if tell:
+            for note in _notes(store, sweep):
+                tell(note)
         waiting = chains(_todo(store, sweep, retry_failed, checked), sweep.independent)
         tally = _Tally(store.summary(), began, progress)
         more = None if waiting or further is None else further()
@@ -205,6 +214,30 @@ def run_sweep(
         failed=found.failed,
         wall_time=time.monotonic() - began,
     )
+
+
+def _without_fields(store: Store, sweep: Sweep) -> list[Point]:
+    """Points that were finished before the scene asked for fields."""
+    if not sweep.store_fields:
+        return []
+    status = store.status()
+    done = (point for point in points(sweep) if status[point] == DONE)
+    return [point for point in done if store.lacks_fields(point)]
+
+
+def _notes(store: Store, sweep: Sweep) -> Iterable[str]:
+    """What to know before going on with a store."""
+    for name, present in versions().items():
+        if (before := store.attributes["versions"][name]) != present:
+            yield (
+                f"{store.path} was begun with {name} {before}, and goes on with {present}: "
+                "new points may differ from the others in the last digits"
+            )
+    if lacking := len(_without_fields(store, sweep)):
+        yield (
+            f"{lacking} points were finished before the scene asked for fields, and have none; "
+            "--fill-fields computes them again"
+        )
 
 
 def _todo(store: Store, sweep: Sweep, retry_failed: bool, checked: set[Point]) -> list[Point]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import atexit
 import functools
+import uuid
 from collections import deque
 from pathlib import Path
 from typing import Any
@@ -26,9 +27,16 @@ class Files(LocalStore):
         self._written: deque[Path] = deque()
 
     async def set(self, key: str, value: Any) -> None:
-        """Replace a file."""
-        await super().set(key, value)
-        self._written.append(self.root / key)
+        """Replace a file; at once, since handing it to another thread takes longer than to write.
+
+        Not to overtake one another, writers use a name of their own until the file is whole.
+        """
+        file = self.root / key
+        file.parent.mkdir(parents=True, exist_ok=True)
+        partial = file.with_name(f"{file.name}.{uuid.uuid4().hex}.partial")
+        partial.write_bytes(value.as_buffer_like())
+        partial.replace(file)
+        self._written.append(file)
 
     def sync(self) -> None:
         """Wait until all that was written is on the disk."""

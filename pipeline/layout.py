@@ -7,6 +7,7 @@ import json
 import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict, fields, is_dataclass
+from datetime import UTC, datetime
 from importlib import metadata
 from typing import Any, NamedTuple
 
@@ -35,10 +36,12 @@ __all__ = [
     "differences",
     "grown",
     "lasting_attributes",
+    "note_versions",
     "present_attributes",
     "scene_hash",
     "stored_scene",
     "variables",
+    "versions",
 ]
 
 FORMAT = 1
@@ -135,19 +138,32 @@ def variables(over_surfaces: bool, with_fields: bool) -> dict[str, Variable]:
 
 def lasting_attributes(sweep: Sweep) -> dict[str, Any]:
     """Attributes that a store keeps from its creation: the scene, and what computed it."""
-    try:
-        tribo = metadata.version("irg-transition")
-    except metadata.PackageNotFoundError:  # run from its source
-        tribo = "unknown"
     description = describe(sweep)
     return {
         "Conventions": "CF-1.11",
         "format": FORMAT,
         "scene": description,
         "scene_hash": scene_hash(description),
-        "versions": {"tribo": tribo}
-        | {name: metadata.version(name) for name in ("numpy", "scipy", "zarr")},
+        "versions": versions(),
     }
+
+
+def versions() -> dict[str, str]:
+    """Versions of what computes and stores."""
+    try:
+        tribo = metadata.version("irg-transition")
+    except metadata.PackageNotFoundError:  # run from its source
+        tribo = "unknown"
+    return {"tribo": tribo} | {name: metadata.version(name) for name in ("numpy", "scipy", "zarr")}
+
+
+def note_versions(attributes: dict[str, Any]) -> None:
+    """Add the present versions to a store's attributes, if its last run had others."""
+    later = attributes.get("later_versions", [])
+    last = later[-1]["versions"] if later else attributes["versions"]
+    if last != (present := versions()):
+        since = datetime.now(UTC).isoformat(timespec="seconds")
+        attributes["later_versions"] = [*later, {"since": since, "versions": present}]
 
 
 def scene_hash(description: Mapping[str, Any]) -> str:

@@ -14,7 +14,15 @@ from zarr.codecs import ZstdCodec
 
 from pipeline.files import Files, RemoteFiles, files_in
 from pipeline.folder import ROOT, Place, commit_metadata, read_json, write_json
-from pipeline.layout import BY_POINT, COORDINATES, RECORDS, Variable, present_attributes, variables
+from pipeline.layout import (
+    BY_POINT,
+    COORDINATES,
+    RECORDS,
+    Variable,
+    note_versions,
+    present_attributes,
+    variables,
+)
 from pipeline.sweep import Sweep
 from pipeline.together import together
 
@@ -53,6 +61,7 @@ def commit_shape(
             together([_fill(files, name, axes[name])])
     files.sync()
     attributes |= present_attributes(sweep)
+    note_versions(attributes)
     attributes["axes"] = {name: axes[name] for name in COORDINATES if name in arrays}
     if json.dumps([attributes, arrays], sort_keys=True) != committed:
         commit_metadata(folder, attributes, arrays)

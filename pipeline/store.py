@@ -286,6 +286,13 @@ class Store:
         names = [name for name in self._arrays if name not in COORDINATES]
         return [name for name in names if not self._is_readable(name, point)]
 
+    def lacks_fields(self, point: Point) -> bool:
+        """Whether a point has none of the fields that the store has room for."""
+        if "pressure" not in self._arrays:
+            return False
+        (exists,) = together([self._files.exists(self._key("pressure", point))])
+        return not exists
+
     def missing(self, point: Point) -> list[str]:
         """Variables without a file at a point, of those that each point writes on its way."""
         names = [name for name in RECORDS if name in self._arrays]

@@ -13,11 +13,12 @@ import time
 from contextlib import contextmanager
 from pathlib import Path
 
+import numpy as np
 import pytest
 import xarray as xr
 
 import tribo
-from pipeline import cluster
+from pipeline import cluster, execute, layout
 from pipeline.execute import run_sweep
 from pipeline.layout import COLUMNS, FIELDS, describe, scene_hash
 from pipeline.plan import Point, run_point
@@ -101,6 +102,35 @@ def test_a_run_resumes_where_points_are_pending_failed_damaged_or_new(alone, pat
         assert found[: len(result.columns["time"])].tobytes() == (
             result.columns["wear_volume"].tobytes()
         )
+
+
+def test_fields_asked_for_later_are_filled_in_when_asked_to(path, alone):
+    bare = tiny.sweep(temperature_interval=2, velocities=(1.0,))
+    run_sweep(bare, path, workers=1)
+    told, sweep = [], tiny.full(velocities=(1.0,))
+    assert run_sweep(sweep, path, workers=1, tell=told.append).computed == 0
+    assert "3 points were finished before the scene asked for fields" in told[0]
+    assert run_sweep(sweep, path, workers=1, fill_fields=True).computed == 3
+    with xr.open_zarr(path, chunks=None) as ds, xr.open_zarr(alone, chunks=None) as expected:
+        for name in FIELDS:
+            expected_field = expected[name].sel(velocity=[1.0]).values
+            assert ds[name].values.tobytes() == expected_field.tobytes()
+
+
+def test_other_versions_are_told_and_noted(path, alone, monkeypatch):
+    monkeypatch.setattr(cluster, "LocalCluster", None)
+    shutil.copytree(alone, path)
+    other = layout.versions() | {"numpy": "99.0"}
+    for module in (layout, execute):
+        monkeypatch.setattr(module, "versions", lambda: other)
+    told = []
+    for _ in range(2):
+        run_sweep(SWEEP, path, tell=told.append)
+    assert f"was begun with numpy {np.__version__}, and goes on with 99.0" in told[0]
+    attributes = json.loads((path / "zarr.json").read_text())["attributes"]
+    assert attributes["versions"]["numpy"] == np.__version__
+    (later,) = attributes["later_versions"]
+    assert later["versions"]["numpy"] == "99.0"
 
 
 def test_nothing_to_do_starts_no_cluster(alone, path, monkeypatch):
