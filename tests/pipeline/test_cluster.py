@@ -92,12 +92,12 @@ def test_a_scheduler_that_is_lost_and_workers_that_are_gone_are_errors(cluster, 
         return report
 
     first, second = tmp_path / "first.zarr", tmp_path / "second.zarr"
-    given = {"scheduler": cluster.address, "patience": 1.0}
+    given = {"scheduler": cluster.address, "patience": 4.0}
     with pytest.raises(ExecutionError, match="no Dask worker is left"):
         run_sweep(slow, first, progress=lose(*cluster.workers), **given)
     assert summary(first).done >= 2
     assert summary(first).failed == ()
-    with pytest.raises(ExecutionError, match="no Dask worker is ready within 1 s"):
+    with pytest.raises(ExecutionError, match="no Dask worker is ready within 4 s"):
         run_sweep(slow, second, **given)
     cluster.scheduler.kill()
     cluster.scheduler.wait()
@@ -113,7 +113,7 @@ def test_a_scheduler_that_is_lost_on_the_way_is_an_error(cluster, tmp_path):
     slow = tiny.sweep(loading=tiny.SlowRamp(150.0, 750.0))
     path = tmp_path / "tiny.zarr"
     with pytest.raises(ExecutionError, match="scheduler is lost; finished points are safe"):
-        run_sweep(slow, path, scheduler=cluster.address, progress=lose, patience=1.0)
+        run_sweep(slow, path, scheduler=cluster.address, progress=lose)
     assert summary(path).done >= 2
 
 
