@@ -9,9 +9,9 @@ starts the iteration where much of the contact is still to change, and takes ove
 time that the active-set steps stop making progress, so that the whole converges from any start.
 Where rows of elements are soft as a whole, both go by the metric of `rows`.
 
-Displacements are updated along with the pressure rather than computed anew, which costs digits.
-No result is given out before what that may have cost is known to lie within the tolerance, or the
-displacement of the very pressure that is given out has been computed.
+Gradient steps update the displacement along with the pressure, which costs digits. No result is
+given out before what that may have cost is known to lie within the tolerance, or the displacement
+of the very pressure that is given out has been computed.
 """
 
 from __future__ import annotations
@@ -45,9 +45,9 @@ _FIRST_GRADIENT_STEPS = 8  # then; twice as many each time
 _LOCAL_STEPS = 2  # of the correction of a guess
 
 # Conjugate gradients go by single precision, in two thirds of the time: they only lead the way to a
-# pressure, the displacement of which is then computed in full. Not so where the
-# numbers are too large or too small for it, or the coupling within rows, in units of an element's
-# compliance, would magnify its rounding.
+# pressure, the displacement of which is then computed in full. Not so where numbers are too large
+# or too small for it, or where the coupling within rows, in units of an element's compliance, would
+# magnify its rounding.
 _SMALLEST_SINGLE, _MOST_COUPLING = 1e-25, 1.0
 
 # What updates may cost of the displacement, once and each, in rounding errors of its largest
