@@ -5,45 +5,53 @@ import time
 from collections import Counter
 
 import numpy as np
+import scipy.fft
 
+_LIBRARIES = {"numpy": np.fft, "scipy": scipy.fft}
 _KINDS = ("rfft", "fft", "ifft", "irfft", "rfft2", "fft2", "ifft2", "irfft2")
 _REPEATS = 30
 
 
 @contextlib.contextmanager
 def counted_transforms():
-    """Count NumPy's transforms done meanwhile, by kind, array and arguments."""
+    """Count the transforms done meanwhile, by library, kind, array and arguments."""
     counts = Counter()
-    originals = {kind: getattr(np.fft, kind) for kind in _KINDS}
+    originals = {
+        (library, kind): getattr(module, kind)
+        for library, module in _LIBRARIES.items()
+        for kind in _KINDS
+    }
 
-    def counting(kind, transform):
+    def counting(name, transform):
         def wrapper(array, *args, out=None, **kwargs):
             array = np.asarray(array)
             in_place = out is not None and np.shares_memory(array, out)
             options = tuple(sorted(kwargs.items()))
-            counts[kind, array.shape, array.dtype, args, options, in_place] += 1
+            counts[*name, array.shape, array.dtype, args, options, in_place] += 1
             return transform(array, *args, **kwargs, **({} if out is None else {"out": out}))
 
         return wrapper
 
-    for kind, transform in originals.items():
-        setattr(np.fft, kind, counting(kind, transform))
+    for (library, kind), transform in originals.items():
+        setattr(_LIBRARIES[library], kind, counting((library, kind), transform))
     try:
         yield counts
     finally:
-        for kind, transform in originals.items():
-            setattr(np.fft, kind, transform)
+        for (library, kind), transform in originals.items():
+            setattr(_LIBRARIES[library], kind, transform)
 
 
 def bare_time(counts):
-    """Processor time of the counted transforms alone, into kept buffers [s]."""
+    """Processor time of the counted transforms alone, into kept buffers where possible [s]."""
     return sum(count * _time_of(*transform) for transform, count in counts.items())
 
 
-def _time_of(kind, shape, dtype, args, options, in_place):
-    transform, array = getattr(np.fft, kind), np.ones(shape, dtype)
-    out = array if in_place else transform(array, *args, **dict(options))
-    return shortest(lambda: transform(array, *args, **dict(options), out=out), _REPEATS)
+def _time_of(library, kind, shape, dtype, args, options, in_place):
+    transform, array = getattr(_LIBRARIES[library], kind), np.ones(shape, dtype)
+    options = dict(options)
+    if library == "numpy":
+        options["out"] = array if in_place else transform(array, *args, **options)
+    return shortest(lambda: transform(array, *args, **options), _REPEATS)
 
 
 def shortest(run, rounds=3):

@@ -63,7 +63,7 @@ def test_points_against_their_transforms(benchmark, velocity):
     def chain():
         trunk = None
         for load in sweep.loads:
-            trunk = run_point(sweep, load, velocity, trunk).trunk
+            trunk = run_point(sweep, load, velocity, trunk=trunk).trunk
 
     with counted_transforms() as transforms:
         chain()  # makes kernels and roughness, too, which are kept
