@@ -245,14 +245,14 @@ def _todo(store: Store, sweep: Sweep, retry_failed: bool, checked: set[Point]) -
 
     What is done is read once in a run to see whether it is intact; those points are `checked`.
     """
-    status = store.status()
-    for point in points(sweep):
+    status, asked = store.status(), set(points(sweep))
+    for point in (place for place in store.places() if place in asked):  # chunk after chunk
         done = status[point] == DONE and point not in checked
         damaged = done and not store.is_intact(point)
         if damaged or (retry_failed and status[point] == FAILED):
             store.forget(point)
             status[point] = PENDING
-    checked.update(points(sweep))
+    checked.update(asked)
     return [point for point in points(sweep) if status[point] == PENDING]
 
 
