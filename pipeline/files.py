@@ -7,9 +7,11 @@ import atexit
 import functools
 import uuid
 from collections import deque
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
+from zarr.core.buffer import default_buffer_prototype
 from zarr.storage import FsspecStore, LocalStore
 
 from pipeline.folder import Place, sync
@@ -27,16 +29,25 @@ class Files(LocalStore):
         self._written: deque[Path] = deque()
 
     async def set(self, key: str, value: Any) -> None:
-        """Replace a file; at once, since handing it to another thread takes longer than to write.
+        """Replace a file; at once, since handing it to a thread takes longer than to write it."""
+        (self.root / key).parent.mkdir(parents=True, exist_ok=True)
+        self.put(key, value.as_buffer_like())
+
+    def put(self, key: str, content: Any) -> None:
+        """Replace a file in a folder that exists.
 
         Not to overtake one another, writers use a name of their own until the file is whole.
         """
         file = self.root / key
-        file.parent.mkdir(parents=True, exist_ok=True)
         partial = file.with_name(f"{file.name}.{uuid.uuid4().hex}.partial")
-        partial.write_bytes(value.as_buffer_like())
+        partial.write_bytes(content)
         partial.replace(file)
         self._written.append(file)
+
+    def put_all(self, contents: Iterable[tuple[str, bytes]]) -> None:
+        """Replace files in folders that exist."""
+        for key, content in contents:
+            self.put(key, content)
 
     def sync(self) -> None:
         """Wait until all that was written is on the disk."""
@@ -51,6 +62,11 @@ class RemoteFiles(FsspecStore):
         """Replace an object."""
         with as_os_error():
             await super().set(key, value, byte_range)
+
+    def put_all(self, contents: Iterable[tuple[str, bytes]]) -> None:
+        """Replace objects, at the same time."""
+        buffer = default_buffer_prototype().buffer
+        together(self.set(key, buffer.from_bytes(content)) for key, content in contents)
 
     def sync(self) -> None:
         """Do nothing."""

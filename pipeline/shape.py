@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 from zarr.api.asynchronous import create_array, open_array
-from zarr.codecs import ZstdCodec
 
+from pipeline.chunks import COMPRESSOR
 from pipeline.files import Files, RemoteFiles, files_in
 from pipeline.folder import ROOT, Place, commit_metadata, read_json, write_json
 from pipeline.layout import (
@@ -90,7 +90,7 @@ def _create(folder: Place, name: str, variable: Variable, shape: list[int]) -> d
         shape=tuple(shape),
         dtype=variable.dtype,
         chunks=tuple(chunks),
-        compressors=[ZstdCodec(level=1, checksum=True)],
+        compressors=[COMPRESSOR],
         fill_value=_FILL.get(variable.dtype, 0),
         chunk_key_encoding={"name": "default", "separator": BY_POINT},
         dimension_names=variable.dims,

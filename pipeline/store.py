@@ -24,6 +24,7 @@ import zarr
 from numpy.typing import NDArray
 from zarr.api.asynchronous import open_group
 
+from pipeline.chunks import chunks_of
 from pipeline.files import Files, RemoteFiles, files_in
 from pipeline.folder import (
     DAMAGED,
@@ -382,7 +383,12 @@ class Store:
 
         def write(values: Mapping[str, Any]) -> None:
             self._kept.clear()
-            together(self._arrays[name].setitem(index, value) for name, value in values.items())
+            arrays = ((self._arrays[name], value) for name, value in values.items())
+            if self.is_compact:
+                together(array.setitem(index, value) for array, value in arrays)
+            else:
+                parts = (chunks_of(array, index, value) for array, value in arrays)
+                self._files.put_all(itertools.chain.from_iterable(parts))
 
         try:
             yield write

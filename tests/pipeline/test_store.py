@@ -176,14 +176,14 @@ def test_a_point_is_done_once_it_is_committed(path):
 @pytest.mark.parametrize("name", ["time", "rise_quantile", "checksum", "status"])
 def test_a_point_cut_short_at_any_write_is_pending(path, monkeypatch, name):
     store = prepare(path, SWEEP)
-    written = files_module.Files.set
+    written = files_module.Files.put
 
-    async def cut(self, key, value):
+    def cut(self, key, content):
         if key.startswith(f"{name}/c"):
             raise Killed
-        await written(self, key, value)
+        written(self, key, content)
 
-    monkeypatch.setattr(files_module.Files, "set", cut)
+    monkeypatch.setattr(files_module.Files, "put", cut)
     with pytest.raises(Killed):
         store.commit(run_point(SWEEP, *POINT))
     monkeypatch.undo()
@@ -196,13 +196,13 @@ def test_a_point_cut_short_at_any_write_is_pending(path, monkeypatch, name):
 def test_everything_else_is_on_the_disk_before_the_status_is_written(path, monkeypatch):
     store = prepare(path, SWEEP)
     log = []
-    written = files_module.Files.set
+    written = files_module.Files.put
 
-    async def logged(self, key, value):
+    def logged(self, key, content):
         log.append(key)
-        await written(self, key, value)
+        written(self, key, content)
 
-    monkeypatch.setattr(files_module.Files, "set", logged)
+    monkeypatch.setattr(files_module.Files, "put", logged)
     monkeypatch.setattr(files_module, "sync", lambda file: log.append(f"sync {file.parent.name}"))
     store.commit(run_point(SWEEP, *POINT))
     status = next(index for index, entry in enumerate(log) if entry.startswith("status/"))
@@ -244,10 +244,10 @@ def test_a_point_that_is_done_does_not_fail_afterwards(store):
 def test_a_full_disk_is_an_error_that_says_so(path, monkeypatch):
     store = prepare(path, SWEEP)
 
-    async def full(self, key, value):
+    def full(self, key, content):
         raise OSError(errno.ENOSPC, "No space left on device")
 
-    monkeypatch.setattr(files_module.Files, "set", full)
+    monkeypatch.setattr(files_module.Files, "put", full)
     with pytest.raises(StoreError, match=r"250 N, 1 m/s .* No space left on device"):
         store.commit(run_point(SWEEP, *POINT))
     with pytest.raises(StoreError, match="No space left"):
