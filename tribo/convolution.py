@@ -7,6 +7,7 @@ Liu, Wang and Liu, Wear 243, 2000); a periodic axis is not padded at all.
 from __future__ import annotations
 
 import copy
+import math
 from typing import Any, Self
 
 import numpy as np
@@ -17,6 +18,8 @@ from tribo.errors import InputError
 from tribo.grid import Grid
 
 __all__ = ["Convolution", "padded_shape", "wrapped_offsets"]
+
+_LARGE = 64**2  # elements from which on single precision takes less time than double
 
 
 def padded_shape(grid: Grid) -> tuple[int, int]:
@@ -181,6 +184,18 @@ class Convolution:
         single._modes = np.zeros(self._modes.shape, dtype=np.complex64)
         single._padded = np.zeros(self._padded.shape, dtype=np.float32)
         return single
+
+    def in_faster_precision(self) -> Self:
+        """Return the copy that counts in single precision, or on small grids itself.
+
+        Examples
+        --------
+        >>> grid = Grid((4, 4), (1.0, 1.0))
+        >>> small = Convolution.from_kernel(grid, np.ones(padded_shape(grid)))
+        >>> small.in_faster_precision() is small
+        True
+        """
+        return self.in_single_precision() if math.prod(self.grid.shape) >= _LARGE else self
 
     def with_spectrum(self, spectrum: NDArray[np.inexact]) -> Self:
         """Return a copy with another spectrum; it shares the buffers."""

@@ -108,7 +108,7 @@ class Iteration:
         self._first_length = 1.0 if self._soft.matter else 1 / solid.self_influence
         near_1 = _SMALLEST_SINGLE < solid.self_influence < 1 / _SMALLEST_SINGLE
         single = near_1 and coupling < _MOST_COUPLING * solid.self_influence
-        self._inner = solid.in_single_precision() if single else solid
+        self._inner = solid.in_faster_precision() if single else solid
         self.convolutions = spent
         self._updates = 0  # of the displacement since it was last computed
         self._shifts = 0  # of the datum

@@ -152,7 +152,7 @@ def partition_heat(
         near_1 = _SMALLEST_SINGLE < near.influence[1, 0] < 1 / _SMALLEST_SINGLE
         single = near_1 and tolerance >= _SINGLE_TOLERANCE
         solution, iterations = _iterate(
-            _on_nodes(both.in_single_precision() if single else both, nodes),
+            _on_nodes(both.in_faster_precision() if single else both, nodes),
             functools.partial(near.on(nodes), near.inverse),
             target,
             _RESERVE * tolerance,

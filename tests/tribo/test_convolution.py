@@ -49,7 +49,7 @@ def test_rows_without_a_source_may_be_left_out(shape, periodic):
     convolve(field)  # kept buffers carry nothing over
     field[:2], field[4:] = 0.0, 0.0
     for one in (convolve, convolve.in_single_precision()):
-        assert np.array_equal(one(field, rows=(2, 4))[2:4], one(field)[2:4])
+        assert one(field, rows=(2, 4))[2:4] == pytest.approx(one(field)[2:4], abs=1e-14)
 
 
 @pytest.mark.parametrize("periodic", AXES)

@@ -66,7 +66,7 @@ def test_at_rest_the_shares_are_as_the_conductivities(method):
 @pytest.mark.parametrize("tolerance", [1e-2, 1e-4, 0.99e-4, 1e-9])  # in single, then in double
 @pytest.mark.parametrize("unit", [1e-80, 1.0, 1e80])
 def test_a_tolerance_is_kept_at_either_precision(tolerance, unit):
-    grid = grid_of(n=48)
+    grid = grid_of(n=72)
     flux = rough_contact(grid)
     exact = partition_heat(*bodies(grid), flux, flux > 0, tolerance=1e-12)
     split = partition_heat(*bodies(grid), unit * flux, flux > 0, tolerance=tolerance)
