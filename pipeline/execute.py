@@ -1,71 +1,44 @@
 """A sweep on a Dask cluster: each point is one task, and continues the ramp of the one below it.
 
-The trunk of a chain stays on the worker that computed it, as the result of a task. Should that
-worker die, Dask runs the task again; its point is done by then, so that only the trunk is
-computed. No result depends on any of this.
-
 ::
 
     TriboError
     ├── ExecutionError     the cluster does not start, or is lost (pipeline.cluster)
     └── PointFailedError   on its way from a worker: why a point failed, as the store has it
+                           (pipeline.schedule)
 """
 
 from __future__ import annotations
 
-import functools
 import multiprocessing
-import pickle
-import queue
-import threading
 import time
-from collections import Counter, deque
 from collections.abc import Callable, Iterable
-from concurrent.futures import CancelledError
 from dataclasses import dataclass
 
 from dask.system import CPU_COUNT
-from distributed import Client, Future
-from distributed.scheduler import KilledWorker
 
-from pipeline.cluster import (
-    LOST,
-    PATIENCE,
-    ExecutionError,
-    connected,
-    dashboard_of,
-    share,
-    threads_of,
-)
+from pipeline.cluster import PATIENCE, ExecutionError, connected, dashboard_of
 from pipeline.compact import lay_out
 from pipeline.folder import PathLike
 from pipeline.layout import BY_POINT, COMPACT, versions
-from pipeline.plan import Point, Trunk, advance_trunk, chains, points, run_point
+from pipeline.plan import chains, points
+from pipeline.schedule import PointFailedError, compute
 from pipeline.store import (
     DONE,
     FAILED,
     PENDING,
     FailedPoint,
     Store,
-    StoreError,
     Summary,
     locked,
     prepare,
 )
-from pipeline.sweep import Sweep
-from tribo import InputError, TriboError
+from pipeline.sweep import Point, Sweep
+from tribo import InputError
 
 __all__ = ["ExecutionError", "Outcome", "PointFailedError", "Progress", "run_sweep"]
 
 _MANY = 2000  # points, from which compacting is worth a word
-_POLL = 2.0  # [s] after which to look for workers that came or went
-
-# Buffers of the transforms are shared within a process, whatever threads a given cluster has.
-_one_at_a_time = threading.Lock()
-
-
-class PointFailedError(TriboError):
-    """A point that could not be computed; the store knows."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -193,7 +166,7 @@ def run_sweep(
                     tell(f"the cluster's dashboard is at {dashboard}")
                 while True:
                     if waiting:
-                        _run(client, sweep, store, waiting, tally, patience)
+                        compute(client, sweep, store, waiting, patience, tally.report)
                     more = more or (further() if further else None)
                     if more is None:
                         break
@@ -282,160 +255,3 @@ class _Tally:
         pending = self._total - self._done - self._failed
         time_to_go = elapsed / self.computed * pending if self.computed else None
         self._progress(Progress(self._done, self._failed, self._total, elapsed, time_to_go))
-
-
-@dataclass(eq=False)
-class _Chain:
-    """Points still to compute on one ramp, the trunk to go on from, and the worker with it.
-
-    A suspect is a point that workers have died of before.
-    """
-
-    points: deque[Point]
-    trunk: Future | None = None
-    worker: str = ""
-    suspect: bool = False
-
-
-def _run(
-    client: Client,
-    sweep: Sweep,
-    store: Store,
-    waiting: Iterable[tuple[Point, ...]],
-    tally: _Tally,
-    patience: float,
-) -> None:
-    """Compute all points, as many at a time as there are threads."""
-    parcel = share(client, pickle.dumps(sweep), patience)
-    fresh = deque(_Chain(deque(chain)) for chain in waiting)
-    ready: list[_Chain] = []  # and begun, so that there are never many
-    suspects: list[_Chain] = []
-    running: dict[str, tuple[_Chain, Future]] = {}
-    ended: queue.SimpleQueue[Future] = queue.SimpleQueue()
-    while fresh or ready or running or suspects:
-        if not (fresh or ready or running):
-            ready, suspects = suspects, []
-        threads = threads_of(client, patience)
-        spare = threads - Counter(chain.worker for chain, _ in running.values())
-        while (fresh or ready) and spare and len(running) < threads.total():
-            ((worker, _),) = spare.most_common(1)
-            chain = _next(fresh, ready, worker, len(running), threads.total())
-            task = client.submit(
-                _compute,
-                parcel,
-                store,
-                *chain.points[0],
-                chain.trunk,
-                pure=False,
-                # Where a thread is to spare, and not where the parcel happens to be; or on any
-                # other worker if that one dies.
-                workers=worker,
-                allow_other_workers=True,
-            )
-            task.add_done_callback(ended.put)
-            chain.worker, running[task.key] = worker, (chain, task)
-            spare -= Counter([worker])
-        try:
-            key = ended.get(timeout=_POLL).key
-        except queue.Empty:
-            continue
-        chain, task = running.pop(key)
-        suspects += _conclude(chain, task, store, tally)
-        if chain.points:
-            ready.append(chain)
-
-
-def _next(
-    fresh: deque[_Chain], ready: list[_Chain], worker: str, running: int, threads: int
-) -> _Chain:
-    """Finish chains one by one, so that few trunks are kept; but let the last ones end together."""
-    if len(fresh) + len(ready) + running < 2 * threads:
-        ready += fresh
-        fresh.clear()
-        chosen = max(ready, key=lambda chain: (len(chain.points), chain.worker == worker))
-    else:
-        if fresh:
-            ready.append(fresh.popleft())
-        chosen = max(ready, key=lambda chain: (chain.worker == worker, chain.trunk is not None))
-        if ready[-1] is not chosen and not ready[-1].worker:
-            fresh.appendleft(ready.pop())
-    ready.remove(chosen)
-    return chosen
-
-
-def _conclude(chain: _Chain, task: Future, store: Store, tally: _Tally) -> list[_Chain]:
-    """Take note of how a task ended, and of what its chain goes on from; give new suspects."""
-    point = chain.points[0]
-    if task.status == "finished":
-        chain.trunk = task
-        chain.points.popleft()
-        tally.report(done=1)
-        return []
-    error = _error(task)
-    if isinstance(error, StoreError | ExecutionError):
-        raise error
-    if isinstance(error, KilledWorker):
-        trunk, chain.trunk = chain.trunk, None
-        if error.task != task.key and trunk is not None:
-            return []  # the trunk's fault; without it, the same point begins at the start
-        if not chain.suspect:
-            # Whoever kills workers at random hits the same point twice before long, so it is
-            # tried once more, when nothing else is left that could suffer from it.
-            chain.points.popleft()
-            return [_Chain(deque([point]), suspect=True)]
-        error = PointFailedError(
-            "every worker process that computed it died, and the next one again: "
-            "out of memory, or killed from outside"
-        )
-        store.fail(point, str(error))
-    elif not isinstance(error, PointFailedError):
-        store.fail(point, _text(error))
-    chain.points.popleft()
-    tally.report(failed=1)
-    return []
-
-
-def _error(task: Future) -> BaseException:
-    """Why a task did not finish."""
-    if task.status != "error":
-        return ExecutionError(LOST)
-    error: BaseException = task.exception()
-    return ExecutionError(LOST) if isinstance(error, CancelledError) else error
-
-
-# On the workers. Arrays travel inside bytes: those that Dask rebuilds from its own messages may
-# lie at odd addresses, and NumPy sums such arrays in another order.
-
-
-@functools.lru_cache(maxsize=1)
-def _unpacked(parcel: bytes) -> Sweep:
-    sweep: Sweep = pickle.loads(parcel)
-    return sweep
-
-
-def _compute(
-    parcel: bytes,
-    store: Store,
-    load: float,
-    velocity: float,
-    realization: int | None,
-    trunk: bytes | None,
-) -> bytes:
-    """Compute and commit a point; return the trunk."""
-    with _one_at_a_time:
-        sweep = _unpacked(parcel)
-        before: Trunk | None = pickle.loads(trunk) if trunk else None
-        point = Point(load, velocity, realization)
-        if store.is_done(point):  # Dask asks again, since the trunk was lost with a worker
-            return pickle.dumps(advance_trunk(sweep, *point, before))
-        try:
-            result = run_point(sweep, *point, before)
-        except Exception as error:
-            store.fail(point, _text(error))
-            raise PointFailedError(_text(error)) from None
-        store.commit(result)
-        return pickle.dumps(result.trunk)
-
-
-def _text(error: BaseException) -> str:
-    return f"{type(error).__name__}: {error}"

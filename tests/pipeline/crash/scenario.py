@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 
 import tribo
-from pipeline import execute, together
+from pipeline import execute, schedule, together
 from pipeline.compact import compact_store
 from pipeline.layout import COLUMNS, DONE, FAILED, FIELDS
 from pipeline.plan import points, run_point
@@ -70,7 +70,7 @@ def computing(failing=frozenset()):
         yield _Here()
 
     with (
-        mock.patch.object(execute, "run_point", known),
+        mock.patch.object(schedule, "run_point", known),
         mock.patch.object(execute, "connected", connected),
         # One write after the other: so a crash point is the same each time.
         mock.patch.object(together, "_THREADS", 1),

@@ -1,0 +1,235 @@
+"""Chains of points on the threads of a cluster: what is computed where, and what a failure means.
+
+The trunk of a chain stays on the worker that computed it, as the result of a task. Should that
+worker die, Dask runs the task again; its point is done by then, so that only the trunk is
+computed. No result depends on any of this.
+"""
+
+from __future__ import annotations
+
+import functools
+import pickle
+import queue
+import threading
+import time
+from collections import Counter, deque
+from collections.abc import Callable, Iterable
+from concurrent.futures import CancelledError
+from dataclasses import dataclass, field
+
+from distributed import Client, Future
+from distributed.scheduler import KilledWorker
+
+from pipeline.cluster import LOST, ExecutionError, share, threads_of
+from pipeline.plan import Point, Trunk, advance_trunk, run_point
+from pipeline.store import Store, StoreError
+from pipeline.sweep import Sweep
+from tribo import TriboError
+
+__all__ = ["PointFailedError", "compute"]
+
+_POLL = 2.0  # [s] after which to look for workers that came or went
+
+# Buffers of the transforms are shared within a process, whatever threads a given cluster has.
+_one_at_a_time = threading.Lock()
+
+
+class PointFailedError(TriboError):
+    """A point that could not be computed; the store knows."""
+
+
+@dataclass(eq=False)
+class _Chain:
+    """Points still to compute on one ramp, the trunk to go on from, and the worker with it.
+
+    The first points have tasks already, of which each goes on from the one before. A suspect is a
+    point that workers have died of before.
+    """
+
+    points: deque[Point]
+    trunk: Future | None = None
+    tasks: deque[Future] = field(default_factory=deque)
+    worker: str = ""
+    suspect: bool = False
+
+
+def compute(
+    client: Client,
+    sweep: Sweep,
+    store: Store,
+    waiting: Iterable[tuple[Point, ...]],
+    patience: float,
+    report: Callable[..., None],
+) -> None:
+    """Compute chains of points, as many at a time as there are threads.
+
+    Dask blames a dead worker on whatever it has been given to do, so that a thread is given one
+    point at a time. What it needs the result of that for cannot be to blame, and so may wait
+    there already.
+
+    Parameters
+    ----------
+    client : Client
+    sweep : Sweep
+    store : Store
+    waiting : iterable of tuple of Point
+    patience : float
+        Time to wait for a worker, if there is none [s].
+    report : callable
+        Called with ``done=1`` or ``failed=1`` for each point that ends.
+    """
+    parcel = share(client, pickle.dumps(sweep), patience)
+    fresh = deque(_Chain(deque(chain)) for chain in waiting)
+    ready: list[_Chain] = []  # and begun, so that there are never many
+    running: list[_Chain] = []
+    suspects: list[_Chain] = []
+    chain_of: dict[str, _Chain] = {}  # by the key of a task
+    ended: queue.SimpleQueue[Future] = queue.SimpleQueue()
+
+    def submit(chain: _Chain) -> None:
+        task = client.submit(
+            _compute,
+            parcel,
+            store,
+            *chain.points[len(chain.tasks)],
+            chain.tasks[-1] if chain.tasks else chain.trunk,
+            pure=False,
+            # Where a thread is to spare, and not where the parcel happens to be; or on any other
+            # worker if that one dies.
+            workers=chain.worker,
+            allow_other_workers=True,
+        )
+        chain.tasks.append(task)
+        chain_of[task.key] = chain
+        task.add_done_callback(ended.put)
+
+    threads, known_at = threads_of(client, patience), time.monotonic()
+    while fresh or ready or running or suspects:
+        if not (fresh or ready or running):
+            ready, suspects = suspects, []
+        if time.monotonic() - known_at > _POLL:
+            threads, known_at = threads_of(client, patience), time.monotonic()
+        spare = threads - Counter(chain.worker for chain in running)
+        while (fresh or ready) and spare and len(running) < threads.total():
+            ((worker, _),) = spare.most_common(1)
+            last_ones = len(fresh) + len(ready) + len(running) < 2 * threads.total()
+            chain = _next(fresh, ready, worker, last_ones)
+            chain.worker = worker
+            submit(chain)
+            running.append(chain)
+            spare -= Counter([worker])
+        if len(fresh) + len(ready) + len(running) >= 2 * threads.total():
+            for chain in running:
+                if len(chain.tasks) == 1 < len(chain.points) and chain.worker in threads:
+                    submit(chain)
+        try:
+            key = ended.get(timeout=_POLL).key
+        except queue.Empty:
+            continue
+        chain = chain_of.pop(key)
+        if chain not in running:
+            continue  # a task that failed along with the one before
+        while chain.tasks and chain.tasks[0].done():
+            suspects += _conclude(chain, store, report)
+        if not chain.tasks:
+            running.remove(chain)
+            if chain.points:
+                ready.append(chain)
+
+
+def _next(fresh: deque[_Chain], ready: list[_Chain], worker: str, last_ones: bool) -> _Chain:
+    """Finish chains one by one, so that few trunks are kept; but let the last ones end together."""
+    if last_ones:
+        ready += fresh
+        fresh.clear()
+        chosen = max(ready, key=lambda chain: (len(chain.points), chain.worker == worker))
+    else:
+        if fresh:
+            ready.append(fresh.popleft())
+        chosen = max(ready, key=lambda chain: (chain.worker == worker, chain.trunk is not None))
+        if ready[-1] is not chosen and not ready[-1].worker:
+            fresh.appendleft(ready.pop())
+    ready.remove(chosen)
+    return chosen
+
+
+def _conclude(chain: _Chain, store: Store, report: Callable[..., None]) -> list[_Chain]:
+    """Take note of how the first task of a chain ended, and of what the chain goes on from.
+
+    Returns new suspects.
+    """
+    point, task = chain.points[0], chain.tasks.popleft()
+    if task.status == "finished":
+        chain.trunk = task
+        chain.points.popleft()
+        report(done=1)
+        return []
+    chain.tasks.clear()  # they failed along
+    error = _error(task)
+    if isinstance(error, StoreError | ExecutionError):
+        raise error
+    if isinstance(error, KilledWorker):
+        trunk, chain.trunk = chain.trunk, None
+        if error.task != task.key and trunk is not None:
+            return []  # the trunk's fault; without it, the same point begins at the start
+        if not chain.suspect:
+            # Whoever kills workers at random hits the same point twice before long, so it is
+            # tried once more, when nothing else is left that could suffer from it.
+            chain.points.popleft()
+            return [_Chain(deque([point]), suspect=True)]
+        error = PointFailedError(
+            "every worker process that computed it died, and the next one again: "
+            "out of memory, or killed from outside"
+        )
+        store.fail(point, str(error))
+    elif not isinstance(error, PointFailedError):
+        store.fail(point, _text(error))
+    chain.points.popleft()
+    report(failed=1)
+    return []
+
+
+def _error(task: Future) -> BaseException:
+    """Why a task did not finish."""
+    if task.status != "error":
+        return ExecutionError(LOST)
+    error: BaseException = task.exception()
+    return ExecutionError(LOST) if isinstance(error, CancelledError) else error
+
+
+# On the workers. Arrays travel inside bytes: those that Dask rebuilds from its own messages may
+# lie at odd addresses, and NumPy sums such arrays in another order.
+
+
+@functools.lru_cache(maxsize=1)
+def _unpacked(parcel: bytes) -> Sweep:
+    sweep: Sweep = pickle.loads(parcel)
+    return sweep
+
+
+def _compute(
+    parcel: bytes,
+    store: Store,
+    load: float,
+    velocity: float,
+    realization: int | None,
+    trunk: bytes | None,
+) -> bytes:
+    """Compute and commit a point; return the trunk."""
+    with _one_at_a_time:
+        sweep = _unpacked(parcel)
+        before: Trunk | None = pickle.loads(trunk) if trunk else None
+        point = Point(load, velocity, realization)
+        if store.is_done(point):  # Dask asks again, since the trunk was lost with a worker
+            return pickle.dumps(advance_trunk(sweep, *point, before))
+        try:
+            result = run_point(sweep, *point, before)
+        except Exception as error:
+            store.fail(point, _text(error))
+            raise PointFailedError(_text(error)) from None
+        store.commit(result)
+        return pickle.dumps(result.trunk)
+
+
+def _text(error: BaseException) -> str:
+    return f"{type(error).__name__}: {error}"
