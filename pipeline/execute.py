@@ -236,9 +236,8 @@ class _Tally:
         self, found: Summary, began: float, progress: Callable[[Progress], None] | None
     ) -> None:
         self.computed = 0
-        self._total, self._done, self._failed = found.total, found.done, len(found.failed)
         self._began, self._progress = began, progress
-        self.report()
+        self.widen(found)
 
     def widen(self, found: Summary) -> None:
         """Take note of points that were added."""
