@@ -4,15 +4,8 @@ from dataclasses import replace
 
 import tribo
 from pipeline.sweep import Conditions, Sweep
+from tests.tribo.scenes import STEEL
 
-STEEL = tribo.Material(
-    elastic_modulus=210e9,
-    poisson_ratio=0.3,
-    hardness=6.6e9,
-    thermal_conductivity=45.0,
-    density=7800.0,
-    specific_heat=470.0,
-)
 ALUMINA = tribo.Material(
     elastic_modulus=310e9,
     poisson_ratio=0.25,

@@ -10,15 +10,8 @@ from dataclasses import dataclass
 
 import tribo
 from pipeline.sweep import Conditions, Measurement, Sweep
+from tests.tribo.scenes import STEEL
 
-STEEL = tribo.Material(
-    elastic_modulus=210e9,
-    poisson_ratio=0.3,
-    hardness=6.6e9,
-    thermal_conductivity=45.0,
-    density=7800.0,
-    specific_heat=470.0,
-)
 LOADS, VELOCITIES = (150.0, 250.0, 600.0), (0.5, 1.0, 1.5)
 
 
