@@ -18,7 +18,8 @@ def sweep():
 
 
 def test_presets_against_the_reference(benchmark, sweep):
-    found = benchmark.pedantic(trade, (sweep,), {"base": None}, rounds=1)
+    options = {"base": None, "loads": sweep.loads}
+    found = benchmark.pedantic(trade, (sweep,), options, rounds=1)
     print(f"\n{found}")
     draft, standard, fine = found.choices[:3]
     assert draft.velocity_error > standard.velocity_error > fine.velocity_error > 0
