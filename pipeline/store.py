@@ -229,13 +229,16 @@ class Store:
             If it cannot be written.
         """
         data = result.columns | (result.fields if "pressure" in self._arrays else {})
+        about = {
+            "wall_time": result.wall_time,
+            "message": "; ".join(result.warnings),
+            "finished_at": time.time(),
+            "checksum": checksum(data),
+        }
+        if "finished_at" not in self._arrays:  # as in the oldest stores
+            del about["finished_at"]
         with self._writing(result.point) as write:
-            write({name: self._padded(name, values) for name, values in data.items()})
-            write({"wall_time": result.wall_time, "message": "; ".join(result.warnings)})
-            if "finished_at" in self._arrays:  # not so in the oldest stores
-                write({"finished_at": time.time()})
-            write({"checksum": checksum(data)})
-            self._files.sync()
+            write({name: self._padded(name, values) for name, values in data.items()} | about)
             write({"status": DONE})
 
     def fail(self, point: Point, message: str) -> None:
@@ -378,7 +381,7 @@ class Store:
 
     @contextmanager
     def _writing(self, point: Point) -> Iterator[Callable[[Mapping[str, Any]], None]]:
-        """Give a function that writes values of a point; in the end they are on the disk."""
+        """Give a function that writes values of a point, and returns when they are on the disk."""
         index = self._index(point)
 
         def write(values: Mapping[str, Any]) -> None:
@@ -386,13 +389,13 @@ class Store:
             arrays = ((self._arrays[name], value) for name, value in values.items())
             if self.is_compact:
                 together(array.setitem(index, value) for array, value in arrays)
+                self._files.sync()
             else:
                 parts = (chunks_of(array, index, value) for array, value in arrays)
                 self._files.put_all(itertools.chain.from_iterable(parts))
 
         try:
             yield write
-            self._files.sync()
         except OSError as error:
             raise StoreError(
                 f"{self.path}: the point at {point} cannot be recorded: "

@@ -6,12 +6,9 @@ import asyncio
 import functools
 import threading
 from collections.abc import Coroutine, Iterable
-from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 __all__ = ["together"]
-
-_THREADS = 16  # that wait for the disk
 
 
 def together(coroutines: Iterable[Coroutine[Any, Any, Any]]) -> list[Any]:
@@ -34,6 +31,5 @@ def together(coroutines: Iterable[Coroutine[Any, Any, Any]]) -> list[Any]:
 @functools.cache
 def _loop() -> asyncio.AbstractEventLoop:
     loop = asyncio.new_event_loop()
-    loop.set_default_executor(ThreadPoolExecutor(_THREADS, thread_name_prefix="together"))
     threading.Thread(target=loop.run_forever, name="together", daemon=True).start()
     return loop

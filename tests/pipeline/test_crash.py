@@ -22,7 +22,7 @@ def reported(module, *options):
 
 
 def test_killed_before_any_change_a_store_opens_keeps_its_points_and_resumes():
-    found = reported("crash", "--every", "523")
+    found = reported("crash", "--every", "349")
     assert found["crashes"] > 5
     assert found["faults"] == {}
 

@@ -9,6 +9,7 @@ import shutil
 import subprocess
 import sys
 import warnings
+from contextlib import contextmanager
 
 import numpy as np
 import pytest
@@ -176,14 +177,14 @@ def test_a_point_is_done_once_it_is_committed(path):
 @pytest.mark.parametrize("name", ["time", "rise_quantile", "checksum", "status"])
 def test_a_point_cut_short_at_any_write_is_pending(path, monkeypatch, name):
     store = prepare(path, SWEEP)
-    written = files_module.Files.put
+    written = files_module.Files._replaced
 
     def cut(self, key, content):
         if key.startswith(f"{name}/c"):
             raise Killed
-        written(self, key, content)
+        return written(self, key, content)
 
-    monkeypatch.setattr(files_module.Files, "put", cut)
+    monkeypatch.setattr(files_module.Files, "_replaced", cut)
     with pytest.raises(Killed):
         store.commit(run_point(SWEEP, *POINT))
     monkeypatch.undo()
@@ -195,20 +196,22 @@ def test_a_point_cut_short_at_any_write_is_pending(path, monkeypatch, name):
 
 def test_everything_else_is_on_the_disk_before_the_status_is_written(path, monkeypatch):
     store = prepare(path, SWEEP)
-    log = []
-    written = files_module.Files.put
+    log, names = [], {}
+    written = files_module.Files._replaced
 
+    @contextmanager
     def logged(self, key, content):
-        log.append(key)
-        written(self, key, content)
+        with written(self, key, content) as file:
+            names[file] = key.split("/")[0]
+            log.append(names[file])
+            yield file
 
-    monkeypatch.setattr(files_module.Files, "put", logged)
-    monkeypatch.setattr(files_module, "sync", lambda file: log.append(f"sync {file.parent.name}"))
+    monkeypatch.setattr(files_module.Files, "_replaced", logged)
+    monkeypatch.setattr(os, "fsync", lambda file: log.append(f"sync {names[file]}"))
     store.commit(run_point(SWEEP, *POINT))
-    status = next(index for index, entry in enumerate(log) if entry.startswith("status/"))
     for name in (*COLUMNS, "wall_time", "message", "checksum"):
-        assert log.index(f"sync {name}") < status
-    assert log[status:] == [log[status], "sync status"]
+        assert log.index(f"sync {name}") < log.index("status")
+    assert log[-2:] == ["status", "sync status"]
 
 
 @pytest.mark.parametrize("name", [*COLUMNS, *FIELDS, "checksum"])
@@ -247,7 +250,7 @@ def test_a_full_disk_is_an_error_that_says_so(path, monkeypatch):
     def full(self, key, content):
         raise OSError(errno.ENOSPC, "No space left on device")
 
-    monkeypatch.setattr(files_module.Files, "put", full)
+    monkeypatch.setattr(files_module.Files, "_replaced", full)
     with pytest.raises(StoreError, match=r"250 N, 1 m/s .* No space left on device"):
         store.commit(run_point(SWEEP, *POINT))
     with pytest.raises(StoreError, match="No space left"):

@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 
 import tribo
-from pipeline import execute, schedule, together
+from pipeline import execute, files, schedule
 from pipeline.compact import compact_store
 from pipeline.layout import COLUMNS, DONE, FAILED, FIELDS
 from pipeline.plan import points, run_point
@@ -73,7 +73,7 @@ def computing(failing=frozenset()):
         mock.patch.object(schedule, "run_point", known),
         mock.patch.object(execute, "connected", connected),
         # One write after the other: so a crash point is the same each time.
-        mock.patch.object(together, "_THREADS", 1),
+        mock.patch.object(files, "_THREADS", 1),
     ):
         yield
 
