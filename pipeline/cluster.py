@@ -9,18 +9,18 @@
 from __future__ import annotations
 
 import logging
-import signal
-import threading
+import os
 import time
 from collections import Counter
 from collections.abc import Iterator
 from concurrent.futures import CancelledError
 from contextlib import contextmanager, suppress
-from multiprocessing import resource_tracker
 
 import dask
+import distributed.utils
 from distributed import Client, Future, LocalCluster
 
+from pipeline.forkserver import METHOD, WORKER_ENVIRONMENT, interrupts_put_off, start
 from tribo import TriboError
 
 __all__ = [
@@ -37,25 +37,16 @@ __all__ = [
 
 LOST = "the Dask scheduler is lost; finished points are safe, run the sweep again to go on"
 
-WORKER_ENVIRONMENT = {
-    # Dask's own thresholds return each FFT's memory to the kernel, which takes longer than the
-    # FFT. What is set in Dask's configuration replaces all of it, so the threads are stated again.
-    "MALLOC_TRIM_THRESHOLD_": 268435456,
-    "MALLOC_MMAP_THRESHOLD_": 67108864,
-    "OMP_NUM_THREADS": 1,
-    "MKL_NUM_THREADS": 1,
-    "OPENBLAS_NUM_THREADS": 1,
-}
-"""For workers that are started elsewhere, too."""
-
 CONFIGURATION = {
     # A task is given up when a second worker has died of it.
     "distributed.scheduler.allowed-failures": 1,
+    "distributed.worker.multiprocessing-method": METHOD,
     "distributed.nanny.pre-spawn-environ": WORKER_ENVIRONMENT,
     # Nothing here is worth a spill to disk, and a worker that pauses never ends.
     "distributed.worker.memory.target": False,
     "distributed.worker.memory.spill": False,
     "distributed.worker.memory.pause": False,
+    "distributed.worker.profile.enabled": False,  # which nobody would look at
     "distributed.admin.large-graph-warning-threshold": "1 TB",
 }
 _ATTEMPTS = 3  # to start workers, one of which may be killed before it is ready
@@ -87,13 +78,16 @@ def connected(workers: int, scheduler: str | None, patience: float) -> Iterator[
     cluster = None
     with dask.config.set(CONFIGURATION):
         try:
-            with _interrupts_put_off():
+            start()
+            # The process is there, and Dask need not import for it what it might.
+            distributed.utils._forkserver_preload_set = True
+            with interrupts_put_off():
                 cluster = _local_cluster(workers)
             with Client(cluster, set_as_default=False) as client:
                 yield client
         finally:
             if cluster is not None:
-                with _interrupts_put_off():
+                with interrupts_put_off():
                     cluster.close()
 
 
@@ -109,6 +103,7 @@ def _started(workers: int) -> LocalCluster:
         return LocalCluster(
             n_workers=workers,
             threads_per_worker=1,
+            env=dict(os.environ),  # as it is now, and not as it was when the forkserver started
             # No dashboard; a port of its own for the little that is served in its place.
             dashboard_address="127.0.0.1:0",
             scheduler_kwargs={"dashboard": False},
@@ -170,27 +165,3 @@ def threads_of(client: Client, patience: float) -> Counter[str]:
         if time.monotonic() > end:
             raise ExecutionError("no Dask worker is left, and none has come back")
         time.sleep(0.1)
-
-
-@contextmanager
-def _interrupts_put_off() -> Iterator[None]:
-    """Let Ctrl-C wait until the end.
-
-    Threads that begin in here, and the processes that these start, inherit that SIGINT is
-    blocked. So a Ctrl-C in a terminal, which goes to every process of the foreground, stops the
-    driver alone, and not a worker that may be just starting.
-    """
-    waiting: list[int] = []
-    in_main_thread = threading.current_thread() is threading.main_thread()
-    resource_tracker.ensure_running()  # unblocks SIGINT where it is started, before Python 3.13
-    mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    if in_main_thread:
-        handler = signal.signal(signal.SIGINT, lambda number, _: waiting.append(number))
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, mask)
-        if in_main_thread:
-            signal.signal(signal.SIGINT, handler)
-        if waiting:
-            signal.raise_signal(signal.SIGINT)

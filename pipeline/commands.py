@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pipeline
+from pipeline import forkserver
 from pipeline.crossings import document_of, text_of
 from pipeline.selection import KEPT_FIELDS
 from pipeline.sweep import Point, Sweep
@@ -49,6 +50,8 @@ CONDITIONS = ("friction", "bulk_temperature", "critical_temperature", "share")
 
 def run(options: argparse.Namespace) -> int:
     """Run or resume a sweep, or the part of it that the boundary needs."""
+    if options.scheduler is None:
+        forkserver.start()
     out = options.output or Path("results") / f"{options.scene.stem}.zarr"
     sweep = _scene(options, store=out)
     for note in sweep.notes:

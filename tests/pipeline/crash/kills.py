@@ -31,19 +31,24 @@ SWEEP = tiny.full(
     loading=tiny.SlowRamp(150.0, 750.0),
     velocities=(0.5, 0.75, 1.0, 1.5),
 )
-TARGETS = ("worker", "everything", "client", "worker")
+TARGETS = ("worker", "everything", "client", "worker", "forkserver")
 GIVEN_UP = 3
 
 
-def workers_of(driver):
-    """Worker processes of a driver."""
+def forked_from(parent):
+    """Processes that are children of another and have to do with a forkserver."""
     found = []
     for entry in Path("/proc").glob("[0-9]*"):
         with suppress(OSError):
-            parent = int((entry / "stat").read_text().rsplit(")", 1)[1].split()[1])
-            if parent == driver and b"spawn_main" in (entry / "cmdline").read_bytes():
+            of = int((entry / "stat").read_text().rsplit(")", 1)[1].split()[1])
+            if of == parent and b"forkserver" in (entry / "cmdline").read_bytes():
                 found.append(int(entry.name))
     return found
+
+
+def workers_of(driver):
+    """Worker processes of a driver, which the forkserver has started for it."""
+    return [worker for server in forked_from(driver) for worker in forked_from(server)]
 
 
 def is_gone(group, patience=30.0):
@@ -63,6 +68,8 @@ def kill(driver, target):
     with suppress(ProcessLookupError):
         if target == "worker":
             os.kill(random.choice(workers_of(driver.pid)), signal.SIGKILL)
+        elif target == "forkserver":
+            os.kill(*forked_from(driver.pid), signal.SIGKILL)
         elif target == "client":
             driver.kill()
         else:
