@@ -49,6 +49,7 @@ CONFIGURATION = {
     "distributed.worker.profile.enabled": False,  # which nobody would look at
     "distributed.admin.large-graph-warning-threshold": "1 TB",
 }
+_THREADS = 2  # of a worker: while one waits for the disk, the other computes
 _ATTEMPTS = 3  # to start workers, one of which may be killed before it is ready
 PATIENCE = 30.0
 """For how long to wait for a scheduler, and for workers if there are none [s]."""
@@ -102,8 +103,9 @@ def _started(workers: int) -> LocalCluster:
     try:
         return LocalCluster(
             n_workers=workers,
-            threads_per_worker=1,
+            threads_per_worker=_THREADS,
             env=dict(os.environ),  # as it is now, and not as it was when the forkserver started
+            memory_limit=1 / workers,  # of all there is; by default it goes by the threads
             # No dashboard; a port of its own for the little that is served in its place.
             dashboard_address="127.0.0.1:0",
             scheduler_kwargs={"dashboard": False},

@@ -64,8 +64,8 @@ def compute(
     """Compute chains of points, as many at a time as there are threads.
 
     Dask blames a dead worker on whatever it has been given to do, so that a thread is given one
-    point at a time. What it needs the result of that for cannot be to blame, and so may wait
-    there already.
+    point at a time. What it needs the result of that for cannot be to blame, and so waits there
+    already, unless so few chains are left that they should end together.
 
     Parameters
     ----------
@@ -109,19 +109,16 @@ def compute(
             ready, suspects = suspects, []
         if time.monotonic() - known_at > _POLL:
             threads, known_at = threads_of(client, patience), time.monotonic()
-        spare = threads - Counter(chain.worker for chain in running)
+        last_ones = len(fresh) + len(ready) + len(running) < 2 * threads.total()
+        spare = _room(threads, (*ready, *running)) - Counter(chain.worker for chain in running)
         while (fresh or ready) and spare and len(running) < threads.total():
             ((worker, _),) = spare.most_common(1)
-            last_ones = len(fresh) + len(ready) + len(running) < 2 * threads.total()
             chain = _next(fresh, ready, worker, last_ones)
             chain.worker = worker
-            submit(chain)
+            for _ in range(1 if last_ones else len(chain.points)):
+                submit(chain)
             running.append(chain)
             spare -= Counter([worker])
-        if len(fresh) + len(ready) + len(running) >= 2 * threads.total():
-            for chain in running:
-                if len(chain.tasks) == 1 < len(chain.points) and chain.worker in threads:
-                    submit(chain)
         try:
             key = ended.get(timeout=_POLL).key
         except queue.Empty:
@@ -135,6 +132,13 @@ def compute(
             running.remove(chain)
             if chain.points:
                 ready.append(chain)
+
+
+def _room(threads: Counter[str], chains: Iterable[_Chain]) -> Counter[str]:
+    """How many points each worker may be given: a single one if it is a suspect."""
+    if any(chain.suspect for chain in chains):
+        return Counter(dict.fromkeys(threads, 1))
+    return threads
 
 
 def _next(fresh: deque[_Chain], ready: list[_Chain], worker: str, last_ones: bool) -> _Chain:
@@ -216,10 +220,10 @@ def _compute(
     trunk: bytes | None,
 ) -> bytes:
     """Compute and commit a point; return the trunk."""
+    sweep = _unpacked(parcel)
+    before: Trunk | None = pickle.loads(trunk) if trunk else None
+    point = Point(load, velocity, realization)
     with _one_at_a_time:
-        sweep = _unpacked(parcel)
-        before: Trunk | None = pickle.loads(trunk) if trunk else None
-        point = Point(load, velocity, realization)
         if store.is_done(point):  # Dask asks again, since the trunk was lost with a worker
             return pickle.dumps(advance_trunk(sweep, *point, before))
         try:
@@ -227,8 +231,8 @@ def _compute(
         except Exception as error:
             store.fail(point, _text(error))
             raise PointFailedError(_text(error)) from None
-        store.commit(result)
-        return pickle.dumps(result.trunk)
+    store.commit(result)
+    return pickle.dumps(result.trunk)
 
 
 def _text(error: BaseException) -> str:

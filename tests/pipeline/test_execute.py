@@ -169,6 +169,13 @@ def test_a_point_that_kills_its_workers_fails_alone(path):
         assert found[: len(expected)].tobytes() == expected.tobytes()
 
 
+def test_points_that_share_a_worker_with_a_deadly_one_are_done_after_all(path):
+    deadly = tiny.DeadlyRamp(150.0, 750.0, at=250.0)
+    outcome = run_sweep(tiny.sweep(loading=deadly), path, workers=1)
+    assert {failed.load for failed in outcome.failed} == {250.0}
+    assert (outcome.done, len(outcome.failed)) == (6, 3)
+
+
 def test_a_point_that_fails_says_why_and_is_tried_again_when_asked_to(path):
     diverging = tiny.DivergingRamp(150.0, 750.0, at=250.0)
     sweep = tiny.sweep(loading=diverging, velocities=(1.0,))
@@ -188,7 +195,7 @@ def test_a_load_that_cannot_be_carried_fails_and_the_others_do_not(path):
 
 def test_a_full_disk_stops_the_sweep_and_keeps_what_is_finished(path, alone):
     filling = tiny.full(loading=tiny.FillingRamp(150.0, 750.0, at=600.0))
-    with pytest.raises(StoreError, match=r"600 N.* cannot be recorded: File too large; .* go on"):
+    with pytest.raises(StoreError, match=r"N, .* cannot be recorded: File too large; .* go on"):
         run_sweep(filling, path, workers=1)
     assert multiprocessing.active_children() == []
     assert 2 <= summary(path).done < 9
