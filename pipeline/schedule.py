@@ -16,6 +16,7 @@ from collections import Counter, deque
 from collections.abc import Callable, Iterable
 from concurrent.futures import CancelledError
 from dataclasses import dataclass, field
+from typing import Any
 
 from distributed import Client, Future
 from distributed.scheduler import KilledWorker
@@ -201,8 +202,25 @@ def _error(task: Future) -> BaseException:
     return ExecutionError(LOST) if isinstance(error, CancelledError) else error
 
 
-# On the workers. Arrays travel inside bytes: those that Dask rebuilds from its own messages may
-# lie at odd addresses, and NumPy sums such arrays in another order.
+# On the workers.
+
+
+@dataclass(frozen=True, eq=False)
+class _Kept:
+    """A trunk, which stays as it is for the next point on the same worker.
+
+    On its way to another it is bytes: arrays that Dask rebuilds from its own messages may lie at
+    odd addresses, and NumPy sums such arrays in another order.
+    """
+
+    trunk: Trunk
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _kept, (pickle.dumps(self.trunk),)
+
+
+def _kept(trunk: bytes) -> _Kept:
+    return _Kept(pickle.loads(trunk))
 
 
 @functools.lru_cache(maxsize=1)
@@ -217,22 +235,21 @@ def _compute(
     load: float,
     velocity: float,
     realization: int | None,
-    trunk: bytes | None,
-) -> bytes:
+    kept: _Kept | None,
+) -> _Kept:
     """Compute and commit a point; return the trunk."""
-    sweep = _unpacked(parcel)
-    before: Trunk | None = pickle.loads(trunk) if trunk else None
+    sweep, before = _unpacked(parcel), kept.trunk if kept else None
     point = Point(load, velocity, realization)
     with _one_at_a_time:
         if store.is_done(point):  # Dask asks again, since the trunk was lost with a worker
-            return pickle.dumps(advance_trunk(sweep, *point, before))
+            return _Kept(advance_trunk(sweep, *point, before))
         try:
             result = run_point(sweep, *point, before)
         except Exception as error:
             store.fail(point, _text(error))
             raise PointFailedError(_text(error)) from None
     store.commit(result)
-    return pickle.dumps(result.trunk)
+    return _Kept(result.trunk)
 
 
 def _text(error: BaseException) -> str:
