@@ -126,15 +126,17 @@ def write_gallery(
     Parameters
     ----------
     folder : path
-        Where to write ``README.md`` and the figures.
+        Where to write ``README.md`` and the figures; made if it does not exist.
     names : iterable of str
         Of the results, all if not given.
     preset, surfaces, workers, scenes, results, progress
         See `reproduce`.
     """
     folder = Path(folder)
-    if not folder.is_dir():
-        raise InputError(f"{folder} is no folder; give one that exists")
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"cannot write to {folder}: {error.strerror or error}") from error
     tell = progress or (lambda line: None)
     reports = []
     for name in names:

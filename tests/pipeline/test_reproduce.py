@@ -252,8 +252,14 @@ def test_wrong_use_is_named(name, options, said):
 def test_a_figure_that_cannot_be_written_is_named(tmp_path):
     with pytest.raises(tribo.InputError, match="cannot write"):
         paper.reproduce("fig4", tmp_path / "no" / "fig4.png")
-    with pytest.raises(tribo.InputError, match="is no folder"):
-        paper.write_gallery(tmp_path / "no")
+    (tmp_path / "file").touch()
+    with pytest.raises(tribo.InputError, match=r"cannot write to .*file: File exists"):
+        paper.write_gallery(tmp_path / "file")
+
+
+def test_the_folder_of_the_gallery_is_made(tmp_path):
+    paper.write_gallery(tmp_path / "new" / "gallery", ["fig4"], preset="draft")
+    assert (tmp_path / "new" / "gallery" / "fig4.png").exists()
 
 
 def test_a_finding_says_its_verdict_first():
