@@ -1,13 +1,13 @@
-"""Values of a point as the chunks that Zarr would write, without handing each to its event loop.
+"""Small chunks as Zarr writes and reads them, without handing each to its event loop.
 
-A point has some twenty small chunks, of which Zarr's tasks and threads would cost more than a
-coarse simulation does. What is written is the same, byte for byte.
+A point has some twenty of them, of which Zarr's tasks and threads would cost more than a coarse
+simulation does. What is written is the same, byte for byte.
 """
 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
@@ -15,7 +15,7 @@ from numcodecs.vlen import VLenUTF8
 from numcodecs.zstd import Zstd
 from zarr.codecs import ZstdCodec
 
-__all__ = ["COMPRESSOR", "chunks_of"]
+__all__ = ["COMPRESSOR", "chunks_of", "numbers_in"]
 
 COMPRESSOR = ZstdCodec(level=1, checksum=True)  # of every array that this program makes
 _compressor, _text = Zstd(COMPRESSOR.level, COMPRESSOR.checksum), VLenUTF8()
@@ -46,6 +46,23 @@ def chunks_of(array: Any, index: tuple[int, ...], values: Any) -> Iterator[tuple
             part = whole
         key = f"{array.path}/{array.metadata.encode_chunk_key((*index, *place))}"
         yield key, _compressor.encode(_raw(part))
+
+
+def numbers_in(array: Any, content: Callable[[str], bytes | None]) -> np.ndarray[Any, Any]:
+    """Read an array that has a chunk for each number.
+
+    Parameters
+    ----------
+    array : zarr.AsyncArray
+    content : callable
+        Gives the content of a key, or None if there is none.
+    """
+    dtype = array.dtype.newbyteorder("<")
+    fill = np.asarray(array.metadata.fill_value, dtype).tobytes()
+    keys = map(array.metadata.encode_chunk_key, np.ndindex(array.shape))
+    found = (content(f"{array.path}/{key}") for key in keys)
+    numbers = b"".join(fill if each is None else _compressor.decode(each) for each in found)
+    return np.frombuffer(numbers, dtype).reshape(array.shape)
 
 
 def _raw(part: np.ndarray[Any, Any]) -> bytes:

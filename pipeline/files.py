@@ -43,6 +43,13 @@ class Files(LocalStore):
             pass
         self._written.append(file)
 
+    def content(self, key: str) -> bytes | None:
+        """Read a file, if there is one."""
+        try:
+            return (self.root / key).read_bytes()
+        except FileNotFoundError:
+            return None
+
     def sync(self) -> None:
         """Wait until all that was set is on the disk."""
         written = [self._written.popleft() for _ in range(len(self._written))]

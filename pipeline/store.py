@@ -24,7 +24,7 @@ import zarr
 from numpy.typing import NDArray
 from zarr.api.asynchronous import open_group
 
-from pipeline.chunks import chunks_of
+from pipeline.chunks import chunks_of, numbers_in
 from pipeline.files import Files, RemoteFiles, files_in
 from pipeline.folder import (
     DAMAGED,
@@ -183,7 +183,7 @@ class Store:
 
     def status(self) -> dict[Point, int]:
         """Status of every point there is room for."""
-        flags = self._read(["status"])["status"]
+        flags = self._numbers("status")
         return dict(zip(self.places(), flags.ravel().tolist(), strict=True))
 
     def is_done(self, point: Point) -> bool:
@@ -217,7 +217,7 @@ class Store:
         """When points were finished [s], in no order; those of which it is known."""
         if "finished_at" not in self._arrays:
             return np.empty(0)
-        times: Array = self._read(["finished_at"])["finished_at"]
+        times: Array = self._numbers("finished_at")
         return times[np.isfinite(times)]
 
     def commit(self, result: PointResult) -> None:
@@ -347,15 +347,27 @@ class Store:
     def _read(self, names: Iterable[str], point: Point | None = None) -> dict[str, Any]:
         """Values by variable, all of them or those of a point."""
         names = list(names)
-        try:
+        with self._reading(names):
             if point is None:
                 values = together(self._arrays[name].getitem(slice(None)) for name in names)
             else:
                 index = self._index(point)
                 values = together(self._part(name, index) for name in names)
+        return {name: np.asarray(array)[()] for name, array in zip(names, values, strict=True)}
+
+    def _numbers(self, name: str) -> Any:
+        """What a variable has of each point there is room for: one number."""
+        if self.is_compact or isinstance(self._files, RemoteFiles):
+            return self._read([name])[name]
+        with self._reading([name]):
+            return numbers_in(self._arrays[name], self._files.content)
+
+    @contextmanager
+    def _reading(self, names: Iterable[str]) -> Iterator[None]:
+        try:
+            yield
         except UNREADABLE as error:
             raise StoreError(DAMAGED.format(self.path, " or ".join(names))) from error
-        return {name: np.asarray(array)[()] for name, array in zip(names, values, strict=True)}
 
     async def _part(self, name: str, index: tuple[int, ...]) -> Any:
         """Values of a variable at a point; what else its chunk holds is kept for the next ones."""

@@ -6,7 +6,7 @@ import zarr
 from zarr.api.asynchronous import create_array
 from zarr.storage import MemoryStore
 
-from pipeline.chunks import COMPRESSOR, chunks_of
+from pipeline.chunks import COMPRESSOR, chunks_of, numbers_in
 from pipeline.together import together
 
 CASES = {
@@ -43,3 +43,26 @@ def test_chunks_are_those_that_zarr_writes(dtype, shape, chunks, values, separat
     written = {key: file.to_bytes() for key, file in files.items() if "zarr.json" not in key}
     assert written
     assert dict(chunks_of(array, index, values)) == written
+
+
+@pytest.mark.parametrize(("dtype", "fill"), [("int8", 0), ("float64", np.nan), ("uint64", 7)])
+def test_numbers_are_those_that_zarr_reads(dtype, fill):
+    files = {}
+    creation = create_array(
+        MemoryStore(files),
+        name="variable",
+        shape=(2, 3),
+        chunks=(1, 1),
+        dtype=dtype,
+        compressors=[COMPRESSOR],
+        fill_value=fill,
+    )
+    (array,) = together([creation])
+    together([array.setitem((1, 2), 5)])
+    found = numbers_in(array, lambda key: files[key].to_bytes() if key in files else None)
+    assert found.dtype == dtype
+    np.testing.assert_array_equal(found, together([array.getitem(slice(None))])[0])
+    with pytest.raises(RuntimeError):
+        numbers_in(array, lambda _: b"no chunk")
+    with pytest.raises(ValueError, match="size"):
+        numbers_in(array, lambda _: next(iter(dict(chunks_of(array, (0, 0), 5)).values())) * 2)
