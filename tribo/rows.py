@@ -29,6 +29,7 @@ Array = NDArray[np.float64]
 
 _ROUNDING = 1e-15
 _MOST_STEPS = 100  # of a root finder that halves its bracket where Newton's method leaves it
+_MOST_AT_ONCE = 10  # of Newton's method without a bracket
 
 
 _SOFT = 0.05  # coupling, in units of an element's compliance, that is worth a metric
@@ -103,8 +104,8 @@ class RowMetric:
         self._softness = 1 / (self._d + self._k * self._count)
 
     def _sums(self, values: Array) -> Array:
-        sums: Array = np.bincount(self._row, values, minlength=len(self._count)).astype(np.float64)
-        return sums
+        sums = np.bincount(self._row, values, minlength=len(self._count))
+        return sums.astype(np.float64, copy=False)
 
     def square(self, step: Array) -> float:
         """StepᵀM step."""
@@ -131,17 +132,49 @@ class RowMetric:
 
             d·sᵢ + (c/n)(Σ clip(q + sᵢ) − Qᵢ) = μ,   Qᵢ = Σ q,                                (2)
 
-        for every row. The left-hand side grows with sᵢ, and the sum of all with μ: one root inside
-        another, each by Newton's method in a bracket.
+        for every row. As a rule, three steps of Newton's method find μ and all sᵢ at once. If not:
+        the left-hand side grows with sᵢ, and the sum of all with μ, so that there is one root
+        inside another, each found by Newton's method in a bracket.
         """
         q, sums = field, self._sums(field)
         for _ in range(3):
-            nearest, shift, sums = self._shifted(q, sums, total, highest)
+            found = self._shifted_at_once(q, sums, total, highest)
+            nearest, shift, sums = found or self._shifted(q, sums, total, highest)
             if abs(float(nearest.sum()) - total) <= 100 * _ROUNDING * total:
                 break
             # Where q is far larger than what is left of it, the rest has more digits.
             q = q + shift[self._row]
         return nearest
+
+    def _shifted_at_once(
+        self, q: Array, sums: Array, total: float, highest: float
+    ) -> tuple[Array, Array, Array] | None:
+        """The same as `_shifted`, by Newton's method without a bracket; None if that fails."""
+        d, k = self._d, self._k
+        mu, shift = 0.0, np.zeros(len(sums))
+        for _ in range(_MOST_AT_ONCE):
+            clipped, moving, carried = self._clipped(q + shift[self._row], highest)
+            excess = d * shift + k * (carried - sums) - mu
+            too_much = float(carried.sum()) - total
+            size = d * np.abs(shift) + k * (carried + np.abs(sums)) + abs(mu)
+            rows_are_solved = bool((np.abs(excess) <= _ROUNDING * size).all())
+            if rows_are_solved and abs(too_much) <= 10 * _ROUNDING * total:
+                return clipped, shift, carried
+            pliancy = 1 / (d + k * moving)
+            weight = moving * pliancy
+            stiffness = float(weight.sum())
+            if not stiffness:
+                break
+            change = (float(np.sum(weight * excess)) - too_much) / stiffness
+            mu += change
+            shift += (change - excess) * pliancy
+        return None
+
+    def _clipped(self, field: Array, highest: float) -> tuple[Array, Array, Array]:
+        """A field within the bounds; how many nodes of each row lie between them, and its sum."""
+        moving = self._sums(((field > 0) & (field < highest)).astype(np.float64))
+        clipped = np.clip(field, 0.0, highest)
+        return clipped, moving, self._sums(clipped)
 
     def _shifted(
         self, q: Array, sums: Array, total: float, highest: float
@@ -179,10 +212,7 @@ class RowMetric:
         low = np.full(shift.shape, -float(q.max()))
         high = np.full(shift.shape, top - float(q.min()))
         for _ in range(_MOST_STEPS):
-            clipped = q + shift[self._row]
-            moving = self._sums(((clipped > 0) & (clipped < highest)).astype(np.float64))
-            np.clip(clipped, 0.0, highest, out=clipped)
-            carried = self._sums(clipped)
+            clipped, moving, carried = self._clipped(q + shift[self._row], highest)
             excess = d * shift + k * (carried - sums) - mu
             size = d * np.abs(shift) + k * (carried + np.abs(sums)) + abs(mu)
             over = excess > 0

@@ -33,7 +33,10 @@ def test_products_and_solutions_are_those_of_the_matrix(c):
 
 @pytest.mark.parametrize("c", [1.0, 1e3])
 @pytest.mark.parametrize("highest", [np.inf, 0.8])
-def test_nearest_equals_bounded_least_squares(c, highest):
+@pytest.mark.parametrize("at_once", [True, False])
+def test_nearest_equals_bounded_least_squares(c, highest, at_once, monkeypatch):
+    if not at_once:
+        monkeypatch.setattr(RowMetric, "_shifted_at_once", lambda *_: None)
     metric, matrix = RowMetric(2.0, c / SHAPE[1], NODES // SHAPE[1]), dense(2.0, c)
     q, total = np.random.default_rng(1).normal(size=len(NODES)), 3.0
     root = cholesky(matrix)
