@@ -295,7 +295,11 @@ class Scene:
         return next(fits, 1)
 
     def levels(self) -> Iterator[Scene]:
-        """The scene on ever finer grids: first that of the history, last its own."""
+        """The scene on ever finer grids: first that of the history, last its own.
+
+        From one to the next elements become at least four times smaller along each axis, or the
+        scene's own: contacts on more grids would take longer than they save.
+        """
         factor = self.coarsening
         while factor > 1:
             block = self.fidelity.pixels_per_element * factor
@@ -303,5 +307,5 @@ class Scene:
                 self,
                 fidelity=replace(self.fidelity, pixels_per_element=block, history_coarsening=1),
             )
-            factor = next(n for n in range(factor - 1, 0, -1) if factor % n == 0)
+            factor = next((n for n in range(factor // 4, 1, -1) if factor % n == 0), 1)
         yield self
