@@ -101,11 +101,14 @@ class RowMetric:
         # Rows that hold none of the nodes are left out.
         self._row = (np.cumsum(count > 0) - 1)[rows]
         self._count = count[count > 0]
+        self._start = np.cumsum(self._count) - self._count
+        in_order = bool((rows[1:] >= rows[:-1]).all())
+        self._order = slice(None) if in_order else np.argsort(rows, kind="stable")
         self._softness = 1 / (self._d + self._k * self._count)
 
     def _sums(self, values: Array) -> Array:
-        sums = np.bincount(self._row, values, minlength=len(self._count))
-        return sums.astype(np.float64, copy=False)
+        sums: Array = np.add.reduceat(values[self._order], self._start)
+        return sums
 
     def square(self, step: Array) -> float:
         """StepᵀM step."""

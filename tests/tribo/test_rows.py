@@ -31,6 +31,17 @@ def test_products_and_solutions_are_those_of_the_matrix(c):
     assert np.ptp(vector - matrix @ balanced) < 1e-9
 
 
+def test_nodes_may_come_in_any_order():
+    rng = np.random.default_rng(2)
+    order, vector = rng.permutation(len(NODES)), rng.normal(size=len(NODES))
+    rows = NODES // SHAPE[1]
+    metric, other = RowMetric(2.0, 0.7, rows), RowMetric(2.0, 0.7, rows[order])
+    assert other.square(vector[order]) == pytest.approx(metric.square(vector))
+    assert other.raised(vector[order]) == pytest.approx(metric.raised(vector)[order])
+    nearest = metric.nearest(vector, 3.0, 0.8)
+    assert other.nearest(vector[order], 3.0, 0.8) == pytest.approx(nearest[order])
+
+
 @pytest.mark.parametrize("c", [1.0, 1e3])
 @pytest.mark.parametrize("highest", [np.inf, 0.8])
 @pytest.mark.parametrize("at_once", [True, False])
