@@ -58,9 +58,12 @@ def shifted_to_load(pressure: Array, total: float, hardness: float) -> Array:
     array([0. , 1.5, 2.5])
     """
     clipped = np.clip(pressure, 0.0, hardness)
+    carried = float(clipped.sum())
+    if abs(carried - total) <= 0.1 * LOAD_ERROR * total:
+        return clipped
     between = (clipped > 0) & (clipped < hardness)
     moving = clipped[between]
-    rest = total - float(clipped.sum()) + float(moving.sum())
+    rest = total - carried + float(moving.sum())
     if 0 < rest < hardness * moving.size:
         clipped[between] = nearest(moving, rest, hardness)
         return clipped
