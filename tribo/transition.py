@@ -41,7 +41,10 @@ def contact_quantiles(rise: Array, contact: NDArray[np.bool_]) -> Array:
     """
     if not contact.any():
         raise InputError("nothing is in contact, so there is no temperature to take quantiles of")
-    quantiles: Array = np.quantile(rise[contact], QUANTILES)
+    ordered = np.sort(rise[contact])
+    places = np.asarray(QUANTILES) * (ordered.size - 1)
+    # What np.quantile gives, which for so many quantiles takes several times as long.
+    quantiles: Array = np.interp(places, np.arange(ordered.size), ordered)
     return quantiles
 
 

@@ -16,6 +16,13 @@ def test_quantile_and_failed_share_are_one_criterion():
         assert failed_share(quantiles, limit) == pytest.approx(share, abs=1e-12)
 
 
+@pytest.mark.parametrize("nodes", [1, 2, 3, 1000])
+def test_quantiles_are_those_of_numpy(nodes):
+    rise = np.random.default_rng(nodes).gamma(4.0, 20.0, size=(1, nodes))
+    expected = np.quantile(rise, QUANTILES)
+    assert contact_quantiles(rise, rise > 0) == pytest.approx(expected, rel=1e-13)
+
+
 def test_only_the_contact_counts():
     rise = np.array([[10.0, 500.0], [20.0, 30.0]])
     contact = np.array([[True, False], [True, True]])
