@@ -170,8 +170,9 @@ def advance(
         )
         displacement = contact.gap + contact.approach - shape
         if wear:
-            displacement -= wear.depth(contact.pressure, scheme.implicitness * distance)
-            wear_depth = wear_depth + wear.depth(contact.pressure, weight * distance)
+            depth = wear.depth(contact.pressure, distance)
+            displacement -= scheme.implicitness * depth
+            wear_depth = wear_depth + weight * depth
     if wear:
         volume = wear.specific_wear_rate * force * distance
         check_wear(state.wear_depth, wear_depth, area * patches, volume)
