@@ -32,6 +32,7 @@ __all__ = ["Iteration"]
 
 Array = NDArray[np.float64]
 Nodes = NDArray[np.intp]
+Mask = NDArray[np.bool_]
 Stencil = Callable[[Array, Array], Array]
 
 # Conjugate gradient iterations in the first active-set step. Each later one, which changes fewer
@@ -197,21 +198,15 @@ class Iteration:
         Returns the nodes that are free to move or at a bound that the gap drives them off, the
         number of nodes in contact and the number of those at a wrong bound.
         """
-        gap = np.add(self.displacement, self._z, out=self.gap)
-        mask = self.pressure > 0
-        contact = np.flatnonzero(mask)
-        pressure = self.pressure.take(contact)
+        gap, pressure = np.add(self.displacement, self._z, out=self.gap), self.pressure
+        loaded, elastic = pressure > 0, pressure < self._hardness
+        free = loaded & elastic
         self._unit = self.solid.self_influence * float(pressure.max())
-        self._level = _level(gap, contact, pressure < self._hardness)
+        self._level = _level(gap, loaded, free)
         gap -= self._level
-        mask |= gap < 0
-        nodes = np.flatnonzero(mask)
-        yielding = self.pressure.take(nodes) >= self._hardness
-        if yielding.any():
-            nodes = nodes[~yielding | (gap.take(nodes) > 0)]
+        nodes = np.flatnonzero(free | (elastic & (gap < 0)) | (loaded & (gap > 0)))
         self.residual = float(np.abs(gap.take(nodes)).max(initial=0.0)) / self._unit
-        free = int(np.count_nonzero(pressure < self._hardness))
-        return nodes, contact.size, nodes.size - free
+        return nodes, int(np.count_nonzero(loaded)), nodes.size - int(np.count_nonzero(free))
 
     def _has_stalled(self) -> bool:
         """Whether the residual has stopped falling, mostly because rounding decides about it."""
@@ -363,17 +358,18 @@ class Iteration:
         their neighbours most, and so can be corrected without a convolution.
         """
         gap = displacement + self._z
-        contact = np.flatnonzero(guess > 0)
-        gap -= _level(gap, contact, guess.take(contact) < self._hardness)
+        loaded = guess > 0
+        gap -= _level(gap, loaded, loaded & (guess < self._hardness))
         nodes = np.flatnonzero((guess != 0) | (gap < 0))
         stencil = self._near.on(nodes)
         known_pressure, known_gap = guess.take(nodes), gap.take(nodes)
         pressure = np.clip(known_pressure, 0.0, self._hardness)
         for _ in range(_LOCAL_STEPS):
             gap = known_gap + stencil(self._near.influence, pressure - known_pressure)
-            contact = np.flatnonzero(pressure)
-            gap -= _level(gap, contact, pressure[contact] < self._hardness)
-            wrong = ((gap < 0) | (pressure > 0)) & ((gap > 0) | (pressure < self._hardness))
+            loaded, elastic = pressure > 0, pressure < self._hardness
+            free = loaded & elastic
+            gap -= _level(gap, loaded, free)
+            wrong = free | (elastic & (gap < 0)) | (loaded & (gap > 0))
             gap -= float(np.sum(gap * wrong)) / max(1, int(np.count_nonzero(wrong)))
             change = wrong * stencil(self._near.inverse, wrong * gap)
             pressure = shifted_to_load(pressure - change, self._total, self._hardness)
@@ -382,18 +378,14 @@ class Iteration:
         return corrected
 
 
-def _level(gap: Array, contact: Nodes, free: NDArray[np.bool_]) -> float:
+def _level(gap: Array, loaded: Mask, free: Mask) -> float:
     """The approach for which the gap vanishes on average where a contact is free to move.
 
-    `contact` are the nodes that touch, and `free` says of each whether it does not yield.
+    `loaded` says where there is pressure, and `free` where it is below the hardness too.
     """
-    touching = gap.take(contact)
-    if free.all() and touching.size:
-        return float(touching.mean())
-    if free.any():
-        return float(touching[free].mean())
-    lowest = float(touching.max(initial=-math.inf))
-    apart = np.ones(gap.size, dtype=bool)
-    apart[contact] = False
-    highest = float(gap.reshape(-1)[apart].min(initial=math.inf))
+    nodes = np.flatnonzero(free)
+    if nodes.size:
+        return float(gap.take(nodes).mean())
+    lowest = float(gap[loaded].max(initial=-math.inf))
+    highest = float(gap[~loaded].min(initial=math.inf))
     return lowest if highest == math.inf else (lowest + highest) / 2
