@@ -60,7 +60,7 @@ class Neighbourhood:
 
     def __init__(self, convolution: Convolution, soft_axis: int = 0, coupling: float = 0.0) -> None:
         (nx, ny), self._periodic = convolution.grid.shape, convolution.grid.periodic
-        self._shape = nx, ny
+        self._shape, self._even = (nx, ny), np.isrealobj(convolution.spectrum)
         rx, ry = min(1, (nx - 1) // 2), min(1, (ny - 1) // 2)
         kernel = _near_kernel(convolution)
         self.influence = np.zeros((3, 2))
@@ -74,14 +74,14 @@ class Neighbourhood:
         # to be where the kernel is even along x too.
         middle, total = self.inverse[1, 0], self.inverse.sum() + self.inverse[:, 1].sum()
         dominant = np.count_nonzero(self.inverse > 0) == 1 and 0 < total < np.inf
-        if not (dominant if np.isrealobj(convolution.spectrum) else 0 < middle < np.inf):
+        if not (dominant if self._even else 0 < middle < np.inf):
             self.inverse = np.zeros((3, 2))
             self.inverse[1, 0] = 1 / kernel[2, 0] if kernel[2, 0] > 0 else 1.0
 
     def on(self, nodes: Nodes) -> Callable[[Array, Array], Array]:
         """Return the map (stencil, values) -> values on `nodes`, ascending indices."""
         nx, ny = self._shape
-        along_x, along_y = self._periodic
+        (along_x, along_y), even = self._periodic, self._even
         # Fields have a margin of one element, and are summed as one long row. Rows that hold no
         # nodes are left out at both ends. Single precision, in half the time, does for what only
         # leads the way to a solution.
@@ -110,7 +110,7 @@ class Neighbourhood:
                 field[0], field[-1] = field[-2], field[1]
             np.add(flat[:-2], flat[2:], out=sides[1:-1])
             behind = weighted(before, ahead)
-            if not np.array_equal(before, after):
+            if not even:
                 behind = weighted(before, np.empty_like(ahead))
                 weighted(after, ahead)
             np.multiply(sides, here[1], out=sides)
