@@ -163,7 +163,7 @@ def run_point(
     records = list(trunk.records)
     for state in simulate(sweep, load, velocity, trunk.state):
         records.append(_record(sweep, state))
-        trunk = _extended(sweep, trunk, state, load)
+        trunk = _extended(sweep, trunk, state, load, records[-1])
     return PointResult(
         point=Point(load, velocity, realization),
         columns={name: np.array([record[name] for record in records]) for name in records[0]},
@@ -195,17 +195,18 @@ def advance_trunk(
     if below:
         states = simulate(sweep, load, velocity, trunk.state)
         for state in itertools.islice(states, len(below)):
-            trunk = _extended(sweep, trunk, state, load)
+            trunk = _extended(sweep, trunk, state, load, _record(sweep, state))
     return trunk
 
 
-def _extended(sweep: Sweep, trunk: Trunk, state: State, load: float) -> Trunk:
+def _extended(sweep: Sweep, trunk: Trunk, state: State, load: float, record: Record) -> Trunk:
     """The trunk with one more state of a point, if higher loads pass through it."""
     if not state.on_trunk:
         return trunk
     onwards = state.history or replace(state, heat=None)
-    passed = state if _is_same_for_higher_loads(sweep, state, load) else onwards
-    return Trunk(onwards, (*trunk.records, _record(sweep, passed)))
+    if not _is_same_for_higher_loads(sweep, state, load):
+        record = _record(sweep, onwards)
+    return Trunk(onwards, (*trunk.records, record))
 
 
 def _is_same_for_higher_loads(sweep: Sweep, state: State, load: float) -> bool:
