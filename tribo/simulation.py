@@ -209,22 +209,23 @@ def measures(scene: Scene, state: State) -> dict[str, float]:
         pin) [m³], ``iterations`` and ``residual`` of the contact; ``max_rise``, ``mean_rise`` [K]
         and ``pin_heat_share``, NaN where the temperature was not asked for.
     """
-    pressure = state.pressure
-    grid = next(level.grid for level in _levels(scene) if level.grid.shape == pressure.shape)
+    pressure, patch = state.pressure, scene.grid  # as large on the grid of the history
+    pin_area = patch.area * scene.pin.patches(patch)
     contact = pressure > 0
     nodes = int(np.count_nonzero(contact))
     rows = np.flatnonzero(contact.any(axis=1))
+    width = int(rows[-1] - rows[0]) + 1 if nodes else 0
     return {
         "time": state.time,
         "normal_load": state.normal_load,
         "sliding_distance": state.sliding_distance,
         "contact_fraction": nodes / pressure.size,
-        "contact_width": float(rows[-1] - rows[0] + 1) * grid.spacing[0] if nodes else 0.0,
+        "contact_width": width / len(pressure) * patch.size[0],
         "max_pressure": float(pressure.max()),
-        "mean_pressure": float(pressure.sum()) / nodes if nodes else 0.0,
-        "saturated_fraction": float(np.mean(pressure[contact] >= scene.hardness)) if nodes else 0.0,
+        "mean_pressure": float(pressure.sum()) / max(nodes, 1),
+        "saturated_fraction": np.count_nonzero(pressure >= scene.hardness) / max(nodes, 1),
         "wear_depth_max": float(state.wear_depth.max()),
-        "wear_volume": float(state.wear_depth.sum()) * grid.element_area * scene.pin.patches(grid),
+        "wear_volume": float(state.wear_depth.mean()) * pin_area,
         "iterations": float(state.iterations),
         "residual": state.residual,
         "max_rise": state.heat.max_rise if state.heat else np.nan,
