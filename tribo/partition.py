@@ -257,7 +257,9 @@ def _iterate(
     Returns the solution and the iterations.
     """
     solution, residual, scale = np.zeros_like(target), target.copy(), _norm(target)
-    directions, images = (np.empty((_KEPT_DIRECTIONS, target.size)) for _ in range(2))
+    # In one piece: of two that are freed together, allocators give the memory back, and fetching it
+    # anew page by page costs more than much of the iteration.
+    directions, images = np.empty((2, _KEPT_DIRECTIONS, target.size))
     iteration, error = 0, 1.0
     while error > tolerance and iteration < max_iterations:
         direction = precondition(residual)
