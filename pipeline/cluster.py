@@ -124,7 +124,8 @@ def _started(workers: int) -> LocalCluster:
         return LocalCluster(
             n_workers=workers,
             threads_per_worker=_THREADS,
-            env=dict(os.environ),  # as it is now, and not as it was when the forkserver started
+            # As it is now, and not as it was when the forkserver started.
+            env={**os.environ, **WORKER_ENVIRONMENT},
             memory_limit=1 / workers,  # of all there is; by default it goes by the threads
             # No dashboard; a port of its own for the little that is served in its place.
             dashboard_address="127.0.0.1:0",

@@ -21,11 +21,11 @@ METHOD = "forkserver" if "forkserver" in multiprocessing.get_all_start_methods()
 WORKER_ENVIRONMENT = {
     # Dask's own thresholds return each FFT's memory to the kernel, which takes longer than the
     # FFT. What is set in Dask's configuration replaces all of it, so the threads are stated again.
-    "MALLOC_TRIM_THRESHOLD_": 268435456,
-    "MALLOC_MMAP_THRESHOLD_": 67108864,
-    "OMP_NUM_THREADS": 1,
-    "MKL_NUM_THREADS": 1,
-    "OPENBLAS_NUM_THREADS": 1,
+    "MALLOC_TRIM_THRESHOLD_": "268435456",
+    "MALLOC_MMAP_THRESHOLD_": "67108864",
+    "OMP_NUM_THREADS": "1",
+    "MKL_NUM_THREADS": "1",
+    "OPENBLAS_NUM_THREADS": "1",
 }
 """For workers that are started elsewhere, too."""
 
@@ -37,7 +37,7 @@ def start() -> None:
     before = {name: os.environ.get(name) for name in WORKER_ENVIRONMENT}
     multiprocessing.set_forkserver_preload(["pipeline.schedule"])
     try:
-        os.environ.update({name: str(value) for name, value in WORKER_ENVIRONMENT.items()})
+        os.environ.update(WORKER_ENVIRONMENT)
         with interrupts_put_off():
             forkserver.ensure_running()
     finally:

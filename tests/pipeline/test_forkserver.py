@@ -1,0 +1,38 @@
+"""The process that workers are forked from (pipeline/forkserver.py)."""
+
+import os
+from pathlib import Path
+
+import pytest
+
+from pipeline import forkserver
+from pipeline.cluster import connected
+
+
+@pytest.mark.skipif(forkserver.METHOD != "forkserver", reason="workers are not forked here")
+def test_workers_begin_with_their_settings_and_with_all_imported():
+    with connected(1, None, 30.0) as client:
+        ((environment, imported),) = client.run(_beginning).values()
+    for name, value in forkserver.WORKER_ENVIRONMENT.items():
+        assert f"{name}={value}" in environment
+    assert imported > {"pipeline.schedule", "scipy.special", "numpy"}
+    assert not imported & {"pandas", "xarray", "matplotlib"}
+
+
+def _beginning():
+    import sys
+
+    return Path("/proc/self/environ").read_text().split("\0"), set(sys.modules)
+
+
+def test_the_settings_of_workers_are_not_those_of_this_process(monkeypatch):
+    monkeypatch.setenv("OMP_NUM_THREADS", "7")
+    monkeypatch.delenv("MALLOC_TRIM_THRESHOLD_", raising=False)
+    before = dict(os.environ)
+    forkserver.start()
+    assert dict(os.environ) == before
+    monkeypatch.setenv("SET_LATER", "such as the key of an object store")
+    with connected(1, None, 30.0) as client:
+        (found,) = client.run(lambda: dict(os.environ)).values()
+    assert found["SET_LATER"] == os.environ["SET_LATER"]
+    assert found["OMP_NUM_THREADS"] == "1"
