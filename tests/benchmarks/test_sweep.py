@@ -14,62 +14,63 @@ import pytest
 import xarray as xr
 
 import pipeline
-from pipeline import execute
-from pipeline.plan import chains, points, run_point
+import tribo
+from pipeline import execute, schedule
 
 SCENE = Path(__file__).parents[2] / "workflows" / "irg_transition.toml"
 
 
 @pytest.fixture(scope="module")
 def scene():
-    scene = pipeline.load_scene(SCENE)
-    run_point(scene, 200.0, 1.0)  # kernels and roughness are made once
-    return scene
+    return pipeline.load_scene(SCENE)
 
 
-def simulate(sweep):
-    for chain in chains(points(sweep)):
-        trunk = None
-        for point in chain:
-            trunk = run_point(sweep, *point, trunk=trunk).trunk
+class CountedPoints:
+    """In a worker: `run_point`, and the CPU time that it takes [s]."""
+
+    def __init__(self):
+        self.seconds = 0.0
+        self._run_point, schedule.run_point = schedule.run_point, self
+
+    def __call__(self, *arguments, **options):
+        began = time.thread_time()
+        try:
+            return self._run_point(*arguments, **options)
+        finally:
+            self.seconds += time.thread_time() - began
 
 
-@pytest.fixture
-def run(tmp_path, monkeypatch):
-    """Run a sweep on one worker; what it takes of CPU time here and there [s]."""
-    connected, there = execute.connected, []
+def used():
+    """CPU time of a worker so far, and what of it its points took [s]."""
+    return time.process_time(), schedule.run_point.seconds
+
+
+@pytest.mark.parametrize("preset", [None, "standard", "fine"])
+def test_store_and_scheduling_take_a_small_share(benchmark, scene, tmp_path, monkeypatch, preset):
+    """Once the workers have started."""
+    connected, seconds, points = execute.connected, [], []
 
     @contextmanager
     def counted(*arguments):
         with connected(*arguments) as client:
-            yield client
-            there.extend(client.run(time.process_time).values())
-
-    def run(sweep):
-        before = time.process_time()
-        pipeline.run_sweep(sweep, tmp_path / f"{len(sweep.velocities)}.zarr", workers=1)
-        return time.process_time() - before + there.pop()
+            client.run(CountedPoints)
+            for sign in -1, 1:
+                there = list(client.run(used).values())
+                seconds.append(sign * (time.process_time() + sum(all for all, _ in there)))
+                points.append(sign * sum(took for _, took in there))
+                if sign < 0:
+                    yield client
 
     monkeypatch.setattr(execute, "connected", counted)
-    return run
+    fidelity = tribo.PRESETS.get(preset, scene.fidelity)
+    sweep = replace(scene, fidelity=fidelity, velocities=scene.velocities[2:14:2])
+    benchmark.pedantic(pipeline.run_sweep, (sweep, tmp_path / "out.zarr"), rounds=1)
+    share = 1 - sum(points) / sum(seconds)
+    print(f"\n{preset or 'as shipped'}: store and scheduling take {100 * share:.0f} % of CPU time")
+    assert share < 0.5
 
 
-def test_store_and_scheduling_take_a_small_share(benchmark, scene, run):
-    """Of a further ramp, which leaves out what it takes to start."""
-    one, three = (replace(scene, velocities=scene.velocities[4:end:4]) for end in (5, 13))
-
-    def share():
-        both = run(three) - run(one)
-        before = time.process_time()
-        simulate(replace(three, velocities=three.velocities[1:]))
-        return 1 - (time.process_time() - before) / both
-
-    found = benchmark.pedantic(share, rounds=1)
-    print(f"\nstore and scheduling: {100 * found:.1f} % of the CPU time of a ramp's 12 points")
-    assert found < 0.5
-
-
-def test_two_workers_compute_all_the_time(benchmark, scene, tmp_path):
+def test_two_workers_against_one(benchmark, scene, tmp_path):
     sweep = replace(scene, velocities=scene.velocities[2:14:2])
 
     def run():
@@ -77,10 +78,12 @@ def test_two_workers_compute_all_the_time(benchmark, scene, tmp_path):
             pipeline.run_sweep(sweep, tmp_path / f"{workers}.zarr", workers=workers)
 
     benchmark.pedantic(run, rounds=1)
-    busy = []
+    busy, spans = [], []
     for workers in (1, 2):
         with xr.open_zarr(tmp_path / f"{workers}.zarr", chunks=None) as ds:
             took, ended = ds["wall_time"].values, ds["finished_at"].values
-        busy.append(took.sum() / (ended.max() - (ended - took).min()))
-    print(f"\nworkers that compute, on average: {busy[0]:.2f} of 1, {busy[1]:.2f} of 2")
+        spans.append(ended.max() - (ended - took).min())
+        busy.append(took.sum() / spans[-1])
+    print(f"\ntwo workers are {spans[0] / spans[1]:.2f} times as fast as one", end="; ")
+    print(f"on average {busy[0]:.2f} of 1 and {busy[1]:.2f} of 2 compute")
     assert busy[1] > 1.8 * np.clip(busy[0], None, 1.0)
