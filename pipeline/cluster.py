@@ -21,7 +21,8 @@ import dask
 import distributed.utils
 from distributed import Client, Future, LocalCluster, Worker, WorkerPlugin
 
-from pipeline.forkserver import METHOD, WORKER_ENVIRONMENT, interrupts_put_off, start
+from pipeline import forkserver
+from pipeline.forkserver import METHOD, WORKER_ENVIRONMENT, interrupts_put_off
 from tribo import TriboError
 
 __all__ = [
@@ -96,7 +97,7 @@ def connected(workers: int, scheduler: str | None, patience: float) -> Iterator[
     cluster = None
     with dask.config.set(CONFIGURATION):
         try:
-            start()
+            forkserver.start()
             # The process is there, and Dask need not import for it what it might.
             distributed.utils._forkserver_preload_set = True
             with interrupts_put_off():

@@ -56,8 +56,8 @@ def test_store_and_scheduling_take_a_small_share(benchmark, scene, tmp_path, mon
             client.run(CountedPoints)
             for sign in -1, 1:
                 there = list(client.run(used).values())
-                seconds.append(sign * (time.process_time() + sum(all for all, _ in there)))
-                points.append(sign * sum(took for _, took in there))
+                seconds.append(sign * (time.process_time() + sum(took for took, _ in there)))
+                points.append(sign * sum(of_points for _, of_points in there))
                 if sign < 0:
                     yield client
 
