@@ -1,4 +1,4 @@
-"""A sweep on a Dask cluster: each point is one task, and continues the ramp of the one below it.
+"""A sweep on a Dask cluster: each point continues the ramp of the one below it.
 
 ::
 

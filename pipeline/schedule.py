@@ -1,13 +1,16 @@
 """Chains of points on the threads of a cluster: what is computed where, and what a failure means.
 
-The trunk of a chain stays on the worker that computed it, as the result of a task. Should that
-worker die, Dask runs the task again; its point is done by then, so that only the trunk is
-computed. No result depends on any of this.
+A point is a task of its own, unless points are so short that Dask would take longer than they do;
+then a stretch of them is. The trunk of a chain stays on the worker that computed it, as the result
+of a task. Should that worker die, Dask runs the task again; its points are done by then, so that
+only the trunk is computed. No result depends on any of this.
 """
 
 from __future__ import annotations
 
 import functools
+import itertools
+import math
 import pickle
 import queue
 import threading
@@ -16,7 +19,7 @@ from collections import Counter, deque
 from collections.abc import Callable, Iterable
 from concurrent.futures import CancelledError
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 from distributed import Client, Future
 from distributed.scheduler import KilledWorker
@@ -30,6 +33,7 @@ from tribo import TriboError
 __all__ = ["PointFailedError", "compute"]
 
 _POLL = 2.0  # [s] after which to look for workers that came or went
+_STRETCH = 0.2  # [s] that a task should take, so that Dask's 5 ms do not count
 
 # Buffers of the transforms are shared within a process, whatever threads a given cluster has.
 _one_at_a_time = threading.Lock()
@@ -39,18 +43,26 @@ class PointFailedError(TriboError):
     """A point that could not be computed; the store knows."""
 
 
+class _Task(NamedTuple):
+    """Points that follow each other, and the trunk after the last of them."""
+
+    points: tuple[Point, ...]
+    trunk: Future
+
+
 @dataclass(eq=False)
 class _Chain:
     """Points still to compute on one ramp, the trunk to go on from, and the worker with it.
 
-    The first points have tasks already, of which each goes on from the one before. A suspect is a
+    The tasks have the points before these, and each goes on from the one before. A suspect is a
     point that workers have died of before.
     """
 
     points: deque[Point]
     trunk: Future | None = None
-    tasks: deque[Future] = field(default_factory=deque)
+    tasks: deque[_Task] = field(default_factory=deque)
     worker: str = ""
+    since: float = 0.0  # when the first of the tasks could begin
     suspect: bool = False
 
 
@@ -65,7 +77,7 @@ def compute(
     """Compute chains of points, as many at a time as there are threads.
 
     Dask blames a dead worker on whatever it has been given to do, so that a thread is given one
-    point at a time. What it needs the result of that for cannot be to blame, and so waits there
+    task at a time. What it needs the result of that for cannot be to blame, and so waits there
     already, unless so few chains are left that they should end together.
 
     Parameters
@@ -87,23 +99,25 @@ def compute(
     chain_of: dict[str, _Chain] = {}  # by the key of a task
     ended: queue.SimpleQueue[Future] = queue.SimpleQueue()
 
-    def submit(chain: _Chain) -> None:
-        task = client.submit(
+    def submit(chain: _Chain, length: int) -> None:
+        points = tuple(chain.points.popleft() for _ in range(min(length, len(chain.points))))
+        trunk = client.submit(
             _compute,
             parcel,
             store,
-            *chain.points[len(chain.tasks)],
-            chain.tasks[-1] if chain.tasks else chain.trunk,
+            points,
+            chain.tasks[-1].trunk if chain.tasks else chain.trunk,
             pure=False,
             # Where a thread is to spare, and not where the parcel happens to be; or on any other
             # worker if that one dies.
             workers=chain.worker,
             allow_other_workers=True,
         )
-        chain.tasks.append(task)
-        chain_of[task.key] = chain
-        task.add_done_callback(ended.put)
+        chain.tasks.append(_Task(points, trunk))
+        chain_of[trunk.key] = chain
+        trunk.add_done_callback(ended.put)
 
+    length = 1  # of a stretch, until it is known how long points take
     threads, known_at = threads_of(client, patience), time.monotonic()
     while fresh or ready or running or suspects:
         if not (fresh or ready or running):
@@ -111,15 +125,20 @@ def compute(
         if time.monotonic() - known_at > _POLL:
             threads, known_at = threads_of(client, patience), time.monotonic()
         last_ones = len(fresh) + len(ready) + len(running) < 2 * threads.total()
+        if last_ones:
+            left = sum(len(chain.points) for chain in (*fresh, *ready, *running))
+            length = min(length, max(1, left // (2 * threads.total())))
         spare = _room(threads, (*ready, *running)) - Counter(chain.worker for chain in running)
         while (fresh or ready) and spare and len(running) < threads.total():
             ((worker, _),) = spare.most_common(1)
             chain = _next(fresh, ready, worker, last_ones)
-            chain.worker = worker
-            for _ in range(1 if last_ones else len(chain.points)):
-                submit(chain)
+            chain.worker, chain.since = worker, time.monotonic()
+            submit(chain, length)
             running.append(chain)
             spare -= Counter([worker])
+        for chain in running:
+            if chain.points and len(chain.tasks) == 1 and not last_ones:
+                submit(chain, length)
         try:
             key = ended.get(timeout=_POLL).key
         except queue.Empty:
@@ -127,8 +146,15 @@ def compute(
         chain = chain_of.pop(key)
         if chain not in running:
             continue  # a task that failed along with the one before
-        while chain.tasks and chain.tasks[0].done():
-            suspects += _conclude(chain, store, report)
+        while chain.tasks and chain.tasks[0].trunk.done():
+            task = chain.tasks.popleft()
+            if task.trunk.status == "finished":
+                chain.trunk, since, chain.since = task.trunk, chain.since, time.monotonic()
+                length = math.ceil(len(task.points) * _STRETCH / (chain.since - since))
+                for _ in task.points:
+                    report(done=1)
+            else:
+                suspects += _recover(chain, task, store, report)
         if not chain.tasks:
             running.remove(chain)
             if chain.points:
@@ -158,29 +184,32 @@ def _next(fresh: deque[_Chain], ready: list[_Chain], worker: str, last_ones: boo
     return chosen
 
 
-def _conclude(chain: _Chain, store: Store, report: Callable[..., None]) -> list[_Chain]:
-    """Take note of how the first task of a chain ended, and of what the chain goes on from.
+def _recover(chain: _Chain, task: _Task, store: Store, report: Callable[..., None]) -> list[_Chain]:
+    """Take note of why a task failed, and of what its chain goes on with.
 
     Returns new suspects.
     """
-    point, task = chain.points[0], chain.tasks.popleft()
-    if task.status == "finished":
-        chain.trunk = task
-        chain.points.popleft()
-        report(done=1)
-        return []
-    chain.tasks.clear()  # they failed along
-    error = _error(task)
+    failed_along = [point for later in chain.tasks for point in later.points]
+    chain.tasks.clear()
+    chain.points.extendleft(reversed((*task.points, *failed_along)))
+    error = _error(task.trunk)
     if isinstance(error, StoreError | ExecutionError):
         raise error
+    left = list(itertools.dropwhile(store.is_done, task.points))
+    for _ in range(len(task.points) - len(left)):
+        chain.points.popleft()
+        report(done=1)
     if isinstance(error, KilledWorker):
         trunk, chain.trunk = chain.trunk, None
-        if error.task != task.key and trunk is not None:
+        if error.task != task.trunk.key and trunk is not None:
             return []  # the trunk's fault; without it, the same point begins at the start
+    if not left:
+        return []
+    point = chain.points.popleft()
+    if isinstance(error, KilledWorker):
         if not chain.suspect:
             # Whoever kills workers at random hits the same point twice before long, so it is
             # tried once more, when nothing else is left that could suffer from it.
-            chain.points.popleft()
             return [_Chain(deque([point]), suspect=True)]
         error = PointFailedError(
             "every worker process that computed it died, and the next one again: "
@@ -189,7 +218,6 @@ def _conclude(chain: _Chain, store: Store, report: Callable[..., None]) -> list[
         store.fail(point, str(error))
     elif not isinstance(error, PointFailedError):
         store.fail(point, _text(error))
-    chain.points.popleft()
     report(failed=1)
     return []
 
@@ -213,7 +241,7 @@ class _Kept:
     odd addresses, and NumPy sums such arrays in another order.
     """
 
-    trunk: Trunk
+    trunk: Trunk | None
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _kept, (pickle.dumps(self.trunk),)
@@ -229,27 +257,22 @@ def _unpacked(parcel: bytes) -> Sweep:
     return sweep
 
 
-def _compute(
-    parcel: bytes,
-    store: Store,
-    load: float,
-    velocity: float,
-    realization: int | None,
-    kept: _Kept | None,
-) -> _Kept:
-    """Compute and commit a point; return the trunk."""
-    sweep, before = _unpacked(parcel), kept.trunk if kept else None
-    point = Point(load, velocity, realization)
-    with _one_at_a_time:
-        if store.is_done(point):  # Dask asks again, since the trunk was lost with a worker
-            return _Kept(advance_trunk(sweep, *point, before))
-        try:
-            result = run_point(sweep, *point, before)
-        except Exception as error:
-            store.fail(point, _text(error))
-            raise PointFailedError(_text(error)) from None
-    store.commit(result)
-    return _Kept(result.trunk)
+def _compute(parcel: bytes, store: Store, points: tuple[Point, ...], kept: _Kept | None) -> _Kept:
+    """Compute and commit points, one after the other; return the trunk."""
+    sweep, trunk = _unpacked(parcel), kept.trunk if kept else None
+    for point in points:
+        with _one_at_a_time:
+            if store.is_done(point):  # Dask asks again, since the trunk was lost with a worker
+                trunk = advance_trunk(sweep, *point, trunk)
+                continue
+            try:
+                result = run_point(sweep, *point, trunk)
+            except Exception as error:
+                store.fail(point, _text(error))
+                raise PointFailedError(_text(error)) from None
+        store.commit(result)
+        trunk = result.trunk
+    return _Kept(trunk)
 
 
 def _text(error: BaseException) -> str:

@@ -169,11 +169,16 @@ def test_a_point_that_kills_its_workers_fails_alone(path):
         assert found[: len(expected)].tobytes() == expected.tobytes()
 
 
-def test_points_that_share_a_worker_with_a_deadly_one_are_done_after_all(path):
-    deadly = tiny.DeadlyRamp(150.0, 750.0, at=250.0)
-    outcome = run_sweep(tiny.sweep(loading=deadly), path, workers=1)
-    assert {failed.load for failed in outcome.failed} == {250.0}
-    assert (outcome.done, len(outcome.failed)) == (6, 3)
+@pytest.mark.parametrize(
+    ("velocities", "at"),
+    [(tiny.VELOCITIES, 600.0), (tuple(np.linspace(0.5, 1.5, 6)), 250.0)],
+    ids=["in tasks of their own", "in tasks of several"],
+)
+def test_points_that_share_a_worker_with_a_deadly_one_are_done_after_all(path, velocities, at):
+    deadly = tiny.DeadlyRamp(150.0, 750.0, at=at)
+    outcome = run_sweep(tiny.sweep(loading=deadly, velocities=velocities), path, workers=1)
+    assert {failed.load for failed in outcome.failed} == {at}
+    assert (outcome.done, len(outcome.failed)) == (2 * len(velocities), len(velocities))
 
 
 def test_a_point_that_fails_says_why_and_is_tried_again_when_asked_to(path):

@@ -2,7 +2,6 @@
 
 import functools
 import itertools
-from concurrent.futures import Future
 from contextlib import contextmanager
 from dataclasses import replace
 from unittest import mock
@@ -19,6 +18,7 @@ from pipeline.store import Store
 from pipeline.sweep import Point
 from pipeline.verify import verify_store
 from tests.pipeline import tiny
+from tests.pipeline.here import Here
 
 FIRST = tiny.full(loads=(150.0, 600.0), velocities=(0.5,), realizations=(1,))
 GROWN = replace(FIRST, loads=(150.0, 600.0, 900.0))  # and longer by some steps
@@ -67,7 +67,7 @@ def computing(failing=frozenset()):
 
     @contextmanager
     def connected(*_):
-        yield _Here()
+        yield Here()
 
     with (
         mock.patch.object(schedule, "run_point", known),
@@ -114,32 +114,6 @@ def status_first():
     correct = Store.commit
     with mock.patch.object(Store, "commit", commit):
         yield
-
-
-class _Here:
-    """What a sweep needs of a Dask client, done at once."""
-
-    def nthreads(self):
-        return {"here": 1}
-
-    def wait_for_workers(self, *_, **__):
-        pass
-
-    def submit(self, function, *arguments, **_):
-        ended = _Ended()
-        ended.key = id(ended)
-        values = (each.result() if isinstance(each, Future) else each for each in arguments)
-        try:
-            ended.set_result(function(*values))
-            ended.status = "finished"
-        except Exception as error:
-            ended.set_exception(error)
-            ended.status = "error"
-        return ended
-
-
-class _Ended(Future):
-    pass
 
 
 def check(path, acknowledged):
