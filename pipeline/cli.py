@@ -22,7 +22,8 @@ from tribo import PRESETS, TriboError
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; return its exit code."""
-    # At its end Python would look through all that it is about to forget, for 0.1 to 0.3 s.
+    # What is imported is no garbage, neither now nor at the end: looking takes 0.1 and 0.2 s.
+    gc.set_threshold(100_000)
     atexit.register(gc.freeze)
     options = _parser().parse_args(arguments)
     try:

@@ -35,7 +35,7 @@ def start() -> None:
     if METHOD != "forkserver":
         return
     before = {name: os.environ.get(name) for name in WORKER_ENVIRONMENT}
-    multiprocessing.set_forkserver_preload(["pipeline.schedule"])
+    multiprocessing.set_forkserver_preload(["pipeline.preload"])
     try:
         os.environ.update(WORKER_ENVIRONMENT)
         with interrupts_put_off():

@@ -15,8 +15,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import sparse
-from scipy.sparse.linalg import spsolve
 
 from tribo import InputError, read_heights
 
@@ -174,6 +172,9 @@ def filled(heights: Array) -> Array:
         raise InputError("all heights are missing")
     if not missing.any():
         return heights.copy()
+    from scipy import sparse  # few scenes need it, and it takes 0.04 s to load
+    from scipy.sparse.linalg import spsolve
+
     count = int(missing.sum())
     number = np.full(heights.shape, -1)
     number[missing] = np.arange(count)

@@ -17,8 +17,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike, NDArray
-from scipy import special
 
 from tribo.errors import require_positive
 
@@ -300,7 +300,7 @@ def moving_band_rise(
     def integral(U: Array) -> Array:
         """∫₀^U e^u K₀(|u|) du, for U of either sign."""
         size = np.maximum(np.abs(U), np.finfo(float).tiny)
-        k0, k1 = special.k0e(size), special.k1e(size)
+        k0, k1 = scipy.special.k0e(size), scipy.special.k1e(size)
         behind = size * (k0 + k1) - 1
         ahead = size * np.exp(-2 * size) * (k1 - k0) - 1
         return np.asarray(np.where(U > 0, behind, ahead))

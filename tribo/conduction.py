@@ -25,8 +25,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy import special
 
 from tribo.convolution import Convolution, padded_shape
 from tribo.errors import InputError
@@ -352,7 +352,7 @@ def _sampled_factor(
     edges = (np.arange(first, last + 2) - 0.5) * axis.step
     u = (edges - shift[:, None]) / s[:, None]
     # erf(u) is a step from -1 to 1 and a tail. The tails are small where they nearly cancel.
-    tail = special.erfc(np.abs(u))
+    tail = scipy.special.erfc(np.abs(u))
     values = np.diff(np.where(u < 0, tail, -tail)) + 2 * np.diff((u >= 0).astype(float))
     offset = first % axis.length
     periods = -(-(offset + values.shape[1]) // axis.length)
@@ -396,6 +396,6 @@ def _filon_weights(
     degrees = np.arange(len(nodes))
     projection = np.polynomial.legendre.legvander(nodes, len(nodes) - 1) * weights[:, None]
     projection = projection * (2 * degrees + 1) * (-1j) ** degrees
-    moments = special.spherical_jn(degrees[:, None, None], omega * (high - low) / 2)
+    moments = scipy.special.spherical_jn(degrees[:, None, None], omega * (high - low) / 2)
     carrier = (high - low) / 2 * np.exp(-1j * omega * (high + low) / 2)
     return np.asarray(np.einsum("sl,lpm->spm", projection, moments) * carrier)

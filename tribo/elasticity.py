@@ -12,8 +12,8 @@ from collections.abc import Callable
 from typing import Literal, get_args
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.special import eval_legendre, spence, xlogy
 
 from tribo.convolution import Convolution, padded_shape, wrapped_offsets
 from tribo.errors import InputError, require_positive
@@ -253,7 +253,7 @@ def _tail(x: Array, s: Array, period: float) -> Array:
     r = np.hypot(x, s)
     series = np.full(r.shape, 0.5)
     for order, coefficient in zip((1, 3, 5, 7, 9), _EULER_MACLAURIN, strict=True):
-        series += coefficient * (period / r) ** order * eval_legendre(order, s / r)
+        series += coefficient * (period / r) ** order * scipy.special.eval_legendre(order, s / r)
     tail: Array = series / r - np.log((s + r) / period) / period
     return tail
 
@@ -279,11 +279,15 @@ def _doubly_periodic(
 
 def _log_integral(x: Array, a: float) -> Array:
     """∫ ln|x + s| ds over |s| < a, shape of x."""
-    integral: Array = xlogy(x + a, np.abs(x + a)) - xlogy(x - a, np.abs(x - a)) - 2 * a
+    integral: Array = (
+        scipy.special.xlogy(x + a, np.abs(x + a))
+        - scipy.special.xlogy(x - a, np.abs(x - a))
+        - 2 * a
+    )
     return integral
 
 
 def _clausen(angle: Array) -> Array:
     """Clausen's integral −∫₀^θ ln|2 sin(t/2)| dt."""
-    integral: Array = spence(1 - np.exp(1j * angle)).imag
+    integral: Array = scipy.special.spence(1 - np.exp(1j * angle)).imag
     return integral
