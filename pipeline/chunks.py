@@ -15,7 +15,7 @@ from numcodecs.vlen import VLenUTF8
 from numcodecs.zstd import Zstd
 from zarr.codecs import ZstdCodec
 
-__all__ = ["COMPRESSOR", "chunks_of", "numbers_in"]
+__all__ = ["COMPRESSOR", "chunks_of", "values_at"]
 
 COMPRESSOR = ZstdCodec(level=1, checksum=True)  # of every array that this program makes
 _compressor, _text = Zstd(COMPRESSOR.level, COMPRESSOR.checksum), VLenUTF8()
@@ -48,21 +48,37 @@ def chunks_of(array: Any, index: tuple[int, ...], values: Any) -> Iterator[tuple
         yield key, _compressor.encode(_raw(part))
 
 
-def numbers_in(array: Any, content: Callable[[str], bytes | None]) -> np.ndarray[Any, Any]:
-    """Read an array that has a chunk for each number.
+def values_at(array: Any, index: tuple[int, ...], content: Callable[[str], bytes | None]) -> Any:
+    """Read what an array has at an index, or all of it at ``()``.
 
     Parameters
     ----------
     array : zarr.AsyncArray
+        Whose chunks hold one place of the leading dimensions each.
+    index : tuple of int
+        The place.
     content : callable
         Gives the content of a key, or None if there is none.
+
+    Raises
+    ------
+    RuntimeError, ValueError
+        If a chunk is damaged.
     """
-    dtype = array.dtype.newbyteorder("<")
-    fill = np.asarray(array.metadata.fill_value, dtype).tobytes()
-    keys = map(array.metadata.encode_chunk_key, np.ndindex(array.shape))
-    found = (content(f"{array.path}/{key}") for key in keys)
-    numbers = b"".join(fill if each is None else _compressor.decode(each) for each in found)
-    return np.frombuffer(numbers, dtype).reshape(array.shape)
+    is_text = array.dtype.kind == "T"
+    dtype = np.dtype(object) if is_text else array.dtype.newbyteorder("<")
+    sizes, shape = array.chunks[len(index) :], array.shape[len(index) :]
+    counts = [-(-n // size) for n, size in zip(shape, sizes, strict=True)]
+    extent = [n * size for n, size in zip(counts, sizes, strict=True)]
+    values = np.full(extent, array.metadata.fill_value, dtype)
+    for place in np.ndindex(*counts):
+        found = content(f"{array.path}/{array.metadata.encode_chunk_key((*index, *place))}")
+        if found is not None:
+            raw = _compressor.decode(found)
+            part = _text.decode(raw) if is_text else np.frombuffer(raw, dtype)
+            window = tuple(slice(i * n, (i + 1) * n) for i, n in zip(place, sizes, strict=True))
+            values[window] = part.reshape(sizes)
+    return values[tuple(slice(n) for n in shape)]
 
 
 def _raw(part: np.ndarray[Any, Any]) -> bytes:

@@ -66,14 +66,14 @@ def lay_out(folder: Place, separator: str) -> None:
         if arrays["status"]["chunk_key_encoding"]["configuration"]["separator"] != separator:
             store = Store(folder, mode="r")
             for name in names:  # of chunks that do not count, there may be some from before
-                _remove(files, name, separator)
+                files.remove_all(f"{name}/c{separator}")
                 arrays[name] = _described(arrays[name], separator, len(store.axes_of_points))
             _rewrite(files, store, {name: arrays[name] for name in names})
             commit_metadata(folder, attributes, arrays)
         for name in names:
             if read_json(folder / name / ROOT) != arrays[name]:
                 write_json(folder / name / ROOT, arrays[name])
-            _remove(files, name, COMPACT if separator == BY_POINT else BY_POINT)
+            files.remove_all(f"{name}/c{COMPACT if separator == BY_POINT else BY_POINT}")
     except OSError as error:
         raise StoreError(f"{folder} cannot be written: {error}") from error
 
@@ -111,14 +111,3 @@ def _rewrite(files: Files | RemoteFiles, store: Store, arrays: dict[str, Any]) -
         ]
         together(array.setitem(block, values[block]) for block in blocks)
         files.sync()
-
-
-def _remove(files: Files | RemoteFiles, name: str, separator: str) -> None:
-    """Remove the chunks of one kind."""
-    together([_removed(files, f"{name}/", f"{name}/c{separator}")])
-
-
-async def _removed(files: Files | RemoteFiles, folder: str, prefix: str) -> None:
-    found = [key async for key in files.list_prefix(folder) if key.startswith(prefix)]
-    for key in found:
-        await files.delete(key)

@@ -50,6 +50,14 @@ class Files(LocalStore):
         except FileNotFoundError:
             return None
 
+    def remove_all(self, prefix: str) -> None:
+        """Remove the files of which the key begins like this."""
+        top, beginning = os.path.split(f"{self.root}/{prefix}")
+        for folder, _, names in os.walk(top):
+            for name in names:
+                if name.startswith(beginning):
+                    Path(folder, name).unlink()
+
     def sync(self) -> None:
         """Wait until all that was set is on the disk."""
         written = [self._written.popleft() for _ in range(len(self._written))]
@@ -89,6 +97,16 @@ class RemoteFiles(FsspecStore):
         """Replace objects, at the same time, and wait until they are safe."""
         buffer = default_buffer_prototype().buffer
         together(self.set(key, buffer.from_bytes(content)) for key, content in contents)
+
+    def remove_all(self, prefix: str) -> None:
+        """Remove the objects of which the key begins like this."""
+        together([self._removed(prefix)])
+
+    async def _removed(self, prefix: str) -> None:
+        folder = prefix[: prefix.index("/") + 1]
+        found = [key async for key in self.list_prefix(folder) if key.startswith(prefix)]
+        for key in found:
+            await self.delete(key)
 
     def sync(self) -> None:
         """Do nothing: what was set is safe."""

@@ -24,7 +24,7 @@ import zarr
 from numpy.typing import NDArray
 from zarr.api.asynchronous import open_group
 
-from pipeline.chunks import chunks_of, numbers_in
+from pipeline.chunks import chunks_of, values_at
 from pipeline.files import Files, RemoteFiles, files_in
 from pipeline.folder import (
     DAMAGED,
@@ -183,7 +183,7 @@ class Store:
 
     def status(self) -> dict[Point, int]:
         """Status of every point there is room for."""
-        flags = self._numbers("status")
+        flags = self.values("status")
         return dict(zip(self.places(), flags.ravel().tolist(), strict=True))
 
     def is_done(self, point: Point) -> bool:
@@ -217,7 +217,7 @@ class Store:
         """When points were finished [s], in no order; those of which it is known."""
         if "finished_at" not in self._arrays:
             return np.empty(0)
-        times: Array = self._numbers("finished_at")
+        times: Array = self.values("finished_at")
         return times[np.isfinite(times)]
 
     def commit(self, result: PointResult) -> None:
@@ -346,21 +346,14 @@ class Store:
 
     def _read(self, names: Iterable[str], point: Point | None = None) -> dict[str, Any]:
         """Values by variable, all of them or those of a point."""
-        names = list(names)
+        names, index = list(names), () if point is None else self._index(point)
         with self._reading(names):
-            if point is None:
-                values = together(self._arrays[name].getitem(slice(None)) for name in names)
-            else:
-                index = self._index(point)
+            if self.is_compact or isinstance(self._files, RemoteFiles):
                 values = together(self._part(name, index) for name in names)
+            else:
+                content = self._files.content
+                values = [values_at(self._arrays[name], index, content) for name in names]
         return {name: np.asarray(array)[()] for name, array in zip(names, values, strict=True)}
-
-    def _numbers(self, name: str) -> Any:
-        """What a variable has of each point there is room for: one number."""
-        if self.is_compact or isinstance(self._files, RemoteFiles):
-            return self._read([name])[name]
-        with self._reading([name]):
-            return numbers_in(self._arrays[name], self._files.content)
 
     @contextmanager
     def _reading(self, names: Iterable[str]) -> Iterator[None]:
@@ -373,8 +366,8 @@ class Store:
         """Values of a variable at a point; what else its chunk holds is kept for the next ones."""
         array = self._arrays[name]
         sizes = array.chunks[: len(index)]
-        if max(sizes) == 1:
-            return await array.getitem(index)
+        if max(sizes, default=1) == 1:
+            return await array.getitem((*index, ...))
         begins = tuple(i // size * size for i, size in zip(index, sizes, strict=True))
         if (name, begins) not in self._kept:
             block = tuple(slice(i, i + size) for i, size in zip(begins, sizes, strict=True))

@@ -1,4 +1,4 @@
-"""Chunks that are written without Zarr's tasks."""
+"""Chunks that are written and read without Zarr's tasks."""
 
 import numpy as np
 import pytest
@@ -6,7 +6,7 @@ import zarr
 from zarr.api.asynchronous import create_array
 from zarr.storage import MemoryStore
 
-from pipeline.chunks import COMPRESSOR, chunks_of, numbers_in
+from pipeline.chunks import COMPRESSOR, chunks_of, values_at
 from pipeline.together import together
 
 CASES = {
@@ -23,46 +23,69 @@ CASES = {
 }
 
 
+def created(files, dtype, shape, chunks, separator=".", fill=None):
+    """An array with a chunk of its own for each of 2 × 3 points."""
+    creation = create_array(
+        MemoryStore(files),
+        name="variable",
+        shape=(2, 3, *shape),
+        chunks=(1, 1, *chunks),
+        dtype=dtype,
+        compressors=[COMPRESSOR],
+        fill_value={"float64": np.nan, "str": ""}.get(dtype, 0) if fill is None else fill,
+        chunk_key_encoding={"name": "default", "separator": separator},
+    )
+    with zarr.config.set({"array.write_empty_chunks": True}):
+        (array,) = together([creation])
+    return array
+
+
+def content_of(files):
+    return lambda key: files[key].to_bytes() if key in files else None
+
+
 @pytest.mark.parametrize("separator", [".", "/"])
 @pytest.mark.parametrize(("dtype", "shape", "chunks", "values"), CASES.values(), ids=CASES.keys())
 def test_chunks_are_those_that_zarr_writes(dtype, shape, chunks, values, separator):
     files, index = {}, (1, 2)
-    with zarr.config.set({"array.write_empty_chunks": True}):
-        creation = create_array(
-            MemoryStore(files),
-            name="variable",
-            shape=(2, 3, *shape),
-            chunks=(1, 1, *chunks),
-            dtype=dtype,
-            compressors=[COMPRESSOR],
-            fill_value={"float64": np.nan, "str": ""}.get(dtype, 0),
-            chunk_key_encoding={"name": "default", "separator": separator},
-        )
-        (array,) = together([creation])
-        together([array.setitem(index, values)])
+    array = created(files, dtype, shape, chunks, separator)
+    together([array.setitem(index, values)])
     written = {key: file.to_bytes() for key, file in files.items() if "zarr.json" not in key}
     assert written
     assert dict(chunks_of(array, index, values)) == written
 
 
-@pytest.mark.parametrize(("dtype", "fill"), [("int8", 0), ("float64", np.nan), ("uint64", 7)])
-def test_numbers_are_those_that_zarr_reads(dtype, fill):
+@pytest.mark.parametrize("index", [(1, 2), (0, 0), (1,), ()], ids=str)
+@pytest.mark.parametrize(("dtype", "shape", "chunks", "values"), CASES.values(), ids=CASES.keys())
+def test_values_are_those_that_zarr_reads(dtype, shape, chunks, values, index):
+    """Also where there is no chunk."""
     files = {}
-    creation = create_array(
-        MemoryStore(files),
-        name="variable",
-        shape=(2, 3),
-        chunks=(1, 1),
-        dtype=dtype,
-        compressors=[COMPRESSOR],
-        fill_value=fill,
-    )
-    (array,) = together([creation])
-    together([array.setitem((1, 2), 5)])
-    found = numbers_in(array, lambda key: files[key].to_bytes() if key in files else None)
+    array = created(files, dtype, shape, chunks)
+    together([array.setitem((1, 2), values), array.setitem((0, 1), values)])
+    found = values_at(array, index, content_of(files))
+    (expected,) = together([array.getitem((*index, ...))])
+    assert np.shape(found) == np.shape(expected)
+    np.testing.assert_array_equal(found, np.asarray(expected, np.asarray(found).dtype))
+
+
+@pytest.mark.parametrize(("dtype", "fill"), [("int8", 3), ("float64", 1.5), ("uint64", 7)])
+def test_where_there_is_no_chunk_there_is_what_fills_it(dtype, fill):
+    found = values_at(created({}, dtype, (4,), (3,), fill=fill), (), lambda _: None)
     assert found.dtype == dtype
-    np.testing.assert_array_equal(found, together([array.getitem(slice(None))])[0])
-    with pytest.raises(RuntimeError):
-        numbers_in(array, lambda _: b"no chunk")
+    np.testing.assert_array_equal(found, np.full((2, 3, 4), fill))
+
+
+@pytest.mark.parametrize(("dtype", "values"), [("float64", 1.5), ("str", "worn through")])
+def test_damaged_chunks_are_errors(dtype, values):
+    array = created({}, dtype, (), ())
+    ((_, chunk),) = chunks_of(array, (0, 0), values)
+    for damaged in (b"", b"no chunk", chunk[:-1], chunk[:9] + b"?" + chunk[10:]):
+        with pytest.raises((RuntimeError, ValueError)):
+            values_at(array, (0, 0), lambda _, damaged=damaged: damaged)
+
+
+def test_a_chunk_of_another_size_is_an_error():
+    array = created({}, "float64", (3,), (3,))
+    ((_, chunk),) = chunks_of(created({}, "float64", (4,), (4,)), (0, 0), np.arange(4.0))
     with pytest.raises(ValueError, match="size"):
-        numbers_in(array, lambda _: next(iter(dict(chunks_of(array, (0, 0), 5)).values())) * 2)
+        values_at(array, (0, 0), lambda _: chunk)
