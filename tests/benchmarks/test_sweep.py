@@ -1,9 +1,12 @@
 """What a sweep of the shipped scene costs beside its simulation, and what a second worker brings.
 
 Counted in CPU time, and in how many workers compute at the same time, so that it holds on a
-machine that others use, too.
+machine that others use, too. Beside each the least that it could be here: files of the same sizes
+that are only written, and processes that only simulate.
 """
 
+import multiprocessing
+import os
 import time
 from contextlib import contextmanager
 from dataclasses import replace
@@ -15,7 +18,8 @@ import xarray as xr
 
 import pipeline
 import tribo
-from pipeline import execute, schedule
+from pipeline import execute, forkserver, schedule
+from pipeline.plan import run_point
 
 SCENE = Path(__file__).parents[2] / "workflows" / "irg_transition.toml"
 
@@ -45,6 +49,22 @@ def used():
     return time.process_time(), schedule.run_point.seconds
 
 
+def bare_files(store, folder, points=50):
+    """CPU time of the files of a point, created, synced and renamed as a store must [s]."""
+    sizes = [file.stat().st_size for file in store.glob("*/c.0.0*")]
+    folder.mkdir()
+    began = time.process_time()
+    for point in range(points):
+        for number, size in enumerate(sizes):
+            name = folder / f"{point}.{number}"
+            with name.with_suffix(".partial").open("wb") as file:
+                file.write(bytes(size))
+                file.flush()
+                os.fsync(file.fileno())
+            name.with_suffix(".partial").rename(name)
+    return (time.process_time() - began) / points
+
+
 @pytest.mark.parametrize("preset", [None, "standard", "fine"])
 def test_store_and_scheduling_take_a_small_share(benchmark, scene, tmp_path, monkeypatch, preset):
     """Once the workers have started."""
@@ -64,10 +84,36 @@ def test_store_and_scheduling_take_a_small_share(benchmark, scene, tmp_path, mon
     monkeypatch.setattr(execute, "connected", counted)
     fidelity = tribo.PRESETS.get(preset, scene.fidelity)
     sweep = replace(scene, fidelity=fidelity, velocities=scene.velocities[2:14:2])
-    benchmark.pedantic(pipeline.run_sweep, (sweep, tmp_path / "out.zarr"), rounds=1)
+    out = tmp_path / "out.zarr"
+    outcome = benchmark.pedantic(pipeline.run_sweep, (sweep, out), rounds=1)
     share = 1 - sum(points) / sum(seconds)
-    print(f"\n{preset or 'as shipped'}: store and scheduling take {100 * share:.0f} % of CPU time")
+    least = bare_files(out, tmp_path / "bare") * outcome.done / sum(seconds)
+    print(
+        f"\n{preset or 'as shipped'}: store and scheduling take {100 * share:.0f} % of CPU time",
+        end="; ",
+    )
+    print(f"its {1e3 * sum(points) / outcome.done:.0f} ms a point are simulation,", end=" ")
+    print(f"the bare files would take {100 * least:.0f} %")
     assert share < 0.5
+
+
+def simulate(sweep, velocities, core):
+    os.sched_setaffinity(0, {core})
+    began = time.perf_counter()
+    for velocity in velocities:
+        trunk = None
+        for load in sweep.loads:
+            trunk = run_point(sweep, load, velocity, trunk=trunk).trunk
+    return time.perf_counter() - began
+
+
+def time_of_bare(processes, sweep):
+    """Time of processes that share the velocities, and neither store nor talk [s]."""
+    forkserver.start()
+    cores = sorted(os.sched_getaffinity(0))[:processes]
+    with multiprocessing.get_context(forkserver.METHOD).Pool(processes) as pool:
+        work = [(sweep, sweep.velocities[i::processes], core) for i, core in enumerate(cores)]
+        return max(pool.starmap(simulate, work, chunksize=1))
 
 
 def test_two_workers_against_one(benchmark, scene, tmp_path):
@@ -76,7 +122,9 @@ def test_two_workers_against_one(benchmark, scene, tmp_path):
     def run():
         for workers in (1, 2):
             pipeline.run_sweep(sweep, tmp_path / f"{workers}.zarr", workers=workers)
+            bare.append(time_of_bare(workers, sweep))
 
+    bare = []
     benchmark.pedantic(run, rounds=1)
     busy, spans = [], []
     for workers in (1, 2):
@@ -85,5 +133,6 @@ def test_two_workers_against_one(benchmark, scene, tmp_path):
         spans.append(ended.max() - (ended - took).min())
         busy.append(took.sum() / spans[-1])
     print(f"\ntwo workers are {spans[0] / spans[1]:.2f} times as fast as one", end="; ")
+    print(f"bare processes {bare[0] / bare[1]:.2f}", end="; ")
     print(f"on average {busy[0]:.2f} of 1 and {busy[1]:.2f} of 2 compute")
     assert busy[1] > 1.8 * np.clip(busy[0], None, 1.0)
