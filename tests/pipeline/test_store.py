@@ -9,7 +9,7 @@ import shutil
 import subprocess
 import sys
 import warnings
-from contextlib import contextmanager
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -199,12 +199,11 @@ def test_everything_else_is_on_the_disk_before_the_status_is_written(path, monke
     log, names = [], {}
     written = files_module.Files._replaced
 
-    @contextmanager
     def logged(self, key, content):
-        with written(self, key, content) as file:
-            names[file] = key.split("/")[0]
-            log.append(names[file])
-            yield file
+        file = written(self, key, content)
+        names[file] = key.split("/")[0]
+        log.append(names[file])
+        return file
 
     monkeypatch.setattr(files_module.Files, "_replaced", logged)
     monkeypatch.setattr(os, "fsync", lambda file: log.append(f"sync {names[file]}"))
@@ -255,6 +254,26 @@ def test_a_full_disk_is_an_error_that_says_so(path, monkeypatch):
         store.commit(run_point(SWEEP, *POINT))
     with pytest.raises(StoreError, match="No space left"):
         store.fail(POINT, "why")
+
+
+def test_what_the_disk_takes_in_parts_is_written_whole(path, monkeypatch):
+    store, write = prepare(path, SWEEP), os.write
+    monkeypatch.setattr(os, "write", lambda file, content: write(file, content[:7]))
+    store.commit(run_point(SWEEP, *POINT))
+    assert store.is_intact(POINT)
+
+
+def test_a_point_that_cannot_be_written_leaves_no_file_open(path, monkeypatch):
+    def full(*_):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    store, result = prepare(path, SWEEP), run_point(SWEEP, *POINT)
+    store.commit(result)
+    before = sorted(Path("/proc/self/fd").iterdir())
+    monkeypatch.setattr(os, "write", full)
+    with pytest.raises(StoreError, match="No space left"):
+        store.commit(result)
+    assert sorted(Path("/proc/self/fd").iterdir()) == before
 
 
 def test_a_process_opens_a_store_once_and_again_after_it_has_grown(store):
