@@ -18,9 +18,11 @@ import time
 from collections import Counter
 from contextlib import suppress
 from pathlib import Path
+from unittest import mock
 
 import numpy as np
 
+from pipeline import schedule
 from pipeline.execute import ExecutionError, run_sweep
 from pipeline.plan import points, run_point
 from pipeline.store import DONE, Store, StoreError, summary
@@ -29,7 +31,7 @@ from tests.pipeline import tiny
 
 SWEEP = tiny.full(
     loading=tiny.SlowRamp(150.0, 750.0),
-    velocities=(0.5, 0.75, 1.0, 1.5),
+    velocities=tuple(np.linspace(0.5, 1.5, 12).tolist()),
 )
 TARGETS = ("worker", "everything", "client", "worker", "forkserver")
 GIVEN_UP = 3
@@ -77,9 +79,10 @@ def kill(driver, target):
 
 
 def drive(path):
-    """Run or resume the sweep."""
+    """Run or resume the sweep, with several points in a task, as if they were short."""
     try:
-        return 1 if run_sweep(SWEEP, path, workers=2).failed else 0
+        with mock.patch.object(schedule, "_STRETCH", 10.0):
+            return 1 if run_sweep(SWEEP, path, workers=2).failed else 0
     except ExecutionError as error:  # workers were killed so often that it gave up
         print(error, file=sys.stderr)
         return GIVEN_UP
