@@ -19,8 +19,8 @@ from tribo.partition import DIRECT_MEMORY
 __all__ = ["Estimate", "estimate"]
 
 _CONVOLUTIONS_PER_REFINEMENT = 15.0  # of a point's last step, from the grid of the history
-_SECONDS_TO_START = 1.5  # a cluster
-_SECONDS_TO_COMMIT = 0.01  # a point, and to schedule it
+_SECONDS_TO_START = 1.0  # a cluster
+_SECONDS_TO_COMMIT = 0.005  # a point, and to schedule it
 _WORKER_BYTES = 115e6  # interpreter and libraries
 _FIELDS_IN_MEMORY = 60  # arrays of the grid's size that a worker holds at a time
 _STORED_COLUMNS = 15
