@@ -33,7 +33,7 @@ from tribo import TriboError
 __all__ = ["PointFailedError", "compute"]
 
 _POLL = 2.0  # [s] after which to look for workers that came or went
-_STRETCH = 0.2  # [s] that a task should take, so that Dask's 5 ms do not count
+_STRETCH = 1.0  # [s] that a task should take, beside which Dask's 5 to 10 ms do not count
 
 # Buffers of the transforms are shared within a process, whatever threads a given cluster has.
 _one_at_a_time = threading.Lock()
