@@ -21,8 +21,9 @@ if TYPE_CHECKING:
     from pipeline.paper import RESULTS, reproduce, write_gallery
     from pipeline.plan import run_point
     from pipeline.scenefile import SceneFileError, load_scene
-    from pipeline.store import StoreError, StoreMismatchError, summary
+    from pipeline.store import StoreError, StoreMismatchError
     from pipeline.style import figure_path, save_figure
+    from pipeline.summaries import summary
     from pipeline.sweep import Conditions, Measurement, Sweep
     from pipeline.tradeoff import trade
     from pipeline.tradeoff_figure import draw_trade
@@ -58,7 +59,7 @@ _HOMES = {
     "run_sweep": "execute",
     "save_figure": "style",
     "stored_selection": "accuracy",
-    "summary": "store",
+    "summary": "summaries",
     "to_si": "units",
     "trade": "tradeoff",
     "verify_store": "verify",

@@ -19,7 +19,7 @@ from pipeline.terminal import ProgressLine, duration, show, tell
 from tribo import InputError, failed_share, measures, specific_wear_rate
 
 if TYPE_CHECKING:
-    from pipeline.store import FailedPoint, Summary
+    from pipeline.summaries import FailedPoint, Summary
     from pipeline.verify import Damage
 
 __all__ = [

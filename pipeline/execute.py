@@ -27,12 +27,11 @@ from pipeline.store import (
     DONE,
     FAILED,
     PENDING,
-    FailedPoint,
     Store,
-    Summary,
     locked,
     prepare,
 )
+from pipeline.summaries import FailedPoint, Summary, summarized
 from pipeline.sweep import Point, Sweep
 from tribo import InputError
 
@@ -152,7 +151,7 @@ def run_sweep(
             for note in _notes(store, sweep):
                 tell(note)
         waiting = chains(_todo(store, sweep, retry_failed, checked), sweep.independent)
-        tally = _Tally(store.summary(), began, progress)
+        tally = _Tally(summarized(store), began, progress)
         more = None if waiting or further is None else further()
         was_compact = store.is_compact
         if waiting or more:
@@ -173,11 +172,11 @@ def run_sweep(
                     sweep, more = more, None
                     store = prepare(out, sweep)
                     waiting = chains(_todo(store, sweep, False, checked), sweep.independent)
-                    tally.widen(store.summary())
+                    tally.widen(summarized(store))
             if was_compact:
                 lay_out(store.path, COMPACT)
                 store = Store(store.path)
-        found = store.summary()
+        found = summarized(store)
     if tell and found.total >= _MANY and not was_compact:
         tell(f"{out} opens faster after: irg compact {out}")
     return Outcome(

@@ -16,7 +16,6 @@ import json
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -36,7 +35,6 @@ from pipeline.folder import (
     folder_of,
     locked,
     read_metadata,
-    user,
 )
 from pipeline.layout import (
     COLUMNS,
@@ -54,7 +52,6 @@ from pipeline.layout import (
     lasting_attributes,
     stored_scene,
 )
-from pipeline.pace import pace
 from pipeline.plan import PointResult
 from pipeline.shape import commit_shape
 from pipeline.sweep import Point, Sweep
@@ -65,64 +62,16 @@ __all__ = [
     "DONE",
     "FAILED",
     "PENDING",
-    "FailedPoint",
     "Store",
     "StoreError",
     "StoreMismatchError",
-    "Summary",
     "locked",
     "prepare",
-    "summary",
 ]
 
 Array = NDArray[np.float64]
 
 _KEPT = 3  # chunks of each variable, if they hold many points
-
-
-@dataclass(frozen=True, slots=True)
-class FailedPoint:
-    """A point that could not be computed: load [N], velocity [m/s], why, and on which surface."""
-
-    load: float
-    velocity: float
-    message: str
-    realization: int | None = None
-
-    def __str__(self) -> str:
-        return f"{Point(self.load, self.velocity, self.realization)}: {self.message}"
-
-
-@dataclass(frozen=True, slots=True)
-class Summary:
-    """How far a sweep has come.
-
-    Attributes
-    ----------
-    name, title : str
-        Of the scene.
-    total, done, pending : int
-        Points that the scene asks for, those of them that are done and those still to do.
-    failed : tuple of FailedPoint
-    rate : float or None
-        At which points were finished most recently [1/s]; None if that is not known.
-    running : str or None
-        Who computes points now, if anyone does.
-    """
-
-    name: str
-    title: str
-    total: int
-    done: int
-    pending: int
-    failed: tuple[FailedPoint, ...]
-    rate: float | None = None
-    running: str | None = None
-
-    @property
-    def time_to_go(self) -> float | None:
-        """Time that the pending points take at that rate [s]."""
-        return self.pending / self.rate if self.rate else None
 
 
 class Store:
@@ -190,28 +139,9 @@ class Store:
         """Whether a point is complete."""
         return bool(self._read(["status"], point)["status"] == DONE)
 
-    def summary(self) -> Summary:
-        """Count points, without reading their data."""
-        status = self.status()
-        asked = self.asked()
-        counts = [status[point] for point in asked]
-        failed = (point for point in asked if status[point] == FAILED)
-        return Summary(
-            name=self.attributes["name"],
-            title=self.attributes["title"],
-            total=len(asked),
-            done=counts.count(DONE),
-            pending=counts.count(PENDING),
-            failed=tuple(
-                FailedPoint(
-                    at.load,
-                    at.velocity,
-                    str(self._read(["message"], at)["message"]),
-                    at.realization,
-                )
-                for at in failed
-            ),
-        )
+    def message(self, point: Point) -> str:
+        """Why a point failed, or what to know of it."""
+        return str(self._read(["message"], point)["message"])
 
     def finished_at(self) -> Array:
         """When points were finished [s], in no order; those of which it is known."""
@@ -407,18 +337,6 @@ class Store:
                 f"{error.strerror or error}; what is finished is safe, go on when there is room "
                 "and permission to write"
             ) from error
-
-
-def summary(path: PathLike) -> Summary:
-    """Count the points of a store and tell their rate, without reading their data.
-
-    Raises
-    ------
-    StoreError
-        If there is no readable store.
-    """
-    store = Store(path, mode="r")
-    return replace(store.summary(), rate=pace(store.finished_at()), running=user(path))
 
 
 def prepare(path: PathLike, sweep: Sweep) -> Store:

@@ -15,7 +15,8 @@ from pipeline import execute
 from pipeline.compact import compact_store
 from pipeline.dataset import open_sweep
 from pipeline.plan import chains, points, run_point
-from pipeline.store import locked, prepare, summary
+from pipeline.store import locked, prepare
+from pipeline.summaries import summary
 from tests.pipeline import tiny
 
 VELOCITIES = {100: 10, 1_000: 25, 10_000: 100}

@@ -15,7 +15,7 @@ from distributed import Client
 from pipeline.cli import main
 from pipeline.cluster import connected
 from pipeline.execute import ExecutionError, run_sweep
-from pipeline.store import summary
+from pipeline.summaries import summary
 from tests.pipeline import tiny
 from tests.pipeline.test_cli import SCENE
 from tests.pipeline.test_execute import content

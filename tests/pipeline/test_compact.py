@@ -13,7 +13,8 @@ from pipeline.dataset import open_sweep
 from pipeline.execute import run_sweep
 from pipeline.layout import COLUMNS
 from pipeline.plan import points, run_point
-from pipeline.store import Store, StoreError, locked, prepare, summary
+from pipeline.store import Store, StoreError, locked, prepare
+from pipeline.summaries import summary
 from pipeline.sweep import Point
 from pipeline.verify import verify_store
 from tests.pipeline import tiny

@@ -23,13 +23,12 @@ from pipeline.execute import run_sweep
 from pipeline.layout import COLUMNS, FIELDS, describe, scene_hash
 from pipeline.plan import Point, run_point
 from pipeline.store import (
-    FailedPoint,
     Store,
     StoreError,
     StoreMismatchError,
     locked,
-    summary,
 )
+from pipeline.summaries import FailedPoint, summary
 from pipeline.verify import verify_store
 from tests.pipeline import tiny
 

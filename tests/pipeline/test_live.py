@@ -14,7 +14,8 @@ from pipeline.cli import main
 from pipeline.layout import COLUMNS, DONE, FIELDS
 from pipeline.pace import pace
 from pipeline.plan import Point, points, run_point
-from pipeline.store import Store, locked, prepare, summary
+from pipeline.store import Store, locked, prepare
+from pipeline.summaries import summary
 from tests.pipeline import tiny
 
 LOADS = (150.0, 600.0)

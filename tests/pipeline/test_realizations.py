@@ -16,7 +16,8 @@ from pipeline.execute import run_sweep
 from pipeline.follow import follow_boundary
 from pipeline.layout import COLUMNS, FIELDS, RECORDS
 from pipeline.plan import chains, points, run_point
-from pipeline.store import DONE, Store, StoreMismatchError, prepare, summary
+from pipeline.store import DONE, Store, StoreMismatchError, prepare
+from pipeline.summaries import summary
 from pipeline.sweep import Point
 from tests.pipeline import synthetic, tiny
 from tests.pipeline.conftest import commit_all

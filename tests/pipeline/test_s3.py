@@ -17,7 +17,8 @@ from pipeline.dataset import open_sweep
 from pipeline.execute import run_sweep
 from pipeline.layout import COLUMNS, FIELDS
 from pipeline.plan import points, run_point
-from pipeline.store import StoreError, locked, prepare, summary
+from pipeline.store import StoreError, locked, prepare
+from pipeline.summaries import summary
 from pipeline.sweep import Point
 from pipeline.verify import verify_store
 from tests.pipeline import tiny

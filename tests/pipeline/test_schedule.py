@@ -11,6 +11,7 @@ from pipeline.layout import COLUMNS
 from pipeline.plan import chains, points, run_point
 from pipeline.schedule import compute
 from pipeline.store import Store, prepare
+from pipeline.summaries import summarized
 from pipeline.sweep import Point
 from tests.pipeline import tiny
 from tests.pipeline.here import Here
@@ -78,7 +79,7 @@ def test_a_point_that_fails_costs_no_other_of_its_task(given, monkeypatch):
     store, tasks, ended = given()
     assert any(bad in task and len(task) == 3 for task in tasks)
     assert ended == (23, 1)
-    (failed,) = store.summary().failed
+    (failed,) = summarized(store).failed
     assert (failed.load, failed.velocity) == bad[:2]
     for place in (points(SWEEP)[9], points(SWEEP)[11]):
         assert_is_as_computed_alone(store, place)

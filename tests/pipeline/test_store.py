@@ -20,7 +20,6 @@ from hypothesis import strategies as st
 
 import pipeline.files as files_module
 import pipeline.shape as shape_module
-import pipeline.store as store_module
 import tribo
 from pipeline.layout import COLUMNS, COORDINATES, FIELDS, describe
 from pipeline.plan import Point, points, run_point
@@ -32,8 +31,8 @@ from pipeline.store import (
     StoreMismatchError,
     locked,
     prepare,
-    summary,
 )
+from pipeline.summaries import FailedPoint, summary
 from pipeline.sweep import Conditions
 from tests.pipeline import tiny
 from tests.pipeline.conftest import commit_all
@@ -230,9 +229,7 @@ def test_a_flipped_bit_and_a_lost_file_are_noticed(copy, name):
 def test_a_failed_point_says_why_and_can_be_tried_again(store):
     point = Point(600.0, 1.5)
     store.fail(point, "it did not converge – é")
-    assert summary(store.path).failed == (
-        store_module.FailedPoint(600.0, 1.5, "it did not converge – é"),
-    )
+    assert summary(store.path).failed == (FailedPoint(600.0, 1.5, "it did not converge – é"),)
     store.forget(point)
     assert store.status()[point] == PENDING
     assert summary(store.path).failed == ()

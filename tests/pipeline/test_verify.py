@@ -14,7 +14,8 @@ from pipeline.dataset import open_sweep
 from pipeline.execute import run_sweep
 from pipeline.layout import COLUMNS, COORDINATES, FIELDS, RECORDS
 from pipeline.plan import Point
-from pipeline.store import Store, StoreError, locked, prepare, summary
+from pipeline.store import Store, StoreError, locked, prepare
+from pipeline.summaries import summary
 from pipeline.verify import verify_store
 from tests.pipeline import tiny
 from tests.pipeline.conftest import commit_all

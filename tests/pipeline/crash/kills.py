@@ -25,7 +25,8 @@ import numpy as np
 from pipeline import schedule
 from pipeline.execute import ExecutionError, run_sweep
 from pipeline.plan import points, run_point
-from pipeline.store import DONE, Store, StoreError, summary
+from pipeline.store import DONE, Store, StoreError
+from pipeline.summaries import summary
 from pipeline.verify import verify_store
 from tests.pipeline import tiny
 
