@@ -1,9 +1,9 @@
 """Chains of points on the threads of a cluster: what is computed where, and what a failure means.
 
-A point is a task of its own, unless points are so short that Dask would take longer than they do;
-then a stretch of them is. The trunk of a chain stays on the worker that computed it, as the result
-of a task. Should that worker die, Dask runs the task again; its points are done by then, so that
-only the trunk is computed. No result depends on any of this.
+A point is a task of its own, but short ones share a task with the next of their chain. The trunk
+of a chain stays on the worker that computed it, as the result of a task. Should that worker die,
+Dask runs the task again; its points are done by then, so that only the trunk is computed. No
+result depends on any of this.
 """
 
 from __future__ import annotations
