@@ -8,7 +8,16 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[1]
-HEAVY = {"dask", "distributed", "zarr", "xarray", "matplotlib", "pint"}
+HEAVY = {
+    "dask",
+    "distributed",
+    "zarr",
+    "xarray",
+    "matplotlib",
+    "pint",
+    "scipy.fft",
+    "scipy.special",
+}
 
 
 def loaded_by(code):

@@ -5,6 +5,7 @@ machine that others use, too. Beside each the least that it could be here: files
 that are only written, and processes that only simulate.
 """
 
+import itertools
 import multiprocessing
 import os
 import time
@@ -20,6 +21,7 @@ import pipeline
 import tribo
 from pipeline import execute, forkserver, schedule
 from pipeline.plan import run_point
+from tests.benchmarks.bare import shortest
 
 SCENE = Path(__file__).parents[2] / "workflows" / "irg_transition.toml"
 
@@ -49,20 +51,22 @@ def used():
     return time.process_time(), schedule.run_point.seconds
 
 
-def bare_files(store, folder, points=50):
+def time_of_bare_files(store, folder):
     """CPU time of the files of a point, created, synced and renamed as a store must [s]."""
     sizes = [file.stat().st_size for file in store.glob("*/c.0.0*")]
     folder.mkdir()
-    began = time.process_time()
-    for point in range(points):
-        for number, size in enumerate(sizes):
-            name = folder / f"{point}.{number}"
+    numbers = itertools.count()
+
+    def write():
+        for size in sizes:
+            name = folder / f"{next(numbers)}"
             with name.with_suffix(".partial").open("wb") as file:
                 file.write(bytes(size))
                 file.flush()
                 os.fsync(file.fileno())
             name.with_suffix(".partial").rename(name)
-    return (time.process_time() - began) / points
+
+    return shortest(lambda: [write() for _ in range(20)]) / 20
 
 
 @pytest.mark.parametrize("preset", [None, "standard", "fine"])
@@ -87,7 +91,7 @@ def test_store_and_scheduling_take_a_small_share(benchmark, scene, tmp_path, mon
     out = tmp_path / "out.zarr"
     outcome = benchmark.pedantic(pipeline.run_sweep, (sweep, out), rounds=1)
     share = 1 - sum(points) / sum(seconds)
-    least = bare_files(out, tmp_path / "bare") * outcome.done / sum(seconds)
+    least = time_of_bare_files(out, tmp_path / "bare") * outcome.done / sum(seconds)
     print(
         f"\n{preset or 'as shipped'}: store and scheduling take {100 * share:.0f} % of CPU time",
         end="; ",

@@ -290,6 +290,8 @@ def driver(path, tmp_path):
         text=True,
         start_new_session=True,
         env={**os.environ, "PYTHONPATH": str(ROOT)},
+        # As a terminal starts it, even if this suite runs in the background and is to ignore it.
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )
     yield process
     if process.poll() is None:

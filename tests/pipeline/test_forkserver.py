@@ -12,17 +12,20 @@ from pipeline.cluster import connected
 @pytest.mark.skipif(forkserver.METHOD != "forkserver", reason="workers are not forked here")
 def test_workers_begin_with_their_settings_and_with_all_imported():
     with connected(1, None, 30.0) as client:
-        ((environment, imported),) = client.run(_beginning).values()
+        ((environment, imported, frozen),) = client.run(_beginning).values()
     for name, value in forkserver.WORKER_ENVIRONMENT.items():
         assert f"{name}={value}" in environment
-    assert imported > {"pipeline.schedule", "scipy.special", "numpy"}
+    assert imported > {"pipeline.schedule", "scipy.special", "scipy.fft", "numpy"}
     assert not imported & {"pandas", "xarray", "matplotlib"}
+    assert frozen > 10_000  # objects, of what was imported
 
 
 def _beginning():
+    import gc
     import sys
 
-    return Path("/proc/self/environ").read_text().split("\0"), set(sys.modules)
+    environment = Path("/proc/self/environ").read_text().split("\0")
+    return environment, set(sys.modules), gc.get_freeze_count()
 
 
 def test_the_settings_of_workers_are_not_those_of_this_process(monkeypatch):

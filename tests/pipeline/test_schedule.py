@@ -1,6 +1,6 @@
-"""Chains on the threads of a cluster (pipeline/schedule.py); failures are in test_execute.py."""
+"""Which points share a task (pipeline/schedule.py); workers that die are in test_execute.py."""
 
-import math
+from collections import Counter
 
 import numpy as np
 import pytest
@@ -23,16 +23,12 @@ SWEEP = tiny.sweep(velocities=tuple(np.linspace(0.5, 1.5, 8)))
 def given(tmp_path, monkeypatch):
     """A function that computes a sweep in tasks of some duration; gives the points of each task."""
 
-    def compute_all(sweep=SWEEP, seconds=math.inf):
-        monkeypatch.setattr(schedule, "_STRETCH", min(seconds, 1e9))
-        store, client, reports = prepare(tmp_path / "out.zarr", sweep), Here(), []
-        compute(
-            client, sweep, store, chains(points(sweep)), 1.0, lambda **ended: reports.append(ended)
-        )
-        _, *tasks = client.tasks
-        done = sum(report.get("done", 0) for report in reports)
-        failed = sum(report.get("failed", 0) for report in reports)
-        return store, [task[2] for task in tasks], (done, failed)
+    def compute_all(seconds=1e9):
+        monkeypatch.setattr(schedule, "_STRETCH", seconds)
+        store, client, ended = prepare(tmp_path / "out.zarr", SWEEP), Here(), Counter()
+        compute(client, SWEEP, store, chains(points(SWEEP)), 1.0, lambda **one: ended.update(one))
+        _, *tasks = client.tasks  # the first is to share the sweep
+        return store, [task[2] for task in tasks], ended
 
     return compute_all
 
@@ -48,7 +44,7 @@ def test_a_point_that_takes_its_time_is_a_task_of_its_own(given):
     _, tasks, ended = given(seconds=1e-9)
     assert [len(task) for task in tasks] == [1] * 24
     assert sorted(sum(tasks, ())) == sorted(points(SWEEP))
-    assert ended == (24, 0)
+    assert ended == {"done": 24}
 
 
 def test_points_that_are_too_short_for_a_task_share_one_with_the_next_of_their_chain(given):
@@ -57,7 +53,7 @@ def test_points_that_are_too_short_for_a_task_share_one_with_the_next_of_their_c
     assert max(len(task) for task in tasks) == 3
     assert sorted(sum(tasks, ())) == sorted(points(SWEEP))
     assert all(len({point.velocity for point in task}) == 1 for task in tasks)
-    assert ended == (24, 0)
+    assert ended == {"done": 24}
     for place in points(SWEEP)[9:12]:
         assert_is_as_computed_alone(store, place)
 
@@ -78,7 +74,7 @@ def test_a_point_that_fails_costs_no_other_of_its_task(given, monkeypatch):
     monkeypatch.setattr(schedule, "run_point", failing)
     store, tasks, ended = given()
     assert any(bad in task and len(task) == 3 for task in tasks)
-    assert ended == (23, 1)
+    assert ended == {"done": 23, "failed": 1}
     (failed,) = summarized(store).failed
     assert (failed.load, failed.velocity) == bad[:2]
     for place in (points(SWEEP)[9], points(SWEEP)[11]):
