@@ -36,8 +36,8 @@ slow: .venv/test      ## the long checks: random scenes, large capped contacts, 
 	$(BIN)/python -m pytest tests -m slow
 
 crash: .venv/test     ## kill a sweep before each change to its files, and at random times
-	OMP_NUM_THREADS=1 $(BIN)/python -m tests.pipeline.crash
-	$(BIN)/python -m tests.pipeline.crash.kills
+	OMP_NUM_THREADS=1 $(BIN)/python -m tests.crash
+	$(BIN)/python -m tests.crash.kills
 
 bench: .venv/test     ## measure speed, as ratios within one run
 	$(MEASURE) tests/benchmarks

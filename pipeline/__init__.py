@@ -9,60 +9,60 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from pipeline.accuracy import at_accuracy, choose_fidelity, stored_selection
-    from pipeline.boundaries import boundary, decisive_temperature
-    from pipeline.compact import compact_store
-    from pipeline.cost import estimate
-    from pipeline.dataset import end_of_point, open_sweep
-    from pipeline.execute import run_sweep
-    from pipeline.figures import plot
-    from pipeline.follow import follow_boundary
-    from pipeline.inference import CriticalTemperatures, critical_temperatures
+    from pipeline.analysis.boundary import boundary, decisive_temperature
+    from pipeline.analysis.dataset import end_of_point, open_sweep
+    from pipeline.analysis.inference import CriticalTemperatures, critical_temperatures
+    from pipeline.figures.plot import plot
+    from pipeline.figures.style import figure_path, save_figure
+    from pipeline.figures.tradeoff import draw_trade
     from pipeline.paper import RESULTS, reproduce, write_gallery
-    from pipeline.plan import run_point
-    from pipeline.scenefile import SceneFileError, load_scene
-    from pipeline.store import StoreError, StoreMismatchError
-    from pipeline.style import figure_path, save_figure
-    from pipeline.summaries import summary
-    from pipeline.sweep import Conditions, Measurement, Sweep
-    from pipeline.tradeoff import trade
-    from pipeline.tradeoff_figure import draw_trade
-    from pipeline.units import display, to_si
-    from pipeline.verify import verify_store
+    from pipeline.run.follow import follow_boundary
+    from pipeline.run.sweep import run_sweep
+    from pipeline.scene.scenefile import SceneFileError, load_scene
+    from pipeline.scene.units import display, to_si
+    from pipeline.store.compact import compact_store
+    from pipeline.store.points import StoreError, StoreMismatchError
+    from pipeline.store.progress import summary
+    from pipeline.store.verify import verify_store
+    from pipeline.sweep.model import Conditions, Measurement, Sweep
+    from pipeline.sweep.plan import run_point
+    from pipeline.tradeoff.choose import at_accuracy, choose_fidelity, stored_selection
+    from pipeline.tradeoff.forecast import estimate
+    from pipeline.tradeoff.trade import trade
 
 _HOMES = {
     "RESULTS": "paper",
-    "Conditions": "sweep",
-    "CriticalTemperatures": "inference",
-    "Measurement": "sweep",
-    "SceneFileError": "scenefile",
-    "StoreError": "store",
-    "StoreMismatchError": "store",
-    "Sweep": "sweep",
-    "at_accuracy": "accuracy",
-    "boundary": "boundaries",
-    "choose_fidelity": "accuracy",
-    "compact_store": "compact",
-    "critical_temperatures": "inference",
-    "decisive_temperature": "boundaries",
-    "display": "units",
-    "draw_trade": "tradeoff_figure",
-    "end_of_point": "dataset",
-    "estimate": "cost",
-    "figure_path": "style",
-    "follow_boundary": "follow",
-    "load_scene": "scenefile",
-    "open_sweep": "dataset",
-    "plot": "figures",
+    "Conditions": "sweep.model",
+    "CriticalTemperatures": "analysis.inference",
+    "Measurement": "sweep.model",
+    "SceneFileError": "scene.scenefile",
+    "StoreError": "store.points",
+    "StoreMismatchError": "store.points",
+    "Sweep": "sweep.model",
+    "at_accuracy": "tradeoff.choose",
+    "boundary": "analysis.boundary",
+    "choose_fidelity": "tradeoff.choose",
+    "compact_store": "store.compact",
+    "critical_temperatures": "analysis.inference",
+    "decisive_temperature": "analysis.boundary",
+    "display": "scene.units",
+    "draw_trade": "figures.tradeoff",
+    "end_of_point": "analysis.dataset",
+    "estimate": "tradeoff.forecast",
+    "figure_path": "figures.style",
+    "follow_boundary": "run.follow",
+    "load_scene": "scene.scenefile",
+    "open_sweep": "analysis.dataset",
+    "plot": "figures.plot",
     "reproduce": "paper",
-    "run_point": "plan",
-    "run_sweep": "execute",
-    "save_figure": "style",
-    "stored_selection": "accuracy",
-    "summary": "summaries",
-    "to_si": "units",
-    "trade": "tradeoff",
-    "verify_store": "verify",
+    "run_point": "sweep.plan",
+    "run_sweep": "run.sweep",
+    "save_figure": "figures.style",
+    "stored_selection": "tradeoff.choose",
+    "summary": "store.progress",
+    "to_si": "scene.units",
+    "trade": "tradeoff.trade",
+    "verify_store": "store.verify",
     "write_gallery": "paper",
 }
 

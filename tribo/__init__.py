@@ -1,14 +1,10 @@
 """Simulation of one point of the transition diagram: contact, wear and heat of rough bodies."""
 
-from tribo.conduction import ConductingHalfSpace
-from tribo.contact import ContactSolution, solve_contact
+from tribo.contact.elasticity import ElasticHalfSpace, elastic_influence
+from tribo.contact.solver import ContactSolution, solve_contact
 from tribo.convolution import Convolution
-from tribo.elasticity import ElasticHalfSpace, elastic_influence
 from tribo.errors import ConvergenceError, InputError, InvariantError, RangeError, TriboError
-from tribo.fidelity import PRESETS, Fidelity
 from tribo.grid import Grid
-from tribo.heating import heat
-from tribo.history import Conductor, HeatHistory, partition_with_history
 from tribo.inverse import (
     AISI_316,
     CriticalTemperature,
@@ -19,13 +15,18 @@ from tribo.inverse import (
     rig_heating,
     specific_wear_rate,
 )
-from tribo.loading import Ramp, Station
+from tribo.loading.ramp import Ramp, Station
+from tribo.loading.record import MeasuredLoad, read_load
 from tribo.material import Material, contact_modulus
-from tribo.partition import HeatPartition, partition_heat
-from tribo.record import MeasuredLoad, read_load
-from tribo.scene import Ball, Cylinder, MeasuredRoughness, Scene, SelfAffineRoughness
-from tribo.simulation import advance, forget_kernels, measures, simulate, start, warnings
-from tribo.state import Heat, State
+from tribo.simulation.fidelity import PRESETS, Fidelity
+from tribo.simulation.heating import heat
+from tribo.simulation.scene import Ball, Cylinder, MeasuredRoughness, Scene, SelfAffineRoughness
+from tribo.simulation.state import Heat, State
+from tribo.simulation.steps import advance, forget_kernels, measures, simulate, start, warnings
+from tribo.thermal.conduction import ConductingHalfSpace
+from tribo.thermal.duhamel import Conductor, HeatHistory, partition_with_history
+from tribo.thermal.partition import HeatPartition, partition_heat
+from tribo.thermal.quantiles import QUANTILES, contact_quantiles, failed_share
 from tribo.topography import (
     average_roughness,
     block_average,
@@ -34,7 +35,6 @@ from tribo.topography import (
     rms_slope,
     self_affine,
 )
-from tribo.transition import QUANTILES, contact_quantiles, failed_share
 from tribo.wear import WEAR_SCHEMES, Wear
 
 __all__ = [

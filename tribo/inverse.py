@@ -15,13 +15,13 @@ import numpy as np
 
 from tribo.analytic import hertz_point_radius
 from tribo.errors import InputError, require_positive
-from tribo.fidelity import Fidelity
 from tribo.grid import Grid
-from tribo.loading import Ramp
+from tribo.loading.ramp import Ramp
 from tribo.material import Material, contact_modulus
-from tribo.scene import Ball, Scene
-from tribo.simulation import advance, measures, simulate, start
-from tribo.transition import QUANTILES
+from tribo.simulation.fidelity import Fidelity
+from tribo.simulation.scene import Ball, Scene
+from tribo.simulation.steps import advance, measures, simulate, start
+from tribo.thermal.quantiles import QUANTILES
 from tribo.wear import Wear, WearPattern
 
 __all__ = [

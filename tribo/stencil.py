@@ -38,7 +38,7 @@ class Neighbourhood:
     convolution : Convolution
     soft_axis, coupling : int, float
         What elements of a row along that axis add to each other's displacement, whatever their
-        distance (see `tribo.rows`). The inverse leaves it to `Preconditioner`.
+        distance (see `tribo.contact.rows`). The inverse leaves it to `Preconditioner`.
 
     Attributes
     ----------
@@ -128,7 +128,7 @@ class Preconditioner:
     """Approximate inverse of a solid's map on some nodes, at constant load.
 
     With S the stencil that undoes the kernel, and rows i of nodes that yield k·Σp more as a
-    whole (see `tribo.rows`), it is
+    whole (see `tribo.contact.rows`), it is
 
         S − Σᵢ yᵢ(S1ᵢ)ᵀ k/(1 + k·Σyᵢ),   yᵢ the part of S·1 in row i,                           (1)
 

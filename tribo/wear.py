@@ -16,7 +16,7 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from tribo.elasticity import ElasticHalfSpace
+from tribo.contact.elasticity import ElasticHalfSpace
 from tribo.errors import InputError
 
 __all__ = [

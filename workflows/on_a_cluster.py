@@ -21,7 +21,7 @@ import sys
 import dask
 
 import pipeline
-from pipeline.cluster import CONFIGURATION, WORKER_ENVIRONMENT
+from pipeline.run.cluster import CONFIGURATION, WORKER_ENVIRONMENT
 
 SYSTEMS = {
     "slurm": "dask_jobqueue.SLURMCluster",

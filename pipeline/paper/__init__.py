@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import replace
 from pathlib import Path
 
+from pipeline.figures.style import figure_path, save_figure
 from pipeline.paper.gallery import page
 from pipeline.paper.held_load import fig5
 from pipeline.paper.line_pressure import fig4
@@ -24,8 +25,7 @@ from pipeline.paper.surface_band import band
 from pipeline.paper.table_4 import table4
 from pipeline.paper.table_6 import table6
 from pipeline.paper.transition_diagram import fig10
-from pipeline.schema import did_you_mean
-from pipeline.style import figure_path, save_figure
+from pipeline.scene.schema import did_you_mean
 from tribo import PRESETS, InputError
 
 __all__ = ["RESULTS", "Finding", "Report", "Study", "Table", "reproduce", "write_gallery"]

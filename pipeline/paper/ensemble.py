@@ -9,10 +9,10 @@ from typing import Literal, get_args
 import numpy as np
 from matplotlib.axes import Axes
 
+from pipeline.figures.style import BLACK, BLUE, GREEN, VERMILION
 from pipeline.paper.report import statistics
 from pipeline.paper.study import End, Study, end_of
-from pipeline.style import BLACK, BLUE, GREEN, VERMILION
-from pipeline.sweep import Measurement, Sweep
+from pipeline.sweep.model import Measurement, Sweep
 from tribo import InputError
 
 __all__ = [

@@ -10,11 +10,11 @@ from matplotlib import colormaps
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION, in_house_style
 from pipeline.paper.printed import CYLINDER_HALF_WIDTH, CYLINDER_PEAK_PRESSURE
 from pipeline.paper.report import Finding, Report, Table
 from pipeline.paper.study import Study
-from pipeline.style import BLACK, BLUE, GREY, VERMILION, in_house_style
-from pipeline.sweep import Sweep
+from pipeline.sweep.model import Sweep
 from tribo import Cylinder, Grid, contact_modulus, simulate
 from tribo.analytic import hertz_line_half_width, hertz_line_peak_pressure, hertz_pressure
 

@@ -9,10 +9,10 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION, celsius, heating, in_house_style
 from pipeline.paper.report import Finding, Report, Table
 from pipeline.paper.study import Study, summary_of
-from pipeline.style import BLACK, BLUE, GREY, VERMILION, celsius, heating, in_house_style
-from pipeline.sweep import Sweep
+from pipeline.sweep.model import Sweep
 from tribo import MeasuredLoad, Ramp, simulate
 
 __all__ = ["fig8", "synthetic_record"]

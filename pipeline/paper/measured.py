@@ -10,12 +10,12 @@ from dataclasses import replace
 import numpy as np
 from matplotlib.figure import Figure
 
-from pipeline.inference import critical_temperatures
+from pipeline.analysis.inference import critical_temperatures
+from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, VERMILION, celsius, in_house_style
 from pipeline.paper.printed import RIG_HEATING, SPECIFIC_WEAR_RATE, TABLE_4, TABLE_6
 from pipeline.paper.report import Finding, Report, Table, mean_and_spread, statistics
 from pipeline.paper.study import Study, end_of
-from pipeline.style import BLACK, BLUE, GREEN, GREY, VERMILION, celsius, in_house_style
-from pipeline.sweep import Sweep
+from pipeline.sweep.model import Sweep
 from tribo import (
     InputError,
     Ramp,

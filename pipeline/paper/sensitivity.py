@@ -11,11 +11,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, VERMILION, celsius, in_house_style
 from pipeline.paper.printed import TABLE_4
 from pipeline.paper.report import Finding, Report, Table, statistics
 from pipeline.paper.study import Study, end_of
-from pipeline.style import BLACK, BLUE, GREEN, GREY, VERMILION, celsius, in_house_style
-from pipeline.sweep import Sweep
+from pipeline.sweep.model import Sweep
 from tribo import SelfAffineRoughness
 
 __all__ = ["sensitivity"]

@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.scenefile import load_scene
-from pipeline.style import celsius
-from pipeline.sweep import Sweep
+from pipeline.figures.style import celsius
+from pipeline.scene.scenefile import load_scene
+from pipeline.sweep.model import Sweep
 from tribo import (
     QUANTILES,
     InputError,

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from pipeline.boundaries import boundary
-from pipeline.dataset import open_sweep
-from pipeline.diagram import diagram
-from pipeline.execute import run_sweep
+from pipeline.analysis.boundary import boundary
+from pipeline.analysis.dataset import open_sweep
+from pipeline.figures.diagram import diagram
 from pipeline.paper.report import Finding, Report, Table
 from pipeline.paper.study import Study
+from pipeline.run.sweep import run_sweep
 from tribo import InputError
 
 __all__ = ["band"]

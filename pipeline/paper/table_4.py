@@ -7,6 +7,7 @@ from dataclasses import replace
 
 from matplotlib.figure import Figure
 
+from pipeline.figures.style import GREY, celsius, in_house_style
 from pipeline.paper.ensemble import (
     PATTERNS,
     Values,
@@ -22,8 +23,7 @@ from pipeline.paper.ensemble import (
 from pipeline.paper.printed import TABLE_4
 from pipeline.paper.report import Finding, Report, Table, mean_and_spread, statistics
 from pipeline.paper.study import End, Study
-from pipeline.style import GREY, celsius, in_house_style
-from pipeline.sweep import Measurement, Sweep
+from pipeline.sweep.model import Measurement, Sweep
 
 __all__ = ["table4"]
 

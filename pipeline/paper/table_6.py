@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from matplotlib.figure import Figure
 
+from pipeline.figures.style import celsius, in_house_style
 from pipeline.paper.ensemble import (
     PATTERNS,
     Values,
@@ -21,8 +22,7 @@ from pipeline.paper.ensemble import (
 from pipeline.paper.printed import ROOM_CELSIUS, TABLE_4, TABLE_6
 from pipeline.paper.report import Finding, Report, Table, mean_and_spread
 from pipeline.paper.study import Study
-from pipeline.style import celsius, in_house_style
-from pipeline.sweep import Measurement
+from pipeline.sweep.model import Measurement
 
 __all__ = ["table6"]
 

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import pipeline
-from pipeline.plan import run_point
+from pipeline.sweep.plan import run_point
 from tests.benchmarks.bare import bare_time, counted_transforms, plain_time, shortest
 
 SCENE = Path(__file__).parents[2] / "workflows" / "irg_transition.toml"

@@ -11,13 +11,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pipeline import execute
-from pipeline.compact import compact_store
-from pipeline.dataset import open_sweep
-from pipeline.plan import chains, points, run_point
-from pipeline.store import locked, prepare
-from pipeline.summaries import summary
-from tests.pipeline import tiny
+from pipeline.analysis.dataset import open_sweep
+from pipeline.run import sweep as execute
+from pipeline.store.compact import compact_store
+from pipeline.store.points import locked, prepare
+from pipeline.store.progress import summary
+from pipeline.sweep.plan import chains, points, run_point
+from tests.helpers import tiny
 
 VELOCITIES = {100: 10, 1_000: 25, 10_000: 100}
 

@@ -19,8 +19,9 @@ import xarray as xr
 
 import pipeline
 import tribo
-from pipeline import execute, forkserver, schedule
-from pipeline.plan import run_point
+from pipeline.run import forkserver, schedule
+from pipeline.run import sweep as execute
+from pipeline.sweep.plan import run_point
 from tests.benchmarks.bare import shortest
 
 SCENE = Path(__file__).parents[2] / "workflows" / "irg_transition.toml"

@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 
 import pipeline
-from pipeline.accuracy import choose_fidelity
-from pipeline.tradeoff import trade
+from pipeline.tradeoff.choose import choose_fidelity
+from pipeline.tradeoff.trade import trade
 
 SCENE = Path(__file__).parents[2] / "workflows" / "irg_transition.toml"
 

@@ -1,9 +1,9 @@
 import numpy as np
 import pytest
 
-from pipeline.plan import points, run_point
-from pipeline.store import locked, prepare
-from tests.pipeline import tiny
+from pipeline.store.points import locked, prepare
+from pipeline.sweep.plan import points, run_point
+from tests.helpers import tiny
 
 
 def commit_all(path, sweep, skip=()):

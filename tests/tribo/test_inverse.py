@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.tribo.scenes import small_scene
+from tests.helpers.scenes import small_scene
 from tribo import (
     AISI_316,
     QUANTILES,

@@ -1,4 +1,4 @@
-"""Schemes by which wear advances over a step (tribo/wear.py, tribo/simulation.py)."""
+"""Schemes by which wear advances over a step (tribo/wear.py, tribo/simulation/steps.py)."""
 
 import functools
 from dataclasses import replace
@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.tribo.scenes import STEEL, small_scene
+from tests.helpers.scenes import STEEL, small_scene
 from tribo import (
     WEAR_SCHEMES,
     Cylinder,

@@ -1,0 +1,1 @@
+"""What a stored sweep says: labelled dataset, boundary, band and inference."""

@@ -1,0 +1,1 @@
+"""Figures of a stored sweep: diagram, ramp, fields, and speed against accuracy."""

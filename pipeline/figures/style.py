@@ -1,0 +1,164 @@
+"""The look that the figures share, and the words in which they state their conditions."""
+
+from __future__ import annotations
+
+import functools
+import textwrap
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, ParamSpec, TypeVar
+
+import xarray as xr
+from cycler import cycler
+from matplotlib import rc_context
+from matplotlib.figure import Figure
+
+from pipeline.sweep.model import Conditions
+from tribo import InputError
+
+__all__ = [
+    "BLACK",
+    "BLUE",
+    "GREY",
+    "VERMILION",
+    "celsius",
+    "criterion",
+    "exceeding",
+    "figure_path",
+    "heating",
+    "in_house_style",
+    "save_figure",
+    "title_of",
+]
+
+BLACK, GREY = "#1A1A1A", "#777777"
+BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY = (
+    "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9",
+)  # fmt: skip
+"""Okabe and Ito's palette, told apart with any colour vision."""
+
+_HOUSE_STYLE: Any = {
+    "axes.axisbelow": True,
+    "axes.edgecolor": "#444444",
+    "axes.grid": True,
+    "axes.labelcolor": BLACK,
+    "axes.linewidth": 0.8,
+    "axes.prop_cycle": cycler(color=[BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY]),
+    "axes.titlesize": 11,
+    "figure.constrained_layout.use": True,
+    "figure.dpi": 150,
+    "figure.titlesize": 12,
+    "font.family": "DejaVu Sans",
+    "font.size": 10,
+    "grid.color": "#E4E4E4",
+    "grid.linewidth": 0.6,
+    "legend.fontsize": 9,
+    "legend.frameon": False,
+    "lines.linewidth": 1.6,
+    "lines.markersize": 4.5,
+    "pdf.fonttype": 42,
+    "savefig.dpi": 150,
+    "xtick.color": "#444444",
+    "ytick.color": "#444444",
+}
+
+_SUFFIXES = (".pdf", ".png", ".svg")
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+
+def in_house_style(draw: Callable[P, R]) -> Callable[P, R]:
+    """Draw in the house style, whatever the caller's settings of matplotlib are."""
+
+    @functools.wraps(draw)
+    def styled(*args: P.args, **kwargs: P.kwargs) -> R:
+        with rc_context(_HOUSE_STYLE):
+            return draw(*args, **kwargs)
+
+    return styled
+
+
+def figure_path(out: str | Path) -> Path:
+    """Give the path of a figure to be written, before it is drawn.
+
+    Raises
+    ------
+    InputError
+        If the suffix is none of .pdf, .png and .svg, which decides the format.
+    """
+    path = Path(out)
+    if path.suffix.lower() not in _SUFFIXES:
+        raise InputError(f"cannot write {out}: the suffix must be one of {', '.join(_SUFFIXES)}")
+    return path
+
+
+@in_house_style
+def save_figure(figure: Figure, out: Path) -> Path:
+    """Write a figure.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be written.
+    """
+    try:
+        figure.savefig(out)
+    except OSError as error:
+        raise InputError(f"cannot write {out}: {error.strerror or error}") from error
+    return out
+
+
+def celsius(temperature: Any) -> Any:
+    """Convert kelvin to degrees Celsius.
+
+    Examples
+    --------
+    >>> celsius(298.15)
+    25.0
+    """
+    return temperature - 273.15
+
+
+def exceeding(conditions: Conditions) -> str:
+    """Say which temperature decides.
+
+    Examples
+    --------
+    >>> exceeding(Conditions(0.1, 298.15, 418.15, failing_share=0.1))
+    'exceeded on 10 % of the contact'
+    """
+    if conditions.failing_share == 0:
+        return "maximum"
+    return f"exceeded on {100 * conditions.failing_share:g} % of the contact"
+
+
+def criterion(conditions: Conditions) -> str:
+    """Say when wear is severe.
+
+    Examples
+    --------
+    >>> criterion(Conditions(0.1, 298.15, 418.15, failing_share=0.1))
+    'more than 10 % of the contact above 145 °C'
+    >>> criterion(Conditions(0.1, 298.15, 418.15, failing_share=0.0))
+    'any of the contact above 145 °C'
+    """
+    share = conditions.failing_share
+    part = f"more than {100 * share:g} %" if share else "any"
+    return f"{part} of the contact above {celsius(conditions.critical_temperature):g} °C"
+
+
+def heating(conditions: Conditions) -> str:
+    """Say what the temperature rests on.
+
+    Examples
+    --------
+    >>> heating(Conditions(0.1, 298.15, 418.15, failing_share=0.1))
+    'friction 0.1, bulk 25 °C'
+    """
+    return f"friction {conditions.friction:g}, bulk {celsius(conditions.bulk_temperature):g} °C"
+
+
+def title_of(ds: xr.Dataset) -> str:
+    """Give the sweep's title, in lines that fit a figure."""
+    return textwrap.fill(str(ds.attrs.get("title") or ds.attrs.get("name") or ""), 80)

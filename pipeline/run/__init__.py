@@ -1,0 +1,1 @@
+"""Running a sweep on a Dask cluster; nothing else in the package knows Dask."""

@@ -1,0 +1,225 @@
+"""Where to look for the boundary, if that is all that is wanted.
+
+At one load the rise grows with velocity about as a power of it. Between two velocities, one mild
+and one severe, a straight line through both in logarithms finds the crossing to κh²/8, where h is
+the logarithm of their ratio and κ = |d²ln r/d(ln V)²|/(d ln r/d ln V), the relative curvature,
+which three velocities tell. So the search looks for two velocities about the crossing, no farther
+apart than the tolerance allows, at every load. All loads take them from one axis of even ratios
+that is halved where need be: what a velocity costs is its ramp, and that all loads at it share.
+
+The search knows no solver and no store. It says which points to look at next, given what is
+known; the order in which they become known does not matter much, and nothing is asked twice.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from pipeline.sweep.plan import Point
+from tribo import InputError
+
+__all__ = ["BoundarySearch"]
+
+_EXPONENT = 0.6  # of the rise over velocity, until it is known
+_TREND = -0.8  # of the boundary's velocity over load, until it is known
+_CURVATURE = 0.5  # κ until it is known
+_LEAST_CURVATURE = 0.2  # known from a few points, it may be less by chance
+_WIDEST = 0.35  # of h
+_NEAR = 0.25  # of h: how near to a node a crossing must be expected to ask beyond it
+_FINEST = 12  # halvings of the axis
+
+
+@dataclass(frozen=True, slots=True)
+class BoundarySearch:
+    """A search for the critical velocity at each of some loads.
+
+    Parameters
+    ----------
+    loads : sequence of float
+        [N], ascending.
+    lowest, highest : float
+        Velocities between which to look [m/s], above 0.
+    limit : float
+        Rise at which wear turns severe [K].
+    tolerance : float
+        Relative, of the critical velocity.
+
+    Raises
+    ------
+    InputError
+        If a value lies outside its range.
+
+    Examples
+    --------
+    >>> search = BoundarySearch((200.0, 750.0), 0.5, 5.0, limit=1200.0, tolerance=0.01)
+    >>> known = {}
+    >>> while asked := search.wanted(known):
+    ...     known |= {at: 50.0 * at.load**0.45 * at.velocity**0.55 for at in asked}
+    >>> len(known), max(search.spans(known).values()) < 0.4
+    (5, True)
+    """
+
+    loads: Sequence[float]
+    lowest: float
+    highest: float
+    limit: float
+    tolerance: float
+
+    def __post_init__(self) -> None:
+        if not 0 < self.lowest < self.highest:
+            raise InputError(
+                f"the boundary is to be looked for between {self.lowest:g} and {self.highest:g} "
+                "m/s; give two velocities above 0"
+            )
+        if not 0 < self.tolerance < 1:
+            raise InputError(f"the tolerance is {self.tolerance!r}; it must be between 0 and 1")
+
+    def wanted(
+        self, known: Mapping[Point, float], hopeless: Iterable[Point] = ()
+    ) -> tuple[Point, ...]:
+        """Points to look at next; none once the boundary is known at every load.
+
+        Parameters
+        ----------
+        known : mapping
+            Rise at the points that are done [K], these and any others.
+        hopeless : iterable of Point
+            That failed; they are not asked for.
+        """
+        rows = {load: self._row(known, load) for load in self.loads}
+        curvature = self._curvature(rows)
+        guesses = self._guesses(rows)
+        asked = set()
+        if not guesses:
+            ends = (self.loads[0], self.loads[len(self.loads) // 2], self.loads[-1])
+            middle = self._node(round(self._intervals() / 2), 0)
+            asked = {Point(load, middle) for load in ends}
+        for load, guess in guesses.items():
+            asked |= {Point(load, v) for v in self._next(rows[load], guess, curvature)}
+        fresh = asked - set(known) - set(hopeless)
+        return tuple(sorted(fresh, key=lambda point: (point.velocity, point.load)))
+
+    def spans(self, known: Mapping[Point, float]) -> dict[float, float]:
+        """Logarithm of the ratio of the velocities that enclose the crossing, by load."""
+        found = {}
+        for load in self.loads:
+            low, high = self._bracket(self._row(known, load))
+            if low is not None and high is not None:
+                found[load] = math.log(high / low)
+        return found
+
+    def _row(self, known: Mapping[Point, float], load: float) -> list[tuple[float, float]]:
+        """Velocities and rises that are known at a load, in the range."""
+        return sorted(
+            (point.velocity, rise)
+            for point, rise in known.items()
+            if point.load == load and self.lowest <= point.velocity <= self.highest and rise > 0
+        )
+
+    def _bracket(self, row: list[tuple[float, float]]) -> tuple[float | None, float | None]:
+        """Velocities next to the first crossing: mild and severe, None where there is none."""
+        high = next((velocity for velocity, rise in row if rise >= self.limit), None)
+        mild = [velocity for velocity, _ in row if high is None or velocity < high]
+        return (mild[-1] if mild else None), high
+
+    def _curvature(self, rows: Mapping[float, list[tuple[float, float]]]) -> float:
+        """The greatest κ that three velocities about a crossing tell, with a margin."""
+        found = []
+        for row in rows.values():
+            low, high = self._bracket(row)
+            if low is None or high is None or len(row) < 3:
+                continue
+            x, y = np.log(np.array(row)).T
+            first = [velocity for velocity, _ in row].index(low)
+            for k in (first - 1, first):
+                if 0 <= k < len(row) - 2 and x[k + 2] - x[k] < 3 * _WIDEST:
+                    slopes = np.diff(y[k : k + 3]) / np.diff(x[k : k + 3])
+                    slope = (y[k + 2] - y[k]) / (x[k + 2] - x[k])
+                    bend = 2 * (slopes[1] - slopes[0]) / (x[k + 2] - x[k])
+                    found.append(abs(bend / slope) if slope > 0 else math.inf)
+        if not found:
+            return _CURVATURE
+        return min(max(_LEAST_CURVATURE, 1.5 * max(found)), 100.0)
+
+    def _guesses(self, rows: Mapping[float, list[tuple[float, float]]]) -> dict[float, float]:
+        """Logarithm of the critical velocity at each load, as far as can be told."""
+        own: dict[float, float] = {}
+        for load, row in rows.items():
+            if row:
+                own[load] = self._guess(row)
+        if not own:
+            return {}
+        x, y = np.log(list(own)), np.array(list(own.values()))
+        guesses = {}
+        for load in self.loads:
+            at = math.log(load)
+            if load in own:
+                guesses[load] = own[load]
+            elif len(own) == 1:
+                guesses[load] = float(y[0] + _TREND * (at - x[0]))
+            elif x[0] <= at <= x[-1]:
+                guesses[load] = float(np.interp(at, x, y))
+            else:
+                k = 0 if at < x[0] else len(x) - 2
+                trend = (y[k + 1] - y[k]) / (x[k + 1] - x[k])
+                guesses[load] = float(y[k] + trend * (at - x[k]))
+        return guesses
+
+    def _guess(self, row: list[tuple[float, float]]) -> float:
+        """Logarithm of the critical velocity, by the straight line through the nearest two."""
+        x, y = np.log(np.array(row)).T
+        y = y - math.log(self.limit)
+        if len(row) == 1:
+            return float(x[0] - y[0] / _EXPONENT)
+        k = int(np.clip(np.searchsorted(y >= 0, True), 1, len(row) - 1))
+        slope = (y[k] - y[k - 1]) / (x[k] - x[k - 1])
+        return float(x[k] - y[k] / min(max(slope, 0.2), 3.0))
+
+    def _next(
+        self, row: list[tuple[float, float]], guess: float, curvature: float
+    ) -> Iterable[float]:
+        """Velocities to look at next at one load."""
+        low, high = self._bracket(row)
+        at = math.log(low or self.lowest), math.log(high or self.highest)
+        if low is not None and high is not None:
+            span = at[1] - at[0]
+            if curvature * span**2 / 8 <= self.tolerance:
+                return []
+        elif (low == self.highest) or (high == self.lowest):
+            return []
+        # Nodes about the guess, on the coarsest axis that has one in between.
+        guess = min(max(guess, at[0]), at[1])
+        for level in range(_FINEST):
+            span = self._span() / 2**level
+            if level and curvature * (2 * span) ** 2 / 8 <= self.tolerance:
+                return []
+            k = (guess - math.log(self.lowest)) / span
+            below, above = math.floor(k), math.ceil(k)
+            nodes = {below, above} | ({below + 1} if below == above else set())
+            if not (low and high):
+                nodes |= {below - 1} if k - below < _NEAR else set()
+                nodes |= {above + 1} if above - k < _NEAR else set()
+            last = self._intervals() * 2**level
+            asked = {self._node(min(max(node, 0), last), level) for node in nodes}
+            inside = {v for v in asked if (low is None or v > low) and (high is None or v < high)}
+            if inside:
+                return inside
+        return []
+
+    def _intervals(self) -> int:
+        widest = min(_WIDEST, math.sqrt(8 * self.tolerance / _CURVATURE))
+        return max(2, math.ceil(math.log(self.highest / self.lowest) / widest))
+
+    def _span(self) -> float:
+        return math.log(self.highest / self.lowest) / self._intervals()
+
+    def _node(self, number: int, level: int) -> float:
+        """A velocity of the axis, in round figures."""
+        last = self._intervals() * 2**level
+        if number in (0, last):
+            return self.highest if number else self.lowest
+        return float(f"{self.lowest * math.exp(number * self._span() / 2**level):.6g}")

@@ -1,0 +1,196 @@
+"""The Dask cluster of a sweep: started here, or given.
+
+::
+
+    TriboError
+    └── ExecutionError   the cluster does not start, or is lost
+"""
+
+from __future__ import annotations
+
+import logging
+import os
+import time
+from collections import Counter
+from collections.abc import Iterator
+from concurrent.futures import CancelledError
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+import dask
+import distributed.utils
+from distributed import Client, Future, LocalCluster, Worker, WorkerPlugin
+
+from pipeline.run import forkserver
+from pipeline.run.forkserver import METHOD, WORKER_ENVIRONMENT, interrupts_put_off
+from tribo import TriboError
+
+__all__ = [
+    "CONFIGURATION",
+    "LOST",
+    "PATIENCE",
+    "WORKER_ENVIRONMENT",
+    "ExecutionError",
+    "connected",
+    "dashboard_of",
+    "share",
+    "threads_of",
+]
+
+LOST = "the Dask scheduler is lost; finished points are safe, run the sweep again to go on"
+
+CONFIGURATION = {
+    # A task is given up when a second worker has died of it.
+    "distributed.scheduler.allowed-failures": 1,
+    "distributed.worker.multiprocessing-method": METHOD,
+    "distributed.nanny.pre-spawn-environ": WORKER_ENVIRONMENT,
+    # Nothing here is worth a spill to disk, and a worker that pauses never ends.
+    "distributed.worker.memory.target": False,
+    "distributed.worker.memory.spill": False,
+    "distributed.worker.memory.pause": False,
+    # Nobody looks at a profile. To look after itself as often as it would, Dask takes 3 % of the
+    # time of two cores.
+    "distributed.worker.profile.enabled": False,
+    "distributed.worker.memory.monitor-interval": "1s",
+    "distributed.admin.tick.interval": "1s",
+    "distributed.admin.system-monitor.interval": "10s",
+    "distributed.admin.large-graph-warning-threshold": "1 TB",
+}
+_THREADS = 2  # of a worker: while one waits for the disk, the other computes
+_ATTEMPTS = 3  # to start workers, one of which may be killed before it is ready
+PATIENCE = 30.0
+"""For how long to wait for a scheduler, and for workers if there are none [s]."""
+
+
+class ExecutionError(TriboError):
+    """A cluster that does not start, or is lost."""
+
+
+class _OnACoreOfItsOwn(WorkerPlugin):  # type: ignore[misc]  # Dask has no types here
+    """Keeps each worker to one of the cores; else they move about, which takes a tenth more time.
+
+    Its threads take turns anyway.
+    """
+
+    name = "cores"
+
+    def __init__(self, cores: list[int]) -> None:
+        self._cores = cores
+
+    def setup(self, worker: Worker) -> None:
+        for thread in Path("/proc/self/task").iterdir():
+            os.sched_setaffinity(int(thread.name), {self._cores[int(worker.name)]})
+
+
+@contextmanager
+def connected(workers: int, scheduler: str | None, patience: float) -> Iterator[Client]:
+    """Connect to a scheduler, or start one with workers and see to it that all of them end.
+
+    Raises
+    ------
+    ExecutionError
+        If there is no scheduler, or the workers do not start.
+    """
+    if scheduler is not None:
+        try:
+            client = Client(scheduler, set_as_default=False, timeout=patience)
+        except (OSError, ValueError) as error:
+            raise ExecutionError(f"no Dask scheduler answers at {scheduler}: {error}") from error
+        with client:
+            yield client
+        return
+    cluster = None
+    with dask.config.set(CONFIGURATION):
+        try:
+            forkserver.start()
+            # The process is there, and Dask need not import for it what it might.
+            distributed.utils._forkserver_preload_set = True
+            with interrupts_put_off():
+                cluster = _local_cluster(workers)
+            with Client(cluster, set_as_default=False) as client:
+                cores = sorted(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else []
+                if workers == len(cores):
+                    client.register_plugin(_OnACoreOfItsOwn(cores))
+                yield client
+        finally:
+            if cluster is not None:
+                with interrupts_put_off():
+                    cluster.close()
+
+
+def _local_cluster(workers: int) -> LocalCluster:
+    for _ in range(_ATTEMPTS - 1):
+        with suppress(ExecutionError):
+            return _started(workers)
+    return _started(workers)
+
+
+def _started(workers: int) -> LocalCluster:
+    try:
+        return LocalCluster(
+            n_workers=workers,
+            threads_per_worker=_THREADS,
+            # As it is now, and not as it was when the forkserver started.
+            env={**os.environ, **WORKER_ENVIRONMENT},
+            memory_limit=1 / workers,  # of all there is; by default it goes by the threads
+            # No dashboard; a port of its own for the little that is served in its place.
+            dashboard_address="127.0.0.1:0",
+            scheduler_kwargs={"dashboard": False},
+            silence_logs=logging.CRITICAL,
+        )
+    except (OSError, RuntimeError) as error:
+        raise ExecutionError(f"the worker processes do not start: {error}") from error
+
+
+def dashboard_of(client: Client) -> str | None:
+    """Address of the cluster's dashboard, if it has one."""
+    has_one = "dashboard" in client.scheduler_info(n_workers=0)["services"]
+    return str(client.dashboard_link) if has_one and client.cluster is None else None
+
+
+def share(client: Client, content: bytes, patience: float) -> Future:
+    """Bring something to the workers once, for many tasks to take as an argument.
+
+    As the result of a task it outlives the workers that hold it.
+
+    Raises
+    ------
+    ExecutionError
+        If there is no worker to take it, or none that can.
+    """
+    try:
+        client.wait_for_workers(1, timeout=patience)
+        shared = client.submit(_same, content, pure=False)
+        error = shared.exception(timeout=patience)
+    except TimeoutError:
+        raise ExecutionError(f"no Dask worker is ready within {patience:g} s") from None
+    except CancelledError:
+        raise ExecutionError(LOST) from None
+    if error is not None:
+        raise ExecutionError(f"the Dask workers cannot run this program: {error}")
+    return shared
+
+
+def _same(content: bytes) -> bytes:
+    return content
+
+
+def threads_of(client: Client, patience: float) -> Counter[str]:
+    """Number of threads of each worker; if there is no worker, wait for one to come back.
+
+    Raises
+    ------
+    ExecutionError
+        If the scheduler is lost, or no worker comes back.
+    """
+    end = time.monotonic() + patience
+    while True:
+        try:
+            threads = Counter(client.nthreads())
+        except (OSError, CancelledError, TimeoutError) as error:
+            raise ExecutionError(LOST) from error
+        if threads:
+            return threads
+        if time.monotonic() > end:
+            raise ExecutionError("no Dask worker is left, and none has come back")
+        time.sleep(0.1)

@@ -1,0 +1,72 @@
+"""The process that workers are forked from: it imports once what all of them need.
+
+It is started ahead of the cluster, so that it imports while this process does so, too.
+"""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import signal
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from multiprocessing import forkserver, resource_tracker
+
+__all__ = ["METHOD", "WORKER_ENVIRONMENT", "interrupts_put_off", "start"]
+
+METHOD = "forkserver" if "forkserver" in multiprocessing.get_all_start_methods() else "spawn"
+"""Of `multiprocessing`, by which to start workers."""
+
+WORKER_ENVIRONMENT = {
+    # Dask's own thresholds return each FFT's memory to the kernel, which takes longer than the
+    # FFT. What is set in Dask's configuration replaces all of it, so the threads are stated again.
+    "MALLOC_TRIM_THRESHOLD_": "268435456",
+    "MALLOC_MMAP_THRESHOLD_": "67108864",
+    "OMP_NUM_THREADS": "1",
+    "MKL_NUM_THREADS": "1",
+    "OPENBLAS_NUM_THREADS": "1",
+}
+"""For workers that are started elsewhere, too."""
+
+
+def start() -> None:
+    """Start the process, unless it runs."""
+    if METHOD != "forkserver":
+        return
+    before = {name: os.environ.get(name) for name in WORKER_ENVIRONMENT}
+    multiprocessing.set_forkserver_preload(["pipeline.run.preload"])
+    try:
+        os.environ.update(WORKER_ENVIRONMENT)
+        with interrupts_put_off():
+            forkserver.ensure_running()
+    finally:
+        for name, value in before.items():
+            if value is None:
+                del os.environ[name]
+            else:
+                os.environ[name] = value
+
+
+@contextmanager
+def interrupts_put_off() -> Iterator[None]:
+    """Let Ctrl-C wait until the end.
+
+    Threads that begin in here, and the processes that these start, inherit that SIGINT is
+    blocked. So a Ctrl-C in a terminal, which goes to every process of the foreground, stops the
+    driver alone, and not a worker that may be just starting.
+    """
+    waiting: list[int] = []
+    in_main_thread = threading.current_thread() is threading.main_thread()
+    resource_tracker.ensure_running()  # unblocks SIGINT where it is started, before Python 3.13
+    mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    if in_main_thread:
+        handler = signal.signal(signal.SIGINT, lambda number, _: waiting.append(number))
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, mask)
+        if in_main_thread:
+            signal.signal(signal.SIGINT, handler)
+        if waiting:
+            signal.raise_signal(signal.SIGINT)

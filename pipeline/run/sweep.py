@@ -1,0 +1,255 @@
+"""A sweep on a Dask cluster: each point continues the ramp of the one below it.
+
+::
+
+    TriboError
+    ├── ExecutionError     the cluster does not start, or is lost (pipeline.run.cluster)
+    └── PointFailedError   on its way from a worker: why a point failed, as the store has it
+                           (pipeline.run.schedule)
+"""
+
+from __future__ import annotations
+
+import multiprocessing
+import time
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+
+from dask.system import CPU_COUNT
+
+from pipeline.run.cluster import PATIENCE, ExecutionError, connected, dashboard_of
+from pipeline.run.schedule import PointFailedError, compute
+from pipeline.store.compact import lay_out
+from pipeline.store.folder import PathLike
+from pipeline.store.points import (
+    DONE,
+    FAILED,
+    PENDING,
+    Store,
+    locked,
+    prepare,
+)
+from pipeline.store.progress import FailedPoint, Summary, summarized
+from pipeline.store.variables import BY_POINT, COMPACT, versions
+from pipeline.sweep.model import Point, Sweep
+from pipeline.sweep.plan import chains, points
+from tribo import InputError
+
+__all__ = ["ExecutionError", "Outcome", "PointFailedError", "Progress", "run_sweep"]
+
+_MANY = 2000  # points, from which compacting is worth a word
+
+
+@dataclass(frozen=True, slots=True)
+class Progress:
+    """How far a run has come.
+
+    Attributes
+    ----------
+    done, failed, total : int
+        Points of the sweep, those of earlier runs included.
+    elapsed : float
+        Since this run began [s].
+    time_to_go : float or None
+        Estimated [s]; None until the first point is done.
+    """
+
+    done: int
+    failed: int
+    total: int
+    elapsed: float
+    time_to_go: float | None
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """What a run leaves.
+
+    Attributes
+    ----------
+    total, done : int
+        Points of the sweep, and those of them that are done.
+    computed : int
+        Points that this run completed.
+    failed : tuple of FailedPoint
+        Points that failed, now or in an earlier run.
+    wall_time : float
+        Of this run [s].
+    """
+
+    total: int
+    done: int
+    computed: int
+    failed: tuple[FailedPoint, ...]
+    wall_time: float
+
+
+def run_sweep(
+    sweep: Sweep,
+    out: PathLike,
+    workers: int | None = None,
+    scheduler: str | None = None,
+    progress: Callable[[Progress], None] | None = None,
+    retry_failed: bool = False,
+    further: Callable[[], Sweep | None] | None = None,
+    tell: Callable[[str], None] | None = None,
+    patience: float = PATIENCE,
+    fill_fields: bool = False,
+) -> Outcome:
+    """Compute every point of a sweep that its store does not have yet.
+
+    In a script, call it under ``if __name__ == "__main__":``, since workers import the script.
+
+    Parameters
+    ----------
+    sweep : Sweep
+    out : str or path
+        Of the store; it is created, resumed or extended.
+    workers : int, optional
+        Number of processes; one for each core that this process may use if not given.
+    scheduler : str, optional
+        Address of a Dask scheduler to use instead. Its workers need this package and see the
+        store under the same path.
+    progress : callable, optional
+        Called with a `Progress` at the start and after each point.
+    retry_failed : bool, optional
+        Whether to try points again that failed in an earlier run.
+    further : callable, optional
+        Called when every point is done or has failed: gives the same sweep with more points, to
+        go on with, or None.
+    tell : callable, optional
+        Called with a line for the user, such as where the cluster's dashboard is.
+    patience : float, optional
+        How long to wait for a scheduler to answer, and for workers if there are none [s].
+    fill_fields : bool, optional
+        Whether to compute points again that were finished before the scene asked for fields.
+
+    Raises
+    ------
+    StoreMismatchError
+        If `out` is the store of another scene.
+    StoreError
+        If the store is in use or cannot be written. Finished points are safe.
+    ExecutionError
+        If the cluster does not start or is lost. Finished points are safe.
+    """
+    if workers is not None and workers < 1:
+        raise InputError(f"workers is {workers}; it must be at least 1")
+    if multiprocessing.parent_process() is not None and scheduler is None:
+        raise ExecutionError(
+            "a worker process cannot run a sweep; in a script, call run_sweep under "
+            'if __name__ == "__main__":'
+        )
+    began = time.monotonic()
+    checked: set[Point] = set()
+    with locked(out):
+        store = prepare(out, sweep)
+        if fill_fields:
+            for point in _without_fields(store, sweep):
+                store.forget(point)
+        if tell:
+            for note in _notes(store, sweep):
+                tell(note)
+        waiting = chains(_todo(store, sweep, retry_failed, checked), sweep.independent)
+        tally = _Tally(summarized(store), began, progress)
+        more = None if waiting or further is None else further()
+        was_compact = store.is_compact
+        if waiting or more:
+            if was_compact:
+                lay_out(store.path, BY_POINT)
+                store = Store(store.path)
+            # Points that come later may have more chains than those that wait now.
+            least = len(waiting) if further is None else CPU_COUNT
+            with connected(min(workers or CPU_COUNT, least), scheduler, patience) as client:
+                if tell and (dashboard := dashboard_of(client)):
+                    tell(f"the cluster's dashboard is at {dashboard}")
+                while True:
+                    if waiting:
+                        compute(client, sweep, store, waiting, patience, tally.report)
+                    more = more or (further() if further else None)
+                    if more is None:
+                        break
+                    sweep, more = more, None
+                    store = prepare(out, sweep)
+                    waiting = chains(_todo(store, sweep, False, checked), sweep.independent)
+                    tally.widen(summarized(store))
+            if was_compact:
+                lay_out(store.path, COMPACT)
+                store = Store(store.path)
+        found = summarized(store)
+    if tell and found.total >= _MANY and not was_compact:
+        tell(f"{out} opens faster after: irg compact {out}")
+    return Outcome(
+        total=found.total,
+        done=found.done,
+        computed=tally.computed,
+        failed=found.failed,
+        wall_time=time.monotonic() - began,
+    )
+
+
+def _without_fields(store: Store, sweep: Sweep) -> list[Point]:
+    """Points that were finished before the scene asked for fields."""
+    if not sweep.store_fields:
+        return []
+    status = store.status()
+    done = (point for point in points(sweep) if status[point] == DONE)
+    return [point for point in done if store.lacks_fields(point)]
+
+
+def _notes(store: Store, sweep: Sweep) -> Iterable[str]:
+    """What to know before going on with a store."""
+    for name, present in versions().items():
+        if (before := store.attributes["versions"][name]) != present:
+            yield (
+                f"{store.path} was begun with {name} {before}, and goes on with {present}: "
+                "new points may differ from the others in the last digits"
+            )
+    if lacking := len(_without_fields(store, sweep)):
+        yield (
+            f"{lacking} points were finished before the scene asked for fields, and have none; "
+            "--fill-fields computes them again"
+        )
+
+
+def _todo(store: Store, sweep: Sweep, retry_failed: bool, checked: set[Point]) -> list[Point]:
+    """Points to compute: those pending, those damaged, and those that failed if asked for.
+
+    What is done is read once in a run to see whether it is intact; those points are `checked`.
+    """
+    status, asked = store.status(), set(points(sweep))
+    for point in (place for place in store.places() if place in asked):  # chunk after chunk
+        done = status[point] == DONE and point not in checked
+        damaged = done and not store.is_intact(point)
+        if damaged or (retry_failed and status[point] == FAILED):
+            store.forget(point)
+            status[point] = PENDING
+    checked.update(asked)
+    return [point for point in points(sweep) if status[point] == PENDING]
+
+
+class _Tally:
+    """Counts the points and tells the caller."""
+
+    def __init__(
+        self, found: Summary, began: float, progress: Callable[[Progress], None] | None
+    ) -> None:
+        self.computed = 0
+        self._began, self._progress = began, progress
+        self.widen(found)
+
+    def widen(self, found: Summary) -> None:
+        """Take note of points that were added."""
+        self._total, self._done, self._failed = found.total, found.done, len(found.failed)
+        self.report()
+
+    def report(self, done: int = 0, failed: int = 0) -> None:
+        self.computed += done
+        self._done += done
+        self._failed += failed
+        if self._progress is None:
+            return
+        elapsed = time.monotonic() - self._began
+        pending = self._total - self._done - self._failed
+        time_to_go = elapsed / self.computed * pending if self.computed else None
+        self._progress(Progress(self._done, self._failed, self._total, elapsed, time_to_go))

@@ -1,0 +1,1 @@
+"""Scene files: TOML with units, read into a sweep."""

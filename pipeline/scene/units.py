@@ -1,0 +1,125 @@
+"""Quantities with units: from text to SI, and from SI to text for display."""
+
+from __future__ import annotations
+
+import functools
+import json
+import re
+from decimal import Decimal
+from tokenize import TokenError
+from typing import Any
+
+import pint
+
+from tribo import TriboError
+
+__all__ = ["UnitError", "display", "exact_si", "to_si"]
+
+_LONGEST = 80
+_NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?"
+# The unit's characters leave out "_", and so delta_degC, which would make 25 K of 25 °C.
+_QUANTITY = re.compile(rf"\s*({_NUMBER})\s*([A-Za-z0-9µμ°Ω²³⁻¹ .·*/^()-]*)", re.ASCII)
+# What pint raises on text that is no unit: more than its own errors.
+_PINT_ERRORS = (
+    pint.PintError,
+    ArithmeticError,
+    AssertionError,
+    TokenError,
+    TypeError,
+    ValueError,
+)
+
+_DISPLAY = {
+    "°C": (1.0, -273.15),
+    "N": (1.0, 0.0),
+    "m/s": (1.0, 0.0),
+    "s": (1.0, 0.0),
+    "mm": (1e3, 0.0),
+    "µm": (1e6, 0.0),
+    "GPa": (1e-9, 0.0),
+}
+
+
+class UnitError(TriboError, ValueError):
+    """Text that is not a quantity of the dimension that is needed."""
+
+
+def exact_si(text: str, like: str) -> Decimal:
+    """Value in SI of a quantity such as ``"0.27 um"``, without rounding.
+
+    Parameters
+    ----------
+    text : str
+        A number and a unit.
+    like : str
+        A quantity of the dimension that is needed.
+
+    Raises
+    ------
+    UnitError
+        If the text is no quantity, or one of another dimension.
+
+    Examples
+    --------
+    >>> exact_si("25 degC", like="300 K")
+    Decimal('298.15')
+    """
+    quantity = _parsed(text)
+    if not quantity.check(_parsed(like).dimensionality):
+        dimension = quantity.dimensionality or "1"
+        raise UnitError(f"{_quoted(text)} is of dimension {dimension}, unlike {_quoted(like)}")
+    try:
+        value: Decimal = quantity.to_base_units().magnitude
+    except _PINT_ERRORS as error:
+        raise UnitError(f"{_quoted(text)} cannot be expressed in SI") from error
+    return value
+
+
+def to_si(text: str, like: str) -> float:
+    """Value in SI of a quantity, the double nearest to it; see `exact_si`.
+
+    Examples
+    --------
+    >>> to_si("1.2e-6 mm^3/(N m)", like="1 m^2/N")
+    1.2e-15
+    >>> to_si("7 kg", like="750 N")
+    Traceback (most recent call last):
+        ...
+    pipeline.scene.units.UnitError: "7 kg" is of dimension [mass], unlike "750 N"
+    """
+    return float(exact_si(text, like))
+
+
+def display(value: float, unit: str, digits: int = 6) -> str:
+    """Write an SI value as text in °C, N, m/s, s, mm, µm or GPa.
+
+    Examples
+    --------
+    >>> display(298.15, "°C"), display(1.25, "m/s"), display(2.7e-7, "µm")
+    ('25 °C', '1.25 m/s', '0.27 µm')
+    """
+    factor, offset = _DISPLAY[unit]
+    return f"{value * factor + offset:.{digits}g} {unit}"
+
+
+@functools.cache
+def _registry() -> pint.UnitRegistry[Any]:
+    """All known units; made when first needed, since that takes 0.15 s."""
+    return pint.UnitRegistry(non_int_type=Decimal)
+
+
+def _parsed(text: str) -> pint.Quantity[Decimal]:
+    match = _QUANTITY.fullmatch(text) if len(text) <= _LONGEST else None
+    if match is None:
+        raise UnitError(f"{_quoted(text)} is not a number followed by a unit")
+    number, unit = match.groups()
+    try:
+        return _registry().Quantity(Decimal(number), _registry().parse_units(unit))
+    except pint.UndefinedUnitError as error:
+        raise UnitError(f"{_quoted(text)} has an unknown unit: {error}") from error
+    except _PINT_ERRORS as error:
+        raise UnitError(f"{_quoted(text)} has no unit that can be read") from error
+
+
+def _quoted(text: str) -> str:
+    return json.dumps(text if len(text) <= _LONGEST else f"{text[:_LONGEST]}...")

@@ -1,0 +1,1 @@
+"""The store of a sweep; nothing else in the package knows Zarr."""

@@ -1,0 +1,87 @@
+"""How far a sweep has come, by its store."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from pipeline.store.folder import PathLike, user
+from pipeline.store.pace import pace
+from pipeline.store.points import Store
+from pipeline.store.variables import DONE, FAILED, PENDING
+from pipeline.sweep.model import Point
+
+__all__ = ["FailedPoint", "Summary", "summarized", "summary"]
+
+
+@dataclass(frozen=True, slots=True)
+class FailedPoint:
+    """A point that could not be computed: load [N], velocity [m/s], why, and on which surface."""
+
+    load: float
+    velocity: float
+    message: str
+    realization: int | None = None
+
+    def __str__(self) -> str:
+        return f"{Point(self.load, self.velocity, self.realization)}: {self.message}"
+
+
+@dataclass(frozen=True, slots=True)
+class Summary:
+    """How far a sweep has come.
+
+    Attributes
+    ----------
+    name, title : str
+        Of the scene.
+    total, done, pending : int
+        Points that the scene asks for, those of them that are done and those still to do.
+    failed : tuple of FailedPoint
+    rate : float or None
+        At which points were finished most recently [1/s]; None if that is not known.
+    running : str or None
+        Who computes points now, if anyone does.
+    """
+
+    name: str
+    title: str
+    total: int
+    done: int
+    pending: int
+    failed: tuple[FailedPoint, ...]
+    rate: float | None = None
+    running: str | None = None
+
+    @property
+    def time_to_go(self) -> float | None:
+        """Time that the pending points take at that rate [s]."""
+        return self.pending / self.rate if self.rate else None
+
+
+def summarized(store: Store) -> Summary:
+    """Count the points of an open store, without reading their data."""
+    status, asked = store.status(), store.asked()
+    counts = [status[point] for point in asked]
+    failed = (point for point in asked if status[point] == FAILED)
+    return Summary(
+        name=store.attributes["name"],
+        title=store.attributes["title"],
+        total=len(asked),
+        done=counts.count(DONE),
+        pending=counts.count(PENDING),
+        failed=tuple(
+            FailedPoint(at.load, at.velocity, store.message(at), at.realization) for at in failed
+        ),
+    )
+
+
+def summary(path: PathLike) -> Summary:
+    """Count the points of a store and tell their rate, without reading their data.
+
+    Raises
+    ------
+    StoreError
+        If there is no readable store.
+    """
+    store = Store(path, mode="r")
+    return replace(summarized(store), rate=pace(store.finished_at()), running=user(path))

@@ -1,0 +1,276 @@
+"""What the dataset of a sweep holds: its variables, its attributes, and the checksum of a point."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import asdict, fields, is_dataclass
+from datetime import UTC, datetime
+from importlib import metadata
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.sweep.model import Sweep
+from pipeline.sweep.plan import step_count
+from tribo import QUANTILES, Scene
+
+__all__ = [
+    "BY_POINT",
+    "COLUMNS",
+    "COMPACT",
+    "COORDINATES",
+    "DONE",
+    "FAILED",
+    "FIELDS",
+    "FORMAT",
+    "PENDING",
+    "RECORDS",
+    "VARIABLES",
+    "Variable",
+    "checksum",
+    "describe",
+    "differences",
+    "grown",
+    "lasting_attributes",
+    "note_versions",
+    "present_attributes",
+    "scene_hash",
+    "stored_scene",
+    "variables",
+    "versions",
+]
+
+FORMAT = 1
+"""Version of the layout; a program reads this one and older ones."""
+
+BY_POINT, COMPACT = ".", "/"
+"""What separates the numbers in the names of chunks that hold one point, and of those with many."""
+
+PENDING, DONE, FAILED = 0, 1, 2
+"""Values of the variable ``status``."""
+
+
+class Variable(NamedTuple):
+    """Dimensions, unit, meaning, NumPy type and further attributes of a variable."""
+
+    dims: tuple[str, ...]
+    units: str | None
+    long_name: str
+    dtype: str = "float64"
+    attributes: Mapping[str, Any] = {}
+
+
+_POINT = ("load", "velocity")
+_STEP = (*_POINT, "step")
+_FIELD = (*_POINT, "x", "y")
+_RISE = "per unit friction coefficient"
+
+COORDINATES = {
+    "realization": Variable(("realization",), "1", "seed of the random surface", "int64"),
+    "load": Variable(("load",), "N", "normal load on the pin at the end of the ramp"),
+    "velocity": Variable(("velocity",), "m/s", "sliding velocity"),
+    "step": Variable(("step",), "1", "step of the ramp", "int64"),
+    "quantile": Variable(("quantile",), "1", "share of the contact area that is cooler"),
+    "x": Variable(("x",), "m", "position along the sliding direction"),
+    "y": Variable(("y",), "m", "position across the sliding direction"),
+}
+COLUMNS = {
+    "time": Variable(_STEP, "s", "time since the start of the ramp"),
+    "normal_load": Variable(_STEP, "N", "normal load on the pin"),
+    "sliding_distance": Variable(_STEP, "m", "sliding distance since the start of the ramp"),
+    "contact_fraction": Variable(_STEP, "1", "share of the window in contact"),
+    "contact_width": Variable(_STEP, "m", "width of the contact along the sliding direction"),
+    "max_pressure": Variable(_STEP, "Pa", "highest contact pressure"),
+    "mean_pressure": Variable(_STEP, "Pa", "mean pressure over the contact"),
+    "saturated_fraction": Variable(_STEP, "1", "share of the contact at the hardness"),
+    "wear_depth_max": Variable(_STEP, "m", "greatest wear depth of the pin"),
+    "wear_volume": Variable(_STEP, "m3", "worn volume of the whole pin"),
+    "iterations": Variable(_STEP, "1", "iterations of the contact solver"),
+    "residual": Variable(_STEP, "1", "residual of the contact solver"),
+    "max_rise": Variable(_STEP, "K", f"highest temperature rise of the contact {_RISE}"),
+    "mean_rise": Variable(_STEP, "K", f"mean temperature rise of the contact {_RISE}"),
+    "pin_heat_share": Variable(_STEP, "1", "share of the friction heat that enters the pin"),
+    "rise_quantile": Variable(
+        (*_STEP, "quantile"), "K", f"quantile of the temperature rise of the contact {_RISE}"
+    ),
+}
+FIELDS = {
+    "pressure": Variable(_FIELD, "Pa", "contact pressure at the end of the ramp"),
+    "rise": Variable(_FIELD, "K", f"temperature rise of the pin at the end of the ramp {_RISE}"),
+    "wear_depth": Variable(_FIELD, "m", "wear depth of the pin at the end of the ramp"),
+}
+RECORDS = {
+    "status": Variable(
+        _POINT,
+        None,
+        "state of the point",
+        "int8",
+        {"flag_values": [PENDING, DONE, FAILED], "flag_meanings": "pending done failed"},
+    ),
+    "wall_time": Variable(_POINT, "s", "duration of the point's computation"),
+    "finished_at": Variable(_POINT, "s", "when the point was finished, since 1970-01-01 UTC"),
+    "message": Variable(_POINT, None, "why the point failed, or what to know of it", "str"),
+    "checksum": Variable(_POINT, None, "BLAKE2b-64 of the point's data", "uint64"),
+}
+
+VARIABLES = COORDINATES | RECORDS | COLUMNS | FIELDS
+"""All that a store may hold; its status first, so that who reads all has it before the data."""
+
+
+def variables(over_surfaces: bool, with_fields: bool) -> dict[str, Variable]:
+    """Variables of a store, the leading dimension ``realization`` only over several surfaces."""
+    left_out = set() if with_fields else {"x", "y", *FIELDS}
+    found = {name: variable for name, variable in VARIABLES.items() if name not in left_out}
+    if not over_surfaces:
+        del found["realization"]
+        return found
+    return {
+        name: variable
+        if name in COORDINATES
+        else variable._replace(dims=("realization", *variable.dims))
+        for name, variable in found.items()
+    }
+
+
+def lasting_attributes(sweep: Sweep) -> dict[str, Any]:
+    """Attributes that a store keeps from its creation: the scene, and what computed it."""
+    description = describe(sweep)
+    return {
+        "Conventions": "CF-1.11",
+        "format": FORMAT,
+        "scene": description,
+        "scene_hash": scene_hash(description),
+        "versions": versions(),
+    }
+
+
+def versions() -> dict[str, str]:
+    """Versions of what computes and stores."""
+    try:
+        tribo = metadata.version("irg-transition")
+    except metadata.PackageNotFoundError:  # run from its source
+        tribo = "unknown"
+    return {"tribo": tribo} | {name: metadata.version(name) for name in ("numpy", "scipy", "zarr")}
+
+
+def note_versions(attributes: dict[str, Any]) -> None:
+    """Add the present versions to a store's attributes, if its last run had others."""
+    later = attributes.get("later_versions", [])
+    last = later[-1]["versions"] if later else attributes["versions"]
+    if last != (present := versions()):
+        since = datetime.now(UTC).isoformat(timespec="seconds")
+        attributes["later_versions"] = [*later, {"since": since, "versions": present}]
+
+
+def scene_hash(description: Mapping[str, Any]) -> str:
+    """SHA-256 of what `describe` gives."""
+    return hashlib.sha256(json.dumps(description, sort_keys=True).encode()).hexdigest()
+
+
+def present_attributes(sweep: Sweep) -> dict[str, Any]:
+    """Attributes that follow the scene file, since they do not decide the numbers.
+
+    Why the fidelity was picked is kept from an earlier run, if this one did not pick it.
+    """
+    picked = {"selection": sweep.selection.as_dict()} if sweep.selection else {}
+    return picked | {
+        "name": sweep.name,
+        "title": sweep.title,
+        "preset": sweep.preset,
+        "conditions": asdict(sweep.conditions),
+        "friction_band": list(sweep.friction_band) if sweep.friction_band else None,
+        "measured": [asdict(measurement) for measurement in sweep.measured],
+        "loads": list(sweep.loads),
+        "velocities": list(sweep.velocities),
+        "realizations": list(sweep.realizations),
+        "chosen": None if sweep.chosen is None else [list(point) for point in sweep.chosen],
+    }
+
+
+def grown(axes: Mapping[str, list[float]], sweep: Sweep) -> dict[str, list[float]]:
+    """Values along each dimension: those of a store, in their order, then what a sweep adds."""
+    steps = max(step_count(sweep, load) for load in sweep.loads)
+
+    def widened(name: str, wanted: Iterable[float]) -> list[float]:
+        known = axes.get(name, [])
+        return [*known, *(new for new in wanted if new not in known)]
+
+    return {
+        "realization": widened("realization", sweep.realizations),
+        "load": widened("load", sweep.loads),
+        "velocity": widened("velocity", sweep.velocities),
+        "step": list(range(1, max(steps, len(axes.get("step", []))) + 1)),
+        "quantile": list(QUANTILES),
+        "x": sweep.grid.coordinates(0).tolist(),
+        "y": sweep.grid.coordinates(1).tolist(),
+    }
+
+
+def describe(sweep: Sweep) -> dict[str, Any]:
+    """What decides a scene's numbers, as plain data in SI: its parts, arrays as their digest.
+
+    A seed is none of it where there are realizations, each with its own.
+    """
+    parts = {entry.name: _plain(getattr(sweep, entry.name)) for entry in fields(Scene)}
+    if sweep.realizations:
+        parts["roughness"]["seed"] = None
+    return parts
+
+
+def stored_scene(attributes: Mapping[str, Any]) -> dict[str, Any]:
+    """The description of a scene in a store, with what stores did not always say.
+
+    Examples
+    --------
+    >>> stored_scene({"scene": {"wear": None}})
+    {'friction_heat': True, 'wear': None}
+    """
+    scene: dict[str, Any] = attributes["scene"]
+    return {"friction_heat": True} | scene
+
+
+def differences(stored: Any, wanted: Any, key: str = "scene") -> Iterator[str]:
+    """Say in which entries two descriptions differ.
+
+    Examples
+    --------
+    >>> stored, wanted = {"pin": {"radius": 0.004}}, {"pin": {"radius": 0.005}, "wear": None}
+    >>> list(differences(stored, wanted))
+    ['scene.pin.radius: 0.004 in the store, 0.005 in the scene']
+    """
+    if isinstance(stored, Mapping) and isinstance(wanted, Mapping):
+        for name in {**stored, **wanted}:
+            yield from differences(stored.get(name), wanted.get(name), f"{key}.{name}")
+    elif stored != wanted:
+        yield f"{key}: {_short(stored)} in the store, {_short(wanted)} in the scene"
+
+
+def checksum(data: Mapping[str, NDArray[np.float64]]) -> np.uint64:
+    """Hash of what is stored of a point: the rows of its own steps, and its fields if any."""
+    digest = hashlib.blake2b(digest_size=8)
+    for name in sorted(data):
+        digest.update(name.encode())
+        digest.update(np.ascontiguousarray(data[name], dtype="<f8").tobytes())
+    return np.uint64(int.from_bytes(digest.digest(), "little"))
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, np.ndarray):
+        content = repr(value.shape).encode() + np.ascontiguousarray(value).tobytes()
+        return f"sha256:{hashlib.sha256(content).hexdigest()}"
+    if is_dataclass(value):
+        parts = {part.name: getattr(value, part.name) for part in fields(value) if part.init}
+        return {"type": type(value).__name__} | {name: _plain(part) for name, part in parts.items()}
+    if isinstance(value, tuple):
+        return [_plain(part) for part in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return str(value)  # JSON has no infinity
+    return value.item() if isinstance(value, np.generic) else value
+
+
+def _short(value: Any) -> str:
+    return "a " + value["type"] if isinstance(value, Mapping) and "type" in value else repr(value)

@@ -1,0 +1,309 @@
+"""What a numerical choice costs at a few points of a scene, and what it gives there."""
+
+from __future__ import annotations
+
+import math
+import time
+import tracemalloc
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.sweep.model import Sweep
+from pipeline.sweep.plan import Point, chains
+from tribo import (
+    PRESETS,
+    QUANTILES,
+    Fidelity,
+    InputError,
+    State,
+    failed_share,
+    forget_kernels,
+    measures,
+    simulate,
+)
+
+__all__ = [
+    "Probe",
+    "Reading",
+    "critical_velocity",
+    "decisive_rise_of",
+    "fitted",
+    "near_the_boundary",
+    "probe",
+    "rise_limit_of",
+    "some_loads",
+]
+
+Array = NDArray[np.float64]
+
+_USUAL_EXPONENT = 0.6  # of the rise over velocity
+_STEPS_FOR_MEMORY = 3
+_STEP = 0.05  # of the logarithm of velocity over which its exponent is taken
+
+
+@dataclass(frozen=True, slots=True)
+class Reading:
+    """What one point gives.
+
+    Attributes
+    ----------
+    rise : float
+        At friction 1, exceeded by the failing share of the contact [K].
+    failed_share : float
+        Of the contact, above the critical temperature.
+    contact_width : float
+        [m].
+    """
+
+    rise: float
+    failed_share: float
+    contact_width: float
+
+
+@dataclass(frozen=True, slots=True)
+class Probe:
+    """What a fidelity costs and gives at some points.
+
+    Attributes
+    ----------
+    fidelity : Fidelity
+    readings : tuple of Reading
+        One for each point.
+    seconds : float
+        Of one core, once the surface and the kernels of the contact are there.
+    convolutions : int
+        On all grids, of contacts and of heat.
+    work : float
+        The same weighted by the elements of their grids: a measure of the time that does not
+        depend on the machine.
+    peak_bytes : int or None
+        Most memory for arrays that a point took, kernels included, if it was asked for.
+    """
+
+    fidelity: Fidelity
+    readings: tuple[Reading, ...]
+    seconds: float
+    convolutions: int
+    work: float
+    peak_bytes: int | None = None
+
+
+def probe(
+    sweep: Sweep, fidelity: Fidelity, points: Sequence[Point], with_memory: bool = False
+) -> Probe:
+    """Simulate points of a scene with another fidelity.
+
+    Parameters
+    ----------
+    sweep : Sweep
+    fidelity : Fidelity
+    points : sequence of Point
+        Those at one velocity share their ramp, as in a sweep.
+    with_memory : bool
+        Whether to measure the memory too, with one more, cheaper point.
+    """
+    scene = replace(sweep, fidelity=replace(fidelity, temperature_interval=0))
+    peak = _peak_bytes(scene, points) if with_memory else None
+    # Makes surface and kernels of the contact, which a whole sweep makes once.
+    load, velocity = min((point.load, point.velocity) for point in points)
+    _run(scene, load / 2, velocity * 0.9)
+    began = time.process_time()
+    runs = {}
+    for chain in chains(points):
+        trunk = None
+        for point in chain:
+            runs[point] = run = _run(scene, point.load, point.velocity, trunk)
+            trunk = run.trunk
+    seconds = time.process_time() - began
+    return Probe(
+        fidelity,
+        tuple(_reading(sweep, scene, runs[point].state) for point in points),
+        seconds,
+        sum(run.convolutions for run in runs.values()),
+        float(sum(run.work for run in runs.values())),
+        peak,
+    )
+
+
+def _peak_bytes(scene: Sweep, points: Sequence[Point]) -> int:
+    """Most memory for arrays of the heaviest point, which a few of its steps are enough to tell."""
+    fidelity = scene.fidelity
+    if fidelity.heat_model == "elapsed" and fidelity.wear_scheme != "explicit":
+        fidelity = replace(fidelity, increments=min(fidelity.increments, _STEPS_FOR_MEMORY))
+    forget_kernels()
+    tracemalloc.start()
+    try:
+        load, velocity = max((point.load, point.velocity) for point in points)
+        _run(replace(scene, fidelity=fidelity), load, velocity)
+        return tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+
+
+@dataclass(frozen=True, slots=True)
+class _Run:
+    state: State
+    trunk: State | None
+    convolutions: int
+    work: int
+
+
+def _run(scene: Sweep, load: float, velocity: float, trunk: State | None = None) -> _Run:
+    """A point at its hottest under full load, what it took, and where a higher load goes on."""
+    convolutions = work = 0
+    hot: list[tuple[float, State]] = []
+    for state in simulate(scene, load, velocity, trunk):
+        on_way = state.heat.iterations if state.heat else 0
+        convolutions += state.iterations + on_way
+        work += state.work + on_way * state.pressure.size
+        if state.on_trunk:
+            trunk = state.history or replace(state, heat=None)
+        if state.heat is not None and state.normal_load >= load:
+            hot.append((decisive_rise_of(scene, state.heat.rise_quantile), state))
+    hottest = max(hot, key=lambda found: found[0])[1] if hot else state
+    return _Run(hottest, trunk, convolutions, work)
+
+
+def _reading(sweep: Sweep, scene: Sweep, state: State) -> Reading:
+    if state.heat is None:
+        raise InputError("a point ended without a temperature")
+    return Reading(
+        decisive_rise_of(sweep, state.heat.rise_quantile),
+        failed_share(state.heat.rise_quantile, rise_limit_of(sweep)),
+        measures(scene, state)["contact_width"],
+    )
+
+
+def decisive_rise_of(sweep: Sweep, rise_quantile: Array) -> float:
+    """Rise at friction 1 that the sweep's failing share of the contact exceeds [K]."""
+    return float(np.interp(1 - sweep.conditions.failing_share, QUANTILES, rise_quantile))
+
+
+def rise_limit_of(sweep: Sweep) -> float:
+    """Rise at friction 1 from which wear is severe [K]; infinite without friction."""
+    conditions = sweep.conditions
+    warming = conditions.critical_temperature - conditions.bulk_temperature
+    return warming / conditions.friction if conditions.friction else math.inf
+
+
+def fitted(sweep: Sweep, fidelity: Fidelity) -> Fidelity:
+    """A fidelity whose elements divide the scene's pixels: as large as asked for, or less.
+
+    Examples
+    --------
+    >>> from types import SimpleNamespace
+    >>> sweep = SimpleNamespace(pixels=SimpleNamespace(shape=(90, 60)))
+    >>> fitted(sweep, Fidelity(pixels_per_element=4)).pixels_per_element
+    3
+    """
+    nx, ny = sweep.pixels.shape
+    fits = (n for n in range(fidelity.pixels_per_element, 0, -1) if nx % n == ny % n == 0)
+    return replace(fidelity, pixels_per_element=next(fits))
+
+
+def some_loads(sweep: Sweep, number: int) -> tuple[float, ...]:
+    """So many of a sweep's loads, both ends among them.
+
+    Examples
+    --------
+    >>> from types import SimpleNamespace
+    >>> some_loads(SimpleNamespace(loads=(200.0, 300.0, 400.0, 500.0, 600.0)), 3)
+    (200.0, 400.0, 600.0)
+    """
+    last = len(sweep.loads) - 1
+    chosen = sorted({round(last * k / max(number - 1, 1)) for k in range(number)})
+    return tuple(sweep.loads[k] for k in chosen)
+
+
+def near_the_boundary(
+    sweep: Sweep, loads: Sequence[float], fidelity: Fidelity | None = None
+) -> tuple[tuple[Point, ...], tuple[float, ...]]:
+    """Where to look at a scene: at each load the velocity near which wear turns severe.
+
+    Parameters
+    ----------
+    sweep : Sweep
+    loads : sequence of float
+        [N].
+    fidelity : Fidelity, optional
+        To find it with; the preset ``draft`` if not given.
+
+    Returns
+    -------
+    points : tuple of Point
+        Where a scene has no transition at any velocity between half its lowest and twice its
+        highest, the end that comes nearest.
+    exponents : tuple of float
+        d ln(rise)/d ln(velocity) at each: an error of the rise divided by it is that of the
+        boundary velocity.
+    """
+    scene = replace(sweep, fidelity=fitted(sweep, fidelity or PRESETS["draft"]))
+    points, exponents = [], []
+    moving = [abs(velocity) for velocity in sweep.velocities if velocity]
+    if not moving:
+        raise InputError("the sweep has no velocity but 0, and so no heat to be wrong about")
+    limit = rise_limit_of(sweep)
+
+    for load in loads:
+
+        def rise(velocity: float, load: float = load) -> float:
+            return _reading(sweep, scene, _run(scene, load, velocity).state).rise
+
+        velocity = critical_velocity(rise, limit, min(moving) / 2, max(moving) * 2)
+        points.append(Point(load, velocity))
+        ratio = rise(velocity * math.exp(_STEP)) / rise(velocity * math.exp(-_STEP))
+        exponents.append(max(math.log(ratio) / (2 * _STEP), 0.05))
+    return tuple(points), tuple(exponents)
+
+
+def critical_velocity(
+    rise: Callable[[float], float],
+    limit: float,
+    lowest: float,
+    highest: float,
+    tolerance: float = 0.01,
+) -> float:
+    """Velocity at which a growing rise reaches a limit, within a range [m/s].
+
+    By secants of the logarithms, kept inside what is known to enclose it.
+
+    Parameters
+    ----------
+    rise : callable
+        Of the velocity.
+    limit : float
+    lowest, highest : float
+        The nearer one is returned where the range has no crossing [m/s].
+    tolerance : float
+        Relative, on the rise.
+
+    Examples
+    --------
+    >>> f"{critical_velocity(lambda v: 100 * v**0.5, 200.0, 0.1, 10.0):.3f}"
+    '4.000'
+    >>> f"{critical_velocity(lambda v: 100 * v**0.5, 900.0, 0.1, 10.0):.3f}"
+    '10.000'
+    """
+    low, high = math.log(lowest), math.log(highest)
+    if not math.isfinite(limit):
+        return math.sqrt(lowest * highest)
+    at, exponent = (low + high) / 2, _USUAL_EXPONENT
+    before: tuple[float, float] | None = None
+    for _ in range(30):
+        short = math.log(rise(math.exp(at)) / limit)
+        if abs(short) <= tolerance:
+            break
+        if short > 0:
+            high = at
+        else:
+            low = at
+        if high - low < 1e-9:
+            break
+        if before is not None and at != before[0]:
+            exponent = min(max((short - before[1]) / (at - before[0]), 0.2), 3.0)
+        before = at, short
+        at = min(max(at - short / exponent, low), high)
+    return math.exp(at)

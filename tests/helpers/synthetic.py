@@ -1,0 +1,164 @@
+"""A sweep in the layout of an opened store, whose transition boundary is known in closed form."""
+
+import numpy as np
+import xarray as xr
+
+from pipeline.store.variables import DONE, FAILED
+from tribo import QUANTILES
+
+FACTOR, LOAD_EXPONENT, VELOCITY_EXPONENT = 24.0, 0.58, 0.7
+CONDITIONS = {
+    "friction": 0.1,
+    "bulk_temperature": 298.15,
+    "critical_temperature": 418.15,
+    "failing_share": 0.1,
+}
+MEASURED = [
+    {"normal_load": 750.0, "velocity": 1.25, "friction": 0.103},
+    {"normal_load": 600.0, "velocity": 1.5, "friction": 0.1},
+    {"normal_load": 400.0, "velocity": 2.25, "friction": 0.091},
+    {"normal_load": 200.0, "velocity": 3.75, "friction": None},
+]
+LOADS = np.arange(200.0, 751.0, 50.0)
+VELOCITIES = np.arange(0.5, 4.01, 0.25)
+RATE, INCREMENT = 150.0, 37.5
+
+
+def profile(quantile):
+    """Rise at a quantile over the maximum: straight, as the interpolation between quantiles."""
+    return 0.3 + 0.7 * np.asarray(quantile)
+
+
+def rise(load, velocity, quantile=1.0):
+    """The closed form [K], at friction 1."""
+    return FACTOR * load**LOAD_EXPONENT * velocity**VELOCITY_EXPONENT * profile(quantile)
+
+
+def limit(friction=0.1, bulk=298.15, critical=418.15):
+    return (critical - bulk) / friction
+
+
+def critical_velocity(load, limit_rise, share=0.1):
+    steady = FACTOR * load**LOAD_EXPONENT * profile(1 - share)
+    return (limit_rise / steady) ** (1 / VELOCITY_EXPONENT)
+
+
+def critical_load(velocity, limit_rise, share=0.1):
+    steady = FACTOR * velocity**VELOCITY_EXPONENT * profile(1 - share)
+    return (limit_rise / steady) ** (1 / LOAD_EXPONENT)
+
+
+def sweep(
+    loads=LOADS,
+    velocities=VELOCITIES,
+    rise=rise,
+    status=None,
+    interval=0,
+    fields=False,
+    **attributes,
+):
+    """Build the dataset; `status` is {(load, velocity): 0 or 2} for points that are not done."""
+    loads, velocities = np.asarray(loads, float), np.asarray(velocities, float)
+    ramps = [np.append(np.arange(INCREMENT, F * (1 - 1e-12), INCREMENT), F) for F in loads]
+    n_step = max(map(len, ramps))
+    shape = (len(loads), len(velocities), n_step)
+    scalars = {name: np.full(shape, np.nan) for name in _VARIABLES}
+    quantiles = np.full((*shape, len(QUANTILES)), np.nan)
+    flags = np.full(shape[:2], DONE, np.int8)
+    messages = np.full(shape[:2], "", dtype=object)
+    for (F, V), flag in (status or {}).items():
+        i, j = np.flatnonzero(loads == F)[0], np.flatnonzero(velocities == V)[0]
+        flags[i, j], messages[i, j] = flag, "out of memory" if flag == FAILED else ""
+
+    for i, ramp in enumerate(ramps):
+        for j, V in enumerate(velocities):
+            if flags[i, j] != DONE:
+                continue
+            n, time = len(ramp), ramp / RATE
+            values = {
+                "time": time,
+                "normal_load": ramp,
+                "sliding_distance": V * time,
+                "contact_fraction": 0.012 * ramp**0.5,
+                "contact_width": 9e-6 * ramp**0.5 * (1 + 0.2 * V),
+                "max_pressure": np.full(n, 6.6e9),
+                "mean_pressure": 4e7 * ramp**0.5,
+                "saturated_fraction": 0.02 + 1e-4 * ramp,
+                "wear_depth_max": 2e-9 * V * ramp**0.9,
+                "wear_volume": 1.2e-15 * 0.5 * RATE * time**2 * V,
+                "iterations": np.full(n, 10.0),
+                "residual": np.full(n, 1e-4),
+            }
+            hot = np.array([k == n - 1 or bool(interval and (k + 1) % interval == 0)
+                            for k in range(n)])  # fmt: skip
+            values["max_rise"] = np.where(hot, rise(ramp, V), np.nan)
+            values["mean_rise"] = np.where(hot, rise(ramp, V, 0.5), np.nan)
+            values["pin_heat_share"] = np.where(hot, 0.4, np.nan)
+            for name, value in values.items():
+                scalars[name][i, j, :n] = value
+            for k in np.flatnonzero(hot):
+                quantiles[i, j, k] = rise(ramp[k], V, np.array(QUANTILES))
+
+    data = {
+        name: (("load", "velocity", "step"), scalars[name], {"units": units, "long_name": name})
+        for name, units in _VARIABLES.items()
+    }
+    data["rise_quantile"] = (("load", "velocity", "step", "quantile"), quantiles, {"units": "K"})
+    data["status"] = (("load", "velocity"), flags, {"flag_values": [0, 1, 2]})
+    data["wall_time"] = (("load", "velocity"), np.where(flags == DONE, 1.0, np.nan))
+    data["message"] = (("load", "velocity"), messages)
+    coords = {
+        "load": ("load", loads, {"units": "N"}),
+        "velocity": ("velocity", velocities, {"units": "m/s"}),
+        "step": ("step", np.arange(n_step)),
+        "quantile": ("quantile", np.array(QUANTILES)),
+    }
+    if fields:
+        data |= _fields(flags, loads, velocities, rise, coords)
+    attrs = {
+        "title": "White oil on ground steel",
+        "name": "synthetic",
+        "conditions": dict(CONDITIONS),
+        "friction_band": [0.09, 0.103],
+        "measured": [dict(point) for point in MEASURED],
+        "format": 1,
+    }
+    return xr.Dataset(data, coords, attrs | attributes)
+
+
+def _fields(flags, loads, velocities, rise, coords, nx=48, ny=36):
+    """Round summits under a cylinder, hot at the trailing side."""
+    x, y = (np.arange(nx) - (nx - 1) / 2) * 8e-6, np.arange(ny) * 12e-6
+    coords["x"], coords["y"] = ("x", x, {"units": "m"}), ("y", y, {"units": "m"})
+    summits = np.cos(2 * np.pi * x / 5e-5)[:, None] * np.cos(2 * np.pi * y / 7.2e-5)
+    dome = np.clip(1 - (x[:, None] / 1.3e-4) ** 2, 0, None)
+    pressure = 5e9 * dome * np.clip(summits - 0.3, 0, None)
+    heat = dome * (0.5 + 0.3 * summits + 0.2 * x[:, None] / 1.3e-4)
+    wear = 2e-6 * np.broadcast_to(dome, (nx, ny))
+    done = (flags == DONE)[..., None, None]
+    hottest = rise(loads[:, None], velocities)[..., None, None]
+    dims = ("load", "velocity", "x", "y")
+    return {
+        "pressure": (dims, np.where(done, pressure, np.nan), {"units": "Pa"}),
+        "rise": (dims, np.where(done, hottest * heat, np.nan), {"units": "K"}),
+        "wear_depth": (dims, np.where(done, wear, np.nan), {"units": "m"}),
+    }
+
+
+_VARIABLES = {
+    "time": "s",
+    "normal_load": "N",
+    "sliding_distance": "m",
+    "contact_fraction": "1",
+    "contact_width": "m",
+    "max_pressure": "Pa",
+    "mean_pressure": "Pa",
+    "saturated_fraction": "1",
+    "wear_depth_max": "m",
+    "wear_volume": "m3",
+    "iterations": "1",
+    "residual": "1",
+    "max_rise": "K",
+    "mean_rise": "K",
+    "pin_heat_share": "1",
+}

@@ -1,0 +1,86 @@
+"""A sweep that takes milliseconds a point, and ramps that go wrong on a worker."""
+
+import math
+import multiprocessing
+import os
+import resource
+import signal
+import time
+from dataclasses import dataclass
+
+import tribo
+from pipeline.sweep.model import Conditions, Measurement, Sweep
+from tests.helpers.scenes import STEEL
+
+LOADS, VELOCITIES = (150.0, 250.0, 600.0), (0.5, 1.0, 1.5)
+
+
+def sweep(increments=6, temperature_interval=0, fidelity=None, **changes):
+    """Stations every 125 N; 250 N is one of them."""
+    return Sweep(
+        **{
+            "pin": tribo.Cylinder(radius=8e-3, length=3.375e-3, material=STEEL),
+            "disk": STEEL,
+            "pixels": tribo.Grid((32, 16), (13e-6, 15e-6)),
+            "loading": tribo.Ramp(rate=150.0, reference_load=750.0),
+            "roughness": tribo.SelfAffineRoughness(0.27e-6, 0.8, (4e-6, 9e-6), seed=1),
+            "wear": tribo.Wear(1.2e-15),
+            "fidelity": tribo.Fidelity(
+                pixels_per_element=1,
+                increments=increments,
+                temperature_interval=temperature_interval,
+                **(fidelity or {}),
+            ),
+            "name": "tiny",
+            "title": "A tiny sweep",
+            "loads": LOADS,
+            "velocities": VELOCITIES,
+            "conditions": Conditions(0.1, 298.15, 418.15),
+            "friction_band": (0.09, 0.103),
+            "measured": (Measurement(750.0, 1.25, 0.103), Measurement(200.0, 3.75)),
+        }
+        | changes
+    )
+
+
+def full(**changes):
+    """With all that a store may hold."""
+    return sweep(temperature_interval=2, store_fields=True, **changes)
+
+
+@dataclass(frozen=True, slots=True)
+class FaultyRamp(tribo.Ramp):
+    """A ramp with a fault at one load; only where it is simulated, not where it is planned."""
+
+    at: float = math.nan
+
+    def stations(self, normal_load, increments, after=0.0):
+        if normal_load == self.at and multiprocessing.parent_process() is not None:
+            self.fault()
+        return tribo.Ramp.stations(self, normal_load, increments, after)
+
+
+class DeadlyRamp(FaultyRamp):
+    def fault(self):
+        os.kill(os.getpid(), signal.SIGKILL)
+
+
+class DivergingRamp(FaultyRamp):
+    def fault(self):
+        raise tribo.ConvergenceError("the contact did not converge", solution=None)
+
+
+class SlowRamp(FaultyRamp):
+    """Takes its time at every load, as a large scene does."""
+
+    def stations(self, normal_load, increments, after=0.0):
+        if multiprocessing.parent_process() is not None:
+            time.sleep(0.2)
+        return tribo.Ramp.stations(self, normal_load, increments, after)
+
+
+class FillingRamp(FaultyRamp):
+    """From here on, files of more than a few bytes find no room."""
+
+    def fault(self):
+        resource.setrlimit(resource.RLIMIT_FSIZE, (100, resource.RLIM_INFINITY))

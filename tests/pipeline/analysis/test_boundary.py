@@ -1,0 +1,312 @@
+"""The transition boundary (pipeline/analysis/boundary.py), on sweeps with a known one."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from pipeline.analysis.boundary import boundary, decisive_rise, decisive_temperature
+from pipeline.analysis.interpolation import crossing, interpolated
+from pipeline.store.variables import FAILED, PENDING
+from tests.helpers import synthetic
+from tests.helpers.synthetic import LOADS, VELOCITIES
+from tribo import InputError, failed_share
+
+CROSSES, MILD, SEVERE, UNKNOWN = range(4)
+
+
+@pytest.fixture(scope="module")
+def sweep():
+    return synthetic.sweep()
+
+
+def curved(load, velocity, quantile=1.0):
+    """Like a real sweep, not quite a power law of either."""
+    return synthetic.rise(load, velocity, quantile) / (1 + 0.1 * np.sqrt(velocity) + load / 5000)
+
+
+def test_boundary_of_a_power_law_is_found_to_rounding(sweep):
+    found = boundary(sweep)
+    limit = synthetic.limit()
+    np.testing.assert_allclose(
+        found["critical_velocity"], synthetic.critical_velocity(LOADS, limit), rtol=1e-13
+    )
+    expected = synthetic.critical_load(VELOCITIES, limit)
+    inside = (expected >= LOADS[0]) & (expected <= LOADS[-1])
+    assert inside.sum() == 10
+    np.testing.assert_allclose(found["critical_load"][inside], expected[inside], rtol=1e-13)
+    assert np.isnan(found["critical_load"][~inside]).all()
+
+
+def test_boundary_of_a_bent_rise_is_found_between_points_every_quarter_metre_per_second():
+    velocity = np.linspace(1.05, 3.6, 31)
+    # so that the boundary at 400 N lies at each of these velocities in turn
+    bulk, share = 298.15, 0.1
+    ds = synthetic.sweep(rise=curved)
+    error = [
+        float(
+            boundary(ds, critical_temperature=bulk + 0.1 * curved(400.0, v, 1 - share))[
+                "critical_velocity"
+            ].sel(load=400.0)
+        )
+        / v
+        - 1
+        for v in velocity
+    ]
+    assert np.abs(error).max() < 8e-6  # measured 4.1e-6; straight lines give 2.3e-3
+    load = np.linspace(210.0, 740.0, 31)
+    error = [
+        float(
+            boundary(ds, critical_temperature=bulk + 0.1 * curved(F, 2.0, 1 - share))[
+                "critical_load"
+            ].sel(velocity=2.0)
+        )
+        / F
+        - 1
+        for F in load
+    ]
+    assert np.abs(error).max() < 6e-5  # measured 3.2e-5; straight lines give 3.2e-3
+
+
+def test_velocity_0_may_be_in_the_sweep():
+    ds = synthetic.sweep(velocities=[0.0, 0.5, 1.0, 2.0, 4.0])
+    for velocity in (0.1, 0.5, 0.7, 3.0):
+        critical = 298.15 + 0.1 * synthetic.rise(400.0, velocity, 0.9)
+        found = boundary(ds, critical_temperature=critical)["critical_velocity"]
+        assert float(found.sel(load=400.0)) == pytest.approx(velocity, rel=1e-13)
+
+
+@pytest.mark.parametrize("friction", [0.05, 0.083, 0.3])
+def test_only_warming_over_friction_counts(sweep, friction):
+    plain = boundary(sweep, friction=0.1, bulk_temperature=300.0, critical_temperature=420.0)
+    scaled = boundary(
+        sweep,
+        friction=friction,
+        bulk_temperature=350.0,
+        critical_temperature=350.0 + 120.0 * friction / 0.1,
+    )
+    for name in ("critical_velocity", "critical_load"):
+        np.testing.assert_allclose(scaled[name], plain[name], rtol=1e-12)
+
+
+def test_more_friction_moves_the_boundary_to_lower_velocity_and_load(sweep):
+    low, high = boundary(sweep, friction=0.09), boundary(sweep, friction=0.103)
+    for name in ("critical_velocity", "critical_load"):
+        both = np.isfinite(low[name]) & np.isfinite(high[name])
+        assert both.any()
+        assert (high[name][both] < low[name][both]).all()
+
+
+@pytest.mark.parametrize("share", [0.03, 0.07, 0.1, 0.333, 0.9])
+def test_at_the_boundary_just_the_failing_share_is_too_hot(share):
+    ds = synthetic.sweep(
+        rise=lambda F, V, q=1.0: synthetic.rise(F, V) * (0.2 + 0.8 * np.asarray(q) ** 3)
+    )
+    stored = ds["rise_quantile"].isel(load=3, velocity=5, step=9).values
+    # the share of that very point, computed as a simulation's own
+    rise = float(decisive_rise(ds, share).isel(load=3, velocity=5))
+    assert failed_share(stored, rise) == pytest.approx(share, abs=1e-12)
+    found = boundary(ds, critical_temperature=298.15 + 0.1 * rise, share=share)
+    assert float(found["critical_velocity"][3]) == pytest.approx(VELOCITIES[5], rel=1e-12)
+
+
+def test_share_0_is_the_maximum_temperature(sweep):
+    found = boundary(sweep, share=0)["critical_velocity"]
+    expected = synthetic.critical_velocity(LOADS, synthetic.limit(), share=0.0)
+    np.testing.assert_allclose(found, expected, rtol=1e-13)
+
+
+def test_nan_where_the_sweep_does_not_cross(sweep):
+    cold = boundary(sweep, critical_temperature=3000.0)
+    assert np.isnan(cold["critical_velocity"]).all()
+    assert (cold["outcome_at_load"] == MILD).all()
+    hot = boundary(sweep, critical_temperature=300.0)
+    assert np.isnan(hot["critical_load"]).all()
+    assert (hot["outcome_at_velocity"] == SEVERE).all()
+    own = boundary(sweep)
+    assert (own["outcome_at_load"] == CROSSES).all()
+    assert own["outcome_at_velocity"].values.tolist() == [MILD] * 3 + [CROSSES] * 10 + [SEVERE] * 2
+
+
+def test_without_friction_nothing_fails(sweep):
+    found = boundary(sweep, friction=0)
+    assert np.isnan(found["critical_velocity"]).all()
+    assert (found["outcome_at_velocity"] == MILD).all()
+
+
+def test_order_of_the_axes_does_not_matter(sweep):
+    rng = np.random.default_rng(1)
+    shuffled = sweep.isel(load=rng.permutation(12), velocity=rng.permutation(15)).transpose()
+    assert boundary(shuffled).identical(boundary(sweep))
+
+
+def test_missing_points_elsewhere_do_not_matter():
+    # the boundary passes between 1.75 and 2 m/s at 450 N, and below 500 N at 1.75 m/s
+    status = {(450.0, 3.0): FAILED, (450.0, 0.5): PENDING, (250.0, 1.75): PENDING}
+    found, whole = boundary(synthetic.sweep(status=status)), boundary(synthetic.sweep())
+    for name in ("critical_velocity", "critical_load"):
+        np.testing.assert_allclose(found[name], whole[name], rtol=1e-13)
+    assert found.attrs["missing_points"] == 3
+    assert int(found["missing_at_load"].sel(load=450.0)) == 2
+    assert int(found["missing_at_velocity"].sel(velocity=1.75)) == 1
+    assert int(found["missing_at_load"].sum()) == int(found["missing_at_velocity"].sum()) == 3
+
+
+def test_numbers_of_a_point_that_is_not_done_do_not_count(sweep):
+    ds = sweep.copy(deep=True)
+    ds["status"].loc[{"load": 450.0, "velocity": 1.75}] = FAILED
+    ds["rise_quantile"].loc[{"load": 450.0, "velocity": 1.75}] = 1e5
+    found = boundary(ds)
+    np.testing.assert_allclose(
+        found["critical_velocity"], boundary(sweep)["critical_velocity"], rtol=1e-13
+    )
+    assert found.attrs["missing_points"] == 1
+
+
+def test_missing_points_at_the_boundary_are_bridged():
+    status = {(450.0, 1.75): FAILED, (450.0, 2.0): FAILED}
+    found = boundary(synthetic.sweep(status=status))["critical_velocity"].sel(load=450.0)
+    expected = synthetic.critical_velocity(450.0, synthetic.limit())
+    assert 1.75 < expected < 2.0
+    assert float(found) == pytest.approx(expected, rel=1e-13)
+
+
+def test_a_load_without_points_is_unknown():
+    found = boundary(synthetic.sweep(status={(200.0, V): PENDING for V in VELOCITIES}))
+    assert np.isnan(found["critical_velocity"][0])
+    assert int(found["outcome_at_load"][0]) == UNKNOWN
+    assert int(found["missing_at_load"][0]) == len(VELOCITIES)
+    alone = boundary(synthetic.sweep(loads=[400.0], velocities=[1.0]))
+    assert np.isnan(alone["critical_velocity"]).all()
+    assert alone["outcome_at_load"].values.tolist() == [MILD]
+
+
+def test_only_the_last_step_counts():
+    ds = synthetic.sweep(interval=1)
+    earlier = ds["step"] < np.isfinite(ds["time"]).sum("step") - 1
+    hot = ds.assign(rise_quantile=ds["rise_quantile"].where(~earlier, 1e4))
+    assert boundary(hot).equals(boundary(synthetic.sweep()))
+    unfinished = ds.assign(rise_quantile=ds["rise_quantile"].where(earlier))
+    assert boundary(unfinished).attrs["missing_points"] == ds["status"].size
+
+
+def test_first_crossing_from_mild_to_severe_counts():
+    x = np.array([1.0, 2.0, 3.0, 4.0, 5.0])
+    assert 2 < crossing(x, np.array([1.0, 2.0, 6.0, 2.0, 9.0]), 4.0) < 3
+    assert np.isnan(crossing(x, np.array([5.0, 2.0, 6.0, 2.0, 9.0]), 4.0))
+    assert np.isnan(crossing(x, np.array([5.0, 3.0, 2.0, 1.0, 0.5]), 4.0))
+
+
+def test_a_point_on_the_limit_is_the_boundary():
+    x, y = np.array([1.0, 2.0, 3.0]), np.array([1.0, 2.0, 3.0])
+    assert [crossing(x, y, limit) for limit in y] == x.tolist()
+
+
+@given(
+    steps=st.lists(
+        st.tuples(st.floats(0.05, 2.0), st.just(0.0) | st.floats(1e-3, 300.0)),
+        min_size=2,
+        max_size=12,
+    ),
+    start=st.tuples(st.sampled_from([0.0, 0.25]), st.sampled_from([0.0, 40.0])),
+    part=st.floats(0.05, 1.0),
+)
+def test_interpolation_passes_through_the_points_and_the_crossing(steps, start, part):
+    x, y = np.cumsum([start, *steps], axis=0).T
+    np.testing.assert_allclose(interpolated(x, y, x), y, rtol=1e-12, atol=1e-9)
+    limit = y[0] + part * (y[-1] - y[0])
+    found = crossing(x, y, limit)
+    if y[0] < limit <= y[-1]:
+        at, fine = np.array([found]), np.linspace(x[0], x[-1], 200)
+        np.testing.assert_allclose(interpolated(x, y, at), limit, rtol=1e-9, atol=1e-9)
+        assert (np.diff(interpolated(x, y, fine)) >= -1e-9).all()  # as the points do
+
+
+def test_decisive_temperature_is_that_of_the_closed_form(sweep):
+    found = decisive_temperature(sweep, friction=0.2, bulk_temperature=310.0, share=0.05)
+    rise = synthetic.rise(LOADS[:, None], VELOCITIES, 0.95)
+    np.testing.assert_allclose(found, 310.0 + 0.2 * rise, rtol=1e-14)
+    assert found.dims == ("load", "velocity")
+    assert found.attrs["units"] == "K"
+
+
+def test_the_plane_passes_through_the_boundary():
+    ds = synthetic.sweep(rise=curved)
+    fine = decisive_temperature(ds, resolution=12 * 14 + 1)  # its velocities hold the sweep's own
+    found = boundary(ds)
+    at_sweep = fine.sel(velocity=VELOCITIES, method="nearest", tolerance=1e-9)
+    for velocity, load in zip(VELOCITIES, found["critical_load"].values, strict=True):
+        if np.isfinite(load):
+            column = at_sweep.sel(velocity=velocity, method="nearest").values
+            assert crossing(fine["load"].values, column, 418.15) == pytest.approx(load, rel=1e-6)
+
+
+def test_the_plane_ends_with_the_known_points():
+    ds = synthetic.sweep(status={(750.0, 4.0): PENDING, (200.0, 0.5): FAILED, (400.0, 2.0): FAILED})
+    fine = decisive_rise(ds, 0.1, resolution=50)
+    assert np.isnan(fine[-1, -1])
+    assert np.isnan(fine[0, 0])
+    assert np.isfinite(fine).sum() > 0.97 * fine.size
+    expected = synthetic.rise(fine["load"], fine["velocity"], 0.9)
+    np.testing.assert_allclose(fine.where(fine.notnull(), expected), expected, rtol=1e-12)
+
+
+def test_result_says_its_conditions_and_units(sweep):
+    found = boundary(sweep, friction=0.12, share=0.2)
+    assert found.attrs == {
+        "friction": 0.12,
+        "bulk_temperature": 298.15,
+        "critical_temperature": 418.15,
+        "failing_share": 0.2,
+        "missing_points": 0,
+    }
+    assert found["critical_velocity"].attrs["units"] == "m/s"
+    assert found["critical_load"].attrs["units"] == "N"
+    assert found["load"].attrs["units"] == "N"
+    assert found["critical_velocity"].dims == ("load",)
+    assert found["critical_load"].dims == ("velocity",)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"friction": -0.1}, r"friction is -0.1; it must be at least 0"),
+        ({"friction": np.nan}, r"friction is nan; it must be finite"),
+        ({"bulk_temperature": -1.0}, r"bulk_temperature is -1 K"),
+        ({"critical_temperature": 298.15}, r"critical_temperature is 298.15 K; .* 298.15 K"),
+        ({"bulk_temperature": 500.0}, r"critical_temperature is 418.15 K; .* 500 K"),
+        ({"share": 1.0}, r"share is 1.0; it must be at least 0"),
+        ({"share": -0.1}, r"share is -0.1"),
+    ],
+)
+def test_conditions_outside_their_range_are_refused(sweep, options, message):
+    with pytest.raises(InputError, match=message):
+        boundary(sweep, **options)
+
+
+def test_conditions_that_the_sweep_lacks_must_be_given():
+    ds = synthetic.sweep(conditions=None)
+    with pytest.raises(InputError, match="no friction of its own"):
+        boundary(ds)
+    given = {"friction": 0.1, "bulk_temperature": 298.15, "critical_temperature": 418.15}
+    assert boundary(ds, share=0.1, **given).equals(boundary(synthetic.sweep()))
+
+
+def test_a_share_beyond_the_stored_quantiles_is_refused(sweep):
+    upper = sweep.isel(quantile=slice(10, None))
+    with pytest.raises(InputError, match=r"share is 0.9; .* allow from 0 to 0.55"):
+        boundary(upper, share=0.9)
+
+
+def test_several_frictions_are_a_dimension_and_each_is_as_alone(sweep):
+    found = boundary(sweep, friction=(0.09, 0.103), share=0.05)
+    assert found["critical_velocity"].dims == ("friction", "load")
+    for friction in (0.09, 0.103):
+        alone, part = boundary(sweep, friction=friction, share=0.05), found.sel(friction=friction)
+        for name in alone.data_vars:
+            np.testing.assert_array_equal(part[name], alone[name])
+    assert found.attrs["critical_temperature"] == 418.15
+    with pytest.raises(InputError, match="at least 0"):
+        boundary(sweep, friction=(0.1, -0.1))
+    with pytest.raises(InputError, match="one number"):
+        decisive_temperature(sweep, friction=(0.09, 0.103))

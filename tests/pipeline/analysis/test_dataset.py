@@ -1,0 +1,154 @@
+"""The labelled view of a stored sweep (pipeline/analysis/dataset.py)."""
+
+import shutil
+
+import numpy as np
+import pytest
+
+import tribo
+from pipeline.analysis.boundary import decisive_rise, rise_exceeded
+from pipeline.analysis.dataset import end_of_point, open_sweep
+from pipeline.figures.plot import ramp
+from pipeline.store.points import Store, StoreError, prepare
+from pipeline.sweep.model import Conditions
+from pipeline.sweep.plan import Point, points, run_point, step_count
+from tests.helpers import tiny
+from tests.pipeline.conftest import commit_all
+
+DERIVED = ("max_temperature", "mean_temperature", "temperature_quantile", "failed_fraction")
+
+
+@pytest.fixture(scope="module")
+def ds(alone):
+    with open_sweep(alone) as opened:
+        yield opened
+
+
+@pytest.fixture
+def copy(alone, tmp_path):
+    return shutil.copytree(alone, tmp_path / "copy.zarr")
+
+
+def test_axes_ascend_in_whatever_order_they_were_added(tmp_path):
+    path = tmp_path / "tiny.zarr"
+    commit_all(path, tiny.sweep(loads=(250.0, 600.0), velocities=(1.0,)))
+    second = tiny.sweep(loads=(150.0, 400.0), velocities=(0.5, 1.5))
+    commit_all(path, second)
+    with open_sweep(path) as ds:
+        assert ds["load"].values.tolist() == [150.0, 250.0, 400.0, 600.0]
+        assert ds["velocity"].values.tolist() == [0.5, 1.0, 1.5]
+        for point in [*points(second), Point(600.0, 1.0)]:
+            found = ds["wear_volume"].sel(load=point.load, velocity=point.velocity).values
+            expected = run_point(second, *point).columns["wear_volume"]
+            np.testing.assert_array_equal(found[: len(expected)], expected)
+
+
+@pytest.mark.parametrize("load", tiny.LOADS)
+def test_steps_beyond_a_loads_own_are_nan(ds, load):
+    rows = ds.sel(load=load)
+    own = np.isfinite(rows["time"].values)
+    assert (own.sum(axis=-1) == step_count(tiny.full(), load)).all()
+    assert (np.isfinite(rows["contact_fraction"].values) == own).all()
+    assert (rows["normal_load"].max("step") == load).all()
+
+
+def test_temperatures_are_bulk_plus_friction_times_rise(ds):
+    last = end_of_point(ds).sel(load=600, velocity=1.5)
+    np.testing.assert_allclose(
+        last["max_temperature"],
+        298.15 + 0.1 * run_point(tiny.sweep(), 600, 1.5).state.heat.max_rise,
+    )
+    np.testing.assert_allclose(last["temperature_quantile"][-1], last["max_temperature"])
+    assert last["mean_temperature"] < last["max_temperature"]
+    assert all(ds[name].attrs["units"] == ("1" if "fraction" in name else "K") for name in DERIVED)
+    assert all("long_name" in ds[name].attrs for name in DERIVED)
+
+
+@pytest.fixture(scope="module")
+def held(tmp_path_factory):
+    """Three seconds at full load, in which wear lets the contact cool."""
+    path = tmp_path_factory.mktemp("held") / "held.zarr"
+    loading = tribo.Ramp(rate=150.0, reference_load=750.0, hold=3.0, hold_steps=4)
+    with np.errstate(all="raise", under="ignore"):
+        commit_all(path, tiny.sweep(loading=loading, temperature_interval=1))
+    return open_sweep(path)
+
+
+def test_the_steps_of_a_hold_are_in_the_dataset(held):
+    point = held.sel(load=600.0, velocity=1.0).dropna("step", subset=["time"])
+    np.testing.assert_allclose(point["time"][-5:], [4.0, 4.75, 5.5, 6.25, 7.0])
+    np.testing.assert_array_equal(point["normal_load"][-5:], [600.0] * 5)
+    assert np.isfinite(point["max_temperature"]).all()
+
+
+def test_a_point_is_as_severe_as_it_is_at_any_time_of_its_hold(held):
+    rise = decisive_rise(held, 0.1).sel(load=600.0, velocity=1.0).item()
+    by_step = rise_exceeded(held, 0.1).sel(load=600.0, velocity=1.0)
+    assert rise == by_step.max("step") == by_step[4]
+    assert rise > by_step.dropna("step")[-1] + 10
+    # Hotter at a lower load than ever at its own: only what is reached at full load counts.
+    earlier = held.copy(deep=True)
+    earlier["rise_quantile"][{"step": 0}] *= 10
+    assert decisive_rise(earlier, 0.1).sel(load=600.0, velocity=1.0) == rise
+
+
+def test_a_ramp_is_drawn_through_its_own_hold_and_no_other(held):
+    axes = ramp(held, load=600.0, velocity=1.0).axes[0]
+    times = next(line.get_xdata() for line in axes.lines if len(line.get_xdata()) > 2)
+    # Stations, the ends of 150 and 250 N, and the hold of 600 N.
+    expected = [5 / 6, 1.0, 5 / 3, 2.5, 10 / 3, 4.0, 4.75, 5.5, 6.25, 7.0]
+    np.testing.assert_allclose(times, expected)
+    assert "load held" in [text.get_text().strip() for text in axes.texts]
+
+
+@pytest.mark.parametrize("critical", [330.0, 350.0, 390.0, 1000.0])
+def test_the_failed_fraction_is_the_share_hotter_than_critical(copy, critical):
+    prepare(copy, tiny.full(conditions=Conditions(0.1, 298.15, critical)))
+    with open_sweep(copy) as ds:
+        found = end_of_point(ds)["failed_fraction"].sel(load=600, velocity=1.5).item()
+    state = run_point(tiny.sweep(), 600.0, 1.5).state
+    contact = state.pressure > 0
+    counted = np.mean(298.15 + 0.1 * state.heat.rise[contact] > critical)
+    assert abs(found - counted) < 0.02  # between quantiles it is interpolated
+    share = tribo.failed_share(state.heat.rise_quantile, (critical - 298.15) / 0.1)
+    assert found == pytest.approx(share, abs=1e-12)
+
+
+def test_without_friction_nothing_is_hotter_than_the_bulk(copy):
+    prepare(copy, tiny.full(conditions=Conditions(0.0, 298.15, 400.0)))
+    with open_sweep(copy) as ds:
+        last = end_of_point(ds)
+    assert (last["max_temperature"] == 298.15).all()
+    assert (last["failed_fraction"] == 0).all()
+
+
+def test_the_end_of_a_point_is_its_last_step(ds):
+    last = end_of_point(ds)
+    assert "step" not in last.dims
+    assert "step" not in last.coords
+    np.testing.assert_array_equal(last["normal_load"], np.broadcast_to([*zip(tiny.LOADS)], (3, 3)))
+    expected = run_point(tiny.sweep(), 250.0, 0.5).columns["rise_quantile"][-1]
+    np.testing.assert_array_equal(last["rise_quantile"].sel(load=250, velocity=0.5), expected)
+
+
+def test_a_point_that_is_not_done_is_nan_whatever_is_on_the_disk(copy):
+    """As one that was cut short after its data and before its status."""
+    Store(copy).forget(Point(600.0, 1.0))
+    (copy / "status" / "c.0.0").unlink()
+    with open_sweep(copy) as ds:
+        last = end_of_point(ds)
+        for name in ("time", "max_pressure", "rise_quantile", *DERIVED):
+            known = np.isfinite(last[name].values).reshape(3, 3, -1).all(axis=-1)
+            np.testing.assert_array_equal(known, ds["status"] == 1)
+        assert ds["max_pressure"].attrs["units"] == "Pa"
+
+
+def test_a_store_without_a_point_opens(tmp_path):
+    prepare(tmp_path / "tiny.zarr", tiny.sweep())
+    with open_sweep(tmp_path / "tiny.zarr") as ds:
+        assert np.isnan(end_of_point(ds)["max_temperature"]).all()
+
+
+def test_what_is_no_store_is_refused(tmp_path):
+    with pytest.raises(StoreError, match="is not a store"):
+        open_sweep(tmp_path)

@@ -1,0 +1,73 @@
+"""What measured transitions say of a lubricant (pipeline/analysis/inference.py)."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from pipeline.analysis.boundary import boundary
+from pipeline.analysis.dataset import open_sweep
+from pipeline.analysis.inference import critical_temperatures
+from pipeline.cli import main
+from pipeline.sweep.model import Measurement
+from tests.helpers import tiny
+from tests.pipeline.cli.test_commands import SCENE
+from tests.pipeline.conftest import commit_all
+from tribo import InputError
+
+
+def test_the_critical_temperature_comes_back_from_the_boundary_that_it_made(tmp_path):
+    """On each surface the boundary is found with 145 °C, and then asked for it."""
+    velocities = tuple(np.arange(0.5, 4.01, 0.5).tolist())
+    sweep = tiny.sweep(loads=(250.0, 600.0), velocities=velocities, realizations=(1, 2))
+    commit_all(tmp_path / "a.zarr", sweep)
+    found = boundary(open_sweep(tmp_path / "a.zarr"))["critical_velocity"]
+    assert found.notnull().all()
+    for seed in sweep.realizations:
+        measured = tuple(
+            Measurement(load, found.sel(realization=seed, load=load).item()) for load in sweep.loads
+        )
+        result = critical_temperatures(replace(sweep.on_surface(seed), measured=measured))
+        assert result.surfaces == (seed,)
+        # Velocities every 0.5 m/s place the boundary to about 1 %, and so half as much of 120 K.
+        assert result.means == pytest.approx([418.15] * 2, abs=1.0)
+        assert result.spread < 1.0
+    both = critical_temperatures(replace(sweep, measured=measured))
+    assert np.shape(both.temperatures) == (2, 2)
+    assert [row[1] for row in both.temperatures] == list(result.means)
+    assert both.mean == pytest.approx(np.mean(both.temperatures))
+    assert both.spreads[0] == pytest.approx(np.std(both.temperatures[0], ddof=1))
+
+
+def test_without_a_measured_transition_there_is_nothing_to_find():
+    with pytest.raises(InputError, match=r"no measured transition; give it a \[\[measured\]\]"):
+        critical_temperatures(tiny.sweep(measured=()))
+
+
+def test_the_command_finds_temperature_and_wear_rate(tmp_path, capsys):
+    scene = tmp_path / "scene.toml"
+    measured = '\n[[measured]]\nload = "600 N"\nvelocity = "1.5 m/s"\nfriction = 0.12\n'
+    scene.write_text(SCENE + measured)
+    assert main(["infer", str(scene), "--json", "--set", "sweep.realizations=2"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert document["surfaces"] == [0, 1]
+    (transition,) = document["transitions"]
+    assert (transition["friction"], len(transition["temperatures"])) == (0.12, 2)
+    assert document["spread"] is None
+    assert main(["infer", str(scene)]) == 0
+    assert "600 N, 1.5 m/s, friction 0.12: " in capsys.readouterr().out
+
+    place = ["--load", "600 N", "--velocity", "1.5 m/s"]
+    assert main(["point", str(scene), *place, "--json", "--set", "history_coarsening=1"]) == 0
+    width = json.loads(capsys.readouterr().out)["contact_width"]
+    arguments = ["infer", str(scene), "--contact-width", f"{width} m", *place]
+    assert main([*arguments, "--json"]) == 0
+    rate = json.loads(capsys.readouterr().out)
+    assert rate["lowest"] < 1.2e-15 < rate["highest"]
+    assert main(arguments) == 0
+    assert "mm³/(N m)" in capsys.readouterr().out
+    assert main(arguments[:4]) == 2
+    assert "needs --load and --velocity" in capsys.readouterr().err
+    assert main(["infer", str(scene), *place]) == 2
+    assert "--contact-width" in capsys.readouterr().err

@@ -1,0 +1,332 @@
+"""Figures (pipeline/figures/plot.py and pipeline/figures/diagram.py), by what is in them."""
+
+import subprocess
+import sys
+
+import matplotlib
+import numpy as np
+import pytest
+
+from pipeline.figures import plot as figures
+from pipeline.figures.diagram import diagram
+from pipeline.figures.plot import fields, plot, ramp
+from pipeline.store.variables import FAILED, PENDING
+from tests.helpers import synthetic
+from tests.helpers.synthetic import LOADS, MEASURED, VELOCITIES
+from tribo import InputError
+
+MILD, SEVERE = "mild wear, computed", "severe wear, computed"
+
+
+@pytest.fixture(scope="module")
+def sweep():
+    status = {(300.0, 1.5): FAILED, (750.0, 4.0): PENDING, (700.0, 4.0): PENDING}
+    return synthetic.sweep(status=status, fields=True)
+
+
+@pytest.fixture(scope="module")
+def drawn(sweep):
+    with np.errstate(all="raise", under="ignore"):
+        return diagram(sweep).axes[0]
+
+
+def lines(axes):
+    return {line.get_gid(): np.column_stack(line.get_data()) for line in axes.lines}
+
+
+def labels(legend):
+    return [text.get_text() for text in legend.get_texts()]
+
+
+def contour(axes, gid):
+    return [
+        path.vertices
+        for artist in axes.collections
+        if artist.get_gid() == gid
+        for path in artist.get_paths()
+        if len(path.vertices)
+    ]
+
+
+def test_diagram_has_velocity_across_and_load_up_with_units(drawn):
+    assert drawn.get_xlabel() == "sliding velocity [m/s]"
+    assert drawn.get_ylabel() == "normal load [N]"
+    assert drawn.get_title() == "White oil on ground steel"
+    assert drawn.get_xlim()[0] < 0.5 < 4.0 < drawn.get_xlim()[1]
+    assert drawn.get_ylim()[0] < 200.0 < 750.0 < drawn.get_ylim()[1]
+
+
+def test_diagram_says_its_conditions(sweep, drawn):
+    (legend,) = drawn.figure.legends
+    assert legend.get_title().get_text() == (
+        "severe wear: more than 10 % of the contact above 145 °C; friction 0.1, bulk 25 °C"
+    )
+    assert labels(legend) == [
+        "computed transition",
+        "transition at friction 0.09–0.103",
+        MILD,
+        SEVERE,
+        "failed",
+        "pending",
+        "measured transition",
+    ]
+    (legend,) = diagram(sweep, friction=0.2, bulk_temperature=373.15, share=0).legends
+    assert legend.get_title().get_text() == (
+        "severe wear: any of the contact above 145 °C; friction 0.2, bulk 100 °C"
+    )
+
+
+def test_boundary_in_the_diagram_is_the_known_one(drawn):
+    (curve,) = contour(drawn, "boundary")
+    expected = synthetic.critical_velocity(curve[:, 1], synthetic.limit())
+    # straight between 240 loads and velocities
+    np.testing.assert_allclose(curve[:, 0], expected, rtol=2e-4)
+    assert curve[:, 1].min() == 200.0
+    assert curve[:, 1].max() == 750.0
+
+
+def test_band_lies_between_the_boundaries_at_its_ends(drawn):
+    (band,) = contour(drawn, "friction band")
+    velocity, load = band.T
+    fast = synthetic.critical_velocity(load, synthetic.limit(friction=0.09))
+    slow = synthetic.critical_velocity(load, synthetic.limit(friction=0.103))
+    assert (velocity < fast * (1 + 3e-4)).all()
+    assert (velocity > slow * (1 - 3e-4)).all()
+    assert np.isclose(velocity, fast, rtol=1e-3).any()
+    assert np.isclose(velocity, slow, rtol=1e-3).any()
+    assert len(contour(drawn, "band edge")) == 2
+
+
+def test_every_point_is_marked_as_what_it_is(sweep, drawn):
+    found = lines(drawn)
+    assert found["failed"].tolist() == [[1.5, 300.0]]
+    assert sorted(found["pending"].tolist()) == [[4.0, 700.0], [4.0, 750.0]]
+    for name, sign in ((MILD, -1), (SEVERE, 1)):
+        velocity, load = found[name].T
+        rise = synthetic.rise(load, velocity, 0.9)
+        assert (sign * (rise - synthetic.limit()) > 0).all()
+    assert sum(map(len, found.values())) == sweep["status"].size + len(MEASURED)
+
+
+def test_measured_points_are_shown_where_there_are_any(sweep, drawn):
+    expected = [[point["velocity"], point["normal_load"]] for point in MEASURED]
+    assert lines(drawn)["measured"].tolist() == expected
+    bare = diagram(sweep.assign_attrs(measured=[], friction_band=None))
+    assert "measured" not in lines(bare.axes[0])
+    assert not contour(bare.axes[0], "friction band")
+    assert len(labels(bare.legends[0])) == 5
+
+
+def test_several_frictions_make_the_band_and_their_middle_the_boundary(sweep):
+    figure = diagram(sweep, friction=(0.1, 0.08, 0.12))
+    assert "transition at friction 0.08–0.12" in labels(figure.legends[0])
+    (line,) = contour(figure.axes[0], "boundary")
+    x, y = line.T
+    expected = synthetic.critical_velocity(y, synthetic.limit(friction=0.1))
+    np.testing.assert_allclose(x, expected, rtol=1e-3)
+
+
+@pytest.mark.parametrize("friction", [0.05, 0.1, 0.2])
+def test_names_stand_inside_their_regions(sweep, friction):
+    axes = diagram(sweep, friction=friction).axes[0]
+    place = {}
+    for text in axes.texts:
+        to_data = axes.transAxes + axes.transData.inverted()
+        place[text.get_text()] = to_data.transform(text.get_position())
+    limit = synthetic.limit(friction=friction)
+    if friction < 0.15:
+        velocity, load = place.pop("I/II\nmild wear")
+        assert velocity < 0.95 * synthetic.critical_velocity(load, limit)
+    if friction > 0.05:
+        velocity, load = place.pop("III/III*\nsevere adhesive wear")
+        assert velocity > 1.05 * synthetic.critical_velocity(load, limit)
+    assert not place  # too little room elsewhere
+
+
+@pytest.mark.parametrize(
+    "ds",
+    [
+        synthetic.sweep(loads=[400.0]),
+        synthetic.sweep(velocities=[0.0, 2.0]),
+        synthetic.sweep(velocities=[0.0], measured=[]),
+        synthetic.sweep(loads=[200.0, 300.0], velocities=[0.5, 1.0]),
+        synthetic.sweep(
+            loads=[200.0, 300.0],
+            velocities=[0.5, 1.0],
+            status={(F, V): PENDING for F in (200.0, 300.0) for V in (0.5, 1.0)},
+        ),
+    ],
+    ids=["one load", "velocity 0", "nothing moves", "all mild", "nothing done"],
+)
+def test_diagram_of_next_to_nothing(ds, tmp_path):
+    assert plot(ds, "diagram", tmp_path / "figure.png").stat().st_size > 10_000
+
+
+def test_ramp_shows_the_ends_of_all_loads_at_the_velocity_nearest_to_the_transition(sweep):
+    temperature, contact, wear, fraction, volume = ramp(sweep).axes
+    assert [axes.get_ylabel() for axes in (temperature, contact, fraction, wear, volume)] == [
+        "contact temperature [°C]",
+        "contact width [µm]",
+        "in contact [% of window]",
+        "greatest wear depth [µm]",
+        "worn volume [$10^{-3}$ mm³]",
+    ]
+    assert wear.get_xlabel() == "time [s]"
+    assert synthetic.critical_velocity(750.0, synthetic.limit()) == pytest.approx(1.23, abs=0.01)
+    hottest, decisive, critical = (np.column_stack(line.get_data()) for line in temperature.lines)
+    np.testing.assert_allclose(decisive[:, 0], LOADS / 150.0)
+    np.testing.assert_allclose(decisive[:, 1], 25.0 + 0.1 * synthetic.rise(LOADS, 1.25, 0.9))
+    np.testing.assert_allclose(hottest[:, 1], 25.0 + 0.1 * synthetic.rise(LOADS, 1.25))
+    np.testing.assert_allclose(critical[:, 1], 145.0)
+    width = contact.lines[0].get_ydata()
+    assert np.nanmax(width) == pytest.approx(9.0 * 750**0.5 * 1.25)
+    assert np.nanmax(fraction.lines[0].get_ydata()) == pytest.approx(1.2 * 750**0.5)
+
+
+def test_ramp_shows_temperatures_between_where_there_are_any():
+    ds = synthetic.sweep(loads=[300.0, 750.0], interval=2)
+    time, temperature = ramp(ds, load=750.0, velocity=2.0).axes[0].lines[1].get_data()
+    load = np.union1d(np.arange(75.0, 751.0, 75.0), [300.0])
+    np.testing.assert_allclose(time, load / 150.0)
+    np.testing.assert_allclose(temperature, 25.0 + 0.1 * synthetic.rise(load, 2.0, 0.9))
+
+
+def test_ramp_leaves_out_points_that_are_not_done():
+    ds = synthetic.sweep()
+    ds["status"].loc[{"load": 500.0}] = FAILED
+    time = ramp(ds, velocity=2.0).axes[0].lines[1].get_xdata()
+    np.testing.assert_allclose(time, LOADS[LOADS != 500.0] / 150.0)
+
+
+def test_ramp_has_the_load_above_the_time(sweep):
+    figure = ramp(sweep)
+    figure.draw_without_rendering()
+    (above,) = figure.axes[0].child_axes
+    assert above.get_xlabel() == "normal load [N]"
+    left, right = figure.axes[0].get_xlim()
+    np.testing.assert_allclose(above.get_xlim(), [150.0 * left, 150.0 * right], rtol=1e-12)
+
+
+def test_ramp_of_several_points(sweep):
+    figure = ramp(sweep, load=[400, 750], velocity=[1.0, 2.5])
+    assert labels(figure.legends[0]) == [
+        "400 N, 1 m/s",
+        "400 N, 2.5 m/s",
+        "750 N, 1 m/s",
+        "750 N, 2.5 m/s",
+    ]
+    ends = [line.get_xdata().max() for line in figure.axes[0].lines[:-1]]
+    np.testing.assert_allclose(ends, np.repeat([400 / 150, 5.0], 4))
+    assert labels(ramp(sweep, share=0).axes[0].get_legend()) == ["maximum", "critical, 145 °C"]
+
+
+@pytest.mark.parametrize(
+    ("factor", "unit"), [(1, "mm³"), (1e-3, "$10^{-3}$ mm³"), (1e5, "$10^{3}$ mm³")]
+)
+def test_worn_volume_keeps_readable_numbers(sweep, factor, unit):
+    scaled = sweep.assign(wear_volume=1e3 * factor * sweep["wear_volume"])
+    volume = ramp(scaled).axes[-1]
+    assert volume.get_ylabel() == f"worn volume [{unit}]"
+    assert 1 <= np.nanmax(volume.lines[0].get_ydata()) < 1000
+
+
+def test_fields_of_the_point_nearest_to_the_transition(sweep):
+    figure = fields(sweep)
+    assert figure.get_suptitle() == (
+        "White oil on ground steel\n750 N, 1.25 m/s, friction 0.1, bulk 25 °C"
+    )
+    panels = figure.axes[:3]
+    assert panels[0].get_ylabel() == "y [µm]"
+    assert all(axes.get_xlabel() == "x, along sliding [µm]" for axes in panels)
+    assert all(axes.get_aspect() == 1.0 for axes in panels)
+    scales = [axes.child_axes[0].get_xlabel() for axes in panels]
+    assert scales == [
+        "contact pressure [GPa]",
+        "contact temperature [°C]",
+        "wear depth of the pin [µm]",
+    ]
+    here = sweep.sel(load=750.0, velocity=1.25)
+    for axes, expected in zip(
+        panels,
+        (here["pressure"] / 1e9, 25.0 + 0.1 * here["rise"], 1e6 * here["wear_depth"]),
+        strict=True,
+    ):
+        mesh = axes.collections[0]
+        np.testing.assert_allclose(mesh.get_array().filled(0.0), expected.T, atol=1e-12)
+        edges = mesh.get_coordinates()
+        np.testing.assert_allclose(edges[0, 0], [-192.0, -6.0])
+        np.testing.assert_allclose(edges[-1, -1], [192.0, 426.0])
+
+
+def test_fields_outline_what_is_above_the_critical_temperature(sweep):
+    panel = fields(sweep, velocity=2.0, critical_temperature=373.15).axes[1]
+    assert panel.child_axes[0].get_xlabel() == "contact temperature, outlined at 100 [°C]"
+    assert len(panel.collections) == 2
+
+
+def test_fields_that_were_not_stored_say_how_to_store_them():
+    with pytest.raises(InputError, match=r"holds no fields; .*'fields = true' under \[sweep\]"):
+        fields(synthetic.sweep())
+
+
+@pytest.mark.parametrize("draw", [ramp, fields])
+def test_points_that_are_not_there_are_refused(sweep, draw):
+    with pytest.raises(InputError, match=r"load is 740 N, .* nearest is 750 N"):
+        draw(sweep, load=740.0)
+    with pytest.raises(InputError, match=r"velocity is 9 m/s, .* nearest is 4 m/s"):
+        draw(sweep, velocity=9.0)
+    with pytest.raises(InputError, match=r"300 N, 1.5 m/s is not done: out of memory"):
+        draw(sweep, load=300.0, velocity=1.5)
+    with pytest.raises(InputError, match=r"750 N, 4 m/s is not done$"):
+        draw(sweep, velocity=4.0)
+
+
+def test_a_sweep_without_results_has_no_ramp():
+    status = {(400.0, V): PENDING for V in VELOCITIES}
+    with pytest.raises(InputError, match="no point of the sweep is done"):
+        ramp(synthetic.sweep(loads=[400.0], status=status))
+    with pytest.raises(InputError, match="no point at 400 N is done"):
+        ramp(synthetic.sweep(status=status), load=400.0)
+    assert labels(ramp(synthetic.sweep(), friction=0).legends[0]) == ["750 N, 4 m/s"]
+
+
+@pytest.mark.parametrize(
+    ("suffix", "magic"), [(".png", b"\x89PNG"), (".pdf", b"%PDF"), (".SVG", b"<?xml")]
+)
+def test_the_suffix_decides_the_format(sweep, tmp_path, suffix, magic):
+    out = tmp_path / f"figure{suffix}"
+    assert plot(sweep, "fields", out) == out
+    assert out.read_bytes().startswith(magic)
+
+
+def test_png_is_large_enough_to_read(sweep, tmp_path):
+    out = plot(sweep, "diagram", str(tmp_path / "figure.png"))
+    width, height = np.frombuffer(out.read_bytes()[16:24], dtype=">u4")
+    assert (width, height) == (1200, 960)
+
+
+def test_a_store_may_be_given_instead_of_its_dataset(sweep, tmp_path, monkeypatch):
+    monkeypatch.setattr(figures, "open_sweep", {"somewhere.zarr": sweep}.get)
+    figure = plot("somewhere.zarr", "diagram")
+    assert figure.axes[0].get_title() == "White oil on ground steel"
+
+
+def test_wrong_use_is_refused_with_what_is_allowed(sweep, tmp_path):
+    with pytest.raises(InputError, match="kind is 'pie'; allowed are diagram, ramp, fields"):
+        plot(sweep, "pie")
+    with pytest.raises(InputError, match=r"diagram has no option 'load'; it has friction, bulk"):
+        plot(sweep, "diagram", load=750.0)
+    with pytest.raises(InputError, match=r"suffix must be one of .pdf, .png, .svg"):
+        plot(sweep, "diagram", tmp_path / "figure.gif")
+    with pytest.raises(InputError, match=r"cannot write .*No such file or directory"):
+        plot(sweep, "diagram", tmp_path / "missing" / "figure.png")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_no_global_state_is_touched(sweep):
+    before = dict(matplotlib.rcParams)
+    for kind in ("diagram", "ramp", "fields"):
+        plot(sweep, kind)
+    assert dict(matplotlib.rcParams) == before
+    code = "import sys, pipeline.figures.plot; sys.exit('matplotlib.pyplot' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

@@ -1,0 +1,140 @@
+"""The search for the boundary, on rises that are known in closed form."""
+
+import itertools
+import math
+
+import numpy as np
+import pytest
+
+from pipeline.analysis.interpolation import crossing
+from pipeline.run.boundary_search import BoundarySearch
+from pipeline.sweep.plan import Point
+from tribo import InputError
+
+LOADS = tuple(float(load) for load in range(200, 751, 50))
+LIMIT = 1200.0
+
+
+def bent(load, velocity, bend=0.1):
+    """About what the shipped scene gives: its exponent grows from 0.5 to 0.65."""
+    at = math.log(velocity / 1.16)
+    return LIMIT * (load / 750) ** 0.45 * math.exp(0.5 * at + bend / 2 * at**2)
+
+
+def searched(rise, tolerance=0.01, loads=LOADS, lowest=0.5, highest=5.0, known=None):
+    """All that the search asks for, round by round."""
+    search = BoundarySearch(loads, lowest, highest, LIMIT, tolerance)
+    known = dict(known or {})
+    rounds = []
+    while asked := search.wanted(known):
+        assert not set(asked) & set(known)
+        known |= {at: rise(*at[:2]) for at in asked}
+        rounds.append(asked)
+        assert len(rounds) < 30
+    return search, known, rounds
+
+
+def boundary_of(known, load):
+    row = sorted((at.velocity, rise) for at, rise in known.items() if at.load == load)
+    return crossing(*np.array(row).T, LIMIT)
+
+
+def steps(points, increment=7.5):
+    """Steps of the ramps: at each velocity a trunk up to the highest load, and a step for each."""
+    velocities = {at.velocity for at in points}
+    tops = {v: max(at.load for at in points if at.velocity == v) for v in velocities}
+    return sum(math.ceil(top / increment) for top in tops.values()) + len(points)
+
+
+@pytest.mark.parametrize("tolerance", [0.05, 0.01, 0.002, 0.0005])
+@pytest.mark.parametrize("bend", [-0.05, 0.0, 0.1, 0.4])
+def test_the_boundary_is_found_within_the_tolerance_at_every_load(tolerance, bend):
+    _, known, _ = searched(lambda load, v: bent(load, v, bend), tolerance)
+    for load in LOADS:
+        true = crossing(np.geomspace(0.5, 5, 2000),
+                        np.array([bent(load, v, bend) for v in np.geomspace(0.5, 5, 2000)]),
+                        LIMIT)  # fmt: skip
+        assert boundary_of(known, load) == pytest.approx(true, rel=tolerance)
+
+
+def test_it_takes_a_third_of_the_steps_of_the_grid():
+    _, known, rounds = searched(bent)
+    grid = [
+        Point(load, float(v)) for load, v in itertools.product(LOADS, np.arange(0.5, 5.1, 0.25))
+    ]
+    asked = sum(steps(points) for points in rounds)  # trunks of later rounds are made anew
+    assert asked <= steps(grid) / 3
+    assert len(known) <= len(grid) / 5
+
+
+def test_loads_share_their_velocities():
+    _, known, _ = searched(bent)
+    assert len({at.velocity for at in known}) < len(LOADS)
+
+
+def test_a_search_that_was_cut_short_goes_on_to_the_same_end():
+    _, whole, rounds = searched(bent, 0.001)
+    for cut in range(1, len(rounds)):
+        known = {at: whole[at] for points in rounds[:cut] for at in points}
+        _, again, _ = searched(bent, 0.001, known=known)
+        assert again == whole
+    # The end of a round need not have come.
+    half = dict(itertools.islice(whole.items(), len(whole) // 2))
+    _, again, _ = searched(bent, 0.001, known=half)
+    for load in LOADS:
+        assert boundary_of(again, load) == pytest.approx(boundary_of(whole, load), rel=1e-3)
+
+
+def test_points_of_a_grid_that_are_there_are_used():
+    grid = {
+        Point(load, float(v)): bent(load, v)
+        for load, v in itertools.product(LOADS, np.arange(0.5, 5.1, 0.25))
+    }
+    _, _, rounds = searched(bent, known=grid)
+    assert not rounds
+    _, _, rounds = searched(bent, 0.001, known=grid)
+    assert sum(map(len, rounds)) < len(LOADS) * 3
+
+
+@pytest.mark.parametrize(("factor", "end"), [(0.1, 5.0), (10.0, 0.5)])
+def test_without_a_crossing_it_ends_at_the_end_of_the_range(factor, end):
+    search, known, _ = searched(lambda load, v: factor * bent(load, v))
+    assert not search.spans(known)
+    for load in LOADS:
+        assert Point(load, end) in known
+    assert len(known) < 5 * len(LOADS)
+
+
+def test_what_has_failed_is_not_asked_for_again():
+    search = BoundarySearch(LOADS, 0.5, 5.0, LIMIT, 0.01)
+    failed, known = set(), {}
+    while asked := search.wanted(known, failed):
+        assert not failed & set(asked)
+        bad = {at for at in asked if at.load == 400.0}
+        failed |= bad
+        known |= {at: bent(*at[:2]) for at in asked if at not in bad}
+        assert len(known) < 100
+    assert 0 < len(failed) < 10
+    assert all(boundary_of(known, load) > 0 for load in LOADS if load != 400.0)
+
+
+def test_a_rise_that_falls_in_places_ends_too():
+    rng = np.random.default_rng(0)
+    noise = {}
+
+    def ragged(load, v):
+        at = load, v
+        noise.setdefault(at, 1 + 0.05 * rng.standard_normal())
+        return bent(load, v) * noise[at]
+
+    _, known, _ = searched(ragged, 0.002)
+    assert all(0.5 < boundary_of(known, load) < 5 for load in LOADS)
+
+
+@pytest.mark.parametrize(
+    "changes", [{"lowest": 0.0}, {"lowest": 5.0}, {"tolerance": 0.0}, {"tolerance": 1.0}]
+)
+def test_a_search_without_a_range_or_tolerance_is_refused(changes):
+    with pytest.raises(InputError, match=r"must be between|two velocities above 0"):
+        BoundarySearch(**{"loads": LOADS, "lowest": 0.5, "highest": 5.0, "limit": LIMIT,
+                          "tolerance": 0.01} | changes)  # fmt: skip

@@ -1,0 +1,151 @@
+"""Sweeps on clusters that others run (pipeline/run/cluster.py)."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from contextlib import ExitStack
+from pathlib import Path
+
+import pytest
+from distributed import Client
+
+from pipeline.cli import main
+from pipeline.run.cluster import connected
+from pipeline.run.sweep import ExecutionError, run_sweep
+from pipeline.store.progress import summary
+from tests.helpers import tiny
+from tests.pipeline.cli.test_commands import SCENE
+from tests.pipeline.run.test_sweep import content
+
+ROOT = Path(__file__).parents[3]
+SWEEP = tiny.full()
+
+
+class Cluster:
+    """A scheduler and two workers, each a command of Dask's in a process of its own."""
+
+    def __init__(self, folder):
+        self._stack, file = ExitStack(), folder / "scheduler.json"
+        self.scheduler = self._start("scheduler", "--port=0", f"--scheduler-file={file}")
+        self.workers = [  # one of them with threads that may not compute at the same time
+            self._start("worker", f"--scheduler-file={file}", "--no-nanny", f"--nthreads={threads}")
+            for threads in (1, 3)
+        ]
+        while not file.exists() or not file.read_text():
+            time.sleep(0.05)
+        self.address = json.loads(file.read_text())["address"]
+        with Client(self.address, set_as_default=False) as client:
+            client.wait_for_workers(len(self.workers), timeout=60)
+
+    def _start(self, role, *options):
+        command = [sys.executable, "-m", f"distributed.cli.dask_{role}", "--host=127.0.0.1"]
+        process = subprocess.Popen(
+            [*command, "--dashboard-address=127.0.0.1:0", *options],
+            env={**os.environ, "PYTHONPATH": str(ROOT)},
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+        )
+        self._stack.callback(process.wait)
+        self._stack.callback(process.kill)
+        return process
+
+    def close(self):
+        self._stack.close()
+
+
+@pytest.fixture
+def cluster(tmp_path):
+    cluster = Cluster(tmp_path)
+    yield cluster
+    cluster.close()
+
+
+def test_workers_elsewhere_compute_the_same_and_may_be_killed(cluster, tmp_path, alone, capsys):
+    told = []
+
+    def kill_one(report):
+        if report.done == 4:
+            cluster.workers[0].send_signal(signal.SIGKILL)
+
+    path = tmp_path / "tiny.zarr"
+    outcome = run_sweep(SWEEP, path, scheduler=cluster.address, progress=kill_one, tell=told.append)
+    assert (outcome.done, outcome.failed) == (9, ())
+    assert content(path) == content(alone)
+    assert "dashboard is at http://127.0.0.1:" in told[0]
+    (tmp_path / "small.toml").write_text(SCENE)
+    arguments = ("-o", str(tmp_path / "small.zarr"), "--scheduler", cluster.address)
+    assert main(["run", str(tmp_path / "small.toml"), *arguments]) == 0
+    assert "dashboard is at http://127.0.0.1:" in capsys.readouterr().err
+
+
+def test_a_scheduler_that_is_lost_and_workers_that_are_gone_are_errors(cluster, tmp_path):
+    slow = tiny.sweep(loading=tiny.SlowRamp(150.0, 750.0))
+
+    def lose(*processes):
+        def report(progress):
+            if progress.done == 2:
+                for process in processes:
+                    process.kill()
+
+        return report
+
+    first, second = tmp_path / "first.zarr", tmp_path / "second.zarr"
+    given = {"scheduler": cluster.address, "patience": 4.0}
+    with pytest.raises(ExecutionError, match="no Dask worker is left"):
+        run_sweep(slow, first, progress=lose(*cluster.workers), **given)
+    assert summary(first).done >= 2
+    assert summary(first).failed == ()
+    with pytest.raises(ExecutionError, match="no Dask worker is ready within 4 s"):
+        run_sweep(slow, second, **given)
+    cluster.scheduler.kill()
+    cluster.scheduler.wait()
+    with pytest.raises(ExecutionError, match=f"no Dask scheduler answers at {cluster.address}"):
+        run_sweep(slow, second, **given)
+
+
+def test_a_scheduler_that_is_lost_on_the_way_is_an_error(cluster, tmp_path):
+    def lose(progress):
+        if progress.done == 2:
+            cluster.scheduler.kill()
+
+    slow = tiny.sweep(loading=tiny.SlowRamp(150.0, 750.0))
+    path = tmp_path / "tiny.zarr"
+    with pytest.raises(ExecutionError, match="scheduler is lost; finished points are safe"):
+        run_sweep(slow, path, scheduler=cluster.address, progress=lose)
+    assert summary(path).done >= 2
+
+
+def test_the_recipe_for_batch_systems_runs(tmp_path, alone):
+    """With the jobs of dask-jobqueue's local cluster, which are processes on this machine."""
+    (tmp_path / "small.toml").write_text(SCENE)
+    done = subprocess.run(
+        [
+            *(sys.executable, ROOT / "workflows" / "on_a_cluster.py", tmp_path / "small.toml"),
+            *(tmp_path / "small.zarr", "--system", "local", "--jobs", "2"),
+        ],
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    assert "9 of 9 points done" in done.stdout
+    assert summary(tmp_path / "small.zarr").done == 9
+
+
+@pytest.mark.skipif(not hasattr(os, "sched_getaffinity"), reason="cores cannot be chosen here")
+def test_workers_keep_to_a_core_each_where_there_is_one_for_each(monkeypatch):
+    core = min(os.sched_getaffinity(0))
+    for cores, kept in ({core}, {core}), ({core, core + 1}, os.sched_getaffinity(0)):
+        monkeypatch.setattr(os, "sched_getaffinity", lambda _, cores=cores: cores)
+        with connected(1, None, 30.0) as client:
+            monkeypatch.undo()
+            assert list(client.run(_cores).values()) == [kept]
+
+
+def _cores():
+    return os.sched_getaffinity(0)

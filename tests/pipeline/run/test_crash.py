@@ -1,0 +1,39 @@
+"""A sweep may be killed at any time; `make crash` tries all that is tried here in part."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).parents[3]
+
+
+def reported(module, *options):
+    done = subprocess.run(
+        [sys.executable, "-m", f"tests.{module}", *options],
+        cwd=ROOT,
+        env={**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"},
+        stdout=subprocess.PIPE,
+        text=True,
+        check=False,
+    )
+    return json.loads(done.stdout)
+
+
+def test_killed_before_any_change_a_store_opens_keeps_its_points_and_resumes():
+    found = reported("crash", "--every", "349")
+    assert found["crashes"] > 5
+    assert found["faults"] == {}
+
+
+def test_a_status_written_before_its_data_would_be_noticed():
+    found = reported("crash", "--every", "83", "--status-first", "--until-fault")
+    assert any("differs" in fault for faults in found["faults"].values() for fault in faults)
+
+
+def test_killed_at_random_nothing_is_lost_damaged_or_wrongly_marked_failed():
+    found = reported("crash.kills", "--kills", "2")
+    assert found["kills"] == {"worker": 1, "everything": 1}
+    assert found["sweeps"] >= 1
+    assert found["faults"] == []

@@ -1,0 +1,146 @@
+"""Boundary mode: a store that holds the boundary, for a fraction of the grid's work."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import pipeline
+from pipeline.analysis.interpolation import crossing
+from pipeline.run.follow import follow_boundary
+from pipeline.store.points import DONE, Store
+from pipeline.sweep.plan import Point, chains, points, run_point, step_count
+from pipeline.tradeoff.probe import decisive_rise_of, rise_limit_of
+from tests.helpers.kept import PAPER
+from tribo import Fidelity, Grid, InputError
+
+TOLERANCE = 0.01
+# Smooth, so that the rise is, and so that a point takes milliseconds.
+SWEEP = replace(
+    PAPER,
+    roughness=None,
+    pixels=Grid((96, 48), (4e-6, 4e-6)),
+    fidelity=Fidelity(pixels_per_element=1, increments=30),
+    conditions=replace(PAPER.conditions, critical_temperature=371.0),
+    loads=tuple(float(load) for load in range(200, 751, 50)),
+    velocities=tuple(float(velocity) for velocity in np.arange(0.5, 5.01, 0.25)),
+)
+
+
+def steps(points):
+    """Steps of the ramps to some points: a trunk for each velocity, and a step off it for each."""
+    return sum(
+        max(step_count(SWEEP, point.load) for point in chain) - 1 + len(chain)
+        for chain in chains(points)
+    )
+
+
+@pytest.fixture(scope="module")
+def grid():
+    """Critical velocities from every point of the sweep."""
+    rises = {}
+    for chain in chains(points(SWEEP)):
+        trunk = None
+        for point in chain:
+            result = run_point(SWEEP, *point, trunk)
+            trunk = result.trunk
+            rises[point] = decisive_rise_of(SWEEP, result.state.heat.rise_quantile)
+    velocities = np.array(SWEEP.velocities)
+    return [
+        crossing(
+            velocities,
+            np.array([rises[Point(load, velocity)] for velocity in SWEEP.velocities]),
+            rise_limit_of(SWEEP),
+        )
+        for load in SWEEP.loads
+    ]
+
+
+@pytest.fixture(scope="module")
+def followed(tmp_path_factory):
+    out = tmp_path_factory.mktemp("followed") / "followed.zarr"
+    outcome = follow_boundary(SWEEP, out, TOLERANCE, workers=1)
+    assert outcome.computed == outcome.done == outcome.total
+    return out
+
+
+def test_the_boundary_is_that_of_the_grid_for_a_third_of_its_work(grid, followed):
+    ds = pipeline.open_sweep(followed)
+    found = pipeline.boundary(ds)["critical_velocity"].values
+    # The grid is interpolated too, to about 0.1 %.
+    assert found == pytest.approx(grid, rel=TOLERANCE + 0.002)
+    done = [point for point, status in Store(followed, "r").status().items() if status == DONE]
+    assert steps(done) <= steps(points(SWEEP)) / 3
+    assert len(done) <= len(points(SWEEP)) / 5
+
+
+def test_the_store_is_one_like_any_other(followed):
+    ds = pipeline.open_sweep(followed)
+    found = pipeline.summary(followed)
+    assert (found.total, found.pending, found.failed) == (found.done, 0, ())
+    assert found.done < ds["status"].size  # there is room for more points than were asked for
+    result = pipeline.boundary(ds)
+    assert result.attrs["missing_points"] == 0
+    # It answers for other conditions too, where these leave the boundary between its points.
+    warmer = pipeline.boundary(ds, friction=0.102)["critical_velocity"]
+    assert np.isfinite(warmer).sum() > len(SWEEP.loads) / 2
+    assert ds["velocity"].min() >= 0.5
+    assert ds["velocity"].max() <= 5.0
+
+
+def test_its_diagram_shows_the_points_that_were_chosen_and_both_regions(followed):
+    (axes,) = pipeline.plot(pipeline.open_sweep(followed), "diagram").axes
+    ids = {line.get_gid() for line in axes.lines}
+    assert {"mild wear, computed", "severe wear, computed"} <= ids
+    assert "pending" not in ids
+    assert "boundary" in {artist.get_gid() for artist in axes.collections}
+
+
+def test_it_ends_at_once_where_the_boundary_is_known(followed):
+    again = follow_boundary(SWEEP, followed, TOLERANCE, workers=1)
+    assert again.computed == 0
+    looser = follow_boundary(SWEEP, followed, 0.05, workers=1)
+    assert looser.computed == 0
+
+
+def test_a_search_that_was_stopped_goes_on_to_the_same_store(followed, tmp_path):
+    out = tmp_path / "stopped.zarr"
+
+    def stop(progress):
+        if progress.done == 7:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        follow_boundary(SWEEP, out, TOLERANCE, workers=1, progress=stop)
+    stopped = pipeline.summary(out)
+    assert 7 <= stopped.done < stopped.total
+    follow_boundary(SWEEP, out, TOLERANCE, workers=1)
+    one, other = (
+        pipeline.boundary(pipeline.open_sweep(path))["critical_velocity"].values
+        for path in (out, followed)
+    )
+    assert one == pytest.approx(other, rel=TOLERANCE)
+
+
+def test_a_grid_that_is_there_is_used(tmp_path):
+    out = tmp_path / "grown.zarr"
+    few = replace(SWEEP, loads=SWEEP.loads[:1], velocities=(4.0, 4.5, 5.0))
+    pipeline.run_sweep(few, out, workers=1)
+    outcome = follow_boundary(replace(few, velocities=SWEEP.velocities), out, TOLERANCE, workers=1)
+    assert outcome.computed == 0
+    assert outcome.done == 3
+    # And a search can be completed to the whole sweep later.
+    whole = pipeline.run_sweep(few, out, workers=1)
+    assert (whole.total, whole.computed) == (3, 0)
+
+
+def test_where_nothing_can_cross_nothing_is_looked_for(tmp_path):
+    without = replace(SWEEP, conditions=replace(SWEEP.conditions, friction=0.0))
+    for sweep in (
+        without,
+        replace(SWEEP, velocities=(1.0,)),
+        replace(SWEEP, velocities=(0.0, 1.0)),
+    ):
+        with pytest.raises(InputError, match="no boundary to look for"):
+            follow_boundary(sweep, tmp_path / "none.zarr")
+    assert not (tmp_path / "none.zarr").exists()

@@ -1,0 +1,282 @@
+"""Sweeps over several random surfaces, and the band of their boundaries."""
+
+import json
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import pipeline
+from pipeline.analysis.band import quantile
+from pipeline.analysis.boundary import boundary
+from pipeline.cli import main
+from pipeline.run.follow import follow_boundary
+from pipeline.run.sweep import run_sweep
+from pipeline.store.points import DONE, Store, StoreMismatchError, prepare
+from pipeline.store.progress import summary
+from pipeline.store.variables import COLUMNS, FIELDS, RECORDS
+from pipeline.sweep.model import Point
+from pipeline.sweep.plan import chains, points, run_point
+from tests.helpers import synthetic, tiny
+from tests.pipeline.cli.test_commands import SCENE
+from tests.pipeline.conftest import commit_all
+from tribo import InputError
+
+SEEDS = (4, 1, 7)
+POINT_DIMS = ("realization", "load", "velocity")
+
+
+def several(seeds=SEEDS, **changes):
+    return tiny.full(realizations=seeds, loads=(150.0, 600.0), velocities=(0.5, 1.5), **changes)
+
+
+def alone_on(seed):
+    """The same sweep on one surface, as a scene without realizations has it."""
+    plain = several(())
+    return replace(plain, roughness=replace(plain.roughness, seed=seed))
+
+
+@pytest.fixture(scope="module")
+def swept(tmp_path_factory):
+    path = tmp_path_factory.mktemp("several") / "several.zarr"
+    outcome = run_sweep(several(), path, workers=2)
+    assert (outcome.total, outcome.computed, outcome.failed) == (12, 12, ())
+    return path
+
+
+# The sweep and its store
+
+
+def test_each_surface_has_chains_of_its_own():
+    found = chains(points(several()))
+    assert len(found) == 6
+    assert {(chain[0].realization, chain[0].velocity) for chain in found} == {
+        (seed, velocity) for seed in SEEDS for velocity in (0.5, 1.5)
+    }
+    assert all([at.load for at in chain] == [150.0, 600.0] for chain in found)
+
+
+def test_realizations_need_a_surface_that_is_made_from_a_seed():
+    with pytest.raises(InputError, match="random"):
+        several(roughness=None)
+
+
+def test_only_a_sweep_over_surfaces_has_a_dimension_for_them(swept, alone):
+    with xr.open_zarr(alone, chunks=None) as ds:
+        assert "realization" not in ds.variables
+        assert ds["max_rise"].dims == ("load", "velocity", "step")
+        assert ds["rise"].dims == ("load", "velocity", "x", "y")
+    with xr.open_zarr(swept, chunks=None) as ds:
+        assert ds["realization"].values.tolist() == list(SEEDS)
+        for name in (*COLUMNS, *FIELDS, *RECORDS):
+            assert ds[name].dims[:3] == POINT_DIMS
+
+
+def test_a_point_among_others_equals_the_point_alone_bit_for_bit(swept):
+    ds = pipeline.open_sweep(swept)
+    assert ds["realization"].values.tolist() == sorted(SEEDS)
+    for at in points(several()):
+        expected = run_point(alone_on(at.realization), at.load, at.velocity)
+        found = ds.sel(realization=at.realization, load=at.load, velocity=at.velocity)
+        for name, values in expected.columns.items():
+            assert found[name].values[: len(values)].tobytes() == values.tobytes()
+        for name, field in expected.fields.items():
+            assert found[name].values.tobytes() == field.tobytes()
+    first, second = (ds["max_rise"].sel(realization=seed).values for seed in SEEDS[:2])
+    assert not np.array_equal(first, second, equal_nan=True)
+
+
+def test_surfaces_are_added_to_a_store_and_what_is_there_stays(tmp_path):
+    path = tmp_path / "grown.zarr"
+    commit_all(path, several((4,)))
+    chunks = {file: file.stat().st_mtime_ns for file in path.glob("max_pressure/c.*")}
+    outcome = run_sweep(several((1, 4)), path, workers=1)
+    assert (outcome.total, outcome.computed) == (8, 4)
+    assert all(file.stat().st_mtime_ns == time for file, time in chunks.items())
+    ds = pipeline.open_sweep(path)
+    for seed in (1, 4):
+        expected = run_point(alone_on(seed), 600.0, 1.5).columns["max_rise"]
+        found = ds["max_rise"].sel(realization=seed, load=600.0, velocity=1.5).values
+        np.testing.assert_array_equal(found, expected)
+    # A scene that asks for fewer again leaves the others where they are.
+    assert run_sweep(several((4,)), path, workers=1).total == 4
+    assert Store(path, "r").status()[Point(600.0, 1.5, 1)] == DONE
+
+
+def test_a_sweep_that_was_stopped_goes_on_to_the_same_numbers(swept, tmp_path):
+    path = tmp_path / "stopped.zarr"
+    commit_all(path, several(), skip=points(several())[5:])
+    assert (summary(path).done, summary(path).pending) == (5, 7)
+    assert run_sweep(several(), path, workers=1).computed == 7
+    one, other = (
+        pipeline.open_sweep(at).drop_vars(["wall_time", "finished_at"]) for at in (path, swept)
+    )
+    xr.testing.assert_equal(one, other)
+
+
+def test_the_axis_is_there_from_the_start_or_never(swept, tmp_path):
+    prepare(tmp_path / "plain.zarr", several(()))
+    with pytest.raises(StoreMismatchError, match=r"no axis for sweep\.realizations.*creation"):
+        prepare(tmp_path / "plain.zarr", several())
+    with pytest.raises(StoreMismatchError, match=r"sweep\.realizations, which the scene does not"):
+        prepare(swept, several(()))
+    rough = replace(several().roughness, hurst_exponent=0.5)
+    with pytest.raises(StoreMismatchError, match="hurst"):
+        prepare(swept, several(roughness=rough))
+
+
+# The band
+
+
+LIFTS = {0: 1.0, 1: 1.1, 2: 0.9, 3: 1.05}
+LIMIT = synthetic.limit()
+
+
+def ensemble(lifts=LIFTS, **changes):
+    """Surfaces whose rise, and with it the boundary, is known in closed form."""
+    sweeps = [
+        synthetic.sweep(rise=lambda F, V, q=1.0, k=lift: k * synthetic.rise(F, V, q), **changes)
+        for lift in lifts.values()
+    ]
+    return xr.concat(sweeps, xr.Variable("realization", list(lifts)), combine_attrs="override")
+
+
+def velocities(load, lifts=LIFTS):
+    return np.array([synthetic.critical_velocity(load, LIMIT / lift) for lift in lifts.values()])
+
+
+def test_the_band_is_that_of_the_surfaces():
+    found = boundary(ensemble())
+    assert found["critical_velocity"].dims == ("realization", "load")
+    for load in (300.0, 600.0):
+        at, expected = found.sel(load=load), velocities(load)
+        np.testing.assert_allclose(at["critical_velocity"], expected, rtol=1e-12)
+        assert float(at["critical_velocity_mean"]) == pytest.approx(expected.mean())
+        assert float(at["critical_velocity_spread"]) == pytest.approx(expected.std(ddof=1))
+        np.testing.assert_allclose(
+            at["critical_velocity_quantile"], np.quantile(expected, [0.1, 0.5, 0.9])
+        )
+        assert (int(at["crossing_at_load"]), int(at["known_at_load"])) == (4, 4)
+    one = boundary(ensemble().sel(realization=1))
+    assert one["critical_velocity"].dims == ("load",)
+    np.testing.assert_array_equal(
+        one["critical_velocity"], found["critical_velocity"].sel(realization=1)
+    )
+
+
+def test_a_surface_that_does_not_cross_has_its_place_beyond_the_others():
+    """At 200 N one of four surfaces stays mild up to the highest velocity."""
+    top = float(np.sort(velocities(200.0))[-2:].mean())
+    found = boundary(ensemble(velocities=np.linspace(0.5, top, 12))).sel(load=200.0)
+    assert (int(found["crossing_at_load"]), int(found["known_at_load"])) == (3, 4)
+    assert np.isnan(found["critical_velocity_mean"])  # of those that cross, it would be too low
+    assert np.isnan(found["critical_velocity_spread"])
+    low, median, high = found["critical_velocity_quantile"].values
+    np.testing.assert_allclose((low, median), np.quantile(velocities(200.0), [0.1, 0.5]))
+    assert np.isnan(high)
+
+
+def test_a_surface_without_points_counts_for_nothing():
+    ds = ensemble()
+    ds["status"][{"realization": 2}] = 0
+    ds["time"][{"realization": 2}] = np.nan
+    found, expected = boundary(ds), np.delete(velocities(600.0), 2)
+    at = found.sel(load=600.0)
+    assert (int(at["crossing_at_load"]), int(at["known_at_load"])) == (3, 3)
+    assert float(at["critical_velocity_mean"]) == pytest.approx(expected.mean())
+    assert found.attrs["missing_points"] == ds["status"][2].size
+    ds["status"][:] = 0
+    assert np.isnan(boundary(ds)["critical_velocity_quantile"]).all()
+
+
+def test_quantiles_are_those_of_numpy_where_all_is_finite():
+    values = np.random.default_rng(0).normal(size=9)
+    for share in (0.0, 0.1, 0.5, 0.77, 1.0):
+        assert quantile(values, share) == pytest.approx(np.quantile(values, share))
+    assert math.isnan(quantile(np.array([math.nan]), 0.5))
+
+
+def test_friction_moves_the_whole_band_without_a_new_simulation():
+    found = boundary(ensemble(), friction=0.09).sel(load=600.0)
+    assert (found["critical_velocity_quantile"] > np.quantile(velocities(600.0), 0.0)).all()
+    lifted = synthetic.critical_velocity(600.0, synthetic.limit(friction=0.09) / LIFTS[1])
+    assert float(found["critical_velocity"].sel(realization=1)) == pytest.approx(lifted)
+
+
+# Boundary mode, figures, command
+
+
+def test_boundary_mode_follows_the_boundary_of_each_surface(tmp_path):
+    sweep = replace(
+        several((4, 1)),
+        loads=(200.0, 400.0),
+        velocities=tuple(np.arange(0.5, 8.01, 0.5).tolist()),
+        store_fields=False,
+    )
+    outcome = follow_boundary(sweep, tmp_path / "a.zarr", 0.02, workers=1)
+    found = boundary(pipeline.open_sweep(tmp_path / "a.zarr"))
+    assert np.isfinite(found["critical_velocity"]).all()
+    assert found.attrs["missing_points"] == 0
+    assert outcome.total < len(points(sweep)) / 2
+    alone = replace(sweep, roughness=alone_on(4).roughness, realizations=())
+    follow_boundary(alone, tmp_path / "4.zarr", 0.02, workers=1)
+    np.testing.assert_array_equal(
+        boundary(pipeline.open_sweep(tmp_path / "4.zarr"))["critical_velocity"],
+        found["critical_velocity"].sel(realization=4),
+    )
+
+
+def test_the_diagram_draws_a_band_of_surfaces():
+    figure = pipeline.plot(ensemble(friction_band=None), "diagram")
+    (axes,) = figure.axes
+    found = {artist.get_gid() for artist in axes.collections}
+    assert {"boundary", "surface band", "surface band edge"} <= found
+    assert "severe on some surfaces" in {line.get_gid() for line in axes.lines}
+    assert any("4 surfaces" in text.get_text() for text in figure.legends[0].get_texts())
+
+
+def test_a_diagram_of_one_surface_has_no_band():
+    (axes,) = pipeline.plot(ensemble(), "diagram", realization=2).axes
+    found = {artist.get_gid() for artist in axes.collections}
+    assert "boundary" in found
+    assert "surface band" not in found
+    assert axes.get_title().endswith("surface 2")
+
+
+@pytest.mark.parametrize("kind", ["ramp", "fields"])
+def test_other_figures_draw_one_surface_and_name_it(swept, kind):
+    for chosen, name in ((None, "surface 1"), (7, "surface 7")):
+        figure = pipeline.plot(swept, kind, realization=chosen)
+        texts = [text.get_text() for legend in figure.legends for text in legend.get_texts()]
+        assert any(name in text for text in (figure.get_suptitle(), *texts))
+    with pytest.raises(InputError, match=r"realization is 2.*holds 1, 4, 7"):
+        pipeline.plot(swept, kind, realization=2)
+
+
+def test_the_command_runs_and_answers_for_several_surfaces(tmp_path, capsys):
+    scene, out = tmp_path / "scene.toml", tmp_path / "out.zarr"
+    scene.write_text(SCENE.replace("fields = true", "realizations = 2"))
+    assert main(["check", str(scene)]) == 0
+    assert "18: 3 loads, 3 velocities, 2 surfaces" in capsys.readouterr().out
+    assert main(["run", str(scene), "-o", str(out), "--workers", "1"]) == 0
+    scene.write_text(SCENE.replace("fields = true", "realizations = [2, 0, 1]"))
+    assert main(["run", str(scene), "-o", str(out), "--workers", "1", "--json"]) == 0
+    out_text = capsys.readouterr().out
+    document = json.loads(out_text[out_text.index("{") :])
+    assert (document["points"], document["computed"]) == (27, 9)
+    assert main(["status", str(out)]) == 0
+    assert "27 points: 27 done" in capsys.readouterr().out
+    assert main(["boundary", str(out)]) == 0
+    assert "3 of 3 cross" in capsys.readouterr().out
+    assert main(["boundary", str(out), "--json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert document["realization"] == [0, 1, 2]
+    assert np.shape(document["critical_velocity"]) == (3, 3)
+    assert np.shape(document["critical_velocity_quantile"]) == (3, 3)
+    arguments = ["--load", "400 N", "--velocity", "2 m/s", "--realization", "1", "--json"]
+    assert main(["point", str(scene), *arguments]) == 0
+    alone = json.loads(capsys.readouterr().out)
+    stored = pipeline.open_sweep(out).sel(realization=1, load=400.0, velocity=2.0)
+    assert alone["max_rise"] == float(stored["max_rise"].dropna("step")[-1])

@@ -1,0 +1,334 @@
+"""Sweeps on a cluster (pipeline/run/sweep.py and cluster.py)."""
+
+import json
+import math
+import multiprocessing
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import tribo
+from pipeline.run import cluster
+from pipeline.run import sweep as execute
+from pipeline.run.sweep import run_sweep
+from pipeline.store import variables as layout
+from pipeline.store.points import (
+    Store,
+    StoreError,
+    StoreMismatchError,
+    locked,
+)
+from pipeline.store.progress import FailedPoint, summary
+from pipeline.store.variables import COLUMNS, FIELDS, describe, scene_hash
+from pipeline.store.verify import verify_store
+from pipeline.sweep.plan import Point, run_point
+from tests.helpers import tiny
+
+ROOT = Path(__file__).parents[3]
+SWEEP = tiny.full()
+
+
+@pytest.fixture
+def path(tmp_path):
+    return tmp_path / "tiny.zarr"
+
+
+def content(path, names=(*COLUMNS, *FIELDS, "message", "checksum", "status")):
+    """The bytes of what was computed."""
+    with xr.open_zarr(path, chunks=None) as ds:
+        ds = ds.sortby(["load", "velocity"])
+        return {name: ds[name].values.tolist().__repr__() for name in names}
+
+
+def belong_to(path, sweep):
+    """Let a store be that of another scene."""
+    root = json.loads((path / "zarr.json").read_text())
+    scene = describe(sweep)
+    root["attributes"] |= {"scene": scene, "scene_hash": scene_hash(scene)}
+    (path / "zarr.json").write_text(json.dumps(root))
+
+
+# What is computed
+
+
+@pytest.mark.parametrize(("workers", "independent"), [(1, False), (2, False), (2, True)])
+def test_a_sweep_has_the_points_computed_alone_bit_for_bit(path, alone, workers, independent):
+    told = []
+    sweep = tiny.full(independent=independent)
+    outcome = run_sweep(sweep, path, workers=workers, progress=told.append)
+    assert (outcome.total, outcome.done, outcome.computed, outcome.failed) == (9, 9, 9, ())
+    assert content(path) == content(alone)
+    assert [report.done for report in told] == list(range(10))
+    assert told[0].time_to_go is None
+    assert told[-1].time_to_go == 0.0
+    assert multiprocessing.active_children() == []
+
+
+def test_a_measured_surface_gives_the_same_on_a_worker_as_here(path):
+    """Its array must come to the worker as it is, down to the alignment in memory."""
+    heights = SWEEP.roughness.heights(SWEEP.pixels) * 1.01 + 3e-9
+    sweep = tiny.sweep(roughness=tribo.MeasuredRoughness(heights), velocities=(1.0,))
+    run_sweep(sweep, path, workers=1)
+    with xr.open_zarr(path, chunks=None) as ds:
+        expected = run_point(sweep, 600.0, 1.0).columns["max_rise"]
+        assert ds["max_rise"].sel(load=600, velocity=1).values.tobytes() == expected.tobytes()
+
+
+def test_a_run_resumes_where_points_are_pending_failed_damaged_or_new(alone, path):
+    shutil.copytree(alone, path)
+    failed = Point(600.0, 0.5)
+    Store(path).forget(failed)
+    Store(path).fail(failed, "there was too little memory then")
+    for lost in ("status/c.0.0", "status/c.2.1", "rise_quantile/c.1.2.0.0"):
+        (path / lost).unlink()
+    assert summary(path).pending == 2
+    outcome = run_sweep(SWEEP, path, workers=1, retry_failed=True)
+    assert (outcome.computed, outcome.done) == (4, 9)
+    assert content(path) == content(alone)
+    outcome = run_sweep(tiny.full(loads=(200.0, 250.0, 800.0), velocities=(1.5,)), path)
+    assert (outcome.total, outcome.computed, outcome.done) == (3, 2, 3)
+    result = run_point(SWEEP, 800.0, 1.5)
+    with xr.open_zarr(path, chunks=None) as ds:
+        found = ds["wear_volume"].sel(load=800, velocity=1.5).values
+        assert found[: len(result.columns["time"])].tobytes() == (
+            result.columns["wear_volume"].tobytes()
+        )
+
+
+def test_fields_asked_for_later_are_filled_in_when_asked_to(path, alone):
+    bare = tiny.sweep(temperature_interval=2, velocities=(1.0,))
+    run_sweep(bare, path, workers=1)
+    told, sweep = [], tiny.full(velocities=(1.0,))
+    assert run_sweep(sweep, path, workers=1, tell=told.append).computed == 0
+    assert "3 points were finished before the scene asked for fields" in told[0]
+    assert run_sweep(sweep, path, workers=1, fill_fields=True).computed == 3
+    with xr.open_zarr(path, chunks=None) as ds, xr.open_zarr(alone, chunks=None) as expected:
+        for name in FIELDS:
+            expected_field = expected[name].sel(velocity=[1.0]).values
+            assert ds[name].values.tobytes() == expected_field.tobytes()
+
+
+def test_other_versions_are_told_and_noted(path, alone, monkeypatch):
+    monkeypatch.setattr(cluster, "LocalCluster", None)
+    shutil.copytree(alone, path)
+    other = layout.versions() | {"numpy": "99.0"}
+    for module in (layout, execute):
+        monkeypatch.setattr(module, "versions", lambda: other)
+    told = []
+    for _ in range(2):
+        run_sweep(SWEEP, path, tell=told.append)
+    assert f"was begun with numpy {np.__version__}, and goes on with 99.0" in told[0]
+    attributes = json.loads((path / "zarr.json").read_text())["attributes"]
+    assert attributes["versions"]["numpy"] == np.__version__
+    (later,) = attributes["later_versions"]
+    assert later["versions"]["numpy"] == "99.0"
+
+
+def test_nothing_to_do_starts_no_cluster(alone, path, monkeypatch):
+    shutil.copytree(alone, path)
+    monkeypatch.setattr(cluster, "LocalCluster", None)
+    outcome = run_sweep(SWEEP, path)
+    assert (outcome.done, outcome.computed) == (9, 0)
+
+
+# What goes wrong
+
+
+def test_a_killed_worker_costs_no_point(path, alone):
+    def kill_one(report):
+        if report.done == 3:
+            os.kill(multiprocessing.active_children()[0].pid, signal.SIGKILL)
+
+    outcome = run_sweep(SWEEP, path, workers=2, progress=kill_one)
+    assert (outcome.done, outcome.failed) == (9, ())
+    assert content(path) == content(alone)
+
+
+def test_a_point_that_kills_its_workers_fails_alone(path):
+    deadly = tiny.DeadlyRamp(150.0, 750.0, at=250.0)
+    outcome = run_sweep(tiny.sweep(loading=deadly, velocities=(1.0,)), path, workers=2)
+    assert outcome.done == 2
+    (failed,) = outcome.failed
+    assert (failed.load, failed.velocity) == (250.0, 1.0)
+    assert "out of memory, or killed" in failed.message
+    store = Store(path)
+    for point in (Point(150.0, 1.0), Point(600.0, 1.0)):
+        assert store.is_intact(point)
+        with xr.open_zarr(path, chunks=None) as ds:
+            found = ds["max_rise"].sel(load=point.load, velocity=point.velocity).values
+        expected = run_point(tiny.sweep(), *point).columns["max_rise"]
+        assert found[: len(expected)].tobytes() == expected.tobytes()
+
+
+@pytest.mark.parametrize(
+    ("velocities", "at"),
+    [(tiny.VELOCITIES, 600.0), (tuple(np.linspace(0.5, 1.5, 6)), 250.0)],
+    ids=["in tasks of their own", "in tasks of several"],
+)
+def test_points_that_share_a_worker_with_a_deadly_one_are_done_after_all(path, velocities, at):
+    deadly = tiny.DeadlyRamp(150.0, 750.0, at=at)
+    outcome = run_sweep(tiny.sweep(loading=deadly, velocities=velocities), path, workers=1)
+    assert {failed.load for failed in outcome.failed} == {at}
+    assert (outcome.done, len(outcome.failed)) == (2 * len(velocities), len(velocities))
+
+
+def test_a_point_that_fails_says_why_and_is_tried_again_when_asked_to(path):
+    diverging = tiny.DivergingRamp(150.0, 750.0, at=250.0)
+    sweep = tiny.sweep(loading=diverging, velocities=(1.0,))
+    expected = FailedPoint(250.0, 1.0, "ConvergenceError: the contact did not converge")
+    outcome = run_sweep(sweep, path, workers=1)
+    assert (outcome.done, outcome.computed, outcome.failed) == (2, 2, (expected,))
+    assert run_sweep(sweep, path, workers=1).computed == 0
+    assert summary(path).failed == (expected,)
+    assert run_sweep(sweep, path, workers=1, retry_failed=True).failed == (expected,)
+
+
+def test_a_load_that_cannot_be_carried_fails_and_the_others_do_not(path):
+    outcome = run_sweep(tiny.sweep(loads=(150.0, 1e6), velocities=(1.0,), increments=1), path)
+    assert outcome.done == 1
+    assert "InputError: normal_load is" in outcome.failed[0].message
+
+
+def test_a_full_disk_stops_the_sweep_and_keeps_what_is_finished(path, alone):
+    filling = tiny.full(loading=tiny.FillingRamp(150.0, 750.0, at=600.0))
+    with pytest.raises(StoreError, match=r"N, .* cannot be recorded: File too large; .* go on"):
+        run_sweep(filling, path, workers=1)
+    assert multiprocessing.active_children() == []
+    assert 2 <= summary(path).done < 9
+    assert summary(path).failed == ()
+    assert verify_store(path).is_clean
+    room = tiny.full(loading=tiny.FillingRamp(150.0, 750.0, at=math.inf))
+    belong_to(path, room)
+    assert run_sweep(room, path, workers=1).done == 9
+    assert content(path) == content(alone)
+
+
+@contextmanager
+def as_root():
+    before = os.geteuid()
+    os.seteuid(os.getuid())
+    yield
+    os.seteuid(before)
+
+
+@pytest.fixture
+def nobody():
+    """Someone who, unlike root, can be denied to write; and a folder that they can read."""
+    with tempfile.TemporaryDirectory() as folder:
+        Path(folder).chmod(0o755)
+        root = os.geteuid() == 0
+        if root:
+            os.seteuid(65534)
+        yield Path(folder)
+        if root:
+            os.seteuid(0)
+
+
+def test_a_folder_that_may_not_be_written_is_refused_and_can_be_read(nobody, alone, monkeypatch):
+    monkeypatch.setattr(cluster, "LocalCluster", None)
+    with as_root():
+        shutil.copytree(alone, nobody / "tiny.zarr")
+        nobody.chmod(0o555)
+    with pytest.raises(StoreError, match=r"cannot be written: .*Permission denied"):
+        run_sweep(SWEEP, nobody / "tiny.zarr")
+    assert summary(nobody / "tiny.zarr").done == 9
+    assert verify_store(nobody / "tiny.zarr").is_clean
+    with pytest.raises(StoreError, match="cannot be written"):
+        verify_store(nobody / "tiny.zarr", repair=True)
+
+
+def test_another_scene_and_a_second_driver_are_refused_before_a_cluster_starts(
+    alone, path, monkeypatch
+):
+    monkeypatch.setattr(cluster, "LocalCluster", None)
+    shutil.copytree(alone, path)
+    with pytest.raises(StoreMismatchError, match=r"fidelity\.increments"):
+        run_sweep(tiny.sweep(increments=5), path)
+    with locked(path), pytest.raises(StoreError, match=f"in use by process {os.getpid()}"):
+        run_sweep(SWEEP, path)
+
+
+def test_a_number_of_workers_below_one_is_refused(path):
+    with pytest.raises(tribo.InputError, match="workers is 0"):
+        run_sweep(SWEEP, path, workers=0)
+
+
+# Ctrl-C, in a process of its own
+
+SCRIPT = """
+import sys
+from pipeline.run.sweep import run_sweep
+from tests.helpers import tiny
+
+if __name__ == "__main__":
+    sweep = tiny.full(loading=tiny.SlowRamp(150.0, 750.0))
+    try:
+        run_sweep(
+            sweep, sys.argv[1], workers=2, progress=lambda report: print(report.done, flush=True)
+        )
+    except KeyboardInterrupt:
+        sys.exit(130)
+"""
+
+
+@pytest.fixture
+def driver(path, tmp_path):
+    script = tmp_path / "script.py"
+    script.write_text(SCRIPT)
+    process = subprocess.Popen(
+        [sys.executable, script, path],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        # As a terminal starts it, even if this suite runs in the background and is to ignore it.
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+    )
+    yield process
+    if process.poll() is None:
+        os.killpg(process.pid, signal.SIGKILL)
+    process.communicate()
+
+
+def group_is_gone(leader, patience=10.0):
+    """Whether no process of a terminal's foreground is left."""
+    end = time.monotonic() + patience
+    while time.monotonic() < end:
+        try:
+            os.killpg(leader, 0)
+        except ProcessLookupError:
+            return True
+        time.sleep(0.05)
+    return False
+
+
+@pytest.mark.parametrize("finished", [0, 3])
+def test_ctrl_c_ends_everything_within_seconds_and_keeps_finished_points(driver, path, finished):
+    """As a terminal does it: the signal goes to the driver and all workers."""
+    while driver.stdout.readline() != f"{finished}\n":
+        pass
+    if not finished:
+        time.sleep(0.7)  # while the workers start
+    began = time.monotonic()
+    os.killpg(driver.pid, signal.SIGINT)
+    assert driver.wait(20) == 130
+    assert time.monotonic() - began < 10
+    assert group_is_gone(driver.pid)
+    assert driver.stderr.read() == ""
+    store = Store(path)
+    done = [point for point in store.asked() if store.is_done(point)]
+    assert finished <= len(done) < 9
+    assert all(store.is_intact(point) for point in done)
+    with locked(path):
+        pass

@@ -1,0 +1,202 @@
+"""Measured surfaces: read, cropped, levelled, and their holes filled."""
+
+import importlib
+import sys
+from types import ModuleType, SimpleNamespace
+
+import numpy as np
+import pytest
+
+from pipeline.scene.scenefile import SceneFileError, load_scene
+from pipeline.scene.surfaces import cropped, filled, levelled, read_surface
+from tests.pipeline.scene.test_scenefile import ROUGHNESS, TEXT
+from tribo import InputError
+
+HEIGHTS = np.random.default_rng(5).normal(0.0, 3e-7, (48, 40))
+SIDES = 0.816e-6, 0.95e-6
+
+
+class FakeTopography:
+    """What of SurfaceTopography's topographies is used, for machines without it."""
+
+    def __init__(self, heights, unit="m", dim=2):
+        self.array, self.unit, self.dim, self.is_uniform = heights, unit, dim, True
+        self.pixel_size = np.array(SIDES) * (1e6 if unit == "µm" else 1.0)
+
+    def heights(self):
+        return self.array
+
+    def to_unit(self, unit):
+        assert unit == "m"
+        factor = {"m": 1.0, "µm": 1e-6}[self.unit]
+        return FakeTopography(self.array * factor)
+
+
+@pytest.fixture
+def library(monkeypatch):
+    """A library that finds one topography in any file; return where to put it."""
+    found = SimpleNamespace(topography=None)
+
+    def open_topography(path):
+        def read():
+            if isinstance(found.topography, Exception):
+                raise found.topography
+            return found.topography
+
+        return SimpleNamespace(topography=read)
+
+    module = ModuleType("SurfaceTopography.IO")
+    module.open_topography = open_topography
+    monkeypatch.setitem(sys.modules, "SurfaceTopography", ModuleType("SurfaceTopography"))
+    monkeypatch.setitem(sys.modules, "SurfaceTopography.IO", module)
+    return found
+
+
+def holed(*places):
+    mask = np.zeros(HEIGHTS.shape, bool)
+    for place in places:
+        mask[place] = True
+    return np.ma.masked_array(HEIGHTS, mask)
+
+
+def scene(tmp_path, table, pixels=HEIGHTS.shape):
+    text = TEXT.replace(ROUGHNESS, table + "\n").replace("[480, 480]", str(list(pixels)))
+    (tmp_path / "scene.toml").write_text(text, encoding="utf-8")
+    return load_scene(tmp_path / "scene.toml", overrides={"pixels_per_element": 1})
+
+
+def faults(tmp_path, table, **options):
+    with pytest.raises(SceneFileError) as caught:
+        scene(tmp_path, table, **options)
+    return caught.value.faults
+
+
+def test_heights_and_pixels_come_in_metres(library):
+    library.topography = FakeTopography(HEIGHTS * 1e6, unit="µm")
+    surface = read_surface("a.x3p")
+    np.testing.assert_allclose(surface.heights, HEIGHTS, rtol=1e-12)
+    assert surface.pixel_size == pytest.approx(SIDES)
+
+
+def test_a_missing_height_is_nan(library):
+    library.topography = FakeTopography(holed((2, 3)))
+    heights = read_surface("a.x3p").heights
+    assert np.argwhere(np.isnan(heights)).tolist() == [[2, 3]]
+
+
+def test_a_file_without_unit_needs_one(library):
+    library.topography = FakeTopography(HEIGHTS, unit=None)
+    with pytest.raises(InputError, match="does not say the unit"):
+        read_surface("a.x3p")
+    np.testing.assert_allclose(read_surface("a.x3p", 1e-6).heights, 1e-6 * HEIGHTS)
+    assert read_surface("a.x3p", 1e-6).pixel_size is None
+
+
+def test_a_profile_and_a_broken_file_are_refused(library):
+    library.topography = FakeTopography(HEIGHTS, dim=1)
+    with pytest.raises(InputError, match="a profile"):
+        read_surface("a.x3p")
+    library.topography = RuntimeError("bad header\nmore")
+    with pytest.raises(InputError, match=r"cannot be read as a surface: bad header$"):
+        read_surface("a.x3p")
+
+
+def test_without_the_extra_the_message_says_how_to_get_it(monkeypatch):
+    monkeypatch.setitem(sys.modules, "SurfaceTopography", None)
+    monkeypatch.setitem(sys.modules, "SurfaceTopography.IO", None)
+    with pytest.raises(InputError, match=r"irg-transition\[surfaces\]"):
+        read_surface("a.x3p")
+
+
+def test_plain_arrays_need_no_extra(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "SurfaceTopography.IO", None)
+    np.save(tmp_path / "a.npy", HEIGHTS)
+    np.testing.assert_array_equal(read_surface(tmp_path / "a.npy", 1.0).heights, HEIGHTS)
+
+
+def test_the_real_library_reads_what_it_writes(tmp_path):
+    pytest.importorskip("SurfaceTopography")
+    topographies = importlib.import_module("SurfaceTopography")
+    size = tuple(n * side for n, side in zip(HEIGHTS.shape, SIDES, strict=True))
+    topographies.Topography(HEIGHTS, size, unit="m").to_x3p(str(tmp_path / "a.x3p"))
+    surface = read_surface(tmp_path / "a.x3p")
+    np.testing.assert_allclose(surface.heights, HEIGHTS, rtol=1e-6)
+    assert surface.pixel_size == pytest.approx(SIDES)
+
+
+def test_a_tilt_is_levelled_away_and_nothing_else():
+    i, j = np.indices(HEIGHTS.shape)
+    tilted = HEIGHTS + 4e-6 + 3e-8 * i - 2e-8 * j
+    np.testing.assert_allclose(levelled(tilted), levelled(HEIGHTS), atol=1e-18)
+    np.testing.assert_allclose(levelled(levelled(tilted)), levelled(tilted), atol=1e-20)
+    assert np.linalg.norm(levelled(HEIGHTS) - HEIGHTS) < 0.1 * np.linalg.norm(HEIGHTS)
+
+
+def test_a_tilt_with_holes_is_levelled():
+    i, j = np.indices((9, 7))
+    tilted = 1.0 + 3.0 * i - 2.0 * j
+    tilted[2:5, 3] = np.nan
+    left = levelled(tilted)
+    assert np.isnan(left).sum() == 3
+    assert np.nanmax(np.abs(left)) < 1e-12
+
+
+def test_filled_holes_stay_between_their_borders():
+    heights = HEIGHTS.copy()
+    heights[0, 0] = heights[20:26, 10:18] = heights[30, 39] = np.nan
+    whole = filled(heights)
+    known = np.isfinite(heights)
+    np.testing.assert_array_equal(whole[known], heights[known])
+    border = heights[19:27, 9:19]
+    assert np.nanmin(border) < whole[20:26, 10:18].min()
+    assert whole[20:26, 10:18].max() < np.nanmax(border)
+    # Each is the mean of its neighbours; a corner has two.
+    assert whole[22, 13] == pytest.approx(
+        (whole[21, 13] + whole[23, 13] + whole[22, 12] + whole[22, 14]) / 4
+    )
+    assert whole[0, 0] == pytest.approx((heights[0, 1] + heights[1, 0]) / 2)
+    with pytest.raises(InputError, match="all heights are missing"):
+        filled(np.full((3, 3), np.nan))
+
+
+def test_a_patch_beyond_the_surface_is_refused():
+    with pytest.raises(InputError, match="reaches beyond the surface of 48 × 40"):
+        cropped(HEIGHTS, (1, 0), (48, 40))
+
+
+def test_a_scene_takes_a_patch_levelled_and_filled(tmp_path, library):
+    library.topography = FakeTopography(holed((10, 12), (20, 20)))
+    table = 'file = "a.x3p"\ncrop = [4, 6]\nlevel = true\nmissing = "fill"\n'
+    sweep = scene(tmp_path, table, pixels=(40, 32))
+    expected = levelled(filled(cropped(holed((10, 12), (20, 20)).filled(np.nan), (4, 6), (40, 32))))
+    np.testing.assert_array_equal(sweep.roughness.array, expected)
+    (note,) = sweep.notes
+    assert "2 of 1280 heights (0.16 %) are missing and were filled" in note
+
+
+@pytest.mark.parametrize(
+    ("table", "key", "said"),
+    [
+        ('file = "a.x3p"\n', "disk.roughness.missing", "row 20, column 20"),
+        ('file = "a.x3p"\ncrop = [40, 0]\n', "disk.roughness.crop", "reaches beyond"),
+        ('file = "a.x3p"\ncrop = [-1, 0]\n', "disk.roughness.crop[0]", "at least 0"),
+        ('file = "a.x3p"\nlevel = 1\n', "disk.roughness.level", "true or false"),
+        ('file = "a.x3p"\nmissing = "fil"\n', "disk.roughness.missing", 'did you mean "fill"?'),
+        ('file = "a.npy"\n', "disk.roughness.height_unit", "missing"),
+    ],
+)
+def test_a_fault_of_a_measured_surface_has_its_key(tmp_path, library, table, key, said):
+    library.topography = FakeTopography(holed((20, 20)))
+    (fault,) = faults(tmp_path, table)
+    assert fault.startswith(f"{key}: ")
+    assert said in fault
+
+
+def test_the_pixels_of_the_file_are_those_of_the_window(tmp_path, library):
+    library.topography = FakeTopography(HEIGHTS)
+    library.topography.to_unit = lambda unit: SimpleNamespace(
+        heights=lambda: HEIGHTS, pixel_size=(2e-6, 2e-6)
+    )
+    (fault,) = faults(tmp_path, 'file = "a.x3p"\n')
+    assert fault.startswith("window.pixel_size: ")
+    assert "2 µm × 2 µm" in fault

@@ -1,0 +1,91 @@
+"""Chunks that are written and read without Zarr's tasks."""
+
+import numpy as np
+import pytest
+import zarr
+from zarr.api.asynchronous import create_array
+from zarr.storage import MemoryStore
+
+from pipeline.store.chunks import COMPRESSOR, chunks_of, values_at
+from pipeline.store.together import together
+
+CASES = {
+    "scalar": ("float64", (), (), 1.5),
+    "flag": ("int8", (), (), 2),
+    "checksum": ("uint64", (), (), 2**64 - 1),
+    "text": ("str", (), (), "ΔT above 145 °C"),
+    "no text": ("str", (), (), ""),
+    "row": ("float64", (7,), (7,), np.linspace(0.0, 1.0, 7)),
+    "nothing but fill": ("float64", (7,), (7,), np.full(7, np.nan)),
+    "row of three chunks, the last cut": ("float64", (8,), (3,), np.arange(8.0)),
+    "field in columns": ("float64", (5, 4), (5, 4), np.arange(20.0).reshape(4, 5).T),
+    "field of big-endian numbers": ("float64", (2, 2), (2, 2), np.eye(2, dtype=">f8")),
+}
+
+
+def created(files, dtype, shape, chunks, separator=".", fill=None):
+    """An array with a chunk of its own for each of 2 × 3 points."""
+    creation = create_array(
+        MemoryStore(files),
+        name="variable",
+        shape=(2, 3, *shape),
+        chunks=(1, 1, *chunks),
+        dtype=dtype,
+        compressors=[COMPRESSOR],
+        fill_value={"float64": np.nan, "str": ""}.get(dtype, 0) if fill is None else fill,
+        chunk_key_encoding={"name": "default", "separator": separator},
+    )
+    with zarr.config.set({"array.write_empty_chunks": True}):
+        (array,) = together([creation])
+    return array
+
+
+def content_of(files):
+    return lambda key: files[key].to_bytes() if key in files else None
+
+
+@pytest.mark.parametrize("separator", [".", "/"])
+@pytest.mark.parametrize(("dtype", "shape", "chunks", "values"), CASES.values(), ids=CASES.keys())
+def test_chunks_are_those_that_zarr_writes(dtype, shape, chunks, values, separator):
+    files, index = {}, (1, 2)
+    array = created(files, dtype, shape, chunks, separator)
+    together([array.setitem(index, values)])
+    written = {key: file.to_bytes() for key, file in files.items() if "zarr.json" not in key}
+    assert written
+    assert dict(chunks_of(array, index, values)) == written
+
+
+@pytest.mark.parametrize("index", [(1, 2), (0, 0), (1,), ()], ids=str)
+@pytest.mark.parametrize(("dtype", "shape", "chunks", "values"), CASES.values(), ids=CASES.keys())
+def test_values_are_those_that_zarr_reads(dtype, shape, chunks, values, index):
+    """Also where there is no chunk."""
+    files = {}
+    array = created(files, dtype, shape, chunks)
+    together([array.setitem((1, 2), values), array.setitem((0, 1), values)])
+    found = values_at(array, index, content_of(files))
+    (expected,) = together([array.getitem((*index, ...))])
+    assert np.shape(found) == np.shape(expected)
+    np.testing.assert_array_equal(found, np.asarray(expected, np.asarray(found).dtype))
+
+
+@pytest.mark.parametrize(("dtype", "fill"), [("int8", 3), ("float64", 1.5), ("uint64", 7)])
+def test_where_there_is_no_chunk_there_is_what_fills_it(dtype, fill):
+    found = values_at(created({}, dtype, (4,), (3,), fill=fill), (), lambda _: None)
+    assert found.dtype == dtype
+    np.testing.assert_array_equal(found, np.full((2, 3, 4), fill))
+
+
+@pytest.mark.parametrize(("dtype", "values"), [("float64", 1.5), ("str", "worn through")])
+def test_damaged_chunks_are_errors(dtype, values):
+    array = created({}, dtype, (), ())
+    ((_, chunk),) = chunks_of(array, (0, 0), values)
+    for damaged in (b"", b"no chunk", chunk[:-1], chunk[:9] + b"?" + chunk[10:]):
+        with pytest.raises((RuntimeError, ValueError)):
+            values_at(array, (0, 0), lambda _, damaged=damaged: damaged)
+
+
+def test_a_chunk_of_another_size_is_an_error():
+    array = created({}, "float64", (3,), (3,))
+    ((_, chunk),) = chunks_of(created({}, "float64", (4,), (4,)), (0, 0), np.arange(4.0))
+    with pytest.raises(ValueError, match="size"):
+        values_at(array, (0, 0), lambda _: chunk)

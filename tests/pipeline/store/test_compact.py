@@ -1,0 +1,114 @@
+"""Stores with large chunks (pipeline/store/compact.py)."""
+
+import shutil
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from pipeline.analysis.dataset import open_sweep
+from pipeline.cli import main
+from pipeline.run import cluster
+from pipeline.run.sweep import run_sweep
+from pipeline.store.compact import compact_store
+from pipeline.store.points import Store, StoreError, locked, prepare
+from pipeline.store.progress import summary
+from pipeline.store.variables import COLUMNS
+from pipeline.store.verify import verify_store
+from pipeline.sweep.model import Point
+from pipeline.sweep.plan import points, run_point
+from tests.helpers import tiny
+from tests.pipeline.conftest import commit_all
+
+SWEEP = tiny.full()
+POINT = Point(250.0, 1.0)
+
+
+@pytest.fixture
+def copy(alone, tmp_path):
+    return shutil.copytree(alone, tmp_path / "copy.zarr")
+
+
+def loaded(path):
+    with xr.open_zarr(path, chunks=None) as ds:
+        return ds.load()
+
+
+def test_a_compact_store_holds_the_same_in_fewer_files(copy, alone):
+    compact_store(copy)
+    xr.testing.assert_identical(loaded(copy), loaded(alone))
+    files = [file for name in COLUMNS for file in (copy / name).rglob("*") if file.is_file()]
+    assert len(files) == 2 * len(COLUMNS)  # a chunk, and what describes it
+    store = Store(copy)
+    assert store.is_compact
+    assert all(store.is_intact(point) for point in points(SWEEP))
+    assert verify_store(copy).done == 9
+    assert summary(copy).done == 9
+    compact_store(copy)
+    xr.testing.assert_identical(loaded(copy), loaded(alone))
+
+
+def test_a_compact_store_is_not_split_for_nothing(copy, monkeypatch):
+    monkeypatch.setattr(cluster, "LocalCluster", None)
+    compact_store(copy)
+    assert run_sweep(SWEEP, copy).computed == 0
+    assert Store(copy).is_compact
+
+
+def test_a_compact_store_resumes_grows_and_is_compact_again(copy, alone):
+    Store(copy).forget(POINT)
+    compact_store(copy)
+    assert run_sweep(SWEEP, copy, workers=1).computed == 1
+    assert Store(copy).is_compact
+    wider = tiny.full(loads=(150.0, 900.0), velocities=(0.75, 1.0), realizations=())
+    assert run_sweep(wider, copy, workers=1).computed == 3
+    assert Store(copy).is_compact
+    assert verify_store(copy).done == 12
+    with xr.open_zarr(copy, chunks=None) as ds, xr.open_zarr(alone, chunks=None) as before:
+        own = ds.sel(load=before["load"], velocity=before["velocity"], step=before["step"])
+        changed = ["wall_time", "finished_at"]
+        xr.testing.assert_equal(own.drop_vars(changed).load(), before.drop_vars(changed).load())
+        expected = run_point(wider, 900.0, 0.75).columns["wear_volume"]
+        assert ds["wear_volume"].sel(load=900, velocity=0.75).values.tobytes() == expected.tobytes()
+
+
+def test_failed_and_pending_points_stay_what_they_are(tmp_path):
+    path = tmp_path / "tiny.zarr"
+    sweep = tiny.sweep(loads=(150.0, 250.0), velocities=(0.5, 1.0), realizations=(1, 2))
+    failed, pending = Point(250.0, 0.5, 2), Point(250.0, 1.0, 1)
+    store = commit_all(path, sweep, skip=(failed, pending))
+    store.fail(failed, "it did not converge – é")
+    before = summary(path)
+    compact_store(path)
+    assert summary(path) == before
+    assert (before.done, before.pending, before.failed[0].realization) == (6, 1, 2)
+    with open_sweep(path) as ds:
+        for point in points(sweep):
+            own = ds["time"].sel(point._asdict()).values
+            assert np.isfinite(own).any() == (point not in (failed, pending))
+
+
+def test_damage_of_a_large_chunk_is_named_and_repaired(copy, alone):
+    compact_store(copy)
+    for name in ("status", "wear_volume"):
+        (chunk,) = (file for file in (copy / name / "c").rglob("*") if file.is_file())
+        content = bytearray(chunk.read_bytes())
+        content[len(content) // 2] ^= 1
+        chunk.write_bytes(content)
+    assert len(verify_store(copy, repair=True).damaged) == 9
+    assert verify_store(copy).is_clean
+    assert run_sweep(SWEEP, copy, workers=1).computed == 9
+    changed = ["wall_time", "finished_at"]
+    xr.testing.assert_identical(*(loaded(path).drop_vars(changed) for path in (copy, alone)))
+
+
+def test_the_command_compacts(copy, tmp_path, capsys):
+    assert main(["compact", str(copy)]) == 0
+    assert Store(copy).is_compact
+    with locked(copy), pytest.raises(StoreError, match="in use"):
+        compact_store(copy)
+    assert main(["compact", str(tmp_path)]) == 2
+    assert "is not a store" in capsys.readouterr().err
+    prepare(tmp_path / "empty.zarr", SWEEP)
+    assert main(["compact", str(tmp_path / "empty.zarr")]) == 0
+    assert summary(tmp_path / "empty.zarr").pending == 9

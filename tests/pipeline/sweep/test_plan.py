@@ -1,0 +1,150 @@
+"""Points, chains and the computation of one point (pipeline/sweep/plan.py)."""
+
+import pickle
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import tribo
+from pipeline.store.variables import COLUMNS
+from pipeline.sweep.plan import Point, advance_trunk, chains, points, run_point, step_count
+from tests.helpers import tiny
+
+SWEEP = tiny.sweep()
+
+
+def same(first, second):
+    """Whether two results agree bit for bit, and so do the trunks they hand on."""
+    assert first.columns.keys() == second.columns.keys()
+    assert all(
+        first.columns[name].tobytes() == second.columns[name].tobytes() for name in first.columns
+    )
+    assert all(
+        first.fields[name].tobytes() == second.fields[name].tobytes() for name in first.fields
+    )
+    assert first.warnings == second.warnings
+    return same_trunks(first.trunk, second.trunk)
+
+
+def same_trunks(first, second):
+    assert len(first.records) == len(second.records)
+    for one, other in zip(first.records, second.records, strict=True):
+        assert all(np.array_equal(one[name], other[name], equal_nan=True) for name in one)
+    return first.state.pressure.tobytes() == second.state.pressure.tobytes()
+
+
+def test_every_load_meets_every_velocity_once():
+    assert len(points(SWEEP)) == len(set(points(SWEEP))) == 9
+    assert Point(250.0, 1.5) in points(SWEEP)
+
+
+def test_chains_ascend_in_load_at_one_velocity():
+    for chain in chains(reversed(points(SWEEP))):
+        assert [point.load for point in chain] == list(tiny.LOADS)
+        assert len({point.velocity for point in chain}) == 1
+
+
+def test_independent_points_are_chains_of_their_own():
+    assert chains(points(SWEEP), independent=True) == tuple((point,) for point in points(SWEEP))
+
+
+@pytest.mark.parametrize(("load", "count"), [(100.0, 1), (150.0, 2), (250.0, 2), (600.0, 5)])
+def test_a_point_has_a_row_for_each_of_its_steps(load, count):
+    result = run_point(SWEEP, load, 1.0)
+    assert step_count(SWEEP, load) == count
+    assert {name: len(values) for name, values in result.columns.items()} == dict.fromkeys(
+        COLUMNS, count
+    )
+    assert result.columns["normal_load"][-1] == load
+    assert result.columns["rise_quantile"].shape == (count, len(tribo.QUANTILES))
+
+
+WIDE = tribo.Grid((48, 16), (9e-6, 15e-6))
+RAMP = tribo.Ramp(rate=150.0, reference_load=750.0, hold=1.0, hold_steps=2)
+RECORD = tribo.MeasuredLoad(np.array([0.0, 1.0, 3.0, 5.0]), np.array([0.0, 300.0, 250.0, 750.0]))
+PHYSICS = {
+    "plain": {},
+    "hold": {"loading": RAMP},
+    "no wear": {"wear": None},
+    "measured load": {"loading": RECORD},
+    "coarse history": {"pixels": WIDE, "fidelity": {"history_coarsening": 2}},
+    "coarse history and hold": {
+        "pixels": WIDE,
+        "fidelity": {"history_coarsening": 2},
+        "loading": RAMP,
+    },
+    "heat of the past": {"fidelity": {"heat_model": "history"}, "loading": RAMP},
+}
+
+
+@pytest.mark.parametrize("interval", [0, 1, 2])
+@pytest.mark.parametrize("physics", PHYSICS)
+def test_a_point_on_a_trunk_equals_the_point_alone_bit_for_bit(physics, interval):
+    """250 N and 500 N are stations, so that the end of the one lies on the trunk of the other."""
+    sweep = tiny.sweep(temperature_interval=interval, **PHYSICS[physics])
+    trunk = None
+    for load in (100.0, 150.0, 250.0, 500.0, 600.0):
+        result = run_point(sweep, load, 1.0, trunk=trunk)
+        assert same(result, run_point(sweep, load, 1.0))
+        assert len(result.columns["time"]) == step_count(sweep, load)
+        assert np.isfinite(result.columns["max_rise"][-1])
+        trunk = pickle.loads(pickle.dumps(result.trunk))
+        assert same(
+            run_point(sweep, 625.0, 1.0, trunk=advance_trunk(sweep, load, 1.0)),
+            run_point(sweep, 625.0, 1.0, trunk=trunk),
+        )
+
+
+def test_temperatures_on_the_way_are_where_they_are_asked_for():
+    for interval in (0, 1, 2):
+        rise = run_point(tiny.sweep(temperature_interval=interval), 700.0, 1.0).columns["max_rise"]
+        asked = [bool(interval) and step % interval == 0 for step in range(1, len(rise))]
+        np.testing.assert_array_equal(np.isfinite(rise), [*asked, True])
+
+
+def test_the_steps_of_a_hold_belong_to_the_point_alone():
+    sweep = tiny.sweep(loading=RAMP)
+    held, higher = run_point(sweep, 250.0, 1.0), run_point(sweep, 300.0, 1.0)
+    np.testing.assert_array_equal(held.columns["normal_load"], [125.0, 250.0, 250.0, 250.0])
+    np.testing.assert_array_equal(higher.columns["normal_load"], [125.0, 250.0, *[300.0] * 3])
+    assert len(held.trunk.records) == len(higher.trunk.records) == 2
+
+
+@settings(max_examples=15, deadline=None)
+@given(
+    loads=st.lists(st.sampled_from([60.0, 125.0, 130.0, 250.0, 375.0, 400.0]), unique=True),
+    interval=st.integers(0, 3),
+)
+def test_whatever_lower_loads_there_are_the_point_is_the_same(loads, interval):
+    sweep = tiny.sweep(temperature_interval=interval)
+    trunk = None
+    for load in sorted(loads):
+        trunk = run_point(sweep, load, 1.5, trunk=trunk).trunk
+    assert same(run_point(sweep, 500.0, 1.5, trunk=trunk), run_point(sweep, 500.0, 1.5))
+
+
+@pytest.mark.parametrize("load", [100.0, 150.0, 250.0, 600.0])
+def test_a_trunk_advanced_without_its_point_serves_the_next_one(load):
+    trunk = advance_trunk(SWEEP, load, 1.0)
+    assert trunk.state.normal_load < load
+    assert same(run_point(SWEEP, 700.0, 1.0, trunk=trunk), run_point(SWEEP, 700.0, 1.0))
+
+
+def test_advancing_a_trunk_in_two_goes_is_advancing_it_once():
+    halfway = advance_trunk(SWEEP, 300.0, 1.0)
+    assert same_trunks(
+        advance_trunk(SWEEP, 700.0, 1.0, trunk=halfway), advance_trunk(SWEEP, 700.0, 1.0)
+    )
+
+
+def test_a_trunk_beyond_the_load_is_refused():
+    with pytest.raises(tribo.InputError, match="at a lower load"):
+        run_point(SWEEP, 200.0, 1.0, trunk=run_point(SWEEP, 600.0, 1.0).trunk)
+
+
+def test_a_contact_at_the_edge_of_the_window_is_a_warning_of_the_point():
+    assert run_point(SWEEP, 150.0, 1.0).warnings == ()
+    (warning,) = run_point(SWEEP, 600.0, 1.0).warnings
+    assert "touches the window's x edge" in warning

@@ -1,0 +1,93 @@
+"""Elastic influence in 25 digits, from definitions that the package does not use.
+
+Free: Love's closed form. Periodic along y: differences from the self term, near it by mpmath's
+extrapolated sum over images, farther than an eighth of a period by the Fourier series along y.
+
+    cd tests/tribo/contact/references && python elastic_influence.py > elastic_influence.json
+
+E* is 1/π, so that the values are ∫∫ 1/r over the element; lengths are in units of dx.
+"""
+
+import json
+
+import mpmath as mp
+
+mp.mp.dps = 25
+
+
+# 16 Gauss nodes integrate K0 over an element, which is short against its distance, to 20 digits.
+GAUSS = [
+    (node, 2 / ((1 - node**2) * mp.diff(lambda s: mp.legendre(16, s), node) ** 2))
+    for node in mp.polyroots(mp.taylor(lambda s: mp.legendre(16, s), 0, 16), maxsteps=200, asc=True)
+]
+
+
+def term(x, y):
+    total = mp.mpf(0)
+    if x != 0:
+        total += x * mp.asinh(y / abs(x))
+    if y != 0:
+        total += y * mp.asinh(x / abs(y))
+    return total
+
+
+def element(x, y, dx, dy):
+    a, b = mp.mpf(dx) / 2, mp.mpf(dy) / 2
+    x, y = mp.mpf(x), mp.mpf(y)
+    return term(x + a, y + b) - term(x - a, y + b) - term(x + a, y - b) + term(x - a, y - b)
+
+
+def by_images(x, y, dx, dy, period):
+    """Influence of an element and all its images along y, less that on itself."""
+
+    def pair(n):
+        shifted = element(x, y + n * period, dx, dy) + element(x, y - n * period, dx, dy)
+        return shifted - 2 * element(0, n * period, dx, dy)
+
+    own = element(x, y, dx, dy) - element(0, 0, dx, dy)
+    return own + mp.nsum(lambda n: pair(int(n)), [1, mp.inf])
+
+
+def by_modes(x, y, dx, dy, period):
+    """The same up to a constant, from -2/L ln|x| + 4/L sum K0(k|x|) cos(ky), for x > dx."""
+    a, b = mp.mpf(dx) / 2, mp.mpf(dy) / 2
+    total = -2 / period * 2 * b * mp.quad(mp.log, [x - a, x + a])
+    for m in range(1, 1 + int(mp.ceil(45 * period / (2 * mp.pi * (x - a))))):
+        k = 2 * mp.pi * m / period
+        along_x = sum(weight * mp.besselk(0, k * (x + a * node)) for node, weight in GAUSS) * a
+        total += 4 / period * along_x * 2 * mp.sin(k * b) / k * mp.cos(k * y)
+    return total
+
+
+def line_periodic(x, y, dx, dy, period):
+    joint = max(2 * mp.mpf(dx), period / 8)
+    if x <= joint:
+        return by_images(x, y, dx, dy, period)
+    far = by_modes(x, y, dx, dy, period) - by_modes(joint, 0, dx, dy, period)
+    return far + by_images(joint, mp.mpf(0), dx, dy, period)
+
+
+def main():
+    free = [
+        {"dx": 1.0, "dy": dy, "i": i, "j": j, "value": float(element(i, j * mp.mpf(dy), 1, dy))}
+        for dy in (1.0, 1.25, 100.0, 0.01)
+        for i, j in ((0, 0), (1, 0), (0, 1), (3, 2), (19, 1), (25, 30), (200, 150))
+    ]
+    periodic = [
+        {
+            "dx": 1.0,
+            "dy": dy,
+            "ny": ny,
+            "i": i,
+            "j": j,
+            "value": float(line_periodic(mp.mpf(i), j * mp.mpf(dy), 1, dy, ny * mp.mpf(dy))),
+        }
+        for dy, ny in ((1.25, 16), (1.0, 240), (300.0, 1))
+        for i, j in ((1, 0), (0, ny // 3), (0, ny // 2), (5, ny // 4), (40, 0), (239, ny // 2))
+        if (i, j) != (0, 0)
+    ]
+    print(json.dumps({"free": free, "line_periodic": periodic}, indent=1))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,184 @@
+"""A measured load record as loading (tribo/loading/record.py)."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tests.helpers.scenes import small_scene
+from tribo import InputError, MeasuredLoad, Ramp, read_load, simulate, warnings
+
+TIMES = np.linspace(0.0, 8.0, 81)
+
+
+def smooth_record(noise=0.0):
+    """The paper's loading, 150 N/s to 750 N from 0.5 s on, with the rounded foot of a rig."""
+    loads = np.clip(150.0 * (TIMES - 0.5), 0.0, 750.0)
+    loads = loads + noise * np.random.default_rng(0).standard_normal(TIMES.size)
+    return MeasuredLoad(TIMES, loads, reference_load=740.0)
+
+
+def last(states):
+    *_, state = states
+    return state
+
+
+def test_stations_follow_the_record_in_equal_steps_of_time():
+    record = MeasuredLoad(np.array([3.0, 4.0, 7.0]), np.array([0.0, 300.0, 600.0]))
+    stations = list(record.stations(600.0, 8))
+    assert [s.time for s in stations] == pytest.approx([0.5 * n for n in range(1, 9)])
+    loads = [150.0, 300.0, 350.0, 400.0, 450.0, 500.0, 550.0, 600.0]
+    assert [s.normal_load for s in stations] == pytest.approx(loads)
+    assert [s.index for s in stations] == list(range(1, 9))
+    assert stations[-1].normal_load == 600.0
+    assert not any(s.on_trunk for s in stations)
+
+
+def test_another_load_is_the_record_in_proportion_at_the_same_times():
+    whole, third = (list(smooth_record(5.0).stations(load, 20)) for load in (600.0, 200.0))
+    assert [s.time for s in third] == [s.time for s in whole]
+    assert [3 * s.normal_load for s in third] == pytest.approx([s.normal_load for s in whole])
+
+
+def test_loading_ends_where_the_reference_load_is_first_reached():
+    record = smooth_record()
+    assert list(record.stations(740.0, 5))[-1].time == pytest.approx(0.5 + 740 / 150)
+    # Without a reference it is the maximum, reached at 5.5 s.
+    plateau = MeasuredLoad(TIMES, record.loads)
+    assert list(plateau.stations(750.0, 5))[-1].time == pytest.approx(5.5)
+
+
+def test_a_load_that_falls_is_followed_and_noise_below_zero_is_no_load():
+    record = MeasuredLoad(np.arange(5.0), np.array([-2.0, 200.0, 100.0, -3.0, 300.0]))
+    loads = [s.normal_load for s in record.stations(300.0, 4)]
+    assert loads == pytest.approx([200.0, 100.0, 0.0, 300.0])
+    scene = replace(small_scene(increments=8), loading=record)
+    states = list(simulate(scene, 300.0, 1.25))
+    patches = scene.pin.patches(scene.grid)
+    for state in states:
+        force = state.pressure.sum() * scene.grid.element_area * patches
+        assert force == pytest.approx(state.normal_load, rel=1e-9)
+    assert states[-1].heat.max_rise > 0
+
+
+@pytest.mark.parametrize("noise", [0.0, 2.0])
+def test_linear_fit_finds_the_rate_and_the_onset(noise):
+    record = smooth_record(noise)
+    rate, onset = record.linear_fit()
+    # 40 rows over 4 s: the slope's standard error is 2 N / (√40 · 1.17 s) = 0.27 N/s.
+    assert rate == pytest.approx(150.0, abs=1e-9 + 4 * 0.27 * noise / 2)
+    assert onset == pytest.approx(0.5, abs=1e-9 + 0.01 * noise)
+    assert record.ramp() == Ramp(rate, 740.0)
+
+
+def test_a_straight_record_is_a_ramp():
+    scene = small_scene()
+    straight = MeasuredLoad(np.array([0.0, 5.0]), np.array([0.0, 750.0]))
+    ramp, record = (
+        last(simulate(replace(scene, loading=loading), 750.0, 1.25))
+        for loading in (scene.loading, straight)
+    )
+    # The same steps to rounding, and a contact solved to 1e-6.
+    assert record.time == pytest.approx(ramp.time)
+    assert record.wear_depth == pytest.approx(ramp.wear_depth, abs=1e-5 * ramp.wear_depth.max())
+    assert record.heat.max_rise == pytest.approx(ramp.heat.max_rise, rel=1e-4)
+
+
+def test_points_of_a_record_share_no_trunk():
+    scene = replace(small_scene(), loading=smooth_record())
+    state = last(simulate(scene, 300.0, 1.25))
+    with pytest.raises(InputError, match="trunk"):
+        list(simulate(scene, 600.0, 1.25, trunk=state))
+    with pytest.raises(InputError, match="share no trunk"):
+        list(scene.loading.stations(600.0, 10, after=300.0))
+
+
+def test_explicit_wear_counts_the_steps_of_a_record():
+    scene = replace(small_scene(wear_scheme="explicit"), loading=smooth_record())
+    first = next(iter(simulate(scene, 600.0, 1.25)))
+    assert "increments" in warnings(scene, first)[0]
+
+
+def test_a_record_is_known_by_its_numbers():
+    assert smooth_record() == smooth_record()
+    assert hash(smooth_record()) == hash(smooth_record())
+    assert smooth_record() != smooth_record(1.0)
+    assert smooth_record() != MeasuredLoad(TIMES, smooth_record().loads)
+
+
+@pytest.mark.parametrize(
+    ("times", "loads", "said"),
+    [
+        ([0.0], [1.0], "at least two rows"),
+        ([0.0, 1.0], [1.0, 2.0, 3.0], "equal length"),
+        ([0.0, 1.0, np.nan], [0.0, 1.0, 2.0], "row 2 .*finite"),
+        ([0.0, np.inf, 2.0], [0.0, 1.0, 2.0], "row 1 .*finite"),
+        ([0.0, 1.0, 1.0], [0.0, 1.0, 2.0], "row 2 .*increase"),
+        ([0.0, 1.0], [5.0, 5.0], "begins at 5 N"),
+        ([0.0, 1.0], [-5.0, 0.0], "positive"),
+    ],
+)
+def test_what_is_no_record_is_refused(times, loads, said):
+    with pytest.raises(InputError, match=said):
+        MeasuredLoad(np.array(times), np.array(loads))
+
+
+def test_a_reference_load_beyond_the_record_is_refused():
+    with pytest.raises(InputError, match="reaches 750 N; its reference load of 800 N"):
+        MeasuredLoad(TIMES, np.linspace(0.0, 750.0, TIMES.size), reference_load=800.0)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "time [s],normal load [N]\n0,0\n0.5,100\n1.5,300\n",
+        "F (kN), t (ms)\n0, 0\n0.1, 500\n0.3, 1500\n",
+        "# rig 3\n\ntime [min],load [N]\n0,0\n\n0.00833333333333333,100\n0.025,300\n",
+        "\ufefftime [s],load [N]\r\n0,0\r\n0.5,1e2\r\n1.5,3e2\r\n",
+    ],
+)
+def test_a_record_is_read_with_its_units(tmp_path, text):
+    path = tmp_path / "load.csv"
+    path.write_text(text, encoding="utf-8")
+    record = read_load(path, reference_load=250.0)
+    assert record.times == pytest.approx([0.0, 0.5, 1.5])
+    assert record.loads == pytest.approx([0.0, 100.0, 300.0])
+    assert record.peak == 250.0
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        (b"", "0 rows"),
+        (b"time [s],load [N]\n", "0 rows"),
+        (b"time [s],load [N]\n0,0\n", "1 rows"),
+        (b"0,0\n1,5\n", "line 1: the header is '0,0'"),
+        (b"time,load\n0,0\n1,5\n", "line 1: the header"),
+        (b"time [s],load [lbf]\n0,0\n1,5\n", "line 1: the header"),
+        (b"time [s],load [s]\n0,0\n1,5\n", "line 1: the header"),
+        (b"time [s],load [N]\n0,0\n1,5,6\n", "line 3: 3 columns"),
+        (b"time [s],load [N]\n0,0\n1,five\n", "line 3: could not convert"),
+        (b"time [s],load [N]\n0,0\n\n1,nan\n", "line 4: 1 s, nan N; both must be finite"),
+        (b"time [s],load [N]\n0,0\n2,5\n# pause\n1,6\n", "line 5: time 1 s after 2 s"),
+        (b"time [s],load [N]\n0,0\n1,\xff\n", "UTF-8"),
+        (b"time [s],load [N]\n0,7\n1,5\n", "begins at 7 N"),
+    ],
+)
+def test_what_is_wrong_with_a_file_is_said_with_its_line(tmp_path, content, said):
+    path = tmp_path / "load.csv"
+    path.write_bytes(content)
+    with pytest.raises(InputError, match=said) as caught:
+        read_load(path)
+    assert str(path) in str(caught.value)
+
+
+def test_files_that_cannot_be_read_are_named(tmp_path, monkeypatch):
+    with pytest.raises(InputError, match="cannot be read"):
+        read_load(tmp_path / "missing.csv")
+    with pytest.raises(InputError, match="cannot be read"):
+        read_load(tmp_path)
+    path = tmp_path / "long.csv"
+    path.write_text("time [s],load [N]\n" + "".join(f"{n},{n}\n" for n in range(12)))
+    monkeypatch.setattr("tribo.loading.record._MOST_ROWS", 10)
+    with pytest.raises(InputError, match="line 12: more than 10 rows"):
+        read_load(path)

@@ -1,0 +1,296 @@
+"""Only what a scene requires is computed; each economy shown by a count."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tests.helpers.scenes import STEEL, small_scene
+from tribo import (
+    QUANTILES,
+    Convolution,
+    Cylinder,
+    Fidelity,
+    Grid,
+    MeasuredRoughness,
+    Ramp,
+    Wear,
+    forget_kernels,
+    measures,
+    simulate,
+)
+from tribo.simulation import heating, steps
+from tribo.thermal import duhamel
+
+DECISIVE = QUANTILES.index(0.9)
+
+
+def last(states):
+    *_, state = states
+    return state
+
+
+def rough_scene(**fidelity):
+    """192 × 96 pixels, enough for a history on a coarser grid."""
+    scene = small_scene(**fidelity)
+    return replace(
+        scene,
+        pixels=Grid((192, 96), (2e-6, 2e-6)),
+        roughness=replace(scene.roughness, correlation_length=(4e-6, 4e-6)),
+    )
+
+
+def with_hardness(scene, hardness):
+    material = replace(STEEL, hardness=hardness)
+    return replace(scene, pin=Cylinder(2e-3, 3.4e-3, material), disk=material)
+
+
+def total_work(states):
+    return sum(s.work + (s.heat.iterations * s.pressure.size if s.heat else 0) for s in states)
+
+
+# A window that is wider than the contact.
+
+
+def test_rows_that_carry_nothing_are_not_transformed(monkeypatch):
+    scene = rough_scene(contact_tolerance=1e-10)
+    transformed, rfft = [], np.fft.rfft
+
+    def counted(field, *arguments, **options):
+        transformed.append(len(field))
+        return rfft(field, *arguments, **options)
+
+    monkeypatch.setattr(np.fft, "rfft", counted)
+    ours = last(simulate(scene, 300.0, 1.25))
+    touched = np.count_nonzero(ours.pressure.any(axis=1))
+    assert touched < 0.6 * len(ours.pressure)
+    assert np.mean(transformed) < 0.6 * len(ours.pressure)
+
+    def everywhere(self, field, out=None, rows=None):
+        return convolved(self, field, out)
+
+    convolved = Convolution.__call__
+    monkeypatch.setattr(Convolution, "__call__", everywhere)
+    theirs = last(simulate(scene, 300.0, 1.25))
+    assert ours.pressure == pytest.approx(theirs.pressure, abs=1e-7 * ours.pressure.max())
+
+
+# The history of a point on a coarser grid.
+
+
+def test_a_coarse_history_saves_work_and_hardly_moves_the_temperature():
+    full = list(simulate(rough_scene(increments=20, contact_tolerance=1e-3), 600.0, 1.5))
+    scene = rough_scene(increments=20, contact_tolerance=1e-3, history_coarsening=2)
+    coarse = list(simulate(scene, 600.0, 1.5))
+    assert coarse[0].pressure.shape == (96, 48)
+    assert coarse[-1].pressure.shape == coarse[-1].heat.rise.shape == (192, 96)
+    assert total_work(coarse) < total_work(full) / 2
+    # Few summits touch at a time on so small a patch; on the shipped scene it is 0.02 %.
+    decisive = [states[-1].heat.rise_quantile[DECISIVE] for states in (full, coarse)]
+    assert decisive[1] == pytest.approx(decisive[0], rel=0.01)
+
+
+@pytest.mark.parametrize("interval", [0, 2])
+def test_going_on_from_a_coarse_trunk_is_the_same_bit_for_bit(interval):
+    scene = rough_scene(history_coarsening=4, temperature_interval=interval)
+    alone = list(simulate(scene, 600.0, 1.25))
+    for lower in (100.0, 300.0, 525.0):
+        passed = [s for s in simulate(scene, lower, 1.25) if s.on_trunk][-1]
+        trunk = passed.history or passed
+        rest = list(simulate(scene, 600.0, 1.25, trunk=trunk))
+        assert np.array_equal(rest[-1].heat.rise, alone[-1].heat.rise)
+        assert [s.pressure.shape for s in rest] == [s.pressure.shape for s in alone[-len(rest) :]]
+
+
+@pytest.mark.parametrize(
+    ("changes", "coarsening"),
+    [
+        ({}, 4),
+        ({"pixels": Grid((180, 90), (2e-6, 2e-6))}, 3),  # 4 does not divide it
+        ({"pixels": Grid((64, 64), (2e-6, 2e-6))}, 2),  # too few elements would be left
+        ({"wear": Wear(1.2e-15, "local")}, 1),  # which keeps what the roughness did to it
+        ({"fidelity": Fidelity(heat_model="history")}, 1),
+    ],
+)
+def test_the_history_is_as_coarse_as_the_scene_allows(changes, coarsening):
+    scene = rough_scene(history_coarsening=4)
+    assert replace(scene, **changes).coarsening == coarsening
+
+
+def test_each_state_is_measured_on_its_own_grid():
+    scene = rough_scene(history_coarsening=4)
+    states = list(simulate(scene, 600.0, 1.25))
+    for state in states:
+        found = measures(scene, state)
+        mean = found["mean_pressure"] * found["contact_fraction"] * scene.grid.area
+        assert mean == pytest.approx(state.normal_load / scene.pin.patches(scene.grid), rel=1e-9)
+    volumes = [measures(scene, state)["wear_volume"] for state in states]
+    assert volumes == pytest.approx(
+        [measures(full, state)["wear_volume"] for full in [rough_scene()] for state in
+         simulate(full, 600.0, 1.25)], rel=1e-9
+    )  # fmt: skip
+
+
+# No wear.
+
+
+@pytest.mark.parametrize("wear", [None, Wear(0.0)])
+def test_without_wear_a_point_is_one_step(wear):
+    scene = with_hardness(small_scene(contact_tolerance=1e-8, heat_tolerance=1e-9), 3e9)
+    scene = replace(scene, wear=wear)
+    states = list(simulate(scene, 600.0, 1.25))
+    assert len(states) == 1
+    # The way there changes nothing: a pin that hardly wears gets to the same, plastic yield and
+    # all, in 8 steps.
+    hardly = list(simulate(replace(scene, wear=Wear(1e-25)), 600.0, 1.25))
+    assert len(hardly) == 8
+    assert measures(scene, states[0])["saturated_fraction"] > 0
+    assert states[0].pressure == pytest.approx(hardly[-1].pressure, abs=1e-5 * 6.6e9)
+    assert states[0].heat.rise == pytest.approx(hardly[-1].heat.rise, rel=1e-5)
+
+
+def test_without_wear_no_step_makes_a_wear_depth():
+    scene = small_scene(wear=False, temperature_interval=3)
+    states = list(simulate(scene, 600.0, 1.25))
+    assert len({id(state.wear_depth) for state in states}) == 1  # nothing but the first zeros
+    assert not states[-1].wear_depth.any()
+
+
+def test_without_wear_the_steps_are_those_that_are_asked_for():
+    scene = small_scene(wear=False, temperature_interval=3)
+    alone = list(simulate(scene, 600.0, 1.25))
+    assert [state.normal_load for state in alone] == [225.0, 450.0, 600.0]
+    assert all(state.heat is not None for state in alone)
+    trunk = [state for state in simulate(scene, 300.0, 1.25) if state.on_trunk][-1]
+    rest = list(simulate(scene, 600.0, 1.25, trunk=replace(trunk, heat=None)))
+    assert np.array_equal(rest[-1].pressure, alone[-1].pressure)
+
+
+# Both bodies smooth.
+
+
+def smooth(pattern, **fidelity):
+    """A scene that is a plane one, and the same that does not know it."""
+    plane = replace(
+        small_scene(pattern, roughness=False, contact_tolerance=1e-9, heat_tolerance=1e-9),
+        pixels=Grid((96, 64), (4e-6, 4e-6)),
+    )
+    zero = MeasuredRoughness(np.zeros(plane.pixels.shape))
+    return plane, replace(plane, roughness=zero)
+
+
+@pytest.mark.parametrize("pattern", ["swept", "local"])
+def test_a_smooth_scene_is_a_plane_one(pattern):
+    plane, full = smooth(pattern)
+    assert plane.grid.shape == (96, 1)
+    ours, theirs = (list(simulate(scene, 600.0, 1.25)) for scene in (plane, full))
+    assert total_work(theirs) > 50 * total_work(ours)
+    one, other = ours[-1], theirs[-1]
+    assert one.heat.rise_quantile == pytest.approx(other.heat.rise_quantile, rel=1e-6)
+    for name in ("pressure", "wear_depth"):
+        field = getattr(other, name)
+        same = pytest.approx(field, abs=1e-6 * field.max())
+        assert np.broadcast_to(getattr(one, name), field.shape) == same
+    found, expected = measures(plane, one), measures(full, other)
+    for name in ("contact_width", "mean_pressure", "wear_volume", "max_rise", "pin_heat_share"):
+        assert found[name] == pytest.approx(expected[name], rel=1e-6)
+
+
+def test_only_what_does_not_depend_on_y_is_plane():
+    plane, _ = smooth("swept")
+    assert plane.is_plane
+    assert not small_scene().is_plane
+    assert not small_scene("local", roughness=False, periodic=(False, False)).is_plane
+    nearest = replace(plane, fidelity=replace(plane.fidelity, kernel="nearest-image"))
+    assert not nearest.is_plane  # a window of twice its length has ends
+
+
+# No friction, no motion, no hardness.
+
+
+@pytest.fixture
+def kernels(monkeypatch):
+    """Velocity and ages of each thermal kernel that is made."""
+    made = []
+
+    def counted(grid, material, velocity, ages, *rest):
+        made.append((velocity, ages))
+        return flux_history_spectrum(grid, material, velocity, ages, *rest)
+
+    flux_history_spectrum = duhamel.flux_history_spectrum
+    monkeypatch.setattr(duhamel, "flux_history_spectrum", counted)
+    forget_kernels()
+    return made
+
+
+def test_no_motion_needs_no_kernel(kernels):
+    state = last(simulate(small_scene(), 300.0, 0.0))
+    assert not kernels
+    assert state.heat.iterations == 0
+
+
+@pytest.mark.parametrize("heat_model", ["elapsed", "history"])
+def test_no_friction_needs_no_heat(kernels, heat_model):
+    scene = replace(small_scene(heat_model=heat_model), friction_heat=False)
+    *_, state = simulate(scene, 300.0, 1.25)
+    assert not kernels
+    assert state.heat.iterations == 0
+    assert not state.heat.rise.any()
+    assert state.heat_history is None
+    warm = last(simulate(small_scene(heat_model=heat_model), 300.0, 1.25))
+    assert np.array_equal(state.pressure, warm.pressure)
+
+
+def test_without_friction_no_step_is_there_for_the_heat_of_the_next():
+    scene = replace(small_scene(wear=False, heat_model="history"), friction_heat=False)
+    assert len(list(simulate(scene, 600.0, 1.25))) == 1
+
+
+def test_thermal_kernels_are_made_anew_only_where_they_change(kernels):
+    scene = small_scene()
+    loads = np.linspace(300.0, 600.0, 20)  # more than a cache of fixed length may hold
+    for velocity in (1.0, 1.25):
+        for load in loads:
+            last(simulate(scene, load, velocity))
+    # One of the disk for each velocity, since the heat has left the window long before; one of
+    # the pin for each time.
+    assert len(kernels) == 2 + len(loads)
+    for velocity in (1.0, 1.25):
+        ((*_, settled),) = [ages for speed, ages in kernels if speed == velocity]
+        assert settled < 300.0 / 150.0  # the time of the lowest load
+
+
+def test_thermal_kernels_share_their_buffers():
+    *_, state = simulate(small_scene(), 300.0, 1.0)
+    pin, disk = (heating._conductor(small_scene().grid, STEEL, v, state.time) for v in (0.0, 1.0))
+    assert pin._modes is disk._modes
+    assert not np.shares_memory(pin.spectrum, disk.spectrum)
+
+
+def test_temperature_is_computed_at_the_steps_that_are_asked_for(monkeypatch):
+    times = []
+
+    def counted(scene, state, velocity):
+        times.append(state.normal_load)
+        return heating.heat(scene, state, velocity)
+
+    monkeypatch.setattr(steps, "heat", counted)
+    list(simulate(small_scene(), 600.0, 1.25))
+    assert times == [600.0]
+    times.clear()
+    list(simulate(small_scene(temperature_interval=3), 600.0, 1.25))
+    assert times == [225.0, 450.0, 600.0]
+
+
+def test_without_hardness_the_pressure_is_bounded_below_only():
+    soft, hard = (with_hardness(small_scene(), hardness) for hardness in (3e9, np.inf))
+    bounded, free = (last(simulate(scene, 600.0, 1.25)) for scene in (soft, hard))
+    assert bounded.pressure.max() == pytest.approx(3e9)
+    assert free.pressure.max() > 3e9
+    assert measures(soft, bounded)["saturated_fraction"] > 0
+    assert measures(hard, free)["saturated_fraction"] == 0
+
+
+def test_a_reference_load_that_no_point_reaches_costs_nothing():
+    scene = replace(small_scene(wear=False), loading=Ramp(150.0, 7500.0))
+    assert len(list(simulate(scene, 75.0, 1.0))) == 1

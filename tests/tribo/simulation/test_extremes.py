@@ -1,0 +1,764 @@
+"""Extremes of PHYSICS 8: each ends soon, in a result that is proven or an error that says why.
+
+The table of all cases is EXTREMES.md; ``python -m tests.tribo.simulation.test_extremes`` writes it.
+"""
+
+import itertools
+import math
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.helpers.random_scenes import assert_sound
+from tests.helpers.scenes import STEEL, small_scene
+from tribo import (
+    Ball,
+    ConvergenceError,
+    ElasticHalfSpace,
+    Fidelity,
+    Grid,
+    InputError,
+    Material,
+    MeasuredRoughness,
+    Ramp,
+    RangeError,
+    Wear,
+    elastic_influence,
+    heat,
+    measures,
+    read_heights,
+    self_affine,
+    simulate,
+    solve_contact,
+    topography,
+    warnings,
+)
+from tribo.analytic import uniform_flux_rise
+from tribo.loading.record import MeasuredLoad, read_load
+from tribo.thermal.conduction import thermal_influence
+
+TABLE = Path(__file__).with_name("EXTREMES.md")
+SOLVED = "solved"
+ENDS_WITHIN = 20.0  # seconds, on a slow machine; most take 0.05
+
+CAPACITY = 6.6e9 * 48 * 8e-6 * 3.4e-3  # load that the small scene's window carries [N]
+SHAPE = (48, 16)
+
+
+@dataclass(frozen=True)
+class Extreme:
+    """One line of the table: what is extreme, and what must happen."""
+
+    group: str
+    what: str
+    scene: Callable
+    outcome: str = SOLVED
+    error: type | None = None
+    load: float = 600.0
+    velocity: float = 1.25
+
+    def run(self):
+        """Go through all states, each held against the physics; return scene and last state."""
+        scene, before = self.scene(), None
+        for state in simulate(scene, self.load, self.velocity):
+            assert_sound(scene, before, state, self.load)
+            before = state
+        return scene, before
+
+
+def changed(**parts):
+    return lambda: replace(small_scene(), **parts)
+
+
+def bodies(pin, disk, **parts):
+    scene = small_scene()
+    return lambda: replace(scene, pin=replace(scene.pin, material=pin), disk=disk, **parts)
+
+
+def measured(heights):
+    return changed(roughness=MeasuredRoughness(heights))
+
+
+def lasting(seconds, load=600.0, **parts):
+    return changed(loading=Ramp(load / seconds, 750.0), **parts)
+
+
+MATERIALS = {
+    "rubber (ν = 0.5)": Material(5e6, 0.5, 0.2, 1100.0, 1900.0, 1e7),
+    "polymer": Material(2e9, 0.4, 0.2, 1200.0, 1500.0, 1e8),
+    "aerogel": Material(1e5, 0.2, 0.015, 3.0, 1000.0, 1e5),
+    "steel": STEEL,
+    "ceramic": Material(400e9, 0.22, 30.0, 3900.0, 880.0, 15e9),
+    "diamond": Material(1.1e12, 0.07, 2000.0, 3500.0, 500.0, 90e9),
+}
+
+
+def velocities():
+    for velocity in (0.0, 1e-6, 1e-3, 1.0, 1e3, 1e5, -1e-6, -1.25, -1e5):
+        yield Extreme("velocity", f"{velocity:g} m/s", small_scene, velocity=velocity)
+    shorter = "take shorter steps"
+    yield Extreme("velocity", "1e12 m/s", small_scene, shorter, InputError, velocity=1e12)
+    yield Extreme("velocity", "1e100 m/s", small_scene, shorter, InputError, velocity=1e100)
+    without_wear = changed(wear=None)
+    yield Extreme("velocity", "1e30 m/s, no wear", without_wear, velocity=1e30)
+    yield Extreme(
+        "velocity", "1e300 m/s, no wear", without_wear, "too large or too small", RangeError,
+        velocity=1e300,
+    )  # fmt: skip
+    yield Extreme("velocity", "nan", small_scene, "velocity is nan", InputError, velocity=math.nan)
+
+
+def loads():
+    for share in (1e-12, 1e-9, 1e-6):
+        load = share * 750.0
+        yield Extreme("load", f"{share:g} of nominal", small_scene, load=load)
+    for share, name in [(0.5, "0.5"), (0.9, "0.9"), (0.999, "0.999"), (1 - 1e-9, "1 − 1e-9")]:
+        ramp = Ramp(150.0, share * CAPACITY)
+        yield Extreme("load", f"{name} H·A", changed(loading=ramp), load=share * CAPACITY)
+    full = Ramp(150.0, CAPACITY)
+    yield Extreme("load", "H·A: p = H", changed(loading=full), load=CAPACITY)
+    beyond = 1.001 * CAPACITY
+    yield Extreme(
+        "load", "1.001 H·A", changed(loading=full), "carries at most", InputError, load=beyond
+    )
+    yield Extreme("load", "0", small_scene, "normal_load is 0", InputError, load=0.0)
+    yield Extreme("load", "inf", small_scene, "normal_load is inf", InputError, load=math.inf)
+    elastic = replace(STEEL, hardness=math.inf)
+    yield Extreme(
+        "load", "1e10 of nominal, no hardness", bodies(elastic, elastic, loading=Ramp(1e9, 7.5e12)),
+        load=7.5e12,
+    )  # fmt: skip
+    yield Extreme(
+        "load", "1e12 steps away", bodies(elastic, elastic), "at most 1000000", InputError,
+        load=1e14,
+    )  # fmt: skip
+
+
+def wear():
+    names = {0.0: "0", 1e-13: "1e-13 m²/N (100 µm a step)", 1e-6: "1e-6 m²/N (1 km a step)"}
+    for pattern, rate in itertools.product(
+        ("local", "swept"), (0.0, 1e-30, 1e-18, 1e-15, 1e-13, 1e-10, 1e-6)
+    ):
+        name = names.get(rate, f"{rate:g} m²/N")
+        yield Extreme("wear rate", f"{pattern} {name}", changed(wear=Wear(rate, pattern)))
+    for scheme, rate in itertools.product(("sdirk2", "explicit"), (1e-30, 1e-15, 1e-10)):
+        fidelity = Fidelity(
+            pixels_per_element=1, increments=10, contact_tolerance=1e-6, wear_scheme=scheme
+        )
+        name = f"{scheme} {rate:g} m²/N"
+        yield Extreme("wear rate", name, changed(wear=Wear(rate), fidelity=fidelity))
+
+
+def times():
+    for seconds in (1e-15, 1e-9, 1e-3, 1e3, 1e6, 1e9):
+        yield Extreme("duration", f"{seconds:g} s", lasting(seconds))
+        yield Extreme(
+            "duration", f"{seconds:g} s at rest", lasting(seconds, roughness=None), velocity=0.0
+        )
+    history = Fidelity(
+        pixels_per_element=1, increments=4, contact_tolerance=1e-6, heat_model="history"
+    )
+    for seconds in (1e-15, 1e9):
+        yield Extreme(
+            "duration", f"{seconds:g} s, heat history", lasting(seconds, fidelity=history)
+        )
+
+
+def peclet_numbers():
+    for exponent in range(-6, 7, 2):
+        velocity = 10.0**exponent * 2 * STEEL.thermal_diffusivity / 8e-6
+        yield Extreme(
+            "Péclet number", f"1e{exponent} an element", changed(wear=None), velocity=velocity
+        )
+
+
+def grids():
+    for shape in [(1, 1), (1, 16), (48, 1), (2, 2), (3, 1), (7, 13), (47, 17), (101, 3)]:
+        pixels = Grid(shape, (8e-6, 8e-6))
+        rough = None if shape == (1, 1) else small_scene().roughness
+        scene = changed(pixels=pixels, roughness=rough)
+        yield Extreme("grid", f"{shape[0]} × {shape[1]}", scene, load=20.0)
+    for spacing in [(8e-6, 8e-9), (8e-9, 8e-6), (8e-6, 8e-3), (8e-3, 8e-6)]:
+        name = f"elements of {spacing[0]:g} × {spacing[1]:g} m"
+        yield Extreme("grid", name, changed(pixels=Grid(SHAPE, spacing)), load=1.0)
+    for periodic in (True, False):
+        pixels = Grid((12, 16), (8e-6, 8e-6), (False, periodic))
+        name = "contact at the window's edge" + ("" if periodic else "s")
+        yield Extreme("grid", name, changed(pixels=pixels, wear=Wear(1e-15, "local")))
+
+
+def surfaces():
+    x, y = np.indices(SHAPE)
+    noise = 1e-7 * np.random.default_rng(0).uniform(size=SHAPE)
+    spike = np.zeros(SHAPE)
+    spike[20, 5] = 1e-6
+    pit = -spike
+    rounded_up = 1.0 + noise
+    for name, heights in {
+        "flat": np.zeros(SHAPE),
+        "one spike": spike,
+        "one spike of 1 m": 1e6 * spike,
+        "one pit": pit,
+        "one pit of 1 m": 1e6 * pit,
+        "one step across": np.where(x < 24, 1e-6, 0.0),
+        "one step along": np.where(y < 8, 1e-6, 0.0),
+        "sawtooth of 2 elements along x": 1e-6 * (x % 2),
+        "sawtooth of 2 elements along y": 1e-6 * (y % 2),
+        "checkerboard": 1e-6 * ((x + y) % 2),
+        "offset of 1 m": rounded_up,
+        "offset of −1 m": -rounded_up,
+        "offset of 1000 km": 1e6 + 1e-2 * noise,
+        "heights of 1e-30 m": 1e-23 * noise,
+    }.items():
+        yield Extreme("surface", name, measured(heights))
+        if name.startswith(("flat", "one spike")):
+            yield Extreme("surface", f"{name}, 1e-9 of nominal", measured(heights), load=7.5e-7)
+    for name, value in {"NaN": math.nan, "inf": math.inf}.items():
+        broken = noise.copy()
+        broken[3, 4] = value
+        yield Extreme(
+            "surface", f"with {name}", lambda b=broken: measured(b)(), r"the first at \(3, 4\)",
+            InputError,
+        )  # fmt: skip
+    radii = (1e-9, 1e-6, 1.0, 1e6, 1e30)
+    for radius in radii:
+        pin = replace(small_scene().pin, radius=radius)
+        yield Extreme("surface", f"pin of radius {radius:g} m", changed(pin=pin))
+    ball = changed(
+        pin=Ball(10e-3, STEEL), pixels=Grid((25, 25), (8e-6, 8e-6), (False, False)),
+        roughness=None, wear=Wear(1e-15, "local"),
+    )  # fmt: skip
+    yield Extreme("surface", "ball, one node in contact", ball, load=1e-9)
+    yield Extreme("surface", "ball, all nodes in contact", ball, load=200.0)
+
+
+def materials():
+    for share in (0.9, 0.3, 1e-3, 1e-21, 0.0):
+        hardness = 1e9 / share if share else math.inf
+        steel = replace(STEEL, hardness=hardness)
+        what = f"hardness {hardness:.2g} Pa, mean pressure {share:g} of it"
+        load = 1e9 / 6.6e9 * CAPACITY
+        yield Extreme("material", what, bodies(steel, steel, loading=Ramp(150.0, load)), load=load)
+    soft = replace(STEEL, hardness=1e6)
+    yield Extreme(
+        "material", "hardness below the mean pressure", bodies(soft, soft), "carries at most",
+        InputError,
+    )  # fmt: skip
+    for pin, disk in itertools.product(MATERIALS, repeat=2):
+        softest = min(MATERIALS[pin].hardness, MATERIALS[disk].hardness)
+        load = 0.1 * softest / 6.6e9 * CAPACITY
+        yield Extreme(
+            "material", f"{pin} on {disk}",
+            bodies(MATERIALS[pin], MATERIALS[disk], loading=Ramp(load / 5.0, load)), load=load,
+        )  # fmt: skip
+
+
+def tolerances():
+    for tolerance in (1e-1, 1e-9, 1e-12):
+        fidelity = Fidelity(pixels_per_element=1, increments=5, contact_tolerance=tolerance)
+        yield Extreme("tolerance", f"contact {tolerance:g}", changed(fidelity=fidelity))
+    fidelity = Fidelity(pixels_per_element=1, increments=5, contact_tolerance=1e-17)
+    yield Extreme(
+        "tolerance", "contact 1e-17", changed(fidelity=fidelity), "falls no further",
+        ConvergenceError,
+    )  # fmt: skip
+    for tolerance in (0.9, 1e-12):
+        fidelity = Fidelity(pixels_per_element=1, increments=5, heat_tolerance=tolerance)
+        yield Extreme("tolerance", f"heat {tolerance:g}", changed(fidelity=fidelity))
+    yield Extreme(
+        "tolerance", "heat 1e-15",
+        lambda: replace(small_scene(), fidelity=Fidelity(heat_tolerance=1e-15)),
+        "heat_tolerance is 1e-15", InputError,
+    )  # fmt: skip
+
+
+def single_precision():
+    def single(tolerance=1e-4, **parts):
+        fidelity = Fidelity(
+            pixels_per_element=1, increments=5, contact_tolerance=tolerance, precision="single"
+        )
+        return changed(fidelity=fidelity, **parts)
+
+    def heights(scale):
+        return MeasuredRoughness(scale * np.random.default_rng(0).uniform(size=SHAPE))
+
+    group = "single precision"
+    yield Extreme(group, "the small scene", single())
+    for pattern in ("local", "swept"):
+        yield Extreme(group, f"{pattern} wear", single(wear=Wear(1e-15, pattern)))
+    for share in (1e-6, 1.0):
+        what = f"{share:g} of nominal"
+        yield Extreme(group, what, single(roughness=heights(1e-6)), load=share * 750.0)
+    almost_full, ramp = 0.999 * CAPACITY, Ramp(150.0, 0.999 * CAPACITY)
+    yield Extreme(group, "0.999 H·A, contact 0.01", single(0.01, loading=ramp), load=almost_full)
+    yield Extreme(group, "heights of 1 mm", single(roughness=heights(1e-3)))
+    for what, scene, load in [
+        ("contact 1e-9", single(1e-9), 600.0),
+        ("0.999 H·A, contact 1e-4", single(loading=ramp), almost_full),
+        ("swept wear of 1 mm a step", single(wear=Wear(1e-12)), 600.0),
+    ]:
+        advice = "or for double precision"
+        yield Extreme(group, what, scene, advice, ConvergenceError, load=load)
+    yield Extreme(
+        group, "1e-33 of nominal", single(), "single precision cannot hold", InputError,
+        load=7.5e-31,
+    )  # fmt: skip
+
+
+EXTREMES = [
+    *velocities(),
+    *loads(),
+    *wear(),
+    *times(),
+    *peclet_numbers(),
+    *grids(),
+    *surfaces(),
+    *materials(),
+    *tolerances(),
+    *single_precision(),
+]
+
+
+def table():
+    """EXTREMES.md."""
+    lines = [
+        "# Extremes, and what happens",
+        "",
+        "Every line is a test of `test_extremes.py`, on 48 × 16 elements of the paper's system"
+        " unless it says otherwise. *Solved* means: every state of the ramp is finite, carries its"
+        " load, stays between 0 and the hardness, fulfils the conditions on the gap and has lost"
+        " what the load wears off, all evaluated apart from the solver. Else the error is named,"
+        " with words of its message.",
+    ]
+    for group, cases in itertools.groupby(EXTREMES, key=lambda case: case.group):
+        lines += ["", f"| {group} | outcome |", "|---|---|"]
+        for case in cases:
+            outcome = case.outcome.replace("\\", "")
+            said = outcome if case.error is None else f"`{case.error.__name__}`: …{outcome}…"
+            lines.append(f"| {case.what} | {said} |")
+    return "\n".join(lines) + "\n"
+
+
+@pytest.mark.parametrize("case", EXTREMES, ids=lambda case: f"{case.group}: {case.what}")
+def test_extremes_end_in_a_proven_result_or_a_named_error(case):
+    began = time.perf_counter()
+    if case.error is None:
+        _, state = case.run()
+        assert state.heat is not None
+    else:
+        with pytest.raises(case.error, match=case.outcome):
+            case.run()
+    assert time.perf_counter() - began < ENDS_WITHIN
+
+
+def test_the_table_is_up_to_date():
+    assert TABLE.read_text(encoding="utf-8") == table()
+
+
+def test_no_motion_means_no_heat_and_no_wear():
+    _, state = Extreme("", "", small_scene, velocity=0.0).run()
+    assert state.heat.max_rise == state.wear_depth.max() == 0
+    assert math.isnan(state.heat.pin_heat_share)
+
+
+@pytest.mark.parametrize(
+    ("what", "touching", "yielding"),
+    [
+        ("ball, one node in contact", 1, 0),
+        ("ball, all nodes in contact", 25 * 25, 0),
+        ("one spike, 1e-9 of nominal", 1, 0),
+        ("H·A: p = H", 48 * 16, 48 * 16),
+        ("1 − 1e-9 H·A", 48 * 16, 48 * 16 - 1),
+    ],
+)
+def test_extremes_are_as_extreme_as_their_names_say(what, touching, yielding):
+    scene, state = next(case for case in EXTREMES if case.what == what).run()
+    assert np.count_nonzero(state.pressure) == touching
+    assert np.count_nonzero(state.pressure == scene.hardness) == yielding
+
+
+def test_an_offset_of_a_metre_changes_nothing_but_the_digits_it_costs():
+    noise = 1e-7 * np.random.default_rng(0).uniform(size=SHAPE)
+    near, far = (measured(offset + noise)() for offset in (0.0, 1.0))
+    first, second = (
+        [*simulate(replace(scene, wear=None), 600.0, 1.25)][-1] for scene in (near, far)
+    )
+    # 1 m has digits of 1e-16 m, of the 1e-7 m that the bodies approach.
+    assert second.pressure == pytest.approx(first.pressure, abs=1e-5 * first.pressure.max())
+
+
+def test_a_spike_of_a_metre_leaves_the_rest_of_the_surface_its_digits():
+    grid = Grid(SHAPE, (8e-6, 8e-6))
+    solid = ElasticHalfSpace(grid, 115e9)
+    z = 1e-7 * np.random.default_rng(0).uniform(size=SHAPE)
+    spiked = z.copy()
+    spiked[20, 5] = -1.0
+    # The spike yields; the load on all others is the same.
+    load = 0.1 * 6.6e9 * grid.area
+    contact = solve_contact(solid, spiked, load, 6.6e9, tolerance=1e-11)
+    assert contact.residual <= 1e-11
+    assert contact.saturated_fraction == pytest.approx(1 / np.count_nonzero(contact.pressure))
+    gap = solid(contact.pressure) + spiked
+    free = (contact.pressure > 0) & (contact.pressure < 6.6e9)
+    assert np.ptp(gap[free]) < 2.1e-11 * solid.self_influence * contact.pressure.max()
+
+
+def test_contact_at_the_window_s_edge_is_told():
+    (scene, state), (_, inside) = (
+        next(case for case in EXTREMES if case.what == what).run()
+        for what in ("contact at the window's edges", "1 m/s")
+    )
+    assert "x edge and y edge" in warnings(scene, state)[0]
+    assert warnings(small_scene(), inside) == []
+
+
+# The solver alone, on every kind of window.
+
+
+def shapes(grid):
+    x, y = np.indices(grid.shape)
+    spike = np.full(grid.shape, 1e-6)
+    spike[grid.shape[0] // 3, 0] = 0.0
+    step = 1e-6 * (x < grid.shape[0] / 2)
+    return {
+        "flat": 0.0 * x,
+        "spike": spike,
+        "pit": -spike,
+        "step": step,
+        "sawtooth": 1e-6 * ((x + y) % 2),
+        "slope": 1e-6 * x,
+        "offset": 1.0 + 1e-7 * np.random.default_rng(0).uniform(size=grid.shape),
+    }
+
+
+def violation(contact, solid, z, hardness):
+    """Of the conditions on the gap, in units of the residual, from the pressure alone."""
+    p = contact.pressure
+    gap = solid(p) + (z - z[p > 0].mean())
+    free = (p > 0) & (p < hardness)
+    if free.any():
+        gap -= gap[free].mean()
+    else:
+        top, bottom = gap[p > 0].max(), gap[p == 0].min(initial=math.inf)
+        gap -= top if bottom == math.inf else (top + bottom) / 2
+    worst = max(
+        np.abs(gap[free]).max(initial=0.0),
+        -gap[p == 0].min(initial=0.0),
+        gap[p == hardness].max(initial=0.0),
+    )
+    return worst / (solid.self_influence * p.max())
+
+
+@pytest.mark.parametrize("periodic", list(itertools.product((False, True), repeat=2)))
+@pytest.mark.parametrize("shape", [(1, 1), (1, 12), (13, 1), (17, 12)])
+@pytest.mark.parametrize("spacing", [(1e-6, 1e-6), (1e-6, 1e-3), (1e-3, 1e-6)])
+def test_every_shape_on_every_window_at_every_load(periodic, shape, spacing):
+    grid = Grid(shape, spacing, periodic)
+    solid = ElasticHalfSpace(grid, 115e9)
+    for z in shapes(grid).values():
+        for share, hardness in itertools.product((1e-9, 0.05, 0.5, 1 - 1e-9, 1.0), (1e9, math.inf)):
+            load = share * 1e9 * grid.area
+            contact = solve_contact(solid, z, load, hardness, tolerance=1e-7)
+            assert contact.residual <= 1e-7
+            assert contact.load_error <= 1e-12
+            assert contact.pressure.sum() * grid.element_area == pytest.approx(load, rel=1e-12)
+            assert 0 <= contact.pressure.min() <= contact.pressure.max() <= hardness
+            assert violation(contact, solid, z, hardness) <= 1.001e-7 + 1e-12
+
+
+@pytest.mark.parametrize("periodic", [(False, True), (True, True), (False, False)])
+@pytest.mark.parametrize("saturation", [0.5, 0.7, 0.9, 0.99, 0.999, 1 - 1e-6, 1 - 1e-9, 1 - 1e-13])
+def test_mostly_saturated_contacts_certify_themselves(saturation, periodic):
+    grid = Grid((64, 60), (1e-6, 1.1e-6), periodic)
+    solid = ElasticHalfSpace(grid, 115e9)
+    z = -self_affine(grid, ra=0.3e-6, hurst_exponent=0.8, correlation_length=4e-6, seed=3)
+    contact = solve_contact(solid, z, saturation * 6.6e9 * grid.area, 6.6e9, tolerance=1e-9)
+    assert contact.iterations < 200
+    assert violation(contact, solid, z, 6.6e9) <= 1.001e-9
+    assert contact.saturated_fraction == np.mean(contact.pressure[contact.pressure > 0] == 6.6e9)
+    assert contact.penetration <= 1.001e-9 * solid.self_influence * 6.6e9
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("hardness", [6.6e9, 1e9, 1e8])
+@pytest.mark.parametrize("saturation", [0.05, 0.2, 0.5, 0.8, 0.95, 0.999, 1 - 1e-9])
+def test_512_by_512_rough_periodic_capped(hardness, saturation, say):
+    grid = Grid((512, 512), (1e-6, 1.1e-6), (True, True))
+    solid = ElasticHalfSpace(grid, 115e9)
+    z = -self_affine(grid, ra=0.3e-6, hurst_exponent=0.8, correlation_length=4e-6, seed=3)
+    began = time.perf_counter()
+    contact = solve_contact(solid, z, saturation * hardness * grid.area, hardness, tolerance=1e-8)
+    say(
+        f"\n512², H {hardness:g} Pa, F/(HA) {saturation:.10g}: {contact.iterations} iterations,"
+        f" {time.perf_counter() - began:.2f} s, residual {contact.residual:.1e}"
+    )
+    assert contact.iterations < 1000
+    assert violation(contact, solid, z, hardness) <= 1.001e-8
+
+
+@pytest.mark.parametrize("tolerance", [1e-10, 1e-12, 1e-13, 1e-14, 1e-15, 1e-16, 1e-300])
+@pytest.mark.parametrize("saturation", [0.02, 0.3, 0.9])
+def test_tolerances_near_rounding_are_kept_or_refused_soon(tolerance, saturation):
+    grid = Grid((100, 96), (1e-6, 1e-6))
+    solid = ElasticHalfSpace(grid, 115e9)
+    z = -self_affine(grid, ra=0.3e-6, hurst_exponent=0.8, correlation_length=4e-6, seed=3)
+    load = saturation * 6.6e9 * grid.area
+    try:
+        contact = solve_contact(solid, z, load, 6.6e9, tolerance=tolerance)
+    except ConvergenceError as error:
+        contact, said = error.solution, str(error)
+        assert "ask for at least" in said
+        assert tolerance < 1e-12
+        assert contact.residual < 1e-12
+    assert contact.iterations < 350
+    # The residual is that of the pressure that is given out, to the last digit but rounding.
+    rounding = 20 * np.finfo(float).eps * np.abs(solid(contact.pressure)).max()
+    unit = solid.self_influence * contact.pressure.max()
+    assert violation(contact, solid, z, 6.6e9) <= contact.residual + rounding / unit
+
+
+def test_no_number_of_iterations_is_exceeded():
+    grid = Grid((40, 40), (1e-6, 1e-6))
+    solid = ElasticHalfSpace(grid, 115e9)
+    z = -self_affine(grid, ra=0.3e-6, hurst_exponent=0.8, correlation_length=4e-6, seed=3)
+    for most in (1, 2, 3, 5, 10, 20):
+        with pytest.raises(ConvergenceError, match=f"allow more than {most} iterations") as caught:
+            solve_contact(solid, z, 2.0, 6.6e9, tolerance=1e-12, max_iterations=most)
+        # The last step may have to begin again from its own end.
+        assert most <= caught.value.solution.iterations <= most + 2
+        assert caught.value.solution.load_error < 1e-10
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"tolerance": 0.0}, "tolerance is 0.0"),
+        ({"tolerance": math.nan}, "tolerance is nan"),
+        ({"max_iterations": 0}, "max_iterations is 0"),
+        ({"hardness": math.nan}, "hardness is nan"),
+        ({"hardness": 0.0}, "hardness is 0.0"),
+        ({"normal_load": math.inf, "hardness": math.inf}, "must be finite"),
+        ({"normal_load": 1e-300}, "double precision cannot hold"),
+        ({"normal_load": 1e300, "hardness": math.inf}, "double precision cannot hold"),
+        ({"separation": np.full((6, 5), "a")}, "must hold real numbers"),
+        ({"separation": np.zeros((6, 5), complex)}, "must hold real numbers"),
+        ({"separation": [[0.0, 1.0], [2.0]]}, "not an array"),
+        ({"initial_pressure": np.zeros((2, 2))}, "initial_pressure has shape"),
+        ({"initial_pressure": np.full((6, 5), math.nan)}, r"first at \(0, 0\)"),
+    ],
+)
+def test_impossible_arguments_of_the_solver_are_named(change, said):
+    solid = ElasticHalfSpace(Grid((6, 5), (1e-6, 1e-6)), 115e9)
+    given = {"separation": np.zeros((6, 5)), "normal_load": 1e-3, "hardness": 1e9} | change
+    with pytest.raises(InputError, match=said):
+        solve_contact(solid, **given)
+
+
+@pytest.mark.parametrize("guess", [0.0, -1.0, 1e-300, 1e300])
+def test_a_guess_without_sense_is_none(guess):
+    grid = Grid((12, 10), (1e-6, 1e-6))
+    solid = ElasticHalfSpace(grid, 115e9)
+    z = 1e-7 * np.random.default_rng(0).uniform(size=grid.shape)
+    initial = np.full(grid.shape, guess)
+    contact = solve_contact(solid, z, 1e-2, 6.6e9, initial_pressure=initial)
+    assert contact.pressure == pytest.approx(solve_contact(solid, z, 1e-2, 6.6e9).pressure)
+
+
+# Kernels.
+
+
+@pytest.mark.parametrize("ny", [1, 4, 30])
+@pytest.mark.parametrize("cut", [7, 101])
+def test_elements_longer_than_the_period_are_the_sum_of_short_ones(ny, cut):
+    # Up to 101 times as long as the period; the parts are not longer than it.
+    long, short = (Grid((4 * n, ny), (1.0 * ny * cut / n, 1.0)) for n in (1, cut))
+    whole, parts = (elastic_influence(grid, 1 / np.pi) for grid in (long, short))
+    half = cut // 2
+    centred = np.arange(-half, half + 1)
+    summed = np.array([parts[i * cut + centred].sum(axis=0) for i in range(4)])
+    difference = (summed - summed[0, 0]) - (whole[:4] - whole[0, 0])
+    assert np.abs(difference).max() < 3e-12 * ElasticHalfSpace(long, 1 / np.pi).self_influence
+
+
+@pytest.mark.parametrize("peclet", [1e3, 1e5, 1e7, 1e9, 1e12, 1e30])
+@pytest.mark.parametrize("spacing", [(1e-5, 1e-5), (1e-5, 1e-8), (1e-8, 1e-5)])
+def test_sources_that_pass_at_once_heat_in_one_dimension_and_cost_no_more(peclet, spacing):
+    velocity = peclet * 2 * STEEL.thermal_diffusivity / spacing[0]
+    grid = Grid((24, 8), spacing)
+    began = time.perf_counter()
+    kernel = thermal_influence(grid, STEEL, velocity, 1e3)
+    assert time.perf_counter() - began < 1.0
+    passages = (np.arange(24) + 0.5) * spacing[0] / velocity
+    exact = np.diff(uniform_flux_rise(1.0, 1.0, STEEL.thermal_effusivity) * np.sqrt(passages))
+    # Heat does not spread across if it has less time than it needs for 1 % of an element; and
+    # what the edges blur is 1/(4 Pe) of the first element's, as found.
+    if math.sqrt(STEEL.thermal_diffusivity * passages[-1]) < 0.01 * spacing[1]:
+        assert kernel[1:24, 0] == pytest.approx(exact, abs=kernel[0, 0] * (1 / peclet + 1e-6))
+
+
+# Stability of the wear schemes in time.
+
+STIFFNESSES = (0.01, 0.1, 0.5, 1.0, 1.9, 3.0, 10.0, 100.0, 1e3, 1e4)
+
+
+def wavy(pressure):
+    """Total variation along x, in that of a single hump: 1 for any smooth contact."""
+    profile = np.concatenate(([0.0], pressure[:, 0], [0.0]))
+    return np.abs(np.diff(profile)).sum() / (2 * profile.max())
+
+
+@pytest.mark.parametrize("pattern", ["local", "swept"])
+@pytest.mark.parametrize("scheme", ["implicit", "sdirk2", "explicit"])
+def test_wear_stays_smooth_or_is_warned_of_at_any_step_length(scheme, pattern):
+    found = {}
+    for stiffness in STIFFNESSES:
+        scene = small_scene(pattern, roughness=False, wear_scheme=scheme, increments=1)
+        solid = ElasticHalfSpace(scene.grid, 115.385e9)
+        unit = Wear(1.0, pattern).stiffness(solid, 1.0)
+        steps, duration = 60, 5.0
+        # One step of the loading, then a hold of 60 steps, each of the given k·dS/λ_min.
+        wear_rate = stiffness / (unit * 1.25 * duration)
+        scene = replace(
+            scene,
+            wear=Wear(wear_rate, pattern),
+            loading=Ramp(600.0 / duration, 600.0, hold=steps * duration, hold_steps=steps),
+        )
+        *_, state = simulate(scene, 600.0, 1.25)
+        told = [said for said in warnings(scene, state) if "explicit wear is unstable" in said]
+        found[stiffness] = wavy(state.pressure), bool(told)
+    for stiffness, (waves, told) in found.items():
+        if scheme == "explicit":
+            assert told == (stiffness >= 2)
+            assert told or waves < 1.1
+        else:
+            assert not told
+            assert waves < 1.1
+    if scheme == "explicit":
+        assert found[10.0][0] > 2  # it does fail where it is warned of
+
+
+def test_temperature_of_a_state_at_any_peclet_number_grows_with_the_velocity():
+    *_, state = simulate(small_scene(wear=False), 600.0, 1.0)
+    scene = small_scene(wear=False)
+    rises = [heat(scene, state, velocity).mean_rise for velocity in np.geomspace(1e-6, 1e5, 12)]
+    assert (np.diff(rises) > 0).all()
+    assert measures(scene, state)["mean_rise"] == pytest.approx(heat(scene, state, 1.0).mean_rise)
+
+
+# Bad input: each says where it is.
+
+
+def archive(path):
+    np.savez(path.with_suffix(".npz"), heights=np.ones((2, 2)))
+    path.write_bytes(path.with_suffix(".npz").read_bytes())
+
+
+def header(shape):
+    text = f"{{'descr': '<f8', 'fortran_order': False, 'shape': {shape}, }}"
+    return b"\x93NUMPY\x01\x00" + (118).to_bytes(2, "little") + text.ljust(117).encode() + b"\n"
+
+
+SURFACES = {
+    "empty": ("a.npy", b"", "does not begin as NumPy"),
+    "archive": ("a.npy", archive, "does not begin as NumPy"),
+    "more than memory": ("a.npy", header("(10000000, 10000000)"), "more than there is memory"),
+    "shorter than it says": ("a.npy", header("(3, 3)") + b"12345678", "not a plain array"),
+    "broken header": ("a.npy", header("(3, "), "not a plain array"),
+    "no row": ("a.npy", header("(0, 5)"), r"shape \(0, 5\)"),
+    "empty text": ("a.csv", b"", "two-dimensional"),
+    "header line": ("a.csv", b"x,y\n1,2\n", "line 1: .*'x'"),
+    "semicolons": ("a.csv", b"1,2\n3;4\n", "line 2: .*'3;4'"),
+    "long field": ("a.csv", b"1," + b"9" * 200_000, "field larger than"),
+    "NUL": ("a.csv", b"1,2\n3,\x00\n", "line 2"),
+    "another encoding": ("a.csv", "1,2\n3,4\n".encode("utf-16"), "utf-8"),
+    "beyond doubles": ("a.csv", b"1,2\n3,1e999\n", "row 1, column 1"),
+    "a gap": ("a.csv", b"1,2\n3,\n", "line 2"),
+}
+
+
+@pytest.mark.parametrize("fault", SURFACES)
+def test_a_measured_surface_that_is_none_is_refused_with_the_place(fault, tmp_path):
+    name, content, said = SURFACES[fault]
+    path = tmp_path / name
+    content(path) if callable(content) else path.write_bytes(content)
+    with pytest.raises(InputError, match=said) as caught:
+        read_heights(path)
+    assert str(path) in str(caught.value)
+
+
+def test_a_measured_surface_is_read_with_a_byte_order_mark_and_refused_beyond_a_size(
+    tmp_path, monkeypatch
+):
+    text, array = tmp_path / "a.csv", tmp_path / "a.npy"
+    text.write_bytes(b"\xef\xbb\xbf1,2\n3,4\n5,6\n")
+    np.save(array, np.ones((3, 2)))
+    assert read_heights(text).shape == (3, 2)
+    monkeypatch.setattr(topography, "LARGEST_SURFACE", 5)
+    with pytest.raises(InputError, match=r"more than 5 heights up to .*line 3"):
+        read_heights(text)
+    with pytest.raises(InputError, match="at most 5 heights"):
+        read_heights(array)
+    (tmp_path / "folder.csv").mkdir()
+    with pytest.raises(InputError, match="cannot be read: Is a directory"):
+        read_heights(tmp_path / "folder.csv")
+    for unit in (math.nan, 0.0, -1.0):
+        with pytest.raises(InputError, match="unit is"):
+            read_heights(text, unit)
+
+
+RECORDS = {
+    "empty": (b"", "0 rows"),
+    "no unit": (b"time,load\n0,0\n1,9\n", "line 1: .*unit"),
+    "one column": (b"time [s], load [N]\n0\n", "line 2: 1 columns"),
+    "text": (b"time [s], load [N]\n0,0\n1,high\n", "line 3: .*'high'"),
+    "NaN": (b"time [s], load [N]\n0,0\n1,nan\n", "line 3: .*finite"),
+    "time backwards": (b"time [s], load [N]\n0,0\n2,9\n1,10\n", "line 4: .*must increase"),
+    "another encoding": ("time [s], load [N]\n0,0\n".encode("utf-16"), "UTF-8"),
+    "long field": (b"time [s], load [N]\n0," + b"9" * 200_000, "field larger than"),
+}
+
+
+@pytest.mark.parametrize("fault", RECORDS)
+def test_a_load_record_that_is_none_is_refused_with_the_place(fault, tmp_path):
+    content, said = RECORDS[fault]
+    path = tmp_path / "load.csv"
+    path.write_bytes(content)
+    with pytest.raises(InputError, match=said) as caught:
+        read_load(path)
+    assert str(path) in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("build", "said"),
+    [
+        (lambda: Grid((math.nan, 4), (1.0, 1.0)), "nx is nan"),
+        (lambda: Grid((4, math.inf), (1.0, 1.0)), "ny is inf"),
+        (lambda: Grid((4, 4, 4), (1.0, 1.0)), "shape is .* two values"),
+        (lambda: Grid((4, 4), (1e-200, 1e-200)), "element_area is 0.0"),
+        (lambda: Grid((4, 4), (1e200, 1e200)), "element_area is inf"),
+        (lambda: Fidelity(increments=math.inf), "increments is inf"),
+        (lambda: Fidelity(pixels_per_element=math.nan), "pixels_per_element is nan"),
+        (lambda: Fidelity(heat_tolerance=1.0), "heat_tolerance is 1.0"),
+        (lambda: list(Ramp(1.0, 1.0).stations(1.0, math.nan)), "increments is nan"),
+        (lambda: list(Ramp(1.0, 1e-9).stations(1.0, 10)), "at most 1000000"),
+        (lambda: list(Ramp(1.0, 1.0, hold=1e9).stations(1.0, 10)), "at most 1000000"),
+        (lambda: list(Ramp(1.0, 5e-324).stations(1.0, 10)), "at most 1000000"),
+        (lambda: MeasuredRoughness(np.zeros((0, 4))), r"shape \(0, 4\)"),
+        (lambda: MeasuredRoughness(np.zeros(4)), r"shape \(4,\)"),
+        (lambda: MeasuredRoughness(np.array([["a"]])), "must hold real numbers"),
+        (lambda: MeasuredRoughness([[1.0], [math.inf]]), r"1 of 2 places, the first at \(1, 0\)"),
+        (lambda: MeasuredLoad(["a", "b"], [0.0, 1.0]), "must hold real numbers"),
+        (lambda: MeasuredLoad([0.0, 1.0], [0.0, math.nan]), "row 1"),
+    ],
+)
+def test_what_is_no_number_shape_or_size_is_named(build, said):
+    with pytest.raises(InputError, match=said):
+        build()
+
+
+if __name__ == "__main__":
+    TABLE.write_text(table(), encoding="utf-8")

@@ -1,0 +1,236 @@
+"""Properties that hold for every scene, tried on random ones."""
+
+import collections
+import itertools
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tests.helpers.random_scenes import outcome, random_point
+from tests.helpers.scenes import STEEL
+from tribo import (
+    Cylinder,
+    Fidelity,
+    Grid,
+    Material,
+    MeasuredRoughness,
+    Ramp,
+    Scene,
+    SelfAffineRoughness,
+    Wear,
+    measures,
+    partition_heat,
+    simulate,
+)
+from tribo.thermal.conduction import ConductingHalfSpace
+
+few = settings(deadline=None, derandomize=True, max_examples=30)
+
+TOLERANCE = 1e-9
+
+
+@st.composite
+def materials(draw):
+    return Material(
+        elastic_modulus=draw(st.floats(1e9, 1e12)),
+        poisson_ratio=draw(st.floats(0.0, 0.5)),
+        thermal_conductivity=draw(st.floats(0.2, 400.0)),
+        density=draw(st.floats(900.0, 2e4)),
+        specific_heat=draw(st.floats(100.0, 3000.0)),
+        hardness=draw(st.floats(5e7, 2e10)),
+    )
+
+
+@st.composite
+def scenes(draw, wear=True):
+    """Rough line contacts within the physical range, solved to 1e-9, and a load they carry."""
+    nx, ny = draw(st.integers(6, 40)), draw(st.integers(2, 20))
+    dx = draw(st.floats(5e-7, 1e-5))
+    pixels = Grid((nx, ny), (dx, dx * draw(st.floats(0.5, 2.0))))
+    pin, disk = draw(materials()), draw(materials())
+    length = 3.4e-3
+    capacity = min(pin.hardness, disk.hardness) * pixels.size[0] * length
+    load = capacity * draw(st.floats(1e-3, 0.6))
+    rate = load / draw(st.floats(0.1, 10.0))
+    pattern = draw(st.sampled_from(["local", "swept"]))
+    amount = draw(st.floats(0.0, 1e-14))
+    return load, Scene(
+        pin=Cylinder(draw(st.floats(5e-4, 5e-2)), length, pin),
+        disk=disk,
+        pixels=pixels,
+        loading=Ramp(rate, load),
+        roughness=SelfAffineRoughness(
+            draw(st.floats(1e-8, 1e-6)), draw(st.floats(0.3, 1.0)), (3 * dx, 3 * dx),
+            draw(st.integers(0, 1000)),
+        ),
+        wear=Wear(amount, pattern) if wear else None,
+        fidelity=Fidelity(
+            pixels_per_element=1, increments=3, contact_tolerance=TOLERANCE, heat_tolerance=1e-10
+        ),
+    )  # fmt: skip
+
+
+def last(states):
+    *_, state = states
+    return state
+
+
+def assert_alike(first, second, tolerance=1e-5):
+    """Equal pressures and rises; the pressure is as sure as 1e-9 times the condition of the map."""
+    p = first.pressure
+    assert second.pressure == pytest.approx(p, abs=tolerance * p.max())
+    rise = first.heat.rise
+    assert second.heat.rise == pytest.approx(rise, abs=tolerance * max(rise.max(), 1e-300))
+
+
+@few
+@given(scenes(), st.floats(0.2, 20.0), st.integers(-3, 3), st.integers(-3, 3))
+def test_units_scale(drawn, velocity, length_power, force_power):
+    # Metres of another size and newtons of another size; seconds and kelvins stay.
+    load, scene = drawn
+    metre, newton = 10.0**length_power, 10.0**force_power
+    stress = newton / metre**2
+
+    def in_units(solid):
+        return replace(
+            solid,
+            elastic_modulus=solid.elastic_modulus * stress,
+            hardness=solid.hardness * stress,
+            thermal_conductivity=solid.thermal_conductivity * newton,
+            density=solid.density / metre**3,
+            specific_heat=solid.specific_heat * newton * metre,
+        )
+
+    pixels = scene.pixels
+    other = replace(
+        scene,
+        pin=Cylinder(
+            scene.pin.radius * metre, scene.pin.length * metre, in_units(scene.pin.material)
+        ),
+        disk=in_units(scene.disk),
+        pixels=Grid(pixels.shape, (pixels.spacing[0] * metre, pixels.spacing[1] * metre)),
+        loading=Ramp(scene.loading.rate * newton, load * newton),
+        roughness=replace(
+            scene.roughness,
+            ra=scene.roughness.ra * metre,
+            correlation_length=tuple(metre * c for c in scene.roughness.correlation_length),
+        ),
+        wear=replace(scene.wear, specific_wear_rate=scene.wear.specific_wear_rate / stress),
+    )
+    here = last(simulate(scene, load, velocity))
+    there = last(simulate(other, load * newton, velocity * metre))
+    assert_alike(here, replace(there, pressure=there.pressure / stress))
+    assert there.wear_depth / metre == pytest.approx(
+        here.wear_depth, abs=1e-5 * max(here.wear_depth.max(), 1e-300)
+    )
+
+
+@few
+@given(scenes())
+def test_at_rest_a_mirrored_scene_has_the_mirrored_pressure(drawn):
+    load, scene = drawn
+    heights = scene.roughness.heights(scene.pixels)
+    for axis in (0, 1):
+        mirrored = replace(scene, roughness=MeasuredRoughness(np.flip(heights, axis)))
+        here, there = (last(simulate(s, load, 0.0)) for s in (scene, mirrored))
+        assert_alike(here, replace(there, pressure=np.flip(there.pressure, axis)))
+
+
+@few
+@given(scenes(), st.floats(0.1, 20.0), st.integers(1, 19))
+def test_translation_along_the_period_translates_everything(drawn, velocity, places):
+    load, scene = drawn
+    heights = scene.roughness.heights(scene.pixels)
+    moved = replace(scene, roughness=MeasuredRoughness(np.roll(heights, places, 1)))
+    here, there = (last(simulate(s, load, velocity)) for s in (scene, moved))
+    back = replace(
+        there,
+        pressure=np.roll(there.pressure, -places, 1),
+        heat=replace(there.heat, rise=np.roll(there.heat.rise, -places, 1)),
+    )
+    assert_alike(here, back)
+
+
+@few
+@given(scenes(wear=False))
+def test_more_load_never_means_less_contact(drawn):
+    load, scene = drawn
+    everywhere = replace(scene, fidelity=replace(scene.fidelity, temperature_interval=1))
+    states = list(simulate(everywhere, load, 1.0))
+    nodes = [np.count_nonzero(state.pressure) for state in states]
+    saturated = [measures(scene, state)["saturated_fraction"] for state in states]
+    assert nodes == sorted(nodes)
+    assert all(0 <= share <= 1 for share in saturated)
+    for before, after in itertools.pairwise(states):
+        # Nor does any element carry less: a monotone problem (Barber 1974).
+        assert (after.pressure - before.pressure).min() >= -1e-6 * after.pressure.max()
+
+
+@few
+@given(st.integers(0, 2**32 - 1), st.floats(0.01, 100.0), st.floats(1e-6, 10.0))
+def test_heat_superposes(seed, velocity, duration):
+    rng = np.random.default_rng(seed)
+    grid = Grid((int(rng.integers(3, 25)), int(rng.integers(1, 15))), (2e-6, 3e-6))
+    contact = rng.uniform(size=grid.shape) < 0.5
+    contact[0, 0] = True
+    pin = ConductingHalfSpace(grid, STEEL, 0.0, duration)
+    disk = ConductingHalfSpace(grid, replace(STEEL, thermal_conductivity=9.0), velocity, duration)
+    first, second = (np.where(contact, rng.uniform(size=grid.shape) * 1e9, 0.0) for _ in "12")
+    alone, other, both = (
+        partition_heat(pin, disk, flux, contact, tolerance=1e-12)
+        for flux in (first, second, first + second)
+    )
+    assert alone.rise + other.rise == pytest.approx(both.rise, abs=1e-9 * both.rise.max())
+    assert alone.pin_flux + other.pin_flux == pytest.approx(
+        both.pin_flux, abs=1e-8 * np.abs(both.pin_flux).max()
+    )
+
+
+@few
+@given(scenes(), st.floats(0.1, 20.0), st.lists(st.floats(0.05, 1.5), min_size=2, max_size=4))
+def test_the_order_of_a_sweep_changes_no_bit(drawn, velocity, shares):
+    full, scene = drawn
+    scene = replace(scene, loading=Ramp(scene.loading.rate, full), fidelity=replace(
+        scene.fidelity, contact_tolerance=1e-4
+    ))  # fmt: skip
+    loads = sorted({share * full for share in shares})
+    alone = {load: last(simulate(scene, load, velocity)) for load in reversed(loads)}
+    trunk = None
+    for load in loads:
+        states = list(simulate(scene, load, velocity, trunk=trunk))
+        assert np.array_equal(states[-1].pressure, alone[load].pressure)
+        assert np.array_equal(states[-1].wear_depth, alone[load].wear_depth)
+        assert np.array_equal(states[-1].heat.rise, alone[load].heat.rise)
+        trunk = next((s for s in reversed(states) if s.on_trunk and s.normal_load < load), trunk)
+
+
+ENDS_WITHIN = 30.0  # seconds
+
+NAMED = {"certified", "InputError", "ConvergenceError", "RangeError"}
+
+
+@settings(deadline=None, derandomize=True, max_examples=60)
+@given(st.integers(0, 2**31), st.sampled_from([0.0, 0.5, 1.0, 2.0, 4.0]))
+def test_every_scene_ends_soon_in_a_proven_result_or_a_named_error(seed, wildness):
+    result, seconds = outcome(random_point(seed, wildness))
+    assert result in NAMED
+    assert seconds < ENDS_WITHIN
+
+
+@pytest.mark.slow
+def test_500_scenes_mild_to_absurd_end_proven_or_named(say):
+    counts, longest = collections.Counter(), (0.0, None)
+    for seed in range(500):
+        wildness = (0.0, 0.5, 1.0, 2.0, 4.0)[seed % 5]
+        result, seconds = outcome(random_point(10_000 + seed, wildness))
+        assert result in NAMED
+        assert seconds < ENDS_WITHIN
+        counts[wildness, result] += 1
+        longest = max(longest, (seconds, seed))
+    say(f"\n500 scenes, none hung, none was wrong; the longest took {longest[0]:.1f} s")
+    for wildness in (0.0, 0.5, 1.0, 2.0, 4.0):
+        found = {kind: counts[wildness, kind] for kind in sorted(NAMED)}
+        say(f"wildness {wildness}:", ", ".join(f"{n} {kind}" for kind, n in found.items() if n))

@@ -1,0 +1,324 @@
+import os
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.helpers.scenes import STEEL, small_scene
+from tribo import (
+    QUANTILES,
+    Ball,
+    ConvergenceError,
+    Cylinder,
+    Fidelity,
+    Grid,
+    InputError,
+    Material,
+    MeasuredRoughness,
+    Ramp,
+    Scene,
+    Wear,
+    measures,
+    simulate,
+    warnings,
+)
+from tribo.analytic import hertz_line_half_width, hertz_line_peak_pressure
+
+ROOT = Path(__file__).parents[3]
+
+
+def last(states):
+    *_, state = states
+    return state
+
+
+def assert_same(first, second):
+    assert np.array_equal(first.pressure, second.pressure)
+    assert np.array_equal(first.wear_depth, second.wear_depth)
+    assert np.array_equal(first.heat.rise, second.heat.rise)
+    assert (first.time, first.sliding_distance) == (second.time, second.sliding_distance)
+
+
+def test_every_state_carries_its_load_and_the_time_of_the_ramp():
+    scene = small_scene()
+    loads = []
+    for state in simulate(scene, 430.0, 1.25):
+        on_patch = state.normal_load / scene.pin.patches(scene.grid)
+        assert state.pressure.sum() * scene.grid.element_area == pytest.approx(on_patch)
+        assert state.time == pytest.approx(state.normal_load / 150.0)
+        assert state.sliding_distance == pytest.approx(1.25 * state.time)
+        assert state.pressure.max() <= scene.hardness
+        loads.append(state.normal_load)
+    assert loads == [75.0, 150.0, 225.0, 300.0, 375.0, 430.0]
+
+
+@pytest.mark.parametrize("pattern", ["local", "swept"])
+def test_worn_volume_is_rate_times_the_work_of_the_load(pattern):
+    scene = small_scene(pattern)
+    distance_step, load_step = 1.25 * 0.5, 75.0
+    # Implicit Euler takes the load at the end of each of the 10 equal steps.
+    expected = 1.2e-15 * distance_step * load_step * sum(range(1, 11))
+    state = last(simulate(scene, 750.0, 1.25))
+    assert measures(scene, state)["wear_volume"] == pytest.approx(expected, rel=1e-12)
+
+
+@pytest.mark.parametrize("interval", [0, 2])
+def test_going_on_from_the_trunk_is_the_same_bit_for_bit(interval):
+    scene = small_scene(temperature_interval=interval)
+    alone = list(simulate(scene, 600.0, 1.25))
+    for lower in (100.0, 300.0, 525.0):
+        trunk = [s for s in simulate(scene, lower, 1.25) if s.on_trunk][-1]
+        rest = list(simulate(scene, 600.0, 1.25, trunk=trunk))
+        assert_same(rest[-1], alone[-1])
+        assert [s.heat is None for s in rest] == [s.heat is None for s in alone[-len(rest) :]]
+
+
+def test_the_number_of_threads_of_the_linear_algebra_changes_no_bit():
+    code = (
+        "from tests.helpers.scenes import small_scene\n"
+        "from tribo import simulate\n"
+        "import hashlib\n"
+        "*_, state = simulate(small_scene(contact_tolerance=1e-3), 600.0, 1.25)\n"
+        "fields = state.pressure, state.wear_depth, state.heat.rise\n"
+        "print(hashlib.sha256(b''.join(f.tobytes() for f in fields)).hexdigest())\n"
+    )
+    digests = {
+        subprocess.run(
+            [sys.executable, "-c", code],
+            env=os.environ | {"OPENBLAS_NUM_THREADS": threads, "PYTHONPATH": str(ROOT)},
+            capture_output=True,
+            text=True,
+            check=True,
+        ).stdout
+        for threads in ("1", "2")
+    }
+    assert len(digests) == 1
+
+
+def test_smooth_unworn_cylinder_is_hertz():
+    scene = replace(small_scene(roughness=False, wear=False), pixels=Grid((128, 2), (2e-6, 8e-6)))
+    scene = replace(
+        scene,
+        pin=Cylinder(2e-3, 3.4e-3, replace(STEEL, hardness=np.inf)),
+        disk=replace(STEEL, hardness=np.inf),
+    )
+    found = measures(scene, last(simulate(scene, 200.0, 1.25)))
+    line = (200.0 / 3.4e-3, 2e-3, 115.385e9)
+    assert found["max_pressure"] == pytest.approx(hertz_line_peak_pressure(*line), rel=1e-3)
+    # The width is a whole number of elements.
+    assert found["contact_width"] == pytest.approx(2 * hertz_line_half_width(*line), abs=4e-6)
+
+
+def test_no_motion_makes_no_heat_and_no_wear():
+    state = last(simulate(small_scene(), 300.0, 0.0))
+    assert state.wear_depth.max() == 0
+    assert state.heat.max_rise == 0
+    assert state.heat.rise.max() == 0
+
+
+def test_direction_of_sliding_is_a_mirror():
+    scene = small_scene()
+    mirrored = replace(
+        scene, roughness=MeasuredRoughness(scene.roughness.heights(scene.pixels)[::-1])
+    )
+    forth, back = last(simulate(scene, 300.0, 1.5)), last(simulate(mirrored, 300.0, -1.5))
+    # To the solvers' tolerance of 1e-6, since the numbers are summed in another order.
+    assert back.pressure[::-1] == pytest.approx(forth.pressure, abs=1e-4 * forth.pressure.max())
+    assert back.heat.rise[::-1] == pytest.approx(forth.heat.rise, rel=1e-3)
+
+
+def test_wear_widens_and_cools_the_contact():
+    worn, unworn = (
+        measures(scene, last(simulate(scene, 600.0, 1.25)))
+        for scene in (small_scene(), small_scene(wear=False))
+    )
+    assert worn["contact_width"] > unworn["contact_width"]
+    assert worn["max_rise"] < unworn["max_rise"]
+    assert unworn["wear_volume"] == 0
+
+
+def test_ball_on_a_flat_runs_with_local_wear():
+    scene = replace(
+        small_scene("local", roughness=False),
+        pin=Ball(10e-3, STEEL),
+        pixels=Grid((32, 32), (20e-6, 20e-6), (False, False)),
+        loading=Ramp(10.0, 10.0),
+    )
+    state = last(simulate(scene, 10.0, 0.065))
+    assert state.pressure.sum() * scene.grid.element_area == pytest.approx(10.0)
+    assert state.pressure == pytest.approx(state.pressure[:, ::-1], rel=1e-3)
+
+
+def test_contact_at_the_window_s_edge_warns():
+    scene = replace(small_scene(), pixels=Grid((12, 16), (8e-6, 8e-6)))
+    assert "x edge" in warnings(scene, last(simulate(scene, 750.0, 1.25)))[0]
+    assert warnings(small_scene(), last(simulate(small_scene(), 100.0, 1.25))) == []
+
+
+def test_measures_without_temperature_are_nan():
+    scene = small_scene()
+    first = next(iter(simulate(scene, 300.0, 1.25)))
+    assert first.heat is None
+    assert np.isnan(measures(scene, first)["max_rise"])
+
+
+@pytest.mark.parametrize(
+    ("load", "velocity", "said"),
+    [
+        (0.0, 1.0, "normal_load"),
+        (-5.0, 1.0, "normal_load"),
+        (100.0, float("nan"), "velocity"),
+        (1e9, 1.0, "hardness"),
+    ],
+)
+def test_impossible_points_are_refused(load, velocity, said):
+    with pytest.raises(InputError, match=said):
+        list(simulate(small_scene(increments=1), load, velocity))
+
+
+def test_only_the_trunk_can_be_gone_on_from():
+    scene = small_scene()
+    off_trunk = last(simulate(scene, 100.0, 1.0))
+    with pytest.raises(InputError, match="trunk"):
+        list(simulate(scene, 300.0, 1.0, trunk=off_trunk))
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"fidelity": Fidelity(pixels_per_element=5)}, "divide"),
+        ({"pixels": Grid((48, 16), (8e-6, 8e-6), (True, True))}, "periodic along x"),
+        ({"pixels": Grid((48, 16), (8e-6, 8e-6), (False, False))}, "swept"),
+        ({"pin": Ball(1e-3, STEEL), "wear": Wear(1e-15, "local")}, "under a ball"),
+        ({"roughness": MeasuredRoughness(np.zeros((3, 3)))}, "pixels"),
+    ],
+)
+def test_parts_that_do_not_fit_make_no_scene(change, said):
+    with pytest.raises(InputError, match=said):
+        replace(small_scene(), **change)
+
+
+@pytest.mark.parametrize("pattern", ["local", "swept"])
+def test_single_precision_agrees_within_the_tolerance_that_it_allows(pattern):
+    double, single = (
+        last(
+            simulate(small_scene(pattern, contact_tolerance=1e-3, precision=name), 600.0, 1.25)
+        ).heat
+        for name in ("double", "single")
+    )
+    # Both pressures are within 1e-3 of the exact one; temperatures average over many elements.
+    assert single.rise_quantile == pytest.approx(double.rise_quantile, rel=2e-3)
+    assert single.rise_quantile[-1] != double.rise_quantile[-1]
+
+
+def test_single_precision_is_refused_where_it_does_not_reach_the_tolerance():
+    scene = small_scene(contact_tolerance=1e-8, precision="single")
+    with pytest.raises(ConvergenceError, match="ask for at least"):
+        list(simulate(scene, 600.0, 1.25))
+    with pytest.raises(InputError, match="double, single"):
+        small_scene(precision="half")
+
+
+def test_measured_roughness_is_known_by_its_heights():
+    heights = np.random.default_rng(0).normal(size=(48, 16))
+    assert MeasuredRoughness(heights) == MeasuredRoughness(heights.copy())
+    assert hash(MeasuredRoughness(heights)) == hash(MeasuredRoughness(heights.copy()))
+    assert MeasuredRoughness(heights) != MeasuredRoughness(heights + 1e-9)
+    with pytest.raises(InputError, match="finite"):
+        MeasuredRoughness(np.full((2, 2), np.nan))
+
+
+def test_temperatures_of_the_paper_s_system_are_those_of_the_trial():
+    """Table 4 at 200 N on the full grid: Θ10 and Θmax as in the specification, section 3."""
+    scene = Scene(
+        pin=Cylinder(2e-3, 3.4e-3, STEEL),
+        disk=Material(210e9, 0.3, 45.0, 7800.0, 470.0, 6.6e9),
+        pixels=Grid((480, 480), (0.816e-6, 0.95e-6)),
+        loading=Ramp(150.0, 750.0),
+        roughness=replace(small_scene().roughness, correlation_length=(4e-6, 4e-6)),
+        wear=Wear(1.2e-15, "swept"),
+    )
+    state = last(simulate(scene, 200.0, 3.75))
+    decisive = 25 + 0.094 * state.heat.rise_quantile[QUANTILES.index(0.9)]
+    assert decisive == pytest.approx(146.0, abs=0.5)
+    assert 25 + 0.094 * state.heat.max_rise == pytest.approx(173.0, abs=0.5)
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {"wear_scheme": "explicit", "increments": 40},
+        {"wear_scheme": "sdirk2"},
+        {"heat_model": "history"},
+        {"heat_model": "history", "wear_scheme": "sdirk2", "partition": "uniform"},
+        {"kernel": "nearest-image"},
+        {"contact_criterion": "pressure-change"},
+        {"hold": 1.0},
+        {"hold": 1.0, "heat_model": "history"},
+    ],
+    ids=lambda options: "-".join(map(str, options.values())),
+)
+def test_going_on_from_the_trunk_is_the_same_bit_for_bit_with_every_option(options):
+    hold = options.get("hold", 0.0)
+    scene = small_scene(**{name: value for name, value in options.items() if name != "hold"})
+    scene = replace(scene, loading=replace(scene.loading, hold=hold))
+    alone = list(simulate(scene, 600.0, 1.25))
+    for lower in (100.0, 300.0, 525.0):
+        trunk = [s for s in simulate(scene, lower, 1.25) if s.on_trunk][-1]
+        rest = list(simulate(scene, 600.0, 1.25, trunk=replace(trunk, heat=None)))
+        assert_same(rest[-1], alone[-1])
+        assert [s.time for s in rest] == [s.time for s in alone[-len(rest) :]]
+        if "heat_model" in options:
+            ours, theirs = rest[-1].heat_history, alone[-1].heat_history
+            assert ours.times == theirs.times
+            for mine, other in zip(ours.pin_flux, theirs.pin_flux, strict=True):
+                assert np.array_equal(mine, other)
+
+
+def test_options_change_the_result_as_much_as_they_should():
+    plain = last(simulate(small_scene(increments=20), 600.0, 1.25))
+    for option, low, high in (
+        ({"kernel": "nearest-image"}, 1e-4, 0.1),
+        ({"wear_scheme": "sdirk2"}, 1e-4, 0.1),
+        ({"heat_model": "history"}, 1e-3, 0.02),
+        ({"contact_criterion": "pressure-change"}, 0.0, 1e-4),
+    ):
+        other = last(simulate(small_scene(increments=20, **option), 600.0, 1.25))
+        assert low <= abs(other.heat.mean_rise / plain.heat.mean_rise - 1) < high
+
+
+def test_in_a_hold_the_worn_contact_cools_and_wears_on_at_full_load():
+    """Fig. 5: with wear the temperature falls as soon as the load no longer grows."""
+    scene = small_scene(temperature_interval=1)
+    held = replace(scene, loading=replace(scene.loading, hold=4.0))
+    states = list(simulate(held, 600.0, 1.25))
+    rises = [state.heat.mean_rise for state in states]
+    assert len(states) == 8 + 8
+    assert np.argmax(rises) == 7
+    assert (np.diff(rises[7:]) < 0).all()
+    assert {state.normal_load for state in states[7:]} == {600.0}
+    volumes = [measures(held, state)["wear_volume"] for state in states]
+    # Implicit wear at a constant load is exact: k·F·V·t.
+    assert volumes[-1] - volumes[7] == pytest.approx(1.2e-15 * 600.0 * 1.25 * 4.0, rel=1e-9)
+    unworn = replace(held, wear=None)
+    rises = [state.heat.mean_rise for state in simulate(unworn, 600.0, 1.25)]
+    assert (np.diff(rises) >= 0).all()
+
+
+def test_the_end_of_the_ramp_has_its_temperature_besides_the_end_of_the_hold():
+    scene = small_scene()
+    held = replace(scene, loading=replace(scene.loading, hold=1.0))
+    ramp, *_, end = [state for state in simulate(held, 600.0, 1.25) if state.heat]
+    assert (ramp.time, end.time) == (4.0, 5.0)
+    assert_same(ramp, last(simulate(scene, 600.0, 1.25)))
+
+
+def test_options_that_do_not_fit_are_refused():
+    with pytest.raises(InputError, match="nearest-image"):
+        small_scene("local", periodic=(False, False), kernel="nearest-image")
+    for field in ("kernel", "wear_scheme", "heat_model", "contact_criterion"):
+        with pytest.raises(InputError, match=f"{field} is 'none'; allowed are"):
+            Fidelity(**{field: "none"})

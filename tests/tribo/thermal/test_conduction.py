@@ -1,0 +1,209 @@
+"""Thermal influence coefficients (tribo/thermal/conduction.py)."""
+
+import itertools
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tribo.analytic import (
+    MOVING_SQUARE_PEAK,
+    moving_band_rise,
+    square_source_rise,
+    uniform_flux_rise,
+)
+from tribo.convolution import wrapped_offsets
+from tribo.errors import InputError
+from tribo.grid import Grid
+from tribo.material import Material
+from tribo.thermal.conduction import ConductingHalfSpace, thermal_influence
+
+REFERENCES = json.loads(
+    (Path(__file__).parent / "references" / "thermal_influence.json").read_text()
+)
+STEEL = Material(210e9, 0.3, **REFERENCES["material"])
+ELEMENT = (1.632e-6, 1.9e-6)
+AXES = list(itertools.product((False, True), repeat=2))
+# The documented errors of the quadrature, relative to the self term.
+TEN_NODES, SIXTEEN_NODES = 7e-7, 6e-12
+
+
+@pytest.mark.parametrize(("nodes", "error"), [(10, TEN_NODES), (16, SIXTEEN_NODES)])
+@pytest.mark.parametrize(
+    "case",
+    REFERENCES["cases"],
+    ids=lambda c: "{shape}-{periodic}-{velocity}-{time}".format(**c).replace(" ", ""),
+)
+def test_entries_equal_the_heat_source_integral(case, nodes, error):
+    grid = Grid(*(tuple(case[key]) for key in ("shape", "spacing", "periodic")))
+    kernel = thermal_influence(grid, STEEL, case["velocity"], case["time"], nodes)
+    entries = [kernel[i, j] for i, j in case["offsets"]]
+    np.testing.assert_allclose(entries, case["values"], rtol=0, atol=error * kernel[0, 0])
+
+
+@pytest.mark.parametrize("periodic", AXES)
+@pytest.mark.parametrize("velocity", [0.0, 1e-6, 0.3, -1.25, 12.0, 4e3, -1e5])
+def test_no_heat_is_lost_while_the_window_holds_the_wake(periodic, velocity):
+    # Free axes lose exp(-(window/s)²), below 1e-16 as long as the window is six s wide.
+    # Periodic ones lose none at any time: the last time is 400 turns of the window.
+    grid = Grid((90, 31), ELEMENT, periodic)
+    reach = 15 * min(ELEMENT)
+    free_time = (reach / 6) ** 2 / (4 * STEEL.thermal_diffusivity)
+    if velocity:
+        free_time = min(free_time, reach / abs(velocity))
+    times = [free_time, free_time / 1e3]
+    if periodic == (True, True):
+        times.append(400 * grid.size[0] / max(abs(velocity), 1.0))
+    for time in times:
+        total = thermal_influence(grid, STEEL, velocity, time, 16).sum()
+        exact = uniform_flux_rise(1.0, time, STEEL.thermal_effusivity)
+        assert total == pytest.approx(exact, rel=1e-11)  # 16 nodes
+
+
+def test_uniform_flux_on_a_periodic_plane_heats_it_in_one_dimension():
+    body = ConductingHalfSpace(Grid((6, 5), ELEMENT, (True, True)), STEEL, 3.0, 2.0)
+    exact = uniform_flux_rise(1e6, 2.0, STEEL.thermal_effusivity)
+    np.testing.assert_allclose(body(np.full((6, 5), 1e6)), exact, rtol=1e-12)
+
+
+def test_square_at_rest_reaches_its_steady_temperature():
+    side = 2e-6
+    kernel = thermal_influence(Grid((1, 1), (side, side), (False, False)), STEEL, 0.0, 1e9)
+    exact = square_source_rise(1.0, side / 2, STEEL.thermal_conductivity)
+    # At 1e9 s the rise still lacks (2a)²/(πK) / √(4πκt), 1e-9 of it.
+    assert kernel[0, 0] == pytest.approx(exact, rel=1e-8)
+
+
+@pytest.mark.parametrize("peclet", [0.05, 1.0, 20.0, 400.0])
+def test_a_band_heats_a_moving_half_space_as_jaeger_found(peclet):
+    half_width, n = 1e-4, 40
+    velocity = peclet * 2 * STEEL.thermal_diffusivity / half_width
+    grid = Grid((4 * n, 1), (2 * half_width / n, 1.0), periodic=(False, True))
+    x = grid.coordinates(0)
+    band = np.where(np.abs(x) < half_width, 1e8, 0.0)[:, None]
+    rise = ConductingHalfSpace(grid, STEEL, velocity, time=1e7, quadrature_nodes=16)(band)
+    exact = moving_band_rise(
+        x, 1e8, half_width, velocity, STEEL.thermal_conductivity, STEEL.thermal_diffusivity
+    )
+    np.testing.assert_allclose(rise[:, 0], exact, rtol=0, atol=1e-9 * exact.max())
+
+
+@pytest.mark.parametrize("peclet", MOVING_SQUARE_PEAK)
+def test_a_moving_square_is_hottest_as_tabulated(peclet):
+    half_side, n = 1e-5, 1501
+    velocity = peclet * 2 * STEEL.thermal_diffusivity / half_side
+    grid = Grid((n, 1), (2 * half_side / n, 2 * half_side), periodic=(False, False))
+    rise = ConductingHalfSpace(grid, STEEL, velocity, time=1e6)(np.ones((n, 1)))[:, 0]
+    peak = int(rise.argmax())
+    left, middle, right = rise[peak - 1 : peak + 2]
+    # Between elements, the peak of the parabola through the three hottest ones.
+    height = middle - (right - left) ** 2 / (8 * (right + left - 2 * middle))
+    scaled = height * STEEL.thermal_conductivity / half_side
+    assert scaled == pytest.approx(MOVING_SQUARE_PEAK[peclet], rel=1e-5)  # six decimals tabulated
+
+
+@pytest.mark.parametrize("periodic", AXES)
+@pytest.mark.parametrize("velocity", [0.7, 30.0, 1e4])
+def test_the_opposite_velocity_mirrors_the_kernel(periodic, velocity):
+    grid = Grid((10, 9), ELEMENT, periodic)
+    forward, backward = (thermal_influence(grid, STEEL, v, 1e-5) for v in (velocity, -velocity))
+    mirrored = np.roll(backward[::-1], 1, axis=0)
+    tolerance = 1e-14 * forward[0, 0]  # rounding
+    np.testing.assert_allclose(mirrored, forward, rtol=0, atol=tolerance)
+    assert forward[1, 0] > 1.05 * backward[1, 0]  # it does carry heat downstream
+
+
+@pytest.mark.parametrize("periodic", AXES)
+@pytest.mark.parametrize(("velocity", "time"), [(0.0, 1e-3), (4.0, 1e-4), (-300.0, 1e-6)])
+def test_an_element_is_the_sum_of_its_parts(periodic, velocity, time):
+    coarse, fine = (
+        Grid((4 * m, 3 * m), (ELEMENT[0] / m, ELEMENT[1] / m), periodic) for m in (1, 3)
+    )
+    whole, parts = (ConductingHalfSpace(g, STEEL, velocity, time, 16) for g in (coarse, fine))
+    flux = np.random.default_rng(1).random(coarse.shape)
+    centres = parts(np.kron(flux, np.ones((3, 3))))[1::3, 1::3]
+    # 16 nodes, times the few elements that add up
+    np.testing.assert_allclose(whole(flux), centres, rtol=1e-10)
+
+
+@pytest.mark.parametrize("axis", [0, 1])
+@pytest.mark.parametrize(("velocity", "time"), [(0.0, 3e-7), (6.0, 3e-7), (-40.0, 1e-7)])
+def test_a_period_is_the_sum_of_its_images(axis, velocity, time):
+    n, images = 5, 8
+    shape, repeated, periodic = [4, 4], [4, 4], [False, False]
+    shape[axis], repeated[axis], periodic[axis] = n, n * images, True
+    wrapped = thermal_influence(Grid(tuple(shape), ELEMENT, tuple(periodic)), STEEL, velocity, time)
+    free_grid = Grid(tuple(repeated), ELEMENT, (False, False))
+    free = thermal_influence(free_grid, STEEL, velocity, time)
+    place = np.rint(wrapped_offsets(free_grid, axis) / ELEMENT[axis]).astype(int) % n
+    folded = np.zeros(wrapped.shape)
+    np.add.at(folded, (place,) if axis == 0 else (slice(None), place), free)
+    # both quadratures
+    np.testing.assert_allclose(folded, wrapped, rtol=0, atol=2 * TEN_NODES * wrapped[0, 0])
+
+
+@pytest.mark.parametrize("periodic", [(False, True), (True, True), (True, False)])
+def test_more_nodes_change_no_entry_at_any_velocity(periodic):
+    # Many velocities, since the ways to compute a panel change over somewhere within.
+    grid = Grid((14, 3), ELEMENT, periodic)
+    for velocity in np.geomspace(1e-2, 1e3, 200):
+        few, many = (thermal_influence(grid, STEEL, velocity, 1e-5, n) for n in (10, 24))
+        np.testing.assert_allclose(few, many, rtol=0, atol=TEN_NODES * many[0, 0])
+
+
+def test_similar_problems_have_similar_temperatures():
+    # T ~ q·length/K at equal Fourier and Péclet numbers.
+    copper = Material(120e9, 0.34, 390.0, 8960.0, 385.0)
+    grow, kappa_ratio = 7.0, copper.thermal_diffusivity / STEEL.thermal_diffusivity
+    large = Grid((6, 4), (ELEMENT[0] * grow, ELEMENT[1] * grow))
+    steel = thermal_influence(Grid((6, 4), ELEMENT), STEEL, 2.0, 1e-5)
+    other = thermal_influence(large, copper, 2.0 * kappa_ratio / grow, 1e-5 * grow**2 / kappa_ratio)
+    scale = grow * STEEL.thermal_conductivity / copper.thermal_conductivity
+    np.testing.assert_allclose(other, scale * steel, rtol=1e-9, atol=1e-13 * other.max())
+
+
+@pytest.mark.parametrize("periodic", AXES)
+@pytest.mark.parametrize("spacing", [(1e-6, 1e-6), (1e-6, 1e-3), (1e-3, 1e-6), (1e-3, 1e-3)])
+@pytest.mark.parametrize("velocity", [0.0, 1e-6, -1.25, 1e5])
+def test_extremes_give_finite_kernels_that_create_no_heat(periodic, spacing, velocity):
+    for shape, time in itertools.product([(1, 7), (5, 1), (6, 3)], [1e-15, 1e-4, 1e9]):
+        kernel = thermal_influence(Grid(shape, spacing, periodic), STEEL, velocity, time)
+        share = kernel.sum() / uniform_flux_rise(1.0, time, STEEL.thermal_effusivity)
+        assert np.isfinite(kernel).all()
+        assert kernel.min() >= -TEN_NODES * kernel[0, 0]
+        if periodic == (True, True) or time == 1e-15:
+            assert share == pytest.approx(1.0, rel=1e-11)
+        else:
+            assert 0 < share < 1 + 1e-11
+        # Far outrun by the surface, a free element's centre warms in one dimension, for a/V; the
+        # correction is of the order of 1/√(2π Pe), and Pe = Va/2κ is above 2000.
+        if abs(velocity) > 1e4 and time > 1e-5 and spacing[0] <= spacing[1] and not periodic[0]:
+            passage = spacing[0] / 2 / abs(velocity)
+            once = uniform_flux_rise(1.0, passage, STEEL.thermal_effusivity)
+            assert kernel[0, 0] == pytest.approx(once, rel=0.02)
+
+
+def test_nothing_is_warm_at_time_zero():
+    body = ConductingHalfSpace(Grid((4, 3), ELEMENT), STEEL, 1.0, 0.0)
+    assert not body(np.ones((4, 3))).any()
+    soon = ConductingHalfSpace(Grid((4, 3), ELEMENT), STEEL, 1.0, 1e-15)
+    assert soon(np.ones((4, 3))).all()
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"time": -1.0},
+        {"time": math.nan},
+        {"time": math.inf},
+        {"velocity": math.inf},
+        {"velocity": math.nan},
+        {"quadrature_nodes": 0},
+    ],
+)
+def test_impossible_values_are_named(wrong):
+    values = {"velocity": 1.0, "time": 1.0, "quadrature_nodes": 10} | wrong
+    with pytest.raises(InputError, match=f"{next(iter(wrong))} is {next(iter(wrong.values()))}"):
+        ConductingHalfSpace(Grid((2, 2), ELEMENT), STEEL, **values)

@@ -1,0 +1,283 @@
+"""Heat partition with all earlier heat (tribo/thermal/duhamel.py), against closed forms."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tests.helpers.scenes import STEEL, small_scene
+from tribo import (
+    Conductor,
+    Convolution,
+    Fidelity,
+    Grid,
+    HeatHistory,
+    InputError,
+    MeasuredLoad,
+    Ramp,
+    partition_with_history,
+    simulate,
+    start,
+)
+from tribo.analytic import ramped_flux_rise, uniform_flux_rise
+from tribo.thermal import duhamel
+from tribo.thermal.conduction import ConductingHalfSpace, flux_history_spectrum
+
+EFFUSIVITY = STEEL.thermal_effusivity
+ELEMENT = (1.632e-6, 1.9e-6)
+PLANE = Grid((3, 4), ELEMENT, (True, True))
+AXES = [(False, False), (False, True), (True, False), (True, True)]
+TEN_NODES = 7e-7  # documented error of the quadrature, relative to the self term
+
+
+def run(grid, fluxes, times, pin_velocity=0.0, disk_velocity=1.25):
+    pin, disk, past = Conductor(STEEL, pin_velocity), Conductor(STEEL, disk_velocity), HeatHistory()
+    for time, flux in zip(times, fluxes, strict=True):
+        split, past = partition_with_history(grid, pin, disk, past, time, flux, flux != 0, "local")
+    return split, past
+
+
+def last(states):
+    *_, state = states
+    return state
+
+
+@pytest.mark.parametrize("times", [[5.0], np.arange(1, 21) / 4, [0.01, 0.3, 0.31, 2.0, 4.9, 5.0]])
+def test_linear_ramp_in_one_dimension_is_the_closed_form_whatever_the_steps(times):
+    fluxes = [np.full(PLANE.shape, 1e6 * time) for time in times]
+    split, _ = run(PLANE, fluxes, times)
+    exact = ramped_flux_rise(1e6 * times[-1] / 2, times[-1], EFFUSIVITY)
+    # The flux is linear between the steps. In one dimension the quadrature is exact to rounding;
+    # both bodies are one half-space each, and so the solver's 1e-8 is not needed either.
+    np.testing.assert_allclose(split.rise, exact, rtol=1e-9)  # ages are rounded to 9 digits
+    assert split.pin_share == pytest.approx(0.5, rel=1e-9)
+
+
+def test_elapsed_time_is_three_halves_too_warm_in_one_dimension():
+    times = np.arange(1, 11) / 2
+    split, _ = run(PLANE, [np.full(PLANE.shape, 1e6 * time) for time in times], times)
+    elapsed = ConductingHalfSpace(PLANE, STEEL, 0.0, times[-1])(np.full(PLANE.shape, 2.5e6))
+    np.testing.assert_allclose(elapsed / split.rise, 1.5, rtol=1e-9)  # rounding of ages, as above
+
+
+def test_any_broken_line_of_flux_is_the_sum_of_its_ramps():
+    rng = np.random.default_rng(4)
+    times = np.cumsum(rng.uniform(0.01, 1.0, size=30))
+    strengths = rng.uniform(-1e6, 2e6, size=30)
+    split, _ = run(PLANE, [np.full(PLANE.shape, flux) for flux in strengths], times)
+    corners = np.concatenate(([0.0], times))
+    slopes = np.diff(np.concatenate(([0.0], strengths / 2))) / np.diff(corners)
+    exact = sum(  # each change of slope is a ramp of its own, on to the end
+        ramped_flux_rise(change * (times[-1] - corner), times[-1] - corner, EFFUSIVITY)
+        for corner, change in zip(corners, np.diff(np.concatenate(([0.0], slopes))), strict=False)
+    )
+    scale = uniform_flux_rise(1e6, times[-1], EFFUSIVITY)
+    np.testing.assert_allclose(split.rise, exact, rtol=0, atol=1e-8 * scale)  # ages to 9 digits
+
+
+@pytest.mark.parametrize("periodic", AXES)
+@pytest.mark.parametrize("velocity", [0.0, 0.01, 1.25, -40.0])
+def test_hats_that_add_up_to_a_constant_flux_have_its_rise(periodic, velocity):
+    grid = Grid((12, 9), ELEMENT, periodic)
+    ages = (0.0, 1e-7, 3e-5, 0.02, 0.04, 3.0)
+    whole = flux_history_spectrum(grid, STEEL, velocity, (0.0, 3.0), (1.0, 1.0))
+    total = np.zeros_like(whole, dtype=complex)
+    for place in range(len(ages)):
+        among = slice(max(0, place - 1), place + 2)
+        strengths = [float(index == place) for index in range(len(ages))]
+        hat = flux_history_spectrum(grid, STEEL, velocity, ages[among], strengths[among])
+        total[:, : hat.shape[1]] += hat
+    self_term = np.fft.irfft2(whole, s=(whole.shape[0], 2 * whole.shape[1] - 2 + 9 % 2))[0, 0]
+    # Both quadratures have their error, which a spectrum sums over all elements at most.
+    tolerance = 2 * TEN_NODES * abs(self_term) * total.size
+    np.testing.assert_allclose(total, whole, rtol=0, atol=tolerance)
+    assert np.abs(total - whole).max() <= 1e-5 * np.abs(whole).max()
+    elapsed = ConductingHalfSpace(grid, STEEL, velocity, 3.0).spectrum
+    assert np.array_equal(whole, elapsed)
+
+
+@pytest.mark.parametrize("begin", [0.0, 1e-13, 8e-13])
+def test_heat_that_has_not_crossed_half_an_element_is_one_dimensional(begin):
+    end = 1e-12
+    grid = Grid((12, 9), ELEMENT)
+    spectrum = flux_history_spectrum(grid, STEEL, 1.25, (begin, end), (0.0, 1.0))
+    # ∫ (τ − τ₁)/(τ₂ − τ₁) dτ/(e√(πτ)), on the element alone: equal for all waves
+    integral = 2 / 3 * (end**1.5 - begin**1.5) - 2 * begin * (end**0.5 - begin**0.5)
+    exact = integral / (end - begin) / (math.sqrt(math.pi) * EFFUSIVITY)
+    np.testing.assert_allclose(spectrum, exact, rtol=1e-9)  # rounding where begin is near end
+
+
+@pytest.mark.parametrize("velocity", [0.0, 0.3, -2.0])
+def test_growing_flux_is_the_limit_of_many_small_sudden_ones(velocity):
+    grid, duration, steps = Grid((14, 10), (20e-6, 20e-6)), 0.02, 200
+    ramp = flux_history_spectrum(grid, STEEL, velocity, (0.0, duration), (1.0, 0.0))
+    starts = duration * (np.arange(steps) + 0.5) / steps  # a staircase through its middles
+    stairs = sum(
+        ConductingHalfSpace(grid, STEEL, velocity, duration - begin).spectrum for begin in starts
+    )
+    # The youngest stair is wrong by O(√(step/duration)) of its 1/steps: about 1/steps^1.5.
+    np.testing.assert_allclose(stairs / steps, ramp, rtol=0, atol=1e-3 * np.abs(ramp).max())
+
+
+def test_a_spectrum_keeps_only_the_columns_that_have_not_faded():
+    grid = Grid((20, 48), ELEMENT)
+    young, old = (
+        flux_history_spectrum(grid, STEEL, 0.0, (age, 2 * age, 3 * age), (0.0, 1.0, 0.0))
+        for age in (1e-7, 0.05)
+    )
+    assert young.shape == (40, 25)
+    assert old.shape == (40, 1)
+    gone = flux_history_spectrum(grid, STEEL, 10.0, (0.05, 0.1, 0.15), (0.0, 1.0, 0.0))
+    assert gone.shape == (40, 0)  # the surface has moved on by many windows
+    with pytest.raises(InputError, match=r"at least 0\.1"):
+        flux_history_spectrum(grid, STEEL, 1.0, (0.1, 0.05), (1.0, 1.0))
+
+
+@pytest.mark.parametrize(
+    ("velocity", "lowest", "highest"), [(1.25, 1.001, 1.01), (0.01, 1.04, 1.06)]
+)
+def test_elapsed_time_is_nearly_right_when_fast_and_too_warm_when_slow(velocity, lowest, highest):
+    rises = [
+        last(simulate(small_scene(increments=20, heat_model=model), 600.0, velocity)).heat.mean_rise
+        for model in ("elapsed", "history")
+    ]
+    assert lowest < rises[0] / rises[1] < highest  # PHYSICS 5: 0.7 %, and 4 to 6 %
+
+
+def test_temperature_with_history_depends_little_on_the_steps():
+    rises = [
+        last(simulate(small_scene(increments=n, heat_model="history", wear=False), 600.0, 0.01))
+        for n in (5, 10, 20)
+    ]
+    coarse, middle, fine = (state.heat.max_rise for state in rises)
+    # Piecewise linear fluxes err like the square of the step: each halving quarters the change.
+    assert abs(middle - fine) < 0.5 * abs(coarse - middle) < 5e-3 * fine
+
+
+def test_every_step_has_its_temperature_and_the_pin_stays_warm_without_heat():
+    states = list(simulate(small_scene(heat_model="history"), 300.0, 1.25))
+    assert all(state.heat for state in states)
+    flux = np.zeros(PLANE.shape)
+    heated = np.full(PLANE.shape, 1e6)
+    split, _ = run(PLANE, [heated, heated, flux, flux], [1.0, 2.0, 3.0, 4.0])
+    # After the heat has gone, 1/(√π e) times the integral of q/√age: 1 s up, 1 s on, 1 s down.
+    pieces = [(0.0, 1.0), (1.0, -1.0), (2.0, -1.0), (3.0, 1.0)]
+    exact = sum(
+        ramped_flux_rise(slope * 5e5 * (4 - begin), 4 - begin, EFFUSIVITY)
+        for begin, slope in pieces
+    )
+    np.testing.assert_allclose(split.rise, exact, rtol=1e-8)  # ages to 9 digits, which cancel
+    assert split.rise.min() > 0
+
+
+def test_the_contact_has_one_temperature_by_all_the_heat_so_far():
+    grid = Grid((30, 12), (10e-6, 10e-6))
+    bodies = Conductor(STEEL, 0.0), Conductor(STEEL, 0.3)
+    times, past = (2e-4, 3e-4, 7e-4), HeatHistory()
+    fluxes = [np.zeros(grid.shape) for _ in times]
+    for size, flux in enumerate(fluxes, start=4):
+        flux[12 - size : 12 + size, :size] = 1e8 * size
+    into_pin = []
+    for time, flux in zip(times, fluxes, strict=True):
+        split, past = partition_with_history(grid, *bodies, past, time, flux, flux > 0)
+        into_pin.append(split.pin_flux)
+    ages = [times[-1] - time for time in (0.0, *times)]
+    rises = []
+    for body, heat in ((bodies[0], into_pin), (bodies[1], np.subtract(fluxes, into_pin))):
+        total = np.zeros(grid.shape)
+        for place, flux in enumerate(heat, start=1):
+            among = ages[place - 1 : place + 2][::-1]
+            strengths = [0.0, 1.0, 0.0][-len(among) :] if len(among) == 3 else [1.0, 0.0]
+            spectrum = np.zeros((len(past.pin_flux[-1]), 7), dtype=complex)
+            hat = flux_history_spectrum(grid, *body, among, strengths)
+            spectrum[:, : hat.shape[1]] = hat
+            total += Convolution(grid, spectrum)(flux)
+        rises.append(total)
+    # The solver's tolerance is 1e-8 of the right-hand side in the mean over the contact.
+    on = fluxes[-1] > 0
+    np.testing.assert_allclose(split.rise, rises[0], rtol=0, atol=1e-8 * rises[0].max())
+    np.testing.assert_allclose(rises[0][on], rises[1][on], rtol=0, atol=1e-6 * rises[0].max())
+
+
+def test_equal_steps_need_one_new_spectrum_for_each_lag_and_body(monkeypatch):
+    made = []
+
+    def counted(*arguments):
+        made.append(arguments)
+        return flux_history_spectrum(*arguments)
+
+    monkeypatch.setattr(duhamel, "flux_history_spectrum", counted)
+    monkeypatch.setattr(duhamel, "_SPECTRA", duhamel._Spectra(2**28))
+    grid, n = Grid((16, 8), (20e-6, 20e-6)), 12
+    flux = np.zeros(grid.shape)
+    flux[6:9, 2:6] = 1e8
+    run(grid, [flux * (k + 1) for k in range(n)], [0.05 * (k + 1) for k in range(n)])
+    # For each body: now, and lags 1 to n − 1. What has left the window needs none.
+    assert n < len(made) <= 2 * n
+    run(grid, [flux * (k + 1) for k in range(n)], [0.05 * (k + 1) for k in range(n)])
+    assert len(made) <= 2 * n
+
+
+def test_spectra_used_last_are_kept_up_to_a_size():
+    one = flux_history_spectrum(PLANE, STEEL, 0.0, (0.0, 1.0), (1.0, 0.0)).nbytes
+    spectra = duhamel._Spectra(bytes_kept=2 * one)
+    first, second, third, again = (
+        spectra(PLANE, Conductor(STEEL, 0.0), (0.0, age), (1.0, 0.0)) for age in (1, 2, 1, 3)
+    )
+    assert third is first
+    assert spectra(PLANE, Conductor(STEEL, 0.0), (0.0, 3), (1.0, 0.0)) is again
+    assert spectra(PLANE, Conductor(STEEL, 0.0), (0.0, 1), (1.0, 0.0)) is first
+    assert spectra(PLANE, Conductor(STEEL, 0.0), (0.0, 2), (1.0, 0.0)) is not second
+
+
+def test_little_is_kept_of_old_flux():
+    state = last(simulate(small_scene(increments=20, heat_model="history"), 600.0, 1.25))
+    past = state.heat_history
+    assert len(past.times) == len(past.pin_flux) + 1 == len(past.disk_flux) + 1 == 17
+    columns = [flux.shape[1] for flux in past.pin_flux]
+    assert columns[-1] == 9  # all of them: 16 elements along y
+    assert columns[0] < columns[-1]
+    assert past.disk_flux[0].shape[1] == 0  # 1.25 m/s carry it out of the window in 0.3 ms
+
+
+def test_bulk_difference_is_felt_with_history_as_without():
+    grid = Grid((24, 8), (20e-6, 20e-6))
+    flux = np.zeros(grid.shape)
+    flux[10:14] = 1e8
+    bodies = Conductor(STEEL, 0.0), Conductor(STEEL, 1.0)
+    once, twice, neither = (
+        partition_with_history(
+            grid, *bodies, HeatHistory(), 1.0, flux, flux > 0, bulk_difference=difference
+        )[0].rise
+        for difference in (20.0, 40.0, 0.0)
+    )
+    # Affine in the difference; the solver's tolerance is 1e-8.
+    np.testing.assert_allclose(twice - once, once - neither, atol=1e-6 * once.max())
+    assert (once - neither)[flux > 0].min() > 0
+
+
+def test_what_cannot_be_continued_is_refused():
+    with pytest.raises(InputError, match="history_coarsening"):
+        Fidelity(heat_model="history", history_coarsening=2)
+    with pytest.raises(InputError, match="heat_model is 'duhamel'; allowed are elapsed, history"):
+        Fidelity(heat_model="duhamel")
+    scene = small_scene(heat_model="history")
+    with pytest.raises(InputError, match="heat model"):
+        list(simulate(scene, 300.0, 1.0, trunk=start(small_scene())))
+
+
+def test_no_contact_has_no_temperature_but_goes_on():
+    # A record whose load vanishes half-way: the pin cools in between.
+    times, loads = np.array([0.0, 1.0, 2.0, 3.0, 4.0]), np.array([0.0, 400.0, 0.0, 0.0, 500.0])
+    scene = replace(
+        small_scene(increments=4, heat_model="history", wear=False),
+        loading=MeasuredLoad(times, loads),
+    )
+    states = list(simulate(scene, 500.0, 1.25))
+    assert [state.heat is None for state in states] == [False, True, True, False]
+    fresh = small_scene(increments=1, heat_model="history", wear=False)
+    alone = last(simulate(replace(fresh, loading=Ramp(500.0, 500.0)), 500.0, 1.25))
+    # What the first pulse has left warms the second, by less than its own rise.
+    assert 1 < states[-1].heat.mean_rise / alone.heat.mean_rise < 1.2
+    assert math.isfinite(states[-1].heat.max_rise)

@@ -1,0 +1,320 @@
+"""Partition of heat between two bodies (tribo/thermal/partition.py)."""
+
+import hashlib
+import math
+import os
+import pickle
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from tribo.errors import ConvergenceError, InputError
+from tribo.grid import Grid
+from tribo.material import Material
+from tribo.thermal import partition
+from tribo.thermal.conduction import ConductingHalfSpace
+from tribo.thermal.partition import partition_heat
+
+STEEL = Material(210e9, 0.3, 45.0, 7800.0, 470.0)
+CERAMIC = Material(300e9, 0.25, 3.0, 5700.0, 450.0)
+LINE, POINT, FLAT, TRACK = (False, True), (False, False), (True, True), (True, False)
+
+
+def rough_contact(grid, share=0.15, seed=0):
+    """Heat flux on islands that cover `share` of the grid."""
+    rng = np.random.default_rng(seed)
+    qx, qy = (np.fft.fftfreq(n) for n in grid.shape)
+    smooth = np.exp(-60 * (qx[:, None] ** 2 + qy**2))
+    height = np.fft.ifft2(np.fft.fft2(rng.standard_normal(grid.shape)) * smooth).real
+    height -= np.quantile(height, 1 - share)
+    return np.where(height > 0, np.sqrt(np.abs(height)) * 1e9, 0.0)
+
+
+def bodies(grid, velocity=1.25, time=5.0, pin=STEEL, disk=STEEL):
+    return (
+        ConductingHalfSpace(grid, pin, 0.0, time),
+        ConductingHalfSpace(grid, disk, velocity, time),
+    )
+
+
+def grid_of(periodic=LINE, n=48):
+    return Grid((n, n), (1.632e-6, 1.9e-6), periodic)
+
+
+@pytest.mark.parametrize("method", ["local", "direct", "uniform"])
+def test_identical_bodies_at_rest_share_equally(method):
+    grid = grid_of(n=24)
+    flux = rough_contact(grid)
+    split = partition_heat(*bodies(grid, velocity=0.0), flux, flux > 0, method, tolerance=1e-12)
+    assert split.pin_share == pytest.approx(0.5, rel=1e-10)
+    # by the tolerance, times the condition of the shortest waves
+    np.testing.assert_allclose(split.pin_flux, flux / 2, rtol=0, atol=1e-9 * flux.max())
+
+
+@pytest.mark.parametrize("method", ["local", "direct", "uniform"])
+def test_at_rest_the_shares_are_as_the_conductivities(method):
+    # Equal diffusivities: both kernels have one shape, and heat divides as K.
+    quick = Material(1e11, 0.3, 4 * 45.0, 4 * 7800.0, 470.0)
+    grid = grid_of(n=24)
+    flux = rough_contact(grid)
+    split = partition_heat(*bodies(grid, 0.0, disk=quick), flux, flux > 0, method)
+    assert split.pin_share == pytest.approx(0.2, rel=1e-7)
+
+
+@pytest.mark.parametrize("tolerance", [1e-2, 1e-4, 0.99e-4, 1e-9])  # in single, then in double
+@pytest.mark.parametrize("unit", [1e-80, 1.0, 1e80])
+def test_a_tolerance_is_kept_at_either_precision(tolerance, unit):
+    grid = grid_of(n=72)
+    flux = rough_contact(grid)
+    exact = partition_heat(*bodies(grid), flux, flux > 0, tolerance=1e-12)
+    split = partition_heat(*bodies(grid), unit * flux, flux > 0, tolerance=tolerance)
+    assert split.residual <= tolerance
+    assert split.rise / unit == pytest.approx(exact.rise, abs=10 * tolerance * exact.rise.max())
+
+
+@pytest.mark.parametrize("periodic", [LINE, POINT, FLAT, TRACK])
+def test_elimination_and_iteration_agree(periodic):
+    grid = grid_of(periodic, n=80)
+    flux = rough_contact(grid)
+    assert np.count_nonzero(flux) == 960
+    difference = -20.0
+    direct, local = (
+        partition_heat(*bodies(grid), flux, flux > 0, method, 1e-11, difference)
+        for method in ("direct", "local")
+    )
+    # 1e-11 in temperature; the flux is less certain by the kernel's condition number, below 1e3.
+    largest = np.abs(direct.pin_flux).max()
+    np.testing.assert_allclose(local.rise, direct.rise, rtol=0, atol=1e-9 * direct.rise.max())
+    np.testing.assert_allclose(local.pin_flux, direct.pin_flux, rtol=0, atol=1e-8 * largest)
+    assert direct.residual < 1e-13  # rounding
+    assert local.pin_share == pytest.approx(direct.pin_share, rel=1e-9)
+
+
+@pytest.mark.parametrize("difference", [0.0, 30.0, -30.0])
+@pytest.mark.parametrize("method", ["local", "direct"])
+def test_the_contact_has_one_temperature(method, difference):
+    grid = grid_of()
+    flux = rough_contact(grid)
+    pin, disk = bodies(grid, pin=CERAMIC)
+    split = partition_heat(pin, disk, flux, flux > 0, method, bulk_difference=difference)
+    pin_bulk, disk_bulk = 25.0, 25.0 + difference
+    gap = (pin_bulk + split.rise - disk_bulk - disk(flux - split.pin_flux))[flux > 0]
+    scale = (disk(flux) + difference)[flux > 0]
+    mismatch = math.sqrt(np.mean(gap**2) / np.mean(scale**2))
+    assert mismatch <= 1e-8  # the default tolerance
+    assert mismatch == pytest.approx(split.residual, rel=1e-3, abs=1e-14)
+    np.testing.assert_allclose(split.rise, pin(split.pin_flux), rtol=1e-12)
+
+
+def test_heat_in_is_heat_out_and_none_crosses_the_gap():
+    grid = grid_of()
+    flux = rough_contact(grid)
+    split = partition_heat(*bodies(grid), flux, flux > 0)
+    assert not split.pin_flux[flux == 0].any()
+    assert split.pin_share == pytest.approx(split.pin_flux.sum() / flux.sum(), rel=1e-14)
+    assert 0 < split.pin_share < 0.5  # a moving body is the better heat sink
+
+
+def test_exchanging_the_bodies_exchanges_their_shares():
+    grid = grid_of()
+    flux = rough_contact(grid)
+    pin, disk = bodies(grid, pin=CERAMIC)
+    here = partition_heat(pin, disk, flux, flux > 0, tolerance=1e-12, bulk_difference=15.0)
+    there = partition_heat(disk, pin, flux, flux > 0, tolerance=1e-12, bulk_difference=-15.0)
+    assert here.pin_share + there.pin_share == pytest.approx(1.0, rel=1e-11)
+    in_contact = flux > 0
+    np.testing.assert_allclose(
+        here.rise[in_contact], there.rise[in_contact] + 15.0, rtol=0, atol=1e-10 * here.rise.max()
+    )
+
+
+@pytest.mark.parametrize("method", ["local", "direct", "uniform"])
+def test_the_split_is_linear_in_flux_and_bulk_difference(method):
+    grid = grid_of(n=32)
+    flux = rough_contact(grid)
+    once, thrice = (
+        partition_heat(*bodies(grid), k * flux, flux > 0, method, 1e-12, k * 10.0) for k in (1, 3)
+    )
+    np.testing.assert_allclose(thrice.rise, 3 * once.rise, rtol=1e-9)
+    assert thrice.pin_share == pytest.approx(once.pin_share, rel=1e-12)
+
+
+def test_friction_and_bulk_difference_superpose():
+    # So that one sweep answers for any friction and bulk temperature (PHYSICS 5).
+    grid = grid_of(n=32)
+    flux = rough_contact(grid)
+    friction, exchange, both = (
+        partition_heat(*bodies(grid), q, flux > 0, tolerance=1e-12, bulk_difference=difference)
+        for q, difference in [(flux, 0.0), (0 * flux, 40.0), (flux, 40.0)]
+    )
+    np.testing.assert_allclose(
+        friction.rise + exchange.rise, both.rise, rtol=0, atol=1e-10 * both.rise.max()
+    )
+    assert exchange.rise.min() > 0  # the hotter disk warms the pin
+    assert math.isnan(exchange.pin_share)
+
+
+def test_a_field_of_bulk_differences_acts_point_by_point():
+    grid = grid_of(n=24)
+    flux = rough_contact(grid)
+    pin, disk = bodies(grid)
+    before = np.random.default_rng(2).random(grid.shape) * 50
+    split = partition_heat(pin, disk, flux, flux > 0, bulk_difference=before)
+    gap = (split.rise - before - disk(flux - split.pin_flux))[flux > 0]
+    assert np.abs(gap).max() < 1e-6 * split.rise.max()  # tolerance 1e-8 in the mean
+
+
+def test_uniform_makes_mean_temperatures_equal_and_brackets_the_local_maximum():
+    grid = grid_of()
+    flux = rough_contact(grid)
+    pin, disk = bodies(grid)
+    on = flux > 0
+    uniform = partition_heat(pin, disk, flux, on, "uniform", bulk_difference=5.0)
+    disk_rise = disk(flux - uniform.pin_flux)
+    assert uniform.rise[on].mean() == pytest.approx(disk_rise[on].mean() + 5.0, rel=1e-12)
+    np.testing.assert_allclose(uniform.pin_flux, uniform.pin_share * flux, rtol=1e-14)
+    assert uniform.residual > 0.05  # it says that it is no solution point by point
+    # One share leaves the surfaces at two temperatures; the true one lies between their maxima.
+    local = partition_heat(pin, disk, flux, on, "local", bulk_difference=5.0)
+    extremes = sorted([uniform.rise[on].max(), disk_rise[on].max() + 5.0])
+    assert extremes[0] < local.rise[on].max() < extremes[1]
+
+
+def test_a_hot_pin_warms_the_cold_leading_edge():
+    # A band: the disk arrives cold at its upstream edge and takes more than is generated there.
+    grid = Grid((60, 1), (2e-6, 1.0), LINE)
+    x = grid.coordinates(0)
+    flux = np.sqrt(np.maximum(1 - (x / 50e-6) ** 2, 0.0))[:, None] * 1e8
+    split = partition_heat(*bodies(grid, velocity=20.0), flux, flux > 0)
+    contact = np.flatnonzero(flux)
+    assert split.pin_flux[contact[0], 0] < 0 < split.pin_flux[contact[-1], 0]
+
+
+@pytest.mark.parametrize("periodic", [LINE, POINT, FLAT, TRACK])
+@pytest.mark.parametrize("spacing", [(1e-6, 1e-6), (1e-6, 1e-3), (1e-3, 1e-6)])
+def test_extremes_converge(periodic, spacing):
+    # One node, rough, full contact; thin and square patches; fast and slow; insulating bodies.
+    for shape, velocity, time in [
+        ((1, 9), 1.0, 1e9),
+        ((12, 1), 1e5, 1e-6),
+        ((11, 13), 1e5, 1e9),
+        ((2, 2), 0.0, 1e-15),
+        ((16, 10), 1e-6, 1.0),
+    ]:
+        grid = Grid(shape, spacing, periodic)
+        rng = np.random.default_rng(3)
+        flux = 1e6 * (0.1 + rng.random(shape))
+        order = rng.permutation(flux.size).reshape(shape)
+        steel, insulator = (bodies(grid, velocity, time, m, m) for m in (STEEL, CERAMIC))
+        for count in (1, (flux.size + 2) // 3, flux.size):
+            on = order < count
+            for pin, disk in [steel, (insulator[0], steel[1]), (steel[0], insulator[1])]:
+                split = partition_heat(pin, disk, np.where(on, flux, 0.0), on)
+                assert split.residual <= 1e-8
+                assert 0 < split.pin_share < 1
+
+
+def test_preconditioning_keeps_the_iterations_few():
+    # 16 with the stencil, 28 without it
+    grid = grid_of(n=96)
+    flux = rough_contact(grid)
+    assert partition_heat(*bodies(grid), flux, flux > 0).iterations <= 20
+
+
+def test_nothing_to_divide_needs_no_solution():
+    grid = grid_of(n=8)
+    pin, disk = bodies(grid)
+    empty, some = np.zeros(grid.shape, dtype=bool), np.ones(grid.shape, dtype=bool)
+    nowhere = partition_heat(pin, disk, np.zeros(grid.shape), empty, bulk_difference=10.0)
+    cold = partition_heat(pin, disk, np.zeros(grid.shape), some)
+    start = partition_heat(*bodies(grid, time=0.0), np.ones(grid.shape), some)
+    for split in (nowhere, cold, start):
+        assert not split.rise.any()
+        assert not split.pin_flux.any()
+        assert split.iterations == 0
+        assert math.isnan(split.pin_share)
+
+
+def test_a_failure_carries_the_partial_solution_and_advice():
+    grid = grid_of()
+    flux = rough_contact(grid)
+    with pytest.raises(ConvergenceError, match=r"after 4 iterations.*Raise max_iter") as caught:
+        partition_heat(*bodies(grid), flux, flux > 0, max_iterations=4)
+    partial = pickle.loads(pickle.dumps(caught.value)).solution
+    exact = partition_heat(*bodies(grid), flux, flux > 0)
+    assert partial.iterations == 4
+    assert 1e-8 < partial.residual < 0.1
+    error = np.abs(partial.rise - exact.rise).max() / exact.rise.max()
+    assert 1e-6 < error < 10 * partial.residual
+
+
+def test_elimination_refuses_what_memory_does_not_hold(monkeypatch):
+    grid = grid_of(n=24)
+    flux = rough_contact(grid)
+    needed = 8 * np.count_nonzero(flux) ** 2
+    monkeypatch.setattr(partition, "DIRECT_MEMORY", needed)
+    partition_heat(*bodies(grid), flux, flux > 0, "direct")
+    monkeypatch.setattr(partition, "DIRECT_MEMORY", needed - 1)
+    with pytest.raises(InputError, match=f"{np.count_nonzero(flux)} nodes in contact need"):
+        partition_heat(*bodies(grid), flux, flux > 0, "direct")
+
+
+def test_wrong_arguments_are_named():
+    grid = grid_of(n=8)
+    pin, disk = bodies(grid)
+    on = np.ones(grid.shape, dtype=bool)
+    flux = np.ones(grid.shape)
+    hole = on.copy()
+    hole[2, 3] = False
+    spoiled = flux.copy()
+    spoiled[1, 1] = np.nan
+    cases = [
+        ("they must be the same", (pin, bodies(grid_of(n=9))[1], flux, on), {}),
+        ("both must be", (pin, disk, flux[:4], on), {}),
+        ("it must hold bool", (pin, disk, flux, flux), {}),
+        ("NaN", (pin, disk, spoiled, on), {}),
+        ("NaN", (pin, disk, flux, on), {"bulk_difference": np.inf}),
+        ("outside the contact", (pin, disk, flux, hole), {}),
+        ("method is 'blok'", (pin, disk, flux, on), {"method": "blok"}),
+        ("tolerance is 0.0", (pin, disk, flux, on), {"tolerance": 0.0}),
+        ("there is none", (pin, disk, 0 * flux, on), {"method": "uniform", "bulk_difference": 1.0}),
+        ("no time to conduct", (*bodies(grid, time=0.0), flux, on), {"bulk_difference": 1.0}),
+    ]
+    for message, arguments, options in cases:
+        with pytest.raises(InputError, match=message):
+            partition_heat(*arguments, **options)
+
+
+def fingerprint():
+    """Every bit of a rough contact's solutions, of sizes for which BLAS would use threads."""
+    digest = hashlib.sha256()
+    for method, n in [("local", 240), ("direct", 60)]:
+        grid = grid_of(n=n)
+        flux = rough_contact(grid, share=0.3)
+        split = partition_heat(*bodies(grid), flux, flux > 0, method)
+        digest.update(split.rise.tobytes() + split.pin_flux.tobytes())
+    return digest.hexdigest()
+
+
+def test_results_do_not_depend_on_threads_to_the_last_bit():
+    prints = {
+        subprocess.run(
+            [sys.executable, __file__],
+            env=os.environ
+            | {
+                "OPENBLAS_NUM_THREADS": threads,
+                "PYTHONPATH": os.pathsep.join(path or os.curdir for path in sys.path),
+            },
+            capture_output=True,
+            text=True,
+            check=True,
+        ).stdout
+        for threads in ("1", "2")
+    }
+    assert len(prints) == 1
+
+
+if __name__ == "__main__":
+    print(fingerprint())

@@ -1,0 +1,1 @@
+"""Normal contact of rough, elastic, perfectly plastic bodies."""

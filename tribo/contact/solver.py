@@ -1,0 +1,258 @@
+"""Normal contact of an elastic, perfectly plastic half-space.
+
+Find the pressure p and the approach α that minimise ½ pᵀDp + zᵀp over 0 ≤ p ≤ H and Σp·dA = F.
+Then the gap g = Dp + z − α is 0 where 0 < p < H, ≥ 0 where p = 0 and ≤ 0 where p = H.
+
+How well a solution fulfils that is evaluated on the pressure that is given out, and nothing is
+given out before it lies within the tolerance; one below what rounding allows ends in an error that
+says so. How it is found is told in `iteration`, and from where on in `guess`.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Literal, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tribo.contact.elasticity import ElasticHalfSpace
+from tribo.contact.guess import from_coarser_grids, in_window
+from tribo.contact.iteration import Iteration
+from tribo.contact.rows import SoftRows
+from tribo.contact.simplex import LARGEST, SMALLEST
+from tribo.errors import ConvergenceError, InputError, finite_field, require_positive
+
+__all__ = ["ContactCriterion", "ContactSolution", "solve_contact"]
+
+Array = NDArray[np.float64]
+ContactCriterion = Literal["gap", "pressure-change"]
+
+_VERY_SOFT = 1e6  # of rows, in units of an element's compliance: far beyond elements of any shape
+_FULL = 1e-14  # of the load that the hardness carries, within which all of it is asked for
+_WINDOW_SHARE = 0.9  # of the tolerance, to which a part of the grid is solved on its own
+_SMALLEST_SINGLE = 1e-27  # of stresses and depths, a transform of which single precision can hold
+_DOUBLE_ROUNDING = float(np.finfo(np.float64).eps)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ContactSolution:
+    """Pressure and gap of a contact, with the proof of how well they solve it.
+
+    All of the proof is evaluated on the pressure that is returned.
+
+    Attributes
+    ----------
+    pressure : ndarray, shape (nx, ny)
+        Between 0 and the hardness [Pa].
+    gap : ndarray, shape (nx, ny)
+        Deformed gap [m]: 0 where bodies touch, negative where the material yields.
+    approach : float
+        Rigid displacement α of the bodies towards each other [m], from the datum of the solid.
+    iterations : int
+        Convolutions with the solid's kernel that were needed. Those on a coarser grid or on a
+        part of the grid count by their share of its elements.
+    residual : float
+        Largest violation of the conditions on the gap, in units of D_self·max(p), and what
+        rounding may hide of it.
+    load_error : float
+        |Σp·dA/F − 1|.
+    penetration : float
+        Deepest overlap of the bodies where the material does not yield [m]; it counts in the
+        residual.
+    saturated_fraction : float
+        Share of the contact's nodes that carry the hardness.
+    """
+
+    pressure: Array
+    gap: Array
+    approach: float
+    iterations: int
+    residual: float
+    load_error: float = 0.0
+    penetration: float = 0.0
+    saturated_fraction: float = 0.0
+
+
+def solve_contact(
+    solid: ElasticHalfSpace,
+    separation: Array,
+    normal_load: float,
+    hardness: float = math.inf,
+    tolerance: float = 1e-8,
+    initial_pressure: Array | None = None,
+    max_iterations: int = 5000,
+    criterion: ContactCriterion = "gap",
+    initial_displacement: Array | None = None,
+) -> ContactSolution:
+    """Press a rigid shape into `solid` with a given load.
+
+    Parameters
+    ----------
+    solid : ElasticHalfSpace
+        The map from pressure to displacement, with its grid.
+    separation : ndarray, shape (nx, ny)
+        Distance of the undeformed surfaces from an arbitrary plane, z [m].
+    normal_load : float
+        F on the patch [N], from 0 to hardness times area.
+    hardness : float
+        Highest pressure that is carried, H [Pa].
+    tolerance : float
+        Bound on the residual. Rounding allows 1e-12 on 240 × 240 elements, and less on fewer.
+    initial_pressure : ndarray, shape (nx, ny), optional
+        A guess, scaled to the load; the nearer, the fewer iterations.
+    max_iterations : int
+        Convolutions after which to give up.
+    criterion : {"gap", "pressure-change"}
+        What must be below the tolerance: the residual, or the change Σ|p − p_old|/Σp of the
+        pressure in the last iteration, Eq. (24) of Bosman & de Rooij. The latter is there for
+        comparison. It is no test of convergence: begun near a solution, the iteration changes
+        little from the first, and the residual that is returned may then be large.
+    initial_displacement : ndarray, shape (nx, ny), optional
+        Displacement under `initial_pressure` [m], where it is known; it saves iterations. That
+        pressure then has to carry the load, but may exceed the bounds, as extrapolated ones do.
+
+    Returns
+    -------
+    ContactSolution
+
+    Raises
+    ------
+    InputError
+        If the load exceeds what the hardness can carry, or an input is not finite or of the
+        wrong shape.
+    ConvergenceError
+        If the tolerance is not reached within `max_iterations`, or lies below what rounding
+        allows. It carries the `ContactSolution` found.
+
+    Examples
+    --------
+    A cylinder of radius 8 mm on a flat, 222.2 N/mm (Hertz: 1.010 GPa):
+
+    >>> from tribo.grid import Grid
+    >>> grid = Grid((128, 1), (3e-6, 456e-6), periodic=(False, True))
+    >>> z = grid.coordinates(0)[:, None] ** 2 / (2 * 8e-3)
+    >>> contact = solve_contact(ElasticHalfSpace(grid, 115.385e9), z, 222.2e3 * 456e-6)
+    >>> f"{contact.pressure.max() / 1e9:.3f} GPa, residual below 1e-8: {contact.residual < 1e-8}"
+    '1.010 GPa, residual below 1e-8: True'
+    """
+    grid = solid.grid
+    z = finite_field("separation", separation, grid.shape)
+    _check(solid, normal_load, hardness, tolerance, max_iterations)
+    if criterion not in get_args(ContactCriterion):
+        raise InputError(
+            f"criterion is {criterion!r}; allowed are {', '.join(get_args(ContactCriterion))}"
+        )
+    if normal_load == 0:
+        gap = z - z.min()
+        return ContactSolution(np.zeros(z.shape), gap, float(z.min()), 0, 0.0)
+    if normal_load >= hardness * grid.area * (1 - _FULL):
+        pressure = np.full(z.shape, hardness)
+        gap = solid(pressure) + z
+        load_error = abs(hardness * grid.area / normal_load - 1)
+        return ContactSolution(
+            pressure, gap - gap.max(), float(gap.max()), 1, 0.0, load_error, 0.0, 1.0
+        )
+    total = normal_load / grid.element_area
+    if initial_pressure is None:
+        guess, spent = from_coarser_grids(solid, z, total, hardness)
+    else:
+        guess, spent = finite_field("initial_pressure", initial_pressure, grid.shape), 0.0
+    if initial_displacement is not None:
+        finite_field("initial_displacement", initial_displacement, grid.shape)
+    elif criterion == "gap":
+        guess, more = in_window(
+            solid, z, total, hardness, guess, _WINDOW_SHARE * tolerance, max_iterations - spent
+        )
+        spent += more
+    iteration = Iteration(solid, z, total, hardness, spent)
+    by_change = criterion == "pressure-change"
+    converged = iteration.run(guess, tolerance, max_iterations, by_change, initial_displacement)
+    solution = _solution(iteration, hardness)
+    if not converged:
+        raise ConvergenceError(_failure(iteration, solution, tolerance, max_iterations), solution)
+    return solution
+
+
+def _check(
+    solid: ElasticHalfSpace,
+    normal_load: float,
+    hardness: float,
+    tolerance: float,
+    max_iterations: int,
+) -> None:
+    """Raise `InputError` for a number that allows no solution."""
+    area = solid.grid.area
+    require_positive(tolerance=tolerance, max_iterations=max_iterations)
+    if not hardness > 0:
+        raise InputError(f"hardness is {hardness!r}; it must be greater than 0")
+    capacity = hardness * area
+    if not (0 <= normal_load <= capacity * (1 + 1e-12) and normal_load < math.inf):
+        raise InputError(
+            f"normal_load is {normal_load:g} N on a patch of {area:g} m²; it must be finite and "
+            f"between 0 and {capacity:g} N, what the hardness of {hardness:g} Pa carries there"
+        )
+    softness = SoftRows.of(solid).coupling / solid.self_influence
+    lost = solid.rounding * softness
+    if softness > _VERY_SOFT and lost > 10 * tolerance:
+        raise InputError(
+            f"tolerance is {tolerance:.1e}; rounding allows no less than {lost:.1e} "
+            f"where rows of elements yield {softness:.1e} times as much as one element does. If "
+            "that is by wear, take shorter steps"
+        )
+    stress = normal_load / area
+    depth = stress * solid.self_influence
+    # An iteration multiplies stresses by depths, and depths by depths.
+    in_range = all(SMALLEST < product < LARGEST for product in (stress * depth, depth * depth))
+    precision = "double"
+    if _is_single(solid):
+        precision = "single"
+        in_range = all(_SMALLEST_SINGLE < x < 1 / _SMALLEST_SINGLE for x in (stress, depth))
+    if normal_load and not in_range:
+        raise InputError(
+            f"normal_load is {normal_load:g} N on a patch of {area:g} m² of an influence of "
+            f"{solid.self_influence:g} m/Pa; {precision} precision cannot hold a contact of this "
+            "size"
+        )
+
+
+def _is_single(solid: ElasticHalfSpace) -> bool:
+    return solid.rounding > _DOUBLE_ROUNDING
+
+
+def _solution(iteration: Iteration, hardness: float) -> ContactSolution:
+    """The state of an iteration, with what proves it."""
+    pressure, gap = iteration.pressure, iteration.gap
+    saturated = pressure >= hardness
+    yielding, touching = np.count_nonzero(saturated), np.count_nonzero(pressure)
+    elastic = gap[~saturated] if yielding else gap
+    return ContactSolution(
+        pressure,
+        gap,
+        iteration.approach,
+        math.ceil(iteration.convolutions),
+        iteration.residual,
+        load_error=iteration.load_error,
+        penetration=max(0.0, -float(elastic.min(initial=0.0))),
+        saturated_fraction=yielding / touching if touching else 0.0,
+    )
+
+
+def _failure(
+    iteration: Iteration, solution: ContactSolution, tolerance: float, max_iterations: int
+) -> str:
+    """What an iteration that has not converged is to say."""
+    advice = f"allow more than {max_iterations} iterations or a larger tolerance"
+    if iteration.stalled:
+        largest = float(np.abs(iteration.displacement).max())
+        advice = (
+            f"with displacements of {largest:.1e} m it falls no further, so ask for at "
+            f"least {2 * solution.residual:.0e}"
+        )
+        if _is_single(iteration.solid):
+            advice += " or for double precision"
+    return (
+        f"the contact did not converge: residual {iteration.error:.2e} after "
+        f"{solution.iterations} iterations, asked were {tolerance:.2e}; {advice}"
+    )

@@ -1,0 +1,1 @@
+"""Load as a function of time: ramps and records."""

@@ -1,0 +1,252 @@
+"""A load as it was measured, in place of a ramp (Bosman & de Rooij, Fig. 8)."""
+
+from __future__ import annotations
+
+import csv
+import hashlib
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tribo.errors import InputError, require_positive
+from tribo.loading.ramp import Ramp, Station
+
+__all__ = ["MeasuredLoad", "read_load"]
+
+Array = NDArray[np.float64]
+
+_UNITS = {"time": {"s": 1.0, "ms": 1e-3, "min": 60.0}, "load": {"N": 1.0, "kN": 1e3, "mN": 1e-3}}
+_MOST_ROWS = 1_000_000
+_FITTED = (0.1, 0.9)  # of the reference load: the part of the rise that has no rounded ends
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MeasuredLoad:
+    """A record of the load, from its first row to where it first reaches its reference load.
+
+    That stretch is cut into equal steps of time, as many as the scene has increments, with the
+    load interpolated in between; between two stations it may do what it likes. A point of another
+    load has the same times, and all loads scaled in proportion. So no two points share a trunk:
+    each follows the record from its start. Where the record falls, so does the load; below 0,
+    where only the sensor's noise can be, it counts as 0.
+
+    Parameters
+    ----------
+    times : ndarray, shape (n,)
+        [s], increasing.
+    loads : ndarray, shape (n,)
+        On the whole pin [N].
+    reference_load : float, optional
+        Where the loading ends [N]; the record's maximum if not given. A record with a long, noisy
+        plateau needs one, or its loading ends at the highest peak of the noise.
+
+    Raises
+    ------
+    InputError
+        If there are fewer than two rows, a number is not finite, the time does not increase, or
+        the record does not rise to its reference load. It names the row.
+
+    Examples
+    --------
+    >>> record = MeasuredLoad(np.array([0.0, 1.0, 3.0]), np.array([0.0, 80.0, 100.0]))
+    >>> for station in record.stations(50.0, increments=3):
+    ...     print(f"{station.normal_load:g} N at {station.time:g} s")
+    40 N at 1 s
+    45 N at 2 s
+    50 N at 3 s
+    """
+
+    times: Array
+    loads: Array
+    reference_load: float | None = None
+    digest: str = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        try:
+            times, loads = (
+                np.array(column, dtype=np.float64) for column in (self.times, self.loads)
+            )
+        except (TypeError, ValueError) as error:
+            raise InputError(f"a load record must hold real numbers: {error}") from error
+        if times.ndim != 1 or times.shape != loads.shape or len(times) < 2:
+            raise InputError(
+                f"a load record has times of shape {times.shape} and loads of shape {loads.shape}; "
+                "it must have two columns of equal length, and at least two rows"
+            )
+        if fault := _fault(times, loads):
+            raise InputError(f"load record, row {fault[0]} (counted from 0): {fault[1]}")
+        content = np.array([times, loads]).tobytes() + repr(self.reference_load).encode()
+        object.__setattr__(self, "times", times)
+        object.__setattr__(self, "loads", loads)
+        object.__setattr__(self, "digest", hashlib.sha256(content).hexdigest())
+        if not max(0.0, loads[0]) < self.peak <= loads.max():
+            raise InputError(
+                f"the load record begins at {loads[0]:g} N and reaches {loads.max():g} N; its "
+                f"reference load of {self.peak:g} N must be positive, above the one and at most "
+                "the other"
+            )
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, MeasuredLoad) and self.digest == other.digest
+
+    def __hash__(self) -> int:
+        return hash(self.digest)
+
+    @property
+    def peak(self) -> float:
+        """Load at which the record's loading ends [N]: its reference load, or its maximum."""
+        return float(self.loads.max()) if self.reference_load is None else self.reference_load
+
+    def time_at(self, share: float) -> float:
+        """When the record first reaches a share, from 0 to 1, of its peak [s]."""
+        load = share * self.peak
+        row = int(np.argmax(self.loads >= load))
+        if row == 0:
+            return float(self.times[0])
+        (t0, t1), (F0, F1) = self.times[row - 1 : row + 1], self.loads[row - 1 : row + 1]
+        return float(t0 + (load - F0) / (F1 - F0) * (t1 - t0))
+
+    def stations(
+        self, normal_load: float, increments: int, after: float = 0.0
+    ) -> Iterator[Station]:
+        """Every station of a point; times count from the record's first row.
+
+        Raises
+        ------
+        InputError
+            If the load is not positive, or `after` is not 0: no station is shared.
+        """
+        require_positive(normal_load=normal_load)
+        if after != 0:
+            raise InputError(f"cannot go on from {after:g} N: points of a record share no trunk")
+        begin, end = float(self.times[0]), self.time_at(1.0)
+        scale = normal_load / self.peak
+        for index in range(1, increments):
+            time = (end - begin) * index / increments
+            load = max(0.0, float(np.interp(begin + time, self.times, self.loads)))
+            yield Station(scale * load, time, on_trunk=False, index=index)
+        yield Station(normal_load, end - begin, on_trunk=False, index=increments)
+
+    def linear_fit(self) -> tuple[float, float]:
+        """Rate [N/s] and onset [s] of the straight line through the rise, F = rate·(t − onset).
+
+        Least squares over the rows between 10 % and 90 % of the peak, ends included:
+        the dashed line in Fig. 8 of Bosman & de Rooij.
+
+        Examples
+        --------
+        >>> t = np.linspace(0.0, 6.0, 13)
+        >>> rate, onset = MeasuredLoad(t, np.clip(150.0 * (t - 0.5), 0.0, 750.0)).linear_fit()
+        >>> f"{rate:.1f} N/s from {onset:.2f} s"
+        '150.0 N/s from 0.50 s'
+        """
+        begin, end = (self.time_at(share) for share in _FITTED)
+        inside = (self.times > begin) & (self.times < end)
+        t = np.concatenate(([begin], self.times[inside], [end]))
+        F = np.interp(t, self.times, self.loads)
+        rate = float(np.sum((t - t.mean()) * (F - F.mean())) / np.sum((t - t.mean()) ** 2))
+        return rate, float(t.mean() - F.mean() / rate)
+
+    def ramp(self) -> Ramp:
+        """The ramp of the linear fit up to the peak."""
+        return Ramp(self.linear_fit()[0], self.peak)
+
+
+def read_load(path: str | Path, reference_load: float | None = None) -> MeasuredLoad:
+    """Read a load record from comma-separated text.
+
+    Parameters
+    ----------
+    path : str or Path
+        Two columns, time and load in either order, below a header with their units, such as
+        ``time [s], normal load [N]``; s, ms, min and N, kN, mN are known. Empty lines and lines
+        that begin with # are left out.
+    reference_load : float, optional
+        See `MeasuredLoad`.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read or is no such record; the message names the line.
+    """
+    path = Path(path)
+    lines: list[int] = []
+    rows: list[tuple[float, float]] = []
+    factors: tuple[float, float] | None = None
+    load_first = False
+    try:
+        with path.open(newline="", encoding="utf-8-sig") as file:
+            reader = csv.reader(file)
+            for cells in reader:
+                if not "".join(cells).strip() or cells[0].lstrip().startswith("#"):
+                    continue
+                where = f"{path}, line {reader.line_num}"
+                if len(cells) != 2:
+                    raise InputError(f"{where}: {len(cells)} columns; needed are time and load")
+                if factors is None:
+                    factors, load_first = _header(cells, where)
+                    continue
+                if len(rows) == _MOST_ROWS:
+                    raise InputError(f"{where}: more than {_MOST_ROWS} rows; thin the record out")
+                lines.append(reader.line_num)
+                rows.append(_numbers(cells, where))
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read: {error.strerror or error}") from error
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise InputError(f"{path}: not comma-separated text in UTF-8: {error}") from error
+    if factors is None or len(rows) < 2:
+        raise InputError(
+            f"{path}: {len(rows)} rows; needed are a header such as 'time [s], load [N]' and at "
+            "least two rows"
+        )
+    columns = np.array(rows).T * np.array(factors)[:, None]
+    times, loads = columns[::-1] if load_first else columns
+    if fault := _fault(times, loads):
+        raise InputError(f"{path}, line {lines[fault[0]]}: {fault[1]}")
+    try:
+        return MeasuredLoad(times, loads, reference_load)
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from error
+
+
+def _header(cells: list[str], where: str) -> tuple[tuple[float, float], bool]:
+    """Factors of both columns to SI, and whether the load stands first."""
+    found = []
+    for cell in cells:
+        match = re.search(r"[\[(]\s*(\S*)\s*[\])]\s*$", cell)
+        unit = match[1] if match else None
+        for kind, units in _UNITS.items():
+            if unit in units:
+                found.append((kind, units[unit]))
+    if sorted(kind for kind, _ in found) != ["load", "time"]:
+        known = " or ".join(", ".join(units) for units in _UNITS.values())
+        raise InputError(
+            f"{where}: the header is {','.join(cells)!r}; it must give a unit of time and one of "
+            f"load in brackets, {known}, as 'time [s], load [N]' does"
+        )
+    (first, factor), (_, other) = found
+    return (factor, other), first == "load"
+
+
+def _numbers(cells: list[str], where: str) -> tuple[float, float]:
+    try:
+        return float(cells[0]), float(cells[1])
+    except ValueError as error:
+        raise InputError(f"{where}: {error}") from error
+
+
+def _fault(times: Array, loads: Array) -> tuple[int, str] | None:
+    """First row that cannot be part of a record, and why."""
+    broken = np.flatnonzero(~(np.isfinite(times) & np.isfinite(loads)))
+    sound = int(broken[0]) if broken.size else len(times)
+    backwards = np.flatnonzero(np.diff(times[:sound]) <= 0)
+    if backwards.size:
+        row = int(backwards[0]) + 1
+        return row, f"time {times[row]:g} s after {times[row - 1]:g} s; it must increase"
+    if broken.size:
+        return sound, f"{times[sound]:g} s, {loads[sound]:g} N; both must be finite"
+    return None

@@ -1,0 +1,1 @@
+"""One point of the diagram: loading with wear and friction heat."""

@@ -1,0 +1,122 @@
+"""Friction heat of a state: its temperature, from the present heat or from all of it so far."""
+
+from __future__ import annotations
+
+import functools
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tribo.convolution import Convolution, padded_shape
+from tribo.grid import Grid
+from tribo.material import Material
+from tribo.simulation.invariants import check_heat, within_range
+from tribo.simulation.scene import Scene
+from tribo.simulation.state import Heat, State
+from tribo.thermal.conduction import settling_time
+from tribo.thermal.duhamel import (
+    Conductor,
+    HeatHistory,
+    forget_spectra,
+    kept_spectrum,
+    partition_with_history,
+)
+from tribo.thermal.partition import HeatPartition, partition_heat
+from tribo.thermal.quantiles import contact_quantiles
+
+__all__ = ["forget_conductors", "heat", "heated_since"]
+
+
+@within_range("the temperature of a contact")
+def heat(scene: Scene, state: State, velocity: float) -> Heat:
+    """Temperature of a state, at friction coefficient 1 and with both bodies' bulk equal.
+
+    The present friction heat is taken to act since time 0 (Bosman & de Rooij), whatever the heat
+    model of the fidelity.
+    """
+    contact = state.pressure > 0
+    return _summary(scene, _partition(scene, state, velocity, contact), contact)
+
+
+def heated_since(scene: Scene, history: HeatHistory, state: State, velocity: float) -> State:
+    """Give a state the temperature that it owes to all heat so far, its own step included."""
+    contact = state.pressure > 0
+    split, heat_history = partition_with_history(
+        scene.grid,
+        Conductor(scene.pin.material, 0.0),
+        Conductor(scene.disk, velocity),
+        history,
+        state.time,
+        abs(velocity) * state.pressure,
+        contact,
+        method=scene.fidelity.partition,
+        tolerance=scene.fidelity.heat_tolerance,
+    )
+    _check_split(scene, state, velocity, contact, split)
+    summary = _summary(scene, split, contact) if contact.any() else None
+    return replace(state, heat=summary, heat_history=heat_history)
+
+
+def _summary(scene: Scene, split: HeatPartition, contact: NDArray[np.bool_]) -> Heat:
+    on_contact = split.rise[contact]
+    # Quantiles interpolate between the nodes, so each row that a plane stands for has to count.
+    rows = scene.rows_per_element
+    return Heat(
+        rise=split.rise,
+        rise_quantile=contact_quantiles(split.rise.repeat(rows, 1), contact.repeat(rows, 1)),
+        max_rise=float(on_contact.max()),
+        mean_rise=float(on_contact.mean()),
+        pin_heat_share=split.pin_share,
+        iterations=split.iterations,
+    )
+
+
+def _partition(
+    scene: Scene, state: State, velocity: float, contact: NDArray[np.bool_]
+) -> HeatPartition:
+    grid = scene.grid
+    if velocity == 0 or not scene.friction_heat:
+        return HeatPartition(np.zeros(grid.shape), np.zeros(grid.shape), np.nan, 0, 0.0)
+    split = partition_heat(
+        _conductor(grid, scene.pin.material, 0.0, state.time),
+        _conductor(grid, scene.disk, velocity, state.time),
+        abs(velocity) * state.pressure,
+        contact,
+        method=scene.fidelity.partition,
+        tolerance=scene.fidelity.heat_tolerance,
+    )
+    _check_split(scene, state, velocity, contact, split)
+    return split
+
+
+def _check_split(
+    scene: Scene,
+    state: State,
+    velocity: float,
+    contact: NDArray[np.bool_],
+    split: HeatPartition,
+) -> None:
+    local = scene.fidelity.partition == "local"
+    tolerance = scene.fidelity.heat_tolerance if local else np.inf
+    check_heat(abs(velocity) * state.pressure, contact, split, tolerance)
+
+
+def _conductor(grid: Grid, material: Material, velocity: float, time: float) -> Convolution:
+    """The thermal map of a body, which after a while no longer depends on the time."""
+    settled = min(time, settling_time(grid, material, velocity))
+    spectrum = kept_spectrum(grid, Conductor(material, velocity), (0.0, settled), (1.0, 1.0))
+    return _unfilled(grid).with_spectrum(spectrum)
+
+
+@functools.lru_cache(maxsize=2)
+def _unfilled(grid: Grid) -> Convolution:
+    """A map whose buffers all bodies on a grid share."""
+    mx, my = padded_shape(grid)
+    return Convolution(grid, np.zeros((mx, my // 2 + 1)))
+
+
+def forget_conductors() -> None:
+    """Free the thermal maps that are kept for the next steps."""
+    _unfilled.cache_clear()
+    forget_spectra()

@@ -1,0 +1,218 @@
+"""Laws that every result obeys, checked on every result.
+
+A solver may be wrong in ways that it does not notice. So what it returns is held against laws
+that do not depend on how it was found:
+
+=====================  ===========================================================================
+load balance           Σp·dA is the load
+pressure bounds        0 ≤ p ≤ H
+complementarity        gap and pressure exclude each other as far as the tolerance asks
+wear balance           the worn volume grows by k·∫F dS, and nowhere does the pin grow back
+heat balance           what flows into both bodies is the frictional heat, and none flows elsewhere
+common temperature     both surfaces are equally warm as far as the tolerance asks
+finite                 no field holds NaN or inf
+=====================  ===========================================================================
+
+A law that is broken raises `InvariantError`, which names the law, the numbers and the limit. The
+checks take a few passes over the fields, a hundredth of what a step costs.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tribo.errors import InvariantError, RangeError
+from tribo.thermal.partition import HeatPartition
+
+__all__ = ["check_contact", "check_heat", "check_wear", "within_range"]
+
+Array = NDArray[np.float64]
+
+# Sums over a million nodes lose less than 1e-13, and the contact solver allows itself 1e-12.
+_BALANCE = 1e-10
+_NO_HEAT = 1e-200  # W/m² in all, which warms nothing by a number that double precision holds
+_QUIET = np.errstate(over="ignore", invalid="ignore")  # what is not finite is named by the check
+
+
+@_QUIET
+def check_contact(
+    pressure: Array,
+    normal_load: float,
+    element_area: float,
+    hardness: float,
+    residual: float,
+    tolerance: float,
+) -> None:
+    """Load balance, pressure bounds and complementarity of a contact.
+
+    Parameters
+    ----------
+    pressure : ndarray, shape (nx, ny)
+        [Pa].
+    normal_load : float
+        On the whole pin [N].
+    element_area : float
+        Area that an element stands for, on the whole pin [m²].
+    hardness : float
+        [Pa].
+    residual, tolerance : float
+        Violation of the conditions on the gap, and how much of it is allowed.
+
+    Raises
+    ------
+    InvariantError
+
+    Examples
+    --------
+    >>> p = np.array([[1e9, 0.0]])
+    >>> check_contact(p, normal_load=1e-3, element_area=1e-12, hardness=2e9,
+    ...               residual=1e-9, tolerance=1e-8)
+    >>> check_contact(p, normal_load=2e-3, element_area=1e-12, hardness=2e9,
+    ...               residual=1e-9, tolerance=1e-8)
+    Traceback (most recent call last):
+        ...
+    tribo.errors.InvariantError: load balance: the pressure carries 0.001 N, the load is 0.002 N
+    """
+    carried = float(pressure.sum()) * element_area
+    _require_finite("pressure", carried, pressure)
+    if not abs(carried - normal_load) <= _BALANCE * normal_load:
+        raise InvariantError(
+            f"load balance: the pressure carries {carried:.12g} N, the load is {normal_load:.12g} N"
+        )
+    lowest, highest = float(pressure.min()), float(pressure.max())
+    if not 0 <= lowest <= highest <= hardness:
+        raise InvariantError(
+            f"pressure bounds: pressures from {lowest:.12g} to {highest:.12g} Pa; they must lie "
+            f"between 0 and the hardness of {hardness:.12g} Pa"
+        )
+    if not residual <= tolerance:
+        raise InvariantError(
+            f"complementarity: the conditions on the gap are violated by {residual:.2e}, "
+            f"allowed are {tolerance:.2e}"
+        )
+
+
+@_QUIET
+def check_wear(before: Array, after: Array, area: float, volume: float) -> None:
+    """Wear balance of a step.
+
+    Parameters
+    ----------
+    before, after : ndarray, shape (nx, ny)
+        Worn depth [m].
+    area : float
+        That an element stands for, on the whole pin [m²].
+    volume : float
+        k·∫F dS over the step, F on the whole pin [m³].
+
+    Raises
+    ------
+    InvariantError
+
+    Examples
+    --------
+    >>> h = np.array([[1e-9, 3e-9]])
+    >>> check_wear(h, 2 * h, area=1e-12, volume=4e-21)
+    >>> check_wear(h, 2 * h, area=1e-12, volume=5e-21)
+    Traceback (most recent call last):
+        ...
+    tribo.errors.InvariantError: wear balance: the pin has lost 4e-21 m³, k·∫F dS is 5e-21 m³
+    """
+    total = float(after.sum())
+    _require_finite("wear depth", total, after)
+    grown = after - before
+    lost = float(grown.sum()) * area
+    # The difference of two depths has the digits of the depths.
+    digits = (1e-14 * total + after.size * float(np.finfo(np.float64).tiny)) * area
+    if not abs(lost - volume) <= _BALANCE * volume + digits:
+        raise InvariantError(
+            f"wear balance: the pin has lost {lost:.12g} m³, k·∫F dS is {volume:.12g} m³"
+        )
+    if float(grown.min()) < 0:
+        raise InvariantError(
+            f"wear balance: the pin has grown back by {-float(grown.min()):.12g} m somewhere"
+        )
+
+
+@_QUIET
+def check_heat(
+    heat_flux: Array,
+    contact: NDArray[np.bool_],
+    split: HeatPartition,
+    tolerance: float,
+) -> None:
+    """Heat balance and common temperature of a contact.
+
+    Parameters
+    ----------
+    heat_flux : ndarray, shape (nx, ny)
+        Frictional heat [W/m²].
+    contact : ndarray of bool, shape (nx, ny)
+    split : HeatPartition
+    tolerance : float
+        Difference of the surface temperatures that is allowed, relative as in
+        `HeatPartition.residual`; infinite for a partition that does not make them equal.
+
+    Raises
+    ------
+    InvariantError
+    """
+    _require_finite("rise", float(split.rise.sum()), split.rise)
+    made = float(heat_flux.sum())
+    into_pin = float(split.pin_flux.sum())
+    _require_finite("pin flux", into_pin, split.pin_flux)
+    on_contact = split.pin_flux[contact]
+    size = float(np.abs(on_contact).sum())
+    astray = np.count_nonzero(split.pin_flux) - np.count_nonzero(on_contact)
+    if astray:
+        raise InvariantError(f"heat balance: heat flows at {astray} nodes outside the contact")
+    if not made > _NO_HEAT:
+        return
+    into_disk = (1 - split.pin_share) * made
+    if not abs(into_pin + into_disk - made) <= _BALANCE * (made + size):
+        raise InvariantError(
+            f"heat balance: {into_pin:.12g} flows into the pin and {into_disk:.12g} into the "
+            f"disk, {made:.12g} is made by friction"
+        )
+    if not split.residual <= tolerance:
+        raise InvariantError(
+            f"common temperature: the surfaces differ by {split.residual:.2e} of their rise, "
+            f"allowed are {tolerance:.2e}"
+        )
+
+
+@contextmanager
+def within_range(what: str) -> Iterator[None]:
+    """Turn a number beyond double precision into a `RangeError` that says during what.
+
+    Examples
+    --------
+    >>> with within_range("the step to 75 N"):
+    ...     np.float64(1e200) * 1e200
+    Traceback (most recent call last):
+        ...
+    tribo.errors.RangeError: the step to 75 N: overflow encountered in scalar multiply; a value of \
+the scene is too large or too small for double precision
+    """
+    try:
+        with np.errstate(over="raise", divide="raise", invalid="raise", under="ignore"):
+            yield
+    except (FloatingPointError, OverflowError, ZeroDivisionError) as error:
+        raise RangeError(
+            f"{what}: {error.args[-1]}; a value of the scene is too large or too small for double "
+            "precision"
+        ) from error
+
+
+def _require_finite(name: str, total: float, field: Array) -> None:
+    """Raise for a field whose sum is not finite, with the first place that is to blame."""
+    if math.isfinite(total):
+        return
+    bad = np.argwhere(~np.isfinite(field))
+    where = f"at {tuple(bad[0].tolist())}, counted from 0" if bad.size else "in its sum"
+    raise InvariantError(f"finite: the {name} holds NaN or inf {where}")

@@ -1,0 +1,97 @@
+"""The contact at one moment of a simulation."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tribo.thermal.duhamel import HeatHistory
+
+__all__ = ["Heat", "State"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Heat:
+    """Temperature of the contact, per unit friction coefficient.
+
+    Attributes
+    ----------
+    rise : ndarray, shape (nx, ny)
+        Of the pin's surface above bulk [K].
+    rise_quantile : ndarray, shape (len(QUANTILES),)
+        Of the rise over the contact area [K].
+    max_rise, mean_rise : float
+        Over the contact area [K].
+    pin_heat_share : float
+        Share of the friction heat that goes into the pin.
+    iterations : int
+        Of the heat partition, each one convolution.
+    """
+
+    rise: Array
+    rise_quantile: Array
+    max_rise: float
+    mean_rise: float
+    pin_heat_share: float
+    iterations: int = 0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class State:
+    """The contact at one moment of the loading.
+
+    Attributes
+    ----------
+    pressure : ndarray, shape (nx, ny)
+        [Pa].
+    wear_depth : ndarray, shape (nx, ny)
+        Lost by the pin since the start [m].
+    normal_load : float
+        On the whole pin [N].
+    time : float
+        Since the start [s].
+    sliding_distance : float
+        Since the start [m].
+    on_trunk : bool
+        Whether the simulation of a higher load passes through this state.
+    iterations : int
+        Convolutions that the contact took, on all grids.
+    work : int
+        Those convolutions times the elements of their grids.
+    residual : float
+        Of the contact.
+    previous_pressure : ndarray, shape (nx, ny)
+        One station before [Pa]; the next pressure is extrapolated from it.
+    previous_load : float
+        The load at that station [N].
+    displacement, previous_displacement : ndarray, shape (nx, ny), or None
+        Elastic ones under both pressures [m], from the datum of the solid, where they are known.
+    heat : Heat or None
+        Where the temperature was asked for.
+    history : State or None
+        The same moment on the coarser grid of the history, where there is one; it is from there
+        that the ramp goes on.
+    heat_history : HeatHistory or None
+        Heat that has flowed so far, where the temperature depends on it.
+    """
+
+    pressure: Array
+    wear_depth: Array
+    normal_load: float
+    time: float
+    sliding_distance: float
+    on_trunk: bool
+    iterations: int
+    residual: float
+    previous_pressure: Array
+    previous_load: float
+    displacement: Array | None = None
+    previous_displacement: Array | None = None
+    work: int = 0
+    heat: Heat | None = None
+    history: State | None = None
+    heat_history: HeatHistory | None = None

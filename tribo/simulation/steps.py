@@ -1,0 +1,359 @@
+"""One point of the diagram: a loading at constant velocity, with wear and friction heat."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tribo.contact.elasticity import ElasticHalfSpace
+from tribo.contact.solver import solve_contact
+from tribo.errors import InputError, require_positive
+from tribo.loading.ramp import Station
+from tribo.material import contact_modulus
+from tribo.simulation.heating import forget_conductors, heat, heated_since
+from tribo.simulation.invariants import check_contact, check_wear, within_range
+from tribo.simulation.scene import Scene
+from tribo.simulation.state import State
+from tribo.thermal.duhamel import HeatHistory
+from tribo.wear import EXPLICIT_LIMIT, WEAR_SCHEMES
+
+__all__ = ["advance", "forget_kernels", "measures", "simulate", "start", "warnings"]
+
+Array = NDArray[np.float64]
+
+_FARTHEST = 2.0  # steps of the load over which its last step is extrapolated
+
+
+def simulate(
+    scene: Scene, normal_load: float, velocity: float, trunk: State | None = None
+) -> Iterator[State]:
+    """Bring the load up to `normal_load` at constant `velocity`, and through its hold.
+
+    Parameters
+    ----------
+    scene : Scene
+    normal_load : float
+        On the whole pin at the end [N].
+    velocity : float
+        Of the disk along +x [m/s].
+    trunk : State, optional
+        A state on the trunk of a lower load at the same velocity, from which to go on; the
+        result is the same as from the start, bit for bit.
+
+    Yields
+    ------
+    State
+        After every step. The one that reaches `normal_load` and the last one have their
+        temperature, besides those that the fidelity asks for.
+
+    Raises
+    ------
+    InputError
+        If the load is not positive, exceeds what the hardness carries, or the velocity is not
+        finite.
+    ConvergenceError
+        If a contact or a heat partition does not reach its tolerance.
+    """
+    if not np.isfinite(velocity):
+        raise InputError(f"velocity is {velocity!r}; it must be finite")
+    require_positive(normal_load=normal_load)
+    capacity = scene.hardness * scene.grid.area * scene.pin.patches(scene.grid)
+    if normal_load > capacity * (1 + 1e-12):
+        raise InputError(
+            f"normal_load is {normal_load:g} N; the window carries at most {capacity:g} N, its "
+            f"area times the hardness of {scene.hardness:g} Pa"
+        )
+    state = start(scene) if trunk is None else trunk
+    if not state.on_trunk or state.normal_load >= normal_load:
+        raise InputError(
+            f"cannot go on to {normal_load:g} N from the state at {state.normal_load:g} N; "
+            "it must lie on the trunk, at a lower load"
+        )
+    if scene.remembers_heat != (state.heat_history is not None):
+        heat_model = scene.fidelity.heat_model
+        raise InputError(f"heat model {heat_model!r} cannot go on from a state of the other one")
+    interval = scene.fidelity.temperature_interval
+    levels = _levels(scene)
+    stations = list(scene.stations(normal_load, after=state.normal_load))
+    for station in stations:
+        before, state = state, advance(levels[0], state, station, velocity)
+        reached = station.normal_load == normal_load and not station.holding
+        asked = reached or station is stations[-1] or (interval and station.index % interval == 0)
+        if asked and state.heat is None and state.pressure.any():
+            refined = _refined(levels, before, state, station, velocity)
+            yield replace(refined, heat=heat(scene, refined, velocity))
+        else:
+            yield state
+
+
+def start(scene: Scene) -> State:
+    """The unloaded, unworn state."""
+    zero = np.zeros(_levels(scene)[0].grid.shape)
+    return State(
+        pressure=zero,
+        wear_depth=zero,
+        normal_load=0.0,
+        time=0.0,
+        sliding_distance=0.0,
+        on_trunk=True,
+        iterations=0,
+        residual=0.0,
+        previous_pressure=zero,
+        previous_load=0.0,
+        heat_history=HeatHistory() if scene.remembers_heat else None,
+    )
+
+
+@within_range("a step of the loading")
+def advance(
+    scene: Scene, state: State, station: Station, velocity: float, guess: Array | None = None
+) -> State:
+    """Slide and load until `station`, wearing the pin by the scheme of the fidelity.
+
+    Parameters
+    ----------
+    scene : Scene
+    state : State
+        At an earlier time.
+    station : Station
+    velocity : float
+        [m/s].
+    guess : ndarray, shape (nx, ny), optional
+        Of the pressure [Pa]; extrapolated from the last two states if not given.
+
+    Returns
+    -------
+    State
+        With its temperature where that depends on the earlier ones, else without.
+    """
+    solid, separation = _bodies(scene)
+    fidelity, wear = scene.fidelity, scene.wear
+    scheme = WEAR_SCHEMES[fidelity.wear_scheme if wear else "implicit"]
+    distance = abs(velocity) * (station.time - state.time)
+    if wear:
+        solid = wear.yielding(solid, scheme.implicitness * distance)
+    grid = solid.grid
+    patches, area = scene.pin.patches(grid), grid.element_area
+    by_gap = fidelity.contact_criterion == "gap"
+    wear_depth, iterations, residual, force = state.wear_depth, 0, 0.0, 0.0
+    for fraction, weight in zip(scheme.fractions, scheme.weights, strict=True):
+        normal_load = (1 - fraction) * state.normal_load + fraction * station.normal_load
+        initial, displacement = (
+            _extrapolated(state, normal_load) if guess is None else (guess, None)
+        )
+        if wear and displacement is not None and initial is not None:
+            displacement += wear.depth(initial, scheme.implicitness * distance)
+        shape = separation + wear_depth
+        contact = solve_contact(
+            solid,
+            shape,
+            normal_load / patches,
+            hardness=scene.hardness,
+            tolerance=fidelity.contact_tolerance,
+            criterion=fidelity.contact_criterion,
+            initial_pressure=initial,
+            initial_displacement=displacement,
+        )
+        iterations, residual = iterations + contact.iterations, max(residual, contact.residual)
+        force += weight * normal_load
+        check_contact(
+            contact.pressure,
+            normal_load,
+            area * patches,
+            scene.hardness,
+            contact.residual,
+            fidelity.contact_tolerance if by_gap else np.inf,
+        )
+        displacement = contact.gap + contact.approach - shape
+        if wear:
+            depth = wear.depth(contact.pressure, distance)
+            displacement -= scheme.implicitness * depth
+            wear_depth = wear_depth + weight * depth
+    if wear:
+        volume = wear.specific_wear_rate * force * distance
+        check_wear(state.wear_depth, wear_depth, area * patches, volume)
+    advanced = State(
+        pressure=contact.pressure,
+        wear_depth=wear_depth,
+        normal_load=station.normal_load,
+        time=station.time,
+        sliding_distance=state.sliding_distance + distance,
+        on_trunk=station.on_trunk,
+        iterations=iterations,
+        work=iterations * contact.pressure.size,
+        residual=residual,
+        previous_pressure=state.pressure,
+        previous_load=state.normal_load,
+        displacement=displacement,
+        previous_displacement=state.displacement,
+    )
+    if state.heat_history is None:
+        return advanced
+    return heated_since(scene, state.heat_history, advanced, velocity)
+
+
+def measures(scene: Scene, state: State) -> dict[str, float]:
+    """What is kept of a state at every step, by the name of its variable in the dataset.
+
+    Returns
+    -------
+    dict
+        ``time`` [s], ``normal_load`` [N], ``sliding_distance`` [m], ``contact_fraction`` (of the
+        window), ``contact_width`` (between the outermost elements in contact along x) [m],
+        ``max_pressure`` and ``mean_pressure`` (over the contact) [Pa], ``saturated_fraction``
+        (of the contact, at the hardness), ``wear_depth_max`` [m], ``wear_volume`` (of the whole
+        pin) [m³], ``iterations`` and ``residual`` of the contact; ``max_rise``, ``mean_rise`` [K]
+        and ``pin_heat_share``, NaN where the temperature was not asked for.
+    """
+    pressure, patch = state.pressure, scene.grid  # as large on the grid of the history
+    pin_area = patch.area * scene.pin.patches(patch)
+    contact = pressure > 0
+    nodes = int(np.count_nonzero(contact))
+    rows = np.flatnonzero(contact.any(axis=1))
+    width = int(rows[-1] - rows[0]) + 1 if nodes else 0
+    return {
+        "time": state.time,
+        "normal_load": state.normal_load,
+        "sliding_distance": state.sliding_distance,
+        "contact_fraction": nodes / pressure.size,
+        "contact_width": width / len(pressure) * patch.size[0],
+        "max_pressure": float(pressure.max()),
+        "mean_pressure": float(pressure.sum()) / max(nodes, 1),
+        "saturated_fraction": np.count_nonzero(pressure >= scene.hardness) / max(nodes, 1),
+        "wear_depth_max": float(state.wear_depth.max()),
+        "wear_volume": float(state.wear_depth.mean()) * pin_area,
+        "iterations": float(state.iterations),
+        "residual": state.residual,
+        "max_rise": state.heat.max_rise if state.heat else np.nan,
+        "mean_rise": state.heat.mean_rise if state.heat else np.nan,
+        "pin_heat_share": state.heat.pin_heat_share if state.heat else np.nan,
+    }
+
+
+def warnings(scene: Scene, state: State) -> list[str]:
+    """What a user should know about a state before relying on it."""
+    found = _unstable_wear(scene, state)
+    touched = [
+        f"{name} edge"
+        for name, axis in (("x", 0), ("y", 1))
+        if not scene.grid.periodic[axis] and np.take(state.pressure, (0, -1), axis=axis).any()
+    ]
+    if touched:
+        found.append(
+            f"contact touches the window's {' and '.join(touched)} at {state.normal_load:g} N; "
+            "a wider window would carry load there too"
+        )
+    return found
+
+
+def _unstable_wear(scene: Scene, state: State) -> list[str]:
+    """Where steps so far have been too long for explicit wear, and how many would do."""
+    fidelity = scene.fidelity
+    if not scene.wear or fidelity.wear_scheme != "explicit" or not state.normal_load:
+        return []
+    solid, _ = _bodies(scene)
+    velocity = state.sliding_distance / state.time
+    stations = [
+        station
+        for station in scene.loading.stations(state.normal_load, fidelity.increments)
+        if station.time <= state.time
+    ]
+    times = [0.0, *(station.time for station in stations)]
+    found = []
+    for holding, name in ((False, "increments"), (True, "steps of the hold")):
+        lengths = [
+            station.time - before
+            for before, station in zip(times, stations, strict=False)
+            if station.holding == holding
+        ]
+        stiffness = scene.wear.stiffness(solid, velocity * max(lengths, default=0.0))
+        if stiffness >= EXPLICIT_LIMIT:
+            count = len(lengths) if holding else fidelity.increments
+            found.append(
+                f"explicit wear is unstable: k·dS is {stiffness:.1f} times the smallest compliance "
+                f"of the grid, the limit is {EXPLICIT_LIMIT:g}; take at least "
+                f"{int(count * stiffness / EXPLICIT_LIMIT) + 1} {name}, or another wear scheme"
+            )
+    return found
+
+
+def _refined(
+    levels: tuple[Scene, ...], before: State, after: State, station: Station, velocity: float
+) -> State:
+    """Repeat the step from `before` to `after` on ever finer grids, each begun with the last."""
+    state = after
+    for scene in levels[1:]:
+        on_grid = replace(
+            before,
+            pressure=_prolonged(before.pressure, scene.grid.shape),
+            wear_depth=_prolonged_along_x(before.wear_depth, scene.grid.shape),
+            previous_pressure=_prolonged(before.previous_pressure, scene.grid.shape),
+        )
+        guess = _prolonged(state.pressure, scene.grid.shape)
+        finer = advance(scene, on_grid, station, velocity, guess)
+        state = replace(
+            finer,
+            iterations=state.iterations + finer.iterations,
+            work=state.work + finer.work,
+            history=after,
+        )
+    return state
+
+
+def _prolonged(field: Array, shape: tuple[int, int]) -> Array:
+    """A field on finer elements, each with the value of the one that it was part of."""
+    for axis, n in enumerate(shape):
+        field = np.repeat(field, n // field.shape[axis], axis)
+    return field
+
+
+def _prolonged_along_x(wear_depth: Array, shape: tuple[int, int]) -> Array:
+    """Swept wear on finer elements: linear along x, and uniform along y."""
+    at, known = ((np.arange(n) + 0.5) / n for n in (shape[0], len(wear_depth)))
+    profile = np.interp(at, known, wear_depth[:, 0])
+    return np.repeat(profile[:, None], shape[1], axis=1)
+
+
+def _extrapolated(state: State, normal_load: float) -> tuple[Array | None, Array | None]:
+    """Pressure and elastic displacement at the next load, linear through the last two states.
+
+    The pressure as it is where the load has hardly changed before, as in a hold.
+    """
+    if state.normal_load == 0.0:
+        return None, None
+    change, before = normal_load - state.normal_load, state.normal_load - state.previous_load
+    if state.previous_load == 0.0 or abs(change) >= _FARTHEST * abs(before):
+        return state.pressure, None
+    ratio = change / before
+    pressure = state.pressure + ratio * (state.pressure - state.previous_pressure)
+    if state.displacement is None or state.previous_displacement is None:
+        return pressure, None
+    rise = state.displacement - state.previous_displacement
+    return pressure, state.displacement + ratio * rise
+
+
+def forget_kernels() -> None:
+    """Free what simulations keep for the next ones of the same scene."""
+    _levels.cache_clear()
+    _bodies.cache_clear()
+    forget_conductors()
+
+
+@functools.lru_cache(maxsize=4)
+def _levels(scene: Scene) -> tuple[Scene, ...]:
+    """The scene on the grid of its history, and on ever finer ones up to its own."""
+    return tuple(scene.levels())
+
+
+@functools.lru_cache(maxsize=8)
+def _bodies(scene: Scene) -> tuple[ElasticHalfSpace, Array]:
+    """The elastic map and the undeformed separation, which no step changes."""
+    modulus = contact_modulus(scene.pin.material, scene.disk)
+    solid = ElasticHalfSpace(scene.grid, modulus, scene.fidelity.kernel)
+    if scene.fidelity.precision == "single":
+        solid = solid.in_single_precision()
+    return solid, scene.separation()

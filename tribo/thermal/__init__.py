@@ -1,0 +1,1 @@
+"""Flash temperature, heat partition, and the temperature over the contact."""

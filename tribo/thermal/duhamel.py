@@ -1,0 +1,211 @@
+"""Heat partition that remembers all heat that has flowed before (Duhamel's principle).
+
+Between stations the flux qᵢ into each body changes linearly with time, so that at time tⁿ
+
+    Tᵢ = Bᵢ⁰ qᵢⁿ + Hᵢ,   Hᵢ = Σ_{m<n} Bᵢᵐ qᵢᵐ,                                            (1)
+
+where Bᵢᵐ is the rise now due to a flux that grew from 0 to 1 before tᵐ and fell to 0 after it,
+and Bᵢ⁰ the rise due to one that has grown since the last station. One temperature on the contact
+is then, in place of Eq. (1) of `partition`,
+
+    (B₁⁰ + B₂⁰) q₁ⁿ = B₂⁰ qⁿ + H₂ − H₁ + ΔT_b.                                              (2)
+
+Bᵢᵐ depends on the ages of the stations alone. So for steps of equal length it is computed once
+for each number of steps passed, and Hᵢ is summed in Fourier space with one transform back. After
+a few steps only the lowest waves along a periodic axis are left of a flux, and of what moves
+nothing at all; no more is kept of it.
+"""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from collections.abc import Hashable
+from dataclasses import dataclass, replace
+from typing import Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tribo.convolution import Convolution, padded_shape
+from tribo.grid import Grid
+from tribo.material import Material
+from tribo.thermal.conduction import flux_history_spectrum
+from tribo.thermal.partition import HeatPartition, partition_heat
+
+__all__ = [
+    "Conductor",
+    "HeatHistory",
+    "forget_spectra",
+    "kept_spectrum",
+    "partition_with_history",
+]
+
+Array = NDArray[np.float64]
+Spectrum = NDArray[np.inexact]
+
+_KEPT_BYTES = 2**28
+_AGE_DIGITS = 9  # to which ages are rounded, so that equal steps make equal ages
+
+
+class Conductor(NamedTuple):
+    """An insulated half-space that moves at a velocity along x [m/s]."""
+
+    material: Material
+    velocity: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class HeatHistory:
+    """Heat that has flowed into both bodies, linear in time between stations.
+
+    Attributes
+    ----------
+    times : tuple of float
+        0, when all flux was 0, and the stations since [s].
+    pin_flux, disk_flux : tuple of ndarray, shape (mx, c)
+        For each station the transform of the flux [W/m²]: the columns that still act.
+    """
+
+    times: tuple[float, ...] = (0.0,)
+    pin_flux: tuple[Spectrum, ...] = ()
+    disk_flux: tuple[Spectrum, ...] = ()
+
+
+def partition_with_history(
+    grid: Grid,
+    pin: Conductor,
+    disk: Conductor,
+    history: HeatHistory,
+    time: float,
+    heat_flux: Array,
+    contact: NDArray[np.bool_],
+    method: Literal["local", "direct", "uniform"] = "local",
+    tolerance: float = 1e-8,
+    bulk_difference: ArrayLike = 0.0,
+) -> tuple[HeatPartition, HeatHistory]:
+    """Divide the present frictional heat, given all that has flowed before.
+
+    Parameters
+    ----------
+    grid : Grid
+        Of all fields, at rest relative to the heat sources.
+    pin, disk : Conductor
+    history : HeatHistory
+        Up to an earlier time.
+    time : float
+        Now [s], since the first heat.
+    heat_flux, contact, method, tolerance, bulk_difference
+        Those of `tribo.partition_heat`.
+
+    Returns
+    -------
+    HeatPartition
+        Its rise includes what is left of earlier heat.
+    HeatHistory
+        Up to now.
+
+    Examples
+    --------
+    A plane under a flux that grows with time, in four steps or in one: 2/3 of what the final flux
+    gives if it acts all the time, and half of it flows into each body.
+
+    >>> steel = Material(210e9, 0.3, 45.0, 7800.0, 470.0)
+    >>> plane = Grid((2, 2), (1e-6, 1e-6), periodic=(True, True))
+    >>> body, history, everywhere = Conductor(steel, 0.0), HeatHistory(), np.ones((2, 2), bool)
+    >>> for time in (0.5, 1.0, 1.5, 2.0):
+    ...     flux = np.full((2, 2), 1e6 * time)
+    ...     split, history = partition_with_history(
+    ...         plane, body, body, history, time, flux, everywhere)
+    >>> from tribo.analytic import uniform_flux_rise
+    >>> print(f"{split.rise[0, 0] / uniform_flux_rise(1e6, 2.0, steel.thermal_effusivity):.9f}")
+    0.666666667
+    """
+    (pin_past, pin_kept), (disk_past, disk_kept) = (
+        _past_rise(grid, body, history.times, time, fluxes)
+        for body, fluxes in ((pin, history.pin_flux), (disk, history.disk_flux))
+    )
+    step = _age(time - history.times[-1])
+    present_pin, present_disk = (
+        Convolution(grid, _SPECTRA(grid, body, (0.0, step), (1.0, 0.0))) for body in (pin, disk)
+    )
+    split = partition_heat(
+        present_pin,
+        present_disk,
+        heat_flux,
+        contact,
+        method=method,
+        tolerance=tolerance,
+        bulk_difference=disk_past - pin_past + np.asarray(bulk_difference, dtype=float),
+    )
+    pin_flux, disk_flux = (
+        np.fft.rfft2(flux, s=padded_shape(grid))
+        for flux in (split.pin_flux, heat_flux - split.pin_flux)
+    )
+    return (
+        replace(split, rise=split.rise + pin_past),
+        HeatHistory((*history.times, time), (*pin_kept, pin_flux), (*disk_kept, disk_flux)),
+    )
+
+
+def _past_rise(
+    grid: Grid, body: Conductor, times: tuple[float, ...], now: float, fluxes: tuple[Spectrum, ...]
+) -> tuple[Array, list[Spectrum]]:
+    """Rise that is left of earlier fluxes, and as much of those as can still act later."""
+    mx, my = padded_shape(grid)
+    total = np.zeros((mx, my // 2 + 1), dtype=complex)
+    kept = []
+    ages = [_age(now - time) for time in times] + [0.0]
+    for old, middle, young, flux in zip(ages, ages[1:], ages[2:], fluxes, strict=False):
+        if flux.shape[1]:
+            influence = _SPECTRA(grid, body, (young, middle, old), (0.0, 1.0, 0.0))
+            left = min(flux.shape[1], influence.shape[1])
+            total[:, :left] += influence[:, :left] * flux[:, :left]
+            flux = flux[:, :left].copy() if left < flux.shape[1] else flux
+        kept.append(flux)
+    rise = np.fft.irfft2(total, s=(mx, my))[: grid.shape[0], : grid.shape[1]]
+    return rise, kept
+
+
+def _age(time: float) -> float:
+    return float(f"{time:.{_AGE_DIGITS}g}")
+
+
+def kept_spectrum(
+    grid: Grid, body: Conductor, ages: tuple[float, ...], strengths: tuple[float, ...]
+) -> Spectrum:
+    """`flux_history_spectrum`, computed once as long as there is room for it."""
+    return _SPECTRA(grid, body, ages, strengths)
+
+
+def forget_spectra() -> None:
+    """Free the spectra of fluxes that are kept for the next steps."""
+    _SPECTRA.clear()
+
+
+class _Spectra:
+    """Spectra of fluxes by what they depend on; those used last are kept, up to a size."""
+
+    def __init__(self, bytes_kept: int) -> None:
+        self._limit, self._bytes = bytes_kept, 0
+        self._kept: OrderedDict[Hashable, Spectrum] = OrderedDict()
+
+    def clear(self) -> None:
+        self._bytes = 0
+        self._kept.clear()
+
+    def __call__(
+        self, grid: Grid, body: Conductor, ages: tuple[float, ...], strengths: tuple[float, ...]
+    ) -> Spectrum:
+        key = grid, body, ages, strengths
+        if key in self._kept:
+            self._kept.move_to_end(key)
+            return self._kept[key]
+        spectrum = flux_history_spectrum(grid, *body, ages, strengths)
+        self._kept[key] = spectrum
+        self._bytes += spectrum.nbytes
+        while self._bytes > self._limit and len(self._kept) > 1:
+            self._bytes -= self._kept.popitem(last=False)[1].nbytes
+        return spectrum
+
+
+_SPECTRA = _Spectra(_KEPT_BYTES)
