@@ -1,0 +1,43 @@
+"""The import rules of pyproject.toml, each broken on purpose in a copy."""
+
+import re
+import shutil
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+VIOLATIONS = {
+    "Imports run downwards": ("tribo/contact/solver.py", "import tribo.wear"),
+    "No circles": ("tribo/contact/elasticity.py", "import tribo.contact.solver"),
+    "Closed forms import no solver": ("tribo/analytic.py", "import tribo.stencil"),
+    "Only pipeline.store knows zarr": ("pipeline/analysis/band.py", "import zarr"),
+    "Only pipeline.run knows dask": ("pipeline/store/lock.py", "import distributed"),
+}
+
+
+def test_every_contract_is_tried():
+    settings = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["importlinter"]
+    assert {contract["name"] for contract in settings["contracts"]} == set(VIOLATIONS)
+
+
+@pytest.mark.parametrize("name", VIOLATIONS)
+def test_a_violation_breaks_its_contract(name, tmp_path):
+    shutil.copy(ROOT / "pyproject.toml", tmp_path)
+    for package in ("tribo", "pipeline"):
+        shutil.copytree(ROOT / package, tmp_path / package)
+    file, statement = VIOLATIONS[name]
+    with (tmp_path / file).open("a") as module:
+        module.write(f"\n{statement}\n")
+    done = subprocess.run(
+        [sys.executable, "-c", "from importlinter.cli import lint_imports_command as c; c()"],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 1
+    assert re.search(rf"^{name} BROKEN$", done.stdout, re.MULTILINE)
