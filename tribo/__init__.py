@@ -4,6 +4,7 @@ from tribo.contact.elasticity import ElasticHalfSpace, elastic_influence
 from tribo.contact.solver import ContactSolution, solve_contact
 from tribo.convolution import Convolution
 from tribo.errors import ConvergenceError, InputError, InvariantError, RangeError, TriboError
+from tribo.files import read_heights, read_load
 from tribo.grid import Grid
 from tribo.inverse import (
     AISI_316,
@@ -16,7 +17,7 @@ from tribo.inverse import (
     specific_wear_rate,
 )
 from tribo.loading.ramp import Ramp, Station
-from tribo.loading.record import MeasuredLoad, read_load
+from tribo.loading.record import MeasuredLoad
 from tribo.material import Material, contact_modulus
 from tribo.simulation.fidelity import PRESETS, Fidelity
 from tribo.simulation.heating import heat
@@ -30,7 +31,6 @@ from tribo.thermal.quantiles import QUANTILES, contact_quantiles, failed_share
 from tribo.topography import (
     average_roughness,
     block_average,
-    read_heights,
     rms_height,
     rms_slope,
     self_affine,

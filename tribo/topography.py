@@ -5,11 +5,6 @@ Heights are positive towards the other body.
 
 from __future__ import annotations
 
-import csv
-import tokenize
-from pathlib import Path
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -20,16 +15,12 @@ __all__ = [
     "average_roughness",
     "block_average",
     "block_sample",
-    "read_heights",
     "rms_height",
     "rms_slope",
     "self_affine",
 ]
 
 Array = NDArray[np.float64]
-
-LARGEST_SURFACE = 10**8
-"""Heights of a file that `read_heights` reads at most; 0.8 GB."""
 
 
 def self_affine(
@@ -80,103 +71,6 @@ def self_affine(
     heights = np.fft.irfft2(np.fft.rfft2(noise) * amplitude, s=grid.shape)
     scaled: Array = heights * (ra / average_roughness(heights))
     return scaled
-
-
-def read_heights(path: str | Path, unit: float = 1.0) -> Array:
-    """Heights [m] of a measured surface from ``.npy`` or comma-separated ``.csv``.
-
-    Parameters
-    ----------
-    path : str or Path
-        A two-dimensional array: one row for each x, one column for each y.
-    unit : float
-        What one unit of the file is worth [m].
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read, is not a two-dimensional array of numbers, or holds NaN or
-        inf; the message says where.
-    """
-    path = Path(path)
-    require_positive(unit=unit)
-    try:
-        match path.suffix.lower():
-            case ".npy":
-                heights = _read_npy(path)
-            case ".csv":
-                heights = _read_csv(path)
-            case suffix:
-                raise InputError(f"{path}: format {suffix!r} is not known; use .npy or .csv")
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read: {error.strerror or error}") from error
-    except (ValueError, EOFError, csv.Error, tokenize.TokenError) as error:
-        if isinstance(error, InputError):
-            raise
-        raise InputError(f"{path}: not a plain array of numbers: {error}") from error
-    if heights.ndim != 2 or heights.size == 0 or heights.dtype.kind not in "fiu":
-        raise InputError(
-            f"{path}: an array of shape {heights.shape} and type {heights.dtype}; "
-            "needed are two-dimensional real numbers, rows along x and columns along y"
-        )
-    with np.errstate(over="ignore"):
-        scaled: Array = heights.astype(np.float64) * unit
-    bad = np.argwhere(~np.isfinite(scaled))
-    if bad.size:
-        row, column = bad[0].tolist()
-        raise InputError(
-            f"{path}: {len(bad)} of {heights.size} heights are not finite, the first at "
-            f"row {row}, column {column} (counted from 0); fill or crop them before"
-        )
-    return scaled
-
-
-def _read_npy(path: Path) -> NDArray[Any]:
-    """The array of the file, unless it is a packed archive, or too large to be a surface."""
-    with path.open("rb") as file:
-        magic = file.read(len(np.lib.format.MAGIC_PREFIX))
-    if magic != np.lib.format.MAGIC_PREFIX:
-        raise ValueError("the file does not begin as NumPy writes arrays")
-    if path.stat().st_size > 2 * 8 * LARGEST_SURFACE:
-        raise _too_large(path, f"{path.stat().st_size / 2**30:.1f} GiB")
-    try:
-        array: NDArray[Any] = np.load(path, allow_pickle=False)
-    except MemoryError as error:
-        raise ValueError(f"its header asks for more than there is memory: {error}") from error
-    if array.size > LARGEST_SURFACE:
-        raise _too_large(path, f"{array.size} heights")
-    return array
-
-
-def _read_csv(path: Path) -> Array:
-    """Rows of numbers; the error names the line."""
-    rows: list[Array] = []
-    count = 0
-    with path.open(newline="", encoding="utf-8-sig") as file:
-        reader = csv.reader(file)
-        for cells in reader:
-            if not cells:
-                continue
-            where = f"{path}, line {reader.line_num}"
-            try:
-                rows.append(np.array([float(cell) for cell in cells]))
-            except ValueError as error:
-                raise InputError(f"{where}: {error}") from error
-            if len(rows[-1]) != len(rows[0]):
-                raise InputError(
-                    f"{where}: {len(rows[-1])} numbers, but {len(rows[0])} in the "
-                    "first row; all rows must be of equal length"
-                )
-            count += len(cells)
-            if count > LARGEST_SURFACE:
-                raise _too_large(path, f"more than {LARGEST_SURFACE} heights up to {where}")
-    return np.array(rows)
-
-
-def _too_large(path: Path, size: str) -> InputError:
-    return InputError(
-        f"{path}: {size}; at most {LARGEST_SURFACE} heights are read. Crop or average them before"
-    )
 
 
 def block_average(heights: Array, factor: int) -> Array:

@@ -6,7 +6,6 @@ from tribo import (
     InputError,
     average_roughness,
     block_average,
-    read_heights,
     rms_height,
     rms_slope,
 )
@@ -92,42 +91,3 @@ def test_rms_slope_of_a_wave_along_y():
     heights = np.broadcast_to(0.5 * np.sin(2 * y), (3, 2000))
     # Central differences err by (q·dy)²/6.
     assert rms_slope(heights, (1.0, y[1])) == pytest.approx(0.5 * 2 / np.sqrt(2), rel=1e-5)
-
-
-@pytest.mark.parametrize("suffix", [".npy", ".csv"])
-def test_measured_heights_are_read_in_their_unit(tmp_path, suffix):
-    path = tmp_path / f"disk{suffix}"
-    heights = np.array([[1.0, 2.0, 3.0], [4.0, 5.0, 6.5]])
-    np.save(path, heights) if suffix == ".npy" else np.savetxt(path, heights, delimiter=",")
-    assert read_heights(path, unit=1e-6) == pytest.approx(heights * 1e-6)
-
-
-@pytest.mark.parametrize(
-    ("text", "said"),
-    [
-        ("1,2\n3,x\n", "line 2"),
-        ("1,2\n3\n", "line 2.*1 numbers"),
-        ("1,2\n3,nan\n", "row 1, column 1"),
-        ("1,inf\n3,4\n", "row 0, column 1"),
-        ("", "two-dimensional"),
-    ],
-)
-def test_a_faulty_csv_is_refused_with_its_place(tmp_path, text, said):
-    path = tmp_path / "disk.csv"
-    path.write_text(text)
-    with pytest.raises(InputError, match=said):
-        read_heights(path)
-
-
-def test_what_is_no_surface_file_is_refused(tmp_path):
-    with pytest.raises(InputError, match="cannot be read"):
-        read_heights(tmp_path / "missing.npy")
-    (tmp_path / "disk.npy").write_bytes(b"not numpy")
-    with pytest.raises(InputError, match="not a plain array"):
-        read_heights(tmp_path / "disk.npy")
-    (tmp_path / "disk.txt").write_text("1")
-    with pytest.raises(InputError, match=r"use \.npy or \.csv"):
-        read_heights(tmp_path / "disk.txt")
-    np.save(tmp_path / "text.npy", np.array([["a"]]))
-    with pytest.raises(InputError, match="real numbers"):
-        read_heights(tmp_path / "text.npy")

@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-import csv
 import hashlib
-import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,12 +12,10 @@ from numpy.typing import NDArray
 from tribo.errors import InputError, require_positive
 from tribo.loading.ramp import Ramp, Station
 
-__all__ = ["MeasuredLoad", "read_load"]
+__all__ = ["MeasuredLoad", "fault"]
 
 Array = NDArray[np.float64]
 
-_UNITS = {"time": {"s": 1.0, "ms": 1e-3, "min": 60.0}, "load": {"N": 1.0, "kN": 1e3, "mN": 1e-3}}
-_MOST_ROWS = 1_000_000
 _FITTED = (0.1, 0.9)  # of the reference load: the part of the rise that has no rounded ends
 
 
@@ -77,8 +72,9 @@ class MeasuredLoad:
                 f"a load record has times of shape {times.shape} and loads of shape {loads.shape}; "
                 "it must have two columns of equal length, and at least two rows"
             )
-        if fault := _fault(times, loads):
-            raise InputError(f"load record, row {fault[0]} (counted from 0): {fault[1]}")
+        if found := fault(times, loads):
+            row, why = found
+            raise InputError(f"load record, row {row} (counted from 0): {why}")
         content = np.array([times, loads]).tobytes() + repr(self.reference_load).encode()
         object.__setattr__(self, "times", times)
         object.__setattr__(self, "loads", loads)
@@ -156,90 +152,7 @@ class MeasuredLoad:
         return Ramp(self.linear_fit()[0], self.peak)
 
 
-def read_load(path: str | Path, reference_load: float | None = None) -> MeasuredLoad:
-    """Read a load record from comma-separated text.
-
-    Parameters
-    ----------
-    path : str or Path
-        Two columns, time and load in either order, below a header with their units, such as
-        ``time [s], normal load [N]``; s, ms, min and N, kN, mN are known. Empty lines and lines
-        that begin with # are left out.
-    reference_load : float, optional
-        See `MeasuredLoad`.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read or is no such record; the message names the line.
-    """
-    path = Path(path)
-    lines: list[int] = []
-    rows: list[tuple[float, float]] = []
-    factors: tuple[float, float] | None = None
-    load_first = False
-    try:
-        with path.open(newline="", encoding="utf-8-sig") as file:
-            reader = csv.reader(file)
-            for cells in reader:
-                if not "".join(cells).strip() or cells[0].lstrip().startswith("#"):
-                    continue
-                where = f"{path}, line {reader.line_num}"
-                if len(cells) != 2:
-                    raise InputError(f"{where}: {len(cells)} columns; needed are time and load")
-                if factors is None:
-                    factors, load_first = _header(cells, where)
-                    continue
-                if len(rows) == _MOST_ROWS:
-                    raise InputError(f"{where}: more than {_MOST_ROWS} rows; thin the record out")
-                lines.append(reader.line_num)
-                rows.append(_numbers(cells, where))
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read: {error.strerror or error}") from error
-    except (UnicodeDecodeError, csv.Error) as error:
-        raise InputError(f"{path}: not comma-separated text in UTF-8: {error}") from error
-    if factors is None or len(rows) < 2:
-        raise InputError(
-            f"{path}: {len(rows)} rows; needed are a header such as 'time [s], load [N]' and at "
-            "least two rows"
-        )
-    columns = np.array(rows).T * np.array(factors)[:, None]
-    times, loads = columns[::-1] if load_first else columns
-    if fault := _fault(times, loads):
-        raise InputError(f"{path}, line {lines[fault[0]]}: {fault[1]}")
-    try:
-        return MeasuredLoad(times, loads, reference_load)
-    except InputError as error:
-        raise InputError(f"{path}: {error}") from error
-
-
-def _header(cells: list[str], where: str) -> tuple[tuple[float, float], bool]:
-    """Factors of both columns to SI, and whether the load stands first."""
-    found = []
-    for cell in cells:
-        match = re.search(r"[\[(]\s*(\S*)\s*[\])]\s*$", cell)
-        unit = match[1] if match else None
-        for kind, units in _UNITS.items():
-            if unit in units:
-                found.append((kind, units[unit]))
-    if sorted(kind for kind, _ in found) != ["load", "time"]:
-        known = " or ".join(", ".join(units) for units in _UNITS.values())
-        raise InputError(
-            f"{where}: the header is {','.join(cells)!r}; it must give a unit of time and one of "
-            f"load in brackets, {known}, as 'time [s], load [N]' does"
-        )
-    (first, factor), (_, other) = found
-    return (factor, other), first == "load"
-
-
-def _numbers(cells: list[str], where: str) -> tuple[float, float]:
-    try:
-        return float(cells[0]), float(cells[1])
-    except ValueError as error:
-        raise InputError(f"{where}: {error}") from error
-
-
-def _fault(times: Array, loads: Array) -> tuple[int, str] | None:
+def fault(times: Array, loads: Array) -> tuple[int, str] | None:
     """First row that cannot be part of a record, and why."""
     broken = np.flatnonzero(~(np.isfinite(times) & np.isfinite(loads)))
     sound = int(broken[0]) if broken.size else len(times)

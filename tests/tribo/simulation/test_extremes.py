@@ -34,11 +34,11 @@ from tribo import (
     self_affine,
     simulate,
     solve_contact,
-    topography,
     warnings,
 )
 from tribo.analytic import uniform_flux_rise
-from tribo.loading.record import MeasuredLoad, read_load
+from tribo.files import read_load
+from tribo.loading.record import MeasuredLoad
 from tribo.thermal.conduction import thermal_influence
 
 TABLE = Path(__file__).with_name("EXTREMES.md")
@@ -697,7 +697,7 @@ def test_a_measured_surface_is_read_with_a_byte_order_mark_and_refused_beyond_a_
     text.write_bytes(b"\xef\xbb\xbf1,2\n3,4\n5,6\n")
     np.save(array, np.ones((3, 2)))
     assert read_heights(text).shape == (3, 2)
-    monkeypatch.setattr(topography, "LARGEST_SURFACE", 5)
+    monkeypatch.setattr("tribo.files._MOST_HEIGHTS", 5)
     with pytest.raises(InputError, match=r"more than 5 heights up to .*line 3"):
         read_heights(text)
     with pytest.raises(InputError, match="at most 5 heights"):
