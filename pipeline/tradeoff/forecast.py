@@ -1,9 +1,10 @@
-"""What a sweep will cost, before it runs."""
+"""Foretells what a sweep will cost: time, memory and disk."""
 
 from __future__ import annotations
 
 import math
 import os
+import time
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from typing import Any
@@ -12,19 +13,19 @@ import numpy as np
 
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.plan import step_count
-from pipeline.tradeoff.sample import busy_cores, elimination_seconds, sampled
-from tribo import QUANTILES
+from pipeline.tradeoff.sample import sampled
+from tribo import QUANTILES, ConductingHalfSpace, Grid, partition_heat
 from tribo.thermal.partition import DIRECT_MEMORY
 
-__all__ = ["Estimate", "estimate"]
+__all__ = ["Estimate", "estimate", "worker_bytes"]
 
-_CONVOLUTIONS_PER_REFINEMENT = 15.0  # of a point's last step, from the grid of the history
-_SECONDS_TO_START = 1.0  # a cluster
-_SECONDS_TO_COMMIT = 0.005  # a point, and to schedule it
+_SECONDS_TO_START = 1.0  # of a cluster and its workers
+_SECONDS_TO_COMMIT = 0.005  # of scheduling a point and writing it
 _WORKER_BYTES = 115e6  # interpreter and libraries
 _FIELDS_IN_MEMORY = 60  # arrays of the grid's size that a worker holds at a time
-_STORED_COLUMNS = 15
-_LONG = 10.0  # s for one temperature
+_STORED_COLUMNS = 15  # numbers a step, besides the quantiles
+_NODES = 1280  # of the elimination that is timed
+_LONG = 10.0  # [s] for one temperature
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,16 +37,15 @@ class Estimate:
     points, steps, temperatures : int
         Points of the diagram; contacts and heat partitions to solve for them.
     workers : int
+        Processes that compute.
     seconds : float
-        Wall time, as long as the machine stays as busy as it is.
-    convolutions : float
-        To solve contacts and heat partitions, on all grids.
+        Wall time, as long as the machine stays as busy as it is [s].
     basis : str
         What the time rests on.
     worker_bytes, disk_bytes : float
-        Memory of each worker, and size of the store.
+        Memory of each worker, and size of the store [B].
     warnings : tuple of str
-        What of it will fail, or is beyond reason.
+        What will fail, or take unreasonably long.
     left_out : tuple of str
         What the scene does not require, and why.
     """
@@ -55,7 +55,6 @@ class Estimate:
     temperatures: int
     workers: int
     seconds: float
-    convolutions: float
     basis: str
     worker_bytes: float
     disk_bytes: float
@@ -79,98 +78,130 @@ def estimate(sweep: Sweep, workers: int | None = None) -> Estimate:
     Raises
     ------
     TriboError
-        If the first step of the scene has no solution.
+        If the highest load has no solution.
     """
-    cores = os.cpu_count() or 1
-    workers = workers or cores
+    workers = workers or os.cpu_count() or 1
     surfaces = len(sweep.realizations) or 1
-    points = len(sweep.loads) * len(sweep.velocities) * surfaces
-    counts = [step_count(sweep, load) for load in sweep.loads]
-    steps = sum(counts) if sweep.independent else _steps_of_chain(sweep)
-    fidelity = sweep.fidelity
-    interval = fidelity.temperature_interval
-    temperatures = len(counts) + (max(counts) // interval if interval else 0)
-    if sweep.remembers_heat:
-        temperatures = steps
-    moving = sum(velocity != 0 for velocity in sweep.velocities) if sweep.friction_heat else 0
     ramps = len(sweep.velocities) * surfaces
-    steps, temperatures = steps * ramps, temperatures * moving * surfaces
-    parallel = min(workers, points if sweep.independent else ramps)
+    points = len(sweep.loads) * ramps
+    moving = sum(velocity != 0 for velocity in sweep.velocities) if sweep.friction_heat else 0
+    steps = list(_steps_of_ramp(sweep))
+    heats = sum(with_heat for _, with_heat in steps)
 
     busy = busy_cores()
     sample = sampled(sweep)
-    on_history, on_own = sample.seconds_per_convolution
-    contacts = steps * sample.convolutions_per_contact
-    refinements = points * _CONVOLUTIONS_PER_REFINEMENT if sweep.coarsening > 1 else 0.0
-    heats = temperatures * sample.convolutions_per_temperature
-    pin_kernel, disk_kernel = sample.kernel_seconds
-    pin_kernels = temperatures / max(moving * surfaces, 1) * parallel
-    seconds = (
-        contacts * on_history
-        + (refinements + heats) * on_own
-        + pin_kernels * pin_kernel
-        + moving * disk_kernel
-    )
-    nodes = sample.contact_fraction * np.prod(sweep.grid.shape)
-    matrix_bytes, warnings = 0.0, []
-    if fidelity.partition == "direct" and moving:
-        matrix_bytes = 8.0 * nodes**2
-        each = elimination_seconds(sweep, nodes)
-        seconds += temperatures * each
-        heats = 0.0
-        if matrix_bytes > DIRECT_MEMORY:
-            warnings.append(
-                f"direct partition of {nodes:.0f} nodes takes a matrix of "
-                f"{matrix_bytes / 2**30:.1f} GiB, allowed are {DIRECT_MEMORY / 2**30:.1f} GiB: "
-                "points at high loads will fail; take partition = 'local'"
-            )
-        elif each > _LONG:
-            warnings.append(
-                f"direct partition of {nodes:.0f} nodes takes about {each:.0f} s a temperature; "
-                "partition = 'local' gives the same within heat_tolerance"
-            )
-    # The sample has had one core among those that are busy; workers will share them.
-    crowd = max(1.0, (busy + parallel) / cores)
-    seconds *= crowd / max(1.0, (busy + 1) / cores)
-    seconds += points * _SECONDS_TO_COMMIT * crowd
-    field_bytes = 8.0 * np.prod(sweep.grid.shape)
-    row_bytes = 8.0 * (_STORED_COLUMNS + len(QUANTILES)) * max(counts)
+    ramp = sum(sample.end(load) if heat else sample.step(load) for load, heat in steps)
+    warnings: list[str] = []
+    if sweep.fidelity.partition == "direct" and moving:
+        each = elimination_seconds(sweep, sample.contact_nodes)
+        ramp += heats * each
+        warnings += _too_many_nodes(sample.contact_nodes, each)
+    parallel = min(workers, points if sweep.independent else ramps)
+    turns = ramps / parallel if sweep.independent else math.ceil(ramps / parallel)
+    computing = turns * (ramp + len(sweep.loads) * _SECONDS_TO_COMMIT)
+    crowd = _slower_by(busy, parallel)
     return Estimate(
         points=points,
-        steps=steps,
-        temperatures=temperatures,
+        steps=len(steps) * ramps,
+        temperatures=heats * moving * surfaces,
         workers=workers,
-        seconds=_SECONDS_TO_START * crowd + sample.surface_seconds * surfaces + seconds / parallel,
-        convolutions=contacts + refinements + heats,
+        seconds=_SECONDS_TO_START + crowd * (sample.begin_seconds * surfaces + computing),
         basis=(
-            f"measured just now: {1e3 * on_own:.3g} ms a convolution, "
-            f"{sample.convolutions_per_contact:.0f} a contact and "
-            f"{sample.convolutions_per_temperature:.0f} a temperature{sample.where}; "
-            f"{busy:.1f} of {cores} cores were busy, and are taken to stay so"
+            f"from real steps at {len(sample.loads)} of {len(sweep.loads)} loads, timed just now: "
+            f"{1e3 * sample.end(max(sweep.loads)):.3g} ms for one with a temperature at the "
+            "highest load; mostly right within a factor of 1.5; "
+            f"{busy:.1f} of {os.cpu_count() or 1} cores were busy, and are taken to stay so"
         ),
-        worker_bytes=_WORKER_BYTES + _FIELDS_IN_MEMORY * field_bytes + matrix_bytes,
-        disk_bytes=points * (row_bytes + (3 * field_bytes if sweep.store_fields else 0.0)),
+        worker_bytes=worker_bytes(sweep, sample.contact_nodes),
+        disk_bytes=_disk_bytes(sweep),
         warnings=tuple(warnings),
-        left_out=tuple(_left_out(sweep, max(counts), surfaces, sample.contact_rows)),
+        left_out=tuple(_left_out(sweep, sample.contact_rows)),
     )
 
 
-def _steps_of_chain(sweep: Sweep) -> int:
-    """Steps of the trunk up to the highest load, and of the points that lie off it."""
-    trunk = sum(station.on_trunk for station in sweep.stations(max(sweep.loads)))
-    off = (not station.on_trunk for load in sweep.loads for station in sweep.stations(load))
-    return trunk + sum(off)
+def worker_bytes(sweep: Sweep, contact_nodes: int = 0) -> float:
+    """Memory of a worker [B], without computing anything.
+
+    Parameters
+    ----------
+    sweep : Sweep
+    contact_nodes : int
+        Elements in contact, which count for the direct heat partition alone.
+    """
+    direct = sweep.fidelity.partition == "direct" and sweep.friction_heat
+    matrix = 8.0 * contact_nodes**2 if direct else 0.0
+    return _WORKER_BYTES + _FIELDS_IN_MEMORY * 8.0 * math.prod(sweep.grid.shape) + matrix
 
 
-def _left_out(sweep: Sweep, steps: int, surfaces: int, contact_rows: float) -> Iterator[str]:
+def busy_cores() -> float:
+    """How many cores were busy in the last minute; 0 where that is not known."""
+    return os.getloadavg()[0] if hasattr(os, "getloadavg") else 0.0
+
+
+def elimination_seconds(sweep: Sweep, nodes: int) -> float:
+    """Duration of a direct heat partition with so many nodes in contact, from a smaller one [s]."""
+    grid = Grid((_NODES // 16, 16), sweep.grid.spacing, periodic=(False, False))
+    body = ConductingHalfSpace(grid, sweep.disk, 0.0, 1.0)
+    flux = np.ones(grid.shape)
+    began = time.perf_counter()
+    partition_heat(body, body, flux, flux > 0, method="direct")
+    return (time.perf_counter() - began) * (nodes / _NODES) ** 3
+
+
+def _slower_by(busy: float, parallel: int) -> float:
+    """How many times longer workers take than the sample did, beside what else is running."""
+    cores = os.cpu_count() or 1
+    return max(1.0, (busy + parallel) / cores) / max(1.0, (busy + 1) / cores)
+
+
+def _steps_of_ramp(sweep: Sweep) -> Iterator[tuple[float, bool]]:
+    """Load of each step at one velocity, and whether it is given its temperature."""
+    interval, trunk = sweep.fidelity.temperature_interval, 0.0
+    for load in sweep.loads:
+        stations = list(sweep.stations(load, after=trunk))
+        for station in stations:
+            reached = station.normal_load == load and not station.holding
+            asked = reached or station is stations[-1]
+            on_way = interval > 0 and station.index % interval == 0
+            yield station.normal_load, asked or on_way or sweep.remembers_heat
+            if station.on_trunk and not sweep.independent:
+                trunk = station.normal_load
+
+
+def _too_many_nodes(nodes: int, seconds: float) -> Iterator[str]:
+    """What a direct heat partition of so many nodes will fail of, or take unreasonably long for."""
+    if (matrix := 8.0 * nodes**2) > DIRECT_MEMORY:
+        yield (
+            f"direct partition of {nodes} nodes takes a matrix of {matrix / 2**30:.1f} GiB, "
+            f"allowed are {DIRECT_MEMORY / 2**30:.1f} GiB: points at high loads will fail; "
+            "take partition = 'local'"
+        )
+    elif seconds > _LONG:
+        yield (
+            f"direct partition of {nodes} nodes takes about {seconds:.0f} s a temperature; "
+            "partition = 'local' gives the same within heat_tolerance"
+        )
+
+
+def _disk_bytes(sweep: Sweep) -> float:
+    """Size of the store, uncompressed [B]."""
+    points = len(sweep.loads) * len(sweep.velocities) * (len(sweep.realizations) or 1)
+    steps = max(step_count(sweep, load) for load in sweep.loads)
+    fields = 3 * math.prod(sweep.grid.shape) if sweep.store_fields else 0
+    return 8.0 * points * ((_STORED_COLUMNS + len(QUANTILES)) * steps + fields)
+
+
+def _left_out(sweep: Sweep, contact_rows: int) -> Iterator[str]:
     """What would be computed or stored for another scene, and why not for this one."""
     nx, ny = sweep.grid.shape
+    surfaces = len(sweep.realizations) or 1
+    steps = max(step_count(sweep, load) for load in sweep.loads)
     if sweep.is_plane:
         yield (
             f"the axis y: both bodies are smooth, so {nx} × 1 elements stand for "
             f"{nx} × {sweep.rows_per_element}"
         )
-    elif (apart := nx - math.ceil(contact_rows * nx)) > 0:
+    elif (apart := nx - contact_rows) > 0:
         yield (
             f"transforms along y of {apart} of {nx} rows of elements, which carry nothing even at "
             f"{max(sweep.loads):g} N"

@@ -1,183 +1,143 @@
-"""How long a scene's steps take here and now, from a few of them."""
+"""Times a few real steps of a sweep, from which the duration of the whole is foretold."""
 
 from __future__ import annotations
 
-import functools
-import itertools
-import os
 import time
-from collections.abc import Callable
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import TypeVar
 
 import numpy as np
 
 from pipeline.sweep.model import Sweep
-from tribo import (
-    ConductingHalfSpace,
-    Grid,
-    Scene,
-    TriboError,
-    advance,
-    forget_kernels,
-    partition_heat,
-    simulate,
-    start,
-)
+from tribo import State, advance, simulate, start
 
-__all__ = ["Sample", "busy_cores", "elimination_seconds", "sampled"]
+__all__ = ["Sample", "sampled"]
 
-T = TypeVar("T")
-
-_ENOUGH_ELEMENTS = 120  # along x, to count convolutions on; they hardly depend on it
-_AREA_EXPONENT = 0.4  # of the contact's area over the size of elements, on the shipped scene
-_SECONDS = 2.0  # that counting may take
-_TIMED_FOR, _TIMED_AT_MOST = 0.5, 25  # seconds and times that a step is repeated
-_NODES = 640  # of the elimination that is timed
+_BUDGET = 2.0  # [s] after which no further load is sampled
+_STEPS = 5  # that lead to a sampled load; the first two are not yet extrapolated from earlier ones
 
 
 @dataclass(frozen=True, slots=True)
 class Sample:
-    """What was counted and timed.
+    """Durations of steps of a sweep at some of its loads, and the contact at the highest.
 
     Attributes
     ----------
-    convolutions_per_contact, convolutions_per_temperature : float
-        Counted along the ramp to the highest load, on larger elements.
-    where : str
-        On which elements that was counted, if not on the scene's own.
-    contact_fraction, contact_rows : float
-        Shares of the window in contact, and of its rows between the first and the last that are,
-        at the end of that ramp.
-    seconds_per_convolution : tuple of float
-        With all that goes with it, timed in a step on the grid of the history and on the scene's
-        own; wall time.
-    kernel_seconds : tuple of float
-        To make a thermal kernel, of the pin and of the disk.
-    surface_seconds : float
-        To make the surface and the kernels of the contact, once for each worker.
+    loads : tuple of float
+        Where steps were timed, ascending [N].
+    step_seconds, end_seconds : tuple of float
+        Duration of a step at each of these loads without a temperature, and with one [s].
+    begin_seconds : float
+        Duration of what a worker does once: the surface, the kernels [s].
+    contact_nodes : int
+        Elements in contact at the highest load.
+    contact_rows : int
+        Rows of elements from the first to the last in contact at the highest load.
     """
 
-    convolutions_per_contact: float
-    convolutions_per_temperature: float
-    where: str
-    contact_fraction: float
-    contact_rows: float
-    seconds_per_convolution: tuple[float, float]
-    kernel_seconds: tuple[float, float]
-    surface_seconds: float
+    loads: tuple[float, ...]
+    step_seconds: tuple[float, ...]
+    end_seconds: tuple[float, ...]
+    begin_seconds: float
+    contact_nodes: int
+    contact_rows: int
+
+    def step(self, load: float) -> float:
+        """Duration of a step at a load without a temperature [s]."""
+        return float(np.interp(load, self.loads, self.step_seconds))
+
+    def end(self, load: float) -> float:
+        """Duration of a step at a load with a temperature [s]."""
+        return float(np.interp(load, self.loads, self.end_seconds))
 
 
 def sampled(sweep: Sweep) -> Sample:
-    """Count on a coarse copy of a sweep's scene, and time a step of the scene itself.
+    """Time steps of a sweep at its median velocity: at the highest load, the lowest, between.
+
+    The ramp is not followed up to these loads; one long step leads near to each, and the sweep's
+    own steps from there. As many loads are sampled as fit into two seconds, and at least one.
 
     Raises
     ------
     TriboError
-        If the scene's first step has no solution.
+        What `tribo.simulate` raises.
     """
-    load = max(sweep.loads)
-    moving = sorted(abs(velocity) for velocity in sweep.velocities if velocity)
+    if sweep.fidelity.partition == "direct":  # its duration is known without running it
+        sweep = replace(sweep, fidelity=replace(sweep.fidelity, partition="local"))
+    moving = sorted((velocity for velocity in sweep.velocities if velocity), key=abs)
     velocity = moving[len(moving) // 2] if moving else 0.0
-    coarse = _coarse(sweep)
-    contacts, temperature, fraction, rows = _counts(sweep, coarse, load, velocity)
-    own_grid = replace(sweep, fidelity=replace(sweep.fidelity, history_coarsening=1))
-    of_history = next(sweep.levels())
-    forget_kernels()
-    surface, own = _stepped(own_grid, load, velocity)
-    history = own if sweep.coarsening == 1 else _stepped(of_history, load, velocity)[1]
-    time_at_load = list(sweep.stations(load))[-1].time
-    pin, disk = (
-        _timed(functools.partial(ConductingHalfSpace, sweep.grid, material, speed, time_at_load))[0]
-        if velocity
-        else 0.0
-        for material, speed in ((sweep.pin.material, 0.0), (sweep.disk, velocity))
-    )
+    began = time.perf_counter()
+    first = _timed(sweep, max(sweep.loads), velocity)
+    cold = time.perf_counter() - began
+    found, begin = {max(sweep.loads): first}, 0.0
+    for load in _spread(sweep.loads):
+        if time.perf_counter() - began > _BUDGET:
+            break
+        again = time.perf_counter()
+        found[load] = _timed(sweep, load, velocity)
+        if load == max(sweep.loads):
+            begin = max(0.0, cold - (time.perf_counter() - again))
+    rows = np.flatnonzero(first.state.pressure.any(axis=1))
+    loads = sorted(found)
     return Sample(
-        convolutions_per_contact=contacts,
-        convolutions_per_temperature=temperature,
-        where=" on larger elements" if coarse.grid != sweep.grid else "",
-        contact_fraction=fraction,
-        contact_rows=rows,
-        seconds_per_convolution=(history, own),
-        kernel_seconds=(pin, disk),
-        surface_seconds=surface,
+        loads=tuple(loads),
+        step_seconds=tuple(found[load].step for load in loads),
+        end_seconds=tuple(found[load].end for load in loads),
+        begin_seconds=begin,
+        contact_nodes=int(np.count_nonzero(first.state.pressure)),
+        contact_rows=int(np.ptp(rows)) + 1 if rows.size else 0,
     )
 
 
-def busy_cores() -> float:
-    """How many cores were busy in the last minute; 0 where that is not known."""
-    return os.getloadavg()[0] if hasattr(os, "getloadavg") else 0.0
+@dataclass(frozen=True, slots=True, eq=False)
+class _Timed:
+    """Duration of a step without a temperature and with one [s]; the state in the end."""
+
+    step: float
+    end: float
+    state: State
 
 
-def elimination_seconds(sweep: Sweep, nodes: float) -> float:
-    """Duration of a direct heat partition with so many nodes in contact, from two small ones."""
-    small, large = (_eliminated(sweep, number) for number in (_NODES, 2 * _NODES))
-    # Rows are divided n² times and added n³ times.
-    cubic = max(0.0, (large - 4 * small) / 4)
-    square = max(0.0, small - cubic)
-    return square * (nodes / _NODES) ** 2 + cubic * (nodes / _NODES) ** 3
-
-
-def _eliminated(sweep: Sweep, nodes: int) -> float:
-    columns = 16
-    grid = Grid((nodes // columns, columns), sweep.grid.spacing, periodic=(False, False))
-    body = ConductingHalfSpace(grid, sweep.disk, 0.0, 1.0)
-    flux = np.ones(grid.shape)
-    return _timed(functools.partial(partition_heat, body, body, flux, flux > 0, method="direct"))[0]
-
-
-def _counts(
-    sweep: Sweep, coarse: Scene, load: float, velocity: float
-) -> tuple[float, float, float, float]:
-    """Convolutions of a contact and of a temperature; shares of the window, and of its rows."""
-    contacts: list[float] = []
-    temperature = fraction = rows = 0.0
+def _timed(sweep: Sweep, load: float, velocity: float) -> _Timed:
+    steps, ends = [], []
+    before = _shortly_before(sweep, load, velocity)
     began = time.perf_counter()
-    ratio = sweep.fidelity.pixels_per_element / coarse.fidelity.pixels_per_element
-    finer = ratio**_AREA_EXPONENT if sweep.roughness else 1.0
-    try:
-        for state in simulate(coarse, load, velocity):
-            contacts.append(float(state.iterations))
-            fraction = float(np.count_nonzero(state.pressure)) / state.pressure.size * finer
-            touched = np.flatnonzero(state.pressure.any(axis=1))
-            rows = float(np.ptp(touched) + 1) / len(state.pressure) if touched.size else 0.0
-            if state.heat:
-                temperature = float(state.heat.iterations)
-            if time.perf_counter() - began > _SECONDS:
-                break
-    except TriboError:  # of the coarse copy alone
-        pass
-    return float(np.mean(contacts or [0.0])), temperature, fraction, rows
+    for number, state in enumerate(simulate(sweep, load, velocity, before), start=1):
+        seconds = time.perf_counter() - began
+        if state.heat is not None:
+            ends.append(seconds)
+        elif number > 2:
+            steps.append(seconds)
+        began = time.perf_counter()
+    end = float(np.median(ends))
+    return _Timed(float(np.median(steps)) if steps else end, end, state)
 
 
-def _coarse(sweep: Sweep) -> Scene:
-    """The scene on elements as large as counting allows, throughout."""
-    fidelity = replace(sweep.fidelity, history_coarsening=1)
-    if fidelity.partition == "direct":
-        fidelity = replace(fidelity, partition="local")
-    nx, ny = sweep.pixels.shape
-    largest = max(fidelity.pixels_per_element, nx // _ENOUGH_ELEMENTS)
-    block = next(n for n in range(largest, 0, -1) if nx % n == ny % n == 0)
-    return replace(sweep, fidelity=replace(fidelity, pixels_per_element=block))
+def _shortly_before(sweep: Sweep, load: float, velocity: float) -> State | None:
+    """The state a few steps below a load, reached in one; None where the ramp has no more."""
+    trunk = [station for station in sweep.stations(load) if station.on_trunk]
+    if len(trunk) <= _STEPS:
+        return None
+    scene = next(sweep.levels())
+    if scene.fidelity.wear_scheme == "explicit":  # unstable in so long a step
+        scene = replace(scene, fidelity=replace(scene.fidelity, wear_scheme="implicit"))
+    return advance(scene, start(scene), trunk[-_STEPS], velocity)
 
 
-def _stepped(scene: Scene, load: float, velocity: float) -> tuple[float, float]:
-    """Seconds to begin, with all that every step needs, and of each convolution of a step."""
-    first, *others = itertools.islice(scene.stations(load), 2)
-    unloaded = start(scene)
-    to_begin, begun = _timed(functools.partial(advance, scene, unloaded, first, velocity))
-    before, station = (begun, others[0]) if others else (unloaded, first)
-    step = functools.partial(advance, scene, before, station, velocity)
-    times: list[float] = []
-    while sum(times) < _TIMED_FOR and len(times) < _TIMED_AT_MOST:
-        seconds, state = _timed(step)
-        times.append(seconds)
-    usual = float(np.median(times))
-    return max(0.0, to_begin - usual), usual / max(1.0, float(state.iterations))
+def _spread(loads: tuple[float, ...]) -> Iterator[float]:
+    """Each load once: the highest, the lowest, and ever closer between them.
 
-
-def _timed(function: Callable[[], T]) -> tuple[float, T]:
-    began = time.perf_counter()
-    result = function()
-    return time.perf_counter() - began, result
+    Examples
+    --------
+    >>> list(_spread((1.0, 2.0, 3.0, 4.0, 5.0)))
+    [5.0, 1.0, 3.0, 2.0, 4.0]
+    """
+    last = len(loads) - 1
+    yield loads[last]
+    seen = {last}
+    for parts in (2**k for k in range(last.bit_length() + 1)):
+        for place in range(parts):
+            index = round(last * place / parts)
+            if index not in seen:
+                seen.add(index)
+                yield loads[index]
