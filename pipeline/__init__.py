@@ -18,7 +18,8 @@ if TYPE_CHECKING:
     from pipeline.paper import RESULTS, reproduce, write_gallery
     from pipeline.run.follow import follow_boundary
     from pipeline.run.sweep import run_sweep
-    from pipeline.scene.scenefile import SceneFileError, load_scene
+    from pipeline.scene.faults import SceneFileError
+    from pipeline.scene.scenefile import load_scene
     from pipeline.scene.units import display, to_si
     from pipeline.store.compact import compact_store
     from pipeline.store.points import StoreError, StoreMismatchError
@@ -35,7 +36,7 @@ _HOMES = {
     "Conditions": "sweep.model",
     "CriticalTemperatures": "analysis.inference",
     "Measurement": "sweep.model",
-    "SceneFileError": "scene.scenefile",
+    "SceneFileError": "scene.faults",
     "StoreError": "store.points",
     "StoreMismatchError": "store.points",
     "Sweep": "sweep.model",

@@ -1,7 +1,4 @@
-"""The disk's surface, as a scene has it: random, on several seeds, or measured.
-
-Every fault is noted with the key of the entry that it is in.
-"""
+"""The disk's surface in a scene: random, on one seed or several, or measured."""
 
 from __future__ import annotations
 
@@ -13,15 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 import tribo
+from pipeline.scene.document import Document
+from pipeline.scene.faults import Fault
 from pipeline.scene.schema import entry_at, quoted
 from pipeline.scene.surfaces import PLAIN, Surface, cropped, filled, levelled, read_surface
 from pipeline.scene.units import display
 
-__all__ = ["realizations_of", "roughness_of"]
 
-
-def realizations_of(found: dict[str, Any], faults: list[str]) -> tuple[int, ...]:
-    """Seeds of the random surfaces: those listed, or so many from the surface's own seed on.
+def realizations_of(found: dict[str, Any], faults: list[Fault]) -> tuple[int, ...]:
+    """Seeds of the random surfaces: those listed, or a number of them from the surface's own on.
 
     The first becomes the scene's own.
     """
@@ -30,13 +27,14 @@ def realizations_of(found: dict[str, Any], faults: list[str]) -> tuple[int, ...]
         return ()
     rough = entry_at(found, "disk.roughness")
     if rough is None or "file" in rough:
-        surface = "smooth" if rough is None else "measured"
-        given = wanted if isinstance(wanted, int) else list(wanted)
-        if not any(fault.startswith("disk.roughness") for fault in faults):
-            faults.append(
-                f"sweep.realizations: {quoted(given)} does not fit a {surface} disk; leave it "
-                "out, or give a [disk.roughness] that is made from a seed"
+        if not _is_faulty("disk.roughness", faults):
+            surface = "smooth" if rough is None else "measured"
+            given = wanted if isinstance(wanted, int) else list(wanted)
+            problem = (
+                f"{quoted(given)} does not fit a {surface} disk; leave it out, or give a "
+                "[disk.roughness] that is made from a seed"
             )
+            faults.append(Fault("sweep.realizations", problem))
         return ()
     if isinstance(wanted, int):
         first = entry_at(found, "disk.roughness.seed") or 0
@@ -47,14 +45,20 @@ def realizations_of(found: dict[str, Any], faults: list[str]) -> tuple[int, ...]
 
 
 def roughness_of(
-    found: dict[str, Any], folder: Path, faults: list[str], notes: list[str]
+    found: dict[str, Any], document: Document, faults: list[Fault], notes: list[str]
 ) -> tribo.SelfAffineRoughness | tribo.MeasuredRoughness | None:
     """Make the disk's roughness; None if there is none, or a faulty one."""
     table = entry_at(found, "disk.roughness")
     if table is None:
         return None
     if "file" in table:
-        heights = _measured_heights(table, found, folder, faults, notes)
+        if _is_faulty("disk.roughness.", faults):
+            return None
+        folder = document.file_of("disk.roughness.file").parent
+        surface = _surface(folder / table["file"], table["height_unit"], faults)
+        if surface is None:
+            return None
+        heights = _fitted_heights(surface, table, found["window"], faults, notes)
         return None if heights is None else tribo.MeasuredRoughness(heights)
     if None in table.values():
         return None
@@ -63,62 +67,57 @@ def roughness_of(
     return tribo.SelfAffineRoughness(**{**table, "correlation_length": pair})
 
 
-def _measured_heights(
-    table: Mapping[str, Any],
-    found: dict[str, Any],
-    folder: Path,
-    faults: list[str],
-    notes: list[str],
-) -> NDArray[np.float64] | None:
-    """Read a measured surface, and make it fit: cropped, levelled, without holes."""
-    if any(fault.startswith("disk.roughness.") for fault in faults):
-        return None
-    file, unit = folder / table["file"], table["height_unit"]
+def _is_faulty(key: str, faults: list[Fault]) -> bool:
+    return any(fault.key.startswith(key) for fault in faults)
+
+
+def _surface(file: Path, unit: float | None, faults: list[Fault]) -> Surface | None:
+    """Read a measured surface; None if that fails."""
     if unit is None and file.suffix.lower() in PLAIN:
-        faults.append(
-            f"disk.roughness.height_unit: missing; {file.suffix} files need a unit of length, such "
-            'as "um"'
-        )
+        problem = f'missing; {file.suffix} files need a unit of length, such as "um"'
+        faults.append(Fault("disk.roughness.height_unit", problem))
         return None
     try:
-        surface = read_surface(file, unit)
+        return read_surface(file, unit)
     except tribo.InputError as error:
-        fault = str(error)
+        problem = str(error)
     except Exception as error:  # a damaged file makes NumPy raise errors of any kind
-        fault = f"{file}: not a plain array of numbers: {error!r}"
-    else:
-        return _fitted_heights(surface, table, found, faults, notes)
-    faults.append(f"disk.roughness.file: {' '.join(fault.split())}")
+        problem = f"{file}: not a plain array of numbers: {error!r}"
+    faults.append(Fault("disk.roughness.file", " ".join(problem.split())))
     return None
 
 
 def _fitted_heights(
     surface: Surface,
     table: Mapping[str, Any],
-    found: dict[str, Any],
-    faults: list[str],
+    window: Mapping[str, Any] | None,
+    faults: list[Fault],
     notes: list[str],
 ) -> NDArray[np.float64] | None:
-    pixels, sides = entry_at(found, "window.pixels"), entry_at(found, "window.pixel_size")
+    """Heights fit for a scene: cropped, without holes, levelled; None if that is impossible."""
+    pixels, sides = ((window or {}).get(key) for key in ("pixels", "pixel_size"))
     if surface.pixel_size and sides and not np.allclose(surface.pixel_size, sides, rtol=0.01):
         own = " × ".join(display(side, "µm") for side in surface.pixel_size)
-        faults.append(f"window.pixel_size: the pixels of disk.roughness.file are {own}; give those")
+        problem = f"the pixels of disk.roughness.file are {own}; give those"
+        faults.append(Fault("window.pixel_size", problem))
     heights = surface.heights
     if table["crop"] is not None and pixels:
         try:
             heights = cropped(heights, table["crop"], pixels)
         except tribo.InputError as error:
-            faults.append(f"disk.roughness.crop: {error}; give less, or fewer window.pixels")
+            problem = f"{error}; give a lower row and column, or fewer window.pixels"
+            faults.append(Fault("disk.roughness.crop", problem))
             return None
     holes = np.argwhere(~np.isfinite(heights))
     if len(holes):
         row, column = holes[0].tolist()
         share = f"{len(holes)} of {heights.size} heights ({100 * len(holes) / heights.size:.2g} %)"
         if table["missing"] == "refuse" or len(holes) == heights.size:
-            faults.append(
-                f"disk.roughness.missing: {share} are missing, the first at row {row}, column "
-                f'{column} (counted from 0); crop them off, or give "fill"'
+            problem = (
+                f"{share} are missing, the first at row {row}, column {column} (counted from 0); "
+                'crop them off, or give "fill"'
             )
+            faults.append(Fault("disk.roughness.missing", problem))
             return None
         notes.append(f"disk.roughness.file: {share} are missing and were filled from around them")
         heights = filled(heights)

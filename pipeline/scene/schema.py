@@ -1,9 +1,8 @@
-"""A small language to write down the format of a file, and its reader, which finds every fault.
+"""Kinds of values, of which a file format is made, and their reader, which finds every fault.
 
-A format is a tree of kinds: what may stand at one place of the file. To read a value against a
-kind gives the value as the program wants it; or None, and one line for each fault: the key path,
-what is wrong with the value given, and what is allowed. A table that holds a fault still gives
-its sound entries, so that these can be checked further. The text of a kind says what it allows.
+A format is a tree of kinds, one for each place in the file. Reading a value gives it as the
+program wants it; or None, and a `Fault` for everything that is wrong. A table with a fault still
+gives its sound entries, so that these can be checked further. ``str(kind)`` says what is allowed.
 """
 
 from __future__ import annotations
@@ -18,73 +17,55 @@ from dataclasses import dataclass, replace
 from decimal import Decimal
 from typing import Any
 
+from pipeline.scene.faults import Fault
 from pipeline.scene.units import UnitError, exact_si
-
-__all__ = [
-    "Choice",
-    "Either",
-    "Flag",
-    "Kind",
-    "List",
-    "Number",
-    "Optional",
-    "Quantity",
-    "Range",
-    "Table",
-    "Tables",
-    "Text",
-    "UnfitError",
-    "Unit",
-    "Whole",
-    "did_you_mean",
-    "entry_at",
-    "quoted",
-]
 
 _MOST_STEPS = 10_000
 _LARGEST = 1e300
 
 
 class UnfitError(Exception):
-    """What is wrong with a value."""
+    """A value that does not fit its kind; the message says why."""
 
 
 class Kind(ABC):
-    """What may stand at one place of a file."""
+    """What is allowed at one place of a file."""
 
-    def read(self, value: object, at: str, faults: list[str]) -> Any:
-        """Give the value as the program wants it, or None.
+    def read(self, value: object, at: str, faults: list[Fault]) -> Any:
+        """Read a value; None if it is faulty.
 
         Parameters
         ----------
         value : object
-            As it stands in the file.
+            Value as TOML has it.
         at : str
-            Its key path.
-        faults : list of str
-            To which a line is added for every fault.
+            Key path of the value.
+        faults : list of Fault
+            List to which every fault found is added.
         """
         try:
             return self._read(value, at, faults)
         except UnfitError as problem:
-            faults.append(f"{at}: {problem}; give {self}")
+            faults.append(Fault(at, f"{problem}; give {self}"))
             return None
 
     @abstractmethod
-    def _read(self, value: Any, at: str, faults: list[str]) -> Any:
+    def _read(self, value: Any, at: str, faults: list[Fault]) -> Any:
         """Raise `UnfitError` if the value as a whole is wrong; note the faults of its parts."""
 
 
 @dataclass(frozen=True)
 class Text(Kind):
-    """A text that is not empty."""
+    """Text that is not empty."""
 
     def __str__(self) -> str:
-        return "a text in quotes"
+        return "text in quotes"
 
-    def _read(self, value: Any, at: str, faults: list[str]) -> str:
-        if not isinstance(value, str) or not value:
-            raise UnfitError(f"{quoted(value)} is no text")
+    def _read(self, value: Any, at: str, faults: list[Fault]) -> str:
+        if not isinstance(value, str):
+            raise UnfitError(f"{quoted(value)} is not text")
+        if not value:
+            raise UnfitError("the text is empty")
         return value
 
 
@@ -95,7 +76,7 @@ class Flag(Kind):
     def __str__(self) -> str:
         return "true or false"
 
-    def _read(self, value: Any, at: str, faults: list[str]) -> bool:
+    def _read(self, value: Any, at: str, faults: list[Fault]) -> bool:
         if not isinstance(value, bool):
             raise UnfitError(f"{quoted(value)} is neither true nor false")
         return value
@@ -103,16 +84,16 @@ class Flag(Kind):
 
 @dataclass(frozen=True)
 class Choice(Kind):
-    """One of some words."""
+    """One of a few words."""
 
     options: tuple[str, ...]
 
     def __str__(self) -> str:
         return " or ".join(map(quoted, self.options))
 
-    def _read(self, value: Any, at: str, faults: list[str]) -> str:
+    def _read(self, value: Any, at: str, faults: list[Fault]) -> str:
         if not isinstance(value, str):
-            raise UnfitError(f"{quoted(value)} is no text")
+            raise UnfitError(f"{quoted(value)} is not text")
         if value not in self.options:
             raise UnfitError(f"{quoted(value)} is unknown{did_you_mean(value, self.options)}")
         return value
@@ -128,11 +109,11 @@ class Number(Kind):
     at_most: float = math.inf
 
     def __str__(self) -> str:
-        return f"a number without unit{self._limits()}"
+        return f"a number without a unit{self._limits()}"
 
-    def _read(self, value: Any, at: str, faults: list[str]) -> float:
+    def _read(self, value: Any, at: str, faults: list[Fault]) -> float:
         if isinstance(value, bool) or not isinstance(value, int | float):
-            raise UnfitError(f"{quoted(value)} is no plain number")
+            raise UnfitError(f"{quoted(value)} is not a plain number")
         fits = self.above < value < self.below and self.at_least <= value <= self.at_most
         if not fits or abs(value) > _LARGEST:
             raise UnfitError(f"{quoted(value)} is out of range")
@@ -156,9 +137,9 @@ class Whole(Number):
     def __str__(self) -> str:
         return f"a whole number{self._limits()}"
 
-    def _read(self, value: Any, at: str, faults: list[str]) -> int:
+    def _read(self, value: Any, at: str, faults: list[Fault]) -> int:
         if isinstance(value, bool) or not isinstance(value, int):
-            raise UnfitError(f"{quoted(value)} is no whole number")
+            raise UnfitError(f"{quoted(value)} is not a whole number")
         super()._read(value, at, faults)
         return value
 
@@ -169,10 +150,12 @@ class Quantity(Kind):
 
     Parameters
     ----------
-    name, example : str
-        What it is, and one such; the example fixes the dimension.
+    name : str
+        Name of the quantity, with its article.
+    example : str
+        Example of it, which fixes the dimension.
     zero : bool
-        Whether 0 is allowed too.
+        Whether 0 is allowed.
     exact : bool
         Whether the value is kept as a decimal, without rounding.
     """
@@ -186,7 +169,7 @@ class Quantity(Kind):
         limit = "of at least 0" if self.zero else "above 0"
         return f"{self.name} {limit}, such as {quoted(self.example)}"
 
-    def _read(self, value: Any, at: str, faults: list[str]) -> float | Decimal:
+    def _read(self, value: Any, at: str, faults: list[Fault]) -> float | Decimal:
         if not isinstance(value, str):
             raise UnfitError(f"{quoted(value)} has no unit")
         try:
@@ -209,7 +192,7 @@ class Unit(Kind):
     def __str__(self) -> str:
         return f"{self.name}, such as {quoted(self.example)}"
 
-    def _read(self, value: Any, at: str, faults: list[str]) -> float:
+    def _read(self, value: Any, at: str, faults: list[Fault]) -> float:
         try:
             return float(exact_si(f"1 {value}", like=f"1 {self.example}"))
         except UnitError as error:
@@ -227,20 +210,19 @@ class List(Kind):
     def __str__(self) -> str:
         return f"a list{f' of {self.length}' if self.length else ''}, each {self.of}"
 
-    def _read(self, value: Any, at: str, faults: list[str]) -> tuple[Any, ...] | None:
+    def _read(self, value: Any, at: str, faults: list[Fault]) -> tuple[Any, ...] | None:
         if not isinstance(value, list):
-            raise UnfitError(f"{quoted(value)} is no list")
+            raise UnfitError(f"{quoted(value)} is not a list")
         if len(value) != (self.length or max(len(value), 1)):
-            raise UnfitError(f"{quoted(value)} has {len(value)} entries")
+            count = f"{len(value)} {'entry' if len(value) == 1 else 'entries'}"
+            raise UnfitError(f"{quoted(value)} has {count}")
         found = [self.of.read(item, f"{at}[{index}]", faults) for index, item in enumerate(value)]
         if self.distinct:
             first: dict[Any, int] = {}
             for index, item in enumerate(found):
                 if item is not None and first.setdefault(item, index) != index:
-                    faults.append(
-                        f"{at}[{index}]: {quoted(value[index])} equals entry [{first[item]}]; "
-                        "give each value once"
-                    )
+                    problem = f"{quoted(value[index])} equals entry [{first[item]}]"
+                    faults.append(Fault(f"{at}[{index}]", f"{problem}; give each value once"))
         return None if None in found else tuple(found)
 
 
@@ -253,7 +235,7 @@ class Range(Kind):
     def __str__(self) -> str:
         return f"a table with from, to, step, each {self.of}"
 
-    def _read(self, value: Any, at: str, faults: list[str]) -> tuple[float, ...] | None:
+    def _read(self, value: Any, at: str, faults: list[Fault]) -> tuple[float, ...] | None:
         # Decimals, so that three steps of 0.1 m/s make 0.3 and not 0.30000000000000004.
         end = replace(self.of, exact=True)
         step = replace(end, zero=False)
@@ -263,8 +245,8 @@ class Range(Kind):
         steps = (found["to"] - found["from"]) / found["step"]
         if not 0 <= steps <= _MOST_STEPS or abs(steps - round(steps)) > 1e-9:
             raise UnfitError(
-                f"from {quoted(value['from'])} to {quoted(value['to'])} are {steps:.6g} steps of "
-                f"{quoted(value['step'])}, not a whole number up to {_MOST_STEPS}"
+                f"from {quoted(value['from'])} to {quoted(value['to'])} there are {steps:.6g} "
+                f"steps of {quoted(value['step'])}, not a whole number up to {_MOST_STEPS}"
             )
         return tuple(float(found["from"] + i * found["step"]) for i in range(round(steps) + 1))
 
@@ -280,7 +262,7 @@ class Either(Kind):
     def __str__(self) -> str:
         return f"{self.usual}; or {self.other}"
 
-    def _read(self, value: Any, at: str, faults: list[str]) -> Any:
+    def _read(self, value: Any, at: str, faults: list[Fault]) -> Any:
         return (self.other if self.when(value) else self.usual)._read(value, at, faults)
 
 
@@ -302,13 +284,14 @@ class Table(Kind):
         needed = [key for key, entry in self.keys.items() if not isinstance(entry, Optional)]
         return f"a table with {', '.join(needed or self.keys)}"
 
-    def _read(self, value: Any, at: str, faults: list[str]) -> dict[str, Any]:
+    def _read(self, value: Any, at: str, faults: list[Fault]) -> dict[str, Any]:
         if not isinstance(value, dict):
-            raise UnfitError(f"{quoted(value)} is no table")
+            raise UnfitError(f"{quoted(value)} is not a table")
         for key in value:
             if key not in self.keys:
                 hint = did_you_mean(key, self.keys)
-                faults.append(f"{_join(at, key)}: unknown key{hint}; known: {', '.join(self.keys)}")
+                problem = f"unknown key{hint}; give one of {', '.join(self.keys)}"
+                faults.append(Fault(_join(at, key), problem))
         found = {}
         for key, entry in self.keys.items():
             kind = entry.kind if isinstance(entry, Optional) else entry
@@ -317,7 +300,7 @@ class Table(Kind):
             else:
                 found[key] = entry.default if isinstance(entry, Optional) else None
                 if kind is entry:
-                    faults.append(f"{_join(at, key)}: missing; give {kind}")
+                    faults.append(Fault(_join(at, key), f"missing; give {kind}"))
         return found
 
 
@@ -330,9 +313,9 @@ class Tables(Kind):
     def __str__(self) -> str:
         return f"at least one table under a name of your choice, each {self.of}"
 
-    def _read(self, value: Any, at: str, faults: list[str]) -> dict[str, Any]:
+    def _read(self, value: Any, at: str, faults: list[Fault]) -> dict[str, Any]:
         if not isinstance(value, dict) or not value:
-            raise UnfitError(f"{quoted(value)} holds no table")
+            raise UnfitError(f"{quoted(value)} is not a table that holds tables")
         return {name: self.of.read(table, _join(at, name), faults) for name, table in value.items()}
 
 

@@ -13,13 +13,11 @@ import pint
 
 from tribo import TriboError
 
-__all__ = ["UnitError", "display", "exact_si", "to_si"]
-
 _LONGEST = 80
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?"
 # The unit's characters leave out "_", and so delta_degC, which would make 25 K of 25 °C.
 _QUANTITY = re.compile(rf"\s*({_NUMBER})\s*([A-Za-z0-9µμ°Ω²³⁻¹ .·*/^()-]*)", re.ASCII)
-# What pint raises on text that is no unit: more than its own errors.
+# What pint raises on text that is not a unit: more than its own errors.
 _PINT_ERRORS = (
     pint.PintError,
     ArithmeticError,
@@ -50,14 +48,14 @@ def exact_si(text: str, like: str) -> Decimal:
     Parameters
     ----------
     text : str
-        A number and a unit.
+        Number and unit.
     like : str
-        A quantity of the dimension that is needed.
+        Quantity of the dimension that is needed.
 
     Raises
     ------
     UnitError
-        If the text is no quantity, or one of another dimension.
+        If the text is not a quantity, or is one of another dimension.
 
     Examples
     --------
@@ -66,8 +64,9 @@ def exact_si(text: str, like: str) -> Decimal:
     """
     quantity = _parsed(text)
     if not quantity.check(_parsed(like).dimensionality):
-        dimension = quantity.dimensionality or "1"
-        raise UnitError(f"{_quoted(text)} is of dimension {dimension}, unlike {_quoted(like)}")
+        if quantity.unitless:
+            raise UnitError(f"{_quoted(text)} has no unit")
+        raise UnitError(f"{_quoted(text)} cannot be converted to {_parts(like)[1]}")
     try:
         value: Decimal = quantity.to_base_units().magnitude
     except _PINT_ERRORS as error:
@@ -76,7 +75,7 @@ def exact_si(text: str, like: str) -> Decimal:
 
 
 def to_si(text: str, like: str) -> float:
-    """Value in SI of a quantity, the double nearest to it; see `exact_si`.
+    """Value in SI of a quantity such as ``"0.27 um"``, the nearest double; see `exact_si`.
 
     Examples
     --------
@@ -85,7 +84,7 @@ def to_si(text: str, like: str) -> float:
     >>> to_si("7 kg", like="750 N")
     Traceback (most recent call last):
         ...
-    pipeline.scene.units.UnitError: "7 kg" is of dimension [mass], unlike "750 N"
+    pipeline.scene.units.UnitError: "7 kg" cannot be converted to N
     """
     return float(exact_si(text, like))
 
@@ -104,21 +103,26 @@ def display(value: float, unit: str, digits: int = 6) -> str:
 
 @functools.cache
 def _registry() -> pint.UnitRegistry[Any]:
-    """All known units; made when first needed, since that takes 0.15 s."""
+    """All known units, made when first needed, since that takes 0.15 s."""
     return pint.UnitRegistry(non_int_type=Decimal)
 
 
-def _parsed(text: str) -> pint.Quantity[Decimal]:
+def _parts(text: str) -> tuple[str, str]:
+    """Split text into a number and a unit."""
     match = _QUANTITY.fullmatch(text) if len(text) <= _LONGEST else None
     if match is None:
         raise UnitError(f"{_quoted(text)} is not a number followed by a unit")
-    number, unit = match.groups()
+    return match[1], match[2]
+
+
+def _parsed(text: str) -> pint.Quantity[Decimal]:
+    number, unit = _parts(text)
     try:
         return _registry().Quantity(Decimal(number), _registry().parse_units(unit))
     except pint.UndefinedUnitError as error:
         raise UnitError(f"{_quoted(text)} has an unknown unit: {error}") from error
     except _PINT_ERRORS as error:
-        raise UnitError(f"{_quoted(text)} has no unit that can be read") from error
+        raise UnitError(f"{_quoted(text)} has a unit that cannot be read") from error
 
 
 def _quoted(text: str) -> str:

@@ -7,7 +7,8 @@ from types import ModuleType, SimpleNamespace
 import numpy as np
 import pytest
 
-from pipeline.scene.scenefile import SceneFileError, load_scene
+from pipeline.scene.faults import SceneFileError
+from pipeline.scene.scenefile import load_scene
 from pipeline.scene.surfaces import cropped, filled, levelled, read_surface
 from tests.pipeline.scene.test_scenefile import ROUGHNESS, TEXT
 from tribo import InputError

@@ -1,0 +1,218 @@
+"""TOML documents: a scene file, the scene that it extends, and entries given in their place.
+
+A file with ``extends = "other.toml"`` has the entries of the other, and its own in their place:
+tables are merged key by key, lists and values replaced. ``without = ["wear", "friction.band"]``
+leaves entries of the other out. A preset replaces the other's whole table ``[fidelity]``.
+"""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import reduce
+from pathlib import Path
+from typing import Any
+
+from pipeline.scene.faults import Fault, SceneFileError
+from pipeline.scene.format import EXTENDS, WITHOUT
+from pipeline.scene.schema import did_you_mean, quoted
+
+_LARGEST_FILE = 10_000_000
+
+
+@dataclass(frozen=True, slots=True)
+class Layer:
+    """Entries that stand in one file.
+
+    Attributes
+    ----------
+    file : Path
+        Scene file.
+    entries : dict
+        Its tables and values, as TOML has them.
+    """
+
+    file: Path
+    entries: dict[str, Any]
+
+
+@dataclass(frozen=True, slots=True)
+class Document:
+    """Entries of a scene, layer on layer.
+
+    Attributes
+    ----------
+    layers : tuple of Layer
+        The scene's own entries first; each layer goes before those after it.
+    """
+
+    layers: tuple[Layer, ...]
+
+    @property
+    def file(self) -> Path:
+        """The scene file itself."""
+        return self.layers[0].file
+
+    def entries(self) -> dict[str, Any]:
+        """The entries as if the scene were written in full."""
+        return reduce(_merged, (layer.entries for layer in reversed(self.layers)))
+
+    def file_of(self, key: str) -> Path:
+        """The file in which an entry stands or, if it stands in none, the table it belongs to."""
+        parts = re.sub(r"\[\d+\]", "", key).split(".")
+        return max(self.layers, key=lambda layer: _depth(layer.entries, parts)).file
+
+    def line(self, fault: Fault) -> str:
+        """Write a fault on one line, with the file that it stands in if that is another one."""
+        file = fault.file or self.file_of(fault.key)
+        return f"{fault.key}{'' if file == self.file else f' (in {file})'}: {fault.problem}"
+
+
+def read_document(path: Path, faults: list[Fault], above: tuple[Path, ...] = ()) -> Document:
+    """Read a scene file and those that it extends.
+
+    Parameters
+    ----------
+    path : Path
+        Scene file.
+    faults : list of Fault
+        List to which a fault is added for every wrong ``without``.
+    above : tuple of Path
+        Files that extend this one, the last one directly.
+
+    Raises
+    ------
+    SceneFileError
+        If one of the files cannot be read, or extends itself.
+    """
+    own = _toml(path)
+    extends, without = own.pop("extends", None), own.pop("without", None)
+    document = Document((Layer(path, own),))
+    if extends is None:
+        if without is not None:
+            faults.append(Fault("without", "there is nothing to leave out; give extends too", path))
+        return document
+    found: list[Fault] = []
+    name = EXTENDS.read(extends, "extends", found)
+    if found:
+        raise SceneFileError(path, [document.line(found[0])])
+    other, chain = path.parent / name, (*above, path)
+    if any(_is_same(other, file) for file in chain):
+        circle = " extends ".join(str(file) for file in (*chain, other))
+        raise SceneFileError(
+            path, [f"extends: {quoted(name)} closes a circle: {circle}; break it at one of them"]
+        )
+    try:
+        base = read_document(other, faults, chain)
+    except SceneFileError as error:
+        raise SceneFileError(path, [f"extends: {error}"]) from error
+    left_out = _left_out(without, base, path, faults)
+    if "preset" in (_table(own, "fidelity") or {}):
+        left_out.append("fidelity")
+    layers = (replace(layer, entries=_without(layer.entries, left_out)) for layer in base.layers)
+    return Document((*document.layers, *layers))
+
+
+def with_entries(document: Document, overrides: Mapping[str, Any], faults: list[Fault]) -> Document:
+    """Put other entries, by key path, in the place of a document's own."""
+    entries, top = document.entries(), dict[str, Any]()
+    for key, value in overrides.items():
+        *tables, last = key.split(".")
+        if _table(top, *tables) is None or _table(entries, *tables) is None:
+            faults.append(
+                Fault(f"overrides.{key}", f"{'.'.join(tables)} is not a table; give its own key")
+            )
+            continue
+        nested = reduce(lambda inner, name: {name: inner}, reversed(tables), {last: value})
+        top = _merged(top, nested)
+    return Document((Layer(document.file, top), *document.layers))
+
+
+def _left_out(value: Any, base: Document, path: Path, faults: list[Fault]) -> list[str]:
+    """Key paths that ``without`` names, as far as the other scene has them."""
+    found: list[Fault] = []
+    keys = [] if value is None else WITHOUT.read(value, "without", found) or []
+    entries = base.entries()
+    for index, key in enumerate(keys):
+        parts = key.split(".")
+        depth = _depth(entries, parts)
+        if depth < len(parts):
+            known = list(_table(entries, *parts[:depth]) or {})
+            found.append(
+                Fault(
+                    f"without[{index}]",
+                    f"{quoted(key)} is not an entry of {base.file}"
+                    f"{did_you_mean(parts[depth], known)}; give one that it has, such as "
+                    f"{quoted('.'.join([*parts[:depth], *known[:1]]))}",
+                )
+            )
+    faults += [fault._replace(file=path) for fault in found]
+    return list(keys)
+
+
+def _without(entries: dict[str, Any], keys: list[str]) -> dict[str, Any]:
+    """The entries but those at some key paths."""
+    for key in keys:
+        *tables, last = key.split(".")
+        (_table(entries, *tables) or {}).pop(last, None)
+    return entries
+
+
+def _table(entries: dict[str, Any], *keys: str) -> dict[str, Any] | None:
+    """The table at a key path, an empty one if there is none; None if a value stands there."""
+    for key in keys:
+        entries = entries.get(key, {})
+        if not isinstance(entries, dict):
+            return None
+    return entries
+
+
+def _depth(entries: Any, parts: list[str]) -> int:
+    """How many parts of a key path the entries hold."""
+    for depth, part in enumerate(parts):
+        if not isinstance(entries, dict) or part not in entries:
+            return depth
+        entries = entries[part]
+    return len(parts)
+
+
+def _merged(lower: dict[str, Any], upper: dict[str, Any]) -> dict[str, Any]:
+    """The entries of `lower`, and those of `upper` in their place.
+
+    Examples
+    --------
+    >>> _merged({"pin": {"shape": "ball", "radius": "2 mm"}}, {"pin": {"radius": "4 mm"}})
+    {'pin': {'shape': 'ball', 'radius': '4 mm'}}
+    """
+    merged = dict(lower)
+    for key, value in upper.items():
+        both = isinstance(value, dict) and isinstance(lower.get(key), dict)
+        merged[key] = _merged(lower[key], value) if both else value
+    return merged
+
+
+def _is_same(path: Path, other: Path) -> bool:
+    return path.resolve() == other.resolve()
+
+
+def _toml(path: Path) -> dict[str, Any]:
+    """Read one file."""
+    try:
+        with path.open("rb") as file:
+            content = file.read(_LARGEST_FILE + 1)
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise SceneFileError(path, [f"cannot be read: {reason}"]) from error
+    if len(content) > _LARGEST_FILE:
+        raise SceneFileError(path, [f"is larger than {_LARGEST_FILE // 10**6} MB"])
+    try:
+        return tomllib.loads(content.decode("utf-8-sig"))
+    except UnicodeDecodeError as error:
+        line = content.count(b"\n", 0, error.start) + 1
+        fault = f"line {line} is not UTF-8; save the file in that encoding"
+        raise SceneFileError(path, [fault]) from error
+    except (ValueError, RecursionError) as error:
+        reason = str(error).replace("Cannot overwrite a value", "A key is given twice")
+        raise SceneFileError(path, [f"is not valid TOML: {reason}"]) from error

@@ -1,0 +1,49 @@
+"""Faults of a scene file, and the error that carries all of them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import NamedTuple
+
+from tribo import TriboError
+
+
+class Fault(NamedTuple):
+    """One thing that is wrong with a scene.
+
+    Attributes
+    ----------
+    key : str
+        Key path of the entry, such as ``disk.roughness.ra``; empty if the whole file is meant.
+    problem : str
+        What is wrong, the value given, what is allowed and what to do; one line.
+    file : Path or None
+        File that the entry stands in, where the key alone does not tell.
+    """
+
+    key: str
+    problem: str
+    file: Path | None = None
+
+
+class SceneFileError(TriboError):
+    """A scene file that cannot be used.
+
+    Attributes
+    ----------
+    path : Path
+        Scene file.
+    faults : list of str
+        Every fault, one line each: its key, the file where that is another one, what is wrong and
+        what is allowed.
+    """
+
+    def __init__(self, path: Path, faults: list[str]) -> None:
+        super().__init__(path, faults)
+        self.path = path
+        self.faults = faults
+
+    def __str__(self) -> str:
+        if len(self.faults) == 1:
+            return f"{self.path}: {self.faults[0]}"
+        return "\n  ".join([f"{self.path}: {len(self.faults)} faults", *self.faults])

@@ -1,0 +1,145 @@
+"""The format of scene files: every table and key, with its kind, range and default."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, Literal, get_args, get_origin, get_type_hints
+
+import tribo
+from pipeline.scene.schema import (
+    Choice,
+    Either,
+    Flag,
+    Kind,
+    List,
+    Number,
+    Optional,
+    Quantity,
+    Range,
+    Table,
+    Tables,
+    Text,
+    Unit,
+    Whole,
+)
+
+
+def _kind(hint: Any) -> Kind:
+    """Translate the type of an entry whose range `tribo` checks itself."""
+    if get_origin(hint) is Literal:
+        return Choice(get_args(hint))
+    return {int: Whole(), float: Number(), bool: Flag(), str: Text()}[hint]
+
+
+def _is_ball(pin: Any) -> bool:
+    return isinstance(pin, dict) and pin.get("shape") == "ball"
+
+
+def _has_file(table: Any) -> bool:
+    return isinstance(table, dict) and "file" in table
+
+
+def _is_list(value: Any) -> bool:
+    return isinstance(value, list)
+
+
+def _is_table(value: Any) -> bool:
+    return isinstance(value, dict)
+
+
+SIZE = Quantity("a length", "2 mm")
+LENGTH = Quantity("a length", "0.95 um")
+LOAD = Quantity("a load", "200 N")
+DURATION = Quantity("a duration", "4 s", zero=True)
+VELOCITY = Quantity("a velocity", "1.25 m/s", zero=True)
+TEMPERATURE = Quantity("a temperature", "25 degC")
+FRICTION = Number(at_least=0)
+SEED = Whole(at_least=0)
+SURFACES = Whole(at_least=1, at_most=100_000)
+SHAPE = Choice(("cylinder", "ball"))
+PRESET = Choice(tuple(tribo.PRESETS))
+FIDELITY = {name: Optional(_kind(hint)) for name, hint in get_type_hints(tribo.Fidelity).items()}
+
+EXTENDS = Text()
+WITHOUT = List(Text(), distinct=True)
+
+FORMAT = Table({
+    "extends": Optional(EXTENDS),  # another scene file, relative to this one's folder
+    "without": Optional(WITHOUT),  # key paths of the other's entries to leave out
+    "title": Optional(Text()),
+    "materials": Tables(Table({
+        "elastic_modulus": Quantity("a modulus", "210 GPa"),
+        "poisson_ratio": Number(above=-1, at_most=0.5),
+        "hardness": Optional(Quantity("a pressure", "6.6 GPa"), math.inf),
+        "thermal_conductivity": Quantity("a conductivity", "45 W/(m K)"),
+        "density": Quantity("a density", "7800 kg/m^3"),
+        "specific_heat": Quantity("a specific heat", "470 J/(kg K)"),
+    })),
+    "pin": Either(
+        Table({"shape": SHAPE, "radius": SIZE, "length": SIZE, "material": Text()}),
+        Table({"shape": SHAPE, "radius": SIZE, "material": Text()}),
+        when=_is_ball,
+    ),
+    "disk": Table({
+        "material": Text(),
+        "roughness": Optional(Either(
+            Table({
+                "ra": LENGTH,
+                "hurst_exponent": Number(above=0, at_most=1),
+                "correlation_length": Either(LENGTH, List(LENGTH, length=2), when=_is_list),
+                "seed": Optional(SEED, 0),
+            }),
+            Table({
+                "file": Text(),
+                "height_unit": Optional(Unit("a unit of length", "um")),  # where the file has none
+                "crop": Optional(List(Whole(at_least=0), length=2)),  # its first row and column
+                "level": Optional(Flag(), False),
+                "missing": Optional(Choice(("refuse", "fill")), "refuse"),
+            }),
+            when=_has_file,
+        )),
+    }),
+    "window": Table({
+        "pixels": List(Whole(at_least=1, at_most=100_000), length=2),
+        "pixel_size": List(LENGTH, length=2),
+        "periodic_y": Optional(Flag()),  # by default as the pin's shape has it
+    }),
+    "loading": Either(
+        Table({
+            "rate": Quantity("a loading rate", "150 N/s"),
+            "reference_load": LOAD,
+            "hold": Optional(DURATION, 0.0),
+            "hold_steps": Optional(Whole(at_least=1)),
+        }),
+        Table({
+            "file": Text(),
+            "reference_load": Optional(LOAD),  # by default the record's peak
+            "fit": Optional(Flag(), False),  # a straight line in place of the record itself
+        }),
+        when=_has_file,
+    ),
+    "wear": Optional(Table({
+        "specific_wear_rate": Quantity("a specific wear rate", "1.2e-6 mm^3/(N m)", zero=True),
+        "pattern": _kind(get_type_hints(tribo.Wear)["pattern"]),
+    })),
+    "friction": Table({
+        "coefficient": FRICTION,
+        "band": Optional(List(FRICTION, length=2)),
+    }),
+    "temperature": Table({
+        "bulk": TEMPERATURE,
+        "critical": TEMPERATURE,
+        "failing_share": Optional(Number(at_least=0, below=1), 0.1),
+    }),
+    "fidelity": Optional(Table({"preset": Optional(PRESET), **FIDELITY})),
+    "sweep": Table({
+        "loads": Either(List(LOAD, distinct=True), Range(LOAD), when=_is_table),
+        "velocities": Either(List(VELOCITY, distinct=True), Range(VELOCITY), when=_is_table),
+        "realizations": Optional(Either(SURFACES, List(SEED, distinct=True), when=_is_list)),
+        "fields": Optional(Flag(), False),
+        "independent": Optional(Flag(), False),
+    }),
+    "measured": Optional(
+        List(Table({"load": LOAD, "velocity": VELOCITY, "friction": Optional(FRICTION)})), ()
+    ),
+})  # fmt: skip

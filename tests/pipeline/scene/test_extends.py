@@ -1,0 +1,183 @@
+"""A scene that extends another is the scene written in full."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import tribo
+from pipeline.scene.faults import SceneFileError
+from pipeline.scene.scenefile import load_scene
+from pipeline.store.variables import describe
+from tests.pipeline.scene.test_scenefile import ROUGHNESS, TEXT, WORKFLOWS
+
+EXTENDS = 'extends = "base.toml"\n'
+
+
+@pytest.fixture
+def write(tmp_path):
+    """Write scenes; return the path of the last one."""
+    (tmp_path / "base.toml").write_text(TEXT, encoding="utf-8")
+
+    def write(**texts):
+        for name, text in texts.items():
+            path = tmp_path / f"{name}.toml"
+            path.write_text(text, encoding="utf-8")
+        return path
+
+    return write
+
+
+def faults_of(path, **arguments):
+    with pytest.raises(SceneFileError) as caught:
+        load_scene(path, **arguments)
+    return caught.value.faults
+
+
+def test_a_scene_that_only_extends_is_the_other_under_its_own_name(write):
+    own = load_scene(write(own=EXTENDS))
+    assert own == replace(load_scene(write(base=TEXT)), name="own")
+
+
+def test_entries_of_its_own_stand_in_place_of_the_others(write):
+    own = """
+    extends = "base.toml"
+    [pin]
+    radius = "4 mm"
+    [wear]
+    pattern = "local"
+    [sweep]
+    loads = ["300 N"]
+    velocities = { to = "2.2 m/s" }
+    [[measured]]
+    load = "300 N"
+    velocity = "2 m/s"
+    """
+    full = (
+        ('"2 mm"', '"4 mm"'),
+        ('"swept"', '"local"'),
+        ('["200 N", "400 N", "600 N", "750 N"]', '["300 N"]'),
+        ('to = "4 m/s"', 'to = "2.2 m/s"'),
+        (TEXT[TEXT.index("[[measured]]") :], '[[measured]]\nload = "300 N"\nvelocity = "2 m/s"\n'),
+    )
+    text = TEXT
+    for old, new in full:
+        assert old in text
+        text = text.replace(old, new)
+    extended, written = load_scene(write(own=own)), load_scene(write(full=text))
+    assert extended == replace(written, name="own")
+    assert describe(extended) == describe(written)
+
+
+def test_entries_may_be_left_out(write):
+    keys = '"wear", "friction.band", "measured", "materials.steel.hardness", "disk.roughness.seed"'
+    sweep = load_scene(write(own=f"{EXTENDS}without = [{keys}]"))
+    assert sweep.wear is sweep.friction_band is None
+    assert sweep.measured == ()
+    assert sweep.hardness == np.inf
+    assert sweep.disk.elastic_modulus == 210e9
+
+
+def test_what_is_left_out_may_be_given_anew(write):
+    own = f'{EXTENDS}without = ["loading"]\n[loading]\nrate = "75 N/s"\nreference_load = "600 N"'
+    assert load_scene(write(own=own)).loading == tribo.Ramp(75.0, 600.0)
+
+
+def test_scenes_extend_one_another_in_a_chain(write):
+    write(middle='extends = "base.toml"\nwithout = ["wear"]\n[pin]\nradius = "4 mm"')
+    sweep = load_scene(write(own='extends = "middle.toml"\n[pin]\nlength = "5 mm"'))
+    assert sweep.wear is None
+    assert (sweep.pin.radius, sweep.pin.length) == (4e-3, 5e-3)
+
+
+def test_a_preset_takes_the_place_of_the_others_numerical_choices(write):
+    write(base=TEXT.replace('preset = "draft"', "increments = 7"))
+    sweep = load_scene(write(own=f'{EXTENDS}[fidelity]\npreset = "fine"'))
+    assert sweep.fidelity == tribo.PRESETS["fine"]
+    sweep = load_scene(write(own=f'{EXTENDS}[fidelity]\naveraging = "sample"'))
+    assert (sweep.fidelity.increments, sweep.fidelity.averaging) == (7, "sample")
+
+
+def test_overrides_go_before_both_files(write):
+    path = write(own=f'{EXTENDS}[wear]\npattern = "swept"')
+    sweep = load_scene(path, overrides={"wear.pattern": "local", "pin.radius": "5 mm"})
+    assert sweep.wear.pattern == "local"
+    assert sweep.pin.radius == 5e-3
+
+
+def test_files_are_looked_for_beside_the_scene_that_names_them(write, tmp_path):
+    folder = tmp_path / "surfaces"
+    folder.mkdir()
+    np.save(folder / "surface.npy", np.eye(480))
+    measured = TEXT.replace(ROUGHNESS, 'file = "surface.npy"\nheight_unit = "um"\n')
+    (folder / "base.toml").write_text(measured, encoding="utf-8")
+    sweep = load_scene(write(own='extends = "surfaces/base.toml"'))
+    np.testing.assert_array_equal(sweep.roughness.array, np.eye(480) * 1e-6)
+    fault, *_ = faults_of(
+        write(own='extends = "surfaces/base.toml"\n[disk.roughness]\nfile = "surface.npy"')
+    )
+    assert str(tmp_path / "surface.npy") in fault
+    (folder / "record.csv").write_text("time [s], load [N]\n0, 0\n5, 800\n", encoding="utf-8")
+    ramp = 'rate = "150 N/s"\nreference_load = "750 N"'
+    recorded = TEXT.replace(ramp, 'file = "record.csv"')
+    (folder / "base.toml").write_text(recorded, encoding="utf-8")
+    assert max(load_scene(write(own='extends = "surfaces/base.toml"')).loading.loads) == 800.0
+
+
+def test_a_fault_says_in_which_file_it_stands(write, tmp_path):
+    base = tmp_path / "base.toml"
+    write(base=TEXT.replace('"0.27 um"', "0.27").replace('"2 mm"', '"2 kg"'))
+    path = write(own=f'{EXTENDS}[pin]\nradius = 3\n[wear]\npatern = "local"')
+    assert sorted(fault.partition(": ")[0] for fault in faults_of(path)) == [
+        f"disk.roughness.ra (in {base})",
+        "pin.radius",
+        "wear.patern",
+    ]
+    own = faults_of(path, overrides={"disk.roughness.ra": "0 um"})
+    assert any(fault.startswith("disk.roughness.ra: ") for fault in own)
+    write(base=TEXT)
+    (fault,) = faults_of(write(own=f'{EXTENDS}without = ["wear.pattern"]'))
+    assert fault.startswith(f"wear.pattern (in {base}): missing")
+
+
+def test_leaving_out_what_is_not_there_is_a_fault(write, tmp_path):
+    path = write(own=f'{EXTENDS}without = ["waer", "wear.patern", "title.x", "measured"]')
+    found = faults_of(path)
+    assert [fault.partition(": ")[0] for fault in found] == [f"without[{i}]" for i in range(3)]
+    for fault, hint in zip(found, ("wear", "pattern", "title"), strict=True):
+        assert hint in fault
+        assert str(tmp_path / "base.toml") in fault
+    (fault,) = faults_of(write(own=f"{EXTENDS}without = 3"))
+    assert fault.startswith("without: 3 is not a list")
+    (fault,) = faults_of(write(own=f'without = ["wear"]\n{TEXT}'))
+    assert fault.startswith("without: there is nothing to leave out")
+    (fault,) = faults_of(write(middle=f'without = ["wear"]\n{TEXT}', own='extends="middle.toml"'))
+    assert fault.startswith(f"without (in {tmp_path / 'middle.toml'}): ")
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ('"missing.toml"', "missing.toml: cannot be read: No such file"),
+        ('"broken.toml"', "broken.toml: is not valid TOML"),
+        ("3", "3 is not text"),
+        ('""', "is empty"),
+        ('"own.toml"', "closes a circle"),
+        ('"folder/../own.toml"', "closes a circle"),
+        ('"round.toml"', "closes a circle"),
+    ],
+)
+def test_another_scene_that_cannot_be_extended_is_one_clear_fault(write, tmp_path, given, said):
+    (tmp_path / "folder").mkdir()
+    write(broken="a = ", round='extends = "own.toml"')
+    (fault,) = faults_of(write(own=f"extends = {given}"))
+    assert fault.startswith("extends: ")
+    assert said in fault
+    assert len(fault.splitlines()) == 1
+
+
+def test_the_shipped_scenes_state_what_differs_from_the_papers_alone():
+    texts = {path.stem: path.read_text(encoding="utf-8") for path in WORKFLOWS.glob("*.toml")}
+    assert [name for name, text in texts.items() if "\nextends = " not in text] == [
+        "irg_transition"
+    ]
