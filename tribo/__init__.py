@@ -24,6 +24,7 @@ from tribo.simulation.heating import heat
 from tribo.simulation.scene import Ball, Cylinder, MeasuredRoughness, Scene, SelfAffineRoughness
 from tribo.simulation.state import Heat, State
 from tribo.simulation.steps import advance, forget_kernels, measures, simulate, start, warnings
+from tribo.simulation.warning import PointWarning, WarningKind
 from tribo.thermal.conduction import ConductingHalfSpace
 from tribo.thermal.duhamel import Conductor, HeatHistory, partition_with_history
 from tribo.thermal.partition import HeatPartition, partition_heat
@@ -61,6 +62,7 @@ __all__ = [
     "Material",
     "MeasuredLoad",
     "MeasuredRoughness",
+    "PointWarning",
     "Ramp",
     "RangeError",
     "Scene",
@@ -69,6 +71,7 @@ __all__ = [
     "Station",
     "Transition",
     "TriboError",
+    "WarningKind",
     "Wear",
     "WearRate",
     "advance",

@@ -122,7 +122,11 @@ def _with(scene: Sweep, **changes: Any) -> Sweep:
 
 def _end(scene: Sweep, load: float, velocity: float) -> tuple[End, list[str], Array]:
     *_, state = simulate(scene, load, velocity)
-    return summary_of(scene, state), warnings(scene, state), state.pressure
+    return (
+        summary_of(scene, state),
+        [str(warning) for warning in warnings(scene, state)],
+        state.pressure,
+    )
 
 
 def _neighbours(pressure: Array) -> float:

@@ -161,12 +161,13 @@ class Store:
         data = result.columns | (result.fields if "pressure" in self._arrays else {})
         about = {
             "wall_time": result.wall_time,
-            "message": "; ".join(result.warnings),
+            "message": "; ".join(map(str, result.warnings)),
+            "warning_flags": sum({int(warning.kind) for warning in result.warnings}),
             "finished_at": time.time(),
             "checksum": checksum(data),
         }
-        if "finished_at" not in self._arrays:  # as in the oldest stores
-            del about["finished_at"]
+        # Older stores lack some of these.
+        about = {name: value for name, value in about.items() if name in self._arrays}
         with self._writing(result.point) as write:
             write({name: self._padded(name, values) for name, values in data.items()} | about)
             write({"status": DONE})

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.plan import step_count
-from tribo import QUANTILES, Scene
+from tribo import QUANTILES, Scene, WarningKind
 
 __all__ = [
     "BY_POINT",
@@ -114,6 +114,16 @@ RECORDS = {
     "wall_time": Variable(_POINT, "s", "duration of the point's computation"),
     "finished_at": Variable(_POINT, "s", "when the point was finished, since 1970-01-01 UTC"),
     "message": Variable(_POINT, None, "why the point failed, or what to know of it", "str"),
+    "warning_flags": Variable(
+        _POINT,
+        None,
+        "what to know of the point before relying on it",
+        "int32",
+        {
+            "flag_masks": [int(kind) for kind in WarningKind],
+            "flag_meanings": " ".join(kind.label.replace(" ", "_") for kind in WarningKind),
+        },
+    ),
     "checksum": Variable(_POINT, None, "BLAKE2b-64 of the point's data", "uint64"),
 }
 

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.sweep.model import Point, Sweep
-from tribo import QUANTILES, Scene, State, measures, simulate, start, warnings
+from tribo import QUANTILES, PointWarning, Scene, State, measures, simulate, start, warnings
 
 __all__ = [
     "Point",
@@ -64,7 +64,7 @@ class PointResult:
         temperature was not asked for.
     state : State
         At the end, with temperature.
-    warnings : tuple of str
+    warnings : tuple of PointWarning
         What to know before relying on the point.
     trunk : Trunk
         Where the next higher load goes on.
@@ -75,7 +75,7 @@ class PointResult:
     point: Point
     columns: dict[str, Array]
     state: State
-    warnings: tuple[str, ...]
+    warnings: tuple[PointWarning, ...]
     trunk: Trunk
     wall_time: float
 

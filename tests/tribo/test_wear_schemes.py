@@ -102,14 +102,14 @@ def test_explicit_wear_with_the_paper_s_increments_is_a_checkerboard_and_says_so
     assert roughness_of_pressure(rough) > 0.5
     assert rough.pressure.max() > 2 * smooth.pressure.max()
     (warning,) = warnings(scene, rough)
-    assert "unstable" in warning
-    assert "at least 358 increments" in warning  # 100 times 7.15, over 2
+    assert "unstable" in warning.text
+    assert "at least 358 increments" in warning.text  # 100 times 7.15, over 2
     assert warnings(plane(), smooth) == []
 
 
 def test_explicit_wear_warns_at_the_first_step():
     scene = plane(wear_scheme="explicit", increments=100, contact_tolerance=1e-6)
-    assert "unstable" in warnings(scene, next(iter(simulate(scene, LOAD, VELOCITY))))[0]
+    assert "unstable" in warnings(scene, next(iter(simulate(scene, LOAD, VELOCITY))))[0].text
     assert warnings(scene, start(scene)) == []
 
 
@@ -150,7 +150,7 @@ def test_explicit_wear_of_a_rough_contact_fails_where_it_warns(pattern):
         end(small_scene(pattern, wear_scheme=scheme)) for scheme in ("implicit", "explicit")
     )
     scene = small_scene(pattern, wear_scheme="explicit")
-    assert "unstable" in warnings(scene, explicit)[0]
+    assert "unstable" in warnings(scene, explicit)[0].text
     waviness = [np.abs(np.diff(s.wear_depth.mean(axis=1), 2)).mean() for s in (implicit, explicit)]
     assert waviness[1] > 3 * waviness[0]
 
@@ -162,7 +162,7 @@ def test_a_hold_that_steps_too_far_is_named():
     assert warnings(held, replace(state, time=5.0)) == []  # the hold has not begun
     holding = replace(state, time=5.5, sliding_distance=VELOCITY * 5.5)
     (warning,) = warnings(held, holding)
-    assert "at least 36 steps of the hold" in warning  # 2 of 5 times 7.15, over 2
+    assert "at least 36 steps of the hold" in warning.text  # 2 of 5 times 7.15, over 2
 
 
 def test_stiffness_is_that_of_the_shapes_that_wear():

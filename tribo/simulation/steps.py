@@ -18,6 +18,7 @@ from tribo.simulation.heating import forget_conductors, heat, heated_since
 from tribo.simulation.invariants import check_contact, check_wear, within_range
 from tribo.simulation.scene import Scene
 from tribo.simulation.state import State
+from tribo.simulation.warning import PointWarning, WarningKind
 from tribo.thermal.duhamel import HeatHistory
 from tribo.wear import EXPLICIT_LIMIT, WEAR_SCHEMES
 
@@ -234,7 +235,7 @@ def measures(scene: Scene, state: State) -> dict[str, float]:
     }
 
 
-def warnings(scene: Scene, state: State) -> list[str]:
+def warnings(scene: Scene, state: State) -> list[PointWarning]:
     """What a user should know about a state before relying on it."""
     found = _unstable_wear(scene, state)
     touched = [
@@ -243,14 +244,15 @@ def warnings(scene: Scene, state: State) -> list[str]:
         if not scene.grid.periodic[axis] and np.take(state.pressure, (0, -1), axis=axis).any()
     ]
     if touched:
-        found.append(
+        text = (
             f"contact touches the window's {' and '.join(touched)} at {state.normal_load:g} N; "
             "a wider window would carry load there too"
         )
+        found.append(PointWarning(WarningKind.CONTACT_AT_EDGE, text))
     return found
 
 
-def _unstable_wear(scene: Scene, state: State) -> list[str]:
+def _unstable_wear(scene: Scene, state: State) -> list[PointWarning]:
     """Where steps so far have been too long for explicit wear, and how many would do."""
     fidelity = scene.fidelity
     if not scene.wear or fidelity.wear_scheme != "explicit" or not state.normal_load:
@@ -273,11 +275,12 @@ def _unstable_wear(scene: Scene, state: State) -> list[str]:
         stiffness = scene.wear.stiffness(solid, velocity * max(lengths, default=0.0))
         if stiffness >= EXPLICIT_LIMIT:
             count = len(lengths) if holding else fidelity.increments
-            found.append(
+            text = (
                 f"explicit wear is unstable: k·dS is {stiffness:.1f} times the smallest compliance "
                 f"of the grid, the limit is {EXPLICIT_LIMIT:g}; take at least "
                 f"{int(count * stiffness / EXPLICIT_LIMIT) + 1} {name}, or another wear scheme"
             )
+            found.append(PointWarning(WarningKind.UNSTABLE_WEAR, text))
     return found
 
 

@@ -85,10 +85,13 @@ def test_the_store_opens_in_plain_xarray_without_a_warning(alone):
         ds = xr.open_zarr({str(alone)!r})
         assert ds["rise_quantile"].sel(load=600, velocity=1.5).dims == ("step", "quantile")
         assert ds["status"].attrs["flag_meanings"] == "pending done failed"
+        masks, kinds = (ds["warning_flags"].attrs[name] for name in ("flag_masks", "flag_meanings"))
+        assert dict(zip(masks, kinds.split()))[2] == "contact_at_edge"
         ds.load()
         for name, variable in ds.variables.items():
             assert "long_name" in variable.attrs, name
-            assert "units" in variable.attrs or name in ("status", "message", "checksum"), name
+            without = "status", "message", "warning_flags", "checksum"
+            assert "units" in variable.attrs or name in without, name
     """
     subprocess.run([sys.executable, "-c", command], check=True, cwd="/")
 
@@ -115,7 +118,9 @@ def test_what_is_read_is_what_was_computed_bit_for_bit(alone):
                 assert np.isnan(stored[name].values[len(values) :]).all()
             for name, field in result.fields.items():
                 assert stored[name].values.tobytes() == field.tobytes()
-            assert stored["message"].values.item() == "; ".join(result.warnings)
+            assert stored["message"].values.item() == "; ".join(map(str, result.warnings))
+            flags = stored["warning_flags"].values.item()
+            assert list(tribo.WarningKind(flags)) == [each.kind for each in result.warnings]
 
 
 def test_no_two_points_share_a_file(alone):

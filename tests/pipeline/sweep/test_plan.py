@@ -147,4 +147,4 @@ def test_a_trunk_beyond_the_load_is_refused():
 def test_a_contact_at_the_edge_of_the_window_is_a_warning_of_the_point():
     assert run_point(SWEEP, 150.0, 1.0).warnings == ()
     (warning,) = run_point(SWEEP, 600.0, 1.0).warnings
-    assert "touches the window's x edge" in warning
+    assert "touches the window's x edge" in warning.text

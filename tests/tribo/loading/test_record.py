@@ -96,7 +96,7 @@ def test_points_of_a_record_share_no_trunk():
 def test_explicit_wear_counts_the_steps_of_a_record():
     scene = replace(small_scene(wear_scheme="explicit"), loading=smooth_record())
     first = next(iter(simulate(scene, 600.0, 1.25)))
-    assert "increments" in warnings(scene, first)[0]
+    assert "increments" in warnings(scene, first)[0].text
 
 
 def test_a_record_is_known_by_its_numbers():

@@ -26,6 +26,7 @@ from tribo import (
     MeasuredRoughness,
     Ramp,
     RangeError,
+    WarningKind,
     Wear,
     elastic_influence,
     heat,
@@ -412,7 +413,7 @@ def test_contact_at_the_window_s_edge_is_told():
         next(case for case in EXTREMES if case.what == what).run()
         for what in ("contact at the window's edges", "1 m/s")
     )
-    assert "x edge and y edge" in warnings(scene, state)[0]
+    assert "x edge and y edge" in warnings(scene, state)[0].text
     assert warnings(small_scene(), inside) == []
 
 
@@ -628,8 +629,8 @@ def test_wear_stays_smooth_or_is_warned_of_at_any_step_length(scheme, pattern):
             loading=Ramp(600.0 / duration, 600.0, hold=steps * duration, hold_steps=steps),
         )
         *_, state = simulate(scene, 600.0, 1.25)
-        told = [said for said in warnings(scene, state) if "explicit wear is unstable" in said]
-        found[stiffness] = wavy(state.pressure), bool(told)
+        kinds = [warning.kind for warning in warnings(scene, state)]
+        found[stiffness] = wavy(state.pressure), WarningKind.UNSTABLE_WEAR in kinds
     for stiffness, (waves, told) in found.items():
         if scheme == "explicit":
             assert told == (stiffness >= 2)

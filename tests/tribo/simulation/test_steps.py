@@ -154,7 +154,7 @@ def test_ball_on_a_flat_runs_with_local_wear():
 
 def test_contact_at_the_window_s_edge_warns():
     scene = replace(small_scene(), pixels=Grid((12, 16), (8e-6, 8e-6)))
-    assert "x edge" in warnings(scene, last(simulate(scene, 750.0, 1.25)))[0]
+    assert "x edge" in warnings(scene, last(simulate(scene, 750.0, 1.25)))[0].text
     assert warnings(small_scene(), last(simulate(small_scene(), 100.0, 1.25))) == []
 
 
