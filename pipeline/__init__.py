@@ -25,7 +25,8 @@ if TYPE_CHECKING:
     from pipeline.store.points import StoreError, StoreMismatchError
     from pipeline.store.progress import summary
     from pipeline.store.verify import verify_store
-    from pipeline.sweep.model import Conditions, Measurement, Sweep
+    from pipeline.sweep.criterion import Conditions
+    from pipeline.sweep.model import Measurement, Sweep
     from pipeline.sweep.plan import run_point
     from pipeline.tradeoff.choose import at_accuracy, choose_fidelity, stored_selection
     from pipeline.tradeoff.forecast import estimate
@@ -33,7 +34,7 @@ if TYPE_CHECKING:
 
 _HOMES = {
     "RESULTS": "paper",
-    "Conditions": "sweep.model",
+    "Conditions": "sweep.criterion",
     "CriticalTemperatures": "analysis.inference",
     "Measurement": "sweep.model",
     "SceneFileError": "scene.faults",

@@ -21,7 +21,7 @@ from tribo.material import Material, contact_modulus
 from tribo.simulation.fidelity import Fidelity
 from tribo.simulation.scene import Ball, Scene
 from tribo.simulation.steps import advance, measures, simulate, start
-from tribo.thermal.quantiles import QUANTILES
+from tribo.thermal.quantiles import require_share, rise_exceeded
 from tribo.wear import Wear, WearPattern
 
 __all__ = [
@@ -107,15 +107,15 @@ def critical_temperature(
     """
     if not transitions:
         raise InputError("there is no transition; at least one is needed")
-    if not 0 <= share < 1:
-        raise InputError(f"share is {share!r}; it must be at least 0 and below 1")
+    require_share(share)
+    for _, _, friction in transitions:
+        require_positive(friction=friction)
     found = []
     for normal_load, velocity, friction in transitions:
-        require_positive(friction=friction)
         rise = max(
-            float(np.interp(1 - share, QUANTILES, state.heat.rise_quantile))
+            float(rise_exceeded(state.heat.rise_quantile, share))
             for state in simulate(scene, normal_load, velocity)
-            if state.heat
+            if state.heat and state.normal_load >= normal_load
         )
         found.append(bulk_temperature + friction * rise)
     spread = float(np.std(found, ddof=1)) if len(found) > 1 else math.nan

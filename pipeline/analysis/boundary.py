@@ -1,17 +1,13 @@
 """The boundary between mild and severe wear, from a stored sweep and without a new simulation.
 
-Friction, bulk temperature, critical temperature and failing share enter only here. With r the
-rise at friction 1 that the failing share of the contact exceeds, wear is severe where
-
-    bulk + µ r > critical,  that is  r > (critical − bulk)/µ.
+Friction, bulk temperature, critical temperature and failing share enter only here, by
+`pipeline.sweep.criterion`.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable
 from dataclasses import asdict
-from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -21,17 +17,9 @@ from pipeline.analysis.band import CROSSES, MILD, SEVERE, UNKNOWN, with_band
 from pipeline.analysis.dataset import asked_points, by_surface, ordered
 from pipeline.analysis.interpolation import crossing, interpolated
 from pipeline.store.variables import DONE
-from pipeline.sweep.model import Conditions
+from pipeline.sweep.criterion import Conditions, contact_temperature, rise_limit, worst_moment
 from tribo import InputError
-
-__all__ = [
-    "boundary",
-    "conditions_of",
-    "decisive_rise",
-    "decisive_temperature",
-    "rise_exceeded",
-    "rise_limit",
-]
+from tribo.thermal import quantiles
 
 Array = NDArray[np.float64]
 
@@ -168,7 +156,7 @@ def decisive_temperature(
     """
     conditions = conditions_of(ds, friction, bulk_temperature, critical_temperature, share)
     rise = decisive_rise(ds, conditions.failing_share, resolution)
-    temperature = conditions.bulk_temperature + conditions.friction * rise
+    temperature = contact_temperature(rise, conditions)
     temperature.attrs = {
         "units": "K",
         "long_name": "temperature exceeded by the failing share of the contact",
@@ -208,8 +196,10 @@ def decisive_rise(
         each = [decisive_rise(part, share, resolution, continued) for part in by_surface(ds)]
         found: xr.DataArray = xr.concat(each, "realization")
         return found
-    reached = (ds["normal_load"] >= ds["load"]) & (ds["status"] == DONE)
-    r = rise_exceeded(ds, share).where(reached).max("step").transpose("load", "velocity").values
+    ds = ds.transpose("load", "velocity", "step", ...)
+    rises = rise_exceeded(ds, share).where(ds["status"] == DONE).values
+    worst = worst_moment(rises, ds["normal_load"].values, ds["load"].values[:, None, None])
+    r = np.take_along_axis(rises, worst[..., None], axis=-1)[..., 0]
     loads, velocities = ds["load"].values, ds["velocity"].values
     if resolution is not None:
         fine = np.linspace(velocities[0], velocities[-1], resolution)
@@ -237,27 +227,19 @@ def decisive_rise(
 def rise_exceeded(ds: xr.Dataset, share: float) -> xr.DataArray:
     """Rise, at friction 1, that just a share of the contact area exceeds.
 
-    Linear between the stored quantiles, as `tribo.failed_share` is.
-
     Returns
     -------
     DataArray
         [K], with the dimensions of ``rise_quantile`` but the quantile; NaN where the temperature
         is not known.
     """
-    _require_share(share)
-    quantiles = ds["quantile"].values
-    if not quantiles[0] <= 1 - share <= quantiles[-1]:
-        raise InputError(
-            f"share is {share!r}; the stored quantiles allow from {1 - quantiles[-1]:g} to "
-            f"{1 - quantiles[0]:g}"
-        )
-    above = int(np.clip(np.searchsorted(quantiles, 1 - share), 1, len(quantiles) - 1))
-    low, high = quantiles[above - 1 : above + 1]
-    weight = (1 - share - low) / (high - low)
-    cooler, hotter = (ds["rise_quantile"].isel(quantile=k, drop=True) for k in (above - 1, above))
-    exceeded: xr.DataArray = (1 - weight) * cooler + weight * hotter
-    return exceeded
+    found: xr.DataArray = xr.apply_ufunc(
+        quantiles.rise_exceeded,
+        ds["rise_quantile"],
+        input_core_dims=[["quantile"]],
+        kwargs={"share": share, "quantiles": ds["quantile"].values},
+    )
+    return found
 
 
 def conditions_of(
@@ -280,50 +262,18 @@ def conditions_of(
         "critical_temperature": critical_temperature,
         "failing_share": share,
     }
-    own: dict[str, Any] = ds.attrs.get("conditions") or {}
-    values = {}
-    for name, value in given.items():
-        value = own.get(name) if value is None else value
-        if isinstance(value, Iterable):
-            raise InputError(f"{name} is {value!r}; it must be one number here")
-        if value is None:
+    values = dict(ds.attrs.get("conditions") or {})
+    values |= {name: value for name, value in given.items() if value is not None}
+    for name in given:
+        if values.get(name) is None:
             raise InputError(f"the sweep has no {name} of its own; give one")
-        values[name] = float(value)
-        if not math.isfinite(values[name]):
-            raise InputError(f"{name} is {value!r}; it must be finite")
     conditions = Conditions(**values)
-    if conditions.friction < 0:
-        raise InputError(f"friction is {conditions.friction:g}; it must be at least 0")
-    if conditions.bulk_temperature < 0:
-        raise InputError(
-            f"bulk_temperature is {conditions.bulk_temperature:g} K; it must be at least 0 K"
-        )
-    if conditions.critical_temperature <= conditions.bulk_temperature:
-        raise InputError(
-            f"critical_temperature is {conditions.critical_temperature:g} K; it must lie above "
-            f"the bulk temperature, {conditions.bulk_temperature:g} K"
-        )
-    _require_share(conditions.failing_share)
     if conditions.friction and not ds.attrs.get("scene", {}).get("friction_heat", True):
         raise InputError(
             f"friction is {conditions.friction:g}; the sweep was computed without friction, and "
             "so without any heat: run it again with friction, into another store"
         )
     return conditions
-
-
-def rise_limit(conditions: Conditions) -> float:
-    """Rise at friction 1 above which wear is severe [K]; infinite without friction."""
-    if conditions.friction == 0:
-        return math.inf
-    return (conditions.critical_temperature - conditions.bulk_temperature) / conditions.friction
-
-
-def _require_share(share: float) -> None:
-    if not 0 <= share < 1:
-        raise InputError(
-            f"share is {share!r}; it must be at least 0 (the maximum temperature) and below 1"
-        )
 
 
 def _outcome(found: Array, r: Array, limit: float, axis: int) -> NDArray[np.int8]:

@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 
 from pipeline.store.committed import Committed, as_needed
 from pipeline.store.folder import PathLike, folder_of
+from pipeline.sweep.criterion import Conditions, contact_temperature, failed_fraction
 from pipeline.sweep.model import Point
-from tribo import InputError, failed_share
+from tribo import InputError
 
 __all__ = ["asked_points", "by_surface", "end_of_point", "on_surface", "open_sweep", "ordered"]
 
@@ -117,8 +118,7 @@ def end_of_point(ds: xr.Dataset) -> xr.Dataset:
 
 def _temperatures(ds: xr.Dataset) -> dict[str, xr.Variable]:
     """Temperature and failed share at the friction and bulk temperature of the scene."""
-    conditions = ds.attrs["conditions"]
-    friction, bulk = conditions["friction"], conditions["bulk_temperature"]
+    conditions = Conditions(**ds.attrs["conditions"])
 
     def warmed(name: str, meaning: str) -> xr.Variable:
         rise = ds[name].variable
@@ -126,27 +126,27 @@ def _temperatures(ds: xr.Dataset) -> dict[str, xr.Variable]:
             rise.dims,
             rise.shape,
             rise.dtype,
-            lambda key: rise[key].values * friction + bulk,
+            lambda key: contact_temperature(rise[key].values, conditions),
             {"units": "K", "long_name": f"{meaning} of the contact"},
         )
 
-    temperature = warmed("rise_quantile", "quantile of the temperature")
+    rises = ds["rise_quantile"].variable
 
     def failed(key: tuple[Any, ...]) -> NDArray[np.float64]:
-        quantiles = temperature[(*key, slice(None))].values
+        quantiles = rises[(*key, slice(None))].values
         shares = np.full(quantiles.shape[:-1], np.nan)
         for index in np.ndindex(shares.shape):
             if np.isfinite(quantiles[index][0]):
-                shares[index] = failed_share(quantiles[index], conditions["critical_temperature"])
+                shares[index] = failed_fraction(quantiles[index], conditions)
         return shares
 
     return {
         "max_temperature": warmed("max_rise", "highest temperature"),
         "mean_temperature": warmed("mean_rise", "mean temperature"),
-        "temperature_quantile": temperature,
+        "temperature_quantile": warmed("rise_quantile", "quantile of the temperature"),
         "failed_fraction": as_needed(
-            temperature.dims[:-1],
-            temperature.shape[:-1],
+            rises.dims[:-1],
+            rises.shape[:-1],
             float,
             failed,
             {"units": "1", "long_name": "share of the contact above the critical temperature"},

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import math
 import tomllib
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict
@@ -16,7 +15,7 @@ from pipeline.cli.output import ProgressLine, duration, show, tell
 from pipeline.run import forkserver
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.selection import KEPT_FIELDS
-from tribo import InputError, failed_share, measures, specific_wear_rate
+from tribo import InputError, measures, specific_wear_rate
 
 if TYPE_CHECKING:
     from pipeline.store.progress import FailedPoint, Summary
@@ -199,38 +198,28 @@ def point(options: argparse.Namespace) -> int:
     sweep = _scene(options, points=[Point(options.load, options.velocity)])
     sweep = sweep.on_surface(options.realization)
     result = pipeline.run_point(sweep, options.load, options.velocity)
-    found, columns, conditions = measures(sweep, result.state), result.columns, sweep.conditions
-    warming = conditions.critical_temperature - conditions.bulk_temperature
-    limit = warming / conditions.friction if conditions.friction else math.inf
-    # Where the load is held, wear is severe if it is so at any time.
-    share, rise, time = max(
-        (failed_share(quantiles, limit), float(quantiles[-1]), float(time))
-        for load, quantiles, time in zip(
-            columns["normal_load"], columns["rise_quantile"], columns["time"], strict=True
-        )
-        if load >= options.load and math.isfinite(quantiles[-1])
-    )
-    hottest = conditions.bulk_temperature + conditions.friction * rise
-    severe = share > conditions.failing_share
+    found, conditions = measures(sweep, result.state), sweep.conditions
+    verdict = result.verdict(conditions)
+    wear = "severe" if verdict.is_severe else "mild"
     document = found | {
         "velocity": options.velocity,
         "friction": conditions.friction,
-        "max_temperature": hottest,
-        "failed_fraction": share,
-        "failed_fraction_time": time,
-        "severe": severe,
+        "max_temperature": verdict.max_temperature,
+        "failed_fraction": verdict.failed_fraction,
+        "failed_fraction_time": verdict.time,
+        "severe": verdict.is_severe,
         "warnings": list(result.warnings),
         "wall_time": result.wall_time,
         **_selected(sweep),
     }
     text = [
         f"{options.load:g} N at {options.velocity:g} m/s after {found['time']:.3g} s "
-        f"and {found['sliding_distance']:.3g} m: {'severe' if severe else 'mild'} wear",
-        f"  failed share      {100 * share:.1f} % of the contact above "
+        f"and {found['sliding_distance']:.3g} m: {wear} wear",
+        f"  failed share      {100 * verdict.failed_fraction:.1f} % of the contact above "
         f"{pipeline.display(conditions.critical_temperature, '°C')} "
         f"(severe above {100 * conditions.failing_share:g} %)"
-        + (f" at its highest, after {time:.3g} s" if time < found["time"] else ""),
-        f"  max temperature   {pipeline.display(hottest, '°C', 4)} at friction "
+        + (f" at its worst, after {verdict.time:.3g} s" if verdict.time < found["time"] else ""),
+        f"  max temperature   {pipeline.display(verdict.max_temperature, '°C', 4)} at friction "
         f"{conditions.friction:g}",
         f"  pin's heat share  {100 * found['pin_heat_share']:.1f} %",
         f"  contact width     {_um(found['contact_width'])}",

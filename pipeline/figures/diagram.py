@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt
 
 from pipeline.analysis.band import BAND
-from pipeline.analysis.boundary import conditions_of, decisive_rise, rise_limit
+from pipeline.analysis.boundary import conditions_of, decisive_rise
 from pipeline.analysis.dataset import asked_points, by_surface, on_surface, ordered
 from pipeline.figures.style import (
     BLACK,
@@ -32,7 +32,7 @@ from pipeline.figures.style import (
     title_of,
 )
 from pipeline.store.variables import PENDING
-from pipeline.sweep.model import Conditions
+from pipeline.sweep.criterion import Conditions, rise_limit
 
 __all__ = ["diagram"]
 

@@ -20,7 +20,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
-from pipeline.analysis.boundary import conditions_of, decisive_rise, rise_exceeded, rise_limit
+from pipeline.analysis.boundary import conditions_of, decisive_rise, rise_exceeded
 from pipeline.analysis.dataset import on_surface, open_sweep, ordered
 from pipeline.figures.diagram import diagram
 from pipeline.figures.style import (
@@ -35,7 +35,8 @@ from pipeline.figures.style import (
     title_of,
 )
 from pipeline.store.variables import DONE
-from pipeline.sweep.model import Conditions, Point
+from pipeline.sweep.criterion import Conditions, contact_temperature, rise_limit
+from pipeline.sweep.model import Point
 from tribo import InputError
 
 __all__ = ["diagram", "fields", "plot", "ramp"]
@@ -179,7 +180,7 @@ def fields(
         )
     (i, j) = point = _points(ds, load, velocity, conditions)[0]
     here = ds.isel(load=i, velocity=j).transpose("x", "y", ...)
-    temperature = celsius(conditions.bulk_temperature + conditions.friction * here["rise"].values)
+    temperature = celsius(contact_temperature(here["rise"].values, conditions))
     critical = celsius(conditions.critical_temperature)
     outlined = temperature.min() < critical < temperature.max() and min(temperature.shape) > 1
     white = f", outlined at {critical:g}" if outlined else ""
@@ -276,8 +277,8 @@ def _temperatures(
     for number, point in enumerate(points):
         for rise, _, look in rises:
             time, kelvin = _along_ramp(ds, rise, point)
-            kelvin = conditions.bulk_temperature + conditions.friction * kelvin
-            axes.plot(time, celsius(kelvin), color=f"C{number}", zorder=_order(point), **look)
+            temperature = celsius(contact_temperature(kelvin, conditions))
+            axes.plot(time, temperature, color=f"C{number}", zorder=_order(point), **look)
     critical = celsius(conditions.critical_temperature)
     axes.axhline(critical, color=GREY, ls=":", lw=1.4)
     axes.set_ylabel("contact temperature [°C]")

@@ -13,7 +13,7 @@ from cycler import cycler
 from matplotlib import rc_context
 from matplotlib.figure import Figure
 
-from pipeline.sweep.model import Conditions
+from pipeline.sweep.criterion import Conditions
 from tribo import InputError
 
 __all__ = [

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION, celsius, heating, in_house_style
 from pipeline.paper.report import Finding, Report, Table
 from pipeline.paper.study import Study
-from pipeline.sweep.model import Conditions, Sweep
+from pipeline.sweep.criterion import Conditions, contact_temperature
+from pipeline.sweep.model import Sweep
 from tribo import Ramp, simulate
 
 __all__ = ["fig5"]
@@ -100,11 +101,10 @@ def fig5(study: Study) -> Report:
 def _highest(scene: Sweep, load: float, velocity: float) -> tuple[Array, Array]:
     """Times [s] and highest temperatures [°C]."""
     conditions = scene.conditions
-    found = [(0.0, conditions.bulk_temperature)]
+    found = [(0.0, contact_temperature(0.0, conditions))]
     for state in simulate(scene, load, velocity):
         if state.heat is not None:
-            rise = conditions.friction * state.heat.max_rise
-            found.append((state.time, conditions.bulk_temperature + rise))
+            found.append((state.time, contact_temperature(state.heat.max_rise, conditions)))
     time, temperature = np.array(found).T
     return time, celsius(temperature)
 

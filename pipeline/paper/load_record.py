@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION, celsius, heating, in_house_style
 from pipeline.paper.report import Finding, Report, Table
 from pipeline.paper.study import Study, summary_of
+from pipeline.sweep.criterion import contact_temperature
 from pipeline.sweep.model import Sweep
 from tribo import MeasuredLoad, Ramp, simulate
 
@@ -164,22 +165,18 @@ def fig8(study: Study) -> Report:
 
 def _run(scene: Sweep, load: float, velocity: float) -> _Run:
     conditions = scene.conditions
-
-    def exceeded(share: float) -> float:
-        return end.exceeded(share, conditions.friction, conditions.bulk_temperature)
-
-    times, temperatures = [0.0], [float(celsius(conditions.bulk_temperature))]
+    times, temperatures = [0.0], [float(celsius(contact_temperature(0.0, conditions)))]
     for state in simulate(scene, load, velocity):
         if state.heat is not None:
             end = summary_of(scene, state)
             times.append(state.time)
-            temperatures.append(exceeded(conditions.failing_share))
+            temperatures.append(end.exceeded(conditions))
     return _Run(
         np.array(times),
         np.array(temperatures),
         state.time,
         state.sliding_distance,
-        exceeded(0.0),
+        end.highest(conditions),
         temperatures[-1],
     )
 

@@ -37,16 +37,12 @@ _SCHEMES: dict[str, tuple[str, Mapping[str, Any]]] = {
 def fig6(study: Study) -> Report:
     """Highest temperature at 750 N and 1.25 m/s on other grids and with other steps."""
     sweep = study.scene("irg_transition")
-    conditions = sweep.conditions
     measured = max(sweep.measured, key=lambda entry: entry.normal_load)
     load, velocity = measured.normal_load, measured.velocity
-    friction = measured.friction or conditions.friction
+    conditions = sweep.conditions.changed(friction=measured.friction)
     blocks = [n for n in BLOCKS if sweep.preset is None or n >= sweep.fidelity.pixels_per_element]
     counts = [n for n in INCREMENTS if study.preset is None or n <= 50]
     surfaces = [sweep.on_surface(seed) for seed in study.seeds(1)]
-
-    def hottest(end: End, share: float = 0.0) -> float:
-        return end.exceeded(share, friction, conditions.bulk_temperature)
 
     by_elements: dict[str, dict[int, list[float]]] = {"maximum": {}, "10 %": {}, "one step": {}}
     for block in blocks:
@@ -58,9 +54,9 @@ def fig6(study: Study) -> Report:
         ]
         ends = [_end(scene, load, velocity)[0] for scene in on_grid]
         single = [_end(replace(scene, wear=None), load, velocity)[0] for scene in on_grid]
-        by_elements["maximum"][side] = [hottest(end) for end in ends]
-        by_elements["10 %"][side] = [hottest(end, conditions.failing_share) for end in ends]
-        by_elements["one step"][side] = [hottest(end) for end in single]
+        by_elements["maximum"][side] = [end.highest(conditions) for end in ends]
+        by_elements["10 %"][side] = [end.exceeded(conditions) for end in ends]
+        by_elements["one step"][side] = [end.highest(conditions) for end in single]
 
     fields: dict[str, Array] = {}
     shown = max(count for count in counts if count <= _PUBLISHED)
@@ -81,7 +77,7 @@ def fig6(study: Study) -> Report:
                 except ConvergenceError as error:
                     unstable[name][count] = str(error)
                     continue
-                by_increments[name].setdefault(count, []).append(hottest(end))
+                by_increments[name].setdefault(count, []).append(end.highest(conditions))
                 if pattern == "local" and count == shown and surface is surfaces[0]:
                     fields[name] = pressure
                 for line in told:
@@ -94,8 +90,9 @@ def fig6(study: Study) -> Report:
         table=_table(by_elements, by_increments),
         findings=_findings(by_elements, by_increments, unstable, fields),
         notes=(
-            f"Friction {friction:g}, bulk {celsius(conditions.bulk_temperature):g} °C. The paper's "
-            "lowest velocity is not printed; taken is that of Table 4 at its highest load.",
+            f"Friction {conditions.friction:g}, bulk {celsius(conditions.bulk_temperature):g} °C. "
+            "The paper's lowest velocity is not printed; taken is that of Table 4 at its highest "
+            "load.",
             "The points of the figure are not printed as numbers; compared is what the text says.",
         ),
         data={

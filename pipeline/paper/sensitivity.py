@@ -15,6 +15,7 @@ from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, VERMILION, celsius,
 from pipeline.paper.printed import TABLE_4
 from pipeline.paper.report import Finding, Report, Table, statistics
 from pipeline.paper.study import Study, end_of
+from pipeline.sweep.criterion import boundary_velocity_error, rise_limit
 from pipeline.sweep.model import Sweep
 from tribo import SelfAffineRoughness
 
@@ -130,28 +131,22 @@ def sensitivity(study: Study) -> Report:
 
 
 def _outcome(study: Study, sweep: Sweep) -> _Outcome:
-    conditions = sweep.conditions
-    bulk, share = conditions.bulk_temperature, conditions.failing_share
-    target = math.log(conditions.critical_temperature - bulk)
+    limit = rise_limit(sweep.conditions)
     number_of = len(sweep.measured)
     outcome = _Outcome(*(_empty(number_of) for _ in range(3)))
     for seed in study.seeds(_SURFACES):
         surface = sweep.on_surface(seed)
         for number, entry in enumerate(sweep.measured):
             end = end_of(surface, entry.normal_load, entry.velocity)
-            friction = entry.friction or conditions.friction
-            outcome.exceeded[number].append(end.exceeded(share, friction, bulk))
-            outcome.highest[number].append(end.exceeded(0.0, friction, bulk))
+            at_own_friction = sweep.conditions.changed(friction=entry.friction)
+            outcome.exceeded[number].append(end.exceeded(at_own_friction))
+            outcome.highest[number].append(end.highest(at_own_friction))
 
-            def warmth(found: Any) -> float:
-                temperature = found.exceeded(share, conditions.friction, bulk)
-                return math.log(temperature - celsius(bulk))
-
-            first = warmth(end)
-            step = (target - first) / _EXPONENT or 0.01
-            second = warmth(end_of(surface, entry.normal_load, entry.velocity * math.exp(step)))
-            exponent = (second - first) / step
-            outcome.off[number].append(math.expm1((target - first) / exponent))
+            rise = end.decisive_rise(sweep.conditions)
+            step = math.log(limit / rise) / _EXPONENT or 0.01
+            other = end_of(surface, entry.normal_load, entry.velocity * math.exp(step))
+            exponent = math.log(other.decisive_rise(sweep.conditions) / rise) / step
+            outcome.off[number].append(boundary_velocity_error(rise, limit, exponent))
     return outcome
 
 

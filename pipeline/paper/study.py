@@ -11,13 +11,17 @@ from numpy.typing import NDArray
 
 from pipeline.figures.style import celsius
 from pipeline.scene.scenefile import load_scene
+from pipeline.sweep.criterion import (
+    Conditions,
+    contact_temperature,
+    decisive_rise,
+    failed_fraction,
+)
 from pipeline.sweep.model import Sweep
 from tribo import (
-    QUANTILES,
     InputError,
     Scene,
     State,
-    failed_share,
     measures,
     simulate,
 )
@@ -89,18 +93,21 @@ class End:
     bearing_width: float
     rise_quantile: NDArray[np.float64]
 
-    def exceeded(self, share: float, friction: float, bulk_temperature: float) -> float:
-        """Temperature that a share of the contact area exceeds [°C]; 0 for the maximum."""
-        rise = float(np.interp(1 - share, QUANTILES, self.rise_quantile))
-        return float(celsius(bulk_temperature + friction * rise))
+    def decisive_rise(self, conditions: Conditions) -> float:
+        """Rise at friction 1 that just the failing share of the contact area exceeds [K]."""
+        return decisive_rise(self.rise_quantile, conditions)
 
-    def failed_share(
-        self, critical_temperature: float, friction: float, bulk_temperature: float
-    ) -> float:
-        """Share of the contact area above a temperature [K]."""
-        return failed_share(
-            self.rise_quantile, (critical_temperature - bulk_temperature) / friction
-        )
+    def exceeded(self, conditions: Conditions) -> float:
+        """Temperature that just the failing share of the contact area exceeds [°C]."""
+        return float(celsius(contact_temperature(self.decisive_rise(conditions), conditions)))
+
+    def highest(self, conditions: Conditions) -> float:
+        """Highest temperature of the contact [°C]."""
+        return self.exceeded(conditions.changed(share=0.0))
+
+    def failed_fraction(self, conditions: Conditions) -> float:
+        """Share of the contact area above the critical temperature."""
+        return failed_fraction(self.rise_quantile, conditions)
 
 
 def end_of(scene: Scene, normal_load: float, velocity: float) -> End:

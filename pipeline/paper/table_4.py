@@ -23,6 +23,7 @@ from pipeline.paper.ensemble import (
 from pipeline.paper.printed import TABLE_4
 from pipeline.paper.report import Finding, Report, Table, mean_and_spread, statistics
 from pipeline.paper.study import End, Study
+from pipeline.sweep.criterion import Conditions
 from pipeline.sweep.model import Measurement, Sweep
 
 __all__ = ["table4"]
@@ -41,26 +42,24 @@ def table4(study: Study) -> Report:
     }
 
     conditions = sweep.conditions
-    bulk, critical, share = (
-        conditions.bulk_temperature,
-        conditions.critical_temperature,
-        conditions.failing_share,
-    )
+    critical, share = conditions.critical_temperature, conditions.failing_share
+    own = [conditions.changed(friction=entry.friction) for entry in measured]
+    frictions = [at.friction for at in own]
+    mean_friction = sum(frictions) / len(frictions)
+    alike = conditions.changed(friction=mean_friction)
 
-    def of(name: str, quantity: Callable[[End, float], float]) -> Values:
+    def of(name: str, quantity: Callable[[End, Conditions], float]) -> Values:
         return [
-            [quantity(end, entry.friction or conditions.friction) for end in column]
-            for entry, column in zip(measured, ends[name], strict=True)
+            [quantity(end, at) for end in column]
+            for at, column in zip(own, ends[name], strict=True)
         ]
 
     width = of("unworn", lambda end, _: 1e6 * end.contact_width)
     bearing = of("unworn", lambda end, _: 1e6 * end.bearing_width)
-    failed = {n: of(n, lambda e, mu: 100 * e.failed_share(critical, mu, bulk)) for n in ends}
-    frictions = [entry.friction or conditions.friction for entry in measured]
-    mean_friction = sum(frictions) / len(frictions)
-    level = of("swept", lambda e, _: 100 * e.failed_share(critical, mean_friction, bulk))
-    highest = {n: of(n, lambda e, mu: e.exceeded(0.0, mu, bulk)) for n in ends}
-    exceeded = {n: of(n, lambda e, mu: e.exceeded(share, mu, bulk)) for n in ends}
+    failed = {n: of(n, lambda end, at: 100 * end.failed_fraction(at)) for n in ends}
+    level = of("swept", lambda end, _: 100 * end.failed_fraction(alike))
+    highest = {name: of(name, End.highest) for name in ends}
+    exceeded = {name: of(name, End.exceeded) for name in ends}
     worn_width = of("swept", lambda end, _: 1e6 * end.contact_width)
 
     printed_width = [1e6 * row.unworn_width for row in TABLE_4]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from matplotlib.figure import Figure
 
@@ -21,7 +21,8 @@ from pipeline.paper.ensemble import (
 )
 from pipeline.paper.printed import ROOM_CELSIUS, TABLE_4, TABLE_6
 from pipeline.paper.report import Finding, Report, Table, mean_and_spread
-from pipeline.paper.study import Study
+from pipeline.paper.study import End, Study
+from pipeline.sweep.criterion import Conditions
 from pipeline.sweep.model import Measurement
 
 __all__ = ["table6"]
@@ -29,29 +30,30 @@ __all__ = ["table6"]
 
 def table6(study: Study) -> Report:
     """Temperatures at the measured transitions of oil A, at two bulk temperatures."""
-    places: list[tuple[Measurement, float]] = []
+    places: list[tuple[Measurement, Conditions]] = []
     ends: Variants = {pattern: [] for pattern in PATTERNS}
     for name, bulk_celsius in (("oil_a", 25.0), ("oil_a_hot", 100.0)):
         sweep = study.scene(name)
         loads = [row.normal_load for row in TABLE_6 if row.bulk_celsius == bulk_celsius]
         measured = matching(sweep, loads)
-        places += [(entry, sweep.conditions.bulk_temperature) for entry in measured]
+        conditions = sweep.conditions
+        places += [(entry, conditions.changed(friction=entry.friction)) for entry in measured]
         for pattern in PATTERNS:
             worn = with_wear(sweep, pattern)
             ends[pattern] += over_surfaces(study, worn, measured, f"{name}, {pattern}")
-    share = sweep.conditions.failing_share
+    share = conditions.failing_share
 
-    def of(pattern: str, part: float) -> Values:
+    def of(pattern: str, quantity: Callable[[End, Conditions], float]) -> Values:
         return [
-            [end.exceeded(part, entry.friction or sweep.conditions.friction, bulk) for end in found]
-            for (entry, bulk), found in zip(places, ends[pattern], strict=True)
+            [quantity(end, at) for end in found]
+            for (_, at), found in zip(places, ends[pattern], strict=True)
         ]
 
-    highest, exceeded = ({n: of(n, part) for n in ends} for part in (0.0, share))
+    highest, exceeded = ({n: of(n, what) for n in ends} for what in (End.highest, End.exceeded))
     width = [[1e6 * end.contact_width for end in found] for found in ends["swept"]]
     printed = [row.max_celsius for row in TABLE_6]
     table = Table(
-        ("", *(f"{name_of(entry)}, {celsius(bulk):g} °C" for entry, bulk in places)),
+        ("", *(f"{name_of(entry)}, {celsius(at.bulk_temperature):g} °C" for entry, at in places)),
         (
             ("highest temperature [°C]",),
             ("  printed", *(f"{value:.0f}" for value in printed)),
@@ -77,13 +79,13 @@ def table6(study: Study) -> Report:
         data={
             "load": [entry.normal_load for entry, _ in places],
             "velocity": [entry.velocity for entry, _ in places],
-            "bulk_temperature": [bulk for _, bulk in places],
+            "bulk_temperature": [at.bulk_temperature for _, at in places],
             "max_celsius": highest,
             "exceeded_celsius": exceeded,
             "width_um": width,
         },
         figure=_draw(
-            [f"{name_of(entry)}\n{celsius(bulk):g} °C" for entry, bulk in places],
+            [f"{name_of(entry)}\n{celsius(at.bulk_temperature):g} °C" for entry, at in places],
             printed,
             highest,
             exceeded,

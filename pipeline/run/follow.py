@@ -7,12 +7,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from pipeline.analysis.boundary import decisive_rise, rise_limit
+from pipeline.analysis.boundary import decisive_rise
 from pipeline.analysis.dataset import by_surface, open_sweep
 from pipeline.run.boundary_search import BoundarySearch
 from pipeline.run.sweep import Outcome, Progress, run_sweep
 from pipeline.store.folder import ROOT, PathLike, folder_of
 from pipeline.store.variables import FAILED
+from pipeline.sweep.criterion import rise_limit
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import points
 from tribo import InputError

@@ -19,7 +19,8 @@ from pipeline.scene.faults import Fault, SceneFileError
 from pipeline.scene.format import FIDELITY, FORMAT, PRESET
 from pipeline.scene.roughness import realizations_of, roughness_of
 from pipeline.scene.schema import Table, did_you_mean
-from pipeline.sweep.model import Conditions, Measurement, Sweep
+from pipeline.sweep.criterion import Conditions
+from pipeline.sweep.model import Measurement, Sweep
 
 _PATHS = ("wear.pattern", "loading.hold", "temperature.failing_share", "sweep.realizations")
 

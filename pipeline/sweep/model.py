@@ -5,10 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import NamedTuple, Self
 
+from pipeline.sweep.criterion import Conditions
 from pipeline.sweep.selection import Selection
 from tribo import InputError, Scene, SelfAffineRoughness
-
-__all__ = ["Conditions", "Measurement", "Point", "Sweep"]
 
 
 class Point(NamedTuple):
@@ -36,26 +35,6 @@ class Point(NamedTuple):
     def __str__(self) -> str:
         surface = "" if self.realization is None else f", surface {self.realization}"
         return f"{self.load:g} N, {self.velocity:g} m/s{surface}"
-
-
-@dataclass(frozen=True, slots=True)
-class Conditions:
-    """What turns a rise per unit friction into failure, after the simulation.
-
-    Attributes
-    ----------
-    friction : float
-        Friction coefficient.
-    bulk_temperature, critical_temperature : float
-        [K].
-    failing_share : float
-        Share of the contact area above the critical temperature from which wear is severe.
-    """
-
-    friction: float
-    bulk_temperature: float
-    critical_temperature: float
-    failing_share: float = 0.1
 
 
 @dataclass(frozen=True, slots=True)

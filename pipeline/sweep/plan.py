@@ -16,6 +16,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from pipeline.sweep.criterion import Conditions, Verdict, verdict
 from pipeline.sweep.model import Point, Sweep
 from tribo import QUANTILES, PointWarning, Scene, State, measures, simulate, start, warnings
 
@@ -88,6 +89,10 @@ class PointResult:
             "rise": heat.rise if heat else np.full_like(self.state.pressure, np.nan),
             "wear_depth": self.state.wear_depth,
         }
+
+    def verdict(self, conditions: Conditions) -> Verdict:
+        """Whether wear is severe at the point under these conditions, by its worst moment."""
+        return verdict(self.columns, self.point.load, conditions)
 
 
 def points(sweep: Sweep) -> tuple[Point, ...]:

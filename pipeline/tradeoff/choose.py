@@ -10,6 +10,7 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from pipeline.store.folder import ROOT, PathLike, StoreMismatchError, folder_of, read_metadata
+from pipeline.sweep.criterion import boundary_velocity_error, rise_limit
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.plan import Point
 from pipeline.sweep.selection import Selection, Trial
@@ -18,7 +19,6 @@ from pipeline.tradeoff.probe import (
     fitted,
     near_the_boundary,
     probe,
-    rise_limit_of,
     some_loads,
 )
 from tribo import PRESETS, ConvergenceError, Fidelity, InputError
@@ -143,7 +143,7 @@ def choose_fidelity(
     """
     if not 0 < accuracy < 1:
         raise InputError(f"accuracy is {accuracy!r}; it must be between 0 and 1, such as 0.02")
-    if not math.isfinite(rise_limit_of(sweep)):
+    if not math.isfinite(rise_limit(sweep.conditions)):
         raise InputError("without friction there is no heat, and no boundary to be accurate about")
     if points and not all(point.velocity for point in points):
         raise InputError("at velocity 0 there is no heat, and nothing to be accurate about")
@@ -211,7 +211,7 @@ def _bound(found: Probe, truth: Probe, exponents: Sequence[float], of_all_loads:
 
 def _velocity_errors(found: Probe, truth: Probe, exponents: Sequence[float]) -> list[float]:
     return [
-        math.log(one.rise / true.rise) / exponent
+        boundary_velocity_error(one.rise, true.rise, exponent)
         for one, true, exponent in zip(found.readings, truth.readings, exponents, strict=True)
     ]
 

@@ -8,18 +8,14 @@ import tracemalloc
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
-import numpy as np
-from numpy.typing import NDArray
-
+from pipeline.sweep.criterion import decisive_rise, failed_fraction, rise_limit
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.plan import Point, chains
 from tribo import (
     PRESETS,
-    QUANTILES,
     Fidelity,
     InputError,
     State,
-    failed_share,
     forget_kernels,
     measures,
     simulate,
@@ -29,15 +25,11 @@ __all__ = [
     "Probe",
     "Reading",
     "critical_velocity",
-    "decisive_rise_of",
     "fitted",
     "near_the_boundary",
     "probe",
-    "rise_limit_of",
     "some_loads",
 ]
-
-Array = NDArray[np.float64]
 
 _USUAL_EXPONENT = 0.6  # of the rise over velocity
 _STEPS_FOR_MEMORY = 3
@@ -162,7 +154,7 @@ def _run(scene: Sweep, load: float, velocity: float, trunk: State | None = None)
         if state.on_trunk:
             trunk = state.history or replace(state, heat=None)
         if state.heat is not None and state.normal_load >= load:
-            hot.append((decisive_rise_of(scene, state.heat.rise_quantile), state))
+            hot.append((decisive_rise(state.heat.rise_quantile, scene.conditions), state))
     hottest = max(hot, key=lambda found: found[0])[1] if hot else state
     return _Run(hottest, trunk, convolutions, work)
 
@@ -171,22 +163,10 @@ def _reading(sweep: Sweep, scene: Sweep, state: State) -> Reading:
     if state.heat is None:
         raise InputError("a point ended without a temperature")
     return Reading(
-        decisive_rise_of(sweep, state.heat.rise_quantile),
-        failed_share(state.heat.rise_quantile, rise_limit_of(sweep)),
+        decisive_rise(state.heat.rise_quantile, sweep.conditions),
+        failed_fraction(state.heat.rise_quantile, sweep.conditions),
         measures(scene, state)["contact_width"],
     )
-
-
-def decisive_rise_of(sweep: Sweep, rise_quantile: Array) -> float:
-    """Rise at friction 1 that the sweep's failing share of the contact exceeds [K]."""
-    return float(np.interp(1 - sweep.conditions.failing_share, QUANTILES, rise_quantile))
-
-
-def rise_limit_of(sweep: Sweep) -> float:
-    """Rise at friction 1 from which wear is severe [K]; infinite without friction."""
-    conditions = sweep.conditions
-    warming = conditions.critical_temperature - conditions.bulk_temperature
-    return warming / conditions.friction if conditions.friction else math.inf
 
 
 def fitted(sweep: Sweep, fidelity: Fidelity) -> Fidelity:
@@ -245,7 +225,7 @@ def near_the_boundary(
     moving = [abs(velocity) for velocity in sweep.velocities if velocity]
     if not moving:
         raise InputError("the sweep has no velocity but 0, and so no heat to be wrong about")
-    limit = rise_limit_of(sweep)
+    limit = rise_limit(sweep.conditions)
 
     for load in loads:
 

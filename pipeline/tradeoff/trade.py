@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from pipeline.analysis.interpolation import crossing
+from pipeline.sweep.criterion import boundary_velocity_error, rise_limit
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.plan import Point
 from pipeline.tradeoff.probe import (
@@ -24,7 +25,6 @@ from pipeline.tradeoff.probe import (
     fitted,
     near_the_boundary,
     probe,
-    rise_limit_of,
     some_loads,
 )
 from tribo import PRESETS, ConvergenceError, Fidelity, InputError
@@ -228,7 +228,7 @@ def trade(
     for name in (*presets, *([base] if base else [])):
         if name not in PRESETS:
             raise InputError(f"preset {name!r} is unknown; known are {', '.join(PRESETS)}")
-    if not math.isfinite(rise_limit_of(sweep)):
+    if not math.isfinite(rise_limit(sweep.conditions)):
         raise InputError("without friction there is no heat, and no boundary to be wrong about")
     asked = tuple(loads) if loads else some_loads(sweep, _LOADS)
     boundary_points, exponents = near_the_boundary(sweep, asked)
@@ -344,9 +344,8 @@ class _Comparison:
 
     def _velocity_errors(self, measured: Probe) -> tuple[float, ...]:
         if self.loads is None:
-            # A rise that is too high reaches the limit too early.
             return tuple(
-                math.expm1(-math.log(one.rise / true.rise) / exponent)
+                boundary_velocity_error(one.rise, true.rise, exponent)
                 for one, true, exponent in zip(
                     measured.readings, self.reference.readings, self.exponents, strict=True
                 )
@@ -364,7 +363,7 @@ class _Comparison:
         rows: dict[float, list[tuple[float, float]]] = {}
         for point, reading in zip(self.points, measured.readings, strict=True):
             rows.setdefault(point.load, []).append((point.velocity, reading.rise))
-        limit = rise_limit_of(self.sweep)
+        limit = rise_limit(self.sweep.conditions)
         pairs = (np.array(row).T for row in rows.values())
         return [crossing(velocities, rises, limit) for velocities, rises in pairs]
 

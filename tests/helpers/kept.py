@@ -3,7 +3,8 @@
 from dataclasses import replace
 
 import tribo
-from pipeline.sweep.model import Conditions, Sweep
+from pipeline.sweep.criterion import Conditions
+from pipeline.sweep.model import Sweep
 from tests.helpers.scenes import STEEL
 
 ALUMINA = tribo.Material(

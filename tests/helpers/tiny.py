@@ -9,7 +9,8 @@ import time
 from dataclasses import dataclass
 
 import tribo
-from pipeline.sweep.model import Conditions, Measurement, Sweep
+from pipeline.sweep.criterion import Conditions
+from pipeline.sweep.model import Measurement, Sweep
 from tests.helpers.scenes import STEEL
 
 LOADS, VELOCITIES = (150.0, 250.0, 600.0), (0.5, 1.0, 1.5)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from tribo.errors import InputError
 
-__all__ = ["QUANTILES", "contact_quantiles", "failed_share"]
+__all__ = ["QUANTILES", "contact_quantiles", "failed_share", "require_share", "rise_exceeded"]
 
 Array = NDArray[np.float64]
 
@@ -46,6 +46,56 @@ def contact_quantiles(rise: Array, contact: NDArray[np.bool_]) -> Array:
     # What np.quantile gives, which for so many quantiles takes several times as long.
     quantiles: Array = np.interp(places, np.arange(ordered.size), ordered)
     return quantiles
+
+
+def require_share(share: float) -> None:
+    """Refuse a share of the contact area that no temperature can be exceeded on."""
+    if not 0 <= share < 1:
+        raise InputError(
+            f"share is {share!r}; it must be at least 0 (the maximum temperature) and below 1"
+        )
+
+
+def rise_exceeded(
+    rise_quantiles: Array, share: float, quantiles: Array | tuple[float, ...] = QUANTILES
+) -> Array:
+    """Rise that just a share of the contact area exceeds [K]: the inverse of `failed_share`.
+
+    Linear between the quantiles.
+
+    Parameters
+    ----------
+    rise_quantiles : ndarray, shape (..., n_quantile)
+        Rise that each quantile of the contact area stays below [K].
+    share : float
+        Share of the contact area, from 0 (the maximum) to below 1.
+    quantiles : ndarray, shape (n_quantile,), optional
+        Shares of the contact area that are cooler; `QUANTILES` if not given.
+
+    Raises
+    ------
+    InputError
+        If the share lies outside its range, or outside that of the quantiles.
+
+    Examples
+    --------
+    >>> rise = np.arange(101.0)[None, :]
+    >>> f"{rise_exceeded(contact_quantiles(rise, rise >= 0), share=0.12):.3f}"
+    '88.000'
+    """
+    require_share(share)
+    if not quantiles[0] <= 1 - share <= quantiles[-1]:
+        raise InputError(
+            f"share is {share!r}; the stored quantiles allow from {1 - quantiles[-1]:g} to "
+            f"{1 - quantiles[0]:g}"
+        )
+    above = int(np.clip(np.searchsorted(quantiles, 1 - share), 1, len(quantiles) - 1))
+    low, high = quantiles[above - 1], quantiles[above]
+    weight = (1 - share - low) / (high - low)
+    exceeded: Array = (1 - weight) * rise_quantiles[..., above - 1] + (
+        weight * rise_quantiles[..., above]
+    )
+    return exceeded
 
 
 def failed_share(rise_quantiles: Array, limit: float) -> float:

@@ -10,7 +10,7 @@ from pipeline.analysis.boundary import decisive_rise, rise_exceeded
 from pipeline.analysis.dataset import end_of_point, open_sweep
 from pipeline.figures.plot import ramp
 from pipeline.store.points import Store, StoreError, prepare
-from pipeline.sweep.model import Conditions
+from pipeline.sweep.criterion import Conditions
 from pipeline.sweep.plan import Point, points, run_point, step_count
 from tests.helpers import tiny
 from tests.pipeline.conftest import commit_all

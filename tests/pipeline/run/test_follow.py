@@ -9,8 +9,8 @@ import pipeline
 from pipeline.analysis.interpolation import crossing
 from pipeline.run.follow import follow_boundary
 from pipeline.store.points import DONE, Store
+from pipeline.sweep.criterion import decisive_rise, rise_limit
 from pipeline.sweep.plan import Point, chains, points, run_point, step_count
-from pipeline.tradeoff.probe import decisive_rise_of, rise_limit_of
 from tests.helpers.kept import PAPER
 from tribo import Fidelity, Grid, InputError
 
@@ -44,13 +44,13 @@ def grid():
         for point in chain:
             result = run_point(SWEEP, *point, trunk)
             trunk = result.trunk
-            rises[point] = decisive_rise_of(SWEEP, result.state.heat.rise_quantile)
+            rises[point] = decisive_rise(result.state.heat.rise_quantile, SWEEP.conditions)
     velocities = np.array(SWEEP.velocities)
     return [
         crossing(
             velocities,
             np.array([rises[Point(load, velocity)] for velocity in SWEEP.velocities]),
-            rise_limit_of(SWEEP),
+            rise_limit(SWEEP.conditions),
         )
         for load in SWEEP.loads
     ]

@@ -15,7 +15,8 @@ import tribo
 from pipeline.scene.faults import SceneFileError
 from pipeline.scene.scenefile import load_scene
 from pipeline.scene.units import UnitError, display, exact_si, to_si
-from pipeline.sweep.model import Conditions, Measurement, Sweep
+from pipeline.sweep.criterion import Conditions
+from pipeline.sweep.model import Measurement, Sweep
 
 WORKFLOWS = Path(__file__).parents[3] / "workflows"
 PAPER = (WORKFLOWS / "irg_transition.toml").read_text(encoding="utf-8")

@@ -1,13 +1,13 @@
 """What `--accuracy` promises, on every scene that we keep and on windows of full size."""
 
 import functools
-import math
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 import pipeline
+from pipeline.sweep.criterion import boundary_velocity_error
 from pipeline.tradeoff.choose import choose_fidelity
 from pipeline.tradeoff.probe import fitted, near_the_boundary, probe
 from tests.helpers.kept import ALUMINA, SCENES
@@ -47,7 +47,7 @@ def true_error(name, fidelity):
     points, exponents, reference = truth(name)
     found = probe(ALL[name], fidelity, points)
     return max(
-        abs(math.log(one.rise / true.rise)) / exponent
+        abs(boundary_velocity_error(one.rise, true.rise, exponent))
         for one, true, exponent in zip(found.readings, reference.readings, exponents, strict=True)
     )
 

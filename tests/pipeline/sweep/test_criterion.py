@@ -1,0 +1,112 @@
+"""When wear is severe (pipeline/sweep/criterion.py)."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from pipeline.sweep.criterion import (
+    Conditions,
+    boundary_velocity_error,
+    contact_temperature,
+    decisive_rise,
+    failed_fraction,
+    rise_limit,
+    verdict,
+    worst_moment,
+)
+from pipeline.sweep.plan import run_point
+from tests.helpers import tiny
+from tribo import QUANTILES, InputError, Ramp
+
+OWN = Conditions(friction=0.1, bulk_temperature=298.15, critical_temperature=418.15)
+EVEN = 2000.0 * np.array(QUANTILES)
+"""Rises spread evenly over the contact area from 0 to 2000 K."""
+
+
+def columns(*rises, loads):
+    return {
+        "time": np.arange(1.0, 1 + len(rises)),
+        "normal_load": np.array(loads),
+        "rise_quantile": np.array(rises),
+    }
+
+
+@pytest.mark.parametrize("friction", [0.05, 0.1, 0.2])
+@pytest.mark.parametrize("share", [0.0, 0.07, 0.1, 0.5])
+def test_at_the_limit_just_the_failing_share_is_above_the_critical_temperature(friction, share):
+    conditions = replace(OWN, friction=friction, failing_share=share)
+    rises = EVEN * rise_limit(conditions) / decisive_rise(EVEN, conditions)
+    assert failed_fraction(rises, conditions) == pytest.approx(share, abs=1e-12)
+    assert contact_temperature(decisive_rise(rises, conditions), conditions) == pytest.approx(
+        conditions.critical_temperature
+    )
+    for factor, is_severe in ((1.001, True), (0.999, False)):
+        found = verdict(columns(factor * rises, loads=[600.0]), 600.0, conditions)
+        assert found.is_severe is is_severe
+        assert (found.failed_fraction > share) is is_severe
+
+
+def test_without_friction_nothing_is_warm_and_nothing_severe():
+    conditions = replace(OWN, friction=0.0)
+    found = verdict(columns(1e6 * EVEN, loads=[600.0]), 600.0, conditions)
+    assert rise_limit(conditions) == math.inf
+    assert not found.is_severe
+    assert found.failed_fraction == 0
+    assert found.max_temperature == found.decisive_temperature == conditions.bulk_temperature
+
+
+def test_a_point_counts_by_its_worst_moment_from_when_its_load_is_reached_on():
+    rises = (factor * EVEN for factor in (9.0, 0.5, 0.7, 0.6))
+    found = verdict(columns(*rises, loads=[500.0, 600.0, 600.0, 600.0]), 600.0, OWN)
+    assert found.time == 3.0
+    assert found.max_temperature == pytest.approx(298.15 + 0.1 * 0.7 * 2000)
+    assert found.decisive_temperature == pytest.approx(298.15 + 0.1 * 0.7 * 1800)
+
+
+def test_moments_without_a_temperature_do_not_count():
+    rise = np.array([[np.nan, 3.0, np.nan], [np.nan, np.nan, np.nan]])
+    loads = np.array([[100.0, 200.0, 200.0], [300.0, 300.0, 300.0]])
+    worst = worst_moment(rise, loads, np.array([[200.0], [300.0]]))
+    assert rise[[0, 1], worst].tolist()[0] == 3.0
+    assert math.isnan(rise[1, worst[1]])
+
+
+def test_a_point_that_is_held_is_judged_at_its_hottest_moment_under_load():
+    sweep = tiny.sweep(
+        temperature_interval=1, loading=Ramp(150.0, 750.0, hold=4.0, hold_steps=4), wear=None
+    )
+    result = run_point(sweep, 600.0, 1.5)
+    hottest = result.columns["max_rise"][result.columns["normal_load"] >= 600.0]
+    found = result.verdict(sweep.conditions.changed(share=0.0))
+    assert found.max_temperature == found.decisive_temperature == 298.15 + 0.1 * hottest.max()
+
+
+def test_the_error_of_a_boundary_velocity_is_that_of_a_power_law():
+    velocity, exponent, limit = 1.5, 0.6, 1200.0
+    for factor in (0.7, 1.0, 1.3):  # on the rise 1200 K · (V/1.5)^0.6
+        critical = velocity * (limit / (factor * limit)) ** (1 / exponent)
+        error = boundary_velocity_error(factor * limit, limit, exponent)
+        assert error == pytest.approx(critical / velocity - 1, abs=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"friction": -0.1}, "friction is -0.1; it must be at least 0"),
+        ({"friction": (0.1, 0.2)}, "it must be one number"),
+        ({"bulk_temperature": math.nan}, "bulk_temperature is nan; it must be finite"),
+        ({"bulk_temperature": -1.0}, "it must be at least 0 K"),
+        ({"critical_temperature": 298.15}, "it must lie above the bulk temperature, 298.15 K"),
+        ({"failing_share": 1.0}, "share is 1.0"),
+    ],
+)
+def test_conditions_outside_their_range_are_refused(changes, said):
+    with pytest.raises(InputError, match=said):
+        replace(OWN, **changes)
+
+
+def test_what_is_not_given_stays():
+    assert OWN.changed(friction=0.0, share=0.0) == replace(OWN, friction=0.0, failing_share=0.0)
+    assert OWN.changed() == OWN
