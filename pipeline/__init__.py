@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from pipeline.analysis.boundary import boundary, decisive_temperature
     from pipeline.analysis.dataset import end_of_point, open_sweep
     from pipeline.analysis.inference import CriticalTemperatures, critical_temperatures
+    from pipeline.analysis.warned import warned
     from pipeline.figures.plot import plot
     from pipeline.figures.style import figure_path, save_figure
     from pipeline.figures.tradeoff import draw_trade
@@ -65,6 +66,7 @@ _HOMES = {
     "to_si": "scene.units",
     "trade": "tradeoff.trade",
     "verify_store": "store.verify",
+    "warned": "analysis.warned",
     "write_gallery": "paper",
 }
 
@@ -101,6 +103,7 @@ __all__ = [
     "to_si",
     "trade",
     "verify_store",
+    "warned",
     "write_gallery",
 ]
 

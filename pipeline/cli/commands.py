@@ -18,6 +18,7 @@ from pipeline.sweep.selection import KEPT_FIELDS
 from tribo import InputError, measures, specific_wear_rate
 
 if TYPE_CHECKING:
+    from pipeline.analysis.warned import Warned
     from pipeline.store.progress import FailedPoint, Summary
     from pipeline.store.verify import Damage
 
@@ -74,6 +75,7 @@ def run(options: argparse.Namespace) -> int:
         "done": outcome.done,
         "failed": _failed(outcome.failed),
         "wall_time": outcome.wall_time,
+        "warnings": (found := _warned(out)).as_dict(),
         **_selected(sweep),
     }
     text = [
@@ -83,8 +85,13 @@ def run(options: argparse.Namespace) -> int:
     ]
     if outcome.failed:
         text.append("try these again with: irg run --retry-failed")
+    text += found.lines()
     show(options, document, text)
     return SOME_FAILED if outcome.failed else DONE
+
+
+def _warned(store: Path) -> Warned:
+    return pipeline.warned(pipeline.open_sweep(store))
 
 
 def _failed(points: Iterable[FailedPoint | Damage]) -> list[dict[str, Any]]:
@@ -131,6 +138,7 @@ def status(options: argparse.Namespace) -> int:
         "running": found.running is not None,
         "points_per_minute": None if found.rate is None else 60 * found.rate,
         "time_to_go": found.time_to_go,
+        "warnings": (warned := _warned(options.store)).as_dict(),
         "selection": selection.as_dict() if selection else None,
     }
     text = [
@@ -140,6 +148,7 @@ def status(options: argparse.Namespace) -> int:
         *_pace_text(found),
         *([str(selection)] if selection else []),
         *(f"failed: {point}" for point in found.failed),
+        *warned.lines(),
     ]
     show(options, document, text)
     return SOME_FAILED if found.failed else DONE
@@ -175,6 +184,10 @@ def verify(options: argparse.Namespace) -> int:
             if found.repaired
             else "set damaged points to be computed again with: irg verify --repair"
         )
+    if found.is_clean or found.repaired:  # else they cannot be read
+        warned = _warned(options.store)
+        document["warnings"] = warned.as_dict()
+        text += warned.lines()
     show(options, document, text)
     return DONE if found.is_clean else SOME_FAILED
 
@@ -188,8 +201,10 @@ def compact(options: argparse.Namespace) -> int:
 
 def boundary(options: argparse.Namespace) -> int:
     """Print critical velocities and loads."""
-    found = pipeline.boundary(pipeline.open_sweep(options.store), **_given(options, *CONDITIONS))
-    show(options, document_of(found), text_of(found))
+    ds, conditions = pipeline.open_sweep(options.store), _given(options, *CONDITIONS)
+    found, warned = pipeline.boundary(ds, **conditions), pipeline.warned(ds, **conditions)
+    document = document_of(found) | {"warnings": warned.as_dict()}
+    show(options, document, [*text_of(found), *warned.lines()])
     return DONE
 
 
@@ -208,7 +223,7 @@ def point(options: argparse.Namespace) -> int:
         "failed_fraction": verdict.failed_fraction,
         "failed_fraction_time": verdict.time,
         "severe": verdict.is_severe,
-        "warnings": list(result.warnings),
+        "warnings": [{"kind": kind.label, "text": text} for kind, text in result.warnings],
         "wall_time": result.wall_time,
         **_selected(sweep),
     }
@@ -281,7 +296,9 @@ def plot(options: argparse.Namespace) -> int:
     out = options.output or store.with_name(f"{store.stem}_{options.kind}.png")
     given = _given(options, "load", "velocity", "realization", *CONDITIONS)
     written = pipeline.plot(ds, options.kind, out, **given)
-    show(options, {"kind": options.kind, "file": str(written)}, [f"{written}"])
+    warned = pipeline.warned(ds, **_given(options, *CONDITIONS))
+    document = {"kind": options.kind, "file": str(written), "warnings": warned.as_dict()}
+    show(options, document, [f"{written}", *warned.lines()])
     return DONE
 
 

@@ -20,6 +20,7 @@ from scipy.ndimage import distance_transform_edt
 from pipeline.analysis.band import BAND
 from pipeline.analysis.boundary import conditions_of, decisive_rise
 from pipeline.analysis.dataset import asked_points, by_surface, on_surface, ordered
+from pipeline.analysis.warned import has_warning
 from pipeline.figures.style import (
     BLACK,
     BLUE,
@@ -95,6 +96,7 @@ def diagram(
             legend += _surface_band(axes, planes, conditions)
         legend += _band(axes, plane, conditions, band)
     legend += _points(axes, ds, conditions)
+    legend += _warnings(axes, ds)
     measured = ds.attrs.get("measured") or []
     legend += _measured(axes, measured)
     _limits(axes, ds, measured)
@@ -221,6 +223,20 @@ def _points(axes: Axes, ds: xr.Dataset, conditions: Conditions) -> list[Artist]:
         for label, where, look in kinds
         if where.any()
     ]
+
+
+def _warnings(axes: Axes, ds: xr.Dataset) -> list[Artist]:
+    """Ring the points that carry a warning on any surface."""
+    told = has_warning(ds)
+    rows = told.any(set(told.dims) - {"load", "velocity"}).transpose("load", "velocity").values
+    if not rows.any():
+        return []
+    loads, velocities = np.meshgrid(ds["load"], ds["velocity"], indexing="ij")
+    line = axes.plot(
+        velocities[rows], loads[rows], ls="none", marker="o", ms=8.5, mfc="none", mec=BLACK,
+        mew=0.8, zorder=3.4, label="carries a warning", gid="carries a warning",
+    )  # fmt: skip
+    return list(line)
 
 
 def _measured(axes: Axes, measured: Sequence[dict[str, Any]]) -> list[Artist]:

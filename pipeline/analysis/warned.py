@@ -1,0 +1,142 @@
+"""Points of a sweep that carry a warning, and whether the boundary rests on any of them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from pipeline.analysis.boundary import conditions_of, decisive_rise
+from pipeline.analysis.dataset import by_surface, ordered
+from pipeline.store.variables import DONE
+from pipeline.sweep.criterion import rise_limit
+from pipeline.sweep.model import Point
+from tribo import WarningKind
+
+__all__ = ["Warned", "has_warning", "warned"]
+
+_OLD_STORES = "of unknown kind"  # those that keep the text alone
+
+
+@dataclass(frozen=True, slots=True)
+class Warned:
+    """How many points of a sweep carry a warning.
+
+    Attributes
+    ----------
+    points : int
+        Points with at least one.
+    kinds : dict of int
+        Points with a warning of each kind that occurs.
+    at_boundary : int
+        Those beside the boundary: a neighbour in load or in velocity has the other kind of wear.
+    example : str
+        One of these points, or of the others if there is none, and what is to be known of it.
+    """
+
+    points: int
+    kinds: dict[str, int]
+    at_boundary: int
+    example: str = ""
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the fields by name."""
+        return asdict(self)
+
+    def lines(self) -> Iterator[str]:
+        """What to tell a user; nothing where no point carries a warning."""
+        if not self.points:
+            return
+        kinds = ", ".join(f"{kind} at {count}" for kind, count in self.kinds.items())
+        lies = (
+            f"{self.at_boundary} beside the boundary, which may be wrong there"
+            if self.at_boundary
+            else "none beside the boundary"
+        )
+        carry = "1 point carries" if self.points == 1 else f"{self.points} points carry"
+        yield f"warning: {carry} a warning ({kinds}), {lies}"
+        yield f"warning: at {self.example}"
+
+
+def warned(ds: xr.Dataset, **conditions: Any) -> Warned:
+    """Count the points of a sweep that carry a warning.
+
+    Parameters
+    ----------
+    ds : Dataset
+        Of `pipeline.open_sweep`.
+    **conditions
+        Those of `pipeline.boundary`, to tell which points lie beside it.
+    """
+    there = has_warning(ds)
+    if not there.any():
+        return Warned(0, {}, 0)
+    if "warning_flags" in ds:
+        flags = ds["warning_flags"].where(there, 0)
+        counts = {kind.label: int(((flags & kind) > 0).sum()) for kind in WarningKind}
+    else:
+        counts = {_OLD_STORES: int(there.sum())}
+    beside = there & _beside_boundary(ds, conditions)
+    return Warned(
+        points=int(there.sum()),
+        kinds={kind: count for kind, count in counts.items() if count},
+        at_boundary=int(beside.sum()),
+        example=_first(ds["message"].where(beside if beside.any() else there, "")),
+    )
+
+
+def has_warning(ds: xr.Dataset) -> xr.DataArray:
+    """Tell which points are done and carry a warning, with the dimensions of ``status``."""
+    done = ds["status"] == DONE
+    told: xr.DataArray = ds["warning_flags"] != 0 if "warning_flags" in ds else ds["message"] != ""
+    return done & told
+
+
+def _beside_boundary(ds: xr.Dataset, conditions: dict[str, Any]) -> xr.DataArray:
+    """Tell which points have a neighbour with the other kind of wear, at any of the frictions."""
+    frictions = conditions.get("friction")
+    several = frictions if isinstance(frictions, Iterable) else [frictions]
+    each = [conditions_of(ds, **conditions | {"friction": friction}) for friction in several]
+    rises = [decisive_rise(part, each[0].failing_share) for part in by_surface(ordered(ds))]
+    found = [
+        rise.copy(data=np.any([_beside(rise.values, rise_limit(own)) for own in each], axis=0))
+        for rise in rises
+    ]
+    return xr.concat(found, "realization") if "realization" in ds.dims else found[0]
+
+
+def _first(messages: xr.DataArray) -> str:
+    """The first message that there is, and its point."""
+    at = {
+        name: int(place[0])
+        for name, place in zip(messages.dims, np.nonzero(messages.values), strict=True)
+    }
+    one = messages[at]
+    return f"{Point(**{str(name): one[name].item() for name in at})}: {one.item()}"
+
+
+def _beside(rise: NDArray[np.float64], limit: float) -> NDArray[np.bool_]:
+    known, severe = np.isfinite(rise), rise > limit
+    along_velocity = [_turns(*row) for row in zip(known, severe, strict=True)]
+    along_load = [_turns(*column) for column in zip(known.T, severe.T, strict=True)]
+    beside: NDArray[np.bool_] = np.array(along_velocity) | np.array(along_load).T
+    return beside
+
+
+def _turns(known: NDArray[np.bool_], severe: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Which known points of a row differ from the next known one on either side.
+
+    Examples
+    --------
+    >>> _turns(np.array([1, 1, 0, 1], bool), np.array([0, 0, 0, 1], bool))
+    array([False,  True, False,  True])
+    """
+    (at,) = np.nonzero(known)
+    turns = np.flatnonzero(severe[at[:-1]] != severe[at[1:]])
+    found = np.zeros(known.shape, dtype=bool)
+    found[at[turns]] = found[at[turns + 1]] = True
+    return found

@@ -1,0 +1,119 @@
+"""Points that carry a warning are counted, and those that the boundary rests on are told apart."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import pipeline
+from pipeline.analysis.warned import Warned, has_warning, warned
+from pipeline.cli import main
+from pipeline.figures.diagram import diagram
+from tests.helpers import synthetic, tiny
+from tribo import WarningKind
+
+EDGE, WEAR = int(WarningKind.CONTACT_AT_EDGE), int(WarningKind.UNSTABLE_WEAR)
+
+
+def with_flags(flags, **options):
+    """The synthetic sweep with flags at some (load, velocity)."""
+    ds = synthetic.sweep(**options)
+    values = np.zeros((ds.sizes["load"], ds.sizes["velocity"]), np.int32)
+    messages = np.full(values.shape, "", dtype=object)
+    for (load, velocity), flag in flags.items():
+        at = list(ds["load"].values).index(load), list(ds["velocity"].values).index(velocity)
+        values[at], messages[at] = flag, f"flags {flag}"
+    dims = ("load", "velocity")
+    return ds.assign(warning_flags=(dims, values), message=(dims, messages))
+
+
+def test_kinds_are_counted_and_so_are_points_beside_the_boundary():
+    # At 400 N the boundary lies between 2 and 2.25 m/s, and 0.5 m/s is far below.
+    limit = synthetic.limit()
+    assert 2.0 < synthetic.critical_velocity(400.0, limit) < 2.25
+    flags = {(400.0, 2.0): EDGE | WEAR, (400.0, 2.25): EDGE, (200.0, 0.5): EDGE}
+    found = warned(with_flags(flags))
+    assert (found.points, found.at_boundary) == (3, 2)
+    assert found.kinds == {"unstable wear": 1, "contact at edge": 3}
+    assert found.example == "400 N, 2 m/s: flags 3"
+    said = "\n".join(found.lines())
+    assert "3 points carry a warning (unstable wear at 1, contact at edge at 3), 2 beside" in said
+
+
+def test_conditions_move_the_boundary_away_from_a_warning():
+    ds = with_flags({(400.0, 2.0): EDGE})
+    assert warned(ds).at_boundary == 1
+    assert warned(ds, friction=0.05).at_boundary == 0
+    assert warned(ds, friction=[0.05, 0.1]).at_boundary == 1
+    assert warned(ds, friction=0.0).at_boundary == 0
+
+
+def test_a_neighbour_that_is_missing_is_passed_over():
+    ds = with_flags({(400.0, 1.75): EDGE}, status={(400.0, 2.0): 2}, loads=[400.0])
+    assert warned(ds).at_boundary == 1
+
+
+def test_a_failed_point_carries_no_warning():
+    ds = with_flags({}, status={(400.0, 1.75): 2})
+    assert (ds["message"] != "").sum() == 0
+    failed = synthetic.sweep(status={(400.0, 1.75): 2})  # as in an older store, with its message
+    assert (failed["message"] != "").sum() == 1
+    for each in (ds, failed):
+        assert warned(each) == Warned(0, {}, 0)
+        assert not list(warned(each).lines())
+
+
+def test_a_store_without_flags_goes_by_its_messages():
+    ds = with_flags({(400.0, 2.0): EDGE}).drop_vars("warning_flags")
+    found = warned(ds)
+    assert (found.points, found.at_boundary, found.kinds) == (1, 1, {"of unknown kind": 1})
+
+
+def test_each_surface_has_its_own_boundary():
+    mild = replace_rises(with_flags({(400.0, 2.0): EDGE}), 1e-3)
+    other = with_flags({(400.0, 2.0): EDGE})
+    both = xr.concat([mild, other], xr.Variable("realization", [3, 8]), combine_attrs="override")
+    found = warned(both)
+    assert (found.points, found.at_boundary) == (2, 1)
+    assert found.example.startswith("400 N, 2 m/s, surface 8")
+
+
+def replace_rises(ds, factor):
+    return ds.assign(rise_quantile=ds["rise_quantile"] * factor)
+
+
+def test_the_diagram_rings_the_points_with_a_warning():
+    ds = with_flags({(400.0, 2.0): EDGE, (200.0, 0.5): WEAR})
+    (ring,) = (line for line in diagram(ds).axes[0].lines if line.get_gid() == "carries a warning")
+    assert sorted(zip(*ring.get_data(), strict=True)) == [(0.5, 200.0), (2.0, 400.0)]
+    without = diagram(with_flags({})).axes[0].lines
+    assert all(line.get_gid() != "carries a warning" for line in without)
+
+
+@pytest.fixture(scope="module")
+def narrow(tmp_path_factory):
+    """A store whose window is too narrow at the highest load."""
+    path = tmp_path_factory.mktemp("narrow") / "out.zarr"
+    conditions = replace(tiny.sweep().conditions, critical_temperature=330.0)
+    pipeline.run_sweep(tiny.sweep(conditions=conditions), path, workers=1)
+    return path
+
+
+def printed(capsys, *arguments):
+    main(list(map(str, arguments)))
+    return capsys.readouterr().out
+
+
+@pytest.mark.parametrize("command", ["status", "boundary", "verify", "plot"])
+def test_every_command_on_a_store_tells(command, narrow, tmp_path, capsys):
+    ds = pipeline.open_sweep(narrow)
+    assert 0 < has_warning(ds).sum() < has_warning(ds).size
+    options = ["--kind", "diagram", "-o", tmp_path / "out.png"] if command == "plot" else []
+    text = printed(capsys, command, narrow, *options)
+    document = json.loads(printed(capsys, command, narrow, *options, "--json"))["warnings"]
+    assert document == warned(ds).as_dict()
+    assert document["kinds"] == {"contact at edge": document["points"]}
+    assert f"{document['points']} points carry a warning (contact at edge" in text
+    assert "touches the window's x edge" in text
