@@ -18,9 +18,10 @@ import math
 
 import numpy as np
 import scipy
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from tribo.errors import require_positive
+from tribo.types import Array
 
 __all__ = [
     "MOVING_SQUARE_PEAK",
@@ -40,8 +41,6 @@ __all__ = [
     "westergaard_mean_pressure",
     "westergaard_pressure",
 ]
-
-Array = NDArray[np.float64]
 
 
 def hertz_line_half_width(load_per_length: float, radius: float, contact_modulus: float) -> float:

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from tribo.errors import InputError
 from tribo.grid import Grid
+from tribo.types import Array, Indices, Spectrum
 
 __all__ = ["Convolution", "padded_shape", "wrapped_offsets"]
 
@@ -37,7 +38,7 @@ def padded_shape(grid: Grid) -> tuple[int, int]:
     return nx, ny
 
 
-def wrapped_offsets(grid: Grid, axis: int) -> NDArray[np.float64]:
+def wrapped_offsets(grid: Grid, axis: int) -> Array:
     """Offsets along `axis` at which a kernel is sampled, in the order of the transform [m].
 
     0, 1, 2, … then the negative ones, each times the spacing: entry m stands for m or m − n,
@@ -53,7 +54,7 @@ def wrapped_offsets(grid: Grid, axis: int) -> NDArray[np.float64]:
     return _wrapped_indices(grid, axis).astype(np.float64) * grid.spacing[axis]
 
 
-def _wrapped_indices(grid: Grid, axis: int) -> NDArray[np.intp]:
+def _wrapped_indices(grid: Grid, axis: int) -> Indices:
     """The same in elements."""
     n = padded_shape(grid)[axis]
     index = np.arange(n)
@@ -87,7 +88,7 @@ class Convolution:
     True
     """
 
-    def __init__(self, grid: Grid, spectrum: NDArray[np.inexact]) -> None:
+    def __init__(self, grid: Grid, spectrum: Spectrum) -> None:
         mx, my = padded_shape(grid)
         if spectrum.shape != (mx, my // 2 + 1):
             raise InputError(
@@ -100,16 +101,16 @@ class Convolution:
         self._padded: NDArray[Any] = np.zeros((grid.shape[0], my))
 
     @classmethod
-    def from_kernel(cls, grid: Grid, kernel: NDArray[np.float64]) -> Convolution:
+    def from_kernel(cls, grid: Grid, kernel: Array) -> Convolution:
         """Build from kernel values, shape `padded_shape`, in the order of `wrapped_offsets`."""
         return cls(grid, np.fft.rfft2(kernel))
 
     def __call__(
         self,
-        field: NDArray[np.float64],
-        out: NDArray[np.float64] | None = None,
+        field: Array,
+        out: Array | None = None,
         rows: tuple[int, int] | None = None,
-    ) -> NDArray[np.float64]:
+    ) -> Array:
         """Convolve `field`, shape ``grid.shape``.
 
         The result goes to `out` if given. If the field is 0 but for the rows x from the first to
@@ -148,9 +149,7 @@ class Convolution:
             target[...] = padded[:, :ny]
         return out
 
-    def _in_single_precision(
-        self, field: NDArray[np.float64], out: NDArray[np.float64], low: int, high: int
-    ) -> NDArray[np.float64]:
+    def _in_single_precision(self, field: Array, out: Array, low: int, high: int) -> Array:
         """Convolve with SciPy, whose transforms in single precision are the faster ones."""
         ny, my = self.grid.shape[1], self._lengths[1]
         modes, padded = self._modes, self._padded[low:high]
@@ -197,7 +196,7 @@ class Convolution:
         """
         return self.in_single_precision() if math.prod(self.grid.shape) >= _LARGE else self
 
-    def with_spectrum(self, spectrum: NDArray[np.inexact]) -> Self:
+    def with_spectrum(self, spectrum: Spectrum) -> Self:
         """Return a copy with another spectrum; it shares the buffers."""
         changed = copy.copy(self)
         changed.spectrum = spectrum
@@ -241,7 +240,7 @@ class Convolution:
             kernel = kernel.take(factor * _wrapped_indices(grid, axis), axis, mode="wrap")
         return self._on(grid, kernel)
 
-    def _on(self, grid: Grid, kernel: NDArray[np.float64]) -> Self:
+    def _on(self, grid: Grid, kernel: Array) -> Self:
         """Return a copy with another grid and kernel."""
         modes = np.fft.rfft2(kernel)
         spectrum = modes.real if np.isrealobj(self.spectrum) else modes

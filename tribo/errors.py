@@ -17,7 +17,9 @@ import math
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
+
+from tribo.types import Array
 
 __all__ = [
     "ConvergenceError",
@@ -97,7 +99,7 @@ def require_integer(lowest: int, **values: float) -> None:
             raise InputError(f"{name} is {value!r}; it must be an integer of at least {lowest}")
 
 
-def finite_field(name: str, field: ArrayLike, shape: tuple[int, ...]) -> NDArray[np.float64]:
+def finite_field(name: str, field: ArrayLike, shape: tuple[int, ...]) -> Array:
     """Return `field` as an array of float64; raise `InputError` if that would hide a fault.
 
     Examples

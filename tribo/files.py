@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 
 from tribo.errors import InputError, require_positive
 from tribo.loading.record import MeasuredLoad, fault
+from tribo.types import Array
 
 __all__ = ["read_heights", "read_load"]
 
-Array = NDArray[np.float64]
 
 _MOST_HEIGHTS = 10**8  # of a surface; 0.8 GB
 _MOST_ROWS = 1_000_000  # of a load record

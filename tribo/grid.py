@@ -6,9 +6,9 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tribo.errors import InputError, require_integer, require_positive
+from tribo.types import Array
 
 __all__ = ["Grid"]
 
@@ -67,7 +67,7 @@ class Grid:
         """Area of the patch [m²]."""
         return math.prod(self.size)
 
-    def coordinates(self, axis: int) -> NDArray[np.float64]:
+    def coordinates(self, axis: int) -> Array:
         """Element centres along `axis` [m], with the patch's centre at 0.
 
         Examples

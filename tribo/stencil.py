@@ -16,11 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tribo.convolution import Convolution, padded_shape
+from tribo.types import Array, Nodes
 
 __all__ = ["Neighbourhood", "Preconditioner"]
-
-Array = NDArray[np.float64]
-Nodes = NDArray[np.intp]
 
 
 # Coupling within rows, in units of an element's own influence, beyond which to undo it exactly

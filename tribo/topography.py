@@ -6,10 +6,10 @@ Heights are positive towards the other body.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tribo.errors import InputError, require_positive
 from tribo.grid import Grid
+from tribo.types import Array
 
 __all__ = [
     "average_roughness",
@@ -19,8 +19,6 @@ __all__ = [
     "rms_slope",
     "self_affine",
 ]
-
-Array = NDArray[np.float64]
 
 
 def self_affine(

@@ -14,10 +14,10 @@ from dataclasses import dataclass
 from typing import Literal, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tribo.contact.elasticity import ElasticHalfSpace
 from tribo.errors import InputError
+from tribo.types import Array
 
 __all__ = [
     "EXPLICIT_LIMIT",
@@ -29,7 +29,6 @@ __all__ = [
     "WearScheme",
 ]
 
-Array = NDArray[np.float64]
 WearPattern = Literal["local", "swept"]
 WEAR_PATTERNS: tuple[WearPattern, ...] = get_args(WearPattern)
 WearScheme = Literal["implicit", "explicit", "sdirk2"]

@@ -14,11 +14,11 @@ from collections.abc import Sequence
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
+
+from tribo.types import Array
 
 __all__ = ["BAND", "CROSSES", "MILD", "SEVERE", "UNKNOWN", "quantile", "with_band"]
 
-Array = NDArray[np.float64]
 
 CROSSES, MILD, SEVERE, UNKNOWN = range(4)
 """Values of the variables ``outcome_at_load`` and ``outcome_at_velocity``."""

@@ -20,8 +20,7 @@ from pipeline.store.variables import DONE
 from pipeline.sweep.criterion import Conditions, contact_temperature, rise_limit, worst_moment
 from tribo import InputError
 from tribo.thermal import quantiles
-
-Array = NDArray[np.float64]
+from tribo.types import Array
 
 
 def boundary(

@@ -6,13 +6,13 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from pipeline.store.committed import Committed, as_needed
 from pipeline.store.folder import PathLike, folder_of
 from pipeline.sweep.criterion import Conditions, contact_temperature, failed_fraction
 from pipeline.sweep.model import Point
 from tribo import InputError
+from tribo.types import Array
 
 __all__ = ["asked_points", "by_surface", "end_of_point", "on_surface", "open_sweep", "ordered"]
 
@@ -132,7 +132,7 @@ def _temperatures(ds: xr.Dataset) -> dict[str, xr.Variable]:
 
     rises = ds["rise_quantile"].variable
 
-    def failed(key: tuple[Any, ...]) -> NDArray[np.float64]:
+    def failed(key: tuple[Any, ...]) -> Array:
         quantiles = rises[(*key, slice(None))].values
         shares = np.full(quantiles.shape[:-1], np.nan)
         for index in np.ndindex(shares.shape):

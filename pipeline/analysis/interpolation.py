@@ -15,13 +15,12 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 from scipy.optimize import brentq
 
-__all__ = ["crossing", "interpolated"]
+from tribo.types import Array
 
-Array = NDArray[np.float64]
+__all__ = ["crossing", "interpolated"]
 
 
 def crossing(x: Array, y: Array, limit: float) -> float:

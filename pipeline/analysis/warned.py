@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from pipeline.analysis.boundary import conditions_of, decisive_rise
 from pipeline.analysis.dataset import by_surface, ordered
@@ -16,6 +15,7 @@ from pipeline.store.variables import DONE
 from pipeline.sweep.criterion import rise_limit
 from pipeline.sweep.model import Point
 from tribo import WarningKind
+from tribo.types import Array, Mask
 
 __all__ = ["Warned", "has_warning", "warned"]
 
@@ -119,15 +119,15 @@ def _first(messages: xr.DataArray) -> str:
     return f"{Point(**{str(name): one[name].item() for name in at})}: {one.item()}"
 
 
-def _beside(rise: NDArray[np.float64], limit: float) -> NDArray[np.bool_]:
+def _beside(rise: Array, limit: float) -> Mask:
     known, severe = np.isfinite(rise), rise > limit
     along_velocity = [_turns(*row) for row in zip(known, severe, strict=True)]
     along_load = [_turns(*column) for column in zip(known.T, severe.T, strict=True)]
-    beside: NDArray[np.bool_] = np.array(along_velocity) | np.array(along_load).T
+    beside: Mask = np.array(along_velocity) | np.array(along_load).T
     return beside
 
 
-def _turns(known: NDArray[np.bool_], severe: NDArray[np.bool_]) -> NDArray[np.bool_]:
+def _turns(known: Mask, severe: Mask) -> Mask:
     """Which known points of a row differ from the next known one on either side.
 
     Examples

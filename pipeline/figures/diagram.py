@@ -14,7 +14,6 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.patheffects import withStroke
-from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt
 
 from pipeline.analysis.band import BAND
@@ -34,10 +33,10 @@ from pipeline.figures.style import (
 )
 from pipeline.store.variables import PENDING
 from pipeline.sweep.criterion import Conditions, rise_limit
+from tribo.types import Array, Mask
 
 __all__ = ["diagram"]
 
-Array = NDArray[np.float64]
 
 _RESOLUTION = 240
 _TINTS = {"mild": "#EAF2F8", "severe": "#FCEEE4", "band": "#BBBBBB"}
@@ -292,7 +291,7 @@ def _name_regions(
 
 
 def _roomiest(
-    inside: NDArray[np.bool_], x: Array, y: Array, taken: Sequence[tuple[float, float]]
+    inside: Mask, x: Array, y: Array, taken: Sequence[tuple[float, float]]
 ) -> tuple[float, float] | None:
     """Find where a label is farthest from a region's edges, in label sizes; None if none fits."""
     inside = inside.copy()

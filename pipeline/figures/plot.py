@@ -18,7 +18,6 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
-from numpy.typing import NDArray
 
 from pipeline.analysis.boundary import conditions_of, decisive_rise, rise_exceeded
 from pipeline.analysis.dataset import on_surface, open_sweep, ordered
@@ -38,10 +37,9 @@ from pipeline.store.variables import DONE
 from pipeline.sweep.criterion import Conditions, contact_temperature, rise_limit
 from pipeline.sweep.model import Point
 from tribo import InputError
+from tribo.types import Array
 
 __all__ = ["diagram", "fields", "plot", "ramp"]
-
-Array = NDArray[np.float64]
 
 
 def plot(

@@ -7,7 +7,6 @@ from dataclasses import replace
 
 import numpy as np
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION, celsius, heating, in_house_style
 from pipeline.paper.report import Finding, Report, Table
@@ -15,10 +14,10 @@ from pipeline.paper.study import Study
 from pipeline.sweep.criterion import Conditions, contact_temperature
 from pipeline.sweep.model import Sweep
 from tribo import Ramp, simulate
+from tribo.types import Array
 
 __all__ = ["fig5"]
 
-Array = NDArray[np.float64]
 _LOOKS = {
     "no wear": (BLACK, "--"),
     "swept wear": (BLUE, "-"),

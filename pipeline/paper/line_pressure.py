@@ -8,7 +8,6 @@ from typing import Literal
 import numpy as np
 from matplotlib import colormaps
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION, in_house_style
 from pipeline.paper.printed import CYLINDER_HALF_WIDTH, CYLINDER_PEAK_PRESSURE
@@ -17,10 +16,9 @@ from pipeline.paper.study import Study
 from pipeline.sweep.model import Sweep
 from tribo import Cylinder, Grid, contact_modulus, simulate
 from tribo.analytic import hertz_line_half_width, hertz_line_peak_pressure, hertz_pressure
+from tribo.types import Array
 
 __all__ = ["fig4"]
-
-Array = NDArray[np.float64]
 
 
 def fig4(study: Study) -> Report:

@@ -7,7 +7,6 @@ from typing import NamedTuple
 
 import numpy as np
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION, celsius, heating, in_house_style
 from pipeline.paper.report import Finding, Report, Table
@@ -15,10 +14,10 @@ from pipeline.paper.study import Study, summary_of
 from pipeline.sweep.criterion import contact_temperature
 from pipeline.sweep.model import Sweep
 from tribo import MeasuredLoad, Ramp, simulate
+from tribo.types import Array
 
 __all__ = ["fig8", "synthetic_record"]
 
-Array = NDArray[np.float64]
 
 RATE = 150.0
 """The paper's loading rate [N/s]."""

@@ -9,17 +9,16 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
-from numpy.typing import NDArray
 
 from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, VERMILION, celsius, in_house_style
 from pipeline.paper.report import Finding, Report, Table, mean_and_spread, statistics
 from pipeline.paper.study import End, Study, summary_of
 from pipeline.sweep.model import Sweep
 from tribo import ConvergenceError, simulate, warnings
+from tribo.types import Array
 
 __all__ = ["fig6"]
 
-Array = NDArray[np.float64]
 
 BLOCKS = (8, 6, 4, 3, 2, 1)
 INCREMENTS = (20, 30, 40, 50, 75, 100, 150, 200)

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pipeline.figures.style import celsius
 from pipeline.scene.scenefile import load_scene
@@ -25,6 +24,7 @@ from tribo import (
     measures,
     simulate,
 )
+from tribo.types import Array
 
 __all__ = ["WORKFLOWS", "End", "Study", "end_of"]
 
@@ -91,7 +91,7 @@ class End:
 
     contact_width: float
     bearing_width: float
-    rise_quantile: NDArray[np.float64]
+    rise_quantile: Array
 
     def decisive_rise(self, conditions: Conditions) -> float:
         """Rise at friction 1 that just the failing share of the contact area exceeds [K]."""

@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 import tribo
 from pipeline.scene.document import Document
@@ -15,6 +14,7 @@ from pipeline.scene.faults import Fault
 from pipeline.scene.schema import entry_at, quoted
 from pipeline.scene.surfaces import PLAIN, Surface, cropped, filled, levelled, read_surface
 from pipeline.scene.units import display
+from tribo.types import Array
 
 
 def realizations_of(found: dict[str, Any], faults: list[Fault]) -> tuple[int, ...]:
@@ -93,7 +93,7 @@ def _fitted_heights(
     window: Mapping[str, Any] | None,
     faults: list[Fault],
     notes: list[str],
-) -> NDArray[np.float64] | None:
+) -> Array | None:
     """Heights fit for a scene: cropped, without holes, levelled; None if that is impossible."""
     pixels, sides = ((window or {}).get(key) for key in ("pixels", "pixel_size"))
     if surface.pixel_size and sides and not np.allclose(surface.pixel_size, sides, rtol=0.01):

@@ -14,13 +14,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tribo import InputError, read_heights
+from tribo.types import Array
 
 __all__ = ["Surface", "cropped", "filled", "levelled", "read_surface"]
 
-Array = NDArray[np.float64]
 
 PLAIN = (".csv", ".npy")
 """Endings of plain arrays, which say neither a unit nor the size of a pixel."""

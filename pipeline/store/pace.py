@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+
+from tribo.types import Array
 
 __all__ = ["pace"]
 
@@ -11,7 +12,7 @@ _RECENT = 200  # points, of which the rate is taken
 _BREAK = 20.0  # times the usual time between points, after which a run was interrupted
 
 
-def pace(finished: NDArray[np.float64]) -> float | None:
+def pace(finished: Array) -> float | None:
     """Points per second, of the most recent ones and since the last interruption.
 
     Parameters

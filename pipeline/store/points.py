@@ -20,7 +20,6 @@ from typing import Any, Literal
 
 import numpy as np
 import zarr
-from numpy.typing import NDArray
 from zarr.api.asynchronous import open_group
 
 from pipeline.store.chunks import chunks_of, values_at
@@ -57,6 +56,7 @@ from pipeline.store.variables import (
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import PointResult
 from tribo import QUANTILES
+from tribo.types import Array
 
 __all__ = [
     "DONE",
@@ -69,7 +69,6 @@ __all__ = [
     "prepare",
 ]
 
-Array = NDArray[np.float64]
 
 _KEPT = 3  # chunks of each variable, if they hold many points
 

@@ -12,11 +12,11 @@ from importlib import metadata
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.plan import step_count
 from tribo import QUANTILES, Scene, WarningKind
+from tribo.types import Array
 
 __all__ = [
     "BY_POINT",
@@ -259,7 +259,7 @@ def differences(stored: Any, wanted: Any, key: str = "scene") -> Iterator[str]:
         yield f"{key}: {_short(stored)} in the store, {_short(wanted)} in the scene"
 
 
-def checksum(data: Mapping[str, NDArray[np.float64]]) -> np.uint64:
+def checksum(data: Mapping[str, Array]) -> np.uint64:
     """Hash of what is stored of a point: the rows of its own steps, and its fields if any."""
     digest = hashlib.blake2b(digest_size=8)
     for name in sorted(data):

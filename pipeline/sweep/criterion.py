@@ -18,15 +18,14 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tribo import InputError, failed_share
 from tribo.thermal.quantiles import require_share, rise_exceeded
+from tribo.types import Array, Indices
 
 if TYPE_CHECKING:
     import xarray as xr
 
-Array = NDArray[np.float64]
 Rise = TypeVar("Rise", float, Array, "xr.DataArray")
 
 
@@ -163,7 +162,7 @@ def decisive_rise(rise_quantile: Array, conditions: Conditions) -> float:
     return float(rise_exceeded(rise_quantile, conditions.failing_share))
 
 
-def worst_moment(rise: Array, normal_load: Array, load: Array | float) -> NDArray[np.intp]:
+def worst_moment(rise: Array, normal_load: Array, load: Array | float) -> Indices:
     """Step at which the rise is highest, from when the load of the point is reached on.
 
     Parameters
@@ -187,7 +186,7 @@ def worst_moment(rise: Array, normal_load: Array, load: Array | float) -> NDArra
     2
     """
     counts = np.isfinite(rise) & (normal_load >= load)
-    at: NDArray[np.intp] = np.argmax(np.where(counts, rise, -math.inf), axis=-1)
+    at: Indices = np.argmax(np.where(counts, rise, -math.inf), axis=-1)
     return np.where(counts.any(axis=-1), at, rise.shape[-1] - 1)
 
 

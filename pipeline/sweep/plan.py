@@ -14,11 +14,11 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pipeline.sweep.criterion import Conditions, Verdict, verdict
 from pipeline.sweep.model import Point, Sweep
 from tribo import QUANTILES, PointWarning, Scene, State, measures, simulate, start, warnings
+from tribo.types import Array
 
 __all__ = [
     "Point",
@@ -31,7 +31,6 @@ __all__ = [
     "step_count",
 ]
 
-Array = NDArray[np.float64]
 Record = Mapping[str, float | Array]
 
 _NO_QUANTILES = np.full(len(QUANTILES), np.nan)

@@ -13,15 +13,14 @@ from typing import Literal, get_args
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
 from tribo.convolution import Convolution, padded_shape, wrapped_offsets
 from tribo.errors import InputError, require_positive
 from tribo.grid import Grid
+from tribo.types import Array
 
 __all__ = ["ElasticHalfSpace", "ElasticKernel", "elastic_influence"]
 
-Array = NDArray[np.float64]
 ElasticKernel = Literal["periodic", "nearest-image"]
 
 _IMAGES = 6  # explicit ones on each side; with the tail below, 1e-13 of the self term

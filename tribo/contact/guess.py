@@ -10,14 +10,13 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tribo.contact.elasticity import ElasticHalfSpace
 from tribo.contact.iteration import Iteration
+from tribo.types import Array, Mask
 
 __all__ = ["from_coarser_grids", "in_window"]
 
-Array = NDArray[np.float64]
 
 _COARSEST = 64**2  # elements of a grid on which a coarser one saves nothing
 _COARSE_TOLERANCE, _COARSE_CONVOLUTIONS = 0.3, 100
@@ -95,7 +94,7 @@ def in_window(
     return pressure, iteration.convolutions * part.size / heights.size
 
 
-def _extent(loaded: NDArray[np.bool_]) -> slice:
+def _extent(loaded: Mask) -> slice:
     """The part of an axis from the first to the last loaded element, with a margin."""
     places = np.flatnonzero(loaded)
     if not places.size:

@@ -21,18 +21,15 @@ import math
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tribo.contact.elasticity import ElasticHalfSpace
 from tribo.contact.rows import RowMetric, SoftRows
 from tribo.contact.simplex import LOAD_ERROR, nearest, scaled_to_load, shifted_to_load
 from tribo.stencil import Neighbourhood, Preconditioner
+from tribo.types import Array, Mask, Nodes
 
 __all__ = ["Iteration"]
 
-Array = NDArray[np.float64]
-Nodes = NDArray[np.intp]
-Mask = NDArray[np.bool_]
 Stencil = Callable[[Array, Array], Array]
 
 # Conjugate gradient iterations in the first active-set step. Each later one, which changes fewer

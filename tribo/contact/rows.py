@@ -19,13 +19,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tribo.contact.elasticity import ElasticHalfSpace
+from tribo.types import Array, Indices
 
 __all__ = ["RowMetric", "SoftRows"]
 
-Array = NDArray[np.float64]
 
 _ROUNDING = 1e-15
 _MOST_STEPS = 100  # of a root finder that halves its bracket where Newton's method leaves it
@@ -68,9 +67,9 @@ class SoftRows:
         coupling = max(0.0, couplings[axis])
         return cls(axis, coupling, coupling > _SOFT * solid.self_influence)
 
-    def numbers(self, nodes: NDArray[np.intp], shape: tuple[int, int]) -> NDArray[np.intp]:
+    def numbers(self, nodes: Indices, shape: tuple[int, int]) -> Indices:
         """Number of the row of each node, nodes of a field being counted along y first."""
-        numbers: NDArray[np.intp] = nodes // shape[1] if self.axis else nodes % shape[1]
+        numbers: Indices = nodes // shape[1] if self.axis else nodes % shape[1]
         return numbers
 
 
@@ -95,7 +94,7 @@ class RowMetric:
     array([1., 3.])
     """
 
-    def __init__(self, compliance: float, coupling: float, rows: NDArray[np.intp]) -> None:
+    def __init__(self, compliance: float, coupling: float, rows: Indices) -> None:
         self._d, self._k = compliance, coupling
         count = np.bincount(rows)
         # Rows that hold none of the nodes are left out.

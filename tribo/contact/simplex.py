@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
+
+from tribo.types import Array
 
 __all__ = ["LARGEST", "LOAD_ERROR", "SMALLEST", "nearest", "scaled_to_load", "shifted_to_load"]
 
-Array = NDArray[np.float64]
 
 LOAD_ERROR = 1e-12
 """Of the load; beyond it a pressure does not carry it."""

@@ -15,7 +15,6 @@ from dataclasses import dataclass
 from typing import Literal, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tribo.contact.elasticity import ElasticHalfSpace
 from tribo.contact.guess import from_coarser_grids, in_window
@@ -23,10 +22,10 @@ from tribo.contact.iteration import Iteration
 from tribo.contact.rows import SoftRows
 from tribo.contact.simplex import LARGEST, SMALLEST
 from tribo.errors import ConvergenceError, InputError, finite_field, require_positive
+from tribo.types import Array
 
 __all__ = ["ContactCriterion", "ContactSolution", "solve_contact"]
 
-Array = NDArray[np.float64]
 ContactCriterion = Literal["gap", "pressure-change"]
 
 _VERY_SOFT = 1e6  # of rows, in units of an element's compliance: far beyond elements of any shape

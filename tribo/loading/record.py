@@ -7,14 +7,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tribo.errors import InputError, require_positive
 from tribo.loading.ramp import Ramp, Station
+from tribo.types import Array
 
 __all__ = ["MeasuredLoad", "fault"]
 
-Array = NDArray[np.float64]
 
 _FITTED = (0.1, 0.9)  # of the reference load: the part of the rise that has no rounded ends
 

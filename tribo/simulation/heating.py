@@ -6,7 +6,6 @@ import functools
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tribo.convolution import Convolution, padded_shape
 from tribo.grid import Grid
@@ -24,6 +23,7 @@ from tribo.thermal.duhamel import (
 )
 from tribo.thermal.partition import HeatPartition, partition_heat
 from tribo.thermal.quantiles import contact_quantiles
+from tribo.types import Mask
 
 __all__ = ["forget_conductors", "heat", "heated_since"]
 
@@ -58,7 +58,7 @@ def heated_since(scene: Scene, history: HeatHistory, state: State, velocity: flo
     return replace(state, heat=summary, heat_history=heat_history)
 
 
-def _summary(scene: Scene, split: HeatPartition, contact: NDArray[np.bool_]) -> Heat:
+def _summary(scene: Scene, split: HeatPartition, contact: Mask) -> Heat:
     on_contact = split.rise[contact]
     # Quantiles interpolate between the nodes, so each row that a plane stands for has to count.
     rows = scene.rows_per_element
@@ -72,9 +72,7 @@ def _summary(scene: Scene, split: HeatPartition, contact: NDArray[np.bool_]) -> 
     )
 
 
-def _partition(
-    scene: Scene, state: State, velocity: float, contact: NDArray[np.bool_]
-) -> HeatPartition:
+def _partition(scene: Scene, state: State, velocity: float, contact: Mask) -> HeatPartition:
     grid = scene.grid
     if velocity == 0 or not scene.friction_heat:
         return HeatPartition(np.zeros(grid.shape), np.zeros(grid.shape), np.nan, 0, 0.0)
@@ -94,7 +92,7 @@ def _check_split(
     scene: Scene,
     state: State,
     velocity: float,
-    contact: NDArray[np.bool_],
+    contact: Mask,
     split: HeatPartition,
 ) -> None:
     local = scene.fidelity.partition == "local"

@@ -24,14 +24,13 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tribo.errors import InvariantError, RangeError
 from tribo.thermal.partition import HeatPartition
+from tribo.types import Array, Mask
 
 __all__ = ["check_contact", "check_heat", "check_wear", "within_range"]
 
-Array = NDArray[np.float64]
 
 # Sums over a million nodes lose less than 1e-13, and the contact solver allows itself 1e-12.
 _BALANCE = 1e-10
@@ -142,7 +141,7 @@ def check_wear(before: Array, after: Array, area: float, volume: float) -> None:
 @_QUIET
 def check_heat(
     heat_flux: Array,
-    contact: NDArray[np.bool_],
+    contact: Mask,
     split: HeatPartition,
     tolerance: float,
 ) -> None:

@@ -7,7 +7,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tribo.errors import InputError, finite_field, require_positive
 from tribo.grid import Grid
@@ -16,11 +15,11 @@ from tribo.loading.record import MeasuredLoad
 from tribo.material import Material
 from tribo.simulation.fidelity import Fidelity
 from tribo.topography import block_average, block_sample, self_affine
+from tribo.types import Array
 from tribo.wear import Wear
 
 __all__ = ["Ball", "Cylinder", "MeasuredRoughness", "Scene", "SelfAffineRoughness"]
 
-Array = NDArray[np.float64]
 
 # Elements along x with which the shape of the wear is still known well.
 _FEWEST_ELEMENTS = 24

@@ -7,7 +7,6 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tribo.contact.elasticity import ElasticHalfSpace
 from tribo.contact.solver import solve_contact
@@ -20,11 +19,11 @@ from tribo.simulation.scene import Scene
 from tribo.simulation.state import State
 from tribo.simulation.warning import PointWarning, WarningKind
 from tribo.thermal.duhamel import HeatHistory
+from tribo.types import Array
 from tribo.wear import EXPLICIT_LIMIT, WEAR_SCHEMES
 
 __all__ = ["advance", "forget_kernels", "measures", "simulate", "start", "warnings"]
 
-Array = NDArray[np.float64]
 
 _FARTHEST = 2.0  # steps of the load over which its last step is extrapolated
 

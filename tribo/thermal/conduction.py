@@ -32,6 +32,7 @@ from tribo.convolution import Convolution, padded_shape
 from tribo.errors import InputError
 from tribo.grid import Grid
 from tribo.material import Material
+from tribo.types import Array, Spectrum
 
 __all__ = [
     "ConductingHalfSpace",
@@ -97,7 +98,7 @@ class ConductingHalfSpace(Convolution):
 
 def thermal_influence(
     grid: Grid, material: Material, velocity: float, time: float, quadrature_nodes: int = 10
-) -> NDArray[np.float64]:
+) -> Array:
     """Temperature rise per unit heat flux on one element, T(x, y, t) of Eq. (1) [K m²/W].
 
     Parameters are those of `ConductingHalfSpace`.
@@ -148,7 +149,7 @@ def flux_history_spectrum(
     ages: Sequence[float],
     strengths: Sequence[float],
     quadrature_nodes: int = 10,
-) -> NDArray[np.inexact]:
+) -> Spectrum:
     """Spectrum of the present rise due to a flux of unit shape whose strength varied with time.
 
     By Duhamel's principle Eq. (1) with the strength of the flux at the age τ = s²/(4κ) under the
@@ -217,7 +218,7 @@ def _spectrum(
     ages: Sequence[float],
     strengths: Sequence[float],
     quadrature_nodes: int,
-) -> NDArray[np.inexact]:
+) -> Spectrum:
     """Transform of the kernel [K m²/W], without the last columns if 0; real if nothing moves."""
     if not math.isfinite(velocity):
         raise InputError(f"velocity is {velocity!r}; it must be finite")
@@ -327,9 +328,9 @@ def _undisturbed(drift: float, low: float, side: float) -> float:
     return math.sqrt((passed + 0.5) * side / drift) - reach - low
 
 
-def _factor(axis: _Axis, s: NDArray[np.float64], low: float, drift: float) -> NDArray[np.inexact]:
+def _factor(axis: _Axis, s: Array, low: float, drift: float) -> Spectrum:
     """Transform of E over `axis` at the nodes s of a panel, shape (nodes, modes); real at rest."""
-    factor: NDArray[np.inexact]
+    factor: Spectrum
     if low >= axis.series_start(drift):
         factor = _series_terms(axis, s, _wavenumbers(axis, low)).sum(axis=1)
     else:
@@ -337,9 +338,7 @@ def _factor(axis: _Axis, s: NDArray[np.float64], low: float, drift: float) -> ND
     return factor if drift else factor.real
 
 
-def _sampled_factor(
-    axis: _Axis, s: NDArray[np.float64], shift: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def _sampled_factor(axis: _Axis, s: Array, shift: Array) -> Array:
     """Values of E at the element centres in wrapped order, shape (nodes, length).
 
     Only the elements within reach of the source are evaluated; those of all periods fall on the
@@ -361,7 +360,7 @@ def _sampled_factor(
     return np.asarray(unwrapped.reshape(len(s), periods, axis.length).sum(axis=1))
 
 
-def _wavenumbers(axis: _Axis, s: float) -> NDArray[np.float64]:
+def _wavenumbers(axis: _Axis, s: float) -> Array:
     """Wavenumbers of the modes that live at diffusion length s, shape (aliases, modes) [rad/m].
 
     Sampling at the element centres folds the modes m + pn onto the mode m.
@@ -373,20 +372,18 @@ def _wavenumbers(axis: _Axis, s: float) -> NDArray[np.float64]:
     return np.asarray(2 * math.pi / (axis.n * axis.step) * (modes + aliases), dtype=np.float64)
 
 
-def _series_terms(
-    axis: _Axis, s: NDArray[np.float64], k: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def _series_terms(axis: _Axis, s: Array, k: Array) -> Array:
     """Transform of E at rest, 2 sinc(ka) exp(−k²s²/4), for each node, alias and mode."""
     decay = np.exp(-((k * s[:, None, None] / 2) ** 2))
     return np.asarray(2 * np.sinc(k * axis.step / (2 * math.pi)) * decay)
 
 
 def _filon_weights(
-    omega: NDArray[np.float64],
+    omega: Array,
     low: float,
     high: float,
-    nodes: NDArray[np.float64],
-    weights: NDArray[np.float64],
+    nodes: Array,
+    weights: Array,
 ) -> NDArray[np.complex128]:
     """Weights of the Gauss nodes for ∫ g(z) exp(−iωz) dz from low to high, any ω.
 

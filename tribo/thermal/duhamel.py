@@ -24,13 +24,14 @@ from dataclasses import dataclass, replace
 from typing import Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from tribo.convolution import Convolution, padded_shape
 from tribo.grid import Grid
 from tribo.material import Material
 from tribo.thermal.conduction import flux_history_spectrum
 from tribo.thermal.partition import HeatPartition, partition_heat
+from tribo.types import Array, Mask, Spectrum
 
 __all__ = [
     "Conductor",
@@ -40,8 +41,6 @@ __all__ = [
     "partition_with_history",
 ]
 
-Array = NDArray[np.float64]
-Spectrum = NDArray[np.inexact]
 
 _KEPT_BYTES = 2**28
 _AGE_DIGITS = 9  # to which ages are rounded, so that equal steps make equal ages
@@ -78,7 +77,7 @@ def partition_with_history(
     history: HeatHistory,
     time: float,
     heat_flux: Array,
-    contact: NDArray[np.bool_],
+    contact: Mask,
     method: Literal["local", "direct", "uniform"] = "local",
     tolerance: float = 1e-8,
     bulk_difference: ArrayLike = 0.0,

@@ -22,16 +22,16 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from tribo.convolution import Convolution, padded_shape
 from tribo.errors import ConvergenceError, InputError
 from tribo.grid import Grid
 from tribo.stencil import Neighbourhood
+from tribo.types import Array, Mask, Nodes
 
 __all__ = ["DIRECT_MEMORY", "HeatPartition", "partition_heat"]
 
-Field = NDArray[np.float64]
 
 DIRECT_MEMORY = 2 * 2**30
 """Largest matrix that ``method="direct"`` builds [byte]; 16384 nodes in contact."""
@@ -64,8 +64,8 @@ class HeatPartition:
         Eq. (1); root mean squares over the contact.
     """
 
-    rise: Field
-    pin_flux: Field
+    rise: Array
+    pin_flux: Array
     pin_share: float
     iterations: int
     residual: float
@@ -74,8 +74,8 @@ class HeatPartition:
 def partition_heat(
     pin: Convolution,
     disk: Convolution,
-    heat_flux: Field,
-    contact: NDArray[np.bool_],
+    heat_flux: Array,
+    contact: Mask,
     method: Literal["local", "direct", "uniform"] = "local",
     tolerance: float = 1e-8,
     bulk_difference: ArrayLike = 0.0,
@@ -185,9 +185,9 @@ def partition_heat(
 def _check(
     grid: Grid,
     other_grid: Grid,
-    heat_flux: Field,
-    contact: NDArray[np.bool_],
-    difference: Field,
+    heat_flux: Array,
+    contact: Mask,
+    difference: Array,
     method: str,
     tolerance: float,
 ) -> None:
@@ -211,13 +211,13 @@ def _check(
         raise InputError(f"tolerance is {tolerance!r}; it must be from 1e-14 to below 1")
 
 
-def _on_nodes(body: Convolution, nodes: NDArray[np.intp]) -> Callable[[Field], Field]:
+def _on_nodes(body: Convolution, nodes: Nodes) -> Callable[[Array], Array]:
     """The map from flux [W/m²] to temperature [K], both on some nodes alone."""
     field, rise = np.zeros(body.grid.shape), np.empty(body.grid.shape)
     ny = body.grid.shape[1]
     rows = int(nodes[0]) // ny, int(nodes[-1]) // ny + 1
 
-    def apply(flux: Field) -> Field:
+    def apply(flux: Array) -> Array:
         largest = float(np.abs(flux).max()) or 1.0  # in units of which single precision holds it
         field.reshape(-1)[nodes] = flux / largest
         body(field, out=rise, rows=rows)
@@ -226,12 +226,12 @@ def _on_nodes(body: Convolution, nodes: NDArray[np.intp]) -> Callable[[Field], F
     return apply
 
 
-def _norm(vector: Field) -> float:
+def _norm(vector: Array) -> float:
     return math.sqrt(float(np.sum(vector * vector)))
 
 
 def _uniform(
-    rise: Field, target: Field, delta: Field, heat_flux: Field, contact: NDArray[np.bool_]
+    rise: Array, target: Array, delta: Array, heat_flux: Array, contact: Mask
 ) -> HeatPartition:
     """Choose the share φ with ⟨(T₁ + T₂) φq⟩ = ⟨T₂q + ΔT_b⟩, given T₁q and the right-hand side."""
     both = rise[contact] + target - delta
@@ -243,12 +243,12 @@ def _uniform(
 
 
 def _iterate(
-    operator: Callable[[Field], Field],
-    precondition: Callable[[Field], Field],
-    target: Field,
+    operator: Callable[[Array], Array],
+    precondition: Callable[[Array], Array],
+    target: Array,
     tolerance: float,
     max_iterations: int,
-) -> tuple[Field, int]:
+) -> tuple[Array, int]:
     """Solve operator(x) = target by generalised conjugate residuals, preconditioned.
 
     Each direction's image is made orthogonal to the earlier ones, so that every step minimises
@@ -280,7 +280,7 @@ def _iterate(
     return solution, iteration
 
 
-def _dense(kernel: Field, contact: NDArray[np.bool_]) -> Field:
+def _dense(kernel: Array, contact: Mask) -> Array:
     """Matrix of the operator on the contact [K m²/W]; the kernel's wrapped order takes i − j."""
     i, j = np.nonzero(contact)
     if 8 * i.size**2 > DIRECT_MEMORY:
@@ -294,7 +294,7 @@ def _dense(kernel: Field, contact: NDArray[np.bool_]) -> Field:
     return matrix
 
 
-def _eliminate(matrix: Field, right_side: Field) -> Field:
+def _eliminate(matrix: Array, right_side: Array) -> Array:
     """Solve by Gaussian elimination in blocks, overwriting `matrix`.
 
     No pivots are needed where the symmetric part is positive definite.

@@ -8,13 +8,12 @@ exceeds lies above the critical temperature.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tribo.errors import InputError
+from tribo.types import Array, Mask
 
 __all__ = ["QUANTILES", "contact_quantiles", "failed_share", "require_share", "rise_exceeded"]
 
-Array = NDArray[np.float64]
 
 QUANTILES: tuple[float, ...] = (
     0.0, 0.01, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5, 0.55, 0.6, 0.65, 0.7, 0.75,
@@ -23,7 +22,7 @@ QUANTILES: tuple[float, ...] = (
 """Shares of the contact area that are cooler, at which the temperature is kept."""
 
 
-def contact_quantiles(rise: Array, contact: NDArray[np.bool_]) -> Array:
+def contact_quantiles(rise: Array, contact: Mask) -> Array:
     """Temperature rise that each of `QUANTILES` of the contact area stays below [K].
 
     Parameters

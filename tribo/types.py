@@ -1,0 +1,19 @@
+"""Types of arrays, by what they hold."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+"""Real numbers, as the values of a field."""
+
+Mask = NDArray[np.bool_]
+"""Whether something holds at each element of a field."""
+
+Indices = NDArray[np.intp]
+"""Integers that count elements, as the number of the row in which each node lies."""
+
+Nodes = Indices
+"""Indices of some nodes in the flattened field, in growing order."""
+
+Spectrum = NDArray[np.inexact]
+"""Discrete Fourier transform of a kernel or of a field; real where the kernel is even."""
