@@ -35,6 +35,7 @@ from pipeline.store.folder import (
     locked,
     read_metadata,
 )
+from pipeline.store.identity import checksum, describe, differences, stored_scene
 from pipeline.store.shape import commit_shape
 from pipeline.store.together import together
 from pipeline.store.variables import (
@@ -46,12 +47,8 @@ from pipeline.store.variables import (
     FIELDS,
     PENDING,
     RECORDS,
-    checksum,
-    describe,
-    differences,
     grown,
     lasting_attributes,
-    stored_scene,
 )
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import PointResult

@@ -22,8 +22,8 @@ from pipeline.store.folder import (
     read_metadata,
     write_json,
 )
+from pipeline.store.identity import scene_hash
 from pipeline.store.points import Store
-from pipeline.store.variables import scene_hash
 from pipeline.sweep.model import Point
 
 __all__ = ["Damage", "Verification", "verify_store"]

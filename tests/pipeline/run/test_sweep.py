@@ -22,6 +22,7 @@ from pipeline.run import cluster
 from pipeline.run import sweep as execute
 from pipeline.run.sweep import run_sweep
 from pipeline.store import variables as layout
+from pipeline.store.identity import describe, scene_hash
 from pipeline.store.points import (
     Store,
     StoreError,
@@ -29,7 +30,7 @@ from pipeline.store.points import (
     locked,
 )
 from pipeline.store.progress import FailedPoint, summary
-from pipeline.store.variables import COLUMNS, FIELDS, describe, scene_hash
+from pipeline.store.variables import COLUMNS, FIELDS
 from pipeline.store.verify import verify_store
 from pipeline.sweep.plan import Point, run_point
 from tests.helpers import tiny

@@ -8,7 +8,7 @@ import pytest
 import tribo
 from pipeline.scene.faults import SceneFileError
 from pipeline.scene.scenefile import load_scene
-from pipeline.store.variables import describe
+from pipeline.store.identity import describe
 from tests.pipeline.scene.test_scenefile import ROUGHNESS, TEXT, WORKFLOWS
 
 EXTENDS = 'extends = "base.toml"\n'

@@ -21,6 +21,7 @@ from hypothesis import strategies as st
 import pipeline.store.files as files_module
 import pipeline.store.shape as shape_module
 import tribo
+from pipeline.store.identity import describe
 from pipeline.store.points import (
     DONE,
     PENDING,
@@ -31,7 +32,7 @@ from pipeline.store.points import (
     prepare,
 )
 from pipeline.store.progress import FailedPoint, summary
-from pipeline.store.variables import COLUMNS, COORDINATES, FIELDS, describe
+from pipeline.store.variables import COLUMNS, COORDINATES, FIELDS
 from pipeline.sweep.criterion import Conditions
 from pipeline.sweep.plan import Point, points, run_point
 from tests.helpers import tiny
