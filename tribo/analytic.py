@@ -6,7 +6,7 @@ Contact (Johnson, *Contact Mechanics*, 1985; E* is `material.contact_modulus`)
     `westergaard_full_contact_pressure`, `westergaard_half_width`,
     `westergaard_mean_pressure`, `westergaard_pressure`
 Wear
-    `archard_wear_depth`
+    `archard_wear_depth`, `worn_line_width`, `worn_point_width`
 Heat (Carslaw & Jaeger, *Conduction of Heat in Solids*, 2nd ed., 1959; an insulated half-space)
     `uniform_flux_rise`, `ramped_flux_rise`, `square_source_rise`, `moving_band_rise`,
     `MOVING_SQUARE_PEAK`
@@ -40,6 +40,8 @@ __all__ = [
     "westergaard_half_width",
     "westergaard_mean_pressure",
     "westergaard_pressure",
+    "worn_line_width",
+    "worn_point_width",
 ]
 
 
@@ -224,6 +226,42 @@ def archard_wear_depth(
     1.50e-07 m
     """
     return np.asarray(specific_wear_rate * np.asarray(pressure) * sliding_distance)
+
+
+def worn_line_width(worn_area: float, radius: float) -> float:
+    """Width of the flat worn on a rigid cylinder [m].
+
+    w = (12RA)^⅓ with the worn area A [m²] of the cross-section, a segment of height w²/(8R), and
+    the radius R [m]; w ≪ R.
+
+    Examples
+    --------
+    The segment is two thirds of its width times its height:
+
+    >>> A, R = 8.3e-10, 2e-3
+    >>> w = worn_line_width(A, R)
+    >>> f"{w:.4e} m, {2 / 3 * w * w**2 / (8 * R) / A:.6f}"
+    '2.7108e-04 m, 1.000000'
+    """
+    return float(np.cbrt(12 * radius * worn_area))
+
+
+def worn_point_width(worn_volume: float, radius: float) -> float:
+    """Width of the flat worn on a rigid ball [m].
+
+    w = (64RV/π)^¼ with the worn volume V [m³], a cap of height w²/(8R), and the radius R [m];
+    w ≪ R.
+
+    Examples
+    --------
+    The cap is half its base times its height:
+
+    >>> V, R = 5e-15, 5e-3
+    >>> w = worn_point_width(V, R)
+    >>> f"{w:.4e} m, {math.pi / 8 * w**2 * w**2 / (8 * R) / V:.6f}"
+    '1.5023e-04 m, 1.000000'
+    """
+    return math.sqrt(math.sqrt(64 * radius * worn_volume / math.pi))
 
 
 def uniform_flux_rise(heat_flux: float, time: float, thermal_effusivity: float) -> float:

@@ -11,10 +11,15 @@ from typing import TYPE_CHECKING, Any
 
 import pipeline
 from pipeline.cli.crossings import document_of, text_of
+from pipeline.cli.meaning import meaning
 from pipeline.cli.output import ProgressLine, duration, show, tell
 from pipeline.run import forkserver
+from pipeline.sweep.doubts import doubts
+from pipeline.sweep.facts import facts_of, require_bearable_loads
+from pipeline.sweep.left_out import left_out
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.selection import KEPT_FIELDS
+from pipeline.tradeoff.forecast import machine_bytes, worker_bytes
 from tribo import InputError, measures, specific_wear_rate
 
 if TYPE_CHECKING:
@@ -103,25 +108,47 @@ def _failed(points: Iterable[FailedPoint | Damage]) -> list[dict[str, Any]]:
 
 
 def check(options: argparse.Namespace) -> int:
-    """Say what a sweep would cost."""
+    """Say what a scene means, at once, and then what its sweep would cost."""
     sweep = _scene(options)
-    found = pipeline.estimate(sweep, workers=options.workers)
+    require_bearable_loads(sweep)
+    facts = facts_of(sweep)
+    doubted, reasons = doubts(sweep, facts), tuple(left_out(sweep))
+    memory = worker_bytes(sweep)
     nx, ny = sweep.grid.shape
-    text = [
+    first = [
         f"{sweep.title}",
+        *meaning(sweep, facts),
+        *(f"  left out {reason}" for reason in reasons),
+        *(f"  note     {note}" for note in sweep.notes),
+        *(f"  warning  {doubt}" for doubt in doubted),
+        f"  grid     {nx} × {ny} elements",
+        f"  memory   about {memory / 1e6:.0f} MB a worker",
+    ]
+    if not options.json:
+        print("\n".join(first), flush=True)
+    document = {"title": sweep.title, "notes": sweep.notes, "meaning": facts.as_dict()}
+    if memory > machine_bytes():
+        doubt = (
+            f"this machine has {machine_bytes() / 1e9:.0f} GB of memory, less than a worker needs: "
+            "how long it would take is not tried; give fewer window.pixels, or a coarser fidelity"
+        )
+        known = {"left_out": reasons, "warnings": [*doubted, doubt], "worker_bytes": memory}
+        show(options, document | known, [f"  warning  {doubt}"])
+        return DONE
+    found = pipeline.estimate(sweep, workers=options.workers)
+    document |= found.as_dict() | {"warnings": [*doubted, *found.warnings]}
+    surfaces = f", {len(sweep.realizations)} surfaces" if sweep.realizations else ""
+    text = [
         f"  points   {found.points}: {len(sweep.loads)} loads, {len(sweep.velocities)} velocities"
-        + (f", {len(sweep.realizations)} surfaces" if sweep.realizations else ""),
-        f"  grid     {nx} × {ny} elements on {_um(sweep.grid.size[0])} × {_um(sweep.grid.size[1])}",
+        + surfaces,
         f"  steps    {found.steps} contacts and {found.temperatures} temperatures to solve",
         f"  time     about {duration(found.seconds)} on {found.workers} worker(s)",
         *(f"           {line}" for line in found.basis.split("; ")),
-        f"  memory   about {found.worker_bytes / 1e6:.0f} MB a worker",
         f"  disk     about {found.disk_bytes / 1e6:.0f} MB",
+        *(f"  warning  {what}" for what in found.warnings),
+        *(f"  left out {reason}" for reason in found.left_out if reason not in reasons),
     ]
-    text += [f"  warning  {what}" for what in found.warnings]
-    text += [f"  left out {reason}" for reason in found.left_out]
-    text += [f"  note     {note}" for note in sweep.notes]
-    show(options, {"title": sweep.title, "notes": sweep.notes} | found.as_dict(), text)
+    show(options, document, text)
     return DONE
 
 

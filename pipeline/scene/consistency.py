@@ -66,9 +66,11 @@ def _check_pixels(
         faults.append(Fault("window.pixels", problem))
     if isinstance(roughness, tribo.MeasuredRoughness) and roughness.array.shape != pixels:
         rows, columns = roughness.array.shape
+        turned = " or transpose it, since its rows follow one another along x,"
         problem = (
-            f"the surface has {rows} rows of {columns} heights, window.pixels is {given}; give "
-            "a surface and a window of the same size, or cut a patch out with disk.roughness.crop"
+            f"the surface has {rows} rows of {columns} heights, window.pixels is {given}; give a "
+            f"surface and a window of the same size,{turned if pixels == (columns, rows) else ''} "
+            "or cut a patch out with disk.roughness.crop"
         )
         faults.append(Fault("disk.roughness.file", problem))
 

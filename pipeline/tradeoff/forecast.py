@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from pipeline.sweep.left_out import left_out
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.plan import step_count
 from pipeline.tradeoff.sample import sampled
@@ -115,7 +116,7 @@ def estimate(sweep: Sweep, workers: int | None = None) -> Estimate:
         worker_bytes=worker_bytes(sweep, sample.contact_nodes),
         disk_bytes=_disk_bytes(sweep),
         warnings=tuple(warnings),
-        left_out=tuple(_left_out(sweep, sample.contact_rows)),
+        left_out=(*left_out(sweep), *_idle_rows(sweep, sample.contact_rows)),
     )
 
 
@@ -131,6 +132,14 @@ def worker_bytes(sweep: Sweep, contact_nodes: int = 0) -> float:
     direct = sweep.fidelity.partition == "direct" and sweep.friction_heat
     matrix = 8.0 * contact_nodes**2 if direct else 0.0
     return _WORKER_BYTES + _FIELDS_IN_MEMORY * 8.0 * math.prod(sweep.grid.shape) + matrix
+
+
+def machine_bytes() -> float:
+    """Memory of this machine [B]; infinite where that is not known."""
+    try:
+        return float(os.sysconf("SC_PHYS_PAGES")) * os.sysconf("SC_PAGE_SIZE")
+    except (AttributeError, ValueError, OSError):
+        return math.inf
 
 
 def busy_cores() -> float:
@@ -191,42 +200,11 @@ def _disk_bytes(sweep: Sweep) -> float:
     return 8.0 * points * ((_STORED_COLUMNS + len(QUANTILES)) * steps + fields)
 
 
-def _left_out(sweep: Sweep, contact_rows: int) -> Iterator[str]:
-    """What would be computed or stored for another scene, and why not for this one."""
-    nx, ny = sweep.grid.shape
-    surfaces = len(sweep.realizations) or 1
-    steps = max(step_count(sweep, load) for load in sweep.loads)
-    if sweep.is_plane:
+def _idle_rows(sweep: Sweep, contact_rows: int) -> Iterator[str]:
+    """Rows of elements that no transform along y is needed for."""
+    nx, _ = sweep.grid.shape
+    if contact_rows < nx and not sweep.is_plane:
         yield (
-            f"the axis y: both bodies are smooth, so {nx} × 1 elements stand for "
-            f"{nx} × {sweep.rows_per_element}"
+            f"transforms along y of {nx - contact_rows} of {nx} rows of elements, which carry "
+            f"nothing even at {max(sweep.loads):g} N"
         )
-    elif (apart := nx - contact_rows) > 0:
-        yield (
-            f"transforms along y of {apart} of {nx} rows of elements, which carry nothing even at "
-            f"{max(sweep.loads):g} N"
-        )
-    increments = sum(1 for _ in sweep.loading.stations(max(sweep.loads), sweep.fidelity.increments))
-    if steps < increments:
-        yield f"{increments - steps} of {increments} steps: without wear no step needs the others"
-    if sweep.wear is None:
-        yield "wear: the scene has none"
-    if not math.isfinite(sweep.hardness):
-        yield "the bound on the pressure from above: no body has a hardness"
-    still = sum(velocity == 0 for velocity in sweep.velocities)
-    if not sweep.friction_heat:
-        yield "heat: the friction coefficient is 0, so nothing gets warmer"
-    elif still:
-        yield f"heat at {still * len(sweep.loads) * surfaces} points: nothing moves there"
-    interval = sweep.fidelity.temperature_interval
-    if not interval and steps > 1 and sweep.friction_heat and not sweep.remembers_heat:
-        yield f"temperatures at up to {steps - 1} steps on the way: asked for at the end only"
-    if sweep.coarsening > 1:
-        factor = sweep.coarsening
-        yield (
-            f"the fine grid until a point's last step: {nx // factor} × {ny // factor} elements "
-            "know the wear"
-        )
-    if not sweep.store_fields:
-        megabytes = 24e-6 * nx * ny * len(sweep.loads) * len(sweep.velocities) * surfaces
-        yield f"fields: not asked for, which would take up to {megabytes:.0f} MB"

@@ -1,0 +1,159 @@
+"""What in a scene is hardly meant: values far from the usual, contacts beyond the model."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import NamedTuple
+
+from pipeline.sweep.facts import Facts, SurfaceFacts
+from pipeline.sweep.model import Sweep
+from tribo import Ball, Material
+
+
+class Usual(NamedTuple):
+    """Usual range of a quantity, in a unit for display.
+
+    Attributes
+    ----------
+    name : str
+        Name of the quantity.
+    low, high : float
+        Ends of the range [unit].
+    unit : str
+        Unit for display.
+    factor : float
+        Number of these units in one of SI.
+    """
+
+    name: str
+    low: float
+    high: float
+    unit: str
+    factor: float = 1.0
+
+    def doubt(self, owner: str, value: float) -> Iterator[str]:
+        """Say so if a value in SI is outside the range."""
+        if math.isfinite(value) and not self.low <= value * self.factor <= self.high:
+            yield (
+                f"{owner}{self.name} is {value * self.factor:.3g} {self.unit}, where "
+                f"{self.low:g} to {self.high:g} {self.unit} are usual: check the number and its "
+                "unit"
+            )
+
+
+_MATERIAL = {
+    "elastic_modulus": Usual("elastic modulus", 1, 1200, "GPa", 1e-9),
+    "hardness": Usual("hardness", 0.01, 100, "GPa", 1e-9),
+    "thermal_conductivity": Usual("thermal conductivity", 0.05, 2500, "W/(m K)"),
+    "density": Usual("density", 500, 25000, "kg/m³"),
+    "specific_heat": Usual("specific heat", 100, 5000, "J/(kg K)"),
+}
+_RADIUS = Usual("radius", 0.1, 1000, "mm", 1e3)
+_LENGTH = Usual("length", 0.1, 1000, "mm", 1e3)
+_RA = Usual("Ra", 0.001, 10, "µm", 1e6)
+_WEAR_RATE = Usual("specific wear rate", 1e-11, 1e-2, "mm³/(N m)", 1e9)
+_VELOCITY = Usual("velocity", 0, 100, "m/s")
+_BULK = Usual("bulk temperature", 200, 800, "K")
+_STEEPEST_HARDNESS = 0.2  # of the elastic modulus; diamond has 0.1
+_WIDEST = 0.3  # half-width in radii up to which the bodies are half-spaces, about
+_MOST_RISE = 2.0  # of the mean plane over the window, in Rq
+_ALONG = 30.0  # angle up to which grooves lie along sliding [°]
+
+
+def doubts(sweep: Sweep, facts: Facts) -> tuple[str, ...]:
+    """What a user hardly means, or should know before the simulation; a line each."""
+    return (
+        *_of_bodies(sweep),
+        *_of_conditions(sweep),
+        *_of_contact(sweep, facts),
+        *(_of_surface(sweep, facts.surface) if facts.surface else ()),
+    )
+
+
+def _of_bodies(sweep: Sweep) -> Iterator[str]:
+    pin, disk = sweep.pin.material, sweep.disk
+    if pin == disk:
+        yield from _of_material("the ", pin)
+    else:
+        yield from _of_material("the pin's ", pin)
+        yield from _of_material("the disk's ", disk)
+    yield from _RADIUS.doubt("the pin's ", sweep.pin.radius)
+    if not isinstance(sweep.pin, Ball):
+        yield from _LENGTH.doubt("the pin's ", sweep.pin.length)
+
+
+def _of_material(owner: str, material: Material) -> Iterator[str]:
+    for name, usual in _MATERIAL.items():
+        yield from usual.doubt(owner, getattr(material, name))
+    share = material.hardness / material.elastic_modulus
+    if math.isfinite(share) and share > _STEEPEST_HARDNESS:
+        yield (
+            f"{owner}hardness is {share:.2g} times the elastic modulus, where at most "
+            f"{_STEEPEST_HARDNESS:g} is usual: check both units"
+        )
+
+
+def _of_conditions(sweep: Sweep) -> Iterator[str]:
+    friction = max([sweep.conditions.friction, *(sweep.friction_band or [])])
+    if friction > 1:
+        yield f"friction is {friction:g}, where 0 to 1 is usual: check the number"
+    yield from _VELOCITY.doubt("the highest ", max(sweep.velocities))
+    yield from _BULK.doubt("the ", sweep.conditions.bulk_temperature)
+    if sweep.wear is None:
+        yield (
+            "there is no [wear]: the pin keeps its shape, so its contact stays narrow and gets "
+            "hotter than a worn one"
+        )
+    elif sweep.wear.specific_wear_rate > 0:
+        yield from _WEAR_RATE.doubt("the ", sweep.wear.specific_wear_rate)
+
+
+def _of_contact(sweep: Sweep, facts: Facts) -> Iterator[str]:
+    share = facts.hertz_half_width.high / sweep.pin.radius
+    if share > _WIDEST:
+        yield (
+            f"Hertz's half-width is {share:.2g} of the pin's radius, where at most {_WIDEST:g} is "
+            "sound: such bodies are no half-spaces"
+        )
+    axes = (0, 1) if isinstance(sweep.pin, Ball) else (0,)
+    side = min(facts.window[axis] for axis in axes)
+    hertz = 2 * facts.hertz_half_width.high
+    if hertz >= side:
+        yield (
+            f"the contact of Hertz is {1e6 * hertz:.0f} µm wide at {max(sweep.loads):g} N, the "
+            f"window {1e6 * side:.0f} µm: give more window.pixels"
+        )
+        return
+    wide = [width for row in facts.contact_widths for width in row if width >= side]
+    if wide:
+        yield (
+            f"the contact is expected to grow up to {1e6 * max(wide):.0f} µm wide, the window is "
+            f"{1e6 * side:.0f} µm: it carries too little load at its edges at about {len(wide)} of "
+            f"{len(sweep.loads) * len(sweep.velocities)} points, those of high load and velocity; "
+            "give more window.pixels if these matter"
+        )
+
+
+def _of_surface(sweep: Sweep, surface: SurfaceFacts) -> Iterator[str]:
+    yield from _RA.doubt("the disk's ", surface.ra)
+    for axis, rise in zip("xy", surface.rise, strict=True):
+        if surface.measured and abs(rise) > _MOST_RISE * surface.rq:
+            yield (
+                f"the surface is tilted: its mean plane rises by {1e6 * rise:.3g} µm along "
+                f"{axis} over the window, beside an Rq of {1e6 * surface.rq:.3g} µm; take the "
+                "plane off with level = true under [disk.roughness]"
+            )
+    if surface.lay is None or surface.lay > _ALONG:
+        return
+    if sweep.wear and sweep.wear.pattern == "swept":
+        yield (
+            'the grooves lie along sliding, and pattern = "swept" assumes that ever new ones pass '
+            "the pin; where the same ones persist around the whole track (rings turned or ground "
+            'along it), give pattern = "local": there "swept" makes the rise about half too high'
+        )
+    if surface.measured:
+        yield (
+            "the grooves lie along x, the sliding direction; if they should lie across it, the "
+            "file is transposed: its rows must follow one another along x"
+        )

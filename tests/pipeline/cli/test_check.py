@@ -1,0 +1,62 @@
+"""``irg check`` says what a scene means before it says what it costs."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from pipeline.cli import main
+from pipeline.tradeoff import forecast
+
+SCENE = str(Path(__file__).parents[3] / "workflows" / "first_try.toml")
+
+
+def test_meaning_comes_before_cost(capsys, monkeypatch):
+    def stopped(*_, **__):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(forecast, "sampled", stopped)
+    main(["check", SCENE])
+    said = capsys.readouterr().out
+    for words in (
+        "Hertz: 1.04 to 2.01 GPa, half-width 36 to 69.8 µm",
+        "Ra 0.27 µm, Rq 0.339 µm, no lay",
+        "1.33 to 5 s and 1.33 to 20 m",
+        "0.616 to 9.81 µm deep",
+        "Péclet number 1.47 to 11.4",
+        "left out the fine grid",
+        "up to 424 µm wide, the window is 392 µm",
+        "120 × 120 elements",
+        "MB a worker",
+    ):
+        assert words in said
+
+
+def test_the_document_holds_the_same(capsys):
+    assert main(["check", SCENE, "--json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    meaning = document["meaning"]
+    assert meaning["hertz_pressure"] == pytest.approx({"low": 1.0393e9, "high": 2.0127e9}, rel=1e-3)
+    assert meaning["surface"]["ra"] == pytest.approx(0.27e-6, rel=1e-3)
+    assert any("424 µm" in warning for warning in document["warnings"])
+    assert document["seconds"] > 0
+
+
+@pytest.mark.parametrize(
+    ("setting", "said"),
+    [
+        ('sweep.loads=["75 kN"]', "sweep.loads: 75000 N is more than the window carries"),
+        ("wear.specific_wear_rate=1.2e-15 m^3", "wear.specific_wear_rate"),
+    ],
+)
+def test_what_cannot_be_run_fails_here(capsys, setting, said):
+    assert main(["check", SCENE, "--set", setting]) == 2
+    assert said in capsys.readouterr().err
+
+
+def test_a_scene_larger_than_the_machine_is_not_tried(capsys):
+    size = ["--preset", "fine", "--set", "window.pixels=[80000, 80000]"]
+    assert main(["check", SCENE, *size, "--set", "pin.length=80 mm"]) == 0
+    said = capsys.readouterr().out
+    assert "MB a worker" in said
+    assert "less than a worker needs" in said

@@ -1,0 +1,170 @@
+"""What a scene means, in closed form, against what its simulation gives."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import tribo
+from pipeline.sweep.doubts import doubts
+from pipeline.sweep.facts import facts_of, greatest_load, surface_facts
+from pipeline.sweep.plan import run_point
+from tests.helpers import tiny
+from tests.helpers.scenes import STEEL
+
+SMOOTH = tiny.sweep(
+    pin=tribo.Cylinder(radius=2e-3, length=3.4e-3, material=STEEL),
+    pixels=tribo.Grid((900, 8), (1e-6, 50e-6)),
+    roughness=None,
+    fidelity={"contact_tolerance": 1e-4, "wear_scheme": "sdirk2"},
+    increments=25,
+    friction_band=None,
+)
+BALL = replace(
+    SMOOTH,
+    pin=tribo.Ball(radius=5e-3, material=STEEL),
+    pixels=tribo.Grid((96, 96), (3e-6, 3e-6), periodic=(False, False)),
+    wear=None,
+    loading=tribo.Ramp(rate=2.0, reference_load=10.0),
+    loads=(10.0,),
+    velocities=(1.0,),
+)
+
+
+def rough(array, **changes):
+    """A sweep on a measured surface."""
+    grid = tribo.Grid(array.shape, (1e-6, 2e-6))
+    return replace(SMOOTH, pixels=grid, roughness=tribo.MeasuredRoughness(array), **changes)
+
+
+def waves(nx=64, ny=32, along=0):
+    """Grooves of 0.3 µm amplitude, 8 pixels long, that change along one axis."""
+    place = np.indices((nx, ny))[along]
+    return 0.3e-6 * np.sin(2 * np.pi * place / 8)
+
+
+@pytest.mark.parametrize("rate", [0.0, 1.2e-16, 1.2e-15, 1.2e-14])
+@pytest.mark.parametrize(("load", "velocity"), [(200.0, 0.5), (750.0, 1.25), (600.0, 4.0)])
+def test_width_and_depth_are_those_of_a_smooth_cylinder(rate, load, velocity):
+    sweep = replace(SMOOTH, wear=tribo.Wear(rate), loads=(load,), velocities=(velocity,))
+    facts, columns = facts_of(sweep), run_point(sweep, load, velocity).columns
+    assert facts.contact_width.low == pytest.approx(columns["contact_width"][-1], rel=0.03)
+    if rate:
+        assert facts.wear_depth.low == pytest.approx(columns["wear_depth_max"][-1], rel=0.1)
+    else:
+        assert facts.wear_depth.low == 0.0
+        assert facts.hertz_pressure.low == pytest.approx(columns["max_pressure"][-1], rel=0.01)
+    assert facts.duration.low == pytest.approx(columns["time"][-1], rel=1e-12)
+    assert facts.sliding_distance.low == pytest.approx(columns["sliding_distance"][-1], rel=1e-12)
+
+
+@pytest.mark.parametrize("rate", [0.0, 1e-16, 1e-15])
+def test_width_and_depth_are_those_of_a_smooth_ball(rate):
+    sweep = replace(BALL, wear=tribo.Wear(rate, "local"))
+    facts, columns = facts_of(sweep), run_point(sweep, 10.0, 1.0).columns
+    assert facts.contact_width.high == pytest.approx(columns["contact_width"][-1], rel=0.03)
+    assert facts.wear_depth.high == pytest.approx(columns["wear_depth_max"][-1], rel=0.1)
+
+
+def test_roughness_widens_the_contact_as_in_the_simulation():
+    sweep = replace(
+        SMOOTH,
+        pixels=tribo.Grid((240, 240), (1.632e-6, 1.9e-6)),
+        roughness=tribo.SelfAffineRoughness(0.27e-6, 0.8, (4e-6, 4e-6), seed=0),
+        loads=(200.0,),
+        velocities=(0.5,),
+    )
+    width = run_point(sweep, 200.0, 0.5).columns["contact_width"][-1]
+    facts = facts_of(sweep)
+    assert facts.contact_width.low == pytest.approx(width, rel=0.12)
+    assert width > 1.25 * 2 * facts.hertz_half_width.low
+
+
+def test_spans_cover_all_loads_and_velocities():
+    facts = facts_of(replace(SMOOTH, loads=(200.0, 800.0), velocities=(0.0, 2.0)))
+    assert facts.hertz_pressure.high == pytest.approx(2 * facts.hertz_pressure.low, rel=1e-12)
+    assert facts.duration == pytest.approx((200 / 150, 800 / 150), rel=1e-12)
+    assert facts.sliding_distance == pytest.approx((0.0, 1600 / 150), rel=1e-12)
+    assert facts.peclet_number.low == 0.0
+    expected = 2.0 * facts.hertz_half_width.high / (2 * STEEL.thermal_diffusivity)
+    assert facts.peclet_number.high == pytest.approx(expected, rel=1e-12)
+
+
+def test_the_greatest_load_is_the_last_that_the_window_carries():
+    greatest = greatest_load(SMOOTH)
+    edge = replace(SMOOTH, wear=None, loading=tribo.Ramp(150.0, greatest))
+    run_point(edge, greatest * (1 - 1e-9), 0.0)
+    with pytest.raises(tribo.InputError):
+        run_point(edge, greatest * (1 + 1e-6), 0.0)
+
+
+def test_a_tilted_surface_is_described_above_its_mean_plane():
+    i, j = np.indices((64, 32))
+    level = waves()
+    tilted = level + 5e-6 + 2e-8 * i - 1e-7 * j
+    facts = surface_facts(rough(tilted))
+    assert facts.mean_height == pytest.approx(tilted.mean(), rel=1e-12)
+    # the waves themselves lean a little: 8 periods from a sine's zero on
+    assert facts.rise == pytest.approx((64 * 2e-8, -32 * 1e-7), rel=0.06)
+    assert facts.rq == pytest.approx(0.3e-6 / np.sqrt(2), rel=0.01)
+    assert facts.ra == pytest.approx(0.3e-6 * 2 / np.pi, rel=0.05)
+
+
+@pytest.mark.parametrize(("along", "lay"), [(0, 90.0), (1, 0.0)])
+def test_grooves_lie_across_the_direction_in_which_heights_change(along, lay):
+    assert surface_facts(rough(waves(along=along))).lay == pytest.approx(lay, abs=1e-6)
+
+
+def test_the_lay_of_a_random_surface_is_that_of_its_correlation_lengths():
+    def lay(length, count):
+        surface = tribo.SelfAffineRoughness(0.27e-6, 0.8, length, seed=3)
+        grid = tribo.Grid((count, count), (1e-6, 1e-6))
+        return surface_facts(replace(SMOOTH, pixels=grid, roughness=surface)).lay
+
+    assert lay((4e-6, 4e-6), 128) is None
+    for count in (128, 2000):  # made, and only described
+        assert lay((4e-6, 40e-6), count) == pytest.approx(90.0, abs=5.0)
+        assert lay((40e-6, 4e-6), count) == pytest.approx(0.0, abs=5.0)
+
+
+def test_a_usual_scene_raises_no_doubts():
+    assert doubts(SMOOTH, facts_of(SMOOTH)) == ()
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"disk": replace(STEEL, elastic_modulus=210e6)}, ["disk's elastic modulus", "0.21 GPa"]),
+        ({"disk": replace(STEEL, hardness=60e9)}, ["0.29 times the elastic modulus"]),
+        ({"disk": replace(STEEL, density=7.8)}, ["density is 7.8 kg/m³"]),
+        ({"pin": tribo.Cylinder(2e-6, 3.4e-3, STEEL)}, ["pin's radius is 0.002 mm"]),
+        ({"wear": None}, ["no [wear]"]),
+        ({"wear": tribo.Wear(1.2e-6)}, ["wear rate is 1.2e+03 mm³/(N m)"]),
+        ({"friction_band": (0.1, 1.2)}, ["friction is 1.2"]),
+        ({"velocities": (1.0, 300.0)}, ["velocity is 300 m/s"]),
+        ({"pixels": tribo.Grid((60, 8), (2e-6, 50e-6))}, ["contact of Hertz is 125 µm", "120 µm"]),
+        ({"pixels": tribo.Grid((100, 8), (2e-6, 50e-6))}, ["up to 258 µm", "2 of 9 points"]),
+    ],
+)
+def test_what_is_hardly_meant_is_doubted(changes, said):
+    sweep = replace(SMOOTH, **changes)
+    assert any(all(text in doubt for text in said) for doubt in doubts(sweep, facts_of(sweep)))
+
+
+@pytest.mark.parametrize(
+    ("heights", "wear", "said"),
+    [
+        (1e3 * waves(), "swept", ["Ra is 184 µm"]),
+        (waves() + 1e-7 * np.indices((64, 32))[1], "swept", ["tilted", "3.2 µm along y"]),
+        (waves(along=1), "swept", ['pattern = "swept" assumes', 'pattern = "local"']),
+        (waves(along=1), "local", ["file is transposed"]),
+    ],
+)
+def test_a_surface_that_is_hardly_meant_is_doubted(heights, wear, said):
+    sweep = rough(heights, wear=tribo.Wear(1.2e-15, wear))
+    assert any(all(text in doubt for text in said) for doubt in doubts(sweep, facts_of(sweep)))
+
+
+def test_grooves_across_sliding_raise_no_doubt():
+    sweep = rough(np.tile(waves(), (6, 1)))
+    assert not any("grooves" in doubt for doubt in doubts(sweep, facts_of(sweep)))
