@@ -7,14 +7,20 @@ import json
 import math
 import sys
 from collections.abc import Callable, Iterable
+from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from tqdm import tqdm
 
+import pipeline
+
 if TYPE_CHECKING:
     from pipeline.run.sweep import Progress
+    from pipeline.store.progress import FailedPoint
+    from pipeline.store.verify import Damage
 
-__all__ = ["ProgressLine", "duration", "show", "tell"]
+DONE, SOME_FAILED, WRONG_USE, OTHER_SCENE, INTERRUPTED = 0, 1, 2, 3, 130
+"""Exit codes."""
 
 
 class ProgressLine:
@@ -54,6 +60,19 @@ def duration(seconds: float) -> str:
         return f"{seconds:.0f} s"
     minutes = round(seconds / 60)
     return f"{minutes} min" if minutes < 120 else f"{minutes / 60:.1f} h"
+
+
+def micrometres(length: float) -> str:
+    """Write a length [m] in micrometres."""
+    return pipeline.display(length, "µm", 4)
+
+
+def failed_points(points: Iterable[FailedPoint | Damage]) -> list[dict[str, Any]]:
+    """Points for a JSON document, each with its surface only in a sweep over several."""
+    return [
+        {name: value for name, value in asdict(point).items() if value is not None}
+        for point in points
+    ]
 
 
 def show(options: argparse.Namespace, document: dict[str, Any], text: Iterable[str]) -> None:

@@ -63,6 +63,12 @@ velocities = ["1 m/s", "2 m/s", "4 m/s"]
 fields = true
 """
 
+MEASURED = """
+[[measured]]
+load = "400 N"
+velocity = "2 m/s"
+"""
+
 
 def run(*arguments):
     return main([str(argument) for argument in arguments])
@@ -225,6 +231,67 @@ def test_without_friction_there_is_no_heat_and_no_claim_about_it(tmp_path, capsy
     assert "scene.friction_heat: False in the store, True in the scene" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("kind", ["diagram", "ramp", "fields"])
+def test_friction_0_is_mild_in_every_command(swept, tmp_path, capsys, kind):
+    store, figure = swept / "small.zarr", tmp_path / f"{kind}.png"
+    assert run("plot", store, "--kind", kind, "--friction", 0, "-o", figure) == 0
+    assert figure.stat().st_size > 10_000
+    assert run("boundary", store, "--friction", 0, "--json") == 0
+    capsys.readouterr()
+    assert run("boundary", store, "--friction", "0,0.1", "--json") == 0
+    slippery, rubbing = json.loads(capsys.readouterr().out)["critical_velocity"]
+    assert not any(slippery)
+    assert any(rubbing)
+
+
+def test_a_point_without_friction_is_as_cold_as_its_bulk(swept, capsys):
+    place = ("--load", "400 N", "--velocity", "2 m/s", "--json")
+    for way in (("--friction", 0), ("--set", "friction.coefficient=0")):
+        assert run("point", swept / "small.toml", *place, *way) == 0
+        found = json.loads(capsys.readouterr().out)
+        assert found["max_temperature"] == found["decisive_temperature"] == 298.15
+        assert found["failed_fraction"] == 0
+        assert not found["severe"]
+
+
+def test_without_friction_there_is_nothing_to_measure_or_infer(swept, tmp_path, capsys):
+    scene = tmp_path / "slippery.toml"
+    scene.write_text(SCENE.replace("coefficient = 0.1", "coefficient = 0.0") + MEASURED)
+    for command in (
+        ("infer", scene),
+        ("trade", scene),
+        ("run", scene, "--accuracy", "2%", "-o", tmp_path / "out.zarr"),
+        ("run", scene, "--boundary-only", "-o", tmp_path / "out.zarr"),
+    ):
+        assert run(*command) == 2
+        assert "friction" in capsys.readouterr().err
+
+
+def test_a_point_takes_conditions_in_place_of_the_scenes_own(swept, capsys):
+    place = ("--load", "400 N", "--velocity", "2 m/s", "--json")
+    given = ("--friction", 0.13, "--bulk-temperature", "50 degC", "--share", 0.05)
+    same = (
+        "friction.coefficient=0.13",
+        "temperature.bulk=50 degC",
+        "temperature.failing_share=0.05",
+    )
+    assert run("point", swept / "small.toml", *place, *given) == 0
+    by_option = json.loads(capsys.readouterr().out)
+    assert run("point", swept / "small.toml", *place, *(f"--set={entry}" for entry in same)) == 0
+    by_setting = json.loads(capsys.readouterr().out)
+    del by_option["wall_time"], by_setting["wall_time"]
+    assert by_option == by_setting
+    assert by_option["severe"]
+
+
+def test_a_point_of_a_scene_without_friction_is_warm_at_the_friction_given(swept, capsys):
+    arguments = ("point", swept / "small.toml", "--load", "400 N", "--velocity", "2 m/s", "--json")
+    assert run(*arguments) == 0
+    own = json.loads(capsys.readouterr().out)
+    assert run(*arguments, "--set", "friction.coefficient=0", "--friction", 0.1) == 0
+    assert json.loads(capsys.readouterr().out)["max_temperature"] == own["max_temperature"]
+
+
 def test_a_point_says_why_it_has_its_fidelity(swept, capsys):
     at = ("--load", "400 N", "--velocity", "2 m/s", "--json")
     assert run("point", swept / "small.toml", *at, "--accuracy", "10%") == 0
@@ -277,6 +344,8 @@ def test_what_is_not_there_is_refused(tmp_path, capsys):
         (["point", "scene.toml", "--load", "5", "--velocity", "1 m/s"], "750 N"),
         (["plot", "out.zarr", "--kind", "portrait"], "diagram"),
         (["run", "scene.toml", "--workers", "2", "--scheduler", "tcp://a:1"], "not allowed"),
+        (["status", "out.zarr", "--friction", "0.1"], "usage: irg status"),
+        (["status", "out.zarr", "--friction", "0.1"], "unknown option or argument: --friction 0.1"),
     ],
 )
 def test_wrong_use_exits_with_2_and_says_why(arguments, said, capsys):

@@ -1,0 +1,279 @@
+"""What can be typed after ``irg``: the commands and their options, a function for each."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from pipeline.cli import results, stores, studies, sweeps, values
+from tribo import PRESETS
+
+Command = Callable[[argparse.Namespace], int]
+
+
+def parse(arguments: Sequence[str] | None) -> argparse.Namespace:
+    """Read the options of one command; its function is `command`."""
+    parser = argparse.ArgumentParser(
+        prog="irg",
+        description="Predict where a lubricated sliding contact goes from mild to severe wear.",
+    )
+    commands = _Commands(parser.add_subparsers(metavar="COMMAND", required=True))
+    for add in (
+        _run, _check, _status, _verify, _compact, _boundary, _point, _infer, _trade, _reproduce,
+        _plot,
+    ):  # fmt: skip
+        add(commands)
+    options, unknown = parser.parse_known_args(arguments)
+    if unknown:  # told by the command, whose usage shows what it takes
+        options.parser.error(f"unknown option or argument: {' '.join(unknown)}")
+    return options
+
+
+class _Commands(NamedTuple):
+    """The commands so far."""
+
+    parsers: Any
+
+    def add(self, name: str, function: Command, what: str, example: str) -> argparse.ArgumentParser:
+        added: argparse.ArgumentParser = self.parsers.add_parser(
+            name,
+            help=what,
+            description=f"{what[0].upper()}{what[1:]}.",
+            epilog=f"example: irg {name} {example}",
+        )
+        added.set_defaults(command=function, parser=added)
+        added.add_argument("--json", action="store_true", help="print one JSON document")
+        return added
+
+    def on_scene(
+        self, name: str, function: Command, what: str, options: str = ""
+    ) -> argparse.ArgumentParser:
+        added = self.add(name, function, what, f"workflows/irg_transition.toml {options}".strip())
+        added.add_argument("scene", metavar="SCENE.toml", type=Path, help="the scene file")
+        added.add_argument(
+            "--preset",
+            metavar="NAME",
+            help=f"fidelity in place of the scene's own: {', '.join(PRESETS)}",
+        )
+        added.add_argument(
+            "--set",
+            metavar="KEY=VALUE",
+            type=values.setting,
+            action="append",
+            default=[],
+            help="another numerical choice, such as increments=50, or another entry of the "
+            "scene, such as wear.pattern=local; may be repeated",
+        )
+        return added
+
+    def on_store(
+        self, name: str, function: Command, what: str, options: str = ""
+    ) -> argparse.ArgumentParser:
+        added = self.add(name, function, what, f"results/irg_transition.zarr {options}".strip())
+        added.add_argument(
+            "store", metavar="OUT.zarr", type=values.store, help="a store that irg run has made"
+        )
+        return added
+
+
+def _run(commands: _Commands) -> None:
+    parser = commands.on_scene(
+        "run", sweeps.run, "run or resume the sweep of a scene", "--accuracy 2%"
+    )
+    parser.add_argument(
+        "-o",
+        "--output",
+        metavar="OUT.zarr",
+        type=values.store,
+        help="where to store it; default: results/<scene>.zarr",
+    )
+    where = parser.add_mutually_exclusive_group()
+    _add_workers(where)
+    where.add_argument("--scheduler", metavar="ADDRESS", help="a running Dask scheduler to use")
+    parser.add_argument(
+        "--fill-fields",
+        action="store_true",
+        help="compute points again that were finished before the scene asked for fields",
+    )
+    parser.add_argument("--retry-failed", action="store_true", help="compute failed points again")
+    parser.add_argument(
+        "--boundary-only",
+        metavar="TOLERANCE",
+        nargs="?",
+        const=0.01,
+        type=values.share,
+        help="choose velocities until the boundary is known to this tolerance; default: 1%%",
+    )
+    _add_accuracy(parser)
+
+
+def _check(commands: _Commands) -> None:
+    what = "validate a scene, and say what would run and what it would cost"
+    _add_workers(commands.on_scene("check", sweeps.check, what))
+
+
+def _status(commands: _Commands) -> None:
+    commands.on_store("status", stores.status, "count the points done, failed and pending")
+
+
+def _verify(commands: _Commands) -> None:
+    what = "read a whole store and name each damaged point"
+    parser = commands.on_store("verify", stores.verify, what, "--repair")
+    parser.add_argument(
+        "--repair", action="store_true", help="set damaged points to be computed again"
+    )
+
+
+def _compact(commands: _Commands) -> None:
+    commands.on_store("compact", stores.compact, "rewrite a store in few files, to open faster")
+
+
+def _boundary(commands: _Commands) -> None:
+    what = "find the transition from mild to severe wear, without a new simulation"
+    parser = commands.on_store("boundary", results.boundary, what, "--friction 0.09,0.103")
+    _add_conditions(parser)
+
+
+def _point(commands: _Commands) -> None:
+    parser = commands.on_scene(
+        "point", results.point, "simulate one point", '--load "600 N" --velocity "1.5 m/s"'
+    )
+    _add_place(parser, required=True)
+    _add_conditions(parser, several=False)
+    _add_accuracy(parser)
+
+
+def _infer(commands: _Commands) -> None:
+    parser = commands.on_scene(
+        "infer",
+        results.infer,
+        "find the critical temperature from measured transitions, or a wear rate from a width",
+    )
+    parser.add_argument(
+        "--contact-width",
+        metavar="W",
+        type=values.quantity("348 um"),
+        help='width measured at --load and --velocity, like "348 um": find the specific wear '
+        "rate instead",
+    )
+    _add_place(parser)
+
+
+def _trade(commands: _Commands) -> None:
+    parser = commands.on_scene(
+        "trade", studies.trade, "measure speed against accuracy", "-o trade.png"
+    )
+    parser.add_argument(
+        "--base", metavar="NAME", default="fine", help="preset to vary choice by choice"
+    )
+    parser.add_argument("--diagram", action="store_true", help="compare whole small diagrams")
+    parser.add_argument("-o", "--output", metavar="FILE.png", type=Path, help="draw a figure")
+
+
+def _reproduce(commands: _Commands) -> None:
+    parser = commands.add(
+        "reproduce",
+        studies.reproduce,
+        "recompute a figure or table of the paper, beside what it prints",
+        "table4",
+    )
+    parser.add_argument("name", metavar="NAME", nargs="?", help="one of --list, or all")
+    parser.add_argument("--list", action="store_true", help="list the figures and tables")
+    parser.add_argument(
+        "-o",
+        "--output",
+        metavar="FILE.png",
+        type=Path,
+        help="figure; for all, the folder of the page that shows them",
+    )
+    parser.add_argument("--preset", metavar="NAME", help=f"fidelity: {', '.join(PRESETS)}")
+    parser.add_argument(
+        "--surfaces", metavar="N", type=values.count, help="number of random surfaces"
+    )
+    parser.add_argument("--workers", metavar="N", type=values.count, help="workers for the diagram")
+
+
+def _plot(commands: _Commands) -> None:
+    parser = commands.on_store("plot", results.plot, "draw a figure of a store", "--kind ramp")
+    parser.add_argument(
+        "--kind", default="diagram", choices=("diagram", "ramp", "fields"), help="default: diagram"
+    )
+    parser.add_argument(
+        "-o",
+        "--output",
+        metavar="FILE.png",
+        type=Path,
+        help="where to write it; default: beside the store",
+    )
+    _add_conditions(parser)
+    _add_place(parser)
+
+
+def _add_workers(parser: Any) -> None:
+    parser.add_argument(
+        "--workers",
+        metavar="N",
+        type=values.count,
+        help="number of workers; default: one for each core",
+    )
+
+
+def _add_accuracy(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--accuracy",
+        metavar="BOUND",
+        type=values.share,
+        help="pick the cheapest fidelity whose boundary is within a bound, such as 2%%",
+    )
+
+
+def _add_conditions(parser: argparse.ArgumentParser, several: bool = True) -> None:
+    """Options to judge by other conditions than the scene's own."""
+    group = parser.add_argument_group("conditions, in place of the scene's own")
+    group.add_argument(
+        "--friction",
+        metavar="MU",
+        type=values.frictions if several else values.friction,
+        help="coefficient of friction" + (", or several such as 0.09,0.103" if several else ""),
+    )
+    group.add_argument(
+        "--bulk-temperature", metavar="T", type=values.quantity("25 degC"), help='like "25 degC"'
+    )
+    group.add_argument(
+        "--critical-temperature",
+        metavar="T",
+        type=values.quantity("145 degC"),
+        help='like "145 degC"',
+    )
+    group.add_argument(
+        "--share",
+        type=float,
+        help="share of the contact above the critical temperature beyond which wear is severe, "
+        "like 0.1",
+    )
+
+
+def _add_place(parser: argparse.ArgumentParser, required: bool = False) -> None:
+    """Options for a point of the plane."""
+    parser.add_argument(
+        "--load",
+        metavar="F",
+        type=values.quantity("750 N"),
+        required=required,
+        help='normal load, like "750 N"',
+    )
+    parser.add_argument(
+        "--velocity",
+        metavar="V",
+        type=values.quantity("1.25 m/s"),
+        required=required,
+        help='sliding velocity, like "1.25 m/s"',
+    )
+    parser.add_argument(
+        "--realization",
+        metavar="SEED",
+        type=values.seed,
+        help="seed of one of several random surfaces",
+    )

@@ -1,0 +1,72 @@
+"""The scene and the conditions that the options of a command ask for."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pipeline
+from pipeline.cli.output import tell
+from pipeline.sweep.model import Point, Sweep
+from pipeline.sweep.selection import KEPT_FIELDS
+from tribo import InputError
+
+CONDITIONS = ("friction", "bulk_temperature", "critical_temperature", "share")
+"""Options that `pipeline.boundary` and `Conditions.changed` take by these names."""
+PLACE = ("load", "velocity", "realization")
+"""Options that `pipeline.plot` takes by these names."""
+
+
+def scene_of(
+    options: argparse.Namespace, points: Sequence[Point] | None = None, store: Path | None = None
+) -> Sweep:
+    """Return the scene with the fidelity and the conditions that the user asked for.
+
+    Parameters
+    ----------
+    options : Namespace
+    points : sequence of Point, optional
+        Where an accuracy is to hold; near the boundary if not given.
+    store : path, optional
+        A store whose fidelity to go on with, if it is accurate enough.
+    """
+    sweep: Sweep = pipeline.load_scene(
+        options.scene, preset=options.preset, overrides=dict(options.set)
+    )
+    if conditions := given(options, *CONDITIONS):
+        changed = sweep.conditions.changed(**conditions)
+        has_heat = sweep.friction_heat or changed.friction > 0
+        sweep = replace(sweep, conditions=changed, friction_heat=has_heat)
+    if getattr(options, "accuracy", None) is not None:
+        sweep = _accurate(options, sweep, points, store)
+    return sweep
+
+
+def _accurate(
+    options: argparse.Namespace, sweep: Sweep, points: Sequence[Point] | None, store: Path | None
+) -> Sweep:
+    fields = (key.removeprefix("fidelity.") for key, _ in options.set)
+    own = [f"--set {key}" for key in fields if "." not in key and key not in KEPT_FIELDS]
+    if chosen := [*(["--preset"] if options.preset else []), *own]:
+        raise InputError(
+            f"--accuracy picks the numerical choices itself; leave out {', '.join(chosen)}"
+        )
+    sweep = pipeline.at_accuracy(
+        sweep, options.accuracy, points, store, lambda name: tell(f"probing {name}")
+    )
+    tell(str(sweep.selection))
+    return sweep
+
+
+def selected(sweep: Sweep) -> dict[str, Any]:
+    """Return why the fidelity was picked, for a JSON document; nothing if it was not."""
+    return {"selection": sweep.selection.as_dict()} if sweep.selection else {}
+
+
+def given(options: argparse.Namespace, *names: str) -> dict[str, Any]:
+    """Return the options of these names that the command has and the user gave."""
+    values = {name: getattr(options, name, None) for name in names}
+    return {name: value for name, value in values.items() if value is not None}

@@ -1,0 +1,87 @@
+"""The commands that look after a store."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
+import pipeline
+from pipeline.cli.output import DONE, SOME_FAILED, duration, failed_points, show
+
+if TYPE_CHECKING:
+    from pipeline.store.progress import Summary
+
+
+def status(options: argparse.Namespace) -> int:
+    """Count points."""
+    found = pipeline.summary(options.store)
+    selection = pipeline.stored_selection(options.store)
+    document = {
+        "title": found.title,
+        "points": found.total,
+        "done": found.done,
+        "failed": failed_points(found.failed),
+        "pending": found.pending,
+        "running": found.running is not None,
+        "points_per_minute": None if found.rate is None else 60 * found.rate,
+        "time_to_go": found.time_to_go,
+        "warnings": (warned := pipeline.warned(pipeline.open_sweep(options.store))).as_dict(),
+        "selection": selection.as_dict() if selection else None,
+    }
+    text = [
+        found.title,
+        f"{found.total} points: {found.done} done, {len(found.failed)} failed, "
+        f"{found.pending} pending",
+        *_pace_text(found),
+        *([str(selection)] if selection else []),
+        *(f"failed: {point}" for point in found.failed),
+        *warned.lines(),
+    ]
+    show(options, document, text)
+    return SOME_FAILED if found.failed else DONE
+
+
+def _pace_text(found: Summary) -> Iterable[str]:
+    if found.running:
+        yield f"running: {found.running}"
+    if found.pending and found.rate and found.time_to_go:
+        yield (
+            f"{60 * found.rate:.3g} points a minute {'now' if found.running else 'the last time'}, "
+            f"{duration(found.time_to_go)} to go"
+        )
+
+
+def verify(options: argparse.Namespace) -> int:
+    """Read everything and name what is damaged."""
+    found = pipeline.verify_store(options.store, repair=options.repair)
+    document = {
+        "done": found.done,
+        "damaged": failed_points(found.damaged),
+        "shared": found.shared,
+        "repaired": found.repaired,
+    }
+    text = [
+        f"{found.done} points are done and intact, {len(found.damaged)} are damaged",
+        *(f"damaged: {damage}" for damage in found.damaged),
+        *(f"damaged: {fault}" for fault in found.shared),
+    ]
+    if not found.is_clean:
+        text.append(
+            "repaired; damaged points are pending, and computed again by: irg run"
+            if found.repaired
+            else "set damaged points to be computed again with: irg verify --repair"
+        )
+    if found.is_clean or found.repaired:  # else they cannot be read
+        warned = pipeline.warned(pipeline.open_sweep(options.store))
+        document["warnings"] = warned.as_dict()
+        text += warned.lines()
+    show(options, document, text)
+    return DONE if found.is_clean else SOME_FAILED
+
+
+def compact(options: argparse.Namespace) -> int:
+    """Rewrite a store in large chunks."""
+    pipeline.compact_store(options.store)
+    show(options, {"store": str(options.store)}, [f"{options.store} is compact"])
+    return DONE
