@@ -5,13 +5,16 @@ h that the half-space flattens with the compliance λ, an eigenvalue of the elas
 as exp(−kS/λ). So the shortest waves make the equation stiff. A scheme that takes the pressure at
 the end of a step solves the contact with D + k·dS in place of D, which costs nothing, since it
 only adds a constant to some entries of the spectrum.
+
+The worn volume is k∫F dS in every scheme: a step wears over the distance that makes it so.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Literal, get_args
+from typing import Literal, NamedTuple, get_args
 
 import numpy as np
 
@@ -24,6 +27,7 @@ __all__ = [
     "WEAR_PATTERNS",
     "WEAR_SCHEMES",
     "RungeKutta",
+    "Stage",
     "Wear",
     "WearPattern",
     "WearScheme",
@@ -37,12 +41,35 @@ EXPLICIT_LIMIT = 2.0
 """Value of `Wear.stiffness` from which on the explicit scheme is unstable."""
 
 
+_LONGEST_STRETCH = 2.0  # of a step, to wear off what its stages' loads alone would not
+
+
+class Stage(NamedTuple):
+    """A contact to be solved within a step.
+
+    Attributes
+    ----------
+    normal_load : float
+        Load on the whole pin [N].
+    distance : float
+        Sliding distance over which its pressure wears the pin in all [m].
+    implicit_distance : float
+        Sliding distance over which its own pressure has worn the shape that it meets [m].
+    """
+
+    normal_load: float
+    distance: float
+    implicit_distance: float
+
+
 @dataclass(frozen=True, slots=True)
 class RungeKutta:
     """A scheme for dh/dS = k p(h, F), of one or more stages.
 
-    Stage i takes the load at the fraction cᵢ of the step, and there the pressure pᵢ of the shape
-    worn by h + k dS (b₁p₁ + … + bᵢ₋₁pᵢ₋₁ + γpᵢ). The step ends at h + k dS Σ bᵢpᵢ.
+    Stage i takes the load Fᵢ at the fraction cᵢ of the step, as if the load changed linearly, and
+    there the pressure pᵢ of the shape worn by h + k dS (b₁p₁ + … + bᵢ₋₁pᵢ₋₁ + γpᵢ). The step ends
+    at h + k dS Σ bᵢpᵢ. Of a step over the distance S, dS is S F̄/Σ bᵢFᵢ, F̄ the mean load along it:
+    so the worn volume is kF̄S, whatever the load does within the step.
 
     Attributes
     ----------
@@ -55,6 +82,45 @@ class RungeKutta:
     fractions: tuple[float, ...]
     weights: tuple[float, ...]
     implicitness: float
+
+    def stages(
+        self, loads: tuple[float, float], mean_load: float, distance: float
+    ) -> Iterator[Stage]:
+        """Contacts that a step has to solve, one after the other; the last one at its end.
+
+        Where the stages hardly carry load, as at the end of a fall to nothing, they do not know
+        where the pin has worn. The step then wears by one stage at the mean load, and another that
+        wears nothing is its end.
+
+        Parameters
+        ----------
+        loads : tuple of float
+            At both ends of the step, F [N].
+        mean_load : float
+            Along the step, F̄ [N].
+        distance : float
+            Slid in the step, S [m].
+
+        Examples
+        --------
+        >>> implicit = WEAR_SCHEMES["implicit"]
+        >>> list(implicit.stages((0.0, 80.0), mean_load=40.0, distance=1.0))
+        [Stage(normal_load=80.0, distance=0.5, implicit_distance=0.5)]
+        >>> for stage in implicit.stages((80.0, 0.0), mean_load=40.0, distance=1.0):
+        ...     print(stage)
+        Stage(normal_load=40.0, distance=1.0, implicit_distance=1.0)
+        Stage(normal_load=0.0, distance=0.0, implicit_distance=0.0)
+        """
+        begin, end = loads
+        carried = [(1 - c) * begin + c * end for c in self.fractions]
+        known = sum(b * F for b, F in zip(self.weights, carried, strict=True))
+        if mean_load > _LONGEST_STRETCH * known:
+            yield Stage(mean_load, distance, distance if self.implicitness else 0.0)
+            yield Stage(end, 0.0, 0.0)
+            return
+        stretched = distance * mean_load / known if known else 0.0
+        for b, F in zip(self.weights, carried, strict=True):
+            yield Stage(F, b * stretched, self.implicitness * stretched)
 
 
 _GAMMA = 1 - 1 / math.sqrt(2)

@@ -33,6 +33,8 @@ class Station:
         Whether higher loads pass through this station too.
     index : int
         How many steps lead here from the unloaded state.
+    impulse : float
+        Integral of the load over the time since then, ∫F dt [N s].
     holding : bool
         Whether the load has been the same since the station before.
     """
@@ -41,6 +43,7 @@ class Station:
     time: float
     on_trunk: bool
     index: int
+    impulse: float
     holding: bool = False
 
 
@@ -120,6 +123,7 @@ class Ramp:
                     station.time + self.hold * number / steps,
                     on_trunk=False,
                     index=station.index + number,
+                    impulse=station.impulse + normal_load * self.hold * number / steps,
                     holding=True,
                 )
 
@@ -128,14 +132,18 @@ class Ramp:
         increment = self.reference_load / increments
         last = _whole(math.floor, normal_load, increment)
         first = round(after / increment) + 1
-        time = normal_load / self.rate
         for index in range(first, last + 1):
             load = index * increment
             if math.isclose(load, normal_load, rel_tol=1e-12):
-                yield Station(normal_load, time, load == normal_load, index)
+                yield self._reached(normal_load, load == normal_load, index)
                 return
-            yield Station(load, load / self.rate, True, index)
-        yield Station(normal_load, time, False, last + 1)
+            yield self._reached(load, True, index)
+        yield self._reached(normal_load, False, last + 1)
+
+    def _reached(self, normal_load: float, on_trunk: bool, index: int) -> Station:
+        """Station at which the growing load has reached `normal_load`."""
+        time = normal_load / self.rate
+        return Station(normal_load, time, on_trunk, index, impulse=normal_load * time / 2)
 
 
 def _whole(rounded: Callable[[float], int], whole: float, step: float) -> int:

@@ -120,11 +120,25 @@ class MeasuredLoad:
             raise InputError(f"cannot go on from {after:g} N: points of a record share no trunk")
         begin, end = float(self.times[0]), self.time_at(1.0)
         scale = normal_load / self.peak
-        for index in range(1, increments):
-            time = (end - begin) * index / increments
-            load = max(0.0, float(np.interp(begin + time, self.times, self.loads)))
-            yield Station(scale * load, time, on_trunk=False, index=index)
-        yield Station(normal_load, end - begin, on_trunk=False, index=increments)
+        times = (end - begin) * np.arange(1, increments + 1) / increments
+        loads = scale * np.maximum(0.0, np.interp(begin + times, self.times, self.loads))
+        loads[-1] = normal_load
+        impulses = scale * self._impulses(begin + times)
+        for index in range(increments):
+            load, time, impulse = (float(of[index]) for of in (loads, times, impulses))
+            yield Station(load, time, on_trunk=False, index=index + 1, impulse=impulse)
+
+    def _impulses(self, moments: Array) -> Array:
+        """Integral of the record's load from its first row to each of the moments [N s]."""
+        t, F = self.times, self.loads
+        crossed = np.flatnonzero(F[:-1] * F[1:] < 0)  # between these rows and the next, F is 0
+        zeros = t[crossed] - F[crossed] * (t[crossed + 1] - t[crossed]) / (
+            F[crossed + 1] - F[crossed]
+        )
+        at = np.union1d(np.concatenate((t, zeros)), moments)
+        load = np.maximum(0.0, np.interp(at, t, F))
+        since = np.concatenate(([0.0], np.cumsum((load[1:] + load[:-1]) / 2 * np.diff(at))))
+        return np.asarray(since[np.searchsorted(at, moments)])
 
     def linear_fit(self) -> tuple[float, float]:
         """Rate [N/s] and onset [s] of the straight line through the rise, F = rate·(t − onset).

@@ -52,6 +52,8 @@ class State:
         Since the start [s].
     sliding_distance : float
         Since the start [m].
+    impulse : float
+        Integral of the load over the time since the start, ∫F dt [N s].
     on_trunk : bool
         Whether the simulation of a higher load passes through this state.
     iterations : int
@@ -80,6 +82,7 @@ class State:
     normal_load: float
     time: float
     sliding_distance: float
+    impulse: float
     on_trunk: bool
     iterations: int
     residual: float

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
 import numpy as np
 
 from tribo.contact.elasticity import ElasticHalfSpace
-from tribo.contact.solver import solve_contact
+from tribo.contact.solver import ContactSolution, solve_contact
 from tribo.errors import InputError, require_positive
 from tribo.loading.ramp import Station
 from tribo.material import contact_modulus
@@ -20,7 +20,7 @@ from tribo.simulation.state import State
 from tribo.simulation.warning import PointWarning, WarningKind
 from tribo.thermal.duhamel import HeatHistory
 from tribo.types import Array
-from tribo.wear import EXPLICIT_LIMIT, WEAR_SCHEMES
+from tribo.wear import EXPLICIT_LIMIT, WEAR_SCHEMES, Stage
 
 __all__ = ["advance", "forget_kernels", "measures", "simulate", "start", "warnings"]
 
@@ -99,6 +99,7 @@ def start(scene: Scene) -> State:
         normal_load=0.0,
         time=0.0,
         sliding_distance=0.0,
+        impulse=0.0,
         on_trunk=True,
         iterations=0,
         residual=0.0,
@@ -130,58 +131,23 @@ def advance(
     State
         With its temperature where that depends on the earlier ones, else without.
     """
-    solid, separation = _bodies(scene)
-    fidelity, wear = scene.fidelity, scene.wear
-    scheme = WEAR_SCHEMES[fidelity.wear_scheme if wear else "implicit"]
+    wear_depth, iterations, residual = state.wear_depth, 0, 0.0
     distance = abs(velocity) * (station.time - state.time)
-    if wear:
-        solid = wear.yielding(solid, scheme.implicitness * distance)
-    grid = solid.grid
-    patches, area = scene.pin.patches(grid), grid.element_area
-    by_gap = fidelity.contact_criterion == "gap"
-    wear_depth, iterations, residual, force = state.wear_depth, 0, 0.0, 0.0
-    for fraction, weight in zip(scheme.fractions, scheme.weights, strict=True):
-        normal_load = (1 - fraction) * state.normal_load + fraction * station.normal_load
-        initial, displacement = (
-            _extrapolated(state, normal_load) if guess is None else (guess, None)
-        )
-        if wear and displacement is not None and initial is not None:
-            displacement += wear.depth(initial, scheme.implicitness * distance)
-        shape = separation + wear_depth
-        contact = solve_contact(
-            solid,
-            shape,
-            normal_load / patches,
-            hardness=scene.hardness,
-            tolerance=fidelity.contact_tolerance,
-            criterion=fidelity.contact_criterion,
-            initial_pressure=initial,
-            initial_displacement=displacement,
-        )
+    for stage in _stages(scene, state, station, distance):
+        contact, displacement = _solved(scene, state, stage, wear_depth, guess)
         iterations, residual = iterations + contact.iterations, max(residual, contact.residual)
-        force += weight * normal_load
-        check_contact(
-            contact.pressure,
-            normal_load,
-            area * patches,
-            scene.hardness,
-            contact.residual,
-            fidelity.contact_tolerance if by_gap else np.inf,
-        )
-        displacement = contact.gap + contact.approach - shape
-        if wear:
-            depth = wear.depth(contact.pressure, distance)
-            displacement -= scheme.implicitness * depth
-            wear_depth = wear_depth + weight * depth
-    if wear:
-        volume = wear.specific_wear_rate * force * distance
-        check_wear(state.wear_depth, wear_depth, area * patches, volume)
+        if scene.wear:
+            wear_depth = wear_depth + scene.wear.depth(contact.pressure, stage.distance)
+    if scene.wear:
+        volume = scene.wear.specific_wear_rate * abs(velocity) * station.impulse
+        check_wear(state.wear_depth, wear_depth, _element_area(scene), volume)
     advanced = State(
         pressure=contact.pressure,
         wear_depth=wear_depth,
         normal_load=station.normal_load,
         time=station.time,
         sliding_distance=state.sliding_distance + distance,
+        impulse=station.impulse,
         on_trunk=station.on_trunk,
         iterations=iterations,
         work=iterations * contact.pressure.size,
@@ -194,6 +160,59 @@ def advance(
     if state.heat_history is None:
         return advanced
     return heated_since(scene, state.heat_history, advanced, velocity)
+
+
+def _stages(scene: Scene, state: State, station: Station, distance: float) -> Iterable[Stage]:
+    """Contacts that the step from `state` to `station` has to solve."""
+    if not scene.wear:
+        return [Stage(station.normal_load, 0.0, 0.0)]
+    loads = state.normal_load, station.normal_load
+    mean_load = (station.impulse - state.impulse) / (station.time - state.time)
+    scheme = WEAR_SCHEMES[scene.fidelity.wear_scheme]
+    return scheme.stages(loads, max(0.0, mean_load), distance)
+
+
+def _solved(
+    scene: Scene, state: State, stage: Stage, wear_depth: Array, guess: Array | None
+) -> tuple[ContactSolution, Array]:
+    """Contact of a stage after a state, and its elastic displacement."""
+    solid, separation = _bodies(scene)
+    fidelity, wear = scene.fidelity, scene.wear
+    initial, displacement = (
+        _extrapolated(state, stage.normal_load) if guess is None else (guess, None)
+    )
+    if wear:
+        solid = wear.yielding(solid, stage.implicit_distance)
+        if displacement is not None and initial is not None:
+            displacement += wear.depth(initial, stage.implicit_distance)
+    shape = separation + wear_depth
+    contact = solve_contact(
+        solid,
+        shape,
+        stage.normal_load / scene.pin.patches(scene.grid),
+        hardness=scene.hardness,
+        tolerance=fidelity.contact_tolerance,
+        criterion=fidelity.contact_criterion,
+        initial_pressure=initial,
+        initial_displacement=displacement,
+    )
+    check_contact(
+        contact.pressure,
+        stage.normal_load,
+        _element_area(scene),
+        scene.hardness,
+        contact.residual,
+        fidelity.contact_tolerance if fidelity.contact_criterion == "gap" else np.inf,
+    )
+    displacement = contact.gap + contact.approach - shape
+    if wear:
+        displacement -= wear.depth(contact.pressure, stage.implicit_distance)
+    return contact, displacement
+
+
+def _element_area(scene: Scene) -> float:
+    """Area that an element stands for, on the whole pin [m²]."""
+    return scene.grid.element_area * scene.pin.patches(scene.grid)
 
 
 def measures(scene: Scene, state: State) -> dict[str, float]:
