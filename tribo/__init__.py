@@ -21,9 +21,10 @@ from tribo.loading.record import MeasuredLoad
 from tribo.material import Material, contact_modulus
 from tribo.simulation.fidelity import PRESETS, Fidelity
 from tribo.simulation.heating import heat
+from tribo.simulation.kernels import forget_kernels
 from tribo.simulation.scene import Ball, Cylinder, MeasuredRoughness, Scene, SelfAffineRoughness
 from tribo.simulation.state import Heat, State
-from tribo.simulation.steps import advance, forget_kernels, measures, simulate, start, warnings
+from tribo.simulation.steps import advance, measures, simulate, start, warnings
 from tribo.simulation.warning import PointWarning, WarningKind
 from tribo.thermal.conduction import ConductingHalfSpace
 from tribo.thermal.duhamel import Conductor, HeatHistory, partition_with_history

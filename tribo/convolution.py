@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import copy
 import math
+import threading
+from collections import OrderedDict
 from typing import Any, Self
 
 import numpy as np
@@ -18,9 +20,10 @@ from tribo.errors import InputError
 from tribo.grid import Grid
 from tribo.types import Array, Indices, Spectrum
 
-__all__ = ["Convolution", "padded_shape", "wrapped_offsets"]
+__all__ = ["Convolution", "forget_buffers", "padded_shape", "wrapped_offsets"]
 
 _LARGE = 64**2  # elements from which on single precision takes less time than double
+_MOST_BUFFERS = 4  # sizes of transforms that a thread goes back and forth between
 
 
 def padded_shape(grid: Grid) -> tuple[int, int]:
@@ -74,9 +77,7 @@ class Convolution:
 
     Notes
     -----
-    The buffers of the transforms are kept: freshly allocated temporaries of this size cost more
-    in page faults than the transforms themselves. An object is therefore not to be shared by
-    threads.
+    A map does not change once it is made, so threads may share it.
 
     Examples
     --------
@@ -97,8 +98,7 @@ class Convolution:
         self.grid = grid
         self.spectrum = spectrum
         self._lengths = mx, my
-        self._modes: NDArray[Any] = np.zeros(spectrum.shape, dtype=np.complex128)
-        self._padded: NDArray[Any] = np.zeros((grid.shape[0], my))
+        self._single = False
 
     @classmethod
     def from_kernel(cls, grid: Grid, kernel: Array) -> Convolution:
@@ -121,7 +121,7 @@ class Convolution:
         if out is None:
             out = np.empty(self.grid.shape)
         low, high = rows or (0, nx)
-        if self._modes.dtype == np.complex64:
+        if self._single:
             return self._in_single_precision(field, out, low, high)
         if my == 1:
             modes = np.fft.rfft(field[:, 0], n=mx)
@@ -129,7 +129,8 @@ class Convolution:
             out[:, 0] = np.fft.irfft(modes, n=mx)[:nx]
             return out
         source, target = field[low:high], out[low:high]
-        modes, padded = self._modes, self._padded[low:high]
+        modes, padded = _buffers(nx, mx, my, single=False)
+        padded = padded[low:high]
         if my > ny:
             padded[:, :ny] = source
             padded[:, ny:] = 0.0
@@ -151,9 +152,11 @@ class Convolution:
 
     def _in_single_precision(self, field: Array, out: Array, low: int, high: int) -> Array:
         """Convolve with SciPy, whose transforms in single precision are the faster ones."""
-        ny, my = self.grid.shape[1], self._lengths[1]
-        modes, padded = self._modes, self._padded[low:high]
+        (nx, ny), (mx, my) = self.grid.shape, self._lengths
+        modes, padded = _buffers(nx, mx, my, single=True)
+        padded = padded[low:high]
         padded[:, :ny] = field[low:high]
+        padded[:, ny:] = 0.0
         modes[:low] = 0.0
         modes[low:high] = scipy.fft.rfft(padded, axis=1)
         modes[high:] = 0.0
@@ -166,7 +169,7 @@ class Convolution:
     @property
     def rounding(self) -> float:
         """Relative error of a number of the precision in which the transforms count."""
-        return float(np.finfo(self._padded.dtype).eps)
+        return float(np.finfo(np.float32 if self._single else np.float64).eps)
 
     def in_single_precision(self) -> Self:
         """Return a copy that counts in single precision: seven digits, faster on large grids.
@@ -180,8 +183,7 @@ class Convolution:
         """
         real = np.isrealobj(self.spectrum)
         single = self.with_spectrum(self.spectrum.astype(np.float32 if real else np.complex64))
-        single._modes = np.zeros(self._modes.shape, dtype=np.complex64)
-        single._padded = np.zeros(self._padded.shape, dtype=np.float32)
+        single._single = True
         return single
 
     def in_faster_precision(self) -> Self:
@@ -197,7 +199,7 @@ class Convolution:
         return self.in_single_precision() if math.prod(self.grid.shape) >= _LARGE else self
 
     def with_spectrum(self, spectrum: Spectrum) -> Self:
-        """Return a copy with another spectrum; it shares the buffers."""
+        """Return a copy with another spectrum."""
         changed = copy.copy(self)
         changed.spectrum = spectrum
         return changed
@@ -246,10 +248,45 @@ class Convolution:
         spectrum = modes.real if np.isrealobj(self.spectrum) else modes
         changed = self.with_spectrum(spectrum.astype(self.spectrum.dtype))
         changed.grid, changed._lengths = grid, padded_shape(grid)
-        changed._modes = np.zeros(spectrum.shape, dtype=self._modes.dtype)
-        changed._padded = np.zeros((grid.shape[0], changed._lengths[1]), dtype=self._padded.dtype)
         return changed
 
     def __add__(self, other: Convolution) -> Convolution:
         """Return the map whose result is the sum of both."""
         return Convolution(self.grid, self.spectrum + other.spectrum)
+
+
+_Pair = tuple[NDArray[Any], NDArray[Any]]
+
+
+class _Buffers(threading.local):
+    """Arrays in which a thread transforms, kept for its next transforms of the same size.
+
+    Freshly allocated temporaries of this size cost more in page faults than the transforms.
+    """
+
+    def __init__(self) -> None:
+        self._kept: OrderedDict[tuple[int, int, int, bool], _Pair] = OrderedDict()
+
+    def __call__(self, nx: int, mx: int, my: int, *, single: bool) -> _Pair:
+        """Arrays of any contents: modes, shape (mx, my//2 + 1), and rows, shape (nx, my)."""
+        key = nx, mx, my, single
+        if key in self._kept:
+            self._kept.move_to_end(key)
+            return self._kept[key]
+        while len(self._kept) >= _MOST_BUFFERS:
+            self._kept.popitem(last=False)
+        real, modes = (np.float32, np.complex64) if single else (np.float64, np.complex128)
+        self._kept[key] = np.empty((mx, my // 2 + 1), modes), np.empty((nx, my), real)
+        return self._kept[key]
+
+    def clear(self) -> None:
+        """Free those of the calling thread."""
+        self._kept.clear()
+
+
+_buffers = _Buffers()
+
+
+def forget_buffers() -> None:
+    """Free the arrays that the calling thread keeps for its next transforms."""
+    _buffers.clear()

@@ -1,3 +1,5 @@
+from concurrent.futures import ThreadPoolExecutor
+
 import numpy as np
 import pytest
 
@@ -94,6 +96,31 @@ def test_single_precision_keeps_seven_digits(shape, periodic):
         # Some tens of roundings of 6e-8 each.
         assert single(field) == pytest.approx(exact, abs=2e-6 * max(1.0, np.abs(exact).max()))
         assert single(field).dtype == np.float64
+
+
+@pytest.mark.parametrize("single", [False, True])
+def test_threads_may_share_a_map(single):
+    random = np.random.default_rng(7)
+    grid = Grid((96, 96), (1.0, 1.0))
+    convolve = Convolution.from_kernel(grid, random.normal(size=padded_shape(grid)))
+    convolve = convolve.in_single_precision() if single else convolve
+    fields = random.normal(size=(64, *grid.shape))
+    alone = [convolve(field) for field in fields]
+    with ThreadPoolExecutor(8) as threads:
+        together = list(threads.map(convolve, fields))
+    assert np.array_equal(together, alone)
+
+
+def test_going_back_and_forth_between_maps_of_many_sizes_changes_nothing():
+    random = np.random.default_rng(8)
+    grids = [Grid((8, n), (1.0, 1.0), (False, y)) for n in (4, 6, 8, 16) for y in (False, True)]
+    maps = [Convolution.from_kernel(g, random.normal(size=padded_shape(g))) for g in grids]
+    maps += [convolve.in_single_precision() for convolve in maps]
+    fields = [random.normal(size=convolve.grid.shape) for convolve in maps]
+    first = [convolve(field) for convolve, field in zip(maps, fields, strict=True)]
+    for order in (range(len(maps)), reversed(range(len(maps)))):
+        for i in order:
+            assert np.array_equal(maps[i](fields[i]), first[i])
 
 
 def test_maps_add():

@@ -2,30 +2,23 @@
 
 from __future__ import annotations
 
-import functools
 from dataclasses import replace
 
 import numpy as np
 
-from tribo.convolution import Convolution, padded_shape
+from tribo.convolution import Convolution
 from tribo.grid import Grid
-from tribo.material import Material
 from tribo.simulation.invariants import check_heat, within_range
+from tribo.simulation.kernels import heat_spectrum
 from tribo.simulation.scene import Scene
 from tribo.simulation.state import Heat, State
 from tribo.thermal.conduction import settling_time
-from tribo.thermal.duhamel import (
-    Conductor,
-    HeatHistory,
-    forget_spectra,
-    kept_spectrum,
-    partition_with_history,
-)
+from tribo.thermal.duhamel import Conductor, HeatHistory, partition_with_history
 from tribo.thermal.partition import HeatPartition, partition_heat
 from tribo.thermal.quantiles import contact_quantiles
 from tribo.types import Mask
 
-__all__ = ["forget_conductors", "heat", "heated_since"]
+__all__ = ["heat", "heated_since"]
 
 
 @within_range("the temperature of a contact")
@@ -52,6 +45,7 @@ def heated_since(scene: Scene, history: HeatHistory, state: State, velocity: flo
         contact,
         method=scene.fidelity.partition,
         tolerance=scene.fidelity.heat_tolerance,
+        spectrum_of=heat_spectrum,
     )
     _check_split(scene, state, velocity, contact, split)
     summary = _summary(scene, split, contact) if contact.any() else None
@@ -77,8 +71,8 @@ def _partition(scene: Scene, state: State, velocity: float, contact: Mask) -> He
     if velocity == 0 or not scene.friction_heat:
         return HeatPartition(np.zeros(grid.shape), np.zeros(grid.shape), np.nan, 0, 0.0)
     split = partition_heat(
-        _conductor(grid, scene.pin.material, 0.0, state.time),
-        _conductor(grid, scene.disk, velocity, state.time),
+        _conductor(grid, Conductor(scene.pin.material, 0.0), state.time),
+        _conductor(grid, Conductor(scene.disk, velocity), state.time),
         abs(velocity) * state.pressure,
         contact,
         method=scene.fidelity.partition,
@@ -100,21 +94,7 @@ def _check_split(
     check_heat(abs(velocity) * state.pressure, contact, split, tolerance)
 
 
-def _conductor(grid: Grid, material: Material, velocity: float, time: float) -> Convolution:
+def _conductor(grid: Grid, body: Conductor, time: float) -> Convolution:
     """The thermal map of a body, which after a while no longer depends on the time."""
-    settled = min(time, settling_time(grid, material, velocity))
-    spectrum = kept_spectrum(grid, Conductor(material, velocity), (0.0, settled), (1.0, 1.0))
-    return _unfilled(grid).with_spectrum(spectrum)
-
-
-@functools.lru_cache(maxsize=2)
-def _unfilled(grid: Grid) -> Convolution:
-    """A map whose buffers all bodies on a grid share."""
-    mx, my = padded_shape(grid)
-    return Convolution(grid, np.zeros((mx, my // 2 + 1)))
-
-
-def forget_conductors() -> None:
-    """Free the thermal maps that are kept for the next steps."""
-    _unfilled.cache_clear()
-    forget_spectra()
+    settled = min(time, settling_time(grid, *body))
+    return Convolution(grid, heat_spectrum(grid, body, (0.0, settled), (1.0, 1.0)))

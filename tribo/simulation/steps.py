@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import functools
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
 import numpy as np
 
-from tribo.contact.elasticity import ElasticHalfSpace
 from tribo.contact.solver import ContactSolution, solve_contact
 from tribo.errors import InputError, require_positive
 from tribo.loading.ramp import Station
-from tribo.material import contact_modulus
-from tribo.simulation.heating import forget_conductors, heat, heated_since
+from tribo.simulation.heating import heat, heated_since
 from tribo.simulation.invariants import check_contact, check_wear, within_range
+from tribo.simulation.kernels import elastic_bodies
 from tribo.simulation.scene import Scene
 from tribo.simulation.state import State
 from tribo.simulation.warning import PointWarning, WarningKind
@@ -22,7 +20,7 @@ from tribo.thermal.duhamel import HeatHistory
 from tribo.types import Array
 from tribo.wear import EXPLICIT_LIMIT, WEAR_SCHEMES, Stage
 
-__all__ = ["advance", "forget_kernels", "measures", "simulate", "start", "warnings"]
+__all__ = ["advance", "measures", "simulate", "start", "warnings"]
 
 
 _FARTHEST = 2.0  # steps of the load over which its last step is extrapolated
@@ -77,7 +75,7 @@ def simulate(
         heat_model = scene.fidelity.heat_model
         raise InputError(f"heat model {heat_model!r} cannot go on from a state of the other one")
     interval = scene.fidelity.temperature_interval
-    levels = _levels(scene)
+    levels = tuple(scene.levels())
     stations = list(scene.stations(normal_load, after=state.normal_load))
     for station in stations:
         before, state = state, advance(levels[0], state, station, velocity)
@@ -92,7 +90,7 @@ def simulate(
 
 def start(scene: Scene) -> State:
     """The unloaded, unworn state."""
-    zero = np.zeros(_levels(scene)[0].grid.shape)
+    zero = np.zeros(next(scene.levels()).grid.shape)
     return State(
         pressure=zero,
         wear_depth=zero,
@@ -176,7 +174,7 @@ def _solved(
     scene: Scene, state: State, stage: Stage, wear_depth: Array, guess: Array | None
 ) -> tuple[ContactSolution, Array]:
     """Contact of a stage after a state, and its elastic displacement."""
-    solid, separation = _bodies(scene)
+    solid, separation = elastic_bodies(scene)
     fidelity, wear = scene.fidelity, scene.wear
     initial, displacement = (
         _extrapolated(state, stage.normal_load) if guess is None else (guess, None)
@@ -275,7 +273,7 @@ def _unstable_wear(scene: Scene, state: State) -> list[PointWarning]:
     fidelity = scene.fidelity
     if not scene.wear or fidelity.wear_scheme != "explicit" or not state.normal_load:
         return []
-    solid, _ = _bodies(scene)
+    solid, _ = elastic_bodies(scene)
     velocity = state.sliding_distance / state.time
     stations = [
         station
@@ -355,26 +353,3 @@ def _extrapolated(state: State, normal_load: float) -> tuple[Array | None, Array
         return pressure, None
     rise = state.displacement - state.previous_displacement
     return pressure, state.displacement + ratio * rise
-
-
-def forget_kernels() -> None:
-    """Free what simulations keep for the next ones of the same scene."""
-    _levels.cache_clear()
-    _bodies.cache_clear()
-    forget_conductors()
-
-
-@functools.lru_cache(maxsize=4)
-def _levels(scene: Scene) -> tuple[Scene, ...]:
-    """The scene on the grid of its history, and on ever finer ones up to its own."""
-    return tuple(scene.levels())
-
-
-@functools.lru_cache(maxsize=8)
-def _bodies(scene: Scene) -> tuple[ElasticHalfSpace, Array]:
-    """The elastic map and the undeformed separation, which no step changes."""
-    modulus = contact_modulus(scene.pin.material, scene.disk)
-    solid = ElasticHalfSpace(scene.grid, modulus, scene.fidelity.kernel)
-    if scene.fidelity.precision == "single":
-        solid = solid.in_single_precision()
-    return solid, scene.separation()

@@ -18,8 +18,7 @@ nothing at all; no more is kept of it.
 
 from __future__ import annotations
 
-from collections import OrderedDict
-from collections.abc import Hashable
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Literal, NamedTuple
 
@@ -36,13 +35,11 @@ from tribo.types import Array, Mask, Spectrum
 __all__ = [
     "Conductor",
     "HeatHistory",
-    "forget_spectra",
-    "kept_spectrum",
+    "SpectrumOf",
+    "conducted_spectrum",
     "partition_with_history",
 ]
 
-
-_KEPT_BYTES = 2**28
 _AGE_DIGITS = 9  # to which ages are rounded, so that equal steps make equal ages
 
 
@@ -51,6 +48,17 @@ class Conductor(NamedTuple):
 
     material: Material
     velocity: float
+
+
+SpectrumOf = Callable[[Grid, Conductor, tuple[float, ...], tuple[float, ...]], Spectrum]
+"""Spectrum of the rise due to a flux into a body, by its ages and its strengths at them."""
+
+
+def conducted_spectrum(
+    grid: Grid, body: Conductor, ages: tuple[float, ...], strengths: tuple[float, ...]
+) -> Spectrum:
+    """`flux_history_spectrum` of a body [K m²/W]."""
+    return flux_history_spectrum(grid, *body, ages, strengths)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -81,6 +89,7 @@ def partition_with_history(
     method: Literal["local", "direct", "uniform"] = "local",
     tolerance: float = 1e-8,
     bulk_difference: ArrayLike = 0.0,
+    spectrum_of: SpectrumOf = conducted_spectrum,
 ) -> tuple[HeatPartition, HeatHistory]:
     """Divide the present frictional heat, given all that has flowed before.
 
@@ -95,6 +104,10 @@ def partition_with_history(
         Now [s], since the first heat.
     heat_flux, contact, method, tolerance, bulk_difference
         Those of `tribo.partition_heat`.
+    spectrum_of : callable, optional
+        Spectrum of the rise due to a flux [K m²/W], from the grid, the conductor, and the ages and
+        strengths of `flux_history_spectrum`. Each is computed anew if not given; steps of equal
+        length ask for the same ones again, which ``functools.cache`` may keep.
 
     Returns
     -------
@@ -120,12 +133,12 @@ def partition_with_history(
     0.666666667
     """
     (pin_past, pin_kept), (disk_past, disk_kept) = (
-        _past_rise(grid, body, history.times, time, fluxes)
+        _past_rise(grid, body, history.times, time, fluxes, spectrum_of)
         for body, fluxes in ((pin, history.pin_flux), (disk, history.disk_flux))
     )
     step = _age(time - history.times[-1])
     present_pin, present_disk = (
-        Convolution(grid, _SPECTRA(grid, body, (0.0, step), (1.0, 0.0))) for body in (pin, disk)
+        Convolution(grid, spectrum_of(grid, body, (0.0, step), (1.0, 0.0))) for body in (pin, disk)
     )
     split = partition_heat(
         present_pin,
@@ -147,7 +160,12 @@ def partition_with_history(
 
 
 def _past_rise(
-    grid: Grid, body: Conductor, times: tuple[float, ...], now: float, fluxes: tuple[Spectrum, ...]
+    grid: Grid,
+    body: Conductor,
+    times: tuple[float, ...],
+    now: float,
+    fluxes: tuple[Spectrum, ...],
+    spectrum_of: SpectrumOf,
 ) -> tuple[Array, list[Spectrum]]:
     """Rise that is left of earlier fluxes, and as much of those as can still act later."""
     mx, my = padded_shape(grid)
@@ -156,7 +174,7 @@ def _past_rise(
     ages = [_age(now - time) for time in times] + [0.0]
     for old, middle, young, flux in zip(ages, ages[1:], ages[2:], fluxes, strict=False):
         if flux.shape[1]:
-            influence = _SPECTRA(grid, body, (young, middle, old), (0.0, 1.0, 0.0))
+            influence = spectrum_of(grid, body, (young, middle, old), (0.0, 1.0, 0.0))
             left = min(flux.shape[1], influence.shape[1])
             total[:, :left] += influence[:, :left] * flux[:, :left]
             flux = flux[:, :left].copy() if left < flux.shape[1] else flux
@@ -167,44 +185,3 @@ def _past_rise(
 
 def _age(time: float) -> float:
     return float(f"{time:.{_AGE_DIGITS}g}")
-
-
-def kept_spectrum(
-    grid: Grid, body: Conductor, ages: tuple[float, ...], strengths: tuple[float, ...]
-) -> Spectrum:
-    """`flux_history_spectrum`, computed once as long as there is room for it."""
-    return _SPECTRA(grid, body, ages, strengths)
-
-
-def forget_spectra() -> None:
-    """Free the spectra of fluxes that are kept for the next steps."""
-    _SPECTRA.clear()
-
-
-class _Spectra:
-    """Spectra of fluxes by what they depend on; those used last are kept, up to a size."""
-
-    def __init__(self, bytes_kept: int) -> None:
-        self._limit, self._bytes = bytes_kept, 0
-        self._kept: OrderedDict[Hashable, Spectrum] = OrderedDict()
-
-    def clear(self) -> None:
-        self._bytes = 0
-        self._kept.clear()
-
-    def __call__(
-        self, grid: Grid, body: Conductor, ages: tuple[float, ...], strengths: tuple[float, ...]
-    ) -> Spectrum:
-        key = grid, body, ages, strengths
-        if key in self._kept:
-            self._kept.move_to_end(key)
-            return self._kept[key]
-        spectrum = flux_history_spectrum(grid, *body, ages, strengths)
-        self._kept[key] = spectrum
-        self._bytes += spectrum.nbytes
-        while self._bytes > self._limit and len(self._kept) > 1:
-            self._bytes -= self._kept.popitem(last=False)[1].nbytes
-        return spectrum
-
-
-_SPECTRA = _Spectra(_KEPT_BYTES)

@@ -260,13 +260,6 @@ def test_thermal_kernels_are_made_anew_only_where_they_change(kernels):
         assert settled < 300.0 / 150.0  # the time of the lowest load
 
 
-def test_thermal_kernels_share_their_buffers():
-    *_, state = simulate(small_scene(), 300.0, 1.0)
-    pin, disk = (heating._conductor(small_scene().grid, STEEL, v, state.time) for v in (0.0, 1.0))
-    assert pin._modes is disk._modes
-    assert not np.shares_memory(pin.spectrum, disk.spectrum)
-
-
 def test_temperature_is_computed_at_the_steps_that_are_asked_for(monkeypatch):
     times = []
 

@@ -1,5 +1,6 @@
 """Heat partition with all earlier heat (tribo/thermal/duhamel.py), against closed forms."""
 
+import functools
 import math
 from dataclasses import replace
 
@@ -21,8 +22,8 @@ from tribo import (
     start,
 )
 from tribo.analytic import ramped_flux_rise, uniform_flux_rise
-from tribo.thermal import duhamel
 from tribo.thermal.conduction import ConductingHalfSpace, flux_history_spectrum
+from tribo.thermal.duhamel import conducted_spectrum
 
 EFFUSIVITY = STEEL.thermal_effusivity
 ELEMENT = (1.632e-6, 1.9e-6)
@@ -31,10 +32,12 @@ AXES = [(False, False), (False, True), (True, False), (True, True)]
 TEN_NODES = 7e-7  # documented error of the quadrature, relative to the self term
 
 
-def run(grid, fluxes, times, pin_velocity=0.0, disk_velocity=1.25):
+def run(grid, fluxes, times, pin_velocity=0.0, disk_velocity=1.25, spectrum_of=conducted_spectrum):
     pin, disk, past = Conductor(STEEL, pin_velocity), Conductor(STEEL, disk_velocity), HeatHistory()
     for time, flux in zip(times, fluxes, strict=True):
-        split, past = partition_with_history(grid, pin, disk, past, time, flux, flux != 0, "local")
+        split, past = partition_with_history(
+            grid, pin, disk, past, time, flux, flux != 0, "local", spectrum_of=spectrum_of
+        )
     return split, past
 
 
@@ -200,35 +203,26 @@ def test_the_contact_has_one_temperature_by_all_the_heat_so_far():
     np.testing.assert_allclose(rises[0][on], rises[1][on], rtol=0, atol=1e-6 * rises[0].max())
 
 
-def test_equal_steps_need_one_new_spectrum_for_each_lag_and_body(monkeypatch):
-    made = []
+def test_equal_steps_need_one_new_spectrum_for_each_lag_and_body():
+    asked = []
 
-    def counted(*arguments):
-        made.append(arguments)
-        return flux_history_spectrum(*arguments)
+    @functools.cache
+    def spectrum_of(*arguments):
+        asked.append(arguments)
+        return conducted_spectrum(*arguments)
 
-    monkeypatch.setattr(duhamel, "flux_history_spectrum", counted)
-    monkeypatch.setattr(duhamel, "_SPECTRA", duhamel._Spectra(2**28))
     grid, n = Grid((16, 8), (20e-6, 20e-6)), 12
     flux = np.zeros(grid.shape)
     flux[6:9, 2:6] = 1e8
-    run(grid, [flux * (k + 1) for k in range(n)], [0.05 * (k + 1) for k in range(n)])
+    fluxes, times = [flux * (k + 1) for k in range(n)], [0.05 * (k + 1) for k in range(n)]
+    once, _ = run(grid, fluxes, times, spectrum_of=spectrum_of)
     # For each body: now, and lags 1 to n − 1. What has left the window needs none.
-    assert n < len(made) <= 2 * n
-    run(grid, [flux * (k + 1) for k in range(n)], [0.05 * (k + 1) for k in range(n)])
-    assert len(made) <= 2 * n
-
-
-def test_spectra_used_last_are_kept_up_to_a_size():
-    one = flux_history_spectrum(PLANE, STEEL, 0.0, (0.0, 1.0), (1.0, 0.0)).nbytes
-    spectra = duhamel._Spectra(bytes_kept=2 * one)
-    first, second, third, again = (
-        spectra(PLANE, Conductor(STEEL, 0.0), (0.0, age), (1.0, 0.0)) for age in (1, 2, 1, 3)
-    )
-    assert third is first
-    assert spectra(PLANE, Conductor(STEEL, 0.0), (0.0, 3), (1.0, 0.0)) is again
-    assert spectra(PLANE, Conductor(STEEL, 0.0), (0.0, 1), (1.0, 0.0)) is first
-    assert spectra(PLANE, Conductor(STEEL, 0.0), (0.0, 2), (1.0, 0.0)) is not second
+    assert n < len(asked) <= 2 * n
+    again, _ = run(grid, fluxes, times, spectrum_of=spectrum_of)
+    assert len(asked) <= 2 * n
+    anew, _ = run(grid, fluxes, times)
+    assert np.array_equal(once.rise, again.rise)
+    assert np.array_equal(once.rise, anew.rise)
 
 
 def test_little_is_kept_of_old_flux():

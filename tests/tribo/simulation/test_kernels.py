@@ -1,0 +1,87 @@
+"""What simulations share (tribo/simulation/kernels.py)."""
+
+import threading
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+import pytest
+
+from tests.helpers.scenes import small_scene
+from tribo import forget_kernels, simulate
+from tribo.simulation import kernels
+from tribo.simulation.kernels import Kept
+
+
+def ask(kept, *keys):
+    """What is computed when these keys are asked for, one after the other."""
+    computed = []
+    for key in keys:
+        assert kept.get(key, lambda key=key: computed.append(key) or key) == key
+    return computed
+
+
+def test_values_used_last_are_kept_up_to_a_size():
+    kept = Kept(size_of=int, limit=10)
+    assert ask(kept, 5, 4, 5, 4) == [5, 4]
+    assert ask(kept, 5) == []  # so 4 was used longest ago
+    assert ask(kept, 3) == [3]
+    assert ask(kept, 5, 3, 4) == [4]
+    assert ask(kept, 3, 4) == []
+    assert ask(kept, 5) == [5]
+
+
+def test_the_last_value_is_kept_whatever_its_size():
+    kept = Kept(size_of=int, limit=10)
+    assert ask(kept, 1, 20, 20) == [1, 20]
+    assert ask(kept, 1, 1) == [1]
+    assert ask(kept, 2, 3, 1) == [2, 3]
+
+
+def test_nothing_is_kept_of_what_fails_or_is_forgotten():
+    kept = Kept(size_of=int, limit=10)
+    with pytest.raises(ZeroDivisionError):
+        kept.get(1, lambda: 1 // 0)
+    assert ask(kept, 1, 1) == [1]
+    kept.clear()
+    assert ask(kept, 1, 9) == [1, 9]
+    assert ask(kept, 1, 9) == []
+
+
+def test_threads_that_ask_at_the_same_time_compute_a_value_once():
+    kept, started, computed = Kept(size_of=len, limit=100), threading.Barrier(8), []
+
+    def compute():
+        computed.append(threading.get_ident())
+        threading.Event().wait(0.02)
+        return "value"
+
+    def asked(_):
+        started.wait(10)
+        return kept.get("key", compute)
+
+    with ThreadPoolExecutor(8) as threads:
+        assert list(threads.map(asked, range(8))) == ["value"] * 8
+    assert len(computed) == 1
+
+
+def test_threads_simulate_points_of_one_scene_at_the_same_time_bit_for_bit():
+    scene = small_scene(increments=4)
+    velocities = [0.5, 1.0, 1.5, 2.0]
+
+    def rise(velocity):
+        *_, state = simulate(scene, 600.0, velocity)
+        return state.heat.rise
+
+    alone = [rise(velocity) for velocity in velocities]
+    forget_kernels()
+    with ThreadPoolExecutor(4) as threads:
+        assert np.array_equal(list(threads.map(rise, velocities)), alone)
+
+
+def test_a_scene_on_the_same_grid_has_its_bodies_made_once():
+    forget_kernels()
+    first, same = (kernels.elastic_bodies(small_scene()) for _ in range(2))
+    assert same is first
+    assert kernels.elastic_bodies(small_scene(roughness=False)) is not first
+    forget_kernels()
+    assert kernels.elastic_bodies(small_scene()) is not first

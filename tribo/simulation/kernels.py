@@ -1,0 +1,120 @@
+"""What simulations keep for the next ones: elastic maps, surfaces and thermal kernels.
+
+This is the one place in which points of a diagram share anything. What is kept does not change
+once it is made, and threads may ask for it at the same time: one that wants what another is
+computing waits for it.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections import OrderedDict
+from collections.abc import Callable, Hashable
+from typing import Generic, NamedTuple, TypeVar
+
+from tribo.contact.elasticity import ElasticHalfSpace
+from tribo.convolution import forget_buffers
+from tribo.grid import Grid
+from tribo.material import contact_modulus
+from tribo.simulation.scene import Scene
+from tribo.thermal.duhamel import Conductor, conducted_spectrum
+from tribo.types import Array, Spectrum
+
+__all__ = ["ElasticBodies", "Kept", "elastic_bodies", "forget_kernels", "heat_spectrum"]
+
+_MOST_BODIES = 8  # a scene needs up to three of them, one for each of its grids
+_MOST_BYTES = 2**28  # of thermal kernels
+
+Value = TypeVar("Value")
+
+
+class Kept(Generic[Value]):
+    """Values by what they are computed from; those used last are kept, up to a limit.
+
+    Parameters
+    ----------
+    size_of : callable
+        Size of a value, in the unit of the limit.
+    limit : int
+        Size of all values together, beyond which those that were used longest ago are dropped. The
+        last one is kept whatever its size.
+
+    Examples
+    --------
+    >>> words = Kept(size_of=len, limit=6)
+    >>> [words.get(n, lambda: "o" * n) for n in (3, 2, 3, 3)]
+    ['ooo', 'oo', 'ooo', 'ooo']
+    >>> words.get(4, lambda: "four"), words.get(2, lambda: "computed again")
+    ('four', 'computed again')
+    """
+
+    def __init__(self, size_of: Callable[[Value], int], limit: int) -> None:
+        self._size_of, self._limit, self._size = size_of, limit, 0
+        self._values: OrderedDict[Hashable, Value] = OrderedDict()
+        self._lock = threading.Lock()
+
+    def get(self, key: Hashable, compute: Callable[[], Value]) -> Value:
+        """Return the value of a key, computed if it is not kept."""
+        with self._lock:
+            if key in self._values:
+                self._values.move_to_end(key)
+                return self._values[key]
+            value = self._values[key] = compute()
+            self._size += self._size_of(value)
+            while self._size > self._limit and len(self._values) > 1:
+                self._size -= self._size_of(self._values.popitem(last=False)[1])
+            return value
+
+    def clear(self) -> None:
+        """Keep nothing of what there is."""
+        with self._lock:
+            self._values.clear()
+            self._size = 0
+
+
+class ElasticBodies(NamedTuple):
+    """What no step of a loading changes.
+
+    Attributes
+    ----------
+    solid : ElasticHalfSpace
+        The map from pressure [Pa] to displacement [m].
+    separation : ndarray, shape (nx, ny)
+        Distance of the unworn, undeformed surfaces [m].
+    """
+
+    solid: ElasticHalfSpace
+    separation: Array
+
+
+_bodies = Kept[ElasticBodies](size_of=lambda _: 1, limit=_MOST_BODIES)
+_spectra = Kept[Spectrum](size_of=lambda spectrum: spectrum.nbytes, limit=_MOST_BYTES)
+
+
+def elastic_bodies(scene: Scene) -> ElasticBodies:
+    """The elastic map and the undeformed separation of a scene, on its own grid."""
+    return _bodies.get(scene, lambda: _elastic_bodies(scene))
+
+
+def heat_spectrum(
+    grid: Grid, body: Conductor, ages: tuple[float, ...], strengths: tuple[float, ...]
+) -> Spectrum:
+    """Spectrum of the rise due to a flux into a body; see `flux_history_spectrum` [K m²/W]."""
+    return _spectra.get(
+        (grid, body, ages, strengths), lambda: conducted_spectrum(grid, body, ages, strengths)
+    )
+
+
+def forget_kernels() -> None:
+    """Free what simulations keep for the next ones of the same scene."""
+    _bodies.clear()
+    _spectra.clear()
+    forget_buffers()
+
+
+def _elastic_bodies(scene: Scene) -> ElasticBodies:
+    modulus = contact_modulus(scene.pin.material, scene.disk)
+    solid = ElasticHalfSpace(scene.grid, modulus, scene.fidelity.kernel)
+    if scene.fidelity.precision == "single":
+        solid = solid.in_single_precision()
+    return ElasticBodies(solid, scene.separation())
