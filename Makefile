@@ -38,6 +38,7 @@ slow: .venv/test      ## the long checks: random scenes, large capped contacts, 
 crash: .venv/test     ## kill a sweep before each change to its files, and at random times
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.crash
 	$(BIN)/python -m tests.crash.kills
+	OMP_NUM_THREADS=1 $(BIN)/python -m tests.crash.workers --busy
 
 bench: .venv/test     ## measure speed, as ratios within one run
 	$(MEASURE) tests/benchmarks

@@ -12,14 +12,14 @@ import logging
 import os
 import time
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Collection, Iterator
 from concurrent.futures import CancelledError
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import dask
 import distributed.utils
-from distributed import Client, Future, LocalCluster, Worker, WorkerPlugin
+from distributed import Client, Future, LocalCluster, Worker, WorkerPlugin, wait
 
 from pipeline.run import forkserver
 from pipeline.run.forkserver import METHOD, WORKER_ENVIRONMENT, interrupts_put_off
@@ -37,11 +37,12 @@ __all__ = [
     "threads_of",
 ]
 
-LOST = "the Dask scheduler is lost; finished points are safe, run the sweep again to go on"
+SAFE = "finished points are safe, run the sweep again to go on"
+LOST = f"the Dask scheduler is lost; {SAFE}"
 
 CONFIGURATION = {
-    # A task is given up when a second worker has died of it.
-    "distributed.scheduler.allowed-failures": 1,
+    # What a dead worker leaves is tried again by `pipeline.run.schedule`, which tells bystanders.
+    "distributed.scheduler.allowed-failures": 0,
     "distributed.worker.multiprocessing-method": METHOD,
     "distributed.nanny.pre-spawn-environ": WORKER_ENVIRONMENT,
     # Nothing here is worth a spill to disk, and a worker that pauses never ends.
@@ -57,6 +58,7 @@ CONFIGURATION = {
     "distributed.admin.large-graph-warning-threshold": "1 TB",
 }
 _THREADS = 2  # of a worker: while one waits for the disk, the other computes
+_WORD = 10.0  # [s] without a worker, after which the user is told
 _ATTEMPTS = 3  # to start workers, one of which may be killed before it is ready
 PATIENCE = 30.0
 """For how long to wait for a scheduler, and for workers if there are none [s]."""
@@ -96,7 +98,7 @@ def connected(workers: int, scheduler: str | None, patience: float) -> Iterator[
             client = Client(scheduler, set_as_default=False, timeout=patience)
         except (OSError, ValueError) as error:
             raise ExecutionError(f"no Dask scheduler answers at {scheduler}: {error}") from error
-        with client:
+        with client, client.as_current():
             yield client
         return
     cluster = None
@@ -107,7 +109,7 @@ def connected(workers: int, scheduler: str | None, patience: float) -> Iterator[
             distributed.utils._forkserver_preload_set = True
             with interrupts_put_off():
                 cluster = _local_cluster(workers)
-            with Client(cluster, set_as_default=False) as client:
+            with Client(cluster, set_as_default=False) as client, client.as_current():
                 cores = sorted(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else []
                 if workers == len(cores):
                     client.register_plugin(_OnACoreOfItsOwn(cores))
@@ -175,7 +177,9 @@ def _same(content: bytes) -> bytes:
     return content
 
 
-def threads_of(client: Client, patience: float) -> Counter[str]:
+def threads_of(
+    client: Client, patience: float, tell: Callable[[str], None] | None = None
+) -> Counter[str]:
     """Number of threads of each worker; if there is no worker, wait for one to come back.
 
     Raises
@@ -184,13 +188,49 @@ def threads_of(client: Client, patience: float) -> Counter[str]:
         If the scheduler is lost, or no worker comes back.
     """
     end = time.monotonic() + patience
+    word = min(_WORD, patience / 2)
     while True:
-        try:
+        with _losses_told():
             threads = Counter(client.nthreads())
-        except (OSError, CancelledError, TimeoutError) as error:
-            raise ExecutionError(LOST) from error
         if threads:
             return threads
-        if time.monotonic() > end:
-            raise ExecutionError("no Dask worker is left, and none has come back")
+        left = end - time.monotonic()
+        if left < 0:
+            raise ExecutionError(f"no Dask worker is left, and none has come back; {SAFE}")
+        if tell and word and left < patience - word:
+            tell(f"no Dask worker is left; waiting up to {patience:g} s for one to come back")
+            word = 0.0
         time.sleep(0.1)
+
+
+def is_processed(client: Client, keys: Collection[str]) -> bool:
+    """Whether a worker that lives has been given any of some tasks.
+
+    Raises
+    ------
+    ExecutionError
+        If the scheduler is lost.
+    """
+    with _losses_told():
+        return any(key in keys for given in client.processing().values() for key in given)
+
+
+def wait_for_any(futures: Collection[Future], seconds: float) -> None:
+    """Wait until one of some tasks ends, or for a time [s].
+
+    Raises
+    ------
+    ExecutionError
+        If the scheduler is lost.
+    """
+    if futures and not any(future.done() for future in futures):
+        with _losses_told(), suppress(TimeoutError):
+            wait(futures, timeout=seconds, return_when="FIRST_COMPLETED")
+
+
+@contextmanager
+def _losses_told() -> Iterator[None]:
+    try:
+        yield
+    except (CancelledError, OSError) as error:
+        raise ExecutionError(LOST) from error

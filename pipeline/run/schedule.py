@@ -1,69 +1,63 @@
-"""Chains of points on the threads of a cluster: what is computed where, and what a failure means.
+"""Chains of points on the threads of a cluster.
 
-A point is a task of its own, but short ones share a task with the next of their chain. The trunk
-of a chain stays on the worker that computed it, as the result of a task. Should that worker die,
-Dask runs the task again; its points are done by then, so that only the trunk is computed. No
-result depends on any of this.
+A task computes points of one chain for a moment, and the next task of the chain depends on
+the trunk that it leaves. Dask decides what runs where, and runs a task again whose trunk was lost.
+What is left to do is read from the store when a task has ended, whatever became of the task; what
+is still missing is submitted anew.
 """
 
 from __future__ import annotations
 
-import functools
 import itertools
-import math
 import pickle
-import queue
-import threading
 import time
 from collections import Counter, deque
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import CancelledError
-from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from dataclasses import dataclass
 
 from distributed import Client, Future
 from distributed.scheduler import KilledWorker
 
-from pipeline.run.cluster import LOST, ExecutionError, share, threads_of
-from pipeline.store.points import Store, StoreError
-from pipeline.sweep.model import Sweep
-from pipeline.sweep.plan import Point, Trunk, advance_trunk, run_point
-from tribo import TriboError
+from pipeline.run.blame import Suspects
+from pipeline.run.cluster import (
+    LOST,
+    SAFE,
+    ExecutionError,
+    is_processed,
+    share,
+    threads_of,
+    wait_for_any,
+)
+from pipeline.run.watch import Watch
+from pipeline.run.work import compute_points
+from pipeline.store.points import DONE, PENDING, Store, StoreError
+from pipeline.sweep.model import Point, Sweep
 
-__all__ = ["PointFailedError", "compute"]
-
+_STRETCH = 0.25  # [s] that a task should take, beside which 5 ms of Dask do not count
 _POLL = 2.0  # [s] after which to look for workers that came or went
-_STRETCH = 1.0  # [s] that a task should take, beside which Dask's 5 to 10 ms do not count
-
-# Buffers of the transforms are shared within a process, whatever threads a given cluster has.
-_one_at_a_time = threading.Lock()
-
-
-class PointFailedError(TriboError):
-    """A point that could not be computed; the store knows."""
+_UNSEEN = 0.1  # [s] after which to look again for what a task says that it has done
+_KILLED = (
+    "every worker process that computed it died, and the next one again: "
+    "out of memory, or killed from outside"
+)
 
 
-class _Task(NamedTuple):
-    """Points that follow each other, and the trunk after the last of them."""
+@dataclass(frozen=True, slots=True)
+class _Chain:
+    """Points still to compute on one ramp, and the trunk to go on from if there is one."""
+
+    points: tuple[Point, ...]
+    trunk: Future | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class _Task:
+    """A chain that goes on, the trunk that this will leave, and the worker of a point alone."""
 
     points: tuple[Point, ...]
     trunk: Future
-
-
-@dataclass(eq=False)
-class _Chain:
-    """Points still to compute on one ramp, the trunk to go on from, and the worker with it.
-
-    The tasks have the points before these, and each goes on from the one before. A suspect is a
-    point that workers have died of before.
-    """
-
-    points: deque[Point]
-    trunk: Future | None = None
-    tasks: deque[_Task] = field(default_factory=deque)
-    worker: str = ""
-    since: float = 0.0  # when the first of the tasks could begin
-    suspect: bool = False
+    alone_on: str | None = None
 
 
 def compute(
@@ -73,12 +67,9 @@ def compute(
     waiting: Iterable[tuple[Point, ...]],
     patience: float,
     report: Callable[..., None],
+    tell: Callable[[str], None] | None = None,
 ) -> None:
-    """Compute chains of points, as many at a time as there are threads.
-
-    Dask blames a dead worker on whatever it has been given to do, so that a thread is given one
-    task at a time. What it needs the result of that for cannot be to blame, and so waits there
-    already, unless so few chains are left that they should end together.
+    """Compute chains of points, until the store has each of them as done or failed.
 
     Parameters
     ----------
@@ -86,194 +77,152 @@ def compute(
     sweep : Sweep
     store : Store
     waiting : iterable of tuple of Point
+        Points of each chain.
     patience : float
         Time to wait for a worker, if there is none [s].
     report : callable
         Called with ``done=1`` or ``failed=1`` for each point that ends.
+    tell : callable, optional
+        Called with a line for the user, if nothing has ended for long.
+
+    Raises
+    ------
+    StoreError
+        If a point cannot be recorded.
+    ExecutionError
+        If the cluster is lost, or nothing moves any more.
     """
-    parcel = share(client, pickle.dumps(sweep), patience)
-    fresh = deque(_Chain(deque(chain)) for chain in waiting)
-    ready: list[_Chain] = []  # and begun, so that there are never many
-    running: list[_Chain] = []
-    suspects: list[_Chain] = []
-    chain_of: dict[str, _Chain] = {}  # by the key of a task
-    ended: queue.SimpleQueue[Future] = queue.SimpleQueue()
-
-    def submit(chain: _Chain, length: int) -> None:
-        points = tuple(chain.points.popleft() for _ in range(min(length, len(chain.points))))
-        trunk = client.submit(
-            _compute,
-            parcel,
-            store,
-            points,
-            chain.tasks[-1].trunk if chain.tasks else chain.trunk,
-            pure=False,
-            # Where a thread is to spare, and not where the parcel happens to be; or on any other
-            # worker if that one dies.
-            workers=chain.worker,
-            allow_other_workers=True,
-        )
-        chain.tasks.append(_Task(points, trunk))
-        chain_of[trunk.key] = chain
-        trunk.add_done_callback(ended.put)
-
-    length = 1  # of a stretch, until it is known how long points take
-    threads, known_at = threads_of(client, patience), time.monotonic()
-    while fresh or ready or running or suspects:
-        if not (fresh or ready or running):
-            ready, suspects = suspects, []
-        if time.monotonic() - known_at > _POLL:
-            threads, known_at = threads_of(client, patience), time.monotonic()
-        last_ones = len(fresh) + len(ready) + len(running) < 2 * threads.total()
-        if last_ones:
-            left = sum(len(chain.points) for chain in (*fresh, *ready, *running))
-            length = min(length, max(1, left // (2 * threads.total())))
-        spare = _room(threads, (*ready, *running)) - Counter(chain.worker for chain in running)
-        while (fresh or ready) and spare and len(running) < threads.total():
-            ((worker, _),) = spare.most_common(1)
-            chain = _next(fresh, ready, worker, last_ones)
-            chain.worker, chain.since = worker, time.monotonic()
-            submit(chain, length)
-            running.append(chain)
-            spare -= Counter([worker])
-        for chain in running:
-            if chain.points and len(chain.tasks) == 1 and not last_ones:
-                submit(chain, length)
-        try:
-            key = ended.get(timeout=_POLL).key
-        except queue.Empty:
-            continue
-        chain = chain_of.pop(key)
-        if chain not in running:
-            continue  # a task that failed along with the one before
-        while chain.tasks and chain.tasks[0].trunk.done():
-            task = chain.tasks.popleft()
-            if task.trunk.status == "finished":
-                chain.trunk, since, chain.since = task.trunk, chain.since, time.monotonic()
-                length = math.ceil(len(task.points) * _STRETCH / (chain.since - since))
-                for _ in task.points:
-                    report(done=1)
-            else:
-                suspects += _recover(chain, task, store, report)
-        if not chain.tasks:
-            running.remove(chain)
-            if chain.points:
-                ready.append(chain)
+    run = _Run(client, sweep, store, patience, report, [_Chain(points) for points in waiting])
+    watch, absent = Watch.begin(time.monotonic()), 0.0
+    while run.waiting or run.running or run.suspects.losses:
+        began = time.monotonic()
+        workers = threads_of(client, patience, tell)
+        absent += time.monotonic() - began
+        run.submit(workers)
+        wait_for_any([task.trunk for task in run.running], _POLL)
+        moved = run.look(workers)
+        computing = not moved and is_processed(client, {task.trunk.key for task in run.running})
+        watch = watch.after(time.monotonic() - absent, moved, computing)
+        if watch.is_over:
+            raise ExecutionError(f"{watch.word}, and no worker computes any; {SAFE}")
+        if watch.word and tell:
+            tell(f"{watch.word}; {run.at_work}")
+            watch = watch.heard()
+        if not moved:
+            time.sleep(_UNSEEN)
 
 
-def _room(threads: Counter[str], chains: Iterable[_Chain]) -> Counter[str]:
-    """How many points each worker may be given: a single one if it is a suspect."""
-    if any(chain.suspect for chain in chains):
-        return Counter(dict.fromkeys(threads, 1))
-    return threads
+class _Run:
+    """Chains that wait for a thread, tasks that run, and points that workers may die of."""
+
+    def __init__(
+        self,
+        client: Client,
+        sweep: Sweep,
+        store: Store,
+        patience: float,
+        report: Callable[..., None],
+        waiting: Iterable[_Chain],
+    ) -> None:
+        self._client, self._store, self._patience, self._report = client, store, patience, report
+        self._pickled = pickle.dumps(sweep)
+        self._parcel = share(client, self._pickled, patience)
+        self.waiting = deque(waiting)
+        self.running: list[_Task] = []
+        self.suspects = Suspects()
+
+    def submit(self, workers: Counter[str]) -> None:
+        """Give the workers a task for each thread; at last, each a suspect that it has alone.
+
+        Dask counts the death of a worker against all that it was given, so that it is not given
+        more than it can begin with.
+        """
+        if self.waiting or any(task.alone_on is None for task in self.running):
+            while self.waiting and len(self.running) < workers.total():
+                self._start(self._next(workers.total()))
+            return
+        tried = {task.points[0] for task in self.running}
+        free = set(workers) - {task.alone_on for task in self.running}
+        suspects = (point for point in self.suspects.to_try if point not in tried)
+        for worker, point in zip(free, suspects, strict=False):
+            self._start(_Chain((point,)), worker)
+
+    def _next(self, threads: int) -> _Chain:
+        """Finish chains one by one, so that few trunks are kept; but let the last end together."""
+        if len(self.waiting) + len(self.running) >= 2 * threads:
+            return self.waiting.popleft()
+        longest = max(range(len(self.waiting)), key=lambda i: len(self.waiting[i].points))
+        chain = self.waiting[longest]
+        del self.waiting[longest]
+        return chain
+
+    def _start(self, chain: _Chain, worker: str | None = None) -> None:
+        if self._parcel.status in ("error", "cancelled"):  # all who had it died
+            self._parcel = share(self._client, self._pickled, self._patience)
+        arguments = (self._parcel, self._store, chain.points, chain.trunk, _STRETCH)
+        trunk = self._client.submit(compute_points, *arguments, pure=False, workers=worker)
+        self.running.append(_Task(chain.points, trunk, worker))
+
+    def look(self, workers: Counter[str]) -> bool:
+        """See what has become of the tasks; return whether any has ended."""
+        ended = [task for task in self.running if self._has_ended(task, workers)]
+        self.running = [task for task in self.running if task not in ended]
+        return bool(ended)
+
+    def _has_ended(self, task: _Task, workers: Counter[str]) -> bool:
+        died = task.alone_on is not None and task.alone_on not in workers
+        if not (died or task.trunk.done()):
+            return False
+        error = _error(task.trunk)
+        if isinstance(error, StoreError | ExecutionError):
+            raise error
+        status = self._store.status(task.points)
+        left = tuple(itertools.dropwhile(lambda point: status[point] != PENDING, task.points))
+        if not (died or error) and left == task.points:
+            return False  # not seen here yet, as happens where machines share their files
+        self._settle(task.points[: len(task.points) - len(left)], status)
+        if left and (died or error):
+            self._recover(task, left, error)
+        elif left:
+            self.waiting.appendleft(_Chain(left, task.trunk))
+        return True
+
+    def _settle(self, points: tuple[Point, ...], status: Mapping[Point, int]) -> None:
+        """Take note of points that are done or have failed."""
+        for point in points:
+            self._report(**{"done" if status[point] == DONE else "failed": 1})
+        self.suspects = self.suspects.without(points)
+
+    def _recover(self, task: _Task, left: tuple[Point, ...], error: BaseException | None) -> None:
+        """Suspect the point at which a task was lost, and go on with the others."""
+        alone = task.alone_on is not None
+        killed = error is None or isinstance(error, KilledWorker)
+        if isinstance(error, KilledWorker) and error.task != task.trunk.key:
+            # What it depends on was lost too often; it goes on without.
+            if not alone:
+                self.waiting.appendleft(_Chain(left))
+            return
+        self.suspects = self.suspects.after_loss(left[0], alone)
+        if len(left) > 1:
+            self.waiting.appendleft(_Chain(left[1:]))
+        for point in self.suspects.failed:
+            self._store.fail(point, _KILLED if killed else f"{type(error).__name__}: {error}")
+            self._settle((point,), self._store.status([point]))
+
+    @property
+    def at_work(self) -> str:
+        """What is waited for."""
+        if not self.running:
+            return f"{len(self.waiting)} ramps wait for a worker"
+        others = f" and {n} more" if (n := len(self.running) - 1) else ""
+        return f"waiting for {self.running[0].points[0]}{others}"
 
 
-def _next(fresh: deque[_Chain], ready: list[_Chain], worker: str, last_ones: bool) -> _Chain:
-    """Finish chains one by one, so that few trunks are kept; but let the last ones end together."""
-    if last_ones:
-        ready += fresh
-        fresh.clear()
-        chosen = max(ready, key=lambda chain: (len(chain.points), chain.worker == worker))
-    else:
-        if fresh:
-            ready.append(fresh.popleft())
-        chosen = max(ready, key=lambda chain: (chain.worker == worker, chain.trunk is not None))
-        if ready[-1] is not chosen and not ready[-1].worker:
-            fresh.appendleft(ready.pop())
-    ready.remove(chosen)
-    return chosen
-
-
-def _recover(chain: _Chain, task: _Task, store: Store, report: Callable[..., None]) -> list[_Chain]:
-    """Take note of why a task failed, and of what its chain goes on with.
-
-    Returns new suspects.
-    """
-    failed_along = [point for later in chain.tasks for point in later.points]
-    chain.tasks.clear()
-    chain.points.extendleft(reversed((*task.points, *failed_along)))
-    error = _error(task.trunk)
-    if isinstance(error, StoreError | ExecutionError):
-        raise error
-    left = list(itertools.dropwhile(store.is_done, task.points))
-    for _ in range(len(task.points) - len(left)):
-        chain.points.popleft()
-        report(done=1)
-    if isinstance(error, KilledWorker):
-        trunk, chain.trunk = chain.trunk, None
-        if error.task != task.trunk.key and trunk is not None:
-            return []  # the trunk's fault; without it, the same point begins at the start
-    if not left:
-        return []
-    point = chain.points.popleft()
-    if isinstance(error, KilledWorker):
-        if not chain.suspect:
-            # Whoever kills workers at random hits the same point twice before long, so it is
-            # tried once more, when nothing else is left that could suffer from it.
-            return [_Chain(deque([point]), suspect=True)]
-        error = PointFailedError(
-            "every worker process that computed it died, and the next one again: "
-            "out of memory, or killed from outside"
-        )
-        store.fail(point, str(error))
-    elif not isinstance(error, PointFailedError):
-        store.fail(point, _text(error))
-    report(failed=1)
-    return []
-
-
-def _error(task: Future) -> BaseException:
-    """Why a task did not finish."""
-    if task.status != "error":
+def _error(task: Future) -> BaseException | None:
+    """Why a task did not finish, if it did not."""
+    if task.status == "cancelled":
         return ExecutionError(LOST)
+    if task.status != "error":
+        return None
     error: BaseException = task.exception()
     return ExecutionError(LOST) if isinstance(error, CancelledError) else error
-
-
-# On the workers.
-
-
-@dataclass(frozen=True, eq=False)
-class _Kept:
-    """A trunk, which stays as it is for the next point on the same worker.
-
-    On its way to another it is bytes: arrays that Dask rebuilds from its own messages may lie at
-    odd addresses, and NumPy sums such arrays in another order.
-    """
-
-    trunk: Trunk | None
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return _kept, (pickle.dumps(self.trunk),)
-
-
-def _kept(trunk: bytes) -> _Kept:
-    return _Kept(pickle.loads(trunk))
-
-
-@functools.lru_cache(maxsize=1)
-def _unpacked(parcel: bytes) -> Sweep:
-    sweep: Sweep = pickle.loads(parcel)
-    return sweep
-
-
-def _compute(parcel: bytes, store: Store, points: tuple[Point, ...], kept: _Kept | None) -> _Kept:
-    """Compute and commit points, one after the other; return the trunk."""
-    sweep, trunk = _unpacked(parcel), kept.trunk if kept else None
-    for point in points:
-        with _one_at_a_time:
-            if store.is_done(point):  # Dask asks again, since the trunk was lost with a worker
-                trunk = advance_trunk(sweep, *point, trunk)
-                continue
-            try:
-                result = run_point(sweep, *point, trunk)
-            except Exception as error:
-                store.fail(point, _text(error))
-                raise PointFailedError(_text(error)) from None
-        store.commit(result)
-        trunk = result.trunk
-    return _Kept(trunk)
-
-
-def _text(error: BaseException) -> str:
-    return f"{type(error).__name__}: {error}"

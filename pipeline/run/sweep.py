@@ -3,22 +3,23 @@
 ::
 
     TriboError
-    ├── ExecutionError     the cluster does not start, or is lost (pipeline.run.cluster)
-    └── PointFailedError   on its way from a worker: why a point failed, as the store has it
-                           (pipeline.run.schedule)
+    └── ExecutionError   the cluster does not start, or is lost (pipeline.run.cluster)
 """
 
 from __future__ import annotations
 
+import itertools
 import multiprocessing
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from dask.system import CPU_COUNT
 
 from pipeline.run.cluster import PATIENCE, ExecutionError, connected, dashboard_of
-from pipeline.run.schedule import PointFailedError, compute
+from pipeline.run.schedule import compute
 from pipeline.store.compact import lay_out
 from pipeline.store.folder import PathLike
 from pipeline.store.points import (
@@ -35,7 +36,7 @@ from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import chains, points
 from tribo import InputError
 
-__all__ = ["ExecutionError", "Outcome", "PointFailedError", "Progress", "run_sweep"]
+__all__ = ["ExecutionError", "Outcome", "Progress", "run_sweep"]
 
 _MANY = 2000  # points, from which compacting is worth a word
 
@@ -135,13 +136,8 @@ def run_sweep(
     """
     if workers is not None and workers < 1:
         raise InputError(f"workers is {workers}; it must be at least 1")
-    if multiprocessing.parent_process() is not None and scheduler is None:
-        raise ExecutionError(
-            "a worker process cannot run a sweep; in a script, call run_sweep under "
-            'if __name__ == "__main__":'
-        )
+    _refuse_in_a_worker(scheduler)
     began = time.monotonic()
-    checked: set[Point] = set()
     with locked(out):
         store = prepare(out, sweep)
         if fill_fields:
@@ -150,34 +146,25 @@ def run_sweep(
         if tell:
             for note in _notes(store, sweep):
                 tell(note)
-        waiting = chains(_todo(store, sweep, retry_failed, checked), sweep.independent)
         tally = _Tally(summarized(store), began, progress)
-        more = None if waiting or further is None else further()
-        was_compact = store.is_compact
-        if waiting or more:
-            if was_compact:
-                lay_out(store.path, BY_POINT)
-                store = Store(store.path)
+        rounds = _rounds(store, sweep, retry_failed, further)
+        if first := next(rounds, None):
             # Points that come later may have more chains than those that wait now.
-            least = len(waiting) if further is None else CPU_COUNT
-            with connected(min(workers or CPU_COUNT, least), scheduler, patience) as client:
+            needed = len(first.waiting) if further is None else CPU_COUNT
+            with (
+                _laid_out_by_point(store),
+                connected(min(workers or CPU_COUNT, needed), scheduler, patience) as client,
+            ):
                 if tell and (dashboard := dashboard_of(client)):
                     tell(f"the cluster's dashboard is at {dashboard}")
-                while True:
-                    if waiting:
-                        compute(client, sweep, store, waiting, patience, tally.report)
-                    more = more or (further() if further else None)
-                    if more is None:
-                        break
-                    sweep, more = more, None
-                    store = prepare(out, sweep)
-                    waiting = chains(_todo(store, sweep, False, checked), sweep.independent)
-                    tally.widen(summarized(store))
-            if was_compact:
-                lay_out(store.path, COMPACT)
-                store = Store(store.path)
+                for each in itertools.chain([first], rounds):
+                    store = Store(out)
+                    if each is not first:
+                        tally.widen(summarized(store))
+                    compute(client, each.sweep, store, each.waiting, patience, tally.report, tell)
+        store = Store(out)
         found = summarized(store)
-    if tell and found.total >= _MANY and not was_compact:
+    if tell and found.total >= _MANY and not store.is_compact:
         tell(f"{out} opens faster after: irg compact {out}")
     return Outcome(
         total=found.total,
@@ -186,6 +173,46 @@ def run_sweep(
         failed=found.failed,
         wall_time=time.monotonic() - began,
     )
+
+
+def _refuse_in_a_worker(scheduler: str | None) -> None:
+    if multiprocessing.parent_process() is not None and scheduler is None:
+        raise ExecutionError(
+            "a worker process cannot run a sweep; in a script, call run_sweep under "
+            'if __name__ == "__main__":'
+        )
+
+
+class _Round(NamedTuple):
+    """A sweep, and the points of it that wait, in chains."""
+
+    sweep: Sweep
+    waiting: tuple[tuple[Point, ...], ...]
+
+
+def _rounds(
+    store: Store, sweep: Sweep, retry_failed: bool, further: Callable[[], Sweep | None] | None
+) -> Iterator[_Round]:
+    """What there is to compute: of the sweep, then of those that come further."""
+    checked: set[Point] = set()
+    asked: Sweep | None = sweep
+    while asked is not None:
+        if waiting := chains(_todo(store, asked, retry_failed, checked), asked.independent):
+            yield _Round(asked, waiting)
+        retry_failed = False
+        asked = further() if further else None
+        if asked is not None:
+            store = prepare(store.path, asked)
+
+
+@contextmanager
+def _laid_out_by_point(store: Store) -> Iterator[None]:
+    """Let a compact store be written to, and make it compact again."""
+    if store.is_compact:
+        lay_out(store.path, BY_POINT)
+    yield
+    if store.is_compact:
+        lay_out(store.path, COMPACT)
 
 
 def _without_fields(store: Store, sweep: Sweep) -> list[Point]:

@@ -126,8 +126,10 @@ class Store:
         places = itertools.product(surfaces, velocities, loads)
         return [Point(load, velocity, surface) for surface, velocity, load in places]
 
-    def status(self) -> dict[Point, int]:
-        """Status of every point there is room for."""
+    def status(self, points: Iterable[Point] | None = None) -> dict[Point, int]:
+        """Status of some points, or of every point there is room for."""
+        if points is not None:
+            return {point: int(self._read(["status"], point)["status"]) for point in points}
         flags = self.values("status")
         return dict(zip(self.places(), flags.ravel().tolist(), strict=True))
 

@@ -19,7 +19,7 @@ import xarray as xr
 
 import pipeline
 import tribo
-from pipeline.run import forkserver, schedule
+from pipeline.run import forkserver, work
 from pipeline.run import sweep as execute
 from pipeline.sweep.plan import run_point
 from tests.benchmarks.bare import shortest
@@ -37,7 +37,7 @@ class CountedPoints:
 
     def __init__(self):
         self.seconds = 0.0
-        self._run_point, schedule.run_point = schedule.run_point, self
+        self._run_point, work.run_point = work.run_point, self
 
     def __call__(self, *arguments, **options):
         began = time.thread_time()
@@ -49,7 +49,7 @@ class CountedPoints:
 
 def used():
     """CPU time of a worker so far, and what of it its points took [s]."""
-    return time.process_time(), schedule.run_point.seconds
+    return time.process_time(), work.run_point.seconds
 
 
 def time_of_bare_files(store, folder):

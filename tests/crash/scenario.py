@@ -10,8 +10,8 @@ import numpy as np
 import xarray as xr
 
 import tribo
-from pipeline.run import schedule
 from pipeline.run import sweep as execute
+from pipeline.run import work
 from pipeline.store import files
 from pipeline.store.compact import compact_store
 from pipeline.store.points import Store
@@ -72,7 +72,7 @@ def computing(failing=frozenset()):
         yield Here()
 
     with (
-        mock.patch.object(schedule, "run_point", known),
+        mock.patch.object(work, "run_point", known),
         mock.patch.object(execute, "connected", connected),
         # One write after the other: so a crash point is the same each time.
         mock.patch.object(files, "_THREADS", 1),

@@ -2,38 +2,73 @@
 
 from concurrent.futures import Future
 
+from distributed.scheduler import KilledWorker
+
 
 class Here:
-    """What a sweep needs of a client, with one thread.
+    """What a sweep needs of a client.
+
+    Parameters
+    ----------
+    workers : int
+        Number of workers, each with one thread.
+    is_deadly : callable, optional
+        Whether a worker dies of computing a point; it does what comes before in its task.
+    is_hit : callable, optional
+        Whether a worker is killed from outside before it begins with the task of a number.
 
     Attributes
     ----------
     tasks : list of tuple
         The arguments of each function that was submitted.
+    pinned : list of str or None
+        The worker to which each of them was pinned.
     """
 
-    def __init__(self):
-        self.tasks = []
+    def __init__(self, workers=1, is_deadly=lambda _: False, is_hit=lambda _: False):
+        self._workers, self._is_deadly, self._is_hit = workers, is_deadly, is_hit
+        self.tasks, self.pinned = [], []
 
     def nthreads(self):
-        return {"here": 1}
+        return {f"here {number}": 1 for number in range(self._workers)}
+
+    def processing(self):
+        return dict.fromkeys(self.nthreads(), ())
 
     def wait_for_workers(self, *_, **__):
         pass
 
-    def submit(self, function, *arguments, **_):
-        self.tasks.append(arguments)
-        ended = _Ended()
-        ended.key = id(ended)
-        values = (each.result() if isinstance(each, Future) else each for each in arguments)
+    def submit(self, function, *arguments, workers=None, **_):
+        ended = Ended()
+        ended.key = f"{function.__name__}-{len(self.tasks)}"
+        if len(arguments) > 1:  # not what is only shared
+            self.tasks.append(arguments)
+            self.pinned.append(workers)
+        values = [each.result() if isinstance(each, Future) else each for each in arguments]
         try:
-            ended.set_result(function(*values))
+            ended.set_result(self._done(function, values, ended.key))
             ended.status = "finished"
         except Exception as error:
             ended.set_exception(error)
             ended.status = "error"
         return ended
 
+    def _done(self, function, values, key):
+        if len(values) == 1:
+            return function(*values)
+        killed = KilledWorker(key, None, 0)
+        if self._is_hit(len(self.tasks) - 1):
+            raise killed
+        points = values[2]
+        safe = next((i for i, point in enumerate(points) if self._is_deadly(point)), len(points))
+        kept = function(*values[:2], points[:safe], *values[3:])
+        if not all(values[1].is_done(point) for point in points[:safe]) or safe == len(points):
+            return kept
+        raise killed
 
-class _Ended(Future):
-    pass
+
+class Ended(Future):
+    """A task that has ended, with what Dask's futures have besides."""
+
+    key = ""
+    status = "pending"

@@ -37,3 +37,9 @@ def test_killed_at_random_nothing_is_lost_damaged_or_wrongly_marked_failed():
     assert found["kills"] == {"worker": 1, "everything": 1}
     assert found["sweeps"] >= 1
     assert found["faults"] == []
+
+
+def test_sweeps_whose_workers_die_end_with_every_point_that_can_be_computed():
+    found = reported("crash.workers", "--sweeps", "1", "--velocities", "6", "--busy")
+    assert found == {"sweeps": 2, "kills": found["kills"], "hung": 0, "faults": []}
+    assert found["kills"] >= 1

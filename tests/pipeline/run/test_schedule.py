@@ -1,4 +1,7 @@
-"""Which points share a task (pipeline/run/schedule.py); workers that die are in test_execute.py."""
+"""What a task computes, and what becomes of lost ones (pipeline/run/schedule.py and work.py).
+
+Workers that really die are in test_sweep.py.
+"""
 
 from collections import Counter
 
@@ -6,31 +9,50 @@ import numpy as np
 import pytest
 
 import tribo
-from pipeline.run import schedule
+from pipeline.run import schedule, watch, work
+from pipeline.run.blame import TRIALS
+from pipeline.run.cluster import ExecutionError
 from pipeline.run.schedule import compute
-from pipeline.store.points import Store, prepare
+from pipeline.store.points import DONE, FAILED, PENDING, Store, StoreError, prepare
 from pipeline.store.progress import summarized
 from pipeline.store.variables import COLUMNS
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import chains, points, run_point
 from tests.helpers import tiny
-from tests.helpers.here import Here
+from tests.helpers.here import Ended, Here
 
-SWEEP = tiny.sweep(velocities=tuple(np.linspace(0.5, 1.5, 8)))
+SWEEP = tiny.sweep(velocities=tuple(np.linspace(0.5, 1.5, 8).tolist()))
 
 
 @pytest.fixture
 def given(tmp_path, monkeypatch):
-    """A function that computes a sweep in tasks of some duration; gives the points of each task."""
+    """A function that computes a sweep in tasks of some duration, on a client without a cluster."""
 
-    def compute_all(seconds=1e9):
+    def compute_all(seconds=1e9, client=None, tell=None):
         monkeypatch.setattr(schedule, "_STRETCH", seconds)
-        store, client, ended = prepare(tmp_path / "out.zarr", SWEEP), Here(), Counter()
-        compute(client, SWEEP, store, chains(points(SWEEP)), 1.0, lambda **one: ended.update(one))
-        _, *tasks = client.tasks  # the first is to share the sweep
-        return store, [task[2] for task in tasks], ended
+        monkeypatch.setattr(schedule, "_POLL", 0.01)
+        store, ended = prepare(tmp_path / "out.zarr", SWEEP), Counter()
+        compute(
+            client or Here(),
+            SWEEP,
+            store,
+            chains(points(SWEEP)),
+            1.0,
+            lambda **one: ended.update(one),
+            tell,
+        )
+        return store, ended
 
     return compute_all
+
+
+def failing_at(bad):
+    def run(sweep, load, velocity, realization, trunk=None):
+        if Point(load, velocity) == bad:
+            raise tribo.ConvergenceError("the contact did not converge", solution=None)
+        return run_point(sweep, load, velocity, realization, trunk)
+
+    return run
 
 
 def assert_is_as_computed_alone(store, place):
@@ -41,50 +63,151 @@ def assert_is_as_computed_alone(store, place):
 
 
 def test_a_point_that_takes_its_time_is_a_task_of_its_own(given):
-    _, tasks, ended = given(seconds=1e-9)
-    assert [len(task) for task in tasks] == [1] * 24
-    assert sorted(sum(tasks, ())) == sorted(points(SWEEP))
+    client = Here()
+    _, ended = given(seconds=0.0, client=client)
+    assert [task[2][0] for task in client.tasks] == list(points(SWEEP))
     assert ended == {"done": 24}
 
 
-def test_points_that_are_too_short_for_a_task_share_one_with_the_next_of_their_chain(given):
-    store, tasks, ended = given()
-    assert len(tasks) < 16
-    assert max(len(task) for task in tasks) == 3
-    assert sorted(sum(tasks, ())) == sorted(points(SWEEP))
-    assert all(len({point.velocity for point in task}) == 1 for task in tasks)
+def test_short_points_share_a_task_with_the_next_of_their_chain(given):
+    client = Here()
+    store, ended = given(client=client)
+    assert [len(task[2]) for task in client.tasks] == [3] * 8
     assert ended == {"done": 24}
     for place in points(SWEEP)[9:12]:
         assert_is_as_computed_alone(store, place)
 
 
-def test_the_last_chains_are_cut_short_so_that_they_end_together(given):
-    _, tasks, _ = given()
-    assert len(tasks[-1]) == 1
+@pytest.mark.parametrize("workers", [1, 8])
+def test_chains_are_finished_one_by_one_but_the_last_of_them_together(given, workers):
+    client = Here(workers)
+    given(seconds=0.0, client=client)
+    velocities = [task[2][0].velocity for task in client.tasks]
+    in_turn = [v for v in SWEEP.velocities for _ in SWEEP.loads]
+    together = [v for _ in SWEEP.loads for v in SWEEP.velocities]
+    assert velocities == in_turn if workers == 1 else sorted(velocities[:8]) == together[:8]
 
 
 def test_a_point_that_fails_costs_no_other_of_its_task(given, monkeypatch):
     bad = points(SWEEP)[10]
-
-    def failing(sweep, load, velocity, realization, trunk=None):
-        if Point(load, velocity) == bad:
-            raise tribo.ConvergenceError("the contact did not converge", solution=None)
-        return run_point(sweep, load, velocity, realization, trunk)
-
-    monkeypatch.setattr(schedule, "run_point", failing)
-    store, tasks, ended = given()
-    assert any(bad in task and len(task) == 3 for task in tasks)
+    monkeypatch.setattr(work, "run_point", failing_at(bad))
+    client = Here()
+    store, ended = given(client=client)
+    assert len(client.tasks) == 8
     assert ended == {"done": 23, "failed": 1}
     (failed,) = summarized(store).failed
     assert (failed.load, failed.velocity) == bad[:2]
+    assert failed.message == "ConvergenceError: the contact did not converge"
     for place in (points(SWEEP)[9], points(SWEEP)[11]):
         assert_is_as_computed_alone(store, place)
 
 
+def test_a_task_that_is_run_again_for_its_trunk_computes_no_more_than_that(tmp_path):
+    store = prepare(tmp_path / "out.zarr", SWEEP)
+    first, second, third = points(SWEEP)[:3]
+    store.commit(run_point(SWEEP, *first))
+    parcel = schedule.pickle.dumps(SWEEP)
+    kept = work.compute_points(parcel, store, (first, second, third), None, 1e9)
+    assert store.status([first, second]) == {first: DONE, second: PENDING}
+    work.compute_points(parcel, store, (second, third), kept, 1e9)
+    for place in (second, third):
+        assert_is_as_computed_alone(store, place)
+
+
+def test_the_points_that_workers_die_of_fail_after_trials_alone_and_no_others(given):
+    deadly = {place for place in points(SWEEP) if place.load == 250.0}
+    client = Here(workers=2, is_deadly=deadly.__contains__)
+    store, ended = given(client=client)
+    assert ended == {"done": 16, "failed": 8}
+    assert {place for place, flag in store.status().items() if flag == FAILED} == deadly
+    alone = [task[2] for task, worker in zip(client.tasks, client.pinned, strict=True) if worker]
+    assert Counter(alone) == {(place,): TRIALS for place in deadly}
+    for place in points(SWEEP)[:3:2]:
+        assert_is_as_computed_alone(store, place)
+
+
+def test_workers_that_are_killed_from_outside_cost_no_point(given):
+    client = Here(workers=2, is_hit=lambda number: number % 3 == 0)
+    _, ended = given(seconds=0.0, client=client)
+    assert ended == {"done": 24}
+
+
 def test_a_store_that_cannot_be_written_ends_it_all(given, monkeypatch):
     def full(*_):
-        raise schedule.StoreError("no room")
+        raise StoreError("no room")
 
     monkeypatch.setattr(Store, "commit", full)
-    with pytest.raises(schedule.StoreError, match="no room"):
+    with pytest.raises(StoreError, match="no room"):
         given()
+
+
+def test_a_point_that_the_store_shows_late_is_waited_for_and_not_blamed(given, monkeypatch):
+    """As on a file system of many machines."""
+    status, asked = Store.status, Counter()
+
+    def late(self, places):
+        asked.update(places)
+        found = status(self, places)
+        return {place: flag if asked[place] > 2 else PENDING for place, flag in found.items()}
+
+    monkeypatch.setattr(Store, "status", late)
+    monkeypatch.setattr(schedule, "_UNSEEN", 0.0)
+    client = Here()
+    _, ended = given(client=client)
+    assert ended == {"done": 24}
+    assert not any(client.pinned)
+
+
+class Lossy(Here):
+    """A client of which finished tasks are lost with their worker, and then finished again."""
+
+    class Lost(Ended):
+        looks = 0
+
+        def done(self):
+            self.looks += 1
+            return self.looks > 3
+
+    def submit(self, *arguments, **options):
+        ended = super().submit(*arguments, **options)
+        ended.__class__ = self.Lost
+        return ended
+
+
+def test_a_task_that_was_lost_after_it_had_finished_is_waited_for(given, monkeypatch):
+    monkeypatch.setattr(schedule, "wait_for_any", lambda *_: None)
+    _, ended = given(client=Lossy())
+    assert ended == {"done": 24}
+
+
+class Stuck(Here):
+    """A client that never finishes a task; workers have been given the first `busy` of them."""
+
+    def __init__(self, busy=0):
+        super().__init__()
+        self._busy, self._asked = busy, 0
+
+    def submit(self, function, *arguments, **options):
+        if len(arguments) == 1:
+            return super().submit(function, *arguments, **options)
+        ended = Ended()
+        ended.key = "stuck"
+        return ended
+
+    def processing(self):
+        self._asked += 1
+        return {"here 0": ("stuck",) if self._asked <= self._busy else ()}
+
+
+@pytest.mark.parametrize("busy", [0, 40])
+def test_a_sweep_in_which_nothing_moves_says_so_and_ends(given, monkeypatch, busy):
+    """But it does not end while a worker computes."""
+    monkeypatch.setattr(schedule, "wait_for_any", lambda *_: None)
+    monkeypatch.setattr(schedule, "_UNSEEN", 0.01)
+    monkeypatch.setattr(watch, "END", 0.2)
+    monkeypatch.setattr(watch, "WORD", 0.1)
+    told, client = [], Stuck(busy)
+    with pytest.raises(ExecutionError, match=r"no worker computes any; finished points are safe"):
+        given(client=client, tell=told.append)
+    assert client._asked > busy
+    assert "no point has been finished for 0 s; waiting for 150 N, 0.5 m/s" in told[0]

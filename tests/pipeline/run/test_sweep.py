@@ -172,13 +172,14 @@ def test_a_point_that_kills_its_workers_fails_alone(path):
 
 
 @pytest.mark.parametrize(
-    ("velocities", "at"),
-    [(tiny.VELOCITIES, 600.0), (tuple(np.linspace(0.5, 1.5, 6)), 250.0)],
-    ids=["in tasks of their own", "in tasks of several"],
+    ("velocities", "at", "workers"),
+    [(tiny.VELOCITIES, 600.0, 1), (tuple(np.linspace(0.5, 1.5, 6).tolist()), 250.0, 2)],
 )
-def test_points_that_share_a_worker_with_a_deadly_one_are_done_after_all(path, velocities, at):
+def test_points_that_share_a_worker_with_a_deadly_one_are_done_after_all(
+    path, velocities, at, workers
+):
     deadly = tiny.DeadlyRamp(150.0, 750.0, at=at)
-    outcome = run_sweep(tiny.sweep(loading=deadly, velocities=velocities), path, workers=1)
+    outcome = run_sweep(tiny.sweep(loading=deadly, velocities=velocities), path, workers=workers)
     assert {failed.load for failed in outcome.failed} == {at}
     assert (outcome.done, len(outcome.failed)) == (2 * len(velocities), len(velocities))
 

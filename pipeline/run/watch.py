@@ -1,0 +1,68 @@
+"""How long to wait for a sweep in which nothing moves, and when to say so."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+WORD = 60.0  # [s] without a task that ends, after which the user is told; then after twice that
+END = 300.0  # [s] without a worker that computes, after which the sweep is given up
+
+
+@dataclass(frozen=True, slots=True)
+class Watch:
+    """How long nothing has moved.
+
+    A point may take its time, and as long as a worker computes one there is no end to wait for. If
+    tasks wait that no worker has been given, something is wrong.
+
+    Attributes
+    ----------
+    ended, computed : float
+        When a task ended last, and when a worker was last seen with one [s].
+    patience : float
+        Time without an end after which there is a word to say [s].
+    now : float
+        When this was seen [s].
+
+    Examples
+    --------
+    >>> watch = Watch.begin(0.0).after(59.0, ended=False, computing=True)
+    >>> watch.word
+    >>> watch = watch.after(61.0, ended=False, computing=False)
+    >>> watch.word
+    'no point has been finished for 61 s'
+    >>> watch.heard().after(360.0, ended=False, computing=False).is_over
+    True
+    """
+
+    ended: float
+    computed: float
+    now: float
+    patience: float
+
+    @classmethod
+    def begin(cls, now: float) -> Watch:
+        """Begin to watch."""
+        return cls(now, now, now, WORD)
+
+    def after(self, now: float, ended: bool, computing: bool) -> Watch:
+        """Take note whether a task has ended, or a worker still computes one."""
+        if ended:
+            return Watch.begin(now)
+        return replace(self, now=now, computed=now if computing else self.computed)
+
+    def heard(self) -> Watch:
+        """Once a word was said, it is said again after twice the time."""
+        return replace(self, patience=2 * self.patience)
+
+    @property
+    def word(self) -> str | None:
+        """What to tell the user, if it is time to."""
+        if self.now - self.ended < self.patience:
+            return None
+        return f"no point has been finished for {self.now - self.ended:.0f} s"
+
+    @property
+    def is_over(self) -> bool:
+        """Whether to give up."""
+        return self.now - self.computed > END

@@ -1,0 +1,99 @@
+"""What a worker does: it computes and commits points of a chain, one after the other.
+
+The trunk that it ends with is the result of the task, which stays on the worker for the next task
+of the chain. Should that worker die, Dask runs the task again; its points are done by then, so that
+only the trunk is computed. No result depends on any of this.
+"""
+
+from __future__ import annotations
+
+import functools
+import pickle
+import threading
+import time
+from dataclasses import dataclass
+from typing import Any
+
+from pipeline.store.points import Store
+from pipeline.sweep.model import Point, Sweep
+from pipeline.sweep.plan import Trunk, advance_trunk, run_point
+
+# Buffers of the transforms are shared within a process, whatever threads a given cluster has.
+_one_at_a_time = threading.Lock()
+
+
+@dataclass(frozen=True, eq=False)
+class Kept:
+    """A trunk, which stays as it is for the next point on the same worker.
+
+    On its way to another it is bytes: arrays that Dask rebuilds from its own messages may lie at
+    odd addresses, and NumPy sums such arrays in another order.
+    """
+
+    trunk: Trunk | None
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _kept, (pickle.dumps(self.trunk),)
+
+
+def _kept(trunk: bytes) -> Kept:
+    return Kept(pickle.loads(trunk))
+
+
+def compute_points(
+    parcel: bytes, store: Store, points: tuple[Point, ...], kept: Kept | None, seconds: float
+) -> Kept:
+    """Compute points of a chain, at least one, until the time is up.
+
+    A point that fails is recorded, and the next one goes on from the same trunk. What is done
+    already is passed by: then Dask runs the task again for the sake of its trunk, and no more is
+    computed than that.
+
+    Parameters
+    ----------
+    parcel : bytes
+        The pickled sweep.
+    store : Store
+    points : tuple of Point
+        Of one chain, loads ascending.
+    kept : Kept or None
+        The trunk to go on from.
+    seconds : float
+        Time after which no further point is begun [s].
+
+    Returns
+    -------
+    Kept
+        The trunk to go on from.
+
+    Raises
+    ------
+    StoreError
+        If a point cannot be recorded.
+    """
+    sweep, trunk = _unpacked(parcel), kept.trunk if kept else None
+    end = time.monotonic() + seconds
+    restoring = False
+    for point in points:
+        with _one_at_a_time:
+            if store.is_done(point):
+                trunk, restoring = advance_trunk(sweep, *point, trunk), True
+                continue
+            if restoring:
+                break
+            try:
+                result = run_point(sweep, *point, trunk)
+            except Exception as error:
+                store.fail(point, f"{type(error).__name__}: {error}")
+                continue
+        store.commit(result)
+        trunk = result.trunk
+        if time.monotonic() > end:
+            break
+    return Kept(trunk)
+
+
+@functools.lru_cache(maxsize=1)
+def _unpacked(parcel: bytes) -> Sweep:
+    sweep: Sweep = pickle.loads(parcel)
+    return sweep
