@@ -4,23 +4,33 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Sequence
 from typing import Any
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.patheffects import withStroke
+from matplotlib.text import Text
 from matplotlib.ticker import FuncFormatter, NullFormatter
+from matplotlib.transforms import Bbox
 
-from pipeline.figures.labels import Label, name_points
 from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION, in_house_style
 from pipeline.tradeoff.trade import Choice, Trade
 from tribo import PRESETS
 
-__all__ = ["draw_trade"]
-
 _LEAST = 1e-4  # the smallest error that is told apart from none
 _OUTLYING = 0.1  # relative error from which what is varied is not drawn
-_NAMED = {"fontsize": 10, "fontweight": "bold", "color": BLACK}
-_VARIED = {"fontsize": 7.5, "color": GREY}
+_NAMED: dict[str, Any] = {"fontsize": 10, "fontweight": "bold", "color": BLACK}
+_VARIED: dict[str, Any] = {"fontsize": 7.5, "color": GREY}
+_SIDES = (
+    (1, 1),
+    (1, -1),
+    (1, 0),
+    (-1, 0),
+    (-1, 1),
+    (-1, -1),
+)  # of a point, right and up
+_LEAD = {"arrowstyle": "-", "lw": 0.5, "color": GREY, "shrinkA": 1, "shrinkB": 4}
 
 
 @in_house_style
@@ -64,9 +74,8 @@ def draw_trade(trade: Trade) -> Figure:
     axes.xaxis.set_minor_formatter(NullFormatter())
     axes.set_title(f"Speed against accuracy: {trade.title}", pad=10)
     figure.legend(loc="outside lower center", ncols=4)
-    steps = [(x, y) for (_, y), (x, _) in itertools.pairwise(map(_place, front))]
-    corners = itertools.chain(*itertools.zip_longest(map(_place, front), steps, fillvalue=None))
-    name_points(figure, axes, _labels(trade, shown), [corner for corner in corners if corner])
+    figure.draw_without_rendering()  # names go by the final scales
+    _name(figure, axes, trade, shown, front)
     return figure
 
 
@@ -97,12 +106,46 @@ def _limit_errors(axes: Axes, shown: list[Choice]) -> None:
     axes.set_ylim(min(errors) / 1.8, max(errors) * 2.2)
 
 
-def _labels(trade: Trade, shown: list[Choice]) -> list[Label]:
-    """Names of the presets, then of the others from the top down."""
-    labels = []
-    for choice in sorted(shown, key=lambda choice: (bool(choice.varied), -choice.velocity_error)):
-        look = _NAMED if choice.varied is None else _VARIED
-        text = choice.name.removeprefix(f"{trade.base}, ") if choice.varied else choice.name
-        text = text.replace("history_coarsening", "history grid").replace("_", " ")
-        labels.append(Label(text, *_place(choice), look))
-    return labels
+def _name(
+    figure: Figure, axes: Axes, trade: Trade, shown: Sequence[Choice], front: Sequence[Choice]
+) -> None:
+    """Write names beside the points, where they cover neither another name nor a point.
+
+    The presets choose first, and in a crowd have a name farther off, then the choices on the
+    front, to whose lower left nothing can lie, then the others from the top down. Of these, one
+    that finds no room has no name.
+    """
+    per_point = figure.dpi / 72
+    points = axes.transData.transform([_place(choice) for choice in shown])
+    taken = [Bbox.from_extents(*(at - 5 * per_point), *(at + 5 * per_point)) for at in points]
+    window = axes.get_window_extent()
+    for choice in sorted(
+        shown, key=lambda one: (one.varied is not None, one not in front, -one.velocity_error)
+    ):
+        sides = _SIDES[::-1] if choice in front else _SIDES
+        distances = (1,) if choice.varied else (1, 3, 5, 7, 9)
+        for far, (right, up) in itertools.product(distances, sides):
+            note = axes.annotate(
+                _text(trade, choice),
+                _place(choice),
+                xytext=(7 * right * far, 6 * up * far),
+                textcoords="offset points",
+                ha="left" if right > 0 else "right",
+                va="center_baseline",
+                arrowprops=_LEAD if far > 1 else None,
+                path_effects=[withStroke(linewidth=2.5, foreground="white")],
+                zorder=5,
+                **(_VARIED if choice.varied else _NAMED),
+            )
+            note.get_window_extent()  # puts it in its place
+            box = Text.get_window_extent(note)  # without the line that leads to it
+            inside = window.contains(box.x0, box.y0) and window.contains(box.x1, box.y1)
+            if inside and not box.count_overlaps(taken):
+                taken.append(box)
+                break
+            note.remove()
+
+
+def _text(trade: Trade, choice: Choice) -> str:
+    text = choice.name.removeprefix(f"{trade.base}, ") if choice.varied else choice.name
+    return text.replace("history_coarsening", "history grid").replace("_", " ")
