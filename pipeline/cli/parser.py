@@ -132,7 +132,9 @@ def _compact(commands: _Commands) -> None:
 
 def _boundary(commands: _Commands) -> None:
     what = "find the transition from mild to severe wear, without a new simulation"
-    parser = commands.on_store("boundary", results.boundary, what, "--friction 0.09,0.103")
+    parser = commands.on_store(
+        "boundary", results.boundary, what, "--friction 0.09 --friction 0.103"
+    )
     _add_conditions(parser)
 
 
@@ -232,12 +234,18 @@ def _add_accuracy(parser: argparse.ArgumentParser) -> None:
 def _add_conditions(parser: argparse.ArgumentParser, several: bool = True) -> None:
     """Options to judge by other conditions than the scene's own."""
     group = parser.add_argument_group("conditions, in place of the scene's own")
-    group.add_argument(
-        "--friction",
-        metavar="MU",
-        type=values.frictions if several else values.friction,
-        help="coefficient of friction" + (", or several such as 0.09,0.103" if several else ""),
-    )
+    if several:
+        group.add_argument(
+            "--friction",
+            metavar="MU",
+            type=values.frictions,
+            action=values.Several,
+            help="coefficient of friction; may be repeated",
+        )
+    else:
+        group.add_argument(
+            "--friction", metavar="MU", type=values.friction, help="coefficient of friction"
+        )
     group.add_argument(
         "--bulk-temperature", metavar="T", type=values.quantity("25 degC"), help='like "25 degC"'
     )

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import argparse
+import re
 import tomllib
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pipeline
+
+_DECIMAL_POINT = re.compile(r"\s*[+-]?(\d+\.\d*|\.\d+)(e[+-]?\d+)?\s*", re.IGNORECASE)
+_DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d+")
 
 
 def quantity(like: str) -> Callable[[str], float]:
@@ -49,18 +53,42 @@ def friction(text: str) -> float:
     try:
         return float(text)
     except ValueError:
-        raise argparse.ArgumentTypeError(f'"{text}": give a number such as 0.1') from None
+        hint = f": write {text.replace(',', '.')}" if _DECIMAL_COMMA.fullmatch(text) else ""
+        raise argparse.ArgumentTypeError(f'"{text}": give a number such as 0.1{hint}') from None
 
 
-def frictions(text: str) -> float | tuple[float, ...]:
-    """Read a friction coefficient, or several between commas."""
-    try:
-        values = tuple(float(part) for part in text.split(","))
-    except ValueError:
+def frictions(text: str) -> tuple[float, ...]:
+    """Read a friction coefficient, or several with decimal points between commas.
+
+    Examples
+    --------
+    >>> frictions("0.1"), frictions("0.09,0.103")
+    ((0.1,), (0.09, 0.103))
+    """
+    parts = text.split(",")
+    if len(parts) > 1 and not all(_DECIMAL_POINT.fullmatch(part) for part in parts):
         raise argparse.ArgumentTypeError(
-            f'"{text}": give a number such as 0.1, or several such as 0.09,0.103'
-        ) from None
-    return values if len(values) > 1 else values[0]
+            f'"{text}": the comma may stand for a decimal point; write one number as 0.12, several '
+            "as --friction 0.09 --friction 0.103 or 0.09,0.103"
+        )
+    return tuple(friction(part) for part in parts)
+
+
+class Several(argparse.Action):
+    """Values of an option that may be repeated: the value if it is one, a tuple if more."""
+
+    def __call__(
+        self,
+        parser: argparse.ArgumentParser,
+        namespace: argparse.Namespace,
+        values: Any,
+        option_string: str | None = None,
+    ) -> None:
+        """Add values to those that are there."""
+        before = getattr(namespace, self.dest)
+        known = () if before is None else before if isinstance(before, tuple) else (before,)
+        found = (*known, *values)
+        setattr(namespace, self.dest, found if len(found) > 1 else found[0])
 
 
 def share(text: str) -> float:

@@ -152,7 +152,9 @@ def test_boundary_in_words_names_its_conditions(swept, capsys):
 
 
 def test_boundary_takes_several_frictions_at_once(swept, capsys):
-    assert run("boundary", swept / "small.zarr", "--friction", "0.08,0.12", "--json") == 0
+    assert (
+        run("boundary", swept / "small.zarr", "--friction", 0.08, "--friction", 0.12, "--json") == 0
+    )
     both = json.loads(capsys.readouterr().out)
     assert both["conditions"]["friction"] == [0.08, 0.12]
     assert run("boundary", swept / "small.zarr", "--friction", "0.12", "--json") == 0
@@ -238,7 +240,7 @@ def test_friction_0_is_mild_in_every_command(swept, tmp_path, capsys, kind):
     assert figure.stat().st_size > 10_000
     assert run("boundary", store, "--friction", 0, "--json") == 0
     capsys.readouterr()
-    assert run("boundary", store, "--friction", "0,0.1", "--json") == 0
+    assert run("boundary", store, "--friction", 0, "--friction", 0.1, "--json") == 0
     slippery, rubbing = json.loads(capsys.readouterr().out)["critical_velocity"]
     assert not any(slippery)
     assert any(rubbing)

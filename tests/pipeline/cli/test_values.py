@@ -1,0 +1,50 @@
+"""Values of options: what could mean two things is refused."""
+
+import argparse
+
+import pytest
+
+from pipeline.cli import main, values
+
+
+@pytest.mark.parametrize(
+    ("text", "found"),
+    [
+        ("0.1", (0.1,)),
+        ("0", (0.0,)),
+        ("0.09,0.103", (0.09, 0.103)),
+        (".09,1.,1.2e-1", (0.09, 1.0, 0.12)),
+    ],
+)
+def test_numbers_with_points_may_stand_between_commas(text, found):
+    assert values.frictions(text) == found
+
+
+@pytest.mark.parametrize("text", ["0,12", "1,0.5", "0,09,0,103", "0.1,", ",1", "0.1, 1"])
+def test_a_comma_that_may_be_a_decimal_point_is_refused(text):
+    with pytest.raises(argparse.ArgumentTypeError, match="comma may stand for a decimal point"):
+        values.frictions(text)
+
+
+def test_a_decimal_comma_in_a_single_number_is_refused_with_the_point():
+    with pytest.raises(argparse.ArgumentTypeError, match=r"0\.12"):
+        values.friction("0,12")
+
+
+def test_an_option_with_several_values_may_be_repeated():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--friction", type=values.frictions, action=values.Several)
+
+    def read(*given):
+        return parser.parse_args(given).friction
+
+    assert read() is None
+    assert read("--friction", "0.1") == 0.1
+    assert read("--friction", "0.1", "--friction", "0.2,0.3") == (0.1, 0.2, 0.3)
+
+
+def test_decimal_commas_end_with_exit_code_2(capsys, tmp_path):
+    with pytest.raises(SystemExit) as caught:
+        main(["boundary", str(tmp_path / "out.zarr"), "--friction", "0,12"])
+    assert caught.value.code == 2
+    assert "write one number as 0.12" in capsys.readouterr().err
