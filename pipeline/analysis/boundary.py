@@ -22,12 +22,14 @@ from tribo import InputError
 from tribo.thermal import quantiles
 from tribo.types import Array
 
+_COLDEST_OIL, _HOTTEST_OIL = 220.0, 900.0  # bulk temperatures [K]
+
 
 def boundary(
     ds: xr.Dataset,
     friction: float | Iterable[float] | None = None,
-    bulk_temperature: float | None = None,
-    critical_temperature: float | None = None,
+    bulk_temperature: float | str | None = None,
+    critical_temperature: float | str | None = None,
     share: float | None = None,
 ) -> xr.Dataset:
     """Critical velocity for each load and critical load for each velocity.
@@ -41,8 +43,9 @@ def boundary(
     friction : float or several, optional
         Coefficient of friction, at least 0; like the following the sweep's own if not given.
         Several give a dimension ``friction``.
-    bulk_temperature, critical_temperature : float, optional
-        [K].
+    bulk_temperature, critical_temperature : float or str, optional
+        Temperature far from the contact, and the one above which the lubricant fails [K]; or text
+        with a unit, such as ``"80 degC"``.
     share : float, optional
         Wear is severe where more than this share of the contact area is hotter than the critical
         temperature; 0 is Blok's criterion, the maximum temperature.
@@ -132,8 +135,8 @@ _OUTCOME_ATTRS = {
 def decisive_temperature(
     ds: xr.Dataset,
     friction: float | None = None,
-    bulk_temperature: float | None = None,
-    critical_temperature: float | None = None,
+    bulk_temperature: float | str | None = None,
+    critical_temperature: float | str | None = None,
     share: float | None = None,
     resolution: int | None = None,
 ) -> xr.DataArray:
@@ -244,8 +247,8 @@ def rise_exceeded(ds: xr.Dataset, share: float) -> xr.DataArray:
 def conditions_of(
     ds: xr.Dataset,
     friction: float | None = None,
-    bulk_temperature: float | None = None,
-    critical_temperature: float | None = None,
+    bulk_temperature: float | str | None = None,
+    critical_temperature: float | str | None = None,
     share: float | None = None,
 ) -> Conditions:
     """Take the sweep's own conditions, and those that are given in their place.
@@ -257,14 +260,14 @@ def conditions_of(
     """
     given = {
         "friction": friction,
-        "bulk_temperature": bulk_temperature,
-        "critical_temperature": critical_temperature,
+        "bulk_temperature": _kelvin("bulk_temperature", bulk_temperature),
+        "critical_temperature": _kelvin("critical_temperature", critical_temperature),
         "failing_share": share,
     }
     values = dict(ds.attrs.get("conditions") or {})
     values |= {name: value for name, value in given.items() if value is not None}
     for name in given:
-        if values.get(name) is None:
+        if values.get(name) is None and name != "critical_temperature":
             raise InputError(f"the sweep has no {name} of its own; give one")
     conditions = Conditions(**values)
     if conditions.friction and not ds.attrs.get("scene", {}).get("friction_heat", True):
@@ -273,6 +276,26 @@ def conditions_of(
             "so without any heat: run it again with friction, into another store"
         )
     return conditions
+
+
+def _kelvin(name: str, given: float | str | None) -> float | None:
+    """Read a temperature [K], and refuse one at which no oil works."""
+    if isinstance(given, str):
+        from pipeline.scene.units import UnitError, to_si  # takes 0.1 s, and few calls need it
+
+        try:
+            given = to_si(given, "300 K")
+        except UnitError as error:
+            raise InputError(f'{name}: {error}; give one such as "80 degC"') from error
+    if given is None or isinstance(given, Iterable):
+        return given  # several are refused with the other conditions
+    hottest = _HOTTEST_OIL if name == "bulk_temperature" else np.inf
+    if given < _COLDEST_OIL or hottest < given < np.inf:
+        raise InputError(
+            f"{name} is {given:g} K, that is {given - 273.15:.4g} °C, at which no oil works; give "
+            f'kelvins from {_COLDEST_OIL:g} on, or text with a unit, such as "{given:g} degC"'
+        )
+    return given
 
 
 def _outcome(found: Array, r: Array, limit: float, axis: int) -> NDArray[np.int8]:

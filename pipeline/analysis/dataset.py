@@ -37,7 +37,7 @@ def open_sweep(path: PathLike) -> xr.Dataset:
         ``temperature_quantile``
             Temperature that a share ``quantile`` of the contact area stays below [K].
         ``failed_fraction``
-            Share of the contact area above the critical temperature.
+            Share of the contact area above the critical temperature, if the scene gives that.
 
         Fields and the like are read when they are used.
 
@@ -140,15 +140,17 @@ def _temperatures(ds: xr.Dataset) -> dict[str, xr.Variable]:
                 shares[index] = failed_fraction(quantiles[index], conditions)
         return shares
 
-    return {
+    found = {
         "max_temperature": warmed("max_rise", "highest temperature"),
         "mean_temperature": warmed("mean_rise", "mean temperature"),
         "temperature_quantile": warmed("rise_quantile", "quantile of the temperature"),
-        "failed_fraction": as_needed(
+    }
+    if conditions.critical_temperature is not None:
+        found["failed_fraction"] = as_needed(
             rises.dims[:-1],
             rises.shape[:-1],
             float,
             failed,
             {"units": "1", "long_name": "share of the contact above the critical temperature"},
-        ),
-    }
+        )
+    return found

@@ -32,15 +32,16 @@ class Warned:
         Points with at least one.
     kinds : dict of int
         Points with a warning of each kind that occurs.
-    at_boundary : int
+    at_boundary : int or None
         Those beside the boundary: a neighbour in load or in velocity has the other kind of wear.
+        None where there is no boundary, for want of a critical temperature.
     example : str
         One of these points, or of the others if there is none, and what is to be known of it.
     """
 
     points: int
     kinds: dict[str, int]
-    at_boundary: int
+    at_boundary: int | None
     example: str = ""
 
     def as_dict(self) -> dict[str, Any]:
@@ -52,11 +53,12 @@ class Warned:
         if not self.points:
             return
         kinds = ", ".join(f"{kind} at {count}" for kind, count in self.kinds.items())
-        lies = (
-            f"{self.at_boundary} beside the boundary, which may be wrong there"
-            if self.at_boundary
-            else "none beside the boundary"
-        )
+        if self.at_boundary is None:
+            lies = "and no critical temperature tells where the boundary is"
+        elif self.at_boundary:
+            lies = f"{self.at_boundary} beside the boundary, which may be wrong there"
+        else:
+            lies = "none beside the boundary"
         carry = "1 point carries" if self.points == 1 else f"{self.points} points carry"
         yield f"warning: {carry} a warning ({kinds}), {lies}"
         yield f"warning: at {self.example}"
@@ -80,11 +82,12 @@ def warned(ds: xr.Dataset, **conditions: Any) -> Warned:
         counts = {kind.label: int(((flags & kind) > 0).sum()) for kind in WarningKind}
     else:
         counts = {_OLD_STORES: int(there.sum())}
-    beside = there & _beside_boundary(ds, conditions)
+    found = _beside_boundary(ds, conditions)
+    beside = there if found is None else there & found
     return Warned(
         points=int(there.sum()),
         kinds={kind: count for kind, count in counts.items() if count},
-        at_boundary=int(beside.sum()),
+        at_boundary=None if found is None else int(beside.sum()),
         example=_first(ds["message"].where(beside if beside.any() else there, "")),
     )
 
@@ -96,11 +99,16 @@ def has_warning(ds: xr.Dataset) -> xr.DataArray:
     return done & told
 
 
-def _beside_boundary(ds: xr.Dataset, conditions: dict[str, Any]) -> xr.DataArray:
-    """Tell which points have a neighbour with the other kind of wear, at any of the frictions."""
+def _beside_boundary(ds: xr.Dataset, conditions: dict[str, Any]) -> xr.DataArray | None:
+    """Tell which points have a neighbour with the other kind of wear, at any of the frictions.
+
+    None where no critical temperature tells the kind of wear.
+    """
     frictions = conditions.get("friction")
     several = frictions if isinstance(frictions, Iterable) else [frictions]
     each = [conditions_of(ds, **conditions | {"friction": friction}) for friction in several]
+    if each[0].critical_temperature is None:
+        return None
     rises = [decisive_rise(part, each[0].failing_share) for part in by_surface(ordered(ds))]
     found = [
         rise.copy(data=np.any([_beside(rise.values, rise_limit(own)) for own in each], axis=0))
@@ -110,7 +118,9 @@ def _beside_boundary(ds: xr.Dataset, conditions: dict[str, Any]) -> xr.DataArray
 
 
 def _first(messages: xr.DataArray) -> str:
-    """The first message that there is, and its point."""
+    """The first message that there is, and its point; empty if a writer has just cleared it."""
+    if not messages.values.any():
+        return ""
     at = {
         name: int(place[0])
         for name, place in zip(messages.dims, np.nonzero(messages.values), strict=True)

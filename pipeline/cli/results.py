@@ -68,18 +68,27 @@ def _on_point(
     load, velocity, _ = result.point
     conditions = sweep.conditions
     at_worst = f" at its worst, after {verdict.time:.3g} s" if verdict.time < found["time"] else ""
+    wear = "severe wear" if verdict.is_severe else "mild wear"
+    if verdict.is_severe is None:
+        wear = "whether wear is severe is not known without temperature.critical"
     yield (
         f"{load:g} N at {velocity:g} m/s after {found['time']:.3g} s "
-        f"and {found['sliding_distance']:.3g} m: {'severe' if verdict.is_severe else 'mild'} wear"
+        f"and {found['sliding_distance']:.3g} m: {wear}"
     )
-    yield (
-        f"  failed share      {100 * verdict.failed_fraction:.1f} % of the contact above "
-        f"{pipeline.display(conditions.critical_temperature, '°C')} "
-        f"(severe above {100 * conditions.failing_share:g} %){at_worst}"
-    )
+    if conditions.critical_temperature is not None and verdict.failed_fraction is not None:
+        yield (
+            f"  failed share      {100 * verdict.failed_fraction:.1f} % of the contact above "
+            f"{pipeline.display(conditions.critical_temperature, '°C')} "
+            f"(severe above {100 * conditions.failing_share:g} %)"
+        )
+    if conditions.failing_share:
+        yield (
+            f"  exceeded          {pipeline.display(verdict.decisive_temperature, '°C', 4)} on "
+            f"{100 * conditions.failing_share:g} % of the contact"
+        )
     yield (
         f"  max temperature   {pipeline.display(verdict.max_temperature, '°C', 4)} at friction "
-        f"{conditions.friction:g}"
+        f"{conditions.friction:g}{at_worst}"
     )
     heat = found["pin_heat_share"]
     yield "  pin's heat share  " + (f"{100 * heat:.1f} %" if math.isfinite(heat) else "no heat")

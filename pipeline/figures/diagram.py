@@ -47,8 +47,8 @@ _LABEL_SIZE = (0.30, 0.13)  # of the axes: about what the names of the regions t
 def diagram(
     ds: xr.Dataset,
     friction: float | Sequence[float] | None = None,
-    bulk_temperature: float | None = None,
-    critical_temperature: float | None = None,
+    bulk_temperature: float | str | None = None,
+    critical_temperature: float | str | None = None,
     share: float | None = None,
     realization: int | None = None,
 ) -> Figure:

@@ -85,8 +85,8 @@ def ramp(
     load: float | Iterable[float] | None = None,
     velocity: float | Iterable[float] | None = None,
     friction: float | None = None,
-    bulk_temperature: float | None = None,
-    critical_temperature: float | None = None,
+    bulk_temperature: float | str | None = None,
+    critical_temperature: float | str | None = None,
     share: float | None = None,
     realization: int | None = None,
 ) -> Figure:
@@ -145,8 +145,8 @@ def fields(
     load: float | None = None,
     velocity: float | None = None,
     friction: float | None = None,
-    bulk_temperature: float | None = None,
-    critical_temperature: float | None = None,
+    bulk_temperature: float | str | None = None,
+    critical_temperature: float | str | None = None,
     share: float | None = None,
     realization: int | None = None,
 ) -> Figure:
@@ -179,9 +179,10 @@ def fields(
     (i, j) = point = _points(ds, load, velocity, conditions)[0]
     here = ds.isel(load=i, velocity=j).transpose("x", "y", ...)
     temperature = celsius(contact_temperature(here["rise"].values, conditions))
-    critical = celsius(conditions.critical_temperature)
-    outlined = temperature.min() < critical < temperature.max() and min(temperature.shape) > 1
-    white = f", outlined at {critical:g}" if outlined else ""
+    critical = conditions.critical_temperature
+    limit = math.inf if critical is None else celsius(critical)
+    outlined = temperature.min() < limit < temperature.max() and min(temperature.shape) > 1
+    white = f", outlined at {limit:g}" if outlined else ""
     pressure = here["pressure"].values / 1e9
     panels = (
         ("contact pressure [GPa]", np.ma.masked_equal(pressure, 0.0), "viridis_r", 0.0),
@@ -208,7 +209,7 @@ def fields(
         row[0].set_yticks([])
     if outlined:
         centres = 1e6 * here["x"].values, 1e6 * here["y"].values
-        row[1].contour(*centres, temperature.T, [critical], colors="white", linewidths=0.8)
+        row[1].contour(*centres, temperature.T, [limit], colors="white", linewidths=0.8)
     figure.suptitle(f"{title_of(ds)}\n{_name(ds, point)}, {heating(conditions)}")
     return figure
 
@@ -233,7 +234,9 @@ def _points(
     for i in loads or [int(np.flatnonzero(known.any(axis=1))[-1])]:
         if not known[i].any():
             raise InputError(f"no point at {ds['load'].values[i]:g} N is done")
-        distance = np.abs(r[i] - min(rise_limit(conditions), np.nanmax(r[i])))
+        judged = conditions.critical_temperature is not None
+        limit = rise_limit(conditions) if judged else math.inf
+        distance = np.abs(r[i] - min(limit, np.nanmax(r[i])))
         points += [(i, j) for j in velocities or [int(np.nanargmin(distance))]]
     for point in points:
         if not known[point]:
@@ -277,13 +280,14 @@ def _temperatures(
             time, kelvin = _along_ramp(ds, rise, point)
             temperature = celsius(contact_temperature(kelvin, conditions))
             axes.plot(time, temperature, color=f"C{number}", zorder=_order(point), **look)
-    critical = celsius(conditions.critical_temperature)
-    axes.axhline(critical, color=GREY, ls=":", lw=1.4)
+    key = [Line2D([], [], color=BLACK, label=label, **look) for _, label, look in rises]
+    if conditions.critical_temperature is not None:
+        critical = celsius(conditions.critical_temperature)
+        axes.axhline(critical, color=GREY, ls=":", lw=1.4)
+        key.append(Line2D([], [], color=GREY, ls=":", lw=1.4, label=f"critical, {critical:g} °C"))
     axes.set_ylabel("contact temperature [°C]")
     bottom, top = axes.get_ylim()
     axes.set_ylim(bottom, top + 0.17 * (top - bottom))  # room for the legend
-    key = [Line2D([], [], color=BLACK, label=label, **look) for _, label, look in rises]
-    key.append(Line2D([], [], color=GREY, ls=":", lw=1.4, label=f"critical, {critical:g} °C"))
     axes.legend(handles=key, loc="upper left", ncols=3)
     for start in {start for point in points if (start := _held_from(ds, point)) is not None}:
         axes.axvline(start, color=GREY, lw=0.9)

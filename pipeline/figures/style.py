@@ -145,7 +145,7 @@ def criterion(conditions: Conditions) -> str:
     """
     share = conditions.failing_share
     part = f"more than {100 * share:g} %" if share else "any"
-    return f"{part} of the contact above {celsius(conditions.critical_temperature):g} °C"
+    return f"{part} of the contact above {celsius(conditions.known_critical_temperature()):g} °C"
 
 
 def heating(conditions: Conditions) -> str:

@@ -206,7 +206,7 @@ def _draw(
         shift = begins.get(name, onset)
         lower.plot(run.time + shift, run.temperature, color=colour, ls=style, label=name)
     conditions = sweep.conditions
-    critical = celsius(conditions.critical_temperature)
+    critical = celsius(conditions.known_critical_temperature())
     lower.axhline(critical, color=GREY, ls=":", lw=1.2)
     lower.text(0.05, critical + 1, f"critical, {critical:g} °C", color=GREY, va="bottom")
     lower.set_ylabel(f"exceeded on {100 * conditions.failing_share:g} %\nof the contact [°C]")

@@ -45,7 +45,7 @@ def inverse(study: Study) -> Report:
     study.tell("friction heating of the rig")
     heating = {friction: rig_heating(friction) for friction in _FRICTIONS}
 
-    known = float(celsius(white.conditions.critical_temperature))
+    known = float(celsius(white.conditions.known_critical_temperature()))
     of_surface = [float(np.mean(column)) for column in zip(*critical["white oil"], strict=True)]
     mean, spread = statistics(of_surface)
     of_transition = [statistics(column)[0] for column in critical["white oil"]]

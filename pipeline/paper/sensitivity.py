@@ -203,7 +203,7 @@ def _table(sweep: Sweep, found: Mapping[str, Mapping[str, _Outcome]]) -> Table:
 def _draw(sweep: Sweep, found: Mapping[str, Mapping[str, _Outcome]]) -> Figure:
     figure = Figure(figsize=(10.4, 6.4))
     rows = figure.subplots(2, len(found), sharex="col", sharey="row")
-    critical = celsius(sweep.conditions.critical_temperature)
+    critical = celsius(sweep.conditions.known_critical_temperature())
     for number, (kind, variants) in enumerate(found.items()):
         upper, lower = rows[0][number], rows[1][number]
         _line(upper, variants, lambda o: o.highest, BLUE, "highest")

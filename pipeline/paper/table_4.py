@@ -42,7 +42,7 @@ def table4(study: Study) -> Report:
     }
 
     conditions = sweep.conditions
-    critical, share = conditions.critical_temperature, conditions.failing_share
+    critical, share = conditions.known_critical_temperature(), conditions.failing_share
     own = [conditions.changed(friction=entry.friction) for entry in measured]
     frictions = [at.friction for at in own]
     mean_friction = sum(frictions) / len(frictions)
@@ -137,7 +137,7 @@ def _findings(
     exceeded: dict[str, Values],
     at_mean_friction: tuple[float, Values],
 ) -> tuple[Finding, ...]:
-    critical = float(celsius(sweep.conditions.critical_temperature))
+    critical = float(celsius(sweep.conditions.known_critical_temperature()))
     off = [
         100 * (mean / (1e6 * row.unworn_width) - 1)
         for mean, row in zip(means(width), TABLE_4, strict=True)

@@ -128,7 +128,7 @@ FORMAT = Table({
     }),
     "temperature": Table({
         "bulk": TEMPERATURE,
-        "critical": TEMPERATURE,
+        "critical": Optional(TEMPERATURE),  # needed where wear is judged
         "failing_share": Optional(Number(at_least=0, below=1), 0.1),
     }),
     "fidelity": Optional(Table({"preset": Optional(PRESET), **FIDELITY})),

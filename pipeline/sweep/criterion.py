@@ -39,8 +39,8 @@ class Conditions:
         Friction coefficient, at least 0.
     bulk_temperature : float
         Temperature of both bodies far from the contact [K].
-    critical_temperature : float
-        Temperature above which the lubricant fails [K].
+    critical_temperature : float or None
+        Temperature above which the lubricant fails [K]; None where it is not known.
     failing_share : float
         Share of the contact area above the critical temperature beyond which wear is severe, from
         0 (Blok's criterion, the maximum temperature) to below 1.
@@ -53,12 +53,14 @@ class Conditions:
 
     friction: float
     bulk_temperature: float
-    critical_temperature: float
+    critical_temperature: float | None
     failing_share: float = 0.1
 
     def __post_init__(self) -> None:
         for name in ("friction", "bulk_temperature", "critical_temperature", "failing_share"):
             value = getattr(self, name)
+            if value is None and name == "critical_temperature":
+                continue
             if isinstance(value, Iterable):
                 raise InputError(f"{name} is {value!r}; it must be one number here")
             if not math.isfinite(value):
@@ -69,12 +71,29 @@ class Conditions:
             raise InputError(
                 f"bulk_temperature is {self.bulk_temperature:g} K; it must be at least 0 K"
             )
-        if self.critical_temperature <= self.bulk_temperature:
+        critical = self.critical_temperature
+        if critical is not None and critical <= self.bulk_temperature:
             raise InputError(
-                f"critical_temperature is {self.critical_temperature:g} K; it must lie above the "
+                f"critical_temperature is {critical:g} K; it must lie above the "
                 f"bulk temperature, {self.bulk_temperature:g} K"
             )
         require_share(self.failing_share)
+
+    def known_critical_temperature(self) -> float:
+        """Critical temperature [K].
+
+        Raises
+        ------
+        InputError
+            If it is not known.
+        """
+        if self.critical_temperature is None:
+            raise InputError(
+                "temperature.critical: the scene does not give it, and this needs it; add it to "
+                'the scene, such as critical = "145 degC", or give it here, as '
+                "--critical-temperature or critical_temperature"
+            )
+        return self.critical_temperature
 
     def changed(
         self,
@@ -99,23 +118,24 @@ class Verdict:
 
     Attributes
     ----------
-    is_severe : bool
-        Whether more than the failing share of the contact area is above the critical temperature.
+    is_severe : bool or None
+        Whether more than the failing share of the contact area is above the critical temperature;
+        None where that is not known.
     time : float
         The worst moment, from the start of the ramp [s].
     decisive_temperature : float
         Temperature that just the failing share of the contact area exceeds [K].
     max_temperature : float
         Highest temperature of the contact [K].
-    failed_fraction : float
-        Share of the contact area above the critical temperature.
+    failed_fraction : float or None
+        Share of the contact area above the critical temperature; None where that is not known.
     """
 
-    is_severe: bool
+    is_severe: bool | None
     time: float
     decisive_temperature: float
     max_temperature: float
-    failed_fraction: float
+    failed_fraction: float | None
 
 
 def contact_temperature(rise: Rise, conditions: Conditions) -> Rise:
@@ -139,7 +159,8 @@ def rise_limit(conditions: Conditions) -> float:
     """
     if conditions.friction == 0:
         return math.inf
-    return (conditions.critical_temperature - conditions.bulk_temperature) / conditions.friction
+    warming = conditions.known_critical_temperature() - conditions.bulk_temperature
+    return warming / conditions.friction
 
 
 def failed_fraction(rise_quantile: Array, conditions: Conditions) -> float:
@@ -205,12 +226,13 @@ def verdict(columns: Mapping[str, Array], load: float, conditions: Conditions) -
     rises = rise_exceeded(columns["rise_quantile"], conditions.failing_share)
     worst = int(worst_moment(rises, columns["normal_load"], load))
     rise, quantiles = float(rises[worst]), columns["rise_quantile"][worst]
+    judged = conditions.critical_temperature is not None
     return Verdict(
-        is_severe=rise > rise_limit(conditions),
+        is_severe=rise > rise_limit(conditions) if judged else None,
         time=float(columns["time"][worst]),
         decisive_temperature=contact_temperature(rise, conditions),
         max_temperature=contact_temperature(float(quantiles[-1]), conditions),
-        failed_fraction=failed_fraction(quantiles, conditions),
+        failed_fraction=failed_fraction(quantiles, conditions) if judged else None,
     )
 
 

@@ -1,0 +1,102 @@
+"""A scene without a critical temperature can do all that needs none."""
+
+import json
+from dataclasses import replace
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+
+import pipeline
+from pipeline.cli import main
+from pipeline.sweep.plan import run_point
+from tests.helpers import tiny
+from tribo import InputError
+
+mpl.use("agg")
+KNOWN = tiny.sweep(store_fields=True).conditions
+UNKNOWN = replace(KNOWN, critical_temperature=None)
+
+
+@pytest.fixture(scope="module")
+def store(tmp_path_factory):
+    path = tmp_path_factory.mktemp("unknown") / "out.zarr"
+    outcome = pipeline.run_sweep(tiny.sweep(store_fields=True, conditions=UNKNOWN), path, workers=1)
+    assert outcome.done == outcome.total
+    return path
+
+
+def test_temperatures_are_known_and_the_failed_share_is_not(store):
+    ds = pipeline.open_sweep(store)
+    assert np.isfinite(ds["max_temperature"].values).any()
+    assert "failed_fraction" not in ds
+
+
+def test_the_boundary_asks_for_it_by_its_key(store):
+    ds = pipeline.open_sweep(store)
+    for judge in (pipeline.boundary, lambda ds: pipeline.plot(ds, "diagram", "figure.png")):
+        with pytest.raises(InputError, match=r"temperature\.critical.*--critical-temperature"):
+            judge(ds)
+    found = pipeline.boundary(ds, critical_temperature=330.0)
+    assert found["critical_velocity"].notnull().any()
+
+
+@pytest.mark.parametrize("kind", ["ramp", "fields"])
+def test_figures_leave_out_the_critical_temperature(store, tmp_path, kind):
+    assert pipeline.plot(pipeline.open_sweep(store), kind, tmp_path / "figure.png").exists()
+
+
+def test_a_point_has_its_temperature_and_no_verdict():
+    sweep = tiny.sweep()
+    result = run_point(sweep, 600.0, 1.5)
+    judged, unjudged = result.verdict(KNOWN), result.verdict(UNKNOWN)
+    assert unjudged == replace(judged, is_severe=None, failed_fraction=None)
+
+
+def test_a_scene_file_may_leave_it_out(tmp_path, capsys):
+    scene = tmp_path / "scene.toml"
+    paper = tiny.__file__.replace("tests/helpers/tiny.py", "workflows/first_try.toml")
+    scene.write_text(f'extends = "{paper}"\nwithout = ["temperature.critical"]\n', encoding="utf-8")
+    assert pipeline.load_scene(scene).conditions == UNKNOWN
+    place = ["--load", "200 N", "--velocity", "1 m/s"]
+    assert main(["point", str(scene), *place, "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["severe"] is None
+    assert main(["point", str(scene), *place]) == 0
+    assert "not known without temperature.critical" in capsys.readouterr().out
+    assert main(["point", str(scene), *place, "--critical-temperature", "145 degC"]) == 0
+    assert "mild wear" in capsys.readouterr().out
+    out = str(tmp_path / "out.zarr")
+    assert main(["run", str(scene), "--boundary-only", "-o", out, "--workers", "1"]) == 2
+    assert "temperature.critical" in capsys.readouterr().err
+
+
+def test_warnings_are_counted_without_a_boundary(store):
+    ds = pipeline.open_sweep(store)
+    flagged = ds.assign(warning_flags=ds["warning_flags"] | np.uint8(1))
+    found = pipeline.warned(flagged)
+    assert found.at_boundary is None
+    assert "no critical temperature" in next(iter(found.lines()))
+
+
+def test_temperatures_may_be_text_with_a_unit(store):
+    ds = pipeline.open_sweep(store)
+    text = pipeline.boundary(ds, bulk_temperature="80 degC", critical_temperature="145 degC")
+    number = pipeline.boundary(ds, bulk_temperature=353.15, critical_temperature=418.15)
+    assert text.identical(number)
+    with pytest.raises(InputError, match='bulk_temperature: "80" has no unit; give one such as'):
+        pipeline.boundary(ds, bulk_temperature="80", critical_temperature=418.15)
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ({"bulk_temperature": 80}, r'80 K, that is -193.* °C.*"80 degC"'),
+        ({"bulk_temperature": 25.0}, r'"25 degC"'),
+        ({"bulk_temperature": 1200.0}, "at which no oil works"),
+        ({"critical_temperature": 145.0}, r'"145 degC"'),
+    ],
+)
+def test_kelvins_at_which_no_oil_works_are_refused_with_a_hint(store, given, said):
+    conditions = {"bulk_temperature": 298.15, "critical_temperature": 418.15} | given
+    with pytest.raises(InputError, match=said):
+        pipeline.boundary(pipeline.open_sweep(store), **conditions)
