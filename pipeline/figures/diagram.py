@@ -13,18 +13,18 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
-from matplotlib.patheffects import withStroke
-from scipy.ndimage import distance_transform_edt
 
 from pipeline.analysis.band import BAND
 from pipeline.analysis.boundary import conditions_of, decisive_rise
 from pipeline.analysis.dataset import asked_points, by_surface, on_surface, ordered
 from pipeline.analysis.warned import has_warning
+from pipeline.figures.regions import name_regions
 from pipeline.figures.style import (
     BLACK,
     BLUE,
     GREEN,
     GREY,
+    TINTS,
     VERMILION,
     criterion,
     heating,
@@ -33,14 +33,8 @@ from pipeline.figures.style import (
 )
 from pipeline.store.variables import PENDING
 from pipeline.sweep.criterion import Conditions, rise_limit
-from tribo.types import Array, Mask
-
-__all__ = ["diagram"]
-
 
 _RESOLUTION = 240
-_TINTS = {"mild": "#EAF2F8", "severe": "#FCEEE4", "band": "#BBBBBB"}
-_LABEL_SIZE = (0.30, 0.13)  # of the axes: about what the names of the regions take
 
 
 @in_house_style
@@ -100,7 +94,7 @@ def diagram(
     legend += _measured(axes, measured)
     _limits(axes, ds, measured)
     if min(ds.sizes["load"], ds.sizes["velocity"]) > 1:
-        _name_regions(axes, plane, rise_limit(conditions), ds["load"].values, measured)
+        name_regions(axes, plane, rise_limit(conditions), ds["load"].values, measured)
 
     axes.set_xlabel("sliding velocity [m/s]")
     axes.set_ylabel("normal load [N]")
@@ -126,7 +120,7 @@ def _regions(axes: Axes, plane: xr.DataArray, limit: float) -> None:
             plane["load"],
             np.ma.masked_invalid(r),
             levels=[low - 2, between, high + 2],
-            colors=[_TINTS["mild"], _TINTS["severe"]],
+            colors=[TINTS["mild"], TINTS["severe"]],
             zorder=0.5,
         ).set_gid("regions")
 
@@ -152,14 +146,14 @@ def _band(
         plane["load"],
         np.ma.masked_invalid(plane.values),
         levels=[low, high],
-        colors=[_TINTS["band"]],
+        colors=[TINTS["band"]],
         alpha=0.6,
         zorder=0.8,
     ).set_gid("friction band")
     for end in limits:
         _isoline(axes, plane, end, "band edge", colors=GREY, linewidths=0.8, linestyles="--")
     text = f"transition at friction {min(band):g}–{max(band):g}"
-    return [Patch(fc=_TINTS["band"], ec=GREY, ls="--", lw=0.8, alpha=0.8, label=text)]
+    return [Patch(fc=TINTS["band"], ec=GREY, ls="--", lw=0.8, alpha=0.8, label=text)]
 
 
 def _surface_band(axes: Axes, planes: xr.DataArray, conditions: Conditions) -> list[Artist]:
@@ -258,50 +252,3 @@ def _limits(axes: Axes, ds: xr.Dataset, measured: Sequence[dict[str, Any]]) -> N
         shown = np.append(values, [point[key] for point in measured])
         margin = 0.04 * (np.ptp(shown) or shown[0] or 1.0)
         set_limits(shown.min() - margin, shown.max() + margin)
-
-
-def _name_regions(
-    axes: Axes, plane: xr.DataArray, limit: float, loads: Array, measured: Sequence[dict[str, Any]]
-) -> None:
-    """Name mild and severe wear where each has most room, between two rows of points."""
-    (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
-    x = (plane["velocity"].values - left) / (right - left)
-    y = (plane["load"].values - bottom) / (top - bottom)
-    rows = (np.convolve(loads, [0.5, 0.5], "valid") - bottom) / (top - bottom)
-    taken = [
-        (
-            (point["velocity"] - left) / (right - left),
-            (point["normal_load"] - bottom) / (top - bottom),
-        )
-        for point in measured
-    ]
-    severe, mild = plane.values > limit, plane.values <= limit
-    for inside, name, colour, tint in (
-        (mild, "I/II\nmild wear", BLUE, _TINTS["mild"]),
-        (severe, "III/III*\nsevere adhesive wear", VERMILION, _TINTS["severe"]),
-    ):
-        place = _roomiest(inside, x, y, taken)
-        if place is not None:
-            place = (place[0], rows[np.abs(rows - place[1]).argmin()])
-            axes.text(
-                *place, name, transform=axes.transAxes, ha="center", va="center", fontsize=10.5,
-                fontweight="bold", linespacing=1.05, color=colour, zorder=5,
-                path_effects=[withStroke(linewidth=3, foreground=tint)],
-            )  # fmt: skip
-
-
-def _roomiest(
-    inside: Mask, x: Array, y: Array, taken: Sequence[tuple[float, float]]
-) -> tuple[float, float] | None:
-    """Find where a label is farthest from a region's edges, in label sizes; None if none fits."""
-    inside = inside.copy()
-    for point in taken:
-        if x[0] <= point[0] <= x[-1] and y[0] <= point[1] <= y[-1]:
-            inside[np.abs(y - point[1]).argmin(), np.abs(x - point[0]).argmin()] = False
-    width, height = _LABEL_SIZE
-    steps = ((y[1] - y[0]) / height, (x[1] - x[0]) / width)
-    room = distance_transform_edt(np.pad(inside, 1), sampling=steps)[1:-1, 1:-1]
-    if room.max() < 0.4:
-        return None
-    row, column = np.unravel_index(int(room.argmax()), room.shape)
-    return float(x[column]), float(y[row])

@@ -36,6 +36,7 @@ BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY = (
     "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9",
 )  # fmt: skip
 """Okabe and Ito's palette, told apart with any colour vision."""
+TINTS = {"mild": "#EAF2F8", "severe": "#FCEEE4", "band": "#BBBBBB"}
 
 _HOUSE_STYLE: Any = {
     "axes.axisbelow": True,

@@ -8,7 +8,7 @@ import pytest
 import tribo
 from pipeline.analysis.boundary import decisive_rise, rise_exceeded
 from pipeline.analysis.dataset import end_of_point, open_sweep
-from pipeline.figures.plot import ramp
+from pipeline.figures.ramp import ramp
 from pipeline.store.points import Store, StoreError, prepare
 from pipeline.sweep.criterion import Conditions
 from pipeline.sweep.plan import Point, points, run_point, step_count

@@ -9,7 +9,9 @@ import pytest
 
 from pipeline.figures import plot as figures
 from pipeline.figures.diagram import diagram
-from pipeline.figures.plot import fields, plot, ramp
+from pipeline.figures.fields import fields
+from pipeline.figures.plot import plot
+from pipeline.figures.ramp import ramp
 from pipeline.store.variables import FAILED, PENDING
 from tests.helpers import synthetic
 from tests.helpers.synthetic import LOADS, MEASURED, VELOCITIES

@@ -1,0 +1,102 @@
+"""Pressure, temperature and wear over the contact at the end of a point."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+
+from pipeline.analysis.boundary import conditions_of
+from pipeline.analysis.dataset import on_surface, ordered
+from pipeline.figures.points import chosen_points, name_of
+from pipeline.figures.style import celsius, heating, in_house_style, title_of
+from pipeline.sweep.criterion import contact_temperature
+from tribo import InputError
+from tribo.types import Array
+
+
+@in_house_style
+def fields(
+    ds: xr.Dataset,
+    load: float | None = None,
+    velocity: float | None = None,
+    friction: float | None = None,
+    bulk_temperature: float | str | None = None,
+    critical_temperature: float | str | None = None,
+    share: float | None = None,
+    realization: int | None = None,
+) -> Figure:
+    """Draw pressure, temperature and wear depth over the contact at the end of one point.
+
+    Parameters
+    ----------
+    ds : Dataset
+    load : float, optional
+        [N]; the highest if not given.
+    velocity : float, optional
+        [m/s]; the one nearest to the transition at that load if not given.
+    friction, bulk_temperature, critical_temperature, share
+        See `pipeline.boundary`.
+    realization : int, optional
+        Seed of the surface to draw; the first if not given.
+
+    Raises
+    ------
+    InputError
+        If the sweep holds no fields.
+    """
+    conditions = conditions_of(ds, friction, bulk_temperature, critical_temperature, share)
+    ds = on_surface(ordered(ds), realization)
+    if not {"pressure", "rise", "wear_depth"} <= set(ds.data_vars):
+        raise InputError(
+            "the sweep holds no fields; store them with 'fields = true' under [sweep] in the "
+            "scene, and run it into a new store"
+        )
+    (i, j) = point = chosen_points(ds, load, velocity, conditions)[0]
+    here = ds.isel(load=i, velocity=j).transpose("x", "y", ...)
+    temperature = celsius(contact_temperature(here["rise"].values, conditions))
+    critical = conditions.critical_temperature
+    limit = math.inf if critical is None else celsius(critical)
+    outlined = temperature.min() < limit < temperature.max() and min(temperature.shape) > 1
+    white = f", outlined at {limit:g}" if outlined else ""
+    pressure = here["pressure"].values / 1e9
+    panels = (
+        ("contact pressure [GPa]", np.ma.masked_equal(pressure, 0.0), "viridis_r", 0.0),
+        (f"contact temperature{white} [°C]", temperature, "inferno", None),
+        ("wear depth of the pin [µm]", 1e6 * here["wear_depth"].values, "cividis", 0.0),
+    )
+
+    x, y = _edges(1e6 * here["x"].values), _edges(1e6 * here["y"].values)
+    height = 3.3 * np.ptp(y) / np.ptp(x)
+    figure = Figure(figsize=(11.0, 2.2 + float(np.clip(height, 1.0, 6.0))))
+    row = figure.subplots(1, 3, sharex=True, sharey=True)
+    for axes, (label, values, colours, lowest) in zip(row, panels, strict=True):
+        image = axes.pcolormesh(x, y, values.T, cmap=colours, vmin=lowest, rasterized=True)
+        axes.set_aspect("equal" if 0.5 < height < 12 else "auto")
+        axes.grid(visible=False)
+        axes.xaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 2.5, 5, 10]))
+        axes.set_xlabel("x, along sliding [µm]")
+        figure.colorbar(
+            image, cax=axes.inset_axes((0, 1.04, 1, 0.035)), label=label, location="top"
+        )
+    if len(here["y"]) > 1:
+        row[0].set_ylabel("y [µm]")
+    else:
+        row[0].set_yticks([])
+    if outlined:
+        centres = 1e6 * here["x"].values, 1e6 * here["y"].values
+        row[1].contour(*centres, temperature.T, [limit], colors="white", linewidths=0.8)
+    figure.suptitle(f"{title_of(ds)}\n{name_of(ds, point)}, {heating(conditions)}")
+    return figure
+
+
+def _edges(centres: Array) -> Array:
+    """Find the borders of the elements around evenly spaced centres."""
+    if len(centres) == 1:
+        return np.array([centres[0] - 0.5, centres[0] + 0.5])
+    step = (centres[-1] - centres[0]) / (len(centres) - 1)
+    edges: Array = np.append(centres - step / 2, centres[-1] + step / 2)
+    return edges

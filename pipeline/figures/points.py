@@ -1,0 +1,65 @@
+"""The points of a sweep that a figure is drawn of."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+
+import numpy as np
+import xarray as xr
+
+from pipeline.analysis.boundary import decisive_rise
+from pipeline.sweep.criterion import Conditions, rise_limit
+from pipeline.sweep.model import Point
+from tribo import InputError
+
+
+def chosen_points(
+    ds: xr.Dataset,
+    load: float | Iterable[float] | None,
+    velocity: float | Iterable[float] | None,
+    conditions: Conditions,
+) -> list[tuple[int, int]]:
+    """Find the indices of the points asked for, or of the one nearest to the transition."""
+    r = decisive_rise(ds, conditions.failing_share).values
+    known = np.isfinite(r)
+    if not known.any():
+        raise InputError("no point of the sweep is done yet")
+    loads = [_index(ds, "load", "N", value) for value in _several(load)]
+    velocities = [_index(ds, "velocity", "m/s", value) for value in _several(velocity)]
+    points = []
+    for i in loads or [int(np.flatnonzero(known.any(axis=1))[-1])]:
+        if not known[i].any():
+            raise InputError(f"no point at {ds['load'].values[i]:g} N is done")
+        judged = conditions.critical_temperature is not None
+        limit = rise_limit(conditions) if judged else math.inf
+        distance = np.abs(r[i] - min(limit, np.nanmax(r[i])))
+        points += [(i, j) for j in velocities or [int(np.nanargmin(distance))]]
+    for point in points:
+        if not known[point]:
+            reason = str(ds["message"].transpose("load", "velocity").values[point])
+            raise InputError(f"the point {name_of(ds, point)} is not done{reason and ': '}{reason}")
+    return points
+
+
+def _several(values: float | Iterable[float] | None) -> list[float]:
+    if values is None:
+        return []
+    return [float(value) for value in np.atleast_1d(np.asarray(values))]
+
+
+def _index(ds: xr.Dataset, axis: str, unit: str, value: float) -> int:
+    available = ds[axis].values
+    nearest = int(np.abs(available - value).argmin())
+    if not math.isclose(available[nearest], value, rel_tol=1e-9):
+        raise InputError(
+            f"{axis} is {value:g} {unit}, which the sweep does not hold; the nearest is "
+            f"{available[nearest]:g} {unit}"
+        )
+    return nearest
+
+
+def name_of(ds: xr.Dataset, point: tuple[int, int]) -> str:
+    """Name a point by its load, its velocity and its surface, from its indices."""
+    surface = int(ds["realization"]) if "realization" in ds.coords else None
+    return str(Point(ds["load"].values[point[0]], ds["velocity"].values[point[1]], surface))

@@ -1,0 +1,199 @@
+"""What happens at points of a sweep while the load grows."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from pipeline.analysis.boundary import conditions_of, rise_exceeded
+from pipeline.analysis.dataset import on_surface, ordered
+from pipeline.figures.points import chosen_points, name_of
+from pipeline.figures.style import (
+    BLACK,
+    GREY,
+    celsius,
+    exceeding,
+    heating,
+    in_house_style,
+    title_of,
+)
+from pipeline.store.variables import DONE
+from pipeline.sweep.criterion import Conditions, contact_temperature
+from tribo.types import Array
+
+
+@in_house_style
+def ramp(
+    ds: xr.Dataset,
+    load: float | Iterable[float] | None = None,
+    velocity: float | Iterable[float] | None = None,
+    friction: float | None = None,
+    bulk_temperature: float | str | None = None,
+    critical_temperature: float | str | None = None,
+    share: float | None = None,
+    realization: int | None = None,
+) -> Figure:
+    """Draw what happens while the load grows.
+
+    The temperature is known at the end of each point, and between where the scene asked for it.
+    The ends of lower loads at the same velocity lie on the same ramp and are drawn too.
+
+    Parameters
+    ----------
+    ds : Dataset
+    load : float or several, optional
+        Up to which to draw [N]; the highest if not given.
+    velocity : float or several, optional
+        [m/s]; the one nearest to the transition at that load if not given.
+    friction, bulk_temperature, critical_temperature, share
+        See `pipeline.boundary`.
+    realization : int, optional
+        Seed of the surface to draw; the first if not given.
+    """
+    conditions = conditions_of(ds, friction, bulk_temperature, critical_temperature, share)
+    ds = on_surface(ordered(ds), realization).transpose("load", "velocity", "step", ...)
+    points = chosen_points(ds, load, velocity, conditions)
+
+    figure = Figure(figsize=(7.2, 7.8))
+    temperature, contact, wear = figure.subplots(3, 1, sharex=True, height_ratios=(1.4, 1, 1))
+    _temperatures(temperature, ds, points, conditions)
+    width, fraction = 1e6 * ds["contact_width"].values, 100 * ds["contact_fraction"].values
+    _pair(contact, ds, points, "contact width [µm]", width, "in contact [% of window]", fraction)
+    depth, volume = 1e6 * ds["wear_depth_max"].values, 1e9 * ds["wear_volume"].values
+    power = _power_of_thousand(max(np.nanmax(volume[point]) for point in points))
+    unit = f"$10^{{{round(math.log10(power))}}}$ mm³" if power != 1 else "mm³"
+    worn = f"worn volume [{unit}]", volume / power
+    _pair(wear, ds, points, "greatest wear depth [µm]", depth, *worn)
+    wear.set_xlabel("time [s]")
+    wear.set_xlim(0, 1.01 * max(float(np.nanmax(ds["time"].values[point])) for point in points))
+    _load_axis(temperature, ds, points)
+    figure.suptitle(title_of(ds))
+    lines = [
+        Line2D([], [], color=f"C{k}", lw=3, label=name_of(ds, point))
+        for k, point in enumerate(points)
+    ]
+    figure.legend(
+        handles=lines,
+        loc="outside lower center",
+        ncols=3,
+        title=heating(conditions),
+        title_fontsize=9.5,
+    )
+    return figure
+
+
+def _temperatures(
+    axes: Axes, ds: xr.Dataset, points: list[tuple[int, int]], conditions: Conditions
+) -> None:
+    highest = ds["max_rise"].values
+    rises: list[tuple[Array, str, Any]] = [(highest, "maximum", {"ls": "--", "marker": "^"})]
+    if conditions.failing_share:
+        rise = rise_exceeded(ds, conditions.failing_share).values
+        rises.append((rise, exceeding(conditions), {"ls": "-", "marker": "o"}))
+    for number, point in enumerate(points):
+        for rise, _, look in rises:
+            time, kelvin = _along_ramp(ds, rise, point)
+            temperature = celsius(contact_temperature(kelvin, conditions))
+            axes.plot(time, temperature, color=f"C{number}", zorder=_order(point), **look)
+    key = [Line2D([], [], color=BLACK, label=label, **look) for _, label, look in rises]
+    if conditions.critical_temperature is not None:
+        critical = celsius(conditions.critical_temperature)
+        axes.axhline(critical, color=GREY, ls=":", lw=1.4)
+        key.append(Line2D([], [], color=GREY, ls=":", lw=1.4, label=f"critical, {critical:g} °C"))
+    axes.set_ylabel("contact temperature [°C]")
+    bottom, top = axes.get_ylim()
+    axes.set_ylim(bottom, top + 0.17 * (top - bottom))  # room for the legend
+    axes.legend(handles=key, loc="upper left", ncols=3)
+    for start in {start for point in points if (start := _held_from(ds, point)) is not None}:
+        axes.axvline(start, color=GREY, lw=0.9)
+        axes.text(start, bottom, " load held", va="bottom", color=GREY)
+
+
+def _held_from(ds: xr.Dataset, point: tuple[int, int]) -> float | None:
+    """When a point's load was reached, if it goes on after that [s]."""
+    time, load = ds["time"].values[point], ds["normal_load"].values[point]
+    reached = time[load >= ds["load"].values[point[0]]]
+    return float(reached[0]) if len(reached) > 1 else None
+
+
+def _order(point: tuple[int, int]) -> float:
+    """Lay lower loads over higher ones, which they would vanish under."""
+    return 2 + 1 / (1 + point[0])
+
+
+def _along_ramp(ds: xr.Dataset, rise: Array, point: tuple[int, int]) -> tuple[Array, Array]:
+    """Take the times and values of `rise` (load, velocity, step) on the ramp up to the point."""
+    i, j = point
+    done = ds["status"].values[: i + 1, j] == DONE
+    time, rise = ds["time"].values[: i + 1, j][done].ravel(), rise[: i + 1, j][done].ravel()
+    load = ds["normal_load"].values[: i + 1, j][done].ravel()
+    known = np.isfinite(rise)
+    # A lower load that is held, or that was reached in another way, lies elsewhere at that time.
+    own = np.isfinite(ds["time"].values[point])
+    times, loads = (np.append(0.0, ds[name].values[point][own]) for name in ("time", "normal_load"))
+    known[known] = np.isclose(load[known], np.interp(time[known], times, loads), rtol=1e-9)
+    time, first = np.unique(time[known], return_index=True)
+    return time, rise[known][first]
+
+
+def _pair(
+    left: Axes,
+    ds: xr.Dataset,
+    points: list[tuple[int, int]],
+    left_label: str,
+    left_values: Array,
+    right_label: str,
+    right_values: Array,
+) -> None:
+    """Draw two quantities against time, solid on the left axis and dashed on the right one."""
+    right = left.twinx()
+    right.grid(visible=False)
+    key = []
+    for axes, label, values, style in (
+        (left, left_label, left_values, "-"),
+        (right, right_label, right_values, "--"),
+    ):
+        for number, point in enumerate(points):
+            time, order = ds["time"].values[point], _order(point)
+            axes.plot(time, values[point], color=f"C{number}", ls=style, zorder=order)
+        axes.set_ylabel(label)
+        axes.set_ylim(0, 1.2 * axes.get_ylim()[1])  # room for the legend
+        key.append(Line2D([], [], color=BLACK, ls=style, label=label.partition(" [")[0]))
+    left.legend(handles=key, loc="upper left", ncols=2)
+
+
+def _load_axis(axes: Axes, ds: xr.Dataset, points: list[tuple[int, int]]) -> None:
+    """Put the load that belongs to each time above `axes`, if no two times share one."""
+    longest = max(points)
+    time, load = ds["time"].values[longest], ds["normal_load"].values[longest]
+    known = np.isfinite(time)
+    time, load = np.append(0.0, time[known]), np.append(0.0, load[known])
+    if not (np.diff(load) > 0).all():
+        return
+    time, load = np.append(time, 2 * time[-1]), np.append(load, 2 * load[-1])
+    top = axes.secondary_xaxis(
+        "top",
+        functions=(
+            lambda t: np.interp(np.asarray(t, dtype=float), time, load),
+            lambda f: np.interp(np.asarray(f, dtype=float), load, time),
+        ),
+    )
+    top.set_xlabel("normal load [N]")
+
+
+def _power_of_thousand(value: float) -> float:
+    """Give the power of 1000 by which to divide, for a value from 1 to 1000.
+
+    Examples
+    --------
+    >>> _power_of_thousand(0.0028)
+    0.001
+    """
+    return 1000.0 ** math.floor(math.log(value, 1000)) if value > 0 else 1.0

@@ -1,0 +1,64 @@
+"""The names of the regions of a diagram, written where there is room for them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.patheffects import withStroke
+from scipy.ndimage import distance_transform_edt
+
+from pipeline.figures.style import BLUE, TINTS, VERMILION
+from tribo.types import Array, Mask
+
+_LABEL_SIZE = (0.30, 0.13)  # of the axes: about what the names of the regions take
+
+
+def name_regions(
+    axes: Axes, plane: xr.DataArray, limit: float, loads: Array, measured: Sequence[dict[str, Any]]
+) -> None:
+    """Name mild and severe wear where each has most room, between two rows of points."""
+    (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
+    x = (plane["velocity"].values - left) / (right - left)
+    y = (plane["load"].values - bottom) / (top - bottom)
+    rows = (np.convolve(loads, [0.5, 0.5], "valid") - bottom) / (top - bottom)
+    taken = [
+        (
+            (point["velocity"] - left) / (right - left),
+            (point["normal_load"] - bottom) / (top - bottom),
+        )
+        for point in measured
+    ]
+    severe, mild = plane.values > limit, plane.values <= limit
+    for inside, name, colour, tint in (
+        (mild, "I/II\nmild wear", BLUE, TINTS["mild"]),
+        (severe, "III/III*\nsevere adhesive wear", VERMILION, TINTS["severe"]),
+    ):
+        place = _roomiest(inside, x, y, taken)
+        if place is not None:
+            place = (place[0], rows[np.abs(rows - place[1]).argmin()])
+            axes.text(
+                *place, name, transform=axes.transAxes, ha="center", va="center", fontsize=10.5,
+                fontweight="bold", linespacing=1.05, color=colour, zorder=5,
+                path_effects=[withStroke(linewidth=3, foreground=tint)],
+            )  # fmt: skip
+
+
+def _roomiest(
+    inside: Mask, x: Array, y: Array, taken: Sequence[tuple[float, float]]
+) -> tuple[float, float] | None:
+    """Find where a label is farthest from a region's edges, in label sizes; None if none fits."""
+    inside = inside.copy()
+    for point in taken:
+        if x[0] <= point[0] <= x[-1] and y[0] <= point[1] <= y[-1]:
+            inside[np.abs(y - point[1]).argmin(), np.abs(x - point[0]).argmin()] = False
+    width, height = _LABEL_SIZE
+    steps = ((y[1] - y[0]) / height, (x[1] - x[0]) / width)
+    room = distance_transform_edt(np.pad(inside, 1), sampling=steps)[1:-1, 1:-1]
+    if room.max() < 0.4:
+        return None
+    row, column = np.unravel_index(int(room.argmax()), room.shape)
+    return float(x[column]), float(y[row])
