@@ -36,6 +36,7 @@ class Files(LocalStore):
 
         It is not sure to be on the disk before the next `sync`.
         """
+        self._check_writable()
         file = self.root / key
         file.parent.mkdir(parents=True, exist_ok=True)
         os.close(self._replaced(key, value.as_buffer_like()))
@@ -99,6 +100,7 @@ class RemoteFiles(FsspecStore):
 
     async def set(self, key: str, value: Any, byte_range: Any = None) -> None:
         """Replace an object."""
+        self._check_writable()
         with as_os_error():
             await super().set(key, value, byte_range)
 
