@@ -1,0 +1,1 @@
+"""How often `--accuracy` and the presets keep what they promise, on scenes nobody tuned them to."""

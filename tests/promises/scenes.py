@@ -1,0 +1,88 @@
+"""Random scenes of the family on which accuracy is promised."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+import tribo
+from pipeline.sweep.criterion import Conditions, decisive_rise
+from pipeline.sweep.model import Sweep
+from tests.helpers.kept import ALUMINA
+from tests.helpers.scenes import STEEL
+
+BRONZE = tribo.Material(110e9, 0.34, 60.0, 8800.0, 380.0, 1.5e9)
+SOFT_STEEL = tribo.Material(210e9, 0.3, 50.0, 7850.0, 460.0, 1.8e9)
+PAIRS = ((STEEL, STEEL), (ALUMINA, STEEL), (SOFT_STEEL, STEEL), (BRONZE, STEEL))
+SHARES = (0.3, 0.5, 0.7, 1.0)  # of the reference load
+
+
+def random_sweep(seed):
+    """A cylinder of 1 to 20 mm on a ground disk; the same for the same seed.
+
+    Ra is 0.02 to 1 µm, wear none, swept or local at 1e-9 to 1e-4 mm³/(N m). The window holds the
+    contact, and the critical temperature is such that the boundary lies among the velocities.
+    """
+    rng = np.random.default_rng(seed)
+
+    def log(low, high):
+        return float(np.exp(rng.uniform(np.log(low), np.log(high))))
+
+    pin, disk = PAIRS[rng.integers(len(PAIRS))]
+    pattern = (None, "swept", "local")[rng.integers(3)]
+    radius, length = log(1e-3, 20e-3), log(2e-3, 10e-3)
+    modulus = tribo.contact_modulus(pin, disk)
+    peak = rng.uniform(0.15, 0.4) * min(pin.hardness, 4e9)
+    half_width = 2 * radius * peak / modulus  # Hertz, a line
+    load = math.pi / 2 * half_width * peak * length
+    shape = int(rng.choice([96, 128, 160])), int(rng.choice([48, 64, 96]))
+    pixel = 4.0 * half_width / shape[0]
+    velocity, duration = log(0.1, 8.0), rng.uniform(2.0, 8.0)
+    wear = tribo.Wear(log(1e-18, 1e-13), pattern) if pattern else None
+    spread = np.geomspace(1 / 4, 6, int(rng.choice([6, 24])))
+    sweep = Sweep(
+        pin=tribo.Cylinder(radius, length, pin),
+        disk=disk,
+        pixels=tribo.Grid(shape, (pixel, pixel)),
+        loading=tribo.Ramp(load / duration, load),
+        roughness=tribo.SelfAffineRoughness(
+            log(0.02e-6, 1e-6), rng.uniform(0.5, 0.9), (1.0, 1.0), seed
+        ),
+        wear=wear,
+        name=f"scene {seed}",
+        title=f"Random scene {seed}",
+        loads=tuple(load * share for share in SHARES),
+        velocities=tuple(velocity * spread),
+        conditions=Conditions(0.1, 298.15, 400.0),
+        fidelity=tribo.PRESETS["draft"],
+    )
+    lengths = [rng.uniform(2, 8), rng.uniform(2, 8)]  # of correlation, in pixels
+    return _with_boundary(_in_window(sweep, lengths, velocity), velocity)
+
+
+def _in_window(sweep, lengths, velocity):
+    """Widen the window until the contact does not touch its edges."""
+    for _ in range(12):
+        pixel = sweep.pixels.spacing[0]
+        roughness = replace(
+            sweep.roughness, correlation_length=tuple(length * pixel for length in lengths)
+        )
+        sweep = replace(sweep, roughness=roughness)
+        ends = (sweep.loads[-1], velocity), (sweep.loads[0], 4 * velocity)
+        if not any(tribo.warnings(sweep, _end(sweep, *end)) for end in ends):
+            break
+        sweep = replace(sweep, pixels=tribo.Grid(sweep.pixels.shape, (1.4 * pixel, 1.4 * pixel)))
+    return sweep
+
+
+def _with_boundary(sweep, velocity):
+    """Set the critical temperature to what `draft` gives in the middle of the diagram."""
+    state = _end(sweep, sweep.loads[2], velocity)
+    rise = decisive_rise(state.heat.rise_quantile, sweep.conditions)
+    critical = sweep.conditions.bulk_temperature + sweep.conditions.friction * rise
+    return replace(sweep, conditions=replace(sweep.conditions, critical_temperature=critical))
+
+
+def _end(sweep, load, velocity):
+    *_, state = tribo.simulate(sweep, load, velocity)
+    return state
