@@ -11,7 +11,7 @@ from tribo import Fidelity
 __all__ = ["KEPT_FIELDS", "Selection", "Trial"]
 
 KEPT_FIELDS = ("temperature_interval", "heat_model")
-"""What a scene keeps of its own fidelity: what it asks to see, and by which physics."""
+"""What a scene keeps of its own fidelity: what it asks to see, and the heat of all the past."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,9 +23,9 @@ class Trial:
     name : str
     fidelity : Fidelity
     error : float
-        Relative, to expect at any load.
+        Largest relative error of the boundary velocity to expect at any load.
     work : float
-        Of its points, in elements times convolutions.
+        Work of the points tried, in elements times convolutions.
     """
 
     name: str
@@ -41,24 +41,25 @@ class Selection:
     Attributes
     ----------
     accuracy : float
-        That was asked for, relative, of the boundary velocity.
+        Largest relative error of the boundary velocity that was asked for.
     name : str
     fidelity : Fidelity
     error : float
-        To expect at most, from those measured and what the yardstick itself may err; 0 for the
-        reference.
+        Largest relative error to expect, from those measured and from what the yardstick itself
+        may err in its steps and its heat model.
     yardstick : str
-        What the error was measured against.
+        What the error was measured against; empty if the reference was taken without comparison,
+        since to find a cheaper choice would have taken about as long.
     trials : tuple of Trial
         What was tried, from cheap to dear; the last one was picked.
     points : tuple of (float, float)
-        Where: loads [N] and velocities [m/s].
+        Loads [N] and velocities [m/s] at which errors were measured.
     saving : float
-        How many times less work than the yardstick takes.
+        How many times less work the fidelity takes than the yardstick.
     work : float
-        Of the whole probe, in elements times convolutions.
+        Work of the whole probe, in elements times convolutions.
     seconds : float
-        That the probe took.
+        Duration of the probe [s].
     """
 
     accuracy: float
@@ -90,10 +91,20 @@ class Selection:
         return cls(**{**data, **given})
 
     def __str__(self) -> str:
+        asked, err = f"accuracy {100 * self.accuracy:g} %", f"errs by {100 * self.error:.2g} %"
+        if self.error > self.accuracy:
+            err += ", more than asked for: nothing finer is known"
+        took = f"the probe took {self.seconds:.1f} s"
+        if not self.yardstick:
+            return (
+                f"{asked}: took {self.name}, since to find a cheaper choice would take about as "
+                f"long; its boundary {err}; {took}"
+            )
         dropped = [f"{trial.name} errs by {100 * trial.error:.2g} %" for trial in self.trials[:-1]]
         why = f" ({', '.join(dropped)})" if dropped else ""
+        saves = self.saving >= 1
+        less = f"{self.saving:.2g} times less" if saves else f"{1 / self.saving:.2g} times the"
         return (
-            f"accuracy {100 * self.accuracy:g} %: picked {self.name}, whose boundary errs by "
-            f"{100 * self.error:.2g} % against {self.yardstick} with {self.saving:.2g} times less "
-            f"work{why}; the probe took {self.seconds:.1f} s"
+            f"{asked}: picked {self.name}, whose boundary {err} against {self.yardstick} with "
+            f"{less} work{why}; {took}"
         )

@@ -7,51 +7,47 @@ import statistics
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any
 
 from pipeline.store.folder import ROOT, PathLike, StoreMismatchError, folder_of, read_metadata
-from pipeline.sweep.criterion import boundary_velocity_error, rise_limit
+from pipeline.sweep.criterion import rise_limit
 from pipeline.sweep.model import Sweep
-from pipeline.sweep.plan import Point
+from pipeline.sweep.plan import Point, step_count
 from pipeline.sweep.selection import Selection, Trial
-from pipeline.tradeoff.probe import (
-    Probe,
-    fitted,
-    near_the_boundary,
-    probe,
-    some_loads,
-)
+from pipeline.tradeoff.probe import fitted, near_the_boundary, probe, some_loads
+from pipeline.tradeoff.yardstick import YARDSTICK, OwnError, measured, own_error
 from tribo import PRESETS, ConvergenceError, Fidelity, InputError
 
 __all__ = ["at_accuracy", "choose_fidelity", "stored_selection"]
 
 _LOADS = 4
-# Elements times convolutions, some seconds, that may be spent on the reference at every load; and
-# about how many convolutions that takes at each.
-_AFFORDABLE, _CONVOLUTIONS = 3e8, 2400
-# Errors scatter from load to load, since each one touches other summits. What holds for all loads
-# is taken as the larger of these: so much more than the largest that was found, and the mean with
-# so many standard deviations.
-_MARGIN, _DEVIATIONS = 1.3, 2.5
-_ONE_GRID = replace(PRESETS["fine"], history_coarsening=1)
-
-
-class _Yardstick(NamedTuple):
-    """What to measure by: the accuracies for which it will do, and by how much it may err."""
-
-    finest_accuracy: float
-    error: float
-    name: str
-    fidelity: Fidelity
-
-
-# The reference, or what is nearly as good for a third of its work; its error is the largest one
-# seen on the scenes of the tests. Neither a looser contact nor a history on a coarser grid would
-# do: how far these err depends on how many nodes and summits touch, and two coarse grids may agree
-# on what is wrong.
-_YARDSTICKS = (
-    _Yardstick(0.01, 0.005, "one grid throughout", _ONE_GRID),
-    _Yardstick(0.0, 0.0, "the reference", PRESETS["reference"]),
+# Errors scatter from load to load, since each one touches other summits. What holds for loads that
+# were not probed is the larger of these: so much more than the largest that was found, and the
+# mean with so many standard deviations. Between the velocities probed, a little more than the
+# largest.
+_MARGIN, _DEVIATIONS, _BETWEEN = 1.3, 2.5, 1.1
+_MANY_NODES = 1000  # from which a loose contact errs no more than its tolerance lets it
+_TIGHT = 1e-3  # tolerance of the contact where fewer touch
+_PASSES = 3.5  # of the yardstick's steps at each load that a probe takes, trials included
+_WORTH = 0.5  # of the reference's steps in the whole sweep that a probe may take
+_OF_HEAT = 0.7  # of the accuracy, that the present heat alone may err
+_FEWEST_STEPS = 50  # to know the heat of all the past
+_RUNGS: tuple[tuple[str, str, dict[str, Any]], ...] = (
+    ("draft", "draft", {}),
+    ("draft, finer elements", "draft", {"pixels_per_element": 3}),
+    ("standard", "standard", {}),
+    ("standard, one grid", "standard", {"history_coarsening": 1}),
+    ("fine, coarser history", "fine", {"history_coarsening": 8, "contact_tolerance": 0.1}),
+    ("fine, coarse history", "fine", {"history_coarsening": 4, "contact_tolerance": 0.1}),
+    ("fine", "fine", {}),
+    ("fine, one grid", "fine", {"history_coarsening": 1, "contact_tolerance": 0.03}),
+    ("fine, one grid, solved more tightly", "fine", {"history_coarsening": 1}),
+)
+_ON_ONE_GRID: tuple[tuple[str, str, dict[str, Any]], ...] = (
+    ("draft with all heat so far", "draft", {}),
+    ("draft, finer elements, with all heat so far", "draft", {"pixels_per_element": 3}),
+    ("standard with all heat so far", "standard", {}),
+    ("fine with all heat so far", "fine", {}),
 )
 
 
@@ -87,7 +83,8 @@ def at_accuracy(
             f"{store} was computed with {selection.name}, whose boundary errs by "
             f"{100 * selection.error:.2g} %; write to another store for {100 * accuracy:g} %"
         )
-    fidelity = _of(sweep, selection.fidelity)
+    interval = sweep.fidelity.temperature_interval
+    fidelity = replace(selection.fidelity, temperature_interval=interval)
     named = fidelity == PRESETS.get(selection.name)
     return replace(
         sweep,
@@ -149,98 +146,126 @@ def choose_fidelity(
         raise InputError("at velocity 0 there is no heat, and nothing to be accurate about")
     began = time.perf_counter()
     tell = progress or (lambda name: None)
-    is_small = _is_small(sweep)
-    loads = sorted({p.load for p in points}) if points else some_loads(sweep, _LOADS)
-    if is_small and not points:
-        loads = sweep.loads
-    places, exponents = near_the_boundary(sweep, loads)
-    if points:
-        by_load = dict(zip(loads, exponents, strict=True))
-        places, exponents = tuple(points), tuple(by_load[point.load] for point in points)
-
-    finest = 0.0 if is_small else accuracy
-    yardstick = next(entry for entry in _YARDSTICKS if finest >= entry.finest_accuracy)
-    tell(yardstick.name)
-    truth = probe(sweep, _of(sweep, yardstick.fidelity), places)
-    trials, spent = [], truth.work
-    for name, fidelity in _ladder(sweep):
+    loads = some_loads(sweep, _LOADS)
+    if points or _steps_to_probe(sweep, loads) > _WORTH * _steps_of_sweep(sweep):
+        tell("the reference")
+        return _unprobed(sweep, accuracy, points, began)
+    tell("the yardstick")
+    yardstick = measured(sweep, loads)
+    own = own_error(sweep, yardstick.points, yardstick.exponents, yardstick.readings)
+    past = own.heat_model > _OF_HEAT * accuracy or sweep.remembers_heat
+    trials, spent = [], yardstick.work + own.work
+    for name, fidelity in _ladder(sweep, yardstick.fewest_nodes, past):
         tell(name)
         try:
-            found = truth if fidelity == truth.fidelity else probe(sweep, fidelity, places)
+            found = probe(sweep, replace(fidelity, heat_model="elapsed"), yardstick.points)
         except ConvergenceError:
             continue
-        error = yardstick.error
-        if found is not truth:
-            error += _bound(found, truth, exponents, of_all_loads=is_small)
-            spent += found.work
+        of_all = len(loads) == len(sweep.loads)
+        error = _bound(yardstick.errors(found), of_all) + own.of(YARDSTICK.increments, not past)
+        spent += found.work
         trials.append(Trial(name, fidelity, error, found.work))
         if error <= accuracy:
             break
+    else:
+        trials += _finest(sweep, accuracy, own, past, yardstick.own_work)
     picked = trials[-1]
     return Selection(
         accuracy=accuracy,
         name=picked.name,
         fidelity=picked.fidelity,
         error=picked.error,
-        yardstick=yardstick.name,
+        yardstick="nearly exact steps",
         trials=tuple(trials),
-        points=tuple((point.load, point.velocity) for point in places),
-        saving=truth.work / picked.work,
+        points=tuple((point.load, point.velocity) for point in yardstick.points),
+        saving=yardstick.own_work / picked.work,
         work=spent,
         seconds=time.perf_counter() - began,
     )
 
 
-def _is_small(sweep: Sweep) -> bool:
-    """Whether it takes but seconds to know the reference at every load."""
-    reference = replace(sweep, fidelity=_of(sweep, PRESETS["reference"]))
-    work = _CONVOLUTIONS * math.prod(reference.grid.shape) * len(sweep.loads)
-    return work <= _AFFORDABLE
+def _steps_to_probe(sweep: Sweep, loads: Sequence[float]) -> float:
+    """Steps that a probe takes on the scene's finest grid, about."""
+    scene = replace(sweep, fidelity=fitted(sweep, YARDSTICK))
+    return _PASSES * sum(step_count(scene, load) for load in loads)
 
 
-def _bound(found: Probe, truth: Probe, exponents: Sequence[float], of_all_loads: bool) -> float:
+def _steps_of_sweep(sweep: Sweep) -> int:
+    """Steps of a whole sweep at the reference."""
+    scene = replace(sweep, fidelity=fitted(sweep, PRESETS["reference"]))
+    ends = [step_count(scene, load) for load in sweep.loads]
+    each = sum(ends) if sweep.independent or ends[0] == ends[-1] else ends[-1] + len(ends)
+    return each * len(sweep.velocities) * (len(sweep.realizations) or 1)
+
+
+def _unprobed(
+    sweep: Sweep, accuracy: float, points: Sequence[Point] | None, began: float
+) -> Selection:
+    """Take the reference, where to find something cheaper would take about as long."""
+    loads = {point.load for point in points} if points else {sweep.loads[0], sweep.loads[-1]}
+    places, exponents = near_the_boundary(sweep, sorted(loads))
+    if points:
+        by_load = dict(zip(sorted(loads), exponents, strict=True))
+        places, exponents = tuple(points), tuple(by_load[point.load] for point in points)
+    own = own_error(sweep, places, exponents)
+    past = own.heat_model > _OF_HEAT * accuracy or sweep.remembers_heat
+    trials = _finest(sweep, accuracy, own, past, 1.0)
+    return Selection(
+        accuracy=accuracy,
+        name=trials[-1].name,
+        fidelity=trials[-1].fidelity,
+        error=trials[-1].error,
+        yardstick="",
+        trials=tuple(trials),
+        points=tuple((point.load, point.velocity) for point in places),
+        saving=1.0,
+        work=own.work,
+        seconds=time.perf_counter() - began,
+    )
+
+
+def _finest(sweep: Sweep, accuracy: float, own: OwnError, past: bool, work: float) -> list[Trial]:
+    """The reference, and ever more steps of it until they are enough."""
+    trials: list[Trial] = []
+    for times in (1, 2, 4, 8):
+        finer = replace(PRESETS["reference"], increments=PRESETS["reference"].increments * times)
+        name = "reference" if times == 1 else f"reference, {times} times the steps"
+        name += ", with all heat so far" if past else ""
+        error = own.of(finer.increments, not past)
+        steps = finer.increments / YARDSTICK.increments
+        trials.append(Trial(name, _of(sweep, finer, past), error, work * steps))
+        if error <= accuracy or not own.steps:
+            break
+    return trials
+
+
+def _bound(errors: Sequence[float], of_all_loads: bool) -> float:
     """Largest error to expect at any load."""
-    errors = _velocity_errors(found, truth, exponents)
+    largest = max(map(abs, errors))
     if of_all_loads:
-        return max(map(abs, errors))
-    largest = _MARGIN * max(map(abs, errors))
-    if len(errors) < 3:
-        return largest
-    return max(largest, abs(statistics.mean(errors)) + _DEVIATIONS * statistics.stdev(errors))
+        return _BETWEEN * largest
+    spread = statistics.stdev(errors) if len(errors) > 2 else 0.0
+    return max(_MARGIN * largest, abs(statistics.mean(errors)) + _DEVIATIONS * spread)
 
 
-def _velocity_errors(found: Probe, truth: Probe, exponents: Sequence[float]) -> list[float]:
-    return [
-        boundary_velocity_error(one.rise, true.rise, exponent)
-        for one, true, exponent in zip(found.readings, truth.readings, exponents, strict=True)
-    ]
-
-
-def _ladder(sweep: Sweep) -> Iterator[tuple[str, Fidelity]]:
-    """Fidelities from cheap to dear, each once."""
+def _ladder(sweep: Sweep, nodes: int, past: bool) -> Iterator[tuple[str, Fidelity]]:
+    """Fidelities from cheap to dear, each once, as tightly solved as so few nodes need it."""
     seen = set()
-    for name, preset, changes in (
-        ("draft", "draft", {}),
-        ("draft, finer elements", "draft", {"pixels_per_element": 3}),
-        ("standard", "standard", {}),
-        ("standard, one grid", "standard", {"history_coarsening": 1}),
-        ("fine, coarser history", "fine", {"history_coarsening": 8, "contact_tolerance": 0.1}),
-        ("fine, coarse history", "fine", {"history_coarsening": 4, "contact_tolerance": 0.1}),
-        ("fine", "fine", {}),
-        ("fine, one grid", "fine", {"history_coarsening": 1, "contact_tolerance": 0.03}),
-        ("fine, one grid, solved more tightly", "fine", {"history_coarsening": 1}),
-        ("reference", "reference", {}),
-    ):
-        fidelity = _of(sweep, replace(PRESETS[preset], **changes))
+    for name, preset, changes in _ON_ONE_GRID if past else _RUNGS:
+        fidelity = _of(sweep, replace(PRESETS[preset], **changes), past)
+        touching = nodes / (fidelity.pixels_per_element * fidelity.history_coarsening) ** 2
+        if touching < _MANY_NODES and fidelity.contact_tolerance > _TIGHT:
+            fidelity = replace(fidelity, contact_tolerance=_TIGHT)
+            name = f"{name}, solved tightly"
         if fidelity not in seen:
             seen.add(fidelity)
             yield name, fidelity
 
 
-def _of(sweep: Sweep, fidelity: Fidelity) -> Fidelity:
-    """A fidelity with what the scene keeps of its own."""
-    own = sweep.fidelity
-    kept = replace(fidelity, temperature_interval=own.temperature_interval)
-    if own.heat_model == "history":  # which needs every step on one grid
-        kept = replace(kept, history_coarsening=1, heat_model="history")
+def _of(sweep: Sweep, fidelity: Fidelity, past: bool) -> Fidelity:
+    """A fidelity with what the scene asks to see, and with the heat of all the past if so asked."""
+    kept = replace(fidelity, temperature_interval=sweep.fidelity.temperature_interval)
+    if past:  # which needs every step on one grid
+        steps = max(kept.increments, _FEWEST_STEPS)
+        kept = replace(kept, history_coarsening=1, heat_model="history", increments=steps)
     return fitted(sweep, kept)

@@ -8,6 +8,8 @@ import tracemalloc
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from pipeline.sweep.criterion import decisive_rise, failed_fraction, rise_limit
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.plan import Point, chains
@@ -47,12 +49,15 @@ class Reading:
     failed_share : float
         Of the contact, above the critical temperature.
     contact_width : float
-        [m].
+        Between the outermost elements in contact along x [m].
+    contact_nodes : int
+        Elements in contact.
     """
 
     rise: float
     failed_share: float
     contact_width: float
+    contact_nodes: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,7 +70,8 @@ class Probe:
     readings : tuple of Reading
         One for each point.
     seconds : float
-        Of one core, once the surface and the kernels of the contact are there.
+        Of one core [s]; with the memory, once the surface and the kernels of the contact are
+        there.
     convolutions : int
         On all grids, of contacts and of heat.
     work : float
@@ -99,9 +105,9 @@ def probe(
     """
     scene = replace(sweep, fidelity=replace(fidelity, temperature_interval=0))
     peak = _peak_bytes(scene, points) if with_memory else None
-    # Makes surface and kernels of the contact, which a whole sweep makes once.
-    load, velocity = min((point.load, point.velocity) for point in points)
-    _run(scene, load / 2, velocity * 0.9)
+    if with_memory:  # and the time, without surface and kernels that a whole sweep makes once
+        load, velocity = min((point.load, point.velocity) for point in points)
+        _run(scene, load / 2, velocity * 0.9)
     began = time.process_time()
     runs = {}
     for chain in chains(points):
@@ -166,6 +172,7 @@ def _reading(sweep: Sweep, scene: Sweep, state: State) -> Reading:
         decisive_rise(state.heat.rise_quantile, sweep.conditions),
         failed_fraction(state.heat.rise_quantile, sweep.conditions),
         measures(scene, state)["contact_width"],
+        int(np.count_nonzero(state.pressure)),
     )
 
 

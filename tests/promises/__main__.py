@@ -1,5 +1,7 @@
 """Judge promises on random scenes, one after the other, until the time is up.
 
+Truth is the reference, twice as fine in everything; for `--accuracy` with the heat of all the past.
+
 What was found is kept in a file, a line for each scene, and the next run goes on from there.
 """
 
@@ -7,67 +9,35 @@ import argparse
 import json
 import math
 import time
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
-from pipeline.sweep.criterion import decisive_rise, rise_limit
 from pipeline.tradeoff.choose import choose_fidelity
+from tests.promises.judge import largest_error, true_boundary
 from tests.promises.scenes import random_sweep
-from tribo import PRESETS, TriboError, simulate, warnings
+from tribo import PRESETS, TriboError
 
 ACCURACIES = (0.05, 0.02, 0.01)
 PROMISED = {"draft": 0.08, "standard": 0.03, "fine": 0.01}
-# The reference, twice as fine in everything.
-TRUTH = replace(
-    PRESETS["reference"], increments=400, contact_tolerance=5e-6, heat_tolerance=5e-9
-)
-_CLOSE = 5e-4  # relative, of a boundary velocity
-
-
-def boundary_velocity(sweep, fidelity, load, velocity):
-    """Where the decisive rise reaches its limit, by secants from a velocity; and its warnings."""
-    scene = replace(sweep, fidelity=fidelity)
-    limit, exponent, before = rise_limit(sweep.conditions), 0.6, None
-    for _ in range(12):
-        *_, state = simulate(scene, load, velocity)
-        short = math.log(decisive_rise(state.heat.rise_quantile, sweep.conditions) / limit)
-        if before is not None and abs(math.log(velocity / before[0])) > 1e-6:
-            slope = (short - before[1]) / math.log(velocity / before[0])
-            exponent = min(max(slope, 0.2), 2.0)
-        before = velocity, short
-        if abs(short / exponent) < _CLOSE:
-            break
-        velocity *= math.exp(-short / exponent)
-    kinds = {warning.kind.label for warning in warnings(scene, state)}
-    return velocity, sorted(kinds)
 
 
 def judged(seed):
     """True errors of the presets and of what is picked for each accuracy, on one scene."""
     sweep, began = random_sweep(seed), time.perf_counter()
-    middle = math.sqrt(sweep.velocities[0] * sweep.velocities[-1])
-    true, starts = {}, {}
-    for load in sweep.loads:
-        starts[load], _ = boundary_velocity(sweep, PRESETS["standard"], load, middle)
-        true[load], _ = boundary_velocity(sweep, TRUTH, load, starts[load])
+    true, with_past = true_boundary(sweep)
     row = {
         "seed": seed,
         "wear": sweep.wear and [sweep.wear.pattern, sweep.wear.specific_wear_rate],
         "velocities": [float(velocity) for velocity in true.values()],
         "columns": len(sweep.velocities),
+        "heat_model": max(abs(math.log(with_past[load] / true[load])) for load in true),
         "presets": {},
         "promises": {},
     }
 
-    def errors(fidelity):
-        found = [boundary_velocity(sweep, fidelity, load, true[load]) for load in true]
-        off = [abs(math.log(one / of)) for (one, _), of in zip(found, true.values(), strict=True)]
-        return max(off), sorted({kind for _, kinds in found for kind in kinds})
-
     for name in PROMISED:
-        error, kinds = errors(PRESETS[name])
+        error, kinds = largest_error(sweep, PRESETS[name], true)
         row["presets"][name] = {"error": error, "warnings": kinds}
     row["seconds"] = time.perf_counter() - began
     known = {}
@@ -76,9 +46,11 @@ def judged(seed):
         selection = choose_fidelity(sweep, accuracy)
         took = time.perf_counter() - began
         if selection.fidelity not in known:
-            known[selection.fidelity] = errors(selection.fidelity)[0]
+            error, _ = largest_error(sweep, selection.fidelity, with_past)
+            known[selection.fidelity] = error
         row["promises"][f"{accuracy:g}"] = {
             "name": selection.name,
+            "heat_model": selection.fidelity.heat_model,
             "error": known[selection.fidelity],
             "foretold": selection.error,
             "saving": selection.saving,

@@ -4,20 +4,34 @@ import json
 import math
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 import pipeline
+from pipeline.sweep.criterion import rise_limit
 from pipeline.sweep.plan import Point
 from pipeline.sweep.selection import Selection
 from pipeline.tradeoff import choose as accuracy_module
-from pipeline.tradeoff.choose import at_accuracy, choose_fidelity, stored_selection
+from pipeline.tradeoff.choose import (
+    _bound,
+    _finest,
+    _ladder,
+    at_accuracy,
+    choose_fidelity,
+    stored_selection,
+)
+from pipeline.tradeoff.yardstick import YARDSTICK, OwnError, _followed
 from tests.helpers import tiny
 from tests.helpers.kept import PAPER, SCENES
 from tribo import PRESETS, Fidelity, InputError
 
+# So many velocities that it pays to look for something cheaper than the reference.
+MANY = tuple(float(velocity) for velocity in np.geomspace(0.5, 8.0, 40))
+WORN, UNWORN = (replace(SCENES[name], velocities=MANY) for name in ("low loads", "no wear"))
+
 
 def test_it_picks_the_first_that_is_good_enough_and_says_why():
-    changed = at_accuracy(PAPER, 0.05)
+    changed = at_accuracy(WORN, 0.05)
     selection = changed.selection
     assert changed.fidelity == selection.fidelity == selection.trials[-1].fidelity
     assert all(trial.error > 0.05 for trial in selection.trials[:-1])
@@ -27,7 +41,7 @@ def test_it_picks_the_first_that_is_good_enough_and_says_why():
     for word in ("accuracy 5 %", f"picked {selection.name}", "errs by", "the probe took"):
         assert word in said
     assert selection.as_dict()["points"][0] == {
-        "load": 200.0,
+        "load": 60.0,
         "velocity": selection.points[0][1],
     }
     assert Selection.from_dict(json.loads(json.dumps(selection.as_dict()))) == selection
@@ -35,19 +49,67 @@ def test_it_picks_the_first_that_is_good_enough_and_says_why():
 
 
 def test_the_choice_is_the_same_every_time():
-    first, second = (choose_fidelity(SCENES["no wear"], 0.03) for _ in range(2))
+    first, second = (choose_fidelity(UNWORN, 0.03) for _ in range(2))
     assert replace(first, seconds=0.0) == replace(second, seconds=0.0)
 
 
 def test_what_the_scene_asks_to_see_is_kept():
-    sweep = replace(SCENES["no wear"], fidelity=Fidelity(temperature_interval=5))
+    sweep = replace(UNWORN, fidelity=Fidelity(temperature_interval=5))
     assert choose_fidelity(sweep, 0.1).fidelity.temperature_interval == 5
 
 
-def test_an_accuracy_may_be_asked_for_at_one_point():
-    selection = choose_fidelity(SCENES["no wear"], 0.03, points=(Point(300.0, 1.5),))
-    assert selection.points == ((300.0, 1.5),)
-    assert selection.error <= 0.03
+@pytest.mark.parametrize(
+    ("sweep", "points"),
+    [(UNWORN, (Point(300.0, 1.5),)), (replace(UNWORN, velocities=(1.0, 2.0)), None)],
+    ids=["one point", "few points"],
+)
+def test_where_a_probe_would_cost_as_much_the_reference_is_taken(sweep, points):
+    selection = choose_fidelity(sweep, 0.03, points=points)
+    assert selection.name == "reference"
+    assert selection.fidelity == PRESETS["reference"]
+    assert 0 < selection.error <= 0.03
+    assert "to find a cheaper choice would take about as long" in str(selection)
+    if points:
+        assert selection.points == ((300.0, 1.5),)
+
+
+@pytest.mark.parametrize("away", [0.3, 1.0, 3.0])
+def test_the_boundary_is_followed_to_where_the_yardstick_has_it(away):
+    load, limit = UNWORN.loads[0], rise_limit(UNWORN.conditions)
+    near = _followed(UNWORN, YARDSTICK, Point(load, 2.0)).boundary
+    found = _followed(UNWORN, YARDSTICK, Point(load, near.velocity * away))
+    assert found.readings[0].rise < limit < found.readings[1].rise
+    assert found.boundary.velocity == pytest.approx(near.velocity, rel=0.01)
+
+
+def test_few_nodes_are_solved_tightly():
+    few, many = (dict(_ladder(UNWORN, nodes, past=False)) for nodes in (900, 100_000))
+    assert {fidelity.contact_tolerance for fidelity in few.values()} == {1e-3}
+    assert max(fidelity.contact_tolerance for fidelity in many.values()) == 0.1
+
+
+def test_the_heat_of_all_the_past_is_taken_where_the_present_one_errs_too_far():
+    slow = replace(UNWORN, velocities=tuple(velocity / 100 for velocity in MANY))
+    warm = replace(slow.conditions, critical_temperature=slow.conditions.bulk_temperature + 12)
+    slow = replace(slow, conditions=warm)
+    loose, strict = (choose_fidelity(slow, accuracy) for accuracy in (0.3, 0.02))
+    assert (loose.fidelity.heat_model, strict.fidelity.heat_model) == ("elapsed", "history")
+    assert "with all heat so far" in strict.name
+
+
+def test_steps_are_added_until_they_are_enough():
+    own = OwnError(steps=0.02, heat_model=0.0, work=0.0)
+    trials = _finest(UNWORN, 0.005, own, False, 1.0)
+    assert [trial.fidelity.increments for trial in trials] == [200, 400, 800]
+    assert trials[-1].error == pytest.approx(0.0025 + 2e-3)
+    assert [trial.work for trial in trials] == [2.0, 4.0, 8.0]
+    assert len(_finest(UNWORN, 1e-9, own, False, 1.0)) == 4
+
+
+def test_the_margin_grows_with_the_scatter_between_loads():
+    assert _bound([0.01, -0.02], of_all_loads=True) == pytest.approx(0.022)
+    assert _bound([0.02, 0.02, 0.02, 0.02], of_all_loads=False) == pytest.approx(0.026)
+    assert _bound([0.02, -0.02, 0.02, -0.02], of_all_loads=False) > 0.05
 
 
 @pytest.mark.parametrize("accuracy", [0.0, 1.0, -0.1, math.nan])

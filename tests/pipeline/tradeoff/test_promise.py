@@ -4,14 +4,14 @@ import functools
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import pipeline
-from pipeline.sweep.criterion import boundary_velocity_error
 from pipeline.tradeoff.choose import choose_fidelity
-from pipeline.tradeoff.probe import fitted, near_the_boundary, probe
 from tests.helpers.kept import ALUMINA, SCENES
-from tribo import PRESETS, Cylinder, Grid, SelfAffineRoughness
+from tests.promises.judge import largest_error, true_boundary
+from tribo import Cylinder, Grid, SelfAffineRoughness
 
 SHIPPED = pipeline.load_scene(Path(__file__).parents[3] / "workflows" / "irg_transition.toml")
 LARGE = {
@@ -31,42 +31,33 @@ LARGE = {
         pixels=Grid((480, 240), (0.6e-6, 0.95e-6), (False, True)),
     ),
 }
-ALL = SCENES | LARGE
+# So many velocities that it pays to look for a cheaper choice than the reference.
+VELOCITIES = tuple(float(velocity) for velocity in np.geomspace(0.25, 8.0, 40))
+ALL = {name: replace(scene, velocities=VELOCITIES) for name, scene in (SCENES | LARGE).items()}
 
 
 @functools.cache
 def truth(name):
-    """The reference at every load of a scene, and where that is."""
-    sweep = ALL[name]
-    points, exponents = near_the_boundary(sweep, sweep.loads)
-    return points, exponents, probe(sweep, fitted(sweep, PRESETS["reference"]), points)
+    _, by_all_heat = true_boundary(ALL[name])
+    return by_all_heat
 
 
 @functools.cache
 def true_error(name, fidelity):
-    points, exponents, reference = truth(name)
-    found = probe(ALL[name], fidelity, points)
-    return max(
-        abs(boundary_velocity_error(one.rise, true.rise, exponent))
-        for one, true, exponent in zip(found.readings, reference.readings, exponents, strict=True)
-    )
+    error, _ = largest_error(ALL[name], fidelity, truth(name))
+    return error
 
 
 def kept(name, accuracy):
     """What was picked, and the true error, within what was asked for and what was foretold."""
     selection = choose_fidelity(ALL[name], accuracy)
     error = true_error(name, selection.fidelity)
-    assert error <= selection.error + 1e-9 <= accuracy + 1e-9
+    assert error <= selection.error <= accuracy
     return selection, error
 
 
-@pytest.mark.parametrize("name", ["no wear", "other materials", "smooth"])
-def test_the_true_error_is_within_what_was_asked_for(name):
-    kept(name, 0.02)
-
-
-def test_what_may_err_more_costs_no_more():
-    loose, strict = (kept("other materials", accuracy)[0] for accuracy in (0.05, 0.02))
+def test_what_may_err_more_costs_no_more_and_the_true_error_is_within_both():
+    loose, strict = (kept("no wear", accuracy)[0] for accuracy in (0.05, 0.02))
     assert loose.saving >= strict.saving
 
 
@@ -75,10 +66,8 @@ def test_what_may_err_more_costs_no_more():
 @pytest.mark.parametrize("name", ALL)
 def test_the_true_error_is_within_every_accuracy(name, accuracy, say):
     selection, error = kept(name, accuracy)
-    work = truth(name)[2].work / len(truth(name)[0])
     say(
         f"\n{name:30} {100 * accuracy:g} %: {selection.name:38} foretold "
         f"{100 * selection.error:.2f} %, true {100 * error:.2f} %, {selection.saving:6.1f} times "
-        f"less work than {selection.yardstick}; the probe took {selection.seconds:.0f} s, the work "
-        f"of {selection.work / work:.1f} points of the reference"
+        f"less work than {selection.yardstick}; the probe took {selection.seconds:.0f} s"
     )
