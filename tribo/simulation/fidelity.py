@@ -15,6 +15,7 @@ __all__ = ["PRESETS", "Fidelity"]
 Averaging = Literal["mean", "sample"]
 Partition = Literal["local", "uniform", "direct"]
 HeatModel = Literal["elapsed", "history"]
+HeatKernel = Literal["pin", "endless", "nearest-image"]
 Precision = Literal["double", "single"]
 
 
@@ -52,6 +53,11 @@ class Fidelity:
         ``"elapsed"``: the present friction heat is taken to have acted since time 0 (Bosman & de
         Rooij). ``"history"``: all heat since then acts at its own time, linear between the steps;
         every step then needs its temperature. A contact that grows makes the former too warm.
+    heat_kernel : {"pin", "endless", "nearest-image"}
+        How far the heated contact reaches along a periodic y, for the heat in both bodies.
+        ``"pin"``: as far as the pin, the patch in its middle. ``"endless"``: without ends, which
+        is too warm where heat spreads farther than the pin is long. ``"nearest-image"``: the patch
+        and the nearer image of each element, as Bosman & de Rooij compensate for leakage.
     partition : {"local", "uniform", "direct"}
         How friction heat is divided between the bodies; see `tribo.partition_heat`.
     heat_tolerance : float
@@ -76,6 +82,7 @@ class Fidelity:
     precision: Precision = "double"
     wear_scheme: WearScheme = "implicit"
     heat_model: HeatModel = "elapsed"
+    heat_kernel: HeatKernel = "pin"
     partition: Partition = "local"
     heat_tolerance: float = 1e-6
     temperature_interval: int = 0
@@ -100,6 +107,7 @@ class Fidelity:
             ("precision", get_args(Precision)),
             ("wear_scheme", get_args(WearScheme)),
             ("heat_model", get_args(HeatModel)),
+            ("heat_kernel", get_args(HeatKernel)),
             ("partition", get_args(Partition)),
         ):
             if getattr(self, name) not in choices:
@@ -148,6 +156,7 @@ PRESETS: dict[str, Fidelity] = {
         contact_criterion="pressure-change",
         wear_scheme="explicit",
         heat_model="elapsed",
+        heat_kernel="nearest-image",
         partition="direct",
     ),
 }

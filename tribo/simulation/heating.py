@@ -37,8 +37,7 @@ def heated_since(scene: Scene, history: HeatHistory, state: State, velocity: flo
     contact = state.pressure > 0
     split, heat_history = partition_with_history(
         scene.grid,
-        Conductor(scene.pin.material, 0.0),
-        Conductor(scene.disk, velocity),
+        *_bodies(scene, velocity),
         history,
         state.time,
         abs(velocity) * state.pressure,
@@ -70,9 +69,10 @@ def _partition(scene: Scene, state: State, velocity: float, contact: Mask) -> He
     grid = scene.grid
     if velocity == 0 or not scene.friction_heat:
         return HeatPartition(np.zeros(grid.shape), np.zeros(grid.shape), np.nan, 0, 0.0)
+    pin, disk = (_conductor(grid, body, state.time) for body in _bodies(scene, velocity))
     split = partition_heat(
-        _conductor(grid, Conductor(scene.pin.material, 0.0), state.time),
-        _conductor(grid, Conductor(scene.disk, velocity), state.time),
+        pin,
+        disk,
         abs(velocity) * state.pressure,
         contact,
         method=scene.fidelity.partition,
@@ -94,7 +94,13 @@ def _check_split(
     check_heat(abs(velocity) * state.pressure, contact, split, tolerance)
 
 
+def _bodies(scene: Scene, velocity: float) -> tuple[Conductor, Conductor]:
+    """Pin and disk."""
+    length = scene.heated_length
+    return Conductor(scene.pin.material, 0.0, length), Conductor(scene.disk, velocity, length)
+
+
 def _conductor(grid: Grid, body: Conductor, time: float) -> Convolution:
     """The thermal map of a body, which after a while no longer depends on the time."""
-    settled = min(time, settling_time(grid, *body))
+    settled = min(time, settling_time(grid, body.material, body.velocity))
     return Convolution(grid, heat_spectrum(grid, body, (0.0, settled), (1.0, 1.0)))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 
@@ -14,6 +15,7 @@ from tribo.loading.ramp import Ramp, Station
 from tribo.loading.record import MeasuredLoad
 from tribo.material import Material
 from tribo.simulation.fidelity import Fidelity
+from tribo.thermal.conduction import HeatedLength
 from tribo.topography import block_average, block_sample, self_affine
 from tribo.types import Array
 from tribo.wear import Wear
@@ -201,6 +203,11 @@ class Scene:
             raise InputError(
                 "the kernel 'nearest-image' needs a patch that is periodic along y; use 'periodic'"
             )
+        if self.fidelity.heat_kernel != "pin" and not self.pixels.periodic[1]:
+            raise InputError(
+                f"the heat_kernel {self.fidelity.heat_kernel!r} needs a patch that is periodic "
+                "along y; use 'pin'"
+            )
         if isinstance(self.roughness, MeasuredRoughness):
             self.roughness.heights(self.pixels)
 
@@ -221,7 +228,8 @@ class Scene:
     def is_plane(self) -> bool:
         """Whether nothing depends on y."""
         smooth = self.roughness is None and isinstance(self.pin, Cylinder)
-        return smooth and self.pixels.periodic[1] and self.fidelity.kernel == "periodic"
+        kernels = self.fidelity.kernel, self.fidelity.heat_kernel
+        return smooth and self.pixels.periodic[1] and "nearest-image" not in kernels
 
     @property
     def rows_per_element(self) -> int:
@@ -237,6 +245,15 @@ class Scene:
     def remembers_heat(self) -> bool:
         """Whether a temperature depends on the heat of the steps before."""
         return self.friction_heat and self.fidelity.heat_model == "history"
+
+    @property
+    def heated_length(self) -> HeatedLength:
+        """Length along y that is heated [m], for `tribo.ConductingHalfSpace`."""
+        if self.fidelity.heat_kernel == "nearest-image":
+            return "nearest-image"
+        if isinstance(self.pin, Cylinder) and self.fidelity.heat_kernel == "pin":
+            return self.pin.length
+        return math.inf
 
     def separation(self) -> Array:
         """Distance of the unworn, undeformed surfaces [m], shape ``grid.shape``."""

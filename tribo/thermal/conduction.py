@@ -14,7 +14,13 @@ spectrum of the whole kernel is a sum of outer products of one-dimensional trans
 
 On each panel of the quadrature a factor comes from its values at the element centres
 (`_sampled_factor`) or, along a periodic axis once the heat has spread or travelled far, from its
-Fourier series (`_series_factor`).
+Fourier series (`_series_terms`).
+
+**Length of the pin.** Along a periodic y the patch repeats as far as the pin reaches, which may be
+much less than heat spreads. Of a flux, what varies along y has then long evened out: the ends are
+felt by its mean along y alone. In the middle of a length ℓ heated evenly the factor E_y of that
+mean is erf(ℓ/(2s)) of what it is without ends (in the middle of b = ℓ/2, E_y = 2 erf(ℓ/(2s))). So
+it is here at each node of the quadrature, for the mode k_y = 0.
 """
 
 from __future__ import annotations
@@ -23,6 +29,7 @@ import itertools
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 import scipy
@@ -36,6 +43,7 @@ from tribo.types import Array, Spectrum
 
 __all__ = [
     "ConductingHalfSpace",
+    "HeatedLength",
     "flux_history_spectrum",
     "settling_time",
     "thermal_influence",
@@ -44,6 +52,9 @@ __all__ = [
 # erfc(6) = 2e-17 and exp(-6²) = 2e-16: what lies this many diffusion lengths off is nothing.
 _REACH = 6.0
 _NOTHING = 1e-12  # of a length, below which no part of the integral is worth a panel
+
+
+HeatedLength = float | Literal["nearest-image"]
 
 
 class ConductingHalfSpace(Convolution):
@@ -65,11 +76,16 @@ class ConductingHalfSpace(Convolution):
     quadrature_nodes : int, optional
         Gauss nodes on each panel of the integral (1); 10 give 7e-7 of the kernel's self term,
         16 give 6e-12.
+    length : float or "nearest-image", optional
+        Length along a periodic y that is heated [m], the patch in its middle; at least that of the
+        patch is taken. Endless if not given. ``"nearest-image"``: the patch and, of its images,
+        the nearer one of each element, as the leakage of Bosman & de Rooij adds it.
 
     Raises
     ------
     InputError
-        If `velocity` is not finite, `time` is negative or not finite, or there is no node.
+        If `velocity` is not finite, `time` is negative or not finite, there is no node, or
+        `length` is not positive.
 
     Examples
     --------
@@ -91,13 +107,20 @@ class ConductingHalfSpace(Convolution):
         velocity: float,
         time: float,
         quadrature_nodes: int = 10,
+        length: HeatedLength = math.inf,
     ) -> None:
-        spectrum = _spectrum(grid, material, velocity, (0.0, time), (1.0, 1.0), quadrature_nodes)
+        constant = (0.0, time), (1.0, 1.0)
+        spectrum = _spectrum(grid, material, velocity, *constant, quadrature_nodes, length)
         super().__init__(grid, spectrum)
 
 
 def thermal_influence(
-    grid: Grid, material: Material, velocity: float, time: float, quadrature_nodes: int = 10
+    grid: Grid,
+    material: Material,
+    velocity: float,
+    time: float,
+    quadrature_nodes: int = 10,
+    length: HeatedLength = math.inf,
 ) -> Array:
     """Temperature rise per unit heat flux on one element, T(x, y, t) of Eq. (1) [K m²/W].
 
@@ -117,7 +140,8 @@ def thermal_influence(
     >>> kernel.shape, f"{kernel[0, 0] * math.sqrt(math.pi) * steel.thermal_effusivity:.4e}"
     ((5, 4), '2.0000e-06')
     """
-    spectrum = _spectrum(grid, material, velocity, (0.0, time), (1.0, 1.0), quadrature_nodes)
+    constant = (0.0, time), (1.0, 1.0)
+    spectrum = _spectrum(grid, material, velocity, *constant, quadrature_nodes, length)
     return np.fft.irfft2(spectrum, s=padded_shape(grid))
 
 
@@ -149,6 +173,7 @@ def flux_history_spectrum(
     ages: Sequence[float],
     strengths: Sequence[float],
     quadrature_nodes: int = 10,
+    length: HeatedLength = math.inf,
 ) -> Spectrum:
     """Spectrum of the present rise due to a flux of unit shape whose strength varied with time.
 
@@ -157,7 +182,7 @@ def flux_history_spectrum(
 
     Parameters
     ----------
-    grid, material, velocity, quadrature_nodes
+    grid, material, velocity, quadrature_nodes, length
         Those of `ConductingHalfSpace`.
     ages : sequence of float
         Times before now [s], at least 0 and not decreasing.
@@ -187,17 +212,21 @@ def flux_history_spectrum(
     >>> print(f"{(ramp[0, 0] / constant.spectrum[0, 0]).real:.12f}")
     0.666666666667
     """
-    return _spectrum(grid, material, velocity, ages, strengths, quadrature_nodes)
+    return _spectrum(grid, material, velocity, ages, strengths, quadrature_nodes, length)
 
 
 @dataclass(frozen=True, slots=True)
 class _Axis:
-    """One axis of the kernel: n elements of side `step`, transformed over `length` points."""
+    """One axis of the kernel: n elements of side `step`, transformed over `length` points.
+
+    With `nearest_image` the elements of other periods act up to the distance of one period.
+    """
 
     n: int
     step: float
     length: int
     periodic: bool
+    nearest_image: bool = False
 
     def series_start(self, drift: float) -> float:
         """Diffusion length from which the Fourier series is cheaper than samples [m].
@@ -205,7 +234,7 @@ class _Axis:
         Samples need images of the source once heat has spread over the period, and many nodes
         once a source has passed many elements; the series needs many modes before.
         """
-        if not self.periodic:
+        if not self.periodic or self.nearest_image:
             return math.inf
         spread = self.n * self.step / 4
         return min(spread, math.sqrt(16 * self.step / drift)) if drift else spread
@@ -218,6 +247,7 @@ def _spectrum(
     ages: Sequence[float],
     strengths: Sequence[float],
     quadrature_nodes: int,
+    length: HeatedLength,
 ) -> Spectrum:
     """Transform of the kernel [K m²/W], without the last columns if 0; real if nothing moves."""
     if not math.isfinite(velocity):
@@ -229,7 +259,8 @@ def _spectrum(
         raise InputError(f"quadrature_nodes is {quadrature_nodes!r}; it must be at least 1")
     (mx, my), (dx, dy) = padded_shape(grid), grid.spacing
     x = _Axis(grid.shape[0], dx, mx, grid.periodic[0])
-    y = _Axis(grid.shape[1], dy, my, grid.periodic[1])
+    y = _Axis(grid.shape[1], dy, my, grid.periodic[1], length == "nearest-image")
+    heated = _heated_length(grid, length)
     K, kappa = material.thermal_conductivity, material.thermal_diffusivity
     v = abs(velocity) / (4 * kappa)
     # Earlier no heat has crossed half an element: both factors are 2 on the element, 0 off it.
@@ -267,6 +298,7 @@ def _spectrum(
                 f = _factor(x, s, low, v) * ((high - low) / 2 * weights)[:, None]
             f *= (first + slope * (s**2 - begin**2))[:, None]
             g = _factor(y, s, low, 0.0)
+            g[:, 0] *= scipy.special.erf(heated / (2 * s))
             # Not a matrix product: the bits of one by BLAS depend on the number of its threads.
             block = half[: f.shape[1], : g.shape[1]]
             block.real += np.einsum("sm,sn->mn", f.real, g)
@@ -278,6 +310,17 @@ def _spectrum(
         half = half.conj()
     mirrored = half[1 : (mx + 1) // 2][::-1].conj()
     return np.concatenate((half, mirrored)) / (4 * math.sqrt(math.pi) * K)
+
+
+def _heated_length(grid: Grid, length: HeatedLength) -> float:
+    """Length along y whose ends the mean along y feels [m]; infinite where it feels none."""
+    if length == "nearest-image":
+        if not grid.periodic[1]:
+            raise InputError("length 'nearest-image' is for a patch that is periodic along y")
+        return math.inf
+    if not (isinstance(length, (int, float)) and length > 0):
+        raise InputError(f"length is {length!r}; it must be positive, or 'nearest-image'")
+    return max(float(length), grid.size[1]) if grid.periodic[1] else math.inf
 
 
 def _diffusion_length(reach: float, drift: float, distance: float) -> float:
@@ -348,11 +391,15 @@ def _sampled_factor(axis: _Axis, s: Array, shift: Array) -> Array:
     last = math.ceil((shift[-1] + _REACH * s[-1]) / axis.step + 0.5)
     if not axis.periodic:
         first, last = max(first, 1 - axis.n), min(last, axis.n - 1)
+    elif axis.nearest_image:
+        first, last = max(first, -axis.n), min(last, axis.n)
     edges = (np.arange(first, last + 2) - 0.5) * axis.step
     u = (edges - shift[:, None]) / s[:, None]
     # erf(u) is a step from -1 to 1 and a tail. The tails are small where they nearly cancel.
     tail = scipy.special.erfc(np.abs(u))
     values = np.diff(np.where(u < 0, tail, -tail)) + 2 * np.diff((u >= 0).astype(float))
+    if axis.nearest_image:
+        values[:, np.abs(np.arange(first, last + 1)) == axis.n] /= 2  # both are as near
     offset = first % axis.length
     periods = -(-(offset + values.shape[1]) // axis.length)
     unwrapped = np.zeros((len(s), periods * axis.length))

@@ -18,6 +18,7 @@ nothing at all; no more is kept of it.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Literal, NamedTuple
@@ -28,7 +29,7 @@ from numpy.typing import ArrayLike
 from tribo.convolution import Convolution, padded_shape
 from tribo.grid import Grid
 from tribo.material import Material
-from tribo.thermal.conduction import flux_history_spectrum
+from tribo.thermal.conduction import HeatedLength, flux_history_spectrum
 from tribo.thermal.partition import HeatPartition, partition_heat
 from tribo.types import Array, Mask, Spectrum
 
@@ -44,10 +45,20 @@ _AGE_DIGITS = 9  # to which ages are rounded, so that equal steps make equal age
 
 
 class Conductor(NamedTuple):
-    """An insulated half-space that moves at a velocity along x [m/s]."""
+    """An insulated half-space that moves along x.
+
+    Attributes
+    ----------
+    material : Material
+    velocity : float
+        [m/s].
+    length : float or "nearest-image"
+        Length along y that is heated [m]; see `ConductingHalfSpace`.
+    """
 
     material: Material
     velocity: float
+    length: HeatedLength = math.inf
 
 
 SpectrumOf = Callable[[Grid, Conductor, tuple[float, ...], tuple[float, ...]], Spectrum]
@@ -58,7 +69,9 @@ def conducted_spectrum(
     grid: Grid, body: Conductor, ages: tuple[float, ...], strengths: tuple[float, ...]
 ) -> Spectrum:
     """`flux_history_spectrum` of a body [K m²/W]."""
-    return flux_history_spectrum(grid, *body, ages, strengths)
+    return flux_history_spectrum(
+        grid, body.material, body.velocity, ages, strengths, length=body.length
+    )
 
 
 @dataclass(frozen=True, slots=True, eq=False)

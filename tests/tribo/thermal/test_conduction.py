@@ -18,7 +18,11 @@ from tribo.convolution import wrapped_offsets
 from tribo.errors import InputError
 from tribo.grid import Grid
 from tribo.material import Material
-from tribo.thermal.conduction import ConductingHalfSpace, thermal_influence
+from tribo.thermal.conduction import (
+    ConductingHalfSpace,
+    flux_history_spectrum,
+    thermal_influence,
+)
 
 REFERENCES = json.loads(
     (Path(__file__).parent / "references" / "thermal_influence.json").read_text()
@@ -142,6 +146,89 @@ def test_a_period_is_the_sum_of_its_images(axis, velocity, time):
     np.add.at(folded, (place,) if axis == 0 else (slice(None), place), free)
     # both quadratures
     np.testing.assert_allclose(folded, wrapped, rtol=0, atol=2 * TEN_NODES * wrapped[0, 0])
+
+
+def summed(ny, whole, velocity, time):
+    """Kernel of 24 × ny elements with images up to `whole` on each side, each summed on its own."""
+    every = Grid((24, ny * (2 * whole + 1)), ELEMENT, (False, False))
+    free = thermal_influence(every, STEEL, velocity, time, 16)
+    offsets = wrapped_offsets(Grid((24, ny), ELEMENT, (False, True)), 1) / ELEMENT[1]
+    return sum(
+        free[:, (offsets + image * ny).round().astype(int)] for image in range(-whole, whole + 1)
+    )
+
+
+@pytest.mark.parametrize("ny", [8, 9])
+@pytest.mark.parametrize("whole", [0, 1, 3])
+@pytest.mark.parametrize(("velocity", "time"), [(0.0, 1e-6), (0.0, 1.0), (0.3, 1e-4), (-5.0, 1.0)])
+def test_the_mean_along_a_pin_is_that_of_the_images_within_its_length(ny, whole, velocity, time):
+    grid = Grid((24, ny), ELEMENT, (False, True))
+    length = (2 * whole + 1) * grid.size[1]
+    kernel = thermal_influence(grid, STEEL, velocity, time, 16, length=length)
+    images = summed(ny, whole, velocity, time)
+    scale = images.mean(axis=1).max()
+    # With an even number of elements the images end half an element beside the pin's ends.
+    beside = (ELEMENT[1] / length) ** 2 if ny % 2 == 0 else 0.0
+    np.testing.assert_allclose(
+        kernel.mean(axis=1), images.mean(axis=1), rtol=0, atol=(beside + 1e-10) * scale
+    )
+    # What varies along y does not feel the ends: seven periods of it are nearly an endless number.
+    if whole == 3:
+        np.testing.assert_allclose(kernel, images, rtol=0, atol=4e-3 * images.max())
+
+
+@pytest.mark.parametrize("periods", [1.0, 3.0, 7.456, 100.0])
+@pytest.mark.parametrize("elements", [(41, 12), (41, 1)])
+def test_a_band_as_long_as_the_pin_is_a_rectangle_at_its_middle(elements, periods):
+    grid = Grid(elements, (2e-6, 24e-6 / elements[1]), (False, True))
+    body = ConductingHalfSpace(grid, STEEL, 0.0, 1e10, length=periods * grid.size[1])
+    a, b = grid.size[0] / 2, periods * grid.size[1] / 2
+    exact = 2 / (math.pi * 45.0) * (a * math.asinh(b / a) + b * math.asinh(a / b))
+    rise = body(np.full(grid.shape, 1e9))[20]
+    np.testing.assert_allclose(rise, 1e9 * exact, rtol=2e-6)
+
+
+def test_without_ends_a_pin_is_endless_bit_for_bit():
+    grid = Grid((24, 8), ELEMENT, (False, True))
+    for velocity, time in ((0.0, 1.0), (1.25, 0.01)):
+        endless = thermal_influence(grid, STEEL, velocity, time)
+        for length in (math.inf, 1e6):
+            assert np.array_equal(
+                thermal_influence(grid, STEEL, velocity, time, length=length), endless
+            )
+        # A pin shorter than the patch is as long as the patch, and a free y has no images.
+        alone, shorter = (
+            thermal_influence(grid, STEEL, velocity, time, length=length)
+            for length in (grid.size[1], 1e-9)
+        )
+        assert np.array_equal(alone, shorter)
+        assert alone.mean() < endless.mean()
+    free = Grid((24, 8), ELEMENT, (False, False))
+    assert np.array_equal(
+        thermal_influence(free, STEEL, 0.0, 1.0), thermal_influence(free, STEEL, 0.0, 1.0, 10, 1e-5)
+    )
+
+
+@pytest.mark.parametrize("ny", [8, 9])
+@pytest.mark.parametrize(("velocity", "time"), [(0.0, 1e-8), (0.0, 1.0), (0.3, 1e-4), (-5.0, 1.0)])
+def test_the_nearest_image_is_added_as_it_leaks(ny, velocity, time):
+    """T(x, |y|) + T(x, L − |y|), as in the elastic kernel of that name."""
+    grid = Grid((24, ny), ELEMENT, (False, True))
+    kernel = thermal_influence(grid, STEEL, velocity, time, 16, length="nearest-image")
+    free = thermal_influence(Grid((24, 2 * ny), ELEMENT, (False, False)), STEEL, velocity, time, 16)
+    y = np.abs(wrapped_offsets(grid, 1) / ELEMENT[1]).round().astype(int)
+    expected = free[:, y] + free[:, ny - y]
+    np.testing.assert_allclose(kernel, expected, rtol=0, atol=1e-10 * kernel.max())
+
+
+def test_impossible_lengths_are_named():
+    grid = Grid((4, 4), ELEMENT)
+    for length in (0.0, -1.0, math.nan, "pin"):
+        with pytest.raises(InputError, match=r"length is .*; it must be positive"):
+            flux_history_spectrum(grid, STEEL, 0.0, (0.0, 1.0), (1.0, 1.0), length=length)
+    free = Grid((4, 4), ELEMENT, (False, False))
+    with pytest.raises(InputError, match="periodic along y"):
+        thermal_influence(free, STEEL, 0.0, 1.0, length="nearest-image")
 
 
 @pytest.mark.parametrize("periodic", [(False, True), (True, True), (True, False)])
