@@ -10,8 +10,8 @@ from tribo import Fidelity
 
 __all__ = ["KEPT_FIELDS", "Selection", "Trial"]
 
-KEPT_FIELDS = ("temperature_interval", "heat_model")
-"""What a scene keeps of its own fidelity: what it asks to see, and the heat of all the past."""
+KEPT_FIELDS = ("temperature_interval", "heat_model", "heat_kernel")
+"""What a scene keeps of its own fidelity: what it asks to see, and how far and how long heat acts."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -213,9 +213,9 @@ def kernels(monkeypatch):
     """Velocity and ages of each thermal kernel that is made."""
     made = []
 
-    def counted(grid, material, velocity, ages, *rest):
+    def counted(grid, material, velocity, ages, *rest, **named):
         made.append((velocity, ages))
-        return flux_history_spectrum(grid, material, velocity, ages, *rest)
+        return flux_history_spectrum(grid, material, velocity, ages, *rest, **named)
 
     flux_history_spectrum = duhamel.flux_history_spectrum
     monkeypatch.setattr(duhamel, "flux_history_spectrum", counted)
