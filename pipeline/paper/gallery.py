@@ -60,6 +60,11 @@ _OPTIONS = Table(
             '`"periodic"`: all images',
         ),
         (
+            "the same compensation in the heat",
+            '`fidelity.heat_kernel = "nearest-image"`',
+            '`"pin"`: as long as the pin; `"endless"`',
+        ),
+        (
             "explicit wear (Fig. 2)",
             '`fidelity.wear_scheme = "explicit"`',
             '`"implicit"`; `"sdirk2"`, of second order',

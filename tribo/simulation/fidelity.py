@@ -55,9 +55,11 @@ class Fidelity:
         every step then needs its temperature. A contact that grows makes the former too warm.
     heat_kernel : {"pin", "endless", "nearest-image"}
         How far the heated contact reaches along a periodic y, for the heat in both bodies.
-        ``"pin"``: as far as the pin, the patch in its middle. ``"endless"``: without ends, which
-        is too warm where heat spreads farther than the pin is long. ``"nearest-image"``: the patch
-        and the nearer image of each element, as Bosman & de Rooij compensate for leakage.
+        ``"pin"``: as far as the pin, the patch in its middle, where it is hottest; the mean over
+        the paper's pin rises 0.8 to 1.4 % less. ``"endless"``: without ends, which is 1.4 to 2.8 %
+        too warm there, and more where a slower or shorter pin lets heat past its ends.
+        ``"nearest-image"``: the patch and the nearer image of each element, as Bosman & de Rooij
+        compensate for leakage.
     partition : {"local", "uniform", "direct"}
         How friction heat is divided between the bodies; see `tribo.partition_heat`.
     heat_tolerance : float

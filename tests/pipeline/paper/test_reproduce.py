@@ -170,7 +170,7 @@ def test_what_scatters_the_failed_share_of_table_4_is_the_single_friction_coeffi
     single = np.mean(data["failed_percent"]["swept"], axis=1)
     level = np.mean(data["failed_percent_at_mean_friction"], axis=1)
     printed = [100 * row.failed_share for row in TABLE_4]
-    assert np.ptp(level) < 0.5 * np.ptp(single)
+    assert np.ptp(level) < 0.7 * np.ptp(single)
     assert np.abs(level - printed).max() < 5 < np.abs(single - printed).max()
 
 
