@@ -15,27 +15,13 @@ from collections import Counter
 from collections.abc import Callable, Collection, Iterator
 from concurrent.futures import CancelledError
 from contextlib import contextmanager, suppress
-from pathlib import Path
 
 import dask
-import distributed.utils
-from distributed import Client, Future, LocalCluster, Worker, WorkerPlugin, wait
+from distributed import Client, Future, LocalCluster, wait
 
 from pipeline.run import forkserver
-from pipeline.run.forkserver import METHOD, WORKER_ENVIRONMENT, interrupts_put_off
+from pipeline.run.forkserver import METHOD, UNGUARDED, WORKER_ENVIRONMENT, interrupts_put_off
 from tribo import TriboError
-
-__all__ = [
-    "CONFIGURATION",
-    "LOST",
-    "PATIENCE",
-    "WORKER_ENVIRONMENT",
-    "ExecutionError",
-    "connected",
-    "dashboard_of",
-    "share",
-    "threads_of",
-]
 
 SAFE = "finished points are safe, run the sweep again to go on"
 LOST = f"the Dask scheduler is lost; {SAFE}"
@@ -68,22 +54,6 @@ class ExecutionError(TriboError):
     """A cluster that does not start, or is lost."""
 
 
-class _OnACoreOfItsOwn(WorkerPlugin):  # type: ignore[misc]  # Dask has no types here
-    """Keeps each worker to one of the cores; else they move about, which takes a tenth more time.
-
-    Its threads take turns anyway.
-    """
-
-    name = "cores"
-
-    def __init__(self, cores: list[int]) -> None:
-        self._cores = cores
-
-    def setup(self, worker: Worker) -> None:
-        for thread in Path("/proc/self/task").iterdir():
-            os.sched_setaffinity(int(thread.name), {self._cores[int(worker.name)]})
-
-
 @contextmanager
 def connected(workers: int, scheduler: str | None, patience: float) -> Iterator[Client]:
     """Connect to a scheduler, or start one with workers and see to it that all of them end.
@@ -105,14 +75,9 @@ def connected(workers: int, scheduler: str | None, patience: float) -> Iterator[
     with dask.config.set(CONFIGURATION):
         try:
             forkserver.start()
-            # The process is there, and Dask need not import for it what it might.
-            distributed.utils._forkserver_preload_set = True
             with interrupts_put_off():
                 cluster = _local_cluster(workers)
             with Client(cluster, set_as_default=False) as client, client.as_current():
-                cores = sorted(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else []
-                if workers == len(cores):
-                    client.register_plugin(_OnACoreOfItsOwn(cores))
                 yield client
         finally:
             if cluster is not None:
@@ -121,27 +86,26 @@ def connected(workers: int, scheduler: str | None, patience: float) -> Iterator[
 
 
 def _local_cluster(workers: int) -> LocalCluster:
-    for _ in range(_ATTEMPTS - 1):
-        with suppress(ExecutionError):
-            return _started(workers)
-    return _started(workers)
-
-
-def _started(workers: int) -> LocalCluster:
-    try:
-        return LocalCluster(
-            n_workers=workers,
-            threads_per_worker=_THREADS,
-            # As it is now, and not as it was when the forkserver started.
-            env={**os.environ, **WORKER_ENVIRONMENT},
-            memory_limit=1 / workers,  # of all there is; by default it goes by the threads
-            # No dashboard; a port of its own for the little that is served in its place.
-            dashboard_address="127.0.0.1:0",
-            scheduler_kwargs={"dashboard": False},
-            silence_logs=logging.CRITICAL,
-        )
-    except (OSError, RuntimeError) as error:
-        raise ExecutionError(f"the worker processes do not start: {error}") from error
+    attempts = _ATTEMPTS
+    while True:
+        try:
+            return LocalCluster(
+                n_workers=workers,
+                threads_per_worker=_THREADS,
+                # As it is now, and not as it was when the forkserver started.
+                env={**os.environ, **WORKER_ENVIRONMENT},
+                memory_limit=1 / workers,  # of all there is; by default it goes by the threads
+                # No dashboard; a port of its own for the little that is served in its place.
+                dashboard_address="127.0.0.1:0",
+                scheduler_kwargs={"dashboard": False},
+                silence_logs=logging.CRITICAL,
+            )
+        except (OSError, RuntimeError) as error:
+            if forkserver.script_starts_sweeps():
+                raise ExecutionError(UNGUARDED) from None
+            attempts -= 1
+            if not attempts:
+                raise ExecutionError(f"the worker processes do not start: {error}") from error
 
 
 def dashboard_of(client: Client) -> str | None:

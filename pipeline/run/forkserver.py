@@ -8,12 +8,12 @@ from __future__ import annotations
 import multiprocessing
 import os
 import signal
+import sys
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from multiprocessing import forkserver, resource_tracker
-
-__all__ = ["METHOD", "WORKER_ENVIRONMENT", "interrupts_put_off", "start"]
+from typing import Any
 
 METHOD = "forkserver" if "forkserver" in multiprocessing.get_all_start_methods() else "spawn"
 """Of `multiprocessing`, by which to start workers."""
@@ -30,14 +30,22 @@ WORKER_ENVIRONMENT = {
 """For workers that are started elsewhere, too."""
 
 
+PRELOADING = "IRG_PRELOADING"
+"""Set in the environment of the forkserver alone, and so of all that it starts."""
+
+UNGUARDED = 'in a script, call run_sweep under if __name__ == "__main__":, since workers import it'
+_UNGUARDED = 71  # exit code of a worker that was about to run a sweep
+
+
 def start() -> None:
     """Start the process, unless it runs."""
     if METHOD != "forkserver":
         return
-    before = {name: os.environ.get(name) for name in WORKER_ENVIRONMENT}
+    settings = {**WORKER_ENVIRONMENT, PRELOADING: "1"}
+    before = {name: os.environ.get(name) for name in settings}
     multiprocessing.set_forkserver_preload(["pipeline.run.preload"])
     try:
-        os.environ.update(WORKER_ENVIRONMENT)
+        os.environ.update(settings)
         with interrupts_put_off():
             forkserver.ensure_running()
     finally:
@@ -46,6 +54,26 @@ def start() -> None:
                 del os.environ[name]
             else:
                 os.environ[name] = value
+
+
+def end_if_imported() -> None:
+    """End this process, without a word, if it is a worker that imports the script of its driver."""
+    script = sys.modules.get("__mp_main__")  # under this name, and before the worker has a parent
+    if script and script.__name__ == "__mp_main__" and not multiprocessing.parent_process():
+        os._exit(_UNGUARDED)  # an exception would show a traceback for each worker
+
+
+def script_starts_sweeps() -> bool:
+    """Whether the script of this process starts a sweep when a worker imports it."""
+    context: Any = multiprocessing.get_context(METHOD)
+    process = context.Process(target=_nothing)
+    process.start()
+    process.join()
+    return bool(process.exitcode == _UNGUARDED)
+
+
+def _nothing() -> None:
+    pass
 
 
 @contextmanager

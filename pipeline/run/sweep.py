@@ -19,6 +19,7 @@ from typing import NamedTuple
 from dask.system import CPU_COUNT
 
 from pipeline.run.cluster import PATIENCE, ExecutionError, connected, dashboard_of
+from pipeline.run.forkserver import UNGUARDED, end_if_imported
 from pipeline.run.schedule import compute
 from pipeline.store.compact import lay_out
 from pipeline.store.folder import PathLike
@@ -176,11 +177,9 @@ def run_sweep(
 
 
 def _refuse_in_a_worker(scheduler: str | None) -> None:
+    end_if_imported()
     if multiprocessing.parent_process() is not None and scheduler is None:
-        raise ExecutionError(
-            "a worker process cannot run a sweep; in a script, call run_sweep under "
-            'if __name__ == "__main__":'
-        )
+        raise ExecutionError(f"a worker process cannot run a sweep; {UNGUARDED}")
 
 
 class _Round(NamedTuple):

@@ -13,7 +13,6 @@ import pytest
 from distributed import Client
 
 from pipeline.cli import main
-from pipeline.run.cluster import connected
 from pipeline.run.sweep import ExecutionError, run_sweep
 from pipeline.store.progress import summary
 from tests.helpers import tiny
@@ -135,17 +134,3 @@ def test_the_recipe_for_batch_systems_runs(tmp_path, alone):
     assert done.returncode == 0, done.stderr
     assert "9 of 9 points done" in done.stdout
     assert summary(tmp_path / "small.zarr").done == 9
-
-
-@pytest.mark.skipif(not hasattr(os, "sched_getaffinity"), reason="cores cannot be chosen here")
-def test_workers_keep_to_a_core_each_where_there_is_one_for_each(monkeypatch):
-    core = min(os.sched_getaffinity(0))
-    for cores, kept in ({core}, {core}), ({core, core + 1}, os.sched_getaffinity(0)):
-        monkeypatch.setattr(os, "sched_getaffinity", lambda _, cores=cores: cores)
-        with connected(1, None, 30.0) as client:
-            monkeypatch.undo()
-            assert list(client.run(_cores).values()) == [kept]
-
-
-def _cores():
-    return os.sched_getaffinity(0)

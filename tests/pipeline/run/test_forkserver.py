@@ -1,12 +1,16 @@
 """The process that workers are forked from (pipeline/run/forkserver.py)."""
 
 import os
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 
 from pipeline.run import forkserver
 from pipeline.run.cluster import connected
+
+ROOT = Path(__file__).parents[3]
 
 
 @pytest.mark.skipif(forkserver.METHOD != "forkserver", reason="workers are not forked here")
@@ -39,3 +43,38 @@ def test_the_settings_of_workers_are_not_those_of_this_process(monkeypatch):
         (found,) = client.run(lambda: dict(os.environ)).values()
     assert found["SET_LATER"] == os.environ["SET_LATER"]
     assert found["OMP_NUM_THREADS"] == "1"
+
+
+def test_what_workers_import_is_not_frozen_elsewhere():
+    done = subprocess.run(
+        [sys.executable, "-c", "import gc, pipeline.run.preload; print(gc.get_freeze_count())"],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert done.stdout == "0\n"
+
+
+SCRIPT = """
+import sys
+from pipeline.run.sweep import run_sweep
+from tests.helpers import tiny
+
+run_sweep(tiny.sweep(), sys.argv[1], workers=2)
+"""
+
+
+def test_a_script_that_calls_it_unguarded_is_told_so_once(tmp_path):
+    script = tmp_path / "script.py"
+    script.write_text(SCRIPT)
+    done = subprocess.run(
+        [sys.executable, script, tmp_path / "out.zarr"],
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 1
+    assert done.stderr.count("Traceback") == done.stderr.count("ExecutionError: in a script, ") == 1
+    assert 'call run_sweep under if __name__ == "__main__":' in done.stderr
