@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from tribo.errors import InputError, require_positive
+from tribo.errors import InputError, require_integer, require_positive
 from tribo.grid import Grid
 from tribo.types import Array
 
@@ -56,6 +56,7 @@ def self_affine(
     """
     length_x, length_y = np.broadcast_to(correlation_length, 2).tolist()
     require_positive(ra=ra, correlation_length_x=length_x, correlation_length_y=length_y)
+    require_integer(0, seed=seed)
     if not 0 < hurst_exponent <= 1:
         raise InputError(f"hurst_exponent is {hurst_exponent!r}; it must be above 0 and at most 1")
     if grid.shape == (1, 1):

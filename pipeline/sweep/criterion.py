@@ -67,9 +67,9 @@ class Conditions:
                 raise InputError(f"{name} is {value!r}; it must be finite")
         if self.friction < 0:
             raise InputError(f"friction is {self.friction:g}; it must be at least 0")
-        if self.bulk_temperature < 0:
+        if self.bulk_temperature <= 0:
             raise InputError(
-                f"bulk_temperature is {self.bulk_temperature:g} K; it must be at least 0 K"
+                f"bulk_temperature is {self.bulk_temperature:g} K; it must be above 0 K"
             )
         critical = self.critical_temperature
         if critical is not None and critical <= self.bulk_temperature:
