@@ -1,10 +1,9 @@
-"""The band of a boundary over several random surfaces: what they have in common, and the spread.
+"""The band of a boundary over several random surfaces: quantiles, mean and spread.
 
-A surface whose transition lies beyond the sweep has no number, but is not without evidence: its
-transition lies above all of the sweep's velocities (or loads) if wear is mild throughout, below
-them if it is severe from the lowest. Quantiles are therefore taken with it in its place, and are
-known as long as they fall within the sweep. A mean has no such way out: it is given only where
-every surface crosses, since the mean of those that do would be biased towards the sweep's middle.
+Where a surface has no transition within the sweep, its transition lies above all of the sweep's
+velocities (or loads) if wear is mild throughout, and below them if it is severe from the lowest.
+Quantiles count it there, and are known as long as they fall within the sweep. A mean is given only
+where every surface crosses: the mean of those that do would be biased towards the sweep's middle.
 """
 
 from __future__ import annotations
@@ -17,9 +16,6 @@ import xarray as xr
 
 from tribo.types import Array
 
-__all__ = ["BAND", "CROSSES", "MILD", "SEVERE", "UNKNOWN", "quantile", "with_band"]
-
-
 CROSSES, MILD, SEVERE, UNKNOWN = range(4)
 """Values of the variables ``outcome_at_load`` and ``outcome_at_velocity``."""
 
@@ -28,13 +24,13 @@ BAND = (0.1, 0.5, 0.9)
 
 
 def with_band(boundaries: xr.Dataset) -> xr.Dataset:
-    """Add to the boundaries of several surfaces what `pipeline.boundary` says of all of them.
+    """Add quantiles, mean, spread and counts to the boundaries of several surfaces.
 
     Parameters
     ----------
     boundaries : Dataset
-        With ``critical_velocity(realization, load)``, ``critical_load(realization, velocity)``,
-        and the outcomes of each.
+        Boundaries with ``critical_velocity(realization, load)``,
+        ``critical_load(realization, velocity)`` and the outcomes of each.
     """
     found = boundaries.assign_coords(
         quantile=("quantile", list(BAND), {"long_name": "share of the surfaces that lie lower"})
@@ -73,7 +69,7 @@ def with_band(boundaries: xr.Dataset) -> xr.Dataset:
 
 
 def _known(columns: Sequence[Array]) -> list[Array]:
-    """Without surfaces of which nothing is known; NaN alone where there is no other."""
+    """Leave out unknown values from each column; NaN alone where all are unknown."""
     return [c[~np.isnan(c)] if not np.isnan(c).all() else np.array([math.nan]) for c in columns]
 
 
@@ -83,13 +79,14 @@ def quantile(values: Array, share: float) -> float:
     Parameters
     ----------
     values : ndarray
-        NaN is left out.
+        Values, also infinite ones; NaN is left out.
     share : float
+        Share of the values that lie lower, from 0 to 1.
 
     Returns
     -------
     float
-        NaN where it does not lie between finite values.
+        The quantile; NaN where it does not lie between finite values.
 
     Examples
     --------

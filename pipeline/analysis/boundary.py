@@ -39,7 +39,7 @@ def boundary(
     Parameters
     ----------
     ds : Dataset
-        Of `pipeline.open_sweep`. Points that are pending or failed are skipped.
+        Dataset of `pipeline.open_sweep`. Points that are pending or failed are skipped.
     friction : float or several, optional
         Coefficient of friction, at least 0; like the following the sweep's own if not given.
         Several give a dimension ``friction``.
@@ -154,7 +154,7 @@ def decisive_temperature(
     Returns
     -------
     DataArray, dims (load, velocity), after ``realization`` over several surfaces
-        [K]; NaN at points that are pending or failed.
+        Temperature [K]; NaN at points that are pending or failed.
     """
     conditions = conditions_of(ds, friction, bulk_temperature, critical_temperature, share)
     rise = decisive_rise(ds, conditions.failing_share, resolution)
@@ -178,9 +178,9 @@ def decisive_rise(
     Parameters
     ----------
     ds : Dataset
-        Of `pipeline.open_sweep`.
+        Dataset of `pipeline.open_sweep`.
     share : float
-        Of the contact area, from 0 (the maximum) to below 1.
+        Share of the contact area, from 0 (the maximum) to below 1.
     resolution : int, optional
         Interpolate onto so many loads and velocities, evenly spaced. The surface passes through
         the boundary that `boundary` finds for each load and each velocity. NaN beyond the
@@ -191,7 +191,7 @@ def decisive_rise(
     Returns
     -------
     DataArray, dims (load, velocity), after ``realization`` over several surfaces
-        [K], sorted along all axes; NaN at points that are pending or failed.
+        Rise [K], sorted along all axes; NaN at points that are pending or failed.
     """
     ds = ordered(ds[["normal_load", "rise_quantile", "status"]])
     if "realization" in ds.dims:
@@ -232,8 +232,8 @@ def rise_exceeded(ds: xr.Dataset, share: float) -> xr.DataArray:
     Returns
     -------
     DataArray
-        [K], with the dimensions of ``rise_quantile`` but the quantile; NaN where the temperature
-        is not known.
+        Rise [K], with the dimensions of ``rise_quantile`` but the quantile; NaN where the
+        temperature is not known.
     """
     found: xr.DataArray = xr.apply_ufunc(
         quantiles.rise_exceeded,

@@ -14,8 +14,6 @@ from pipeline.sweep.model import Point
 from tribo import InputError
 from tribo.types import Array
 
-__all__ = ["asked_points", "by_surface", "end_of_point", "on_surface", "open_sweep", "ordered"]
-
 
 def open_sweep(path: PathLike) -> xr.Dataset:
     """Open a stored sweep.
@@ -23,23 +21,23 @@ def open_sweep(path: PathLike) -> xr.Dataset:
     Parameters
     ----------
     path : str or path
-        Of a store that `pipeline.run_sweep` has made; it may still be growing.
+        Folder or address of a store that `pipeline.run_sweep` has made; it may still be growing.
 
     Returns
     -------
     Dataset
-        What is stored, loads, velocities and seeds of surfaces ascending. Steps beyond a load's
-        own and points that are not done are NaN. Under the conditions of the scene there are
-        also, at each step where the temperature was asked for:
+        The stored variables, with loads, velocities and seeds of surfaces ascending. Steps beyond
+        a load's own and points that are not done are NaN. Under the conditions of the scene there
+        are also, at each step where the temperature was asked for:
 
         ``max_temperature``, ``mean_temperature``
-            Of the contact [K].
+            Highest and mean temperature of the contact [K].
         ``temperature_quantile``
             Temperature that a share ``quantile`` of the contact area stays below [K].
         ``failed_fraction``
             Share of the contact area above the critical temperature, if the scene gives that.
 
-        Fields and the like are read when they are used.
+        Data are read when they are used.
 
     Raises
     ------
@@ -82,7 +80,7 @@ def on_surface(ds: xr.Dataset, realization: int | None = None) -> xr.Dataset:
 def asked_points(ds: xr.Dataset) -> xr.DataArray:
     """Tell which points the last run asked for, dims (load, velocity): all, or those it chose.
 
-    What else is there, was asked for in an earlier one. The sweep is on one surface.
+    The other points in the store were asked for by an earlier run. The sweep is on one surface.
     """
     asked = xr.ones_like(ds["status"], dtype=bool)
     chosen = ds.attrs.get("chosen")
@@ -105,7 +103,7 @@ def end_of_point(ds: xr.Dataset) -> xr.Dataset:
     Parameters
     ----------
     ds : Dataset
-        Of `open_sweep`.
+        Dataset of `open_sweep`.
 
     Returns
     -------

@@ -11,22 +11,21 @@ import numpy as np
 from pipeline.sweep.model import Measurement, Sweep
 from tribo import InputError, Transition, critical_temperature
 
-__all__ = ["CriticalTemperatures", "critical_temperatures"]
-
 
 @dataclass(frozen=True, slots=True)
 class CriticalTemperatures:
-    """What each measured transition gives on each random surface.
+    """Critical temperatures from measured transitions, each on each random surface.
 
     Attributes
     ----------
     transitions : tuple of Transition
+        Measured transitions, each with its friction.
     surfaces : tuple of int or None
-        Seeds; None for a surface that is not random.
+        Seeds of the surfaces; None for a surface that is not random.
     temperatures : tuple of tuple of float
-        By transition and surface [K].
+        Critical temperature by transition and surface [K].
     share : float
-        Of the contact area, that is hotter.
+        Share of the contact area that exceeds the critical temperature.
     """
 
     transitions: tuple[Transition, ...]
@@ -41,7 +40,7 @@ class CriticalTemperatures:
 
     @property
     def spreads(self) -> tuple[float | None, ...]:
-        """Standard deviation over the surfaces, by transition [K]; None of a single one."""
+        """Standard deviation over the surfaces, by transition [K]; None for a single one."""
         return tuple(_spread(row) for row in self.temperatures)
 
     @property
@@ -51,11 +50,11 @@ class CriticalTemperatures:
 
     @property
     def spread(self) -> float | None:
-        """Standard deviation of the transitions' means [K]; None of a single one."""
+        """Standard deviation of the transitions' means [K]; None for a single one."""
         return _spread(self.means)
 
     def as_dict(self) -> dict[str, Any]:
-        """Return all of it as plain data."""
+        """Return all values as plain data."""
         rows = zip(self.transitions, self.temperatures, self.means, self.spreads, strict=True)
         return {
             "share": self.share,
@@ -80,15 +79,15 @@ def critical_temperatures(
     Parameters
     ----------
     sweep : Sweep
-        With measured transitions; on each of its realizations, if it has any. A transition
-        without a friction of its own has the sweep's.
+        Scene with measured transitions, simulated on each of its realizations if it has any. A
+        transition without a friction of its own has that of the sweep.
     progress : callable, optional
         Called with a line before each surface.
 
     Raises
     ------
     InputError
-        If no transition was measured, besides what `tribo.critical_temperature` raises.
+        If no transition was measured, or for a reason of `tribo.critical_temperature`.
     """
     if not sweep.measured:
         raise InputError(

@@ -1,4 +1,4 @@
-"""Interpolation of what is close to a power law, and where it reaches a limit.
+"""Interpolation of values close to a power law, and where they reach a limit.
 
 The logarithm of y is interpolated over that of x by a cubic that is monotone between the points
 (PCHIP): exact for a power law, and free of crossings that the points do not have.
@@ -20,8 +20,6 @@ from scipy.optimize import brentq
 
 from tribo.types import Array
 
-__all__ = ["crossing", "interpolated"]
-
 
 def crossing(x: Array, y: Array, limit: float) -> float:
     """Find where y first goes from below to above a limit; NaN if it does not.
@@ -29,11 +27,11 @@ def crossing(x: Array, y: Array, limit: float) -> float:
     Parameters
     ----------
     x : ndarray, shape (n,)
-        Ascending.
+        Abscissae, ascending.
     y : ndarray, shape (n,)
-        NaN where it is not known; those points are skipped.
+        Values at the abscissae; points where one is NaN are skipped.
     limit : float
-        In the unit of y.
+        Value to reach, in the unit of y.
 
     Examples
     --------
@@ -69,11 +67,12 @@ def interpolated(x: Array, y: Array, at: Array, continued: bool = False) -> Arra
     Parameters
     ----------
     x, y : ndarray, shape (n,)
-        As for `crossing`.
+        Abscissae, ascending, and values, NaN where not known, as for `crossing`.
     at : ndarray
+        Abscissae to interpolate at.
     continued : bool
-        Whether to go on instead beyond the outermost points, with the power law through the last
-        two of them; only where x and y are positive.
+        Whether to continue beyond the outermost points by the power law through the last two of
+        them, where x and y are positive.
 
     Examples
     --------

@@ -17,8 +17,6 @@ from pipeline.sweep.model import Point
 from tribo import WarningKind
 from tribo.types import Array, Mask
 
-__all__ = ["Warned", "has_warning", "warned"]
-
 _OLD_STORES = "of unknown kind"  # those that keep the text alone
 
 
@@ -70,7 +68,7 @@ def warned(ds: xr.Dataset, **conditions: Any) -> Warned:
     Parameters
     ----------
     ds : Dataset
-        Of `pipeline.open_sweep`.
+        Dataset of `pipeline.open_sweep`.
     **conditions
         Those of `pipeline.boundary`, to tell which points lie beside it.
     """

@@ -11,8 +11,6 @@ import pipeline
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["document_of", "text_of"]
-
 _NO_CROSSING = {1: "mild throughout", 2: "severe from the lowest", 3: "not known yet"}
 _BOUNDARIES = (
     ("critical_velocity", "load", "  load [N]   critical velocity [m/s]"),

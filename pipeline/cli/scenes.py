@@ -28,8 +28,9 @@ def scene_of(
     Parameters
     ----------
     options : Namespace
+        Options of the command.
     points : sequence of Point, optional
-        Where an accuracy is to hold; near the boundary if not given.
+        Points at which an accuracy is to hold; some near the boundary if not given.
     store : path, optional
         A store whose fidelity to go on with, if it is accurate enough.
     """

@@ -34,10 +34,11 @@ def fields(
     Parameters
     ----------
     ds : Dataset
+        Dataset of `pipeline.open_sweep`.
     load : float, optional
-        [N]; the highest if not given.
+        Load of the point [N]; the highest if not given.
     velocity : float, optional
-        [m/s]; the one nearest to the transition at that load if not given.
+        Velocity of the point [m/s]; the one nearest to the transition at that load if not given.
     friction, bulk_temperature, critical_temperature, share
         See `pipeline.boundary`.
     realization : int, optional

@@ -32,17 +32,18 @@ def plot(
     Parameters
     ----------
     ds : Dataset or path
-        Of `pipeline.open_sweep`, or where the store lies.
+        Dataset of `pipeline.open_sweep`, or folder or address of the store.
     kind : {"diagram", "ramp", "fields"}
+        Name of the figure.
     out : path, optional
-        Where to write it; the suffix, one of .pdf, .png and .svg, decides the format.
+        File to write; its suffix, one of .pdf, .png and .svg, decides the format.
     **options
-        Of the function of that name: `diagram`, `ramp`, `fields`.
+        Options of the function of that name: `diagram`, `ramp` or `fields`.
 
     Returns
     -------
     Figure or Path
-        The figure, or where it was written.
+        The figure, or the file it was written to if `out` is given.
 
     Raises
     ------

@@ -48,10 +48,11 @@ def ramp(
     Parameters
     ----------
     ds : Dataset
+        Dataset of `pipeline.open_sweep`.
     load : float or several, optional
-        Up to which to draw [N]; the highest if not given.
+        Loads up to which to draw [N]; the highest if not given.
     velocity : float or several, optional
-        [m/s]; the one nearest to the transition at that load if not given.
+        Velocities of the ramps [m/s]; the one nearest to the transition at the load if not given.
     friction, bulk_temperature, critical_temperature, share
         See `pipeline.boundary`.
     realization : int, optional

@@ -16,21 +16,6 @@ from matplotlib.figure import Figure
 from pipeline.sweep.criterion import Conditions
 from tribo import InputError
 
-__all__ = [
-    "BLACK",
-    "BLUE",
-    "GREY",
-    "VERMILION",
-    "celsius",
-    "criterion",
-    "exceeding",
-    "figure_path",
-    "heating",
-    "in_house_style",
-    "save_figure",
-    "title_of",
-]
-
 BLACK, GREY = "#1A1A1A", "#777777"
 BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY = (
     "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9",

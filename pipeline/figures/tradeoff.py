@@ -40,7 +40,7 @@ def draw_trade(trade: Trade) -> Figure:
     Parameters
     ----------
     trade : Trade
-        Of `pipeline.tradeoff.trade.trade`.
+        Result of `pipeline.trade`.
     """
     figure = Figure(figsize=(8.0, 5.6))
     axes = figure.add_subplot()

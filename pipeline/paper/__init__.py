@@ -65,13 +65,13 @@ def reproduce(
     name : str
         One of `RESULTS`.
     out : path, optional
-        Where to write the figure: .pdf, .png or .svg.
+        File to write the figure to; .pdf, .png or .svg.
     preset : str, optional
         Fidelity in place of the one that belongs to the result.
     surfaces : int, optional
         Number of random surfaces in place of the result's own.
     workers : int, optional
-        For a sweep; one for each core if not given.
+        Number of workers for a sweep; one for each core if not given.
     scenes, results : path
         Folders of the scene files and of the stores.
     progress : callable, optional
@@ -126,9 +126,9 @@ def write_gallery(
     Parameters
     ----------
     folder : path
-        Where to write ``README.md`` and the figures; made if it does not exist.
+        Folder for ``README.md`` and the figures; made if it does not exist.
     names : iterable of str
-        Of the results, all if not given.
+        Names of the results to write, all if not given.
     preset, surfaces, workers, scenes, results, progress
         See `reproduce`.
     """

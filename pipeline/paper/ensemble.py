@@ -15,19 +15,6 @@ from pipeline.paper.study import End, Study, end_of
 from pipeline.sweep.model import Measurement, Sweep
 from tribo import InputError
 
-__all__ = [
-    "PATTERNS",
-    "Values",
-    "Variants",
-    "beside",
-    "matching",
-    "means",
-    "name_of",
-    "over_surfaces",
-    "range_of",
-    "with_wear",
-]
-
 WearPattern = Literal["swept", "local"]
 PATTERNS: tuple[WearPattern, ...] = get_args(WearPattern)
 Values = list[list[float]]

@@ -7,8 +7,6 @@ from collections.abc import Iterable, Iterator
 from pipeline.paper.printed import PAPER
 from pipeline.paper.report import Report, Table
 
-__all__ = ["page"]
-
 _HEAD = f"""# Everything that the paper shows, computed
 
 {PAPER}:

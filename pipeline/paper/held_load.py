@@ -16,8 +16,6 @@ from pipeline.sweep.model import Sweep
 from tribo import Ramp, simulate
 from tribo.types import Array
 
-__all__ = ["fig5"]
-
 _LOOKS = {
     "no wear": (BLACK, "--"),
     "swept wear": (BLUE, "-"),

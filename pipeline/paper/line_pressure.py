@@ -18,8 +18,6 @@ from tribo import Cylinder, Grid, contact_modulus, simulate
 from tribo.analytic import hertz_line_half_width, hertz_line_peak_pressure, hertz_pressure
 from tribo.types import Array
 
-__all__ = ["fig4"]
-
 
 def fig4(study: Study) -> Report:
     """Pressure of a cylinder on a patch with free ends, with its nearest images, with all."""

@@ -16,9 +16,6 @@ from pipeline.sweep.model import Sweep
 from tribo import MeasuredLoad, Ramp, simulate
 from tribo.types import Array
 
-__all__ = ["fig8", "synthetic_record"]
-
-
 RATE = 150.0
 """The paper's loading rate [N/s]."""
 _SAME = 2.0  # K: within what a linear fit serves as well as the record
@@ -39,8 +36,10 @@ def synthetic_record(
 
     Parameters
     ----------
-    load, rate : float
-        At the end [N], and on the way there [N/s].
+    load : float
+        Load at the end [N].
+    rate : float
+        Rate at which the load grows [N/s].
     rounding : float
         Time constant of the lag [s].
     noise : float
@@ -48,7 +47,7 @@ def synthetic_record(
     onset : float
         When the pin touches the disk [s].
     seed : int
-        Of the noise.
+        Seed of the noise.
 
     Examples
     --------

@@ -23,8 +23,6 @@ from tribo import (
     specific_wear_rate,
 )
 
-__all__ = ["inverse"]
-
 _SURFACES = 8
 _DURATIONS = (6.0, 7.0, 8.0, 9.0, 10.0)  # s, of the whole test: not published
 _FRICTIONS = (0.1, 0.2, 0.4)  # before the friction of the rig jumps, and after it

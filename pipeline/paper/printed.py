@@ -7,19 +7,6 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-__all__ = [
-    "CYLINDER_HALF_WIDTH",
-    "CYLINDER_PEAK_PRESSURE",
-    "PAPER",
-    "RIG_HEATING",
-    "ROOM_CELSIUS",
-    "SPECIFIC_WEAR_RATE",
-    "TABLE_4",
-    "TABLE_6",
-    "Row4",
-    "Row6",
-]
-
 PAPER = "Bosman & de Rooij, On the transition from mild to severe wear of lubricated contacts"
 
 CYLINDER_PEAK_PRESSURE = 1.01e9

@@ -9,20 +9,19 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
-__all__ = ["Finding", "Report", "Table", "mean_and_spread"]
-
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """What the paper states, and what is computed now.
+    """A statement of the paper beside what is computed.
 
     Attributes
     ----------
     printed, computed : str
-        Each in a few words.
+        Statement of the paper and result of the computation, each in a few words.
     agrees : bool
+        Whether the two agree.
     why : str
-        Where they differ, or agree for a reason that is not the obvious one.
+        Reason for a difference, or for an agreement that is a coincidence.
     """
 
     printed: str
@@ -80,19 +79,24 @@ class Report:
 
     Attributes
     ----------
-    name, title : str
+    name : str
+        Name of the result, as in `irg reproduce --list`.
+    title : str
+        One line on what is shown.
     table : Table
-        The numbers, for people.
+        The numbers, written for reading.
     findings : tuple of Finding
+        Statements of the paper beside what is computed.
     notes : tuple of str
-        What the numbers rest on.
+        Assumptions that the numbers rest on.
     data : dict
         The numbers as plain values, in SI unless the key names another unit.
     figure : Figure
+        The numbers, drawn.
     seconds : float
-        That it took.
+        Duration of its computation [s].
     file : Path or None
-        Where the figure was written.
+        File the figure was written to.
     """
 
     name: str
@@ -106,7 +110,7 @@ class Report:
     file: Path | None = None
 
     def lines(self) -> Iterator[str]:
-        """What a terminal shows."""
+        """Lines of text for a terminal."""
         yield f"{self.name}: {self.title}"
         yield ""
         yield from self.table.lines()

@@ -17,9 +17,6 @@ from pipeline.sweep.model import Sweep
 from tribo import ConvergenceError, simulate, warnings
 from tribo.types import Array
 
-__all__ = ["fig6"]
-
-
 BLOCKS = (8, 6, 4, 3, 2, 1)
 INCREMENTS = (20, 30, 40, 50, 75, 100, 150, 200)
 _PUBLISHED = 100  # increments

@@ -19,8 +19,6 @@ from pipeline.sweep.criterion import boundary_velocity_error, rise_limit
 from pipeline.sweep.model import Sweep
 from tribo import SelfAffineRoughness
 
-__all__ = ["sensitivity"]
-
 LENGTHS = (2.0, 3.0, 4.0, 5.0, 6.0, 8.0)  # µm
 LAYS = ((1.0, 1.0), (1.0, 4.0), (4.0, 1.0))  # factors on the length along x and along y
 HURST = (0.5, 0.65, 0.8, 1.0)

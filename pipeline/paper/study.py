@@ -26,8 +26,6 @@ from tribo import (
 )
 from tribo.types import Array
 
-__all__ = ["WORKFLOWS", "End", "Study", "end_of"]
-
 WORKFLOWS = Path(__file__).parents[2] / "workflows"
 """The scenes that come with the source."""
 
@@ -47,7 +45,7 @@ class Study:
     surfaces : int or None
         Number of random surfaces in place of each result's own.
     workers : int or None
-        Of a sweep; one for each core if not given.
+        Number of workers of a sweep; one for each core if not given.
     tell : callable
         Called with a line on what comes next.
     """
@@ -83,10 +81,10 @@ class End:
     contact_width : float
         Between the outermost elements in contact [m].
     bearing_width : float
-        Of the rows of elements across the sliding direction that carry at least 5 % of what the
-        most loaded one carries [m].
+        Width of the rows of elements across the sliding direction that carry at least 5 % of
+        what the most loaded one carries [m].
     rise_quantile : ndarray
-        At friction 1 [K].
+        Rise at friction 1 that each of `tribo.QUANTILES` of the contact area stays below [K].
     """
 
     contact_width: float
@@ -117,7 +115,7 @@ def end_of(scene: Scene, normal_load: float, velocity: float) -> End:
 
 
 def summary_of(scene: Scene, state: State) -> End:
-    """What of a state with temperature is compared with the paper."""
+    """Take from a state with temperature what is compared with the paper."""
     if state.heat is None:
         raise InputError("a point ended without a temperature")
     carried = state.pressure.mean(axis=1)

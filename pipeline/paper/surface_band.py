@@ -12,8 +12,6 @@ from pipeline.paper.study import Study
 from pipeline.run.sweep import run_sweep
 from tribo import InputError
 
-__all__ = ["band"]
-
 _SURFACES = 8
 # Six loads and seven velocities place the boundary on each surface to a few parts in a thousand.
 _LOADS = (200.0, 300.0, 400.0, 500.0, 600.0, 750.0)

@@ -26,8 +26,6 @@ from pipeline.paper.study import End, Study
 from pipeline.sweep.criterion import Conditions
 from pipeline.sweep.model import Measurement, Sweep
 
-__all__ = ["table4"]
-
 _BAND = 10.0  # K: within which the paper's highest temperatures lie
 
 

@@ -25,8 +25,6 @@ from pipeline.paper.study import End, Study
 from pipeline.sweep.criterion import Conditions
 from pipeline.sweep.model import Measurement
 
-__all__ = ["table6"]
-
 
 def table6(study: Study) -> Report:
     """Temperatures at the measured transitions of oil A, at two bulk temperatures."""

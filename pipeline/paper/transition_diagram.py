@@ -9,8 +9,6 @@ from pipeline.paper.report import Finding, Report, Table
 from pipeline.paper.study import Study
 from pipeline.run.sweep import run_sweep
 
-__all__ = ["fig10"]
-
 _GOOD = 0.15  # relative: what this project holds itself to
 
 

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeline.sweep.plan import Point
+from pipeline.sweep.model import Point
 from tribo import InputError
 
 __all__ = ["BoundarySearch"]

@@ -171,6 +171,7 @@ def failed_fraction(rise_quantile: Array, conditions: Conditions) -> float:
     rise_quantile : ndarray, shape (n_quantile,)
         Rise at friction 1 that each of `tribo.QUANTILES` of the contact area stays below [K].
     conditions : Conditions
+        Friction, temperatures and failing share to judge by.
     """
     return failed_share(rise_quantile, rise_limit(conditions))
 
@@ -189,9 +190,9 @@ def worst_moment(rise: Array, normal_load: Array, load: Array | float) -> Indice
     Parameters
     ----------
     rise : ndarray, shape (..., n_step)
-        At each step the rise that just the failing share exceeds [K]; NaN where it is not known.
+        Rise at each step that just the failing share exceeds [K]; NaN where it is not known.
     normal_load : ndarray, shape (..., n_step)
-        At each step [N].
+        Normal load at each step [N].
     load : float or ndarray, shape (..., 1)
         The load that the point is named after [N].
 
@@ -222,6 +223,7 @@ def verdict(columns: Mapping[str, Array], load: float, conditions: Conditions) -
     load : float
         The load that the point is named after [N].
     conditions : Conditions
+        Friction, temperatures and failing share to judge by.
     """
     rises = rise_exceeded(columns["rise_quantile"], conditions.failing_share)
     worst = int(worst_moment(rises, columns["normal_load"], load))

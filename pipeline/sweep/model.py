@@ -16,9 +16,9 @@ class Point(NamedTuple):
     Attributes
     ----------
     load : float
-        On the whole pin [N].
+        Normal load on the whole pin [N].
     velocity : float
-        [m/s].
+        Sliding velocity [m/s].
     realization : int or None
         Seed of the random surface, in a sweep over several.
 
@@ -44,9 +44,9 @@ class Measurement:
     Attributes
     ----------
     normal_load : float
-        [N].
+        Normal load on the whole pin [N].
     velocity : float
-        [m/s].
+        Sliding velocity [m/s].
     friction : float or None
         Friction coefficient, if it was measured.
     """
@@ -64,25 +64,29 @@ class Sweep(Scene):
     ----------
     name, title : str
         The file's name without ending; a line for people.
-    loads, velocities : tuple of float
-        [N], [m/s]; ascending, each once.
+    loads : tuple of float
+        Normal loads on the whole pin, ascending, each once [N].
+    velocities : tuple of float
+        Sliding velocities, ascending, each once [m/s].
     conditions : Conditions
+        Friction, temperatures and failing share of the scene.
     realizations : tuple of int
         Seeds of the random surfaces on which to simulate every load and velocity, one after the
         other in place of the scene's own; none if the scene's own surface is all there is.
     friction_band : tuple of float or None
         Lowest and highest friction coefficient measured.
     measured : tuple of Measurement
+        Measured transitions, for comparison.
     store_fields : bool
         Whether the fields at the end of each point are kept.
     independent : bool
         Whether each point is simulated from the start instead of on from the next lower load.
     preset : str or None
-        Name of the preset that the fidelity equals.
+        Name of the preset that the fidelity equals; None if it equals none.
     selection : Selection or None
         Why the fidelity is what it is, if it was picked for its accuracy.
     notes : tuple of str
-        What reading the scene had to settle, and a user should know.
+        What was assumed on reading the scene, for the user to know.
     chosen : tuple of Point or None
         The points to simulate, if not all of them.
 
@@ -110,12 +114,17 @@ class Sweep(Scene):
     def __post_init__(self) -> None:
         Scene.__post_init__(self)  # a slotted dataclass has no super()
         if self.realizations and not isinstance(self.roughness, SelfAffineRoughness):
-            raise InputError("realizations need a random roughness, which is made from a seed")
+            raise InputError(
+                "realizations are seeds of a random roughness; that of the scene is not random"
+            )
 
     def on_surface(self, seed: int | None) -> Self:
         """The sweep on the random surface of a seed alone; itself if None."""
         if seed is None:
             return self
         if not isinstance(self.roughness, SelfAffineRoughness):
-            raise InputError("the roughness is not a random one, which is made from a seed")
+            raise InputError(
+                f"realization is {seed}, the seed of a random roughness; that of the scene is not "
+                "random"
+            )
         return replace(self, roughness=replace(self.roughness, seed=seed), realizations=())

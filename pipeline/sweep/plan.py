@@ -1,9 +1,9 @@
-"""Which points a sweep has, which of them continue which, and how one is computed.
+"""The points of a sweep, the chains in which one continues another, and how a point is computed.
 
 At one velocity every load passes through the same trunk of the ramp, so the points of a velocity
-form a chain: each takes the trunk over where the next lower load left it. A point computed from
-the start, or from any trunk, has the same numbers, bit for bit. On each random surface, the chains
-are others.
+form a chain: each continues the trunk where the next lower load left it. A point computed from
+the start, or from any trunk, has the same numbers, bit for bit. Each random surface has chains of
+its own.
 """
 
 from __future__ import annotations
@@ -20,17 +20,6 @@ from pipeline.sweep.model import Point, Sweep
 from tribo import QUANTILES, PointWarning, Scene, State, measures, simulate, start, warnings
 from tribo.types import Array
 
-__all__ = [
-    "Point",
-    "PointResult",
-    "Trunk",
-    "advance_trunk",
-    "chains",
-    "points",
-    "run_point",
-    "step_count",
-]
-
 Record = Mapping[str, float | Array]
 
 _NO_QUANTILES = np.full(len(QUANTILES), np.nan)
@@ -38,14 +27,14 @@ _NO_QUANTILES = np.full(len(QUANTILES), np.nan)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Trunk:
-    """How far the ramp at one velocity has come.
+    """The ramp at one velocity, as far as it has come.
 
     Attributes
     ----------
     state : State
-        At the last station, without temperature.
+        State at the last station, without temperature.
     records : tuple of dict
-        For each station so far, the values of `PointResult.columns`.
+        Values of `PointResult.columns` at each station so far.
     """
 
     state: State
@@ -54,22 +43,23 @@ class Trunk:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PointResult:
-    """What the computation of one point gives.
+    """The result of computing one point.
 
     Attributes
     ----------
     point : Point
+        Load, velocity and surface.
     columns : dict of ndarray, shape (n_step,), ``rise_quantile`` (n_step, n_quantile)
-        By dataset variable; a row for each step since the start of the ramp. NaN where the
-        temperature was not asked for.
+        Values at each step since the start of the ramp, by variable of the dataset; NaN where
+        the temperature was not asked for.
     state : State
-        At the end, with temperature.
+        State at the end, with temperature.
     warnings : tuple of PointWarning
-        What to know before relying on the point.
+        Reasons for care in relying on the point.
     trunk : Trunk
-        Where the next higher load goes on.
+        Trunk of the ramp, which the next higher load continues.
     wall_time : float
-        Of this computation, which may have begun on a trunk [s].
+        Duration of the computation, which may have begun on a trunk [s].
     """
 
     point: Point
@@ -81,7 +71,7 @@ class PointResult:
 
     @property
     def fields(self) -> dict[str, Array]:
-        """Pressure [Pa], rise [K] and wear depth [m] at the end, shape (nx, ny)."""
+        """Pressure [Pa], rise at friction 1 [K] and wear depth [m] at the end, shape (nx, ny)."""
         heat = self.state.heat
         return {
             "pressure": self.state.pressure,
@@ -108,8 +98,9 @@ def chains(todo: Iterable[Point], independent: bool = False) -> tuple[tuple[Poin
     Parameters
     ----------
     todo : iterable of Point
+        Points to compute.
     independent : bool
-        Whether every point is to begin at the start of the ramp instead.
+        Whether every point begins at the start of the ramp instead.
 
     Examples
     --------
@@ -146,15 +137,16 @@ def run_point(
     Parameters
     ----------
     sweep : Sweep
+        The scene, and the surfaces it has.
     load : float
-        At the end of the ramp [N].
+        Normal load on the whole pin at the end of the ramp [N].
     velocity : float
-        [m/s].
+        Sliding velocity [m/s].
     realization : int, optional
         Seed of the random surface in place of the sweep's own.
     trunk : Trunk, optional
-        Of a lower load at the same velocity on the same surface; from the start of the ramp if
-        not given. The result is the same.
+        Trunk of a lower load at the same velocity on the same surface, to continue; the start of
+        the ramp if not given. The result is the same.
 
     Raises
     ------
@@ -185,7 +177,7 @@ def advance_trunk(
     realization: int | None = None,
     trunk: Trunk | None = None,
 ) -> Trunk:
-    """The trunk up to the last station below a load, without computing the point there.
+    """Continue a trunk up to the last station below a load, without computing the point there.
 
     Parameters are those of `run_point`.
     """
@@ -204,7 +196,7 @@ def advance_trunk(
 
 
 def _extended(sweep: Sweep, trunk: Trunk, state: State, load: float, record: Record) -> Trunk:
-    """The trunk with one more state of a point, if higher loads pass through it."""
+    """Return the trunk with one more state of a point, if higher loads pass through it."""
     if not state.on_trunk:
         return trunk
     onwards = state.history or replace(state, heat=None)
@@ -214,7 +206,7 @@ def _extended(sweep: Sweep, trunk: Trunk, state: State, load: float, record: Rec
 
 
 def _is_same_for_higher_loads(sweep: Sweep, state: State, load: float) -> bool:
-    """Whether a state has its temperature, and with it the finest grid, not as the point's end."""
+    """Whether a state has its temperature on the finest grid also where it ends no point."""
     if state.normal_load < load or sweep.remembers_heat:
         return True
     (station,) = (at for at in sweep.stations(load) if at.on_trunk and at.normal_load == load)

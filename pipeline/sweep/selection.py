@@ -1,4 +1,4 @@
-"""A fidelity that was picked for its accuracy, and why; stored with what it computed."""
+"""A fidelity picked for its accuracy, and the reasons, which are stored with the results."""
 
 from __future__ import annotations
 
@@ -8,10 +8,8 @@ from typing import Any
 
 from tribo import Fidelity
 
-__all__ = ["KEPT_FIELDS", "Selection", "Trial"]
-
 KEPT_FIELDS = ("temperature_interval", "heat_model", "heat_kernel")
-"""What a scene keeps of its own fidelity: what it asks to see, and how far and how long heat acts."""
+"""Fields of a scene's own fidelity that it keeps: what it asks to see, and how heat acts."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,7 +19,9 @@ class Trial:
     Attributes
     ----------
     name : str
+        Name of the fidelity, as shown to the user.
     fidelity : Fidelity
+        The numerical choices that were tried.
     error : float
         Largest relative error of the boundary velocity to expect at any load.
     work : float
@@ -43,15 +43,17 @@ class Selection:
     accuracy : float
         Largest relative error of the boundary velocity that was asked for.
     name : str
+        Name of the fidelity that was picked, as shown to the user.
     fidelity : Fidelity
+        The numerical choices that were picked.
     error : float
-        Largest relative error to expect, from those measured and from what the yardstick itself
-        may err in its steps and its heat model.
+        Largest relative error of the boundary velocity to expect, from those measured and from
+        what the yardstick itself may err in its steps and its heat model.
     yardstick : str
-        What the error was measured against; empty if the reference was taken without comparison,
-        since to find a cheaper choice would have taken about as long.
+        Name of the fidelity that the error was measured against; empty if the reference was taken
+        without comparison, since to find a cheaper choice would have taken about as long.
     trials : tuple of Trial
-        What was tried, from cheap to dear; the last one was picked.
+        Fidelities tried, from cheap to dear; the last one was picked.
     points : tuple of (float, float)
         Loads [N] and velocities [m/s] at which errors were measured.
     saving : float
@@ -74,14 +76,14 @@ class Selection:
     seconds: float
 
     def as_dict(self) -> dict[str, Any]:
-        """Return all of it as plain data."""
+        """Return all fields as plain data."""
         places = [{"load": load, "velocity": velocity} for load, velocity in self.points]
         trials = [asdict(trial) for trial in self.trials]
         return asdict(self) | {"points": places, "trials": trials}
 
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> Selection:
-        """Return what `as_dict` was taken of."""
+        """Make a selection from what `as_dict` returned."""
         trials = (trial | {"fidelity": Fidelity(**trial["fidelity"])} for trial in data["trials"])
         given = {
             "fidelity": Fidelity(**data["fidelity"]),

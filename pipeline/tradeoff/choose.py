@@ -11,8 +11,8 @@ from typing import Any
 
 from pipeline.store.folder import ROOT, PathLike, StoreMismatchError, folder_of, read_metadata
 from pipeline.sweep.criterion import rise_limit
-from pipeline.sweep.model import Sweep
-from pipeline.sweep.plan import Point, step_count
+from pipeline.sweep.model import Point, Sweep
+from pipeline.sweep.plan import step_count
 from pipeline.sweep.selection import Selection, Trial
 from pipeline.tradeoff.probe import fitted, near_the_boundary, probe, some_loads
 from pipeline.tradeoff.yardstick import YARDSTICK, OwnError, measured, own_error

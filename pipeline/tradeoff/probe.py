@@ -11,8 +11,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pipeline.sweep.criterion import decisive_rise, failed_fraction, rise_limit
-from pipeline.sweep.model import Sweep
-from pipeline.sweep.plan import Point, chains
+from pipeline.sweep.model import Point, Sweep
+from pipeline.sweep.plan import chains
 from tribo import (
     PRESETS,
     Fidelity,

@@ -18,8 +18,7 @@ import numpy as np
 
 from pipeline.analysis.interpolation import crossing
 from pipeline.sweep.criterion import boundary_velocity_error, rise_limit
-from pipeline.sweep.model import Sweep
-from pipeline.sweep.plan import Point
+from pipeline.sweep.model import Point, Sweep
 from pipeline.tradeoff.probe import (
     Probe,
     fitted,

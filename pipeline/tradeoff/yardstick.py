@@ -7,8 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from pipeline.sweep.criterion import boundary_velocity_error, rise_limit
-from pipeline.sweep.model import Sweep
-from pipeline.sweep.plan import Point
+from pipeline.sweep.model import Point, Sweep
 from pipeline.tradeoff.probe import Probe, Reading, fitted, near_the_boundary, probe
 from tribo import PRESETS, Fidelity
 

@@ -11,7 +11,8 @@ from pipeline.analysis.dataset import end_of_point, open_sweep
 from pipeline.figures.ramp import ramp
 from pipeline.store.points import Store, StoreError, prepare
 from pipeline.sweep.criterion import Conditions
-from pipeline.sweep.plan import Point, points, run_point, step_count
+from pipeline.sweep.model import Point
+from pipeline.sweep.plan import points, run_point, step_count
 from tests.helpers import tiny
 from tests.pipeline.conftest import commit_all
 

@@ -15,7 +15,8 @@ from pipeline.store.pace import pace
 from pipeline.store.points import Store, locked, prepare
 from pipeline.store.progress import summary
 from pipeline.store.variables import COLUMNS, DONE, FIELDS
-from pipeline.sweep.plan import Point, points, run_point
+from pipeline.sweep.model import Point
+from pipeline.sweep.plan import points, run_point
 from tests.helpers import tiny
 
 LOADS = (150.0, 600.0)

@@ -8,7 +8,7 @@ import pytest
 
 from pipeline.analysis.interpolation import crossing
 from pipeline.run.boundary_search import BoundarySearch
-from pipeline.sweep.plan import Point
+from pipeline.sweep.model import Point
 from tribo import InputError
 
 LOADS = tuple(float(load) for load in range(200, 751, 50))

@@ -10,7 +10,8 @@ from pipeline.analysis.interpolation import crossing
 from pipeline.run.follow import follow_boundary
 from pipeline.store.points import DONE, Store
 from pipeline.sweep.criterion import decisive_rise, rise_limit
-from pipeline.sweep.plan import Point, chains, points, run_point, step_count
+from pipeline.sweep.model import Point
+from pipeline.sweep.plan import chains, points, run_point, step_count
 from tests.helpers.kept import PAPER
 from tribo import Fidelity, Grid, InputError
 

@@ -32,7 +32,8 @@ from pipeline.store.points import (
 from pipeline.store.progress import FailedPoint, summary
 from pipeline.store.variables import COLUMNS, FIELDS
 from pipeline.store.verify import verify_store
-from pipeline.sweep.plan import Point, run_point
+from pipeline.sweep.model import Point
+from pipeline.sweep.plan import run_point
 from tests.helpers import tiny
 
 ROOT = Path(__file__).parents[3]

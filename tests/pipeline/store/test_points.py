@@ -34,7 +34,8 @@ from pipeline.store.points import (
 from pipeline.store.progress import FailedPoint, summary
 from pipeline.store.variables import COLUMNS, COORDINATES, FIELDS
 from pipeline.sweep.criterion import Conditions
-from pipeline.sweep.plan import Point, points, run_point
+from pipeline.sweep.model import Point
+from pipeline.sweep.plan import points, run_point
 from tests.helpers import tiny
 from tests.pipeline.conftest import commit_all
 

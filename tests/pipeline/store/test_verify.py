@@ -16,7 +16,7 @@ from pipeline.store.points import Store, StoreError, locked, prepare
 from pipeline.store.progress import summary
 from pipeline.store.variables import COLUMNS, COORDINATES, FIELDS, RECORDS
 from pipeline.store.verify import verify_store
-from pipeline.sweep.plan import Point
+from pipeline.sweep.model import Point
 from tests.helpers import tiny
 from tests.pipeline.conftest import commit_all
 

@@ -9,7 +9,8 @@ from hypothesis import strategies as st
 
 import tribo
 from pipeline.store.variables import COLUMNS
-from pipeline.sweep.plan import Point, advance_trunk, chains, points, run_point, step_count
+from pipeline.sweep.model import Point
+from pipeline.sweep.plan import advance_trunk, chains, points, run_point, step_count
 from tests.helpers import tiny
 
 SWEEP = tiny.sweep()

@@ -9,7 +9,7 @@ import pytest
 
 import pipeline
 from pipeline.sweep.criterion import rise_limit
-from pipeline.sweep.plan import Point
+from pipeline.sweep.model import Point
 from pipeline.sweep.selection import Selection
 from pipeline.tradeoff import choose as accuracy_module
 from pipeline.tradeoff.choose import (

@@ -8,7 +8,7 @@ import pytest
 from matplotlib.text import Text
 
 from pipeline.figures.tradeoff import draw_trade
-from pipeline.sweep.plan import Point
+from pipeline.sweep.model import Point
 from pipeline.tradeoff import trade as tradeoff
 from pipeline.tradeoff.probe import fitted, near_the_boundary, probe
 from pipeline.tradeoff.trade import trade
