@@ -8,10 +8,14 @@ import pytest
 
 import pipeline
 from pipeline.cli import main
+from pipeline.sweep.doubts import doubts
+from pipeline.sweep.facts import facts_of
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 BLOCKS = re.findall(r"```python\n(.*?)```", README, flags=re.DOTALL)
+SCENES = re.findall(r"```toml\n(.*?)```", README, flags=re.DOTALL)
+PAGES = ["README.md", *(f"workflows/{name}.md" for name in ("README", "CHOOSING", "MEASURED"))]
 
 
 @pytest.fixture(scope="module")
@@ -41,6 +45,23 @@ def test_every_command_shown_is_one_that_exists(capsys):
     capsys.readouterr()
 
 
-def test_links_lead_somewhere():
-    for target in re.findall(r"\]\((?!https?:)([^)#]+)", README):
-        assert (ROOT / target).exists(), target
+@pytest.mark.parametrize("scene", SCENES, ids=range(len(SCENES)))
+def test_scenes_load_and_raise_no_doubts(scene, folder):
+    path = folder / "bearing.toml"
+    path.write_text(scene, encoding="utf-8")
+    sweep = pipeline.load_scene(path)
+    assert doubts(sweep, facts_of(sweep)) == ()
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_links_lead_somewhere(page):
+    text = (ROOT / page).read_text(encoding="utf-8")
+    for target in re.findall(r"\]\((?!https?:)([^)#]+)", text):
+        assert (ROOT / page).parent.joinpath(target).exists(), target
+
+
+def test_paths_that_are_named_exist():
+    for page in PAGES:
+        text = (ROOT / page).read_text(encoding="utf-8")
+        for path in re.findall(r"`((?:tribo|pipeline|workflows|tests)/[\w/.]*)`", text):
+            assert (ROOT / path).exists(), f"{page}: {path}"
