@@ -264,10 +264,7 @@ def _ladder(sweep: Sweep, nodes: int, past: bool) -> Iterator[tuple[str, Fidelit
 
 def _of(sweep: Sweep, fidelity: Fidelity, past: bool) -> Fidelity:
     """A fidelity with what the scene asks to see, and its heat; of all the past if so asked."""
-    own = sweep.fidelity
-    kept = replace(
-        fidelity, temperature_interval=own.temperature_interval, heat_kernel=own.heat_kernel
-    )
+    kept = replace(fidelity, temperature_interval=sweep.fidelity.temperature_interval)
     if past:  # which needs every step on one grid
         steps = max(kept.increments, _FEWEST_STEPS)
         kept = replace(kept, history_coarsening=1, heat_model="history", increments=steps)

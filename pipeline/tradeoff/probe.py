@@ -179,16 +179,19 @@ def _reading(sweep: Sweep, scene: Sweep, state: State) -> Reading:
 def fitted(sweep: Sweep, fidelity: Fidelity) -> Fidelity:
     """A fidelity whose elements divide the scene's pixels: as large as asked for, or less.
 
+    How far the heat reaches is the scene's own.
+
     Examples
     --------
     >>> from types import SimpleNamespace
-    >>> sweep = SimpleNamespace(pixels=SimpleNamespace(shape=(90, 60)))
+    >>> sweep = SimpleNamespace(pixels=SimpleNamespace(shape=(90, 60)), fidelity=Fidelity())
     >>> fitted(sweep, Fidelity(pixels_per_element=4)).pixels_per_element
     3
     """
     nx, ny = sweep.pixels.shape
     fits = (n for n in range(fidelity.pixels_per_element, 0, -1) if nx % n == ny % n == 0)
-    return replace(fidelity, pixels_per_element=next(fits))
+    kernel = sweep.fidelity.heat_kernel
+    return replace(fidelity, pixels_per_element=next(fits), heat_kernel=kernel)
 
 
 def some_loads(sweep: Sweep, number: int) -> tuple[float, ...]:
