@@ -12,7 +12,8 @@ import math
 import numpy as np
 
 from tribo.contact.elasticity import ElasticHalfSpace
-from tribo.contact.iteration import Iteration
+from tribo.contact.iteration import Limits, iterate
+from tribo.contact.problem import Problem
 from tribo.types import Array, Mask
 
 __all__ = ["from_coarser_grids", "in_window"]
@@ -36,7 +37,7 @@ def from_coarser_grids(
     Parameters
     ----------
     solid, heights, total, hardness
-        Those of `tribo.contact.iteration.Iteration`.
+        Those of `tribo.contact.problem.Problem`.
 
     Returns
     -------
@@ -51,10 +52,10 @@ def from_coarser_grids(
     blocks = fx * fy
     coarse, means = solid.coarsened(), heights.reshape(nx // fx, fx, ny // fy, fy).mean(axis=(1, 3))
     guess, work = from_coarser_grids(coarse, means, total / blocks, hardness)
-    iteration = Iteration(coarse, means, total / blocks, hardness, spent=work)
-    iteration.run(guess, _COARSE_TOLERANCE, _COARSE_CONVOLUTIONS)
-    pressure = iteration.pressure.repeat(fx, axis=0).repeat(fy, axis=1)
-    return pressure, iteration.convolutions / blocks
+    problem = Problem.of(coarse, means, total / blocks, hardness)
+    found = iterate(problem, guess, Limits(_COARSE_TOLERANCE, _COARSE_CONVOLUTIONS), spent=work)
+    pressure = found.pressure.repeat(fx, axis=0).repeat(fy, axis=1)
+    return pressure, found.convolutions / blocks
 
 
 def in_window(
@@ -71,7 +72,7 @@ def in_window(
     Parameters
     ----------
     solid, heights, total, hardness, guess, tolerance, max_convolutions
-        Those of `tribo.contact.iteration.Iteration`.
+        Those of `tribo.contact.problem.Problem` and `tribo.contact.iteration.Limits`.
 
     Returns
     -------
@@ -87,11 +88,11 @@ def in_window(
     part = heights[window]
     if part.size >= _WINDOW * heights.size or total >= hardness * part.size:
         return guess, 0.0
-    iteration = Iteration(solid.cropped(part.shape), part, total, hardness)
-    iteration.run(guess[window], tolerance, max_convolutions)
+    problem = Problem.of(solid.cropped(part.shape), part, total, hardness)
+    found = iterate(problem, guess[window], Limits(tolerance, max_convolutions))
     pressure = np.zeros(heights.shape)
-    pressure[window] = iteration.pressure
-    return pressure, iteration.convolutions * part.size / heights.size
+    pressure[window] = found.pressure
+    return pressure, found.convolutions * part.size / heights.size
 
 
 def _extent(loaded: Mask) -> slice:

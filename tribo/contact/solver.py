@@ -5,7 +5,7 @@ Then the gap g = Dp + z − α is 0 where 0 < p < H, ≥ 0 where p = 0 and ≤ 0
 
 How well a solution fulfils that is evaluated on the pressure that is given out, and nothing is
 given out before it lies within the tolerance; one below what rounding allows ends in an error that
-says so. How it is found is told in `iteration`, and from where on in `guess`.
+says so. How it is found is told in `iteration`, and where that starts in `guess`.
 """
 
 from __future__ import annotations
@@ -18,7 +18,8 @@ import numpy as np
 
 from tribo.contact.elasticity import ElasticHalfSpace
 from tribo.contact.guess import from_coarser_grids, in_window
-from tribo.contact.iteration import Iteration
+from tribo.contact.iteration import Limits, Outcome, iterate
+from tribo.contact.problem import Problem
 from tribo.contact.rows import SoftRows
 from tribo.contact.simplex import LARGEST, SMALLEST
 from tribo.errors import ConvergenceError, InputError, finite_field, require_positive
@@ -165,12 +166,12 @@ def solve_contact(
             solid, z, total, hardness, guess, _WINDOW_SHARE * tolerance, max_iterations - spent
         )
         spent += more
-    iteration = Iteration(solid, z, total, hardness, spent)
-    by_change = criterion == "pressure-change"
-    converged = iteration.run(guess, tolerance, max_iterations, by_change, initial_displacement)
-    solution = _solution(iteration, hardness)
-    if not converged:
-        raise ConvergenceError(_failure(iteration, solution, tolerance, max_iterations), solution)
+    problem = Problem.of(solid, z, total, hardness)
+    limits = Limits(tolerance, max_iterations, by_change=criterion == "pressure-change")
+    found = iterate(problem, guess, limits, initial_displacement, spent)
+    solution = _solution(found, hardness)
+    if not found.converged:
+        raise ConvergenceError(_failure(found, limits, _is_single(solid)), solution)
     return solution
 
 
@@ -220,38 +221,36 @@ def _is_single(solid: ElasticHalfSpace) -> bool:
     return solid.rounding > _DOUBLE_ROUNDING
 
 
-def _solution(iteration: Iteration, hardness: float) -> ContactSolution:
-    """The state of an iteration, with what proves it."""
-    pressure, gap = iteration.pressure, iteration.gap
+def _solution(found: Outcome, hardness: float) -> ContactSolution:
+    """What an iteration has found, with what proves it."""
+    pressure, gap = found.pressure, found.gap
     saturated = pressure >= hardness
     yielding, touching = np.count_nonzero(saturated), np.count_nonzero(pressure)
     elastic = gap[~saturated] if yielding else gap
     return ContactSolution(
         pressure,
         gap,
-        iteration.approach,
-        math.ceil(iteration.convolutions),
-        iteration.residual,
-        load_error=iteration.load_error,
+        found.approach,
+        math.ceil(found.convolutions),
+        found.residual,
+        load_error=found.load_error,
         penetration=max(0.0, -float(elastic.min(initial=0.0))),
         saturated_fraction=yielding / touching if touching else 0.0,
     )
 
 
-def _failure(
-    iteration: Iteration, solution: ContactSolution, tolerance: float, max_iterations: int
-) -> str:
-    """What an iteration that has not converged is to say."""
-    advice = f"allow more than {max_iterations} iterations or a larger tolerance"
-    if iteration.stalled:
-        largest = float(np.abs(iteration.displacement).max())
+def _failure(found: Outcome, limits: Limits, single: bool) -> str:
+    """What to say of an iteration that has not converged, and what to do about it."""
+    advice = f"allow more than {limits.convolutions} iterations or a larger tolerance"
+    if found.stalled:
+        largest = float(np.abs(found.displacement).max())
         advice = (
             f"with displacements of {largest:.1e} m it falls no further, so ask for at "
-            f"least {2 * solution.residual:.0e}"
+            f"least {2 * found.residual:.0e}"
         )
-        if _is_single(iteration.solid):
+        if single:
             advice += " or for double precision"
     return (
-        f"the contact did not converge: residual {iteration.error:.2e} after "
-        f"{solution.iterations} iterations, asked were {tolerance:.2e}; {advice}"
+        f"the contact did not converge: residual {found.error:.2e} after "
+        f"{math.ceil(found.convolutions)} iterations, asked were {limits.tolerance:.2e}; {advice}"
     )

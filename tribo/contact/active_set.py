@@ -1,0 +1,157 @@
+"""Active-set steps: conjugate gradients on the nodes that are free, then back into the bounds.
+
+Polonsky & Keer (Wear 231, 1999) take a single iteration of conjugate gradients a step. A few,
+preconditioned by a `stencil`, get farther; near the solution that is fast, but it may cycle.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from tribo.contact.problem import Iterate, Judgement, Problem
+from tribo.stencil import Preconditioner
+from tribo.types import Array, Nodes
+
+Stencil = Callable[[Array, Array], Array]
+
+# Conjugate gradient iterations in the first active-set step. Each later one, which changes fewer
+# nodes' state, may take twice as many, but no more than reduce the residual by the factor; by the
+# second one if no node has changed its state.
+_INNER_ITERATIONS = 2
+_INNER_REDUCTION, _FINAL_REDUCTION = 0.2, 1e-4
+
+
+class ActiveSet(NamedTuple):
+    """What active-set steps remember.
+
+    Attributes
+    ----------
+    iterations : int
+        Most iterations of conjugate gradients in the next step.
+    nodes : ndarray of int, optional
+        Indices of the nodes of the last step.
+    """
+
+    iterations: int = _INNER_ITERATIONS
+    nodes: Nodes | None = None
+
+    def reduction(self, nodes: Nodes) -> float:
+        """The factor by which the next step, on these nodes, has to reduce the residual."""
+        settled = self.nodes is not None and np.array_equal(nodes, self.nodes)
+        return _FINAL_REDUCTION if settled else _INNER_REDUCTION
+
+
+def active_set_step(
+    problem: Problem,
+    iterate: Iterate,
+    judged: Judgement,
+    active: ActiveSet,
+    enough: float,
+    most: float,
+) -> tuple[Iterate, ActiveSet]:
+    """Solve for the nodes that are free, all others held at their bounds.
+
+    Parameters
+    ----------
+    problem : Problem
+        The contact to solve.
+    iterate : Iterate
+        Where to go on from.
+    judged : Judgement
+        Its gap, and the nodes to solve for.
+    active : ActiveSet
+        What the steps so far have left.
+    enough : float
+        Largest gap at these nodes that needs no further reduction [m].
+    most : float
+        Convolutions that may still be spent.
+    """
+    nodes = judged.nodes
+    stencil = problem.near.on(nodes)
+    pressure, convolutions = _conjugate_gradients(
+        problem,
+        iterate.pressure.take(nodes),
+        judged,
+        _preconditioner(problem, nodes, stencil),
+        (active.reduction(nodes), enough),
+        int(min(active.iterations, most)),
+    )
+    if pressure.min() < 0 or pressure.max() > problem.hardness:
+        metric = problem.metric_on(nodes)
+        if not metric:
+            pressure = _clipped(problem, pressure, stencil)
+        pressure = problem.within_bounds(pressure, nodes, iterate.pressure, metric)
+    whole = iterate.pressure.copy()
+    whole.reshape(-1)[nodes] = pressure
+    spent = iterate._replace(convolutions=iterate.convolutions + convolutions)
+    return spent.pressed(problem, whole), ActiveSet(2 * active.iterations, nodes)
+
+
+def _conjugate_gradients(
+    problem: Problem,
+    pressure: Array,
+    judged: Judgement,
+    precondition: Preconditioner,
+    goals: tuple[float, float],
+    most: int,
+) -> tuple[Array, int]:
+    """Pressure on the nodes that makes their gap equal, bounds aside, and the iterations.
+
+    `goals` are the factor by which to reduce the residual, and the gap that is small enough [m].
+    """
+    nodes, (reduction, enough) = judged.nodes, goals
+    residual = judged.gap.take(nodes)
+    residual -= residual.mean()
+    # In units of the first residual, and directions in those of the stencil's middle, all
+    # numbers are near 1, which single precision can hold.
+    scale = float(np.abs(residual).max()) or 1.0
+    residual /= scale
+    goal = max(reduction, enough / scale)
+    direction, square = np.zeros(nodes.size), math.inf
+    field = np.zeros(problem.heights.shape)
+    response_field = np.empty(problem.heights.shape)
+    ny = problem.heights.shape[1]
+    rows = int(nodes[0]) // ny, int(nodes[-1]) // ny + 1
+    iterations = 0
+    while iterations < most:
+        steepest = precondition(residual)
+        previous, square = square, float(np.sum(residual * steepest))
+        if not square > 0:
+            break
+        direction *= square / previous
+        direction += steepest
+        field.reshape(-1)[nodes] = direction
+        problem.fast(field, out=response_field, rows=rows)
+        iterations += 1
+        response = response_field.take(nodes)
+        response -= response.mean()
+        curvature = float(np.sum(response * direction))
+        if not curvature > 0:  # only rounding is left
+            break
+        length = square / curvature
+        pressure -= scale * length * direction
+        response *= length
+        residual -= response
+        if float(np.abs(residual).max()) <= goal:
+            break
+    return pressure, iterations
+
+
+def _preconditioner(problem: Problem, nodes: Nodes, stencil: Stencil) -> Preconditioner:
+    middle = problem.near.inverse[1, 0]
+    inverse = functools.partial(stencil, problem.near.inverse / middle)
+    return Preconditioner(inverse, problem.rows_of(nodes), problem.coupling * middle)
+
+
+def _clipped(problem: Problem, pressure: Array, stencil: Stencil) -> Array:
+    """Clip the pressure on the nodes of `stencil`; neighbours make up for what that changes."""
+    clipped = np.clip(pressure, 0.0, problem.hardness)
+    between = (clipped > 0) & (clipped < problem.hardness)
+    change = between * stencil(problem.near.influence, clipped - pressure)
+    clipped -= between * stencil(problem.near.inverse, change)
+    return clipped

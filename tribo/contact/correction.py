@@ -1,0 +1,56 @@
+"""Correction of a guess whose displacement is known, without a convolution.
+
+Nodes that enter or leave the contact are what an extrapolation knows least; they concern their
+neighbours most, and so can be corrected by the `stencil` alone.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from tribo.contact.problem import Problem, level_of
+from tribo.contact.simplex import shifted_to_load
+from tribo.types import Array
+
+_LOCAL_STEPS = 2
+
+
+def corrected(problem: Problem, separation: Array, guess: Array, displacement: Array) -> Array:
+    """Bring a guess within the bounds, and undo its worst errors.
+
+    Parameters
+    ----------
+    problem : Problem
+        The contact to solve.
+    separation : ndarray, shape (nx, ny)
+        Separation of the undeformed surfaces [m].
+    guess : ndarray, shape (nx, ny)
+        Pressure that carries the load, but may exceed the bounds [Pa].
+    displacement : ndarray, shape (nx, ny)
+        Displacement under the guess [m].
+
+    Returns
+    -------
+    ndarray, shape (nx, ny)
+        Pressure within the bounds [Pa].
+    """
+    near, hardness = problem.near, problem.hardness
+    gap = displacement + separation
+    loaded = guess > 0
+    gap -= level_of(gap, loaded, loaded & (guess < hardness))
+    nodes = np.flatnonzero((guess != 0) | (gap < 0))
+    stencil = near.on(nodes)
+    known_pressure, known_gap = guess.take(nodes), gap.take(nodes)
+    pressure = np.clip(known_pressure, 0.0, hardness)
+    for _ in range(_LOCAL_STEPS):
+        gap = known_gap + stencil(near.influence, pressure - known_pressure)
+        loaded, elastic = pressure > 0, pressure < hardness
+        free = loaded & elastic
+        gap -= level_of(gap, loaded, free)
+        wrong = free | (elastic & (gap < 0)) | (loaded & (gap > 0))
+        gap -= float(np.sum(gap * wrong)) / max(1, int(np.count_nonzero(wrong)))
+        change = wrong * stencil(near.inverse, wrong * gap)
+        pressure = shifted_to_load(pressure - change, problem.total, hardness)
+    result = np.zeros(guess.shape)
+    result.reshape(-1)[nodes] = pressure
+    return result

@@ -1,0 +1,72 @@
+"""Projected gradient steps: slow, but each lowers the energy.
+
+Steps have the length of Barzilai and Borwein and an exact line search (Birgin, Martínez & Raydan,
+SIAM J. Optim. 10, 2000).
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from tribo.contact.problem import Iterate, Judgement, Problem
+from tribo.contact.simplex import nearest
+
+
+class Gradient(NamedTuple):
+    """What gradient steps remember.
+
+    Attributes
+    ----------
+    length : float
+        Length of the next step [Pa/m]; without unit where rows are soft.
+    idle : int
+        Steps in a row that found no way down.
+    """
+
+    length: float
+    idle: int = 0
+
+
+def first_length(problem: Problem) -> float:
+    """Length of a step of which no other is known: that of an element on its own."""
+    return 1.0 if problem.soft.matter else 1 / problem.solid.self_influence
+
+
+def gradient_step(
+    problem: Problem, iterate: Iterate, judged: Judgement, gradient: Gradient
+) -> tuple[Iterate, Gradient]:
+    """Move along the projected gradient to the lowest energy.
+
+    The displacement is updated, not computed, which saves a convolution and costs digits.
+    """
+    pressure, nodes, gap = iterate.pressure, judged.nodes, judged.gap
+    metric = problem.metric_on(nodes)
+    if metric:
+        old = pressure.take(nodes)
+        goal = old - gradient.length * metric.raised(gap.take(nodes))
+        step = np.zeros(pressure.shape)
+        step.reshape(-1)[nodes] = problem.within_bounds(goal, nodes, pressure, metric) - old
+    else:
+        step = nearest(pressure - gradient.length * gap, problem.total, problem.hardness)
+        step -= pressure
+    response = problem.solid(step)
+    spent = iterate._replace(convolutions=iterate.convolutions + 1, updates=iterate.updates + 1)
+    curvature, slope = float(np.sum(step * response)), float(np.sum(step * gap))
+    if not (curvature > 0 and slope < 0):
+        return spent, Gradient(first_length(problem), gradient.idle + 1)
+    if metric:
+        length = metric.square(step.take(nodes)) / curvature
+    elif spent.convolutions % 2 < 1:
+        length = float(np.sum(step * step)) / curvature
+    else:
+        length = curvature / float(np.sum(response * response))
+    fraction = min(1.0, -slope / curvature)
+    step *= fraction
+    step += pressure
+    response *= fraction
+    response += iterate.displacement
+    return spent._replace(
+        pressure=np.clip(step, 0.0, problem.hardness, out=step), displacement=response
+    ), Gradient(length)

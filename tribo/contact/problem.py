@@ -1,0 +1,217 @@
+"""A contact problem, an iterate on the way to its solution, and how far that is from one.
+
+Find the pressure p with 0 ≤ p ≤ H and Σp = F/dA whose gap g = Dp + z − α is 0 where 0 < p < H,
+≥ 0 where p = 0 and ≤ 0 where p = H.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from tribo.contact.elasticity import ElasticHalfSpace
+from tribo.contact.rows import RowMetric, SoftRows
+from tribo.contact.simplex import shifted_to_load
+from tribo.stencil import Neighbourhood
+from tribo.types import Array, Mask, Nodes
+
+# Conjugate gradients go by single precision, in two thirds of the time: they only lead the way to a
+# pressure, the displacement of which is then computed in full. Not so where numbers are too large
+# or too small for it, or where the coupling within rows, in units of an element's compliance, would
+# magnify its rounding.
+_SMALLEST_SINGLE, _MOST_COUPLING = 1e-25, 1.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Problem:
+    """What is pressed into what, and what follows from the solid's map alone.
+
+    Attributes
+    ----------
+    solid : ElasticHalfSpace
+        The map D from pressure [Pa] to displacement [m].
+    heights : ndarray, shape (nx, ny)
+        Separation of the undeformed surfaces, z [m].
+    total : float
+        Sum of the pressure, F/dA [Pa].
+    hardness : float
+        Highest pressure, H [Pa].
+    soft : SoftRows
+        The rows of elements that yield most as a whole.
+    near : Neighbourhood
+        What elements do to their next neighbours [m/Pa], and what undoes it [Pa/m].
+    fast : ElasticHalfSpace
+        The map in the precision that does for leading the way.
+    """
+
+    solid: ElasticHalfSpace
+    heights: Array
+    total: float
+    hardness: float
+    soft: SoftRows
+    near: Neighbourhood
+    fast: ElasticHalfSpace
+
+    @classmethod
+    def of(cls, solid: ElasticHalfSpace, heights: Array, total: float, hardness: float) -> Problem:
+        """Set up the problem of pressing `heights` into a solid."""
+        soft, unit = SoftRows.of(solid), solid.self_influence
+        coupling = soft.coupling if soft.matter else 0.0
+        near_1 = _SMALLEST_SINGLE < unit < 1 / _SMALLEST_SINGLE
+        fast = solid.in_faster_precision() if near_1 and coupling < _MOST_COUPLING * unit else solid
+        near = Neighbourhood(solid, soft.axis, coupling)
+        return cls(solid, heights, total, hardness, soft, near, fast)
+
+    @property
+    def coupling(self) -> float:
+        """What nodes of a row add to each other's displacement [m/Pa]; 0 where that is little."""
+        return self.soft.coupling if self.soft.matter else 0.0
+
+    def rows_of(self, nodes: Nodes) -> Nodes:
+        """Number of the row in which each node lies."""
+        return self.soft.numbers(nodes, self.heights.shape)
+
+    def metric_on(self, nodes: Nodes) -> RowMetric | None:
+        """The metric of the rows on some nodes; None where rows are not soft."""
+        if not self.soft.matter:
+            return None
+        return RowMetric(self.solid.self_influence, self.soft.coupling, self.rows_of(nodes))
+
+    def within_bounds(
+        self, changed: Array, nodes: Nodes, pressure: Array, metric: RowMetric | None
+    ) -> Array:
+        """Bring a changed pressure back into the bounds, and to the load.
+
+        Parameters
+        ----------
+        changed : ndarray, shape (n,)
+            Pressure on the nodes [Pa].
+        nodes : ndarray of int, shape (n,)
+            Indices of the nodes that change.
+        pressure : ndarray, shape (nx, ny)
+            Pressure before the change [Pa]; all other nodes keep it.
+        metric : RowMetric or None
+            Metric in which the nearest pressure is sought, before what is left of the load is
+            spread evenly.
+
+        Returns
+        -------
+        ndarray, shape (n,)
+            Pressure on the nodes [Pa].
+        """
+        carried = float(pressure.take(nodes).sum())
+        load = self.total - (float(pressure.sum()) - carried)
+        if metric:
+            changed = metric.nearest(changed, load, self.hardness)
+        return shifted_to_load(changed, load, self.hardness)
+
+
+class Iterate(NamedTuple):
+    """A pressure that carries the load within the bounds, and what is known of it.
+
+    Attributes
+    ----------
+    pressure : ndarray, shape (nx, ny)
+        Pressure p [Pa].
+    displacement : ndarray, shape (nx, ny)
+        Displacement Dp [m], computed or updated along with the pressure.
+    datum : float
+        Height from which `separation` counts [m].
+    separation : ndarray, shape (nx, ny)
+        Separation of the undeformed surfaces above the datum [m].
+    convolutions : float
+        Convolutions so far.
+    updates : int
+        Updates of the displacement since it was computed.
+    shifts : int
+        Shifts of the datum so far.
+    """
+
+    pressure: Array
+    displacement: Array
+    datum: float
+    separation: Array
+    convolutions: float
+    updates: int = 0
+    shifts: int = 0
+
+    def pressed(self, problem: Problem, pressure: Array) -> Iterate:
+        """The iterate of another pressure, its displacement computed."""
+        return self._replace(
+            pressure=pressure,
+            displacement=problem.solid(pressure),
+            convolutions=self.convolutions + 1,
+            updates=0,
+        )
+
+    def load_error(self, total: float) -> float:
+        """|Σp/total − 1|."""
+        return abs(float(self.pressure.sum()) / total - 1)
+
+
+class Judgement(NamedTuple):
+    """How far a pressure is from the solution.
+
+    Attributes
+    ----------
+    gap : ndarray, shape (nx, ny)
+        Gap at the level [m].
+    level : float
+        Approach of the bodies [m], from the datum of the iterate.
+    unit : float
+        Displacement of an element under the highest pressure on itself alone, D_self·max(p) [m].
+    residual : float
+        Largest violation of the conditions on the gap, in that unit.
+    nodes : ndarray of int
+        Indices of the nodes that are free to move, or at a bound that the gap drives them off.
+    touching : int
+        Number of nodes in contact.
+    wrong : int
+        Number of nodes at a bound that the gap drives them off.
+    """
+
+    gap: Array
+    level: float
+    unit: float
+    residual: float
+    nodes: Nodes
+    touching: int
+    wrong: int
+
+
+def judge(problem: Problem, iterate: Iterate) -> Judgement:
+    """Find the gap, the approach and the residual of a pressure."""
+    gap, pressure = iterate.displacement + iterate.separation, iterate.pressure
+    loaded, elastic = pressure > 0, pressure < problem.hardness
+    free = loaded & elastic
+    unit = problem.solid.self_influence * float(pressure.max())
+    level = level_of(gap, loaded, free)
+    gap -= level
+    nodes = np.flatnonzero(free | (elastic & (gap < 0)) | (loaded & (gap > 0)))
+    residual = float(np.abs(gap.take(nodes)).max(initial=0.0)) / unit
+    touching = int(np.count_nonzero(loaded))
+    wrong = nodes.size - int(np.count_nonzero(free))
+    return Judgement(gap, level, unit, residual, nodes, touching, wrong)
+
+
+def level_of(gap: Array, loaded: Mask, free: Mask) -> float:
+    """The approach for which the gap vanishes on average where a contact is free to move [m].
+
+    Parameters
+    ----------
+    gap : ndarray
+        Gap at no approach [m].
+    loaded : ndarray of bool
+        Where there is pressure.
+    free : ndarray of bool
+        Where there is pressure below the hardness.
+    """
+    nodes = np.flatnonzero(free)
+    if nodes.size:
+        return float(gap.take(nodes).mean())
+    lowest = float(gap[loaded].max(initial=-math.inf))
+    highest = float(gap[~loaded].min(initial=math.inf))
+    return lowest if highest == math.inf else (lowest + highest) / 2

@@ -1,0 +1,162 @@
+"""What rounding costs an iteration: digits that can be restored, and those that cannot.
+
+Gradient steps update the displacement along with the pressure, which costs digits. No result is
+given out before what that may have cost is known to lie within the tolerance, or the displacement
+of the very pressure that is given out has been computed.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from tribo.contact.problem import Iterate, Judgement, Problem
+from tribo.contact.simplex import LOAD_ERROR, scaled_to_load
+from tribo.types import Array
+
+# What updates may cost of the displacement, once and each, in rounding errors of its largest
+# value: observed are 8 for all updates of a solution together, and 70 where it began far off.
+_LOST_AT_ONCE, _LOST_A_STEP = 100.0, 10.0
+_AT_ROUNDING = 32.0  # the same, of a residual that rounding keeps from falling
+_LOST_BY_TRANSFORM = 3.0  # of that, what no update of the pressure can restore; observed are 2
+_STALLED = 40  # iterations without progress at the level of rounding after which to give up
+_LOST, _MOST_IDLE = 1000, 20  # the same at any level, and gradient steps without a way down
+_FARTHEST_DATUM = 4.0  # largest displacements from the surface, beyond which heights lose digits
+_MOST_SHIFTS = 3  # of the datum; one does unless heights have no digits left for the contact
+
+
+def largest(field: Array) -> float:
+    """Largest absolute value of a field, in its unit."""
+    return float(np.abs(field).max())
+
+
+def lost_by_updates(updates: int, rounding: float, displacement: float) -> float:
+    """What updates of a displacement may have cost of it [m].
+
+    Parameters
+    ----------
+    updates : int
+        Updates since the displacement was computed.
+    rounding : float
+        Relative error of a number of the precision in which the transforms count.
+    displacement : float
+        Largest displacement [m].
+
+    Examples
+    --------
+    >>> print(f"{lost_by_updates(5, 1e-16, 2e-6):.1e}")
+    3.0e-20
+    """
+    return (_LOST_AT_ONCE + _LOST_A_STEP * updates) * rounding * displacement
+
+
+def lost_by_transform(rounding: float, displacement: float) -> float:
+    """What a displacement that has just been computed may be wrong by [m].
+
+    The parameters are those of `lost_by_updates`.
+    """
+    return _LOST_BY_TRANSFORM * rounding * displacement
+
+
+def hides_more(lost: float, slack: float, unit: float) -> bool:
+    """Whether rounding may hide more of the residual than the tolerance has left for it.
+
+    Parameters
+    ----------
+    lost : float
+        What the displacement may be wrong by [m].
+    slack : float
+        Tolerance less residual.
+    unit : float
+        Unit of the residual [m].
+    """
+    return not lost <= slack * unit
+
+
+def is_far(level: float, displacement: float, unit: float) -> bool:
+    """Whether the approach is so large that heights from this datum have too few digits.
+
+    Parameters
+    ----------
+    level : float
+        Approach from the datum [m].
+    displacement : float
+        Largest displacement [m].
+    unit : float
+        Displacement of an element under the highest pressure on itself alone [m].
+    """
+    return abs(level) > _FARTHEST_DATUM * (displacement + unit)
+
+
+def restored(
+    problem: Problem, iterate: Iterate, judged: Judgement, slack: float, exhausted: bool
+) -> Iterate | None:
+    """The iterate with its digits restored; None where nothing that matters has been lost.
+
+    Parameters
+    ----------
+    problem : Problem
+        The contact to solve.
+    iterate : Iterate
+        What is about to be given out.
+    judged : Judgement
+        Its gap and residual.
+    slack : float
+        Tolerance less residual; infinite where the residual is not what is asked for.
+    exhausted : bool
+        Whether no convolution may be spent on the load any more.
+    """
+    displacement = largest(iterate.displacement)
+    if iterate.shifts < _MOST_SHIFTS and is_far(judged.level, displacement, judged.unit):
+        datum = iterate.datum + judged.level
+        separation = problem.heights - datum
+        return iterate._replace(datum=datum, separation=separation, shifts=iterate.shifts + 1)
+    if not exhausted and iterate.load_error(problem.total) > LOAD_ERROR:
+        pressure = scaled_to_load(iterate.pressure, problem.total, problem.hardness)
+        return iterate.pressed(problem, pressure)
+    lost = lost_by_updates(iterate.updates, problem.solid.rounding, displacement)
+    if iterate.updates and hides_more(lost, slack, judged.unit):
+        return iterate.pressed(problem, iterate.pressure)
+    return None
+
+
+class Progress(NamedTuple):
+    """The lowest residual so far.
+
+    Attributes
+    ----------
+    lowest : float
+        Residual below which the next one has to fall noticeably, to count as progress.
+    at : float
+        Convolutions after which it was found.
+    """
+
+    lowest: float = math.inf
+    at: float = 0.0
+
+    def after(self, residual: float, convolutions: float) -> Progress:
+        """The progress after another residual."""
+        return Progress(residual, convolutions) if residual < 0.9 * self.lowest else self
+
+    def has_stalled(self, problem: Problem, iterate: Iterate, judged: Judgement, idle: int) -> bool:
+        """Whether the residual has stopped falling, mostly because rounding decides about it.
+
+        Parameters
+        ----------
+        problem : Problem
+            The contact to solve.
+        iterate : Iterate
+            The present iterate.
+        judged : Judgement
+            Its residual, and in what unit that is.
+        idle : int
+            Gradient steps in a row that found no way down.
+        """
+        waited = iterate.convolutions - self.at
+        if waited <= _STALLED:
+            return False
+        size = largest(iterate.displacement) + abs(judged.level)
+        at_rounding = self.lowest * judged.unit <= _AT_ROUNDING * problem.solid.rounding * size
+        return at_rounding or waited > _LOST or idle > _MOST_IDLE
