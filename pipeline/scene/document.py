@@ -80,7 +80,7 @@ def read_document(path: Path, faults: list[Fault], above: tuple[Path, ...] = ())
     faults : list of Fault
         List to which a fault is added for every wrong ``without``.
     above : tuple of Path
-        Files that extend this one, the last one directly.
+        Files that extend this one, the last of them directly.
 
     Raises
     ------

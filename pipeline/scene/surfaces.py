@@ -1,8 +1,8 @@
-"""Measured surfaces as instruments write them, made fit for a scene.
+"""Measured surfaces: read as instruments write them, cropped, levelled and filled for a scene.
 
-Arrays in ``.npy`` and ``.csv`` are read by `tribo.read_heights`. All else is left to
-SurfaceTopography, which knows some forty formats of profilers, microscopes and the like. It is an
-extra, ``pip install irg-transition[surfaces]``, and loaded when a file needs it.
+Arrays in ``.npy`` and ``.csv`` are read by `tribo.read_heights`, all other files by
+SurfaceTopography, which knows some forty formats of profilers and microscopes. It is an extra,
+``pip install irg-transition[surfaces]``, loaded when a file needs it.
 """
 
 from __future__ import annotations
@@ -18,11 +18,8 @@ import numpy as np
 from tribo import InputError, read_heights
 from tribo.types import Array
 
-__all__ = ["Surface", "cropped", "filled", "levelled", "read_surface"]
-
-
 PLAIN = (".csv", ".npy")
-"""Endings of plain arrays, which say neither a unit nor the size of a pixel."""
+"""Endings of plain arrays, which give neither a unit nor the size of a pixel."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,9 +29,9 @@ class Surface:
     Attributes
     ----------
     heights : ndarray, shape (nx, ny)
-        [m], positive outwards; NaN where the instrument has none.
+        Heights, positive outwards; NaN where the instrument has none [m].
     pixel_size : tuple of float or None
-        Along x and y [m], where the file says so.
+        Sides of a pixel along x and y; None where the file does not give them [m].
     """
 
     heights: Array
@@ -47,20 +44,20 @@ def read_surface(path: str | Path, height_unit: float | None = None) -> Surface:
     Parameters
     ----------
     path : str or Path
-        A plain array, or a file of any format that SurfaceTopography reads.
+        Plain array, or a file of any format that SurfaceTopography reads.
     height_unit : float, optional
-        What one unit of the file is worth [m], where the file does not say it.
+        Length of one unit of the file's heights, where the file does not give it [m].
 
     Raises
     ------
     InputError
-        If the file cannot be read, is no surface, or its unit is not known; or if the extra that
-        its format needs is not installed.
+        If the file cannot be read, is not a surface, or its unit is not known; or if the extra
+        that its format needs is not installed.
     """
     path = Path(path)
     if path.suffix.lower() in PLAIN:
         if height_unit is None:
-            raise InputError(f"{path}: a plain array does not say its unit; give it")
+            raise InputError(f"{path}: a plain array has no unit of its own; give height_unit")
         return Surface(read_heights(path, height_unit))
     try:
         formats: Any = importlib.import_module("SurfaceTopography.IO")
@@ -79,17 +76,21 @@ def read_surface(path: str | Path, height_unit: float | None = None) -> Surface:
     except Exception as error:  # readers of damaged files raise errors of any kind
         reason = str(error).strip().splitlines()[:1] or [type(error).__name__]
         if type(error).__name__ == "CannotDetectFileFormat":
-            reason = ["its format is not known"]
+            reason = ["its format is not known; save the heights as .npy or .csv"]
         raise InputError(f"{path}: cannot be read as a surface: {reason[0]}") from error
 
 
 def _converted(path: Path, topography: Any, height_unit: float | None) -> Surface:
     """Copy what a topography of the library holds, in metres."""
     if topography.dim != 2 or not topography.is_uniform:
-        raise InputError(f"{path}: a profile, or unevenly spaced; needed is a map of heights")
+        raise InputError(
+            f"{path}: a profile, or unevenly spaced; give a map of heights on a regular grid"
+        )
     if topography.unit is None:
         if height_unit is None:
-            raise InputError(f"{path}: the file does not say the unit of its heights; give it")
+            raise InputError(
+                f"{path}: the file does not give the unit of its heights; give height_unit"
+            )
         heights, pixel_size = topography.heights() * height_unit, None
     else:
         topography = topography.to_unit("m")
@@ -101,15 +102,16 @@ def _converted(path: Path, topography: Any, height_unit: float | None) -> Surfac
 
 
 def cropped(heights: Array, first: tuple[int, int], shape: tuple[int, int]) -> Array:
-    """Cut a patch out.
+    """Cut a patch out of a surface.
 
     Parameters
     ----------
     heights : ndarray, shape (mx, my)
+        Heights of the whole surface [m].
     first : tuple of int
         Row and column at which the patch begins, counted from 0.
     shape : tuple of int
-        Of the patch, (nx, ny).
+        Rows and columns of the patch.
 
     Raises
     ------
@@ -151,7 +153,7 @@ def levelled(heights: Array) -> Array:
 def filled(heights: Array) -> Array:
     """Replace NaN by the harmonic function that continues the heights around it.
 
-    A membrane spanned over each hole: it adds neither peaks nor valleys, and no roughness.
+    It is a membrane spanned over each hole, which adds neither peaks nor valleys.
 
     Raises
     ------

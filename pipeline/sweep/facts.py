@@ -13,7 +13,6 @@ from dataclasses import asdict, dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pipeline.sweep.model import Sweep
 from tribo import (
@@ -25,8 +24,7 @@ from tribo import (
     analytic,
     contact_modulus,
 )
-
-Array = NDArray[np.float64]
+from tribo.types import Array
 
 _MOST_PIXELS = 1_000_000  # of a random surface that is made only to describe it
 _RQ_OF_RA = math.sqrt(math.pi / 2)  # of heights distributed normally

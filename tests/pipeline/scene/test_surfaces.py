@@ -87,7 +87,7 @@ def test_a_missing_height_is_nan(library):
 
 def test_a_file_without_unit_needs_one(library):
     library.topography = FakeTopography(HEIGHTS, unit=None)
-    with pytest.raises(InputError, match="does not say the unit"):
+    with pytest.raises(InputError, match="does not give the unit"):
         read_surface("a.x3p")
     np.testing.assert_allclose(read_surface("a.x3p", 1e-6).heights, 1e-6 * HEIGHTS)
     assert read_surface("a.x3p", 1e-6).pixel_size is None
