@@ -59,13 +59,25 @@ def verify(options: argparse.Namespace) -> int:
         "done": found.done,
         "damaged": failed_points(found.damaged),
         "shared": found.shared,
+        "without_status": [point._asdict() for point in found.found],
+        "is_protected": found.is_protected,
         "repaired": found.repaired,
     }
     text = [
         f"{found.done} points are done and intact, {len(found.damaged)} are damaged",
         *(f"damaged: {damage}" for damage in found.damaged),
         *(f"damaged: {fault}" for fault in found.shared),
+        *(
+            f"complete, but without a status: {point}; "
+            + ("done again" if found.repaired else "the next run takes it as done")
+            for point in found.found
+        ),
     ]
+    if not found.is_protected:
+        text.append(
+            "note: a store of format 1 has no hash that would show changes of its conditions, axes "
+            "and metadata"
+        )
     if not found.is_clean:
         text.append(
             "repaired; damaged points are pending, and computed again by: irg run"

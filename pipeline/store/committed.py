@@ -1,7 +1,8 @@
 """What is committed to a store, for xarray to read as it is needed, and nothing that is not.
 
 A point that was cut short has data on the disk, too, and one that is being written has some of
-them. So the status is read first, and the data of points that are not done by then are NaN.
+them. So the status is read first, and the data of points that are not done by then are NaN. What
+a point that is done lacks is an error.
 """
 
 from __future__ import annotations
@@ -15,10 +16,9 @@ from numpy.typing import NDArray
 from xarray.backends import BackendArray, BackendEntrypoint
 from xarray.core import indexing
 
-from pipeline.store.folder import DAMAGED, UNREADABLE, Place, StoreError, folder_of, read_metadata
-from pipeline.store.variables import COLUMNS, DONE, FIELDS
-
-__all__ = ["Committed", "as_needed"]
+from pipeline.store.folder import DAMAGED, StoreError
+from pipeline.store.snapshot import Snapshot, read_whole
+from pipeline.store.variables import COORDINATES, DONE, PENDING
 
 
 class Committed(BackendEntrypoint):
@@ -32,41 +32,81 @@ class Committed(BackendEntrypoint):
         StoreError
             If there is no readable store.
         """
-        folder = folder_of(filename_or_obj)
-        attributes, _ = read_metadata(folder)
+        store, flags = read_whole(filename_or_obj, _checked)
+        reader = _Reader(store, flags)
+        found = {}
+        for name, metadata in store.metadata.items():
+            attributes = {k: v for k, v in metadata["attributes"].items() if k != "_FillValue"}
+            dims = metadata["dimension_names"]
+            if name in COORDINATES:
+                found[name] = xr.Variable(dims, np.array(store.axes[name]), attributes)
+            elif name == "status":
+                found[name] = xr.Variable(dims, flags, attributes)
+            else:
+                found[name] = reader.variable(name, dims, attributes)
+        coordinates = {name: found.pop(name) for name in COORDINATES if name in found}
+        return xr.Dataset(found, coordinates, store.attributes)
+
+
+def _checked(store: Snapshot) -> NDArray[np.int8]:
+    """Status by place, of a store whose coordinates are as they were committed."""
+    for name in store.axes:
+        if not store.has_coordinate(name):
+            raise StoreError(DAMAGED.format(store.path, name))
+    flags: NDArray[np.int8] = store.flags()[0]
+    return flags
+
+
+class _Reader:
+    """Reads what was done when a store was opened, also after it has grown or was compacted."""
+
+    def __init__(self, store: Snapshot, flags: NDArray[np.int8]) -> None:
+        self._store, self._done, self._known = store, flags == DONE, flags != PENDING
+
+    def variable(self, name: str, dims: Any, attributes: Mapping[str, Any]) -> xr.Variable:
+        """A variable that has fill values where a point is not done."""
+        array = self._store.array(name)
+        needed = self._known if name == "message" else self._done
+        dtype = np.dtypes.StringDType() if array.dtype == object else array.dtype
+
+        def read(key: tuple[Any, ...]) -> NDArray[Any]:
+            picks = [_entries(each, n) for each, n in zip(key, array.shape, strict=True)]
+            values = self._read(name, picks, needed[np.ix_(*picks[: needed.ndim])])
+            found: NDArray[Any] = values.astype(dtype, copy=False)
+            return found[
+                tuple(
+                    0 if np.ndim(each) == 0 and not isinstance(each, slice) else slice(None)
+                    for each in key
+                )
+            ]
+
+        return as_needed(dims, array.shape, dtype, read, attributes)
+
+    def _read(self, name: str, picks: list[Any], needed: NDArray[np.bool_]) -> NDArray[Any]:
+        store = self._store
+
+        def read(store: Snapshot) -> NDArray[Any]:
+            values: NDArray[Any] = store.pick(name, picks, needed)
+            return values
+
         try:
-            ds = xr.open_zarr(str(folder), chunks=None, consolidated=True, zarr_format=3)
-            status = ds["status"].load()
-        except UNREADABLE as error:
-            raise StoreError(DAMAGED.format(folder, "coordinates or status")) from error
-        for name, values in attributes.get("axes", {}).items():
-            if not np.array_equal(ds[name].values, values):
-                raise StoreError(DAMAGED.format(folder, name))
-        done = (status == DONE).variable
-        variables = {
-            name: _committed(folder, str(name), data.variable, done)
-            for name, data in ds.data_vars.items()
-            if name != "status"
-        }
-        found: xr.Dataset = ds.assign(variables)
-        return found
-
-
-def _committed(folder: Place, name: str, stored: xr.Variable, done: xr.Variable) -> xr.Variable:
-    """The same variable, NaN where a point is not done."""
-    leads = name in COLUMNS or name in FIELDS
-
-    def read(key: tuple[Any, ...]) -> NDArray[Any]:
-        try:
-            values = np.array(stored[key].values)
-        except UNREADABLE as error:
-            raise StoreError(DAMAGED.format(folder, name)) from error
-        if leads:
-            is_done = done[key[: done.ndim]].values
-            values[~is_done] = np.nan
+            values = read(store)
+            is_whole = store.is_current()
+        except StoreError:
+            if store.is_current():
+                raise
+            is_whole = False
+        if not is_whole:
+            self._store, values = read_whole(store.path, read)
+        values[~needed] = store.array(name).fill
         return values
 
-    return as_needed(stored.dims, stored.shape, stored.dtype, read, stored.attrs)
+
+def _entries(key: Any, length: int) -> NDArray[np.int64]:
+    """Which entries an index takes along a dimension of some length."""
+    if isinstance(key, slice):
+        return np.arange(*key.indices(length))
+    return np.atleast_1d(np.asarray(key)) % length
 
 
 def as_needed(

@@ -9,33 +9,27 @@ the others are removed; what a kill leaves of them does no harm, and goes the ne
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
-import zarr
-from zarr import AsyncArray
-from zarr.storage import StorePath
 
-from pipeline.store.files import Files, RemoteFiles, files_in
+from pipeline.store.chunks import ChunkedArray, chunks_of
+from pipeline.store.files import files_in
 from pipeline.store.folder import (
     ROOT,
     PathLike,
     Place,
     StoreError,
-    commit_metadata,
     folder_of,
     locked,
     read_json,
-    read_metadata,
     write_json,
 )
+from pipeline.store.layout import POINTS, separator_of
 from pipeline.store.points import Store
-from pipeline.store.together import together
-from pipeline.store.variables import BY_POINT, COLUMNS, COMPACT, PENDING, RECORDS
-
-__all__ = ["compact_store", "lay_out"]
-
-_POINTS = 1024  # in a chunk, about
+from pipeline.store.root import commit_metadata, read_metadata
+from pipeline.store.variables import BY_POINT, COLUMNS, COMPACT, DONE, PENDING, RECORDS
 
 
 def compact_store(path: PathLike) -> None:
@@ -63,51 +57,66 @@ def lay_out(folder: Place, separator: str) -> None:
     attributes, arrays = read_metadata(folder)
     names = [name for name in (*RECORDS, *COLUMNS) if name in arrays]
     try:
-        if arrays["status"]["chunk_key_encoding"]["configuration"]["separator"] != separator:
-            store = Store(folder, mode="r")
+        if separator_of(arrays["status"]) != separator:
+            store = Store(folder)
+            store.heal()
+            flags, _ = store.flags()
             for name in names:  # of chunks that do not count, there may be some from before
                 files.remove_all(f"{name}/c{separator}")
-                arrays[name] = _described(arrays[name], separator, len(store.axes_of_points))
-            _rewrite(files, store, {name: arrays[name] for name in names})
+                arrays[name] = _described(arrays[name], separator, flags.ndim)
+                array = ChunkedArray.of(name, arrays[name])
+                if separator == COMPACT:
+                    files.make_folders(_folders(array, flags))
+                files.put_many(_chunks(store, array, flags))
             commit_metadata(folder, attributes, arrays)
         for name in names:
-            if read_json(folder / name / ROOT) != arrays[name]:
+            if _read(folder / name / ROOT) != arrays[name]:
                 write_json(folder / name / ROOT, arrays[name])
             files.remove_all(f"{name}/c{COMPACT if separator == BY_POINT else BY_POINT}")
     except OSError as error:
         raise StoreError(f"{folder} cannot be written: {error}") from error
 
 
+def _read(file: Place) -> dict[str, Any] | None:
+    """Metadata of an array, if they can be read."""
+    try:
+        return read_json(file)
+    except (OSError, ValueError):
+        return None
+
+
 def _described(array: dict[str, Any], separator: str, axes: int) -> dict[str, Any]:
     """Metadata of an array with the other kind of chunks, of which a point has `axes` numbers."""
     shape, chunks = array["shape"], array["chunk_grid"]["configuration"]["chunk_shape"]
-    velocities = max(1, min(shape[axes - 1], _POINTS))
-    loads = max(1, min(shape[axes - 2], _POINTS // velocities))
+    velocities = max(1, min(shape[axes - 1], POINTS))
+    loads = max(1, min(shape[axes - 2], POINTS // velocities))
     leading = [1] * (axes - 2) + [loads, velocities] if separator == COMPACT else [1] * axes
     grid = {"name": "regular", "configuration": {"chunk_shape": leading + chunks[axes:]}}
     encoding = {"name": "default", "configuration": {"separator": separator}}
     return array | {"chunk_grid": grid, "chunk_key_encoding": encoding}
 
 
-def _rewrite(files: Files | RemoteFiles, store: Store, arrays: dict[str, Any]) -> None:
-    """Write the values of a store anew; of points that are pending there are none to keep."""
-    status = np.array(list(store.status().values()))
-    known = status.reshape([len(axis) for axis in store.axes_of_points.values()]) != PENDING
-    for name, metadata in arrays.items():
-        with zarr.config.set({"array.write_empty_chunks": True}):
-            array = AsyncArray.from_dict(StorePath(files, name), metadata)
-        values = store.values(name)
-        values[~known] = array.metadata.fill_value
-        sizes = array.chunks[: known.ndim]
-        corners = {
-            tuple((index // np.array(sizes) * sizes).tolist()) for index in np.argwhere(known)
-        }
-        blocks = [
-            tuple(
-                slice(i, min(i + size, end))
-                for i, size, end in zip(at, sizes, known.shape, strict=True)
-            )
-            for at in sorted(corners)
-        ]
-        together(array.setitem(block, values[block]) for block in blocks)
-        files.sync()
+def _chunks(store: Store, array: ChunkedArray, flags: Any) -> Iterator[tuple[str, bytes]]:
+    """The values of a store in the chunks of `array`; of points that are pending none are kept."""
+    # What is not of a point that is done may be missing, but for why others failed.
+    needed = flags != PENDING if array.name == "message" else flags == DONE
+    values = store.pick(array.name, [np.arange(n) for n in array.shape], needed)
+    if array.name == "status":
+        values = flags
+    for place in _places(array, flags):
+        sizes = zip(place, array.chunks, strict=False)
+        yield from chunks_of(array, place, values[tuple(slice(i * n, i * n + n) for i, n in sizes)])
+
+
+def _places(array: ChunkedArray, flags: Any) -> list[tuple[int, ...]]:
+    """Chunks of points that are not all pending."""
+    index = np.argwhere(flags != PENDING) // array.chunks[: flags.ndim]
+    return [tuple(place) for place in np.unique(index, axis=0).tolist()]
+
+
+def _folders(array: ChunkedArray, flags: Any) -> list[str]:
+    """Folders of the chunks of an array."""
+    rest = (0,) * (len(array.shape) - flags.ndim)
+    further = list(np.ndindex(*array.counts(flags.ndim))) if rest else [()]
+    keys = (array.key((*place, *along)) for place in _places(array, flags) for along in further)
+    return sorted({key.rpartition("/")[0] for key in keys})

@@ -1,53 +1,129 @@
-"""The files of a store as Zarr writes them, on a disk or in an object store."""
+"""The files of a store, on a disk or in an object store, read and replaced by their keys."""
 
 from __future__ import annotations
 
 import atexit
 import functools
+import itertools
 import os
+import stat
 import uuid
-from collections import deque
-from collections.abc import Iterable
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import ThreadPoolExecutor, wait
+from contextlib import suppress
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
-from zarr.core.buffer import default_buffer_prototype
 from zarr.storage import FsspecStore, LocalStore
 
-from pipeline.store.folder import Place, sync
+from pipeline.store.folder import PARTIAL, Place, sync
 from pipeline.store.remote import Remote, as_os_error, asynchronous
 from pipeline.store.together import together
 
-__all__ = ["Files", "RemoteFiles", "files_in"]
+_T = TypeVar("_T")
+Contents = Iterable[tuple[str, bytes]]
 
 _THREADS = 8  # that wait for the disk, so that it writes the files of a point in one go
+_AT_ONCE = 256  # files that are written, or objects that are under way
 
 
 class Files(LocalStore):
-    """Files on a disk."""
-
-    def __init__(self, root: Path, *, read_only: bool = False) -> None:
-        super().__init__(root, read_only=read_only)
-        self._written: deque[Path] = deque()
+    """Files on a disk, by their path below a folder; also a store as Zarr has them."""
 
     async def set(self, key: str, value: Any) -> None:
-        """Replace a file; at once, since handing it to a thread takes longer than to write it.
-
-        It is not sure to be on the disk before the next `sync`.
-        """
+        """Replace a file, and wait until it is on the disk."""
         self._check_writable()
-        file = self.root / key
-        file.parent.mkdir(parents=True, exist_ok=True)
-        os.close(self._replaced(key, value.as_buffer_like()))
-        self._written.append(file)
+        (self.root / key).parent.mkdir(parents=True, exist_ok=True)
+        self.put_all([(key, value.to_bytes())])
 
     def content(self, key: str) -> bytes | None:
-        """Read a file, if there is one."""
+        """Read a file, if there is one.
+
+        Raises
+        ------
+        OSError
+            If it cannot be read, or is something without an end.
+        """
         try:
-            return (self.root / key).read_bytes()
+            file = os.open(f"{self.root}/{key}", os.O_RDONLY | os.O_NONBLOCK)
         except FileNotFoundError:
             return None
+        try:
+            found = os.fstat(file)
+            if not stat.S_ISREG(found.st_mode):
+                raise OSError(f"{self.root}/{key} is not a file")
+            return os.read(file, found.st_size)
+        finally:
+            os.close(file)
+
+    def contents(self, keys: Iterable[str]) -> Iterator[bytes | None]:
+        """Read files, each when it is its turn."""
+        return map(self.content, keys)
+
+    def exist(self, keys: Iterable[str]) -> list[bool]:
+        """Tell which of these there are."""
+        return [os.path.lexists(f"{self.root}/{key}") for key in keys]
+
+    def make_folders(self, names: Iterable[str]) -> None:
+        """Make folders, and see their names on the disk."""
+        folders = [self.root / name for name in names]
+        for folder in folders:
+            folder.mkdir(parents=True, exist_ok=True)
+        parents = (parent for folder in folders for parent in folder.parents)
+        _sync_folders({f"{each}" for each in parents if each.is_relative_to(self.root)})
+
+    def put_all(self, contents: Contents, then: Contents = ()) -> None:
+        """Replace files in folders that exist; and others, once those are on the disk for good.
+
+        Each is written beside the one it replaces, synced, and only then given its name; then its
+        folder is synced. So what has its name is whole, and what is to come last is not there
+        before the rest, whenever the power fails.
+        """
+        # Names and numbers, since objects in their place would take a fifth of the time of a
+        # point's commit.
+        mark = f".{uuid.uuid4().hex}{PARTIAL}"  # not to meet other writers
+        opened: list[int] = []
+        left: list[str] = []
+        try:
+            groups = [self._written(group, mark, opened, left) for group in (contents, then)]
+            _share_out(_sync_files, opened)
+            for names in groups:
+                for name in names:
+                    os.replace(name + mark, name)  # noqa: PTH105
+                _share_out(_sync_folders, {name[: name.rindex("/")] for name in names})
+            left.clear()
+        finally:
+            for file in opened:
+                os.close(file)
+            for name in left:
+                with suppress(OSError):
+                    os.unlink(name)  # noqa: PTH108
+
+    def _written(
+        self, contents: Contents, mark: str, opened: list[int], left: list[str]
+    ) -> list[str]:
+        """Write files beside those they are to replace; return the names of these."""
+        names = []
+        for key, content in contents:
+            name = f"{self.root}/{key}"
+            left.append(name + mark)
+            file = os.open(name + mark, os.O_WRONLY | os.O_CREAT, 0o666)
+            opened.append(file)
+            rest = memoryview(content)
+            while rest:
+                rest = rest[os.write(file, rest) :]
+            names.append(name)
+        return names
+
+    def put_many(self, contents: Contents) -> None:
+        """Replace any number of files."""
+        for batch in _batches(contents):
+            self.put_all(batch)
+
+    def remove(self, keys: Iterable[str]) -> None:
+        """Remove files, as far as they are there."""
+        for key in keys:
+            Path(self.root, key).unlink(missing_ok=True)
 
     def remove_all(self, prefix: str) -> None:
         """Remove the files of which the key begins like this."""
@@ -57,77 +133,76 @@ class Files(LocalStore):
                 if name.startswith(beginning):
                     Path(folder, name).unlink()
 
-    def sync(self) -> None:
-        """Wait until all that was set is on the disk."""
-        written = [self._written.popleft() for _ in range(len(self._written))]
-        deque(_disk().map(sync, written), maxlen=0)
-
-    def put_all(self, contents: Iterable[tuple[str, bytes]]) -> None:
-        """Replace files in folders that exist, and wait until they are on the disk."""
-        written: list[int] = []
-        try:
-            for key, content in contents:
-                written.append(self._replaced(key, content))
-            shares = (written[i::_THREADS] for i in range(min(_THREADS, len(written))))
-            deque(_disk().map(_sync_all, shares), maxlen=0)
-        finally:
-            for file in written:
-                os.close(file)
-
-    def _replaced(self, key: str, content: Any) -> int:
-        """Replace a file; return the number under which it is still open.
-
-        Not to overtake one another, writers use a name of their own until the file is whole.
-        """
-        # Names and numbers, since objects in their place would take a fifth of the time of a
-        # point's commit.
-        name = f"{self.root}/{key}"
-        partial = f"{name}.{uuid.uuid4().hex}.partial"
-        file = os.open(partial, os.O_WRONLY | os.O_CREAT, 0o666)
-        try:
-            left = memoryview(content).cast("B")
-            while left:
-                left = left[os.write(file, left) :]
-            os.replace(partial, name)  # noqa: PTH105
-        except BaseException:
-            os.close(file)
-            raise
-        return file
-
 
 class RemoteFiles(FsspecStore):
-    """Objects, which are safe once they are written; to be used by `together` alone."""
+    """Objects below an address, which are safe once they are written; a store of Zarr as well."""
 
     async def set(self, key: str, value: Any, byte_range: Any = None) -> None:
         """Replace an object."""
         self._check_writable()
-        with as_os_error():
-            await super().set(key, value, byte_range)
+        await self._put(key, value.to_bytes())
 
-    def put_all(self, contents: Iterable[tuple[str, bytes]]) -> None:
-        """Replace objects, at the same time, and wait until they are safe."""
-        buffer = default_buffer_prototype().buffer
-        together(self.set(key, buffer.from_bytes(content)) for key, content in contents)
+    def content(self, key: str) -> bytes | None:
+        """Read an object, if there is one."""
+        (content,) = self.contents([key])
+        return content
+
+    def contents(self, keys: Iterable[str]) -> Iterator[bytes | None]:
+        """Read objects, many at the same time."""
+        for batch in _batches(keys):
+            yield from together(map(self._content, batch))
+
+    def exist(self, keys: Iterable[str]) -> list[bool]:
+        """Tell which of these there are."""
+        return together(self.fs._exists(self._path(key)) for key in keys)
+
+    def make_folders(self, names: Iterable[str]) -> None:
+        """Do nothing: an object needs no folder."""
+
+    def put_all(self, contents: Contents, then: Contents = ()) -> None:
+        """Replace objects, at the same time; and others once those are safe."""
+        for group in (contents, then):
+            together(self._put(key, content) for key, content in group)
+
+    def put_many(self, contents: Contents) -> None:
+        """Replace any number of objects."""
+        for batch in _batches(contents):
+            self.put_all(batch)
+
+    def remove(self, keys: Iterable[str]) -> None:
+        """Remove objects, as far as they are there."""
+        together(self._removed(key) for key in keys)
 
     def remove_all(self, prefix: str) -> None:
         """Remove the objects of which the key begins like this."""
-        together([self._removed(prefix)])
+        (found,) = together([self.fs._find(self._path(prefix.rpartition("/")[0]))])
+        beginning = self._path(prefix)
+        for batch in _batches(key for key in found if key.startswith(beginning)):
+            together(self.fs._rm_file(key) for key in batch)
 
-    async def _removed(self, prefix: str) -> None:
-        folder = prefix[: prefix.index("/") + 1]
-        found = [key async for key in self.list_prefix(folder) if key.startswith(prefix)]
-        for key in found:
-            await self.delete(key)
+    def _path(self, key: str) -> str:
+        return f"{self.path}/{key}"
 
-    def sync(self) -> None:
-        """Do nothing: what was set is safe."""
+    async def _content(self, key: str) -> bytes | None:
+        with as_os_error():
+            try:
+                content: bytes = await self.fs._cat_file(self._path(key))
+            except FileNotFoundError:
+                return None
+        return content
+
+    async def _put(self, key: str, content: bytes) -> None:
+        with as_os_error():
+            await self.fs._pipe_file(self._path(key), content)
+
+    async def _removed(self, key: str) -> None:
+        with as_os_error(), suppress(FileNotFoundError):
+            await self.fs._rm_file(self._path(key))
 
 
 def files_in(folder: Place) -> Files | RemoteFiles:
     """The files below a folder."""
-    if isinstance(folder, Remote):
-        return RemoteFiles(_objects(), path=folder.key)
-    return Files(folder)
+    return RemoteFiles(_objects(), path=folder.key) if isinstance(folder, Remote) else Files(folder)
 
 
 @functools.cache
@@ -142,9 +217,32 @@ def _objects() -> Any:
     return objects
 
 
-def _sync_all(files: Iterable[int]) -> None:
+def _batches(items: Iterable[_T]) -> Iterator[list[_T]]:
+    items = iter(items)
+    while batch := list(itertools.islice(items, _AT_ONCE)):
+        yield batch
+
+
+def _sync_files(files: Iterable[int]) -> None:
     for file in files:
         os.fsync(file)
+
+
+def _sync_folders(names: Iterable[str]) -> None:
+    for name in names:
+        sync(name)
+
+
+def _share_out(work: Callable[[list[Any]], None], items: Iterable[Any]) -> None:
+    """Let threads wait for the disk, each with its share of the items."""
+    items = list(items)
+    shares = [items[i::_THREADS] for i in range(min(_THREADS, len(items)))]
+    if len(shares) == 1:
+        work(shares[0])
+        return
+    under_way = [_disk().submit(work, share) for share in shares]
+    for each in wait(under_way).done:
+        each.result()
 
 
 @functools.cache

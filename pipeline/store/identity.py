@@ -5,13 +5,14 @@ from __future__ import annotations
 import hashlib
 import json
 import math
+import struct
 from collections.abc import Iterator, Mapping
 from dataclasses import fields, is_dataclass
 from typing import Any
 
 import numpy as np
 
-from pipeline.sweep.model import Sweep
+from pipeline.sweep.model import Point, Sweep
 from tribo import Scene
 from tribo.types import Array
 
@@ -62,9 +63,15 @@ def differences(stored: Any, wanted: Any, key: str = "scene") -> Iterator[str]:
         yield f"{key}: {_short(stored)} in the store, {_short(wanted)} in the scene"
 
 
-def checksum(data: Mapping[str, Array]) -> np.uint64:
-    """Hash of what is stored of a point: the rows of its own steps, and its fields if any."""
+def checksum(data: Mapping[str, Array], point: Point | None = None) -> np.uint64:
+    """Hash of what is stored of a point: the rows of its own steps, its fields, and its place.
+
+    Stores of format 1 leave the place out.
+    """
     digest = hashlib.blake2b(digest_size=8)
+    if point is not None:
+        digest.update(struct.pack("<dd", point.load, point.velocity))
+        digest.update(f"{point.realization}".encode())
     for name in sorted(data):
         digest.update(name.encode())
         digest.update(np.ascontiguousarray(data[name], dtype="<f8").tobytes())

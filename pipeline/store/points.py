@@ -1,7 +1,7 @@
 """The store of a sweep: a Zarr group that any reader of Zarr opens, with every point committed.
 
 Each chunk file belongs to one point, so that processes never meet in one. A point's data are
-written first, then their checksum, then its status; a status of done means that all of it is on
+written first, with their checksum, then its status; a status of done means that all of it is on
 the disk. The shape is committed likewise: arrays and coordinates first, then the root
 ``zarr.json``, whose consolidated metadata is what readers go by. Whatever is killed, and when,
 the store opens, and each point is either done or not.
@@ -10,43 +10,32 @@ the store opens, and each point is either done or not.
 from __future__ import annotations
 
 import functools
-import hashlib
-import itertools
-import json
 import time
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from contextlib import contextmanager
-from typing import Any, Literal
+from collections.abc import Iterable, Iterator, Mapping
+from typing import Any
 
 import numpy as np
-import zarr
-from zarr.api.asynchronous import open_group
 
-from pipeline.store.chunks import chunks_of, values_at
-from pipeline.store.files import Files, RemoteFiles, files_in
+from pipeline.store.chunks import chunks_of
 from pipeline.store.folder import (
-    DAMAGED,
-    UNREADABLE,
     PathLike,
     StoreError,
     StoreMismatchError,
-    begin,
     folder_of,
     locked,
-    read_metadata,
 )
 from pipeline.store.identity import checksum, describe, differences, stored_scene
-from pipeline.store.shape import commit_shape
-from pipeline.store.together import together
+from pipeline.store.root import begin, read_metadata, renew_copy
+from pipeline.store.shape import commit_shape, coordinate_chunks
+from pipeline.store.snapshot import Snapshot
 from pipeline.store.variables import (
     COLUMNS,
-    COMPACT,
     COORDINATES,
     DONE,
     FAILED,
     FIELDS,
+    HASHED,
     PENDING,
-    RECORDS,
     grown,
     lasting_attributes,
 )
@@ -67,86 +56,14 @@ __all__ = [
 ]
 
 
-_KEPT = 3  # chunks of each variable, if they hold many points
+class Store(Snapshot):
+    """An open store, to write points too. It crosses process borders as its path.
 
-
-class Store:
-    """An open store. It crosses process borders as its path; a process opens it once.
-
-    Parameters
-    ----------
-    path : str or path
-        Of a store that `prepare` has made.
-    mode : {"r+", "r"}
-        To write points too, or to read only.
-
-    Attributes
-    ----------
-    path : Path or Remote
-    attributes : dict
-        Of the root group.
-    axes : dict of list
-        Values along each dimension, in the order of the store.
-
-    Raises
-    ------
-    StoreError
-        If there is no readable store.
+    A process opens it once, and again only after its shape has changed.
     """
 
-    def __init__(self, path: PathLike, mode: Literal["r+", "r"] = "r+") -> None:
-        self.path = folder_of(path)
-        self.attributes, arrays = read_metadata(self.path)
-        self._revision = hashlib.sha256(json.dumps(arrays).encode()).hexdigest()
-        self._files = files_in(self.path)
-        (self._arrays,) = together([_opened_arrays(self._files, mode)])
-        self.axes: dict[str, list[float]] = self.attributes.get("axes") or self._coordinates()
-        self._kept: dict[tuple[str, tuple[int, ...]], Any] = {}
-        self._places = {
-            name: {value: index for index, value in enumerate(self.axes[name])}
-            for name in ("realization", "load", "velocity")
-            if name in self.axes
-        }
-
     def __reduce__(self) -> tuple[Any, ...]:
-        return _opened, (self.path, self._revision)
-
-    @property
-    def is_compact(self) -> bool:
-        """Whether a chunk holds many points."""
-        return bool(self._arrays["status"].metadata.chunk_key_encoding.separator == COMPACT)
-
-    def asked(self) -> list[Point]:
-        """Points of the scene that was run last."""
-        chosen = self.attributes.get("chosen")
-        if chosen is not None:
-            return [Point(*point) for point in chosen]
-        surfaces = self.attributes.get("realizations") or [None]
-        loads, velocities = self.attributes["loads"], self.attributes["velocities"]
-        places = itertools.product(surfaces, velocities, loads)
-        return [Point(load, velocity, surface) for surface, velocity, load in places]
-
-    def status(self, points: Iterable[Point] | None = None) -> dict[Point, int]:
-        """Status of some points, or of every point there is room for."""
-        if points is not None:
-            return {point: int(self._read(["status"], point)["status"]) for point in points}
-        flags = self.values("status")
-        return dict(zip(self.places(), flags.ravel().tolist(), strict=True))
-
-    def is_done(self, point: Point) -> bool:
-        """Whether a point is complete."""
-        return bool(self._read(["status"], point)["status"] == DONE)
-
-    def message(self, point: Point) -> str:
-        """Why a point failed, or what to know of it."""
-        return str(self._read(["message"], point)["message"])
-
-    def finished_at(self) -> Array:
-        """When points were finished [s], in no order; those of which it is known."""
-        if "finished_at" not in self._arrays:
-            return np.empty(0)
-        times: Array = self.values("finished_at")
-        return times[np.isfinite(times)]
+        return _opened, (self.path, self.revision)
 
     def commit(self, result: PointResult) -> None:
         """Put a point on the disk, its status last.
@@ -162,148 +79,102 @@ class Store:
             "message": "; ".join(map(str, result.warnings)),
             "warning_flags": sum({int(warning.kind) for warning in result.warnings}),
             "finished_at": time.time(),
-            "checksum": checksum(data),
+            "checksum": self._checksum(result.point, data),
         }
         # Older stores lack some of these.
         about = {name: value for name, value in about.items() if name in self._arrays}
-        with self._writing(result.point) as write:
-            write({name: self._padded(name, values) for name, values in data.items()} | about)
-            write({"status": DONE})
+        padded = {name: self._padded(name, values) for name, values in data.items()}
+        self._write(result.point, padded | about, {"status": DONE})
 
     def fail(self, point: Point, message: str) -> None:
         """Record why a point failed, unless it is done after all; raise as `commit` does."""
-        with self._writing(point) as write:
-            if not self.is_done(point):
-                write({"message": message})
-                write({"status": FAILED})
+        if not self.is_done(point):
+            self._write(point, {"message": message}, {"status": FAILED})
 
     def forget(self, point: Point) -> None:
         """Make a point pending again; raise as `commit` does."""
-        with self._writing(point) as write:
-            write({"status": PENDING})
-            write({"message": ""})
+        self._write(point, {"status": PENDING}, {"message": ""})
+
+    def is_intact(self, point: Point) -> bool:
+        """Whether all of a point can be read, and its data are those that were computed."""
+        return self.fault(point) is None
+
+    def fault(self, point: Point) -> str | None:
+        """What is wrong with a point that should be done, if anything is."""
+        missing: set[str] = set()
+        names = [name for name in self.names if name != "status"]
+        try:
+            found = self.at(point, names, missing)
+        except StoreError:
+            return f"{', '.join(self.unreadable(point))} cannot be read"
+        if missing:
+            return f"{', '.join(name for name in names if name in missing)} is missing"
+        steps = np.count_nonzero(np.isfinite(found["time"]))
+        data = {name: found[name][:steps] for name in COLUMNS}
+        if "pressure" in found and not self.lacks_fields(point):
+            data |= {name: found[name] for name in FIELDS}
+        if found["checksum"] != self._checksum(point, data):
+            return "the data are not those that were computed"
+        return None
+
+    def unreadable(self, point: Point) -> list[str]:
+        """Variables with damaged files at a point."""
+        return [name for name in self.names if not self._is_readable(name, point)]
+
+    def lacks_fields(self, point: Point) -> bool:
+        """Whether a point has none of the fields that the store has room for."""
+        return "pressure" in self._arrays and not self.has("pressure", point)
+
+    def lost(self) -> list[Point]:
+        """Points that are complete, but without a status that can be read."""
+        _, known = self.flags()
+        unknown = np.ravel(~known)
+        points = (point for point, is_so in zip(self.places(), unknown, strict=True) if is_so)
+        return [point for point in points if self.has("checksum", point) and self.is_intact(point)]
+
+    def heal(self) -> None:
+        """Take points as done that lost nothing but their status, and restore coordinates."""
+        if lost := self.lost():
+            flags, _ = self.flags()
+            for point in lost:
+                flags[self.index(point)] = DONE
+            array = self._arrays["status"]
+            blocks = {self.place("status", self.index(point)) for point in lost}
+            chunks = (chunks_of(array, place, flags[self.block(place)]) for place in blocks)
+            self._files.put_many(chunk for found in chunks for chunk in found)
+            self._kept.clear()
+        for name in self.damaged_coordinates():
+            self.restore(name)
 
     def discard(self, point: Point, names: Iterable[str]) -> None:
         """Remove what is stored in some variables of a point that is not done."""
         self._kept.clear()
-        together(self._files.delete(self._key(name, point)) for name in names)
+        keys = []
+        for name in names:
+            array, place = self._arrays[name], self.place(name, self.index(point))
+            further = np.ndindex(*array.counts(len(place)))
+            keys += [array.key((*place, *along)) for along in further]
+        self._files.remove(keys)
 
     def damaged_coordinates(self) -> list[str]:
         """Coordinates that are not, or cannot be read, as they were committed."""
         names = [name for name in COORDINATES if name in self._arrays]
-        return [name for name in names if self._coordinate(name) != self.axes[name]]
+        return [name for name in names if not self.has_coordinate(name)]
 
     def restore(self, coordinate: str) -> None:
         """Write a coordinate as it was committed."""
-        values = np.array(self.axes[coordinate])
-        together([self._arrays[coordinate].setitem(slice(None), values)])
-        self._files.sync()
-
-    @property
-    def axes_of_points(self) -> dict[str, list[float]]:
-        """Values along the dimensions that tell points apart."""
-        return {name: self.axes[name] for name in self._places}
-
-    def values(self, name: str) -> Any:
-        """All of a variable."""
-        return self._read([name])[name]
-
-    def places(self) -> list[Point]:
-        """Every point there is room for."""
-        surfaces: Iterable[Any] = self.axes.get("realization", [None])
-        places = itertools.product(surfaces, self.axes["load"], self.axes["velocity"])
-        return [Point(load, velocity, surface) for surface, load, velocity in places]
-
-    def unreadable(self, point: Point) -> list[str]:
-        """Variables with damaged files at a point."""
-        names = [name for name in self._arrays if name not in COORDINATES]
-        return [name for name in names if not self._is_readable(name, point)]
-
-    def lacks_fields(self, point: Point) -> bool:
-        """Whether a point has none of the fields that the store has room for."""
-        if "pressure" not in self._arrays:
-            return False
-        (exists,) = together([self._files.exists(self._key("pressure", point))])
-        return not exists
-
-    def missing(self, point: Point) -> list[str]:
-        """Variables without a file at a point, of those that each point writes on its way."""
-        names = [name for name in RECORDS if name in self._arrays]
-        there = together(self._files.exists(self._key(name, point)) for name in names)
-        return [name for name, exists in zip(names, there, strict=True) if not exists]
-
-    def is_intact(self, point: Point) -> bool:
-        """Whether the data of a point are those that its checksum was taken of."""
-        names = [name for name in (*COLUMNS, *FIELDS, "checksum") if name in self._arrays]
-        try:
-            found = self._read(names, point)
-        except StoreError:
-            return False
-        steps = np.count_nonzero(np.isfinite(found["time"]))
-        data = {name: found[name][:steps] for name in COLUMNS}
-        fields = {name: found[name] for name in FIELDS if name in found}
-        data |= {name: field for name, field in fields.items() if np.isfinite(field).any()}
-        return bool(found["checksum"] == checksum(data))
-
-    def _index(self, point: Point) -> tuple[int, ...]:
-        return tuple(index[getattr(point, name)] for name, index in self._places.items())
-
-    def _coordinates(self) -> dict[str, list[float]]:
-        names = [name for name in COORDINATES if name in self._arrays]
-        return {name: values.tolist() for name, values in self._read(names).items()}
-
-    def _coordinate(self, name: str) -> list[float] | None:
-        try:
-            values: list[float] = self._read([name])[name].tolist()
-        except StoreError:
-            return None
-        return values
-
-    def _key(self, name: str, point: Point) -> str:
-        """Name of the file with a variable at a point, the first of them along the steps."""
-        array, index = self._arrays[name], self._index(point)
-        place = tuple(i // size for i, size in zip(index, array.chunks, strict=False))
-        place += (0,) * (len(array.shape) - len(index))
-        return f"{name}/{array.metadata.encode_chunk_key(place)}"
+        self._files.put_all(coordinate_chunks(self.metadata, self.axes, [coordinate]))
 
     def _is_readable(self, name: str, point: Point) -> bool:
         try:
-            self._read([name], point)
+            self.at(point, [name])
         except StoreError:
             return False
         return True
 
-    def _read(self, names: Iterable[str], point: Point | None = None) -> dict[str, Any]:
-        """Values by variable, all of them or those of a point."""
-        names, index = list(names), () if point is None else self._index(point)
-        with self._reading(names):
-            if self.is_compact or isinstance(self._files, RemoteFiles):
-                values = together(self._part(name, index) for name in names)
-            else:
-                content = self._files.content
-                values = [values_at(self._arrays[name], index, content) for name in names]
-        return {name: np.asarray(array)[()] for name, array in zip(names, values, strict=True)}
-
-    @contextmanager
-    def _reading(self, names: Iterable[str]) -> Iterator[None]:
-        try:
-            yield
-        except UNREADABLE as error:
-            raise StoreError(DAMAGED.format(self.path, " or ".join(names))) from error
-
-    async def _part(self, name: str, index: tuple[int, ...]) -> Any:
-        """Values of a variable at a point; what else its chunk holds is kept for the next ones."""
-        array = self._arrays[name]
-        sizes = array.chunks[: len(index)]
-        if max(sizes, default=1) == 1:
-            return await array.getitem((*index, ...))
-        begins = tuple(i // size * size for i, size in zip(index, sizes, strict=True))
-        if (name, begins) not in self._kept:
-            block = tuple(slice(i, i + size) for i, size in zip(begins, sizes, strict=True))
-            self._kept[name, begins] = np.asarray(await array.getitem(block))
-            while len(self._kept) > _KEPT * len(self._arrays):
-                del self._kept[next(iter(self._kept))]
-        return self._kept[name, begins][tuple(i - j for i, j in zip(index, begins, strict=True))]
+    def _checksum(self, point: Point, data: Mapping[str, Array]) -> np.uint64:
+        is_old = self.attributes["format"] < HASHED
+        return checksum(data, None if is_old else point)
 
     def _padded(self, name: str, values: Array) -> Array:
         """Values as long as the store's axis of steps, which keeps whole chunks to one point."""
@@ -313,23 +184,12 @@ class Store:
         rows[: len(values)] = values
         return rows
 
-    @contextmanager
-    def _writing(self, point: Point) -> Iterator[Callable[[Mapping[str, Any]], None]]:
-        """Give a function that writes values of a point, and returns when they are on the disk."""
-        index = self._index(point)
-
-        def write(values: Mapping[str, Any]) -> None:
-            self._kept.clear()
-            arrays = ((self._arrays[name], value) for name, value in values.items())
-            if self.is_compact:
-                together(array.setitem(index, value) for array, value in arrays)
-                self._files.sync()
-            else:
-                parts = (chunks_of(array, index, value) for array, value in arrays)
-                self._files.put_all(itertools.chain.from_iterable(parts))
-
+    def _write(self, point: Point, values: Mapping[str, Any], then: Mapping[str, Any]) -> None:
+        """Write values of a point, then others; return when they are on the disk."""
+        self._kept.clear()
+        index = self.index(point)
         try:
-            yield write
+            self._files.put_all(self._chunks(index, values), self._chunks(index, then))
         except OSError as error:
             raise StoreError(
                 f"{self.path}: the point at {point} cannot be recorded: "
@@ -337,12 +197,29 @@ class Store:
                 "and permission to write"
             ) from error
 
+    def _chunks(self, index: tuple[int, ...], values: Mapping[str, Any]) -> Iterator[Any]:
+        """Keys and contents of the files with values at an index."""
+        for name, value in values.items():
+            array, place = self._arrays[name], self.place(name, index)
+            if max(array.chunks[: len(index)]) == 1:
+                yield from chunks_of(array, place, value)
+            else:
+                block = self.block(place)
+                try:
+                    picks = [range(along.start, along.stop) for along in block]
+                    picks += [range(n) for n in array.shape[len(index) :]]
+                    there = self.pick(name, picks)
+                except StoreError:
+                    there = np.full([len(pick) for pick in picks], array.fill, array.dtype)
+                there[tuple(i - along.start for i, along in zip(index, block, strict=True))] = value
+                yield from chunks_of(array, place, there)
+
 
 def prepare(path: PathLike, sweep: Sweep) -> Store:
     """Create the store of a sweep, or open it and make room for what the sweep adds.
 
     To be called while `locked`. What is in the store stays, whether or not the sweep still asks
-    for it.
+    for it; what can be healed is.
 
     Raises
     ------
@@ -356,17 +233,19 @@ def prepare(path: PathLike, sweep: Sweep) -> Store:
         if begin(folder):
             commit_shape(folder, lasting_attributes(sweep), {}, grown({}, sweep), sweep)
             return Store(folder)
-        attributes, arrays = read_metadata(folder)
-        axes = Store(folder, mode="r").axes
+        store = Store(folder)
+        axes = store.axes
         if ("realization" in axes) != bool(sweep.realizations):
             raise StoreMismatchError(f"{folder} {_OTHER_SURFACES[bool(sweep.realizations)]}")
         if different := [
-            *differences(stored_scene(attributes), describe(sweep)),
+            *differences(stored_scene(store.attributes), describe(sweep)),
             *differences(axes["quantile"], list(QUANTILES), "quantile"),
         ]:
             reason = f"{folder} belongs to another scene; write to another store"
             raise StoreMismatchError("\n  ".join([reason, *different]))
-        commit_shape(folder, attributes, arrays, grown(axes, sweep), sweep)
+        renew_copy(folder)
+        store.heal()
+        commit_shape(folder, *read_metadata(folder), grown(axes, sweep), sweep)
         return Store(folder)
     except OSError as error:
         raise StoreError(f"{folder} cannot be written: {error}") from error
@@ -380,14 +259,7 @@ _OTHER_SURFACES = {
 }
 
 
-async def _opened_arrays(files: Files | RemoteFiles, mode: Literal["r+", "r"]) -> dict[str, Any]:
-    """Arrays of a store by name, as its consolidated metadata has them."""
-    with zarr.config.set({"array.write_empty_chunks": True}):
-        group = await open_group(store=files, mode=mode, use_consolidated=True)
-        return {name: array async for name, array in group.arrays()}
-
-
 @functools.lru_cache(maxsize=4)
-def _opened(path: PathLike, revision: str) -> Store:
+def _opened(path: PathLike, revision: tuple[Any, ...]) -> Store:
     """The store at `path`; opened anew only after it has grown."""
     return Store(path)

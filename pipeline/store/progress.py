@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 from pipeline.store.folder import PathLike, user
 from pipeline.store.pace import pace
-from pipeline.store.points import Store
+from pipeline.store.snapshot import Snapshot, read_whole
 from pipeline.store.variables import DONE, FAILED, PENDING
 from pipeline.sweep.model import Point
 
@@ -58,7 +58,7 @@ class Summary:
         return self.pending / self.rate if self.rate else None
 
 
-def summarized(store: Store) -> Summary:
+def summarized(store: Snapshot) -> Summary:
     """Count the points of an open store, without reading their data."""
     status, asked = store.status(), store.asked()
     counts = [status[point] for point in asked]
@@ -83,5 +83,9 @@ def summary(path: PathLike) -> Summary:
     StoreError
         If there is no readable store.
     """
-    store = Store(path, mode="r")
-    return replace(summarized(store), rate=pace(store.finished_at()), running=user(path))
+    _, found = read_whole(path, _with_rate)
+    return replace(found, running=user(path))
+
+
+def _with_rate(store: Snapshot) -> Summary:
+    return replace(summarized(store), rate=pace(store.finished_at()))

@@ -22,6 +22,7 @@ __all__ = [
     "FAILED",
     "FIELDS",
     "FORMAT",
+    "HASHED",
     "PENDING",
     "RECORDS",
     "VARIABLES",
@@ -34,8 +35,10 @@ __all__ = [
     "versions",
 ]
 
-FORMAT = 1
+FORMAT = 2
 """Version of the layout; a program reads this one and older ones."""
+HASHED = 2
+"""Version from which the root has a hash, and a point's checksum holds its load and velocity."""
 
 BY_POINT, COMPACT = ".", "/"
 """What separates the numbers in the names of chunks that hold one point, and of those with many."""

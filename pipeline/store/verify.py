@@ -8,7 +8,7 @@ run computes it again; coordinates and metadata are restored from the root of th
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from dataclasses import dataclass
 from typing import Any
 
@@ -19,11 +19,18 @@ from pipeline.store.folder import (
     folder_of,
     locked,
     read_json,
-    read_metadata,
     write_json,
 )
 from pipeline.store.identity import scene_hash
 from pipeline.store.points import Store
+from pipeline.store.root import (
+    DamagedRootError,
+    has_copy,
+    read_metadata,
+    renew_copy,
+    restore_root,
+)
+from pipeline.store.variables import DONE, FAILED, HASHED
 from pipeline.sweep.model import Point
 
 __all__ = ["Damage", "Verification", "verify_store"]
@@ -59,6 +66,11 @@ class Verification:
         Points with damaged files.
     shared : tuple of str
         What is wrong with coordinates and metadata, which belong to no point.
+    found : tuple of Point
+        Points that are complete, but without a status: it was lost, or a run was killed before it
+        wrote it. The next run takes them as done.
+    is_protected : bool
+        Whether conditions, axes and metadata are held by a hash, which stores of format 1 lack.
     repaired : bool
         Whether all of that was repaired.
     """
@@ -66,7 +78,9 @@ class Verification:
     done: int
     damaged: tuple[Damage, ...]
     shared: tuple[str, ...]
+    found: tuple[Point, ...]
     repaired: bool
+    is_protected: bool = True
 
     @property
     def is_clean(self) -> bool:
@@ -89,60 +103,82 @@ def verify_store(path: PathLike, repair: bool = False) -> Verification:
     StoreError
         If there is no readable store, or it is in use and to be repaired.
     """
+    folder = folder_of(path)
     with ExitStack() as stack:
         if repair:
-            read_metadata(folder_of(path))  # before a lock is laid beside what is no store
+            with suppress(DamagedRootError):
+                read_metadata(folder)  # before a lock is laid beside what is no store
             stack.enter_context(locked(path))
-        shared = tuple(_shared(path, repair))
-        store = Store(path, mode="r+" if repair else "r")
-        done, damaged = 0, []
-        broken: dict[Point, list[str]] = {}
-        for point in store.places():
-            unreadable = store.unreadable(point)
-            is_done = "status" not in unreadable and store.is_done(point)
-            reason = _reason(store, point, is_done, unreadable)
-            if reason is None:
-                done += is_done
-                continue
-            damaged.append(Damage(point.load, point.velocity, reason, point.realization))
-            broken[point] = unreadable
+        shared = list(_root_faults(folder, repair))
+        if shared and not repair:
+            return Verification(0, (), tuple(shared), (), repaired=False)
+        store = Store(path)
+        shared += _shared_faults(store, repair)
+        found = tuple(store.lost())
         if repair:
-            for point, names in broken.items():
-                store.discard(point, _REWRITTEN & set(names))
-                store.forget(point)
-            for point, names in broken.items():
-                store.discard(point, set(names) - _REWRITTEN)
-    return Verification(done, tuple(damaged), shared, repaired=repair)
+            store.heal()
+        status = store.status()
+        damaged = []
+        for point in store.places():
+            if (reason := _reason(store, point, status[point])) is not None:
+                damaged.append(Damage(point.load, point.velocity, reason, point.realization))
+        if repair:
+            _reset(store, [each.point for each in damaged])
+    done = sum(flag == DONE for flag in status.values())
+    done -= sum(status[each.point] == DONE for each in damaged)
+    return Verification(
+        done, tuple(damaged), tuple(shared), found, repair, store.attributes["format"] >= HASHED
+    )
 
 
 _CHANGING = ("shape", "chunk_grid", "chunk_key_encoding")
 _REWRITTEN = {"status", "message"}  # when a point is made pending
 
 
-def _reason(store: Store, point: Point, is_done: bool, unreadable: list[str]) -> str | None:
+def _reason(store: Store, point: Point, status: int) -> str | None:
     """What is wrong with a point, if anything is."""
-    if unreadable:
+    if status == DONE:
+        return store.fault(point)
+    if unreadable := store.unreadable(point):
         return f"{', '.join(unreadable)} cannot be read"
-    if is_done:
-        if missing := store.missing(point):
-            return f"{', '.join(missing)} is missing"
-        if not store.is_intact(point):
-            return "the data are not those that were computed"
+    if status == FAILED and not store.has("message", point):
+        return "message is missing"
     return None
 
 
-def _shared(path: PathLike, repair: bool) -> Iterator[str]:
+def _reset(store: Store, points: list[Point]) -> None:
+    """Make damaged points pending."""
+    broken = {point: set(store.unreadable(point)) for point in points}
+    for point, names in broken.items():
+        store.discard(point, _REWRITTEN & names)
+        store.forget(point)
+    for point, names in broken.items():
+        store.discard(point, names - _REWRITTEN)
+
+
+def _root_faults(folder: Place, repair: bool) -> Iterator[str]:
+    """What is wrong with the root of a store, which is restored from its copy if so desired."""
+    try:
+        read_metadata(folder)
+    except DamagedRootError as error:
+        yield str(error).removeprefix(f"{folder} ").removeprefix(f"{folder}: ")
+        if repair:
+            restore_root(folder)
+
+
+def _shared_faults(store: Store, repair: bool) -> Iterator[str]:
     """What is wrong with metadata and coordinates; they are restored if so desired."""
-    folder = folder_of(path)
-    attributes, arrays = read_metadata(folder)
-    if scene_hash(attributes["scene"]) != attributes["scene_hash"]:
+    if scene_hash(store.attributes["scene"]) != store.attributes["scene_hash"]:
         yield "the description of the scene is damaged, and cannot be repaired"
-    for name, expected in arrays.items():
-        if not _is_same(folder / name / ROOT, expected):
+    if store.attributes["format"] >= HASHED and not has_copy(store.path):
+        yield f"the copy of {ROOT} is damaged"
+        if repair:
+            renew_copy(store.path)
+    for name, expected in store.metadata.items():
+        if not _is_same(store.path / name / ROOT, expected):
             yield f"the metadata of {name} are damaged"
             if repair:
-                write_json(folder / name / ROOT, expected)
-    store = Store(path, mode="r+" if repair else "r")
+                write_json(store.path / name / ROOT, expected)
     for name in store.damaged_coordinates():
         yield f"the coordinate {name} is damaged"
         if repair:
@@ -153,5 +189,5 @@ def _is_same(file: Place, expected: dict[str, Any]) -> bool:
     """Whether metadata are as they were committed, but for a change that was cut short."""
     try:
         return read_json(file) | {name: expected[name] for name in _CHANGING} == expected
-    except (OSError, ValueError):
+    except (OSError, ValueError, RecursionError):
         return False

@@ -9,7 +9,8 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
-from pipeline.store.folder import ROOT, PathLike, StoreMismatchError, folder_of, read_metadata
+from pipeline.store.folder import ROOT, PathLike, StoreMismatchError, folder_of
+from pipeline.store.root import read_metadata
 from pipeline.sweep.criterion import rise_limit
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import step_count

@@ -111,7 +111,7 @@ class Sweeps:
     def look(self):
         """Note what is wrong with the store."""
         try:
-            store = Store(self.path, mode="r")
+            store = Store(self.path)
         except StoreError:
             if self._seen:
                 self.faults.append("the store does not open any more")
@@ -125,9 +125,9 @@ class Sweeps:
     def finish(self):
         """Compare a sweep that is done with what it should be; go on to the next."""
         self.look()
-        store = Store(self.path, mode="r")
+        store = Store(self.path)
         for point, expected in self._expected.items():
-            found = store._read([*expected.columns, *expected.fields], point)
+            found = store.at(point, [*expected.columns, *expected.fields])
             for name, values in (expected.columns | expected.fields).items():
                 if found[name][: len(values)].tobytes() != values.tobytes():
                     self.faults.append(f"{point}: {name} differs")

@@ -109,8 +109,7 @@ def status_first():
     """A store that makes the mistake which all of this is to find."""
 
     def commit(self, result):
-        with self._writing(result.point) as write:
-            write({"status": DONE})
+        self._write(result.point, {"status": DONE}, {})
         correct(self, result)
 
     correct = Store.commit

@@ -40,7 +40,7 @@ def sweep_of(kind, velocities):
 def faults_of(path, sweep, expected):
     """What is wrong with a store that should be complete."""
     failed = {(at.load, at.velocity) for at in summary(path).failed}
-    store = Store(path, mode="r")
+    store = Store(path)
     for point in points(sweep):
         if point.load == sweep.loading.at:
             if (point.load, point.velocity) not in failed:
@@ -49,7 +49,7 @@ def faults_of(path, sweep, expected):
             yield f"{point} is not done"
         else:
             result = expected(point)
-            found = store._read([*result.columns, *result.fields], point)
+            found = store.at(point, [*result.columns, *result.fields])
             for name, values in (result.columns | result.fields).items():
                 if found[name][: len(values)].tobytes() != values.tobytes():
                     yield f"{point}: {name} differs"

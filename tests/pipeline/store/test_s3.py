@@ -85,13 +85,13 @@ def test_a_sweep_runs_resumes_and_grows(address):
 
 def test_the_status_is_written_last_and_everything_else_is_there_by_then(address, monkeypatch):
     store = prepare(address, SWEEP)
-    log, written = [], type(store._files).set
+    log, written = [], type(store._files)._put
 
-    async def logged(self, key, value, byte_range=None):
-        await written(self, key, value, byte_range)
+    async def logged(self, key, content):
+        await written(self, key, content)
         log.append(key.split("/")[0])
 
-    monkeypatch.setattr(type(store._files), "set", logged)
+    monkeypatch.setattr(type(store._files), "_put", logged)
     store.commit(run_point(SWEEP, *POINT))
     assert log[-1] == "status"
     assert set(log[:-1]) >= {*COLUMNS, *FIELDS, "message", "checksum"}

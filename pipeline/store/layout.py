@@ -1,0 +1,117 @@
+"""How the arrays of a store lie in chunks, and whether metadata describe that."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from pipeline.store.variables import (
+    BY_POINT,
+    COLUMNS,
+    COMPACT,
+    COORDINATES,
+    RECORDS,
+    Variable,
+    variables,
+)
+
+GROWING = ("realization", "load", "velocity", "step")
+"""Dimensions along which a store grows."""
+GROWING_CHUNK = 256
+"""Size of the chunks of their coordinates."""
+POINTS = 1024
+"""Number of points in a chunk of many, about."""
+
+_LONGEST = 10**7  # dimension that is believed
+_CODECS = {"str": ["vlen-utf8", "zstd"]}
+_NEEDED = {
+    "scene": dict,
+    "scene_hash": str,
+    "versions": dict,
+    "name": str,
+    "title": str,
+    "conditions": dict,
+    "loads": list,
+    "velocities": list,
+}
+_CONDITIONS = ("friction", "bulk_temperature", "critical_temperature", "failing_share")
+
+
+def chunks_by_point(name: str, variable: Variable, shape: list[int]) -> list[int]:
+    """Sizes of the chunks of a new variable, which has one of them or more for each point."""
+    if name in COORDINATES:
+        return [GROWING_CHUNK] if name in GROWING else shape
+    own = variable.dims.index("velocity") + 1  # the dimensions that choose a point
+    return [1] * own + shape[own:]
+
+
+def separator_of(array: Mapping[str, Any]) -> str:
+    """What separates the numbers in the names of an array's chunks, by its metadata."""
+    separator: str = array["chunk_key_encoding"]["configuration"]["separator"]
+    return separator
+
+
+def faults_of(attributes: Mapping[str, Any], arrays: Mapping[str, Any]) -> Iterator[str]:
+    """Say what in a store's attributes and metadata is not as a sweep writes it.
+
+    Whatever else is raised on the way is a fault as well.
+    """
+    for name, kind in _NEEDED.items():
+        if not isinstance(attributes[name], kind):
+            yield f"the attribute {name} is damaged"
+    if not all(math.isfinite(attributes["conditions"][name]) for name in _CONDITIONS):
+        yield "the attribute conditions is damaged"
+    known = variables("realization" in arrays, with_fields=True)
+    if unknown := [name for name in arrays if name not in known]:
+        yield f"{unknown[0]} is not a variable of a sweep"
+    if missing := [name for name in ("status", "load", "velocity", *COLUMNS) if name not in arrays]:
+        yield f"the metadata of {missing[0]} are missing"
+    lengths = {name: len(values) for name, values in attributes.get("axes", {}).items()}
+    for name in attributes.get("axes", {}):
+        if not all(math.isfinite(value) for value in attributes["axes"][name]):
+            yield f"the axis {name} is damaged"
+    for name, array in arrays.items():
+        if not _is_as_written(name, known[name], array, lengths):
+            yield f"the metadata of {name} are damaged"
+    for name in ("load", "velocity"):
+        if "axes" in attributes and not set(attributes["axes"][name]) >= set(
+            attributes[_many(name)]
+        ):
+            yield f"the attribute {_many(name)} is damaged"
+
+
+def _many(name: str) -> str:
+    return {"load": "loads", "velocity": "velocities"}[name]
+
+
+def _is_as_written(
+    name: str, variable: Variable, array: Mapping[str, Any], lengths: dict[str, int]
+) -> bool:
+    """Whether the metadata of a variable are such as a sweep writes; its sizes go to `lengths`."""
+    shape, chunks = array["shape"], array["chunk_grid"]["configuration"]["chunk_shape"]
+    dims = list(variable.dims)
+    if not (array["dimension_names"] == dims and len(shape) == len(chunks) == len(dims)):
+        return False
+    if not all(type(size) is int for size in (*shape, *chunks)):
+        return False
+    as_elsewhere = all(
+        0 < size <= _LONGEST and lengths.setdefault(dim, size) == size
+        for dim, size in zip(dims, shape, strict=True)
+    )
+    if name in COORDINATES:
+        fit = 0 < chunks[0] <= max(GROWING_CHUNK, shape[0])
+    else:
+        own = dims.index("velocity") + 1
+        many = separator_of(array) == COMPACT and (name in COLUMNS or name in RECORDS)
+        fit = all(0 < size <= full for size, full in zip(chunks[own:], shape[own:], strict=True))
+        fit &= 0 < math.prod(chunks[:own]) <= (POINTS if many else 1)
+    return (
+        as_elsewhere
+        and fit
+        and separator_of(array) in (BY_POINT, COMPACT)
+        and array["data_type"] == {"str": "string"}.get(variable.dtype, variable.dtype)
+        and [codec["name"] for codec in array["codecs"]]
+        == _CODECS.get(variable.dtype, ["bytes", "zstd"])
+        and array["node_type"] == "array"
+    )
