@@ -1,4 +1,4 @@
-"""What measurements say about a system: its critical temperature and its wear rate.
+"""Critical temperature and wear rate of a system, found from measurements.
 
 The simulation is run with what was measured, and asked for what was not.
 """
@@ -64,8 +64,9 @@ class CriticalTemperature:
     Attributes
     ----------
     temperatures : tuple of float
-        From each transition, on the scale of the bulk temperature.
+        Critical temperature found from each transition, on the scale of the bulk temperature.
     mean : float
+        Mean of these temperatures, on the same scale.
     spread : float
         Standard deviation of the single ones; NaN if there is but one.
     """
@@ -89,15 +90,19 @@ def critical_temperature(
     Parameters
     ----------
     scene : Scene
+        System in which the transitions were measured.
     transitions : sequence of Transition
+        Loads, velocities and frictions at which mild wear became severe.
     bulk_temperature : float
-        [K] or [°C].
+        Bulk temperature of both bodies [K] or [°C].
     share : float
-        Of the contact area, from 0 to below 1; 0 takes the maximum temperature, as Blok does.
+        Share of the contact area above the critical temperature at a transition, from 0 to below 1;
+        0 takes the maximum temperature, as Blok does.
 
     Returns
     -------
     CriticalTemperature
+        Temperature found from each transition, and their mean.
 
     Raises
     ------
@@ -129,9 +134,9 @@ class WearRate:
     Attributes
     ----------
     value : float
-        In the middle, geometrically, of the bounds.
+        Specific wear rate, the geometric mean of its bounds [m²/N].
     lowest, highest : float
-        With which the width is half an element less or more than measured.
+        Specific wear rates with which the width is half an element less or more than measured.
     """
 
     value: float
@@ -151,17 +156,18 @@ def specific_wear_rate(
     Parameters
     ----------
     scene : Scene
-        Its wear rate is not used, but the pattern of its wear is: swept if the scene has no wear
-        and its patch is periodic along y, else local.
+        System in which the pin wore. Not its wear rate is used, but the pattern of its wear: swept
+        if the scene has no wear and its patch is periodic along y, else local.
     contact_width : float
-        Along x at the end of the loading [m]. Sliding on at full load belongs into the loading,
-        as a hold.
+        Width of the contact along x at the end of the loading [m]. Sliding on at full load belongs
+        into the loading, as a hold.
     normal_load, velocity : float
-        [N], [m/s].
+        Load on the whole pin at the end [N], and velocity of the disk [m/s].
 
     Returns
     -------
     WearRate
+        Rate with which the contact gets as wide as measured, and its bounds.
 
     Raises
     ------
@@ -218,9 +224,9 @@ def critical_temperature_rig(normal_load: float = 10.0, duration: float = 60.0) 
     Parameters
     ----------
     normal_load : float
-        [N].
+        Load on the ball [N].
     duration : float
-        Of sliding [s]; the contact has its steady temperature after milliseconds.
+        Duration of the sliding [s]; the contact has its steady temperature after milliseconds.
     """
     radius = 10e-3
     modulus = contact_modulus(AISI_316, AISI_316)

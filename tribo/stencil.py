@@ -1,4 +1,4 @@
-"""What elements do to their next neighbours, and what undoes it: stencils of 3 × 3 elements.
+"""Stencils of 3 × 3 elements: what elements do to their next neighbours, and what undoes it.
 
 A kernel that falls off like 1/r is worst conditioned at short waves, at which an element feels
 little but its neighbours. The middle column of the inverse of a block of 3 × 3 elements undoes
@@ -34,6 +34,7 @@ class Neighbourhood:
     Parameters
     ----------
     convolution : Convolution
+        Map whose kernel falls off with distance.
     soft_axis, coupling : int, float
         What elements of a row along that axis add to each other's displacement, whatever their
         distance (see `tribo.contact.rows`). The inverse leaves it to `Preconditioner`.

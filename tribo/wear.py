@@ -95,9 +95,9 @@ class RungeKutta:
         Parameters
         ----------
         loads : tuple of float
-            At both ends of the step, F [N].
+            Loads at both ends of the step, F [N].
         mean_load : float
-            Along the step, F̄ [N].
+            Mean load along the step, F̄ [N].
         distance : float
             Slid in the step, S [m].
 

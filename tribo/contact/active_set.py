@@ -61,9 +61,9 @@ def active_set_step(
     problem : Problem
         The contact to solve.
     iterate : Iterate
-        Where to go on from.
+        Pressure to go on from, and its displacement.
     judged : Judgement
-        Its gap, and the nodes to solve for.
+        Gap under that pressure, and the nodes to solve for.
     active : ActiveSet
         What the steps so far have left.
     enough : float

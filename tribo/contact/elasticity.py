@@ -92,6 +92,7 @@ def elastic_influence(
     Parameters
     ----------
     grid : Grid
+        Elements, and the axes that are periodic.
     contact_modulus : float
         E* [Pa].
     kernel : {"periodic", "nearest-image"}, optional
@@ -104,9 +105,9 @@ def elastic_influence(
     Returns
     -------
     ndarray, shape ``padded_shape(grid)``
-        In the order of `wrapped_offsets`; even in both offsets. Along periodic axes the sum over
-        all images, up to a constant: positive throughout if one axis is periodic, of mean 0 if
-        both are.
+        Influence in the order of `wrapped_offsets` [m/Pa]; even in both offsets. Along periodic
+        axes the sum over all images, up to a constant: positive throughout if one axis is periodic,
+        of mean 0 if both are.
 
     Raises
     ------

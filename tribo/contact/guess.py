@@ -42,9 +42,9 @@ def from_coarser_grids(
     Returns
     -------
     pressure : ndarray, shape (nx, ny)
-        [Pa].
+        Guess of the pressure [Pa].
     work : float
-        Convolutions that it took, each by its share of the elements.
+        Convolutions that the guess took, each by its share of the elements.
     """
     if heights.size <= _COARSEST or any(n % 2 and n > 1 for n in heights.shape):
         return _springs(heights, total, hardness), 0.0
@@ -77,9 +77,9 @@ def in_window(
     Returns
     -------
     pressure : ndarray, shape (nx, ny)
-        [Pa]; 0 outside that part.
+        Improved guess of the pressure [Pa]; 0 outside that part.
     work : float
-        Convolutions that it took, each by its share of the elements.
+        Convolutions that the improvement took, each by its share of the elements.
     """
     window = tuple(
         slice(0, n) if periodic else _extent(guess.max(axis=1 - axis) > 0)

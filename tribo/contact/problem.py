@@ -1,4 +1,4 @@
-"""A contact problem, an iterate on the way to its solution, and how far that is from one.
+"""A contact problem, an iterate on the way to its solution, and a judgement of how far it has come.
 
 Find the pressure p with 0 ≤ p ≤ H and Σp = F/dA whose gap g = Dp + z − α is 0 where 0 < p < H,
 ≥ 0 where p = 0 and ≤ 0 where p = H.
@@ -205,9 +205,9 @@ def level_of(gap: Array, loaded: Mask, free: Mask) -> float:
     gap : ndarray
         Gap at no approach [m].
     loaded : ndarray of bool
-        Where there is pressure.
+        Whether there is pressure.
     free : ndarray of bool
-        Where there is pressure below the hardness.
+        Whether there is pressure, and below the hardness.
     """
     nodes = np.flatnonzero(free)
     if nodes.size:

@@ -1,4 +1,4 @@
-"""What rounding costs an iteration: digits that can be restored, and those that cannot.
+"""Rounding in an iteration: what it may have cost, what of that can be restored, when to give up.
 
 Gradient steps update the displacement along with the pressure, which costs digits. No result is
 given out before what that may have cost is known to lie within the tolerance, or the displacement
@@ -102,7 +102,7 @@ def restored(
     iterate : Iterate
         What is about to be given out.
     judged : Judgement
-        Its gap and residual.
+        Level and residual of that iterate.
     slack : float
         Tolerance less residual; infinite where the residual is not what is asked for.
     exhausted : bool
@@ -150,7 +150,7 @@ class Progress(NamedTuple):
         iterate : Iterate
             The present iterate.
         judged : Judgement
-            Its residual, and in what unit that is.
+            Level of the present iterate, and the unit of its residual.
         idle : int
             Gradient steps in a row that found no way down.
         """

@@ -41,7 +41,7 @@ class SoftRows:
     Attributes
     ----------
     axis : int
-        Along which they lie.
+        Axis along which the rows lie.
     coupling : float
         c/n of Eq. (1) [m/Pa]: c is what waves across the rows yield, in the median, beyond what
         an element does.

@@ -45,7 +45,7 @@ class ContactSolution:
     Attributes
     ----------
     pressure : ndarray, shape (nx, ny)
-        Between 0 and the hardness [Pa].
+        Contact pressure, between 0 and the hardness [Pa].
     gap : ndarray, shape (nx, ny)
         Deformed gap [m]: 0 where bodies touch, negative where the material yields.
     approach : float
@@ -116,6 +116,7 @@ def solve_contact(
     Returns
     -------
     ContactSolution
+        Pressure and gap, with the proof of how well they solve the problem.
 
     Raises
     ------

@@ -28,7 +28,7 @@ class Station:
     normal_load : float
         Load on the whole pin [N].
     time : float
-        Since the load began to grow [s].
+        Time since the load began to grow [s].
     on_trunk : bool
         Whether higher loads pass through this station too.
     index : int
@@ -54,13 +54,13 @@ class Ramp:
     Parameters
     ----------
     rate : float
-        [N/s].
+        Growth of the load on the whole pin [N/s].
     reference_load : float
         The load [N] that the trunk reaches in the scene's number of increments.
     hold : float, optional
-        For how long each point's load goes on once it is reached [s].
+        Duration for which each point's load goes on once it is reached [s].
     hold_steps : int, optional
-        In how many steps; if not given, in as few as are no longer than those of the trunk.
+        Steps of the hold; if not given, as few as are no longer than those of the trunk.
 
     Raises
     ------
@@ -99,7 +99,7 @@ class Ramp:
         Parameters
         ----------
         normal_load : float
-            On the whole pin at the end [N].
+            Load on the whole pin at the end [N].
         increments : int
             Steps of the trunk up to the reference load.
         after : float

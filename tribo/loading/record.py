@@ -31,12 +31,12 @@ class MeasuredLoad:
     Parameters
     ----------
     times : ndarray, shape (n,)
-        [s], increasing.
+        Increasing times of the readings [s].
     loads : ndarray, shape (n,)
-        On the whole pin [N].
+        Load on the whole pin at these times [N].
     reference_load : float, optional
-        Where the loading ends [N]; the record's maximum if not given. A record with a long, noisy
-        plateau needs one, or its loading ends at the highest peak of the noise.
+        Load at which the loading ends [N]; the record's maximum if not given. A record with a long,
+        noisy plateau needs one, or its loading ends at the highest peak of the noise.
 
     Raises
     ------

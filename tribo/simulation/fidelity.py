@@ -1,4 +1,4 @@
-"""Every numerical choice, in one object: what trades speed for accuracy."""
+"""Fidelity: every numerical choice that trades speed for accuracy, in one object."""
 
 from __future__ import annotations
 
@@ -43,10 +43,11 @@ class Fidelity:
     contact_tolerance : float
         Residual of the contact at which its solver stops; see `tribo.solve_contact`.
     contact_criterion : {"gap", "pressure-change"}
-        Of what the residual is taken; see `tribo.solve_contact`.
+        What the contact's residual is a measure of; see `tribo.solve_contact`.
     precision : {"double", "single"}
-        Of the contact's transforms. Single precision is faster on large grids and allows contact
-        tolerances down to about 1e-3; a contact that it cannot solve to its tolerance is an error.
+        Precision of the contact's transforms. Single precision is faster on large grids and allows
+        contact tolerances down to about 1e-3; a contact that it cannot solve to its tolerance is an
+        error.
     wear_scheme : {"implicit", "explicit", "sdirk2"}
         How wear advances over a step; see `tribo.WEAR_SCHEMES`.
     heat_model : {"elapsed", "history"}

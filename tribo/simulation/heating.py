@@ -1,4 +1,4 @@
-"""Friction heat of a state: its temperature, from the present heat or from all of it so far."""
+"""Temperature of a state, from its present friction heat or from all heat so far."""
 
 from __future__ import annotations
 

@@ -52,13 +52,13 @@ def check_contact(
     Parameters
     ----------
     pressure : ndarray, shape (nx, ny)
-        [Pa].
+        Contact pressure [Pa].
     normal_load : float
-        On the whole pin [N].
+        Load on the whole pin [N].
     element_area : float
         Area that an element stands for, on the whole pin [m²].
     hardness : float
-        [Pa].
+        Highest pressure that is allowed [Pa].
     residual, tolerance : float
         Violation of the conditions on the gap, and how much of it is allowed.
 
@@ -105,7 +105,7 @@ def check_wear(before: Array, after: Array, area: float, volume: float) -> None:
     before, after : ndarray, shape (nx, ny)
         Worn depth [m].
     area : float
-        That an element stands for, on the whole pin [m²].
+        Area that an element stands for, on the whole pin [m²].
     volume : float
         k·∫F dS since the start, of the loading itself, F on the whole pin [m³].
 
@@ -149,7 +149,9 @@ def check_heat(
     heat_flux : ndarray, shape (nx, ny)
         Frictional heat [W/m²].
     contact : ndarray of bool, shape (nx, ny)
+        Whether an element touches.
     split : HeatPartition
+        Heat partition to check.
     tolerance : float
         Difference of the surface temperatures that is allowed, relative as in
         `HeatPartition.residual`; infinite for a partition that does not make them equal.

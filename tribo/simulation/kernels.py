@@ -1,4 +1,4 @@
-"""What simulations keep for the next ones: elastic maps, surfaces and thermal kernels.
+"""The one cache of simulations: elastic maps, surfaces and thermal kernels, kept for the next ones.
 
 This is the one place in which points of a diagram share anything. What is kept does not change
 once it is made, and threads may ask for it at the same time: one that wants what another is

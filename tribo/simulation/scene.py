@@ -1,4 +1,4 @@
-"""What is simulated: two bodies, how one slides on the other, and to what fidelity."""
+"""Scene: two bodies, how one slides on the other, and with what numerical choices."""
 
 from __future__ import annotations
 
@@ -34,8 +34,9 @@ class Cylinder:
     Parameters
     ----------
     radius, length : float
-        [m]. The load is spread evenly over the length.
+        Radius and length of the cylinder [m]. The load is spread evenly over the length.
     material : Material
+        Material of the cylinder.
     """
 
     radius: float
@@ -62,8 +63,9 @@ class Ball:
     Parameters
     ----------
     radius : float
-        [m].
+        Radius of the ball [m].
     material : Material
+        Material of the ball.
     """
 
     radius: float
@@ -90,11 +92,13 @@ class SelfAffineRoughness:
     Parameters
     ----------
     ra : float
-        [m], on the pixels.
+        Mean absolute height on the pixels, Ra [m].
     hurst_exponent : float
+        Hurst exponent, from 0 (rough at every length) to 1 (smooth at short ones).
     correlation_length : tuple of float
-        Along x and y [m].
+        Correlation lengths along x and y [m].
     seed : int
+        Number of the random surface.
     """
 
     ra: float
@@ -156,18 +160,20 @@ class Scene:
     pin : Cylinder or Ball
         Smooth, at rest.
     disk : Material
-        Of the body that moves along +x.
+        Material of the body that moves along +x.
     pixels : Grid
         The patch of the contact, and the pixels on which the disk's roughness is given.
     loading : Ramp or MeasuredLoad
+        How the load grows with time.
     roughness : SelfAffineRoughness or MeasuredRoughness, optional
-        Of the disk; smooth if not given.
+        Roughness of the disk; smooth if not given.
     wear : Wear, optional
-        Of the pin; none if not given.
+        Wear of the pin; none if not given.
     friction_heat : bool
         Whether there is friction, and with it heat. If not, no temperature is solved for: the rise
         is 0.
     fidelity : Fidelity
+        Numerical choices.
 
     Raises
     ------
@@ -274,7 +280,7 @@ class Scene:
         Parameters
         ----------
         normal_load : float
-            On the whole pin at the end [N].
+            Load on the whole pin at the end [N].
         after : float
             Load of a station on the trunk [N], or 0.
         """

@@ -17,15 +17,15 @@ class Heat:
     Attributes
     ----------
     rise : ndarray, shape (nx, ny)
-        Of the pin's surface above bulk [K].
+        Temperature rise of the pin's surface above bulk [K].
     rise_quantile : ndarray, shape (len(QUANTILES),)
-        Of the rise over the contact area [K].
+        Quantiles of the rise over the contact area [K].
     max_rise, mean_rise : float
-        Over the contact area [K].
+        Largest and mean rise over the contact area [K].
     pin_heat_share : float
         Share of the friction heat that goes into the pin.
     iterations : int
-        Of the heat partition, each one convolution.
+        Iterations of the heat partition, each one convolution.
     """
 
     rise: Array
@@ -43,15 +43,15 @@ class State:
     Attributes
     ----------
     pressure : ndarray, shape (nx, ny)
-        [Pa].
+        Contact pressure [Pa].
     wear_depth : ndarray, shape (nx, ny)
-        Lost by the pin since the start [m].
+        Depth that the pin has lost since the start [m].
     normal_load : float
-        On the whole pin [N].
+        Load on the whole pin [N].
     time : float
-        Since the start [s].
+        Time since the start [s].
     sliding_distance : float
-        Since the start [m].
+        Distance slid since the start [m].
     impulse : float
         Integral of the load over the time since the start, ∫F dt [N s].
     on_trunk : bool
@@ -59,17 +59,17 @@ class State:
     iterations : int
         Convolutions that the contact took, on all grids.
     work : int
-        Those convolutions times the elements of their grids.
+        Convolutions of the contact times the elements of their grids.
     residual : float
-        Of the contact.
+        Residual of the contact, see `ContactSolution`.
     previous_pressure : ndarray, shape (nx, ny)
-        One station before [Pa]; the next pressure is extrapolated from it.
+        Contact pressure one station before [Pa]; the next pressure is extrapolated from it.
     previous_load : float
         The load at that station [N].
     displacement, previous_displacement : ndarray, shape (nx, ny), or None
         Elastic ones under both pressures [m], from the datum of the solid, where they are known.
     heat : Heat or None
-        Where the temperature was asked for.
+        Temperature of the contact, where it was asked for.
     history : State or None
         The same moment on the coarser grid of the history, where there is one; it is from there
         that the ramp goes on.

@@ -34,10 +34,11 @@ def simulate(
     Parameters
     ----------
     scene : Scene
+        System to simulate.
     normal_load : float
-        On the whole pin at the end [N].
+        Load on the whole pin at the end [N].
     velocity : float
-        Of the disk along +x [m/s].
+        Velocity of the disk along +x [m/s].
     trunk : State, optional
         A state on the trunk of a lower load at the same velocity, from which to go on; the
         result is the same as from the start, bit for bit.
@@ -45,7 +46,7 @@ def simulate(
     Yields
     ------
     State
-        After every step. The one that reaches `normal_load` and the last one have their
+        State after every step. The one that reaches `normal_load` and the last one have their
         temperature, besides those that the fidelity asks for.
 
     Raises
@@ -116,18 +117,21 @@ def advance(
     Parameters
     ----------
     scene : Scene
+        System to simulate.
     state : State
-        At an earlier time.
+        State at an earlier time.
     station : Station
+        Time and load at the end of the step.
     velocity : float
-        [m/s].
+        Velocity of the disk along +x [m/s].
     guess : ndarray, shape (nx, ny), optional
-        Of the pressure [Pa]; extrapolated from the last two states if not given.
+        Guess of the pressure [Pa]; extrapolated from the last two states if not given.
 
     Returns
     -------
     State
-        With its temperature where that depends on the earlier ones, else without.
+        State at the station, with its temperature where that depends on the earlier ones, else
+        without.
     """
     wear_depth, iterations, residual = state.wear_depth, 0, 0.0
     distance = abs(velocity) * (station.time - state.time)

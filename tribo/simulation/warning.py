@@ -1,4 +1,4 @@
-"""What kinds of warnings a point may carry."""
+"""Kinds of warnings that a point may carry."""
 
 from __future__ import annotations
 

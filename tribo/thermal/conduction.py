@@ -187,7 +187,8 @@ def flux_history_spectrum(
     ages : sequence of float
         Times before now [s], at least 0 and not decreasing.
     strengths : sequence of float
-        Of the flux at these ages, linear in between; 0 before the first and after the last.
+        Strengths of the flux at these ages, linear in between; 0 before the first and after the
+        last.
 
     Returns
     -------

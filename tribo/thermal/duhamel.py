@@ -50,8 +50,9 @@ class Conductor(NamedTuple):
     Attributes
     ----------
     material : Material
+        Material of the half-space.
     velocity : float
-        [m/s].
+        Velocity along x [m/s].
     length : float or "nearest-image"
         Length along y that is heated [m]; see `ConductingHalfSpace`.
     """
@@ -83,7 +84,7 @@ class HeatHistory:
     times : tuple of float
         0, when all flux was 0, and the stations since [s].
     pin_flux, disk_flux : tuple of ndarray, shape (mx, c)
-        For each station the transform of the flux [W/m²]: the columns that still act.
+        Transforms of the flux at each station [W/m²], the columns that still act.
     """
 
     times: tuple[float, ...] = (0.0,)
@@ -109,10 +110,11 @@ def partition_with_history(
     Parameters
     ----------
     grid : Grid
-        Of all fields, at rest relative to the heat sources.
+        Grid of all fields, at rest relative to the heat sources.
     pin, disk : Conductor
+        Both bodies.
     history : HeatHistory
-        Up to an earlier time.
+        Heat that has flowed up to an earlier time.
     time : float
         Now [s], since the first heat.
     heat_flux, contact, method, tolerance, bulk_difference
@@ -125,9 +127,9 @@ def partition_with_history(
     Returns
     -------
     HeatPartition
-        Its rise includes what is left of earlier heat.
+        Present partition; its rise includes what is left of earlier heat.
     HeatHistory
-        Up to now.
+        Heat that has flowed up to now.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""What decides between mild and severe wear: the temperature over the contact area.
+"""Quantiles of the temperature over the contact area, which decide between mild and severe wear.
 
 Wear turns severe where more than a given share of the real contact area is hotter than the
 critical temperature. The same thing, but smooth: the quantile of the temperature that this share
@@ -28,9 +28,9 @@ def contact_quantiles(rise: Array, contact: Mask) -> Array:
     Parameters
     ----------
     rise : ndarray, shape (nx, ny)
-        [K].
+        Temperature rise [K].
     contact : ndarray of bool, shape (nx, ny)
-        Where the pressure is positive. All elements are of equal area.
+        Whether the pressure is positive. All elements are of equal area.
 
     Examples
     --------
