@@ -110,7 +110,7 @@ def _run(commands: _Commands) -> None:
 
 
 def _check(commands: _Commands) -> None:
-    what = "validate a scene, and say what would run and what it would cost"
+    what = "say what a scene means, what would run and what it would cost"
     _add_workers(commands.on_scene("check", sweeps.check, what))
 
 

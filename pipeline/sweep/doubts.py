@@ -121,15 +121,15 @@ def _of_contact(sweep: Sweep, facts: Facts) -> Iterator[str]:
     hertz = 2 * facts.hertz_half_width.high
     if hertz >= side:
         yield (
-            f"the contact of Hertz is {1e6 * hertz:.0f} µm wide at {max(sweep.loads):g} N, the "
-            f"window {1e6 * side:.0f} µm: give more window.pixels"
+            f"the contact of Hertz is {1e6 * hertz:.3g} µm wide at {max(sweep.loads):g} N, the "
+            f"window {1e6 * side:.3g} µm: give more window.pixels"
         )
         return
     wide = [width for row in facts.contact_widths for width in row if width >= side]
     if wide:
         yield (
-            f"the contact is expected to grow up to {1e6 * max(wide):.0f} µm wide, the window is "
-            f"{1e6 * side:.0f} µm: it carries too little load at its edges at about {len(wide)} of "
+            f"the contact is expected to grow up to {1e6 * max(wide):.3g} µm wide, the window is "
+            f"{1e6 * side:.3g} µm: it carries too little load at its edges at about {len(wide)} of "
             f"{len(sweep.loads) * len(sweep.velocities)} points, those of high load and velocity; "
             "give more window.pixels if these matter"
         )
