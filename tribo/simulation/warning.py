@@ -19,6 +19,7 @@ class WarningKind(IntFlag):
 
     UNSTABLE_WEAR = 1
     CONTACT_AT_EDGE = 2
+    FEW_NODES = 4
 
     @property
     def label(self) -> str:

@@ -20,6 +20,7 @@ from tribo import (
     MeasuredRoughness,
     Ramp,
     Scene,
+    WarningKind,
     Wear,
     measures,
     simulate,
@@ -155,6 +156,24 @@ def test_contact_at_the_window_s_edge_warns():
     scene = replace(small_scene(), pixels=Grid((12, 16), (8e-6, 8e-6)))
     assert "x edge" in warnings(scene, last(simulate(scene, 750.0, 1.25)))[0].text
     assert warnings(small_scene(), last(simulate(small_scene(), 100.0, 1.25))) == []
+
+
+@pytest.mark.parametrize(
+    ("changes", "told"),
+    [
+        ({"pixels_per_element": 2}, True),
+        ({"history_coarsening": 2}, True),  # of the wear
+        ({"history_coarsening": 2, "wear": False}, False),
+        ({}, False),  # each pixel is an element: there are no smaller ones
+        ({"pixels_per_element": 2, "roughness": False}, True),  # eight in a line
+    ],
+)
+def test_few_nodes_warn_where_smaller_elements_would_differ(changes, told):
+    scene = replace(small_scene(**changes), pixels=Grid((96, 64), (4e-6, 4e-6)))
+    state = last(simulate(scene, 50.0, 1.25))
+    kinds = [warning.kind for warning in warnings(scene, state)]
+    assert kinds == [WarningKind.FEW_NODES] * told
+    assert not told or "take smaller elements" in warnings(scene, state)[0].text
 
 
 def test_measures_without_temperature_are_nan():
