@@ -20,6 +20,7 @@ import dask
 from distributed import Client, Future, LocalCluster, wait
 
 from pipeline.run import forkserver
+from pipeline.run.certificate import private_security
 from pipeline.run.forkserver import METHOD, UNGUARDED, WORKER_ENVIRONMENT, interrupts_put_off
 from tribo import TriboError
 
@@ -42,6 +43,12 @@ CONFIGURATION = {
     "distributed.admin.tick.interval": "1s",
     "distributed.admin.system-monitor.interval": "10s",
     "distributed.admin.large-graph-warning-threshold": "1 TB",
+}
+_LOCAL = {
+    # Dask would take commands there from whoever else is on the machine.
+    "distributed.scheduler.http.routes": [],
+    "distributed.worker.http.routes": [],
+    "distributed.nanny.http.routes": [],
 }
 _THREADS = 2  # of a worker: while one waits for the disk, the other computes
 _WORD = 10.0  # [s] without a worker, after which the user is told
@@ -66,13 +73,19 @@ def connected(workers: int, scheduler: str | None, patience: float) -> Iterator[
     if scheduler is not None:
         try:
             client = Client(scheduler, set_as_default=False, timeout=patience)
-        except (OSError, ValueError) as error:
+        except (OSError, ValueError, RuntimeError) as error:
             raise ExecutionError(f"no Dask scheduler answers at {scheduler}: {error}") from error
+        except TypeError as error:  # as Dask has it
+            raise ExecutionError(
+                f"{scheduler} needs certificates: name the files under distributed.comm.tls in "
+                "Dask's configuration, as DASK_DISTRIBUTED__COMM__TLS__CA_FILE, "
+                "…__CLIENT__CERT and …__CLIENT__KEY do"
+            ) from error
         with client, client.as_current():
             yield client
         return
     cluster = None
-    with dask.config.set(CONFIGURATION):
+    with dask.config.set({**CONFIGURATION, **_LOCAL}):
         try:
             forkserver.start()
             with interrupts_put_off():
@@ -91,6 +104,8 @@ def _local_cluster(workers: int) -> LocalCluster:
         try:
             return LocalCluster(
                 n_workers=workers,
+                protocol="tls",
+                security=private_security(),
                 threads_per_worker=_THREADS,
                 # As it is now, and not as it was when the forkserver started.
                 env={**os.environ, **WORKER_ENVIRONMENT},

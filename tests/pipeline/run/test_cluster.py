@@ -26,8 +26,9 @@ SWEEP = tiny.full()
 class Cluster:
     """A scheduler and two workers, each a command of Dask's in a process of its own."""
 
-    def __init__(self, folder):
+    def __init__(self, folder, protocol="tcp", settings=(), security=None):
         self._stack, file = ExitStack(), folder / "scheduler.json"
+        self._protocol, self._settings = protocol, dict(settings)
         self.scheduler = self._start("scheduler", "--port=0", f"--scheduler-file={file}")
         self.workers = [  # one of them with threads that may not compute at the same time
             self._start("worker", f"--scheduler-file={file}", "--no-nanny", f"--nthreads={threads}")
@@ -36,14 +37,14 @@ class Cluster:
         while not file.exists() or not file.read_text():
             time.sleep(0.05)
         self.address = json.loads(file.read_text())["address"]
-        with Client(self.address, set_as_default=False) as client:
+        with Client(self.address, security=security, set_as_default=False) as client:
             client.wait_for_workers(len(self.workers), timeout=60)
 
     def _start(self, role, *options):
         command = [sys.executable, "-m", f"distributed.cli.dask_{role}", "--host=127.0.0.1"]
         process = subprocess.Popen(
-            [*command, "--dashboard-address=127.0.0.1:0", *options],
-            env={**os.environ, "PYTHONPATH": str(ROOT)},
+            [*command, f"--protocol={self._protocol}", "--dashboard-address=127.0.0.1:0", *options],
+            env={**os.environ, **self._settings, "PYTHONPATH": str(ROOT)},
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
         )
