@@ -44,7 +44,7 @@ CONFIGURATION = {
     "distributed.admin.system-monitor.interval": "10s",
     "distributed.admin.large-graph-warning-threshold": "1 TB",
 }
-_LOCAL = {
+_LOCAL: dict[str, list[str]] = {
     # Dask would take commands there from whoever else is on the machine.
     "distributed.scheduler.http.routes": [],
     "distributed.worker.http.routes": [],
