@@ -12,9 +12,7 @@ that heat diffuses and vs² = Vτ the distance that the surface travels in the m
 node s of a quadrature the integrand is an outer product f(x) g(y), and so is its transform: the
 spectrum of the whole kernel is a sum of outer products of one-dimensional transforms.
 
-On each panel of the quadrature a factor comes from its values at the element centres
-(`_sampled_factor`) or, along a periodic axis once the heat has spread or travelled far, from its
-Fourier series (`_series_terms`).
+The panels of the quadrature are told in `quadrature`, and how a factor is found in `factors`.
 
 **Length of the pin.** Along a periodic y the patch repeats as far as the pin reaches, which may be
 much less than heat spreads. Of a flux, what varies along y has then long evened out: the ends are
@@ -28,17 +26,17 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
 from tribo.convolution import Convolution, padded_shape
 from tribo.errors import InputError
 from tribo.grid import Grid
 from tribo.material import Material
+from tribo.thermal.factors import Axis, factor, series_terms, wavenumbers
+from tribo.thermal.quadrature import REACH, diffusion_length, filon_weights, panels
 from tribo.types import Array, Spectrum
 
 __all__ = [
@@ -48,11 +46,6 @@ __all__ = [
     "settling_time",
     "thermal_influence",
 ]
-
-# erfc(6) = 2e-17 and exp(-6²) = 2e-16: what lies this many diffusion lengths off is nothing.
-_REACH = 6.0
-_NOTHING = 1e-12  # of a length, below which no part of the integral is worth a panel
-
 
 HeatedLength = float | Literal["nearest-image"]
 
@@ -158,12 +151,9 @@ def settling_time(grid: Grid, material: Material, velocity: float) -> float:
     >>> f"{settling_time(patch, steel, velocity=1.25) * 1e3:.2f} ms"
     '1.70 ms'
     """
-    if grid.periodic[0]:
-        return math.inf
     kappa = material.thermal_diffusivity
-    width = (grid.shape[0] - 0.5) * grid.spacing[0]
     # The rest is for rounding.
-    return _diffusion_length(-_REACH, abs(velocity) / (4 * kappa), width) ** 2 / (4 * kappa) * 1.001
+    return _gone(grid, abs(velocity) / (4 * kappa)) ** 2 / (4 * kappa) * 1.001
 
 
 def flux_history_spectrum(
@@ -216,29 +206,43 @@ def flux_history_spectrum(
     return _spectrum(grid, material, velocity, ages, strengths, quadrature_nodes, length)
 
 
-@dataclass(frozen=True, slots=True)
-class _Axis:
-    """One axis of the kernel: n elements of side `step`, transformed over `length` points.
+class _Stretch(NamedTuple):
+    """A range of diffusion lengths along which the strength of a flux is linear in its age.
 
-    With `nearest_image` the elements of other periods act up to the distance of one period.
+    Attributes
+    ----------
+    begin, end : float
+        Diffusion lengths s at both ends [m].
+    first : float
+        Strength at the first end.
+    slope : float
+        Growth of the strength with s² [1/m²].
     """
 
-    n: int
-    step: float
-    length: int
-    periodic: bool
-    nearest_image: bool = False
+    begin: float
+    end: float
+    first: float
+    slope: float
 
-    def series_start(self, drift: float) -> float:
-        """Diffusion length from which the Fourier series is cheaper than samples [m].
+    def strength(self, s: Array) -> Array:
+        """Strength of the flux at diffusion lengths s."""
+        return self.first + self.slope * (s**2 - self.begin**2)
 
-        Samples need images of the source once heat has spread over the period, and many nodes
-        once a source has passed many elements; the series needs many modes before.
-        """
-        if not self.periodic or self.nearest_image:
-            return math.inf
-        spread = self.n * self.step / 4
-        return min(spread, math.sqrt(16 * self.step / drift)) if drift else spread
+    def integral(self, s: float) -> float:
+        """Integral of the strength from the beginning of the stretch to s [m]."""
+        constant = (self.first - self.slope * self.begin**2) * (s - self.begin)
+        return constant + self.slope * (s**3 - self.begin**3) / 3
+
+
+def _stretches(
+    kappa: float, ages: Sequence[float], strengths: Sequence[float]
+) -> Iterator[_Stretch]:
+    lengths = [2 * math.sqrt(kappa * age) for age in ages]
+    for (begin, end), (first, last) in zip(
+        itertools.pairwise(lengths), itertools.pairwise(strengths), strict=True
+    ):
+        slope = (last - first) / (end**2 - begin**2) if end > begin else 0.0
+        yield _Stretch(begin, end, first, slope)
 
 
 def _spectrum(
@@ -251,6 +255,43 @@ def _spectrum(
     length: HeatedLength,
 ) -> Spectrum:
     """Transform of the kernel [K m²/W], without the last columns if 0; real if nothing moves."""
+    _check(velocity, ages, quadrature_nodes)
+    (mx, my), (dx, dy) = padded_shape(grid), grid.spacing
+    x = Axis(grid.shape[0], dx, mx, grid.periodic[0])
+    y = Axis(grid.shape[1], dy, my, grid.periodic[1], length == "nearest-image")
+    heated = _heated_length(grid, length)
+    K, kappa = material.thermal_conductivity, material.thermal_diffusivity
+    v = abs(velocity) / (4 * kappa)
+    # Earlier no heat has crossed half an element: both factors are 2 on the element, 0 off it.
+    confined = diffusion_length(REACH, v, min(dx, dy) / 2)
+    gone = _gone(grid, v)
+
+    rule = np.polynomial.legendre.leggauss(quadrature_nodes)
+    half = np.zeros((mx // 2 + 1, my // 2 + 1), dtype=complex if v else float)
+    columns = 0 if ages[0] > 0 else my // 2 + 1
+    filon_start = x.series_start(v) if v else math.inf
+    for stretch in _stretches(kappa, ages, strengths):
+        end = min(stretch.end, gone)
+        middle = max(stretch.begin, min(confined, end))
+        if middle > stretch.begin:
+            half += 4 * stretch.integral(middle)
+            columns = my // 2 + 1
+        for panel in panels(v, middle, end, filon_start, dx):
+            s, f = _weighted_factor(x, v, panel, rule, panel[0] >= filon_start)
+            f *= stretch.strength(s)[:, None]
+            g = factor(y, s, panel[0], 0.0)
+            g[:, 0] *= scipy.special.erf(heated / (2 * s))
+            _add_products(half, f, g)
+            columns = max(columns, g.shape[1])
+    half = half[:, :columns]
+    if velocity < 0:
+        half = half.conj()
+    mirrored = half[1 : (mx + 1) // 2][::-1].conj()
+    return np.concatenate((half, mirrored)) / (4 * math.sqrt(math.pi) * K)
+
+
+def _check(velocity: float, ages: Sequence[float], quadrature_nodes: int) -> None:
+    """Raise `InputError` for a number that makes no kernel."""
     if not math.isfinite(velocity):
         raise InputError(f"velocity is {velocity!r}; it must be finite")
     for earlier, time in itertools.pairwise((0.0, *ages)):
@@ -258,59 +299,41 @@ def _spectrum(
             raise InputError(f"time is {time!r}; it must be finite and at least {earlier:g}")
     if quadrature_nodes < 1:
         raise InputError(f"quadrature_nodes is {quadrature_nodes!r}; it must be at least 1")
-    (mx, my), (dx, dy) = padded_shape(grid), grid.spacing
-    x = _Axis(grid.shape[0], dx, mx, grid.periodic[0])
-    y = _Axis(grid.shape[1], dy, my, grid.periodic[1], length == "nearest-image")
-    heated = _heated_length(grid, length)
-    K, kappa = material.thermal_conductivity, material.thermal_diffusivity
-    v = abs(velocity) / (4 * kappa)
-    # Earlier no heat has crossed half an element: both factors are 2 on the element, 0 off it.
-    confined = _diffusion_length(_REACH, v, min(dx, dy) / 2)
-    # Later the source has left the patch, and its heat does not come back against the motion.
-    gone = math.inf if x.periodic else _diffusion_length(-_REACH, v, (x.n - 0.5) * dx)
 
-    nodes, weights = np.polynomial.legendre.leggauss(quadrature_nodes)
-    half = np.zeros((mx // 2 + 1, my // 2 + 1), dtype=complex if v else float)
-    columns = 0 if ages[0] > 0 else my // 2 + 1
-    filon_start = x.series_start(v) if v else math.inf
-    lengths = [2 * math.sqrt(kappa * age) for age in ages]
-    for (begin, end), (first, last) in zip(
-        itertools.pairwise(lengths), itertools.pairwise(strengths), strict=True
-    ):
-        # The strength is first + slope·(s² − begin²), linear in the age.
-        slope = (last - first) / (end**2 - begin**2) if end > begin else 0.0
-        end = min(end, gone)
-        middle = max(begin, min(confined, end))
-        if middle > begin:
-            half += 4 * (
-                (first - slope * begin**2) * (middle - begin) + slope * (middle**3 - begin**3) / 3
-            )
-            columns = my // 2 + 1
-        for low, high in _panels(v, middle, end, filon_start, dx):
-            if low >= filon_start:
-                square = (high**2 + low**2) / 2 + (high**2 - low**2) / 2 * nodes
-                s = np.sqrt(square)
-                k = _wavenumbers(x, low)
-                terms = _filon_weights(k * v, low**2, high**2, nodes, weights)
-                terms = terms / (2 * s)[:, None, None]
-                f = (terms * _series_terms(x, s, k)).sum(axis=1)
-            else:
-                s = (high + low) / 2 + (high - low) / 2 * nodes
-                f = _factor(x, s, low, v) * ((high - low) / 2 * weights)[:, None]
-            f *= (first + slope * (s**2 - begin**2))[:, None]
-            g = _factor(y, s, low, 0.0)
-            g[:, 0] *= scipy.special.erf(heated / (2 * s))
-            # Not a matrix product: the bits of one by BLAS depend on the number of its threads.
-            block = half[: f.shape[1], : g.shape[1]]
-            block.real += np.einsum("sm,sn->mn", f.real, g)
-            if v:
-                block.imag += np.einsum("sm,sn->mn", f.imag, g)
-            columns = max(columns, g.shape[1])
-    half = half[:, :columns]
-    if velocity < 0:
-        half = half.conj()
-    mirrored = half[1 : (mx + 1) // 2][::-1].conj()
-    return np.concatenate((half, mirrored)) / (4 * math.sqrt(math.pi) * K)
+
+def _gone(grid: Grid, drift: float) -> float:
+    """Diffusion length at which the source has left the patch, from end to end [m].
+
+    From then on its heat does not come back against the motion. Infinite at rest, and where the
+    patch repeats along x.
+    """
+    if grid.periodic[0]:
+        return math.inf
+    # From the edge of an element at one end to the centre of the one at the other.
+    return diffusion_length(-REACH, drift, (grid.shape[0] - 0.5) * grid.spacing[0])
+
+
+def _weighted_factor(
+    axis: Axis, drift: float, panel: tuple[float, float], rule: tuple[Array, Array], filon: bool
+) -> tuple[Array, Spectrum]:
+    """Nodes s of a panel, and the factor along the motion there times the nodes' weights."""
+    (low, high), (nodes, weights) = panel, rule
+    if not filon:
+        s = (high + low) / 2 + (high - low) / 2 * nodes
+        return s, factor(axis, s, low, drift) * ((high - low) / 2 * weights)[:, None]
+    s = np.sqrt((high**2 + low**2) / 2 + (high**2 - low**2) / 2 * nodes)
+    k = wavenumbers(axis, low)
+    terms = filon_weights(k * drift, low**2, high**2, nodes, weights) / (2 * s)[:, None, None]
+    return s, np.asarray((terms * series_terms(axis, s, k)).sum(axis=1))
+
+
+def _add_products(half: Spectrum, f: Spectrum, g: Spectrum) -> None:
+    """Add the outer products of f and g, summed over the nodes, to the first modes."""
+    # Not a matrix product: the bits of one by BLAS depend on the number of its threads.
+    block = half[: f.shape[1], : g.shape[1]]
+    block.real += np.einsum("sm,sn->mn", f.real, g)
+    if half.dtype.kind == "c":
+        block.imag += np.einsum("sm,sn->mn", f.imag, g)
 
 
 def _heated_length(grid: Grid, length: HeatedLength) -> float:
@@ -322,125 +345,3 @@ def _heated_length(grid: Grid, length: HeatedLength) -> float:
     if not (isinstance(length, (int, float)) and length > 0):
         raise InputError(f"length is {length!r}; it must be positive, or 'nearest-image'")
     return max(float(length), grid.size[1]) if grid.periodic[1] else math.inf
-
-
-def _diffusion_length(reach: float, drift: float, distance: float) -> float:
-    """Return the s > 0 at which drift·s² + reach·s = distance; infinite if there is none.
-
-    At that age the heat of a moving source (reach > 0: its front, reach < 0: its rear) gets past
-    `distance`.
-    """
-    root = math.sqrt(reach**2 + 4 * drift * distance)
-    if reach > 0:
-        return 2 * distance / (reach + root)
-    return (root - reach) / (2 * drift) if drift else math.inf
-
-
-def _panels(
-    drift: float, start: float, end: float, filon_start: float, side: float
-) -> Iterator[tuple[float, float]]:
-    """Split the diffusion lengths from `start` to `end` so that Gauss' rule resolves each part.
-
-    Heat spreads in proportion to s, hence panels that double; and within one panel the source
-    moves by at most half of `_REACH` diffusion lengths, unless Filon's rule takes care of that, or
-    its edges stay away from the centres of all elements, of length `side`: seen from there, a
-    source that passes quickly is either over an element or not.
-    """
-    low = start
-    while low < end:
-        if low >= filon_start:
-            step = low / 2
-        else:
-            step = max(_REACH / (_REACH / low + 2 * drift), _NOTHING * low)
-            if drift:
-                step = max(step, min(low, _undisturbed(drift, low, side)))
-        high = min(low + step, end)
-        yield low, high
-        low = high
-
-
-def _undisturbed(drift: float, low: float, side: float) -> float:
-    """How far s can grow until an edge of the source comes within reach of an element's centre.
-
-    0 or less if one is within reach already. The edges pass centres when drift·s² is an odd
-    multiple of half the side, and reach this far for a change of s by `_REACH`/(2 drift).
-    """
-    passed = math.floor(drift * low**2 / side + 0.5)
-    reach = _REACH / (2 * drift)
-    if passed and low < math.sqrt((passed - 0.5) * side / drift) + reach:
-        return 0.0
-    return math.sqrt((passed + 0.5) * side / drift) - reach - low
-
-
-def _factor(axis: _Axis, s: Array, low: float, drift: float) -> Spectrum:
-    """Transform of E over `axis` at the nodes s of a panel, shape (nodes, modes); real at rest."""
-    factor: Spectrum
-    if low >= axis.series_start(drift):
-        factor = _series_terms(axis, s, _wavenumbers(axis, low)).sum(axis=1)
-    else:
-        factor = np.fft.rfft(_sampled_factor(axis, s, drift * s**2))
-    return factor if drift else factor.real
-
-
-def _sampled_factor(axis: _Axis, s: Array, shift: Array) -> Array:
-    """Values of E at the element centres in wrapped order, shape (nodes, length).
-
-    Only the elements within reach of the source are evaluated; those of all periods fall on the
-    same `length` places and add up.
-    """
-    first = math.floor((shift[0] - _REACH * s[-1]) / axis.step - 0.5)
-    last = math.ceil((shift[-1] + _REACH * s[-1]) / axis.step + 0.5)
-    if not axis.periodic:
-        first, last = max(first, 1 - axis.n), min(last, axis.n - 1)
-    elif axis.nearest_image:
-        first, last = max(first, -axis.n), min(last, axis.n)
-    edges = (np.arange(first, last + 2) - 0.5) * axis.step
-    u = (edges - shift[:, None]) / s[:, None]
-    # erf(u) is a step from -1 to 1 and a tail. The tails are small where they nearly cancel.
-    tail = scipy.special.erfc(np.abs(u))
-    values = np.diff(np.where(u < 0, tail, -tail)) + 2 * np.diff((u >= 0).astype(float))
-    if axis.nearest_image:
-        values[:, np.abs(np.arange(first, last + 1)) == axis.n] /= 2  # both are as near
-    offset = first % axis.length
-    periods = -(-(offset + values.shape[1]) // axis.length)
-    unwrapped = np.zeros((len(s), periods * axis.length))
-    unwrapped[:, offset : offset + values.shape[1]] = values
-    return np.asarray(unwrapped.reshape(len(s), periods, axis.length).sum(axis=1))
-
-
-def _wavenumbers(axis: _Axis, s: float) -> Array:
-    """Wavenumbers of the modes that live at diffusion length s, shape (aliases, modes) [rad/m].
-
-    Sampling at the element centres folds the modes m + pn onto the mode m.
-    """
-    highest = int(_REACH * axis.n * axis.step / (math.pi * s))
-    modes = np.arange(min(highest, axis.n // 2) + 1)
-    folds = int(highest / axis.n + 0.5)
-    aliases = np.arange(-folds, folds + 1)[:, None] * axis.n
-    return np.asarray(2 * math.pi / (axis.n * axis.step) * (modes + aliases), dtype=np.float64)
-
-
-def _series_terms(axis: _Axis, s: Array, k: Array) -> Array:
-    """Transform of E at rest, 2 sinc(ka) exp(−k²s²/4), for each node, alias and mode."""
-    decay = np.exp(-((k * s[:, None, None] / 2) ** 2))
-    return np.asarray(2 * np.sinc(k * axis.step / (2 * math.pi)) * decay)
-
-
-def _filon_weights(
-    omega: Array,
-    low: float,
-    high: float,
-    nodes: Array,
-    weights: Array,
-) -> NDArray[np.complex128]:
-    """Weights of the Gauss nodes for ∫ g(z) exp(−iωz) dz from low to high, any ω.
-
-    g is expanded in Legendre polynomials, whose integrals against exp(−iθξ) over [−1, 1] are
-    2(−i)^l j_l(θ) (Bakhvalov & Vasil'eva, USSR Comput. Math. 8, 1968). Shape (nodes, *ω.shape).
-    """
-    degrees = np.arange(len(nodes))
-    projection = np.polynomial.legendre.legvander(nodes, len(nodes) - 1) * weights[:, None]
-    projection = projection * (2 * degrees + 1) * (-1j) ** degrees
-    moments = scipy.special.spherical_jn(degrees[:, None, None], omega * (high - low) / 2)
-    carrier = (high - low) / 2 * np.exp(-1j * omega * (high + low) / 2)
-    return np.asarray(np.einsum("sl,lpm->spm", projection, moments) * carrier)

@@ -21,6 +21,7 @@ from tribo.material import Material
 from tribo.thermal.conduction import (
     ConductingHalfSpace,
     flux_history_spectrum,
+    settling_time,
     thermal_influence,
 )
 
@@ -277,6 +278,17 @@ def test_nothing_is_warm_at_time_zero():
     assert not body(np.ones((4, 3))).any()
     soon = ConductingHalfSpace(Grid((4, 3), ELEMENT), STEEL, 1.0, 1e-15)
     assert soon(np.ones((4, 3))).all()
+
+
+@pytest.mark.parametrize("n", [1, 3, 240])
+@pytest.mark.parametrize("velocity", [0.01, -1.25, 50.0])
+def test_a_kernel_has_settled_once_the_heat_of_one_end_has_passed_the_other(n, velocity):
+    grid = Grid((n, 4), ELEMENT)
+    # By a thousandth earlier: from an element's edge to the centre of the last one, and the rear
+    # of the heat is six diffusion lengths, 2√(κt) each, behind.
+    time = settling_time(grid, STEEL, velocity) / 1.001
+    rear = abs(velocity) * time - 6 * 2 * math.sqrt(STEEL.thermal_diffusivity * time)
+    assert rear == pytest.approx((n - 0.5) * ELEMENT[0], rel=1e-9)
 
 
 @pytest.mark.parametrize(

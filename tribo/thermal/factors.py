@@ -1,0 +1,95 @@
+"""One-dimensional factors of a thermal kernel: E along one axis, at the nodes of a quadrature.
+
+A factor comes from its values at the element centres or, along a periodic axis once the heat has
+spread or travelled far, from its Fourier series.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import scipy
+
+from tribo.thermal.quadrature import REACH
+from tribo.types import Array, Spectrum
+
+
+@dataclass(frozen=True, slots=True)
+class Axis:
+    """One axis of the kernel: n elements of side `step`, transformed over `length` points.
+
+    With `nearest_image` the elements of other periods act up to the distance of one period.
+    """
+
+    n: int
+    step: float
+    length: int
+    periodic: bool
+    nearest_image: bool = False
+
+    def series_start(self, drift: float) -> float:
+        """Diffusion length from which the Fourier series is cheaper than samples [m].
+
+        Samples need images of the source once heat has spread over the period, and many nodes
+        once a source has passed many elements; the series needs many modes before.
+        """
+        if not self.periodic or self.nearest_image:
+            return math.inf
+        spread = self.n * self.step / 4
+        return min(spread, math.sqrt(16 * self.step / drift)) if drift else spread
+
+
+def factor(axis: Axis, s: Array, low: float, drift: float) -> Spectrum:
+    """Transform of E over `axis` at the nodes s of a panel, shape (nodes, modes); real at rest."""
+    factor: Spectrum
+    if low >= axis.series_start(drift):
+        factor = series_terms(axis, s, wavenumbers(axis, low)).sum(axis=1)
+    else:
+        factor = np.fft.rfft(_sampled_factor(axis, s, drift * s**2))
+    return factor if drift else factor.real
+
+
+def _sampled_factor(axis: Axis, s: Array, shift: Array) -> Array:
+    """Values of E at the element centres in wrapped order, shape (nodes, length).
+
+    Only the elements within reach of the source are evaluated; those of all periods fall on the
+    same `length` places and add up.
+    """
+    first = math.floor((shift[0] - REACH * s[-1]) / axis.step - 0.5)
+    last = math.ceil((shift[-1] + REACH * s[-1]) / axis.step + 0.5)
+    if not axis.periodic:
+        first, last = max(first, 1 - axis.n), min(last, axis.n - 1)
+    elif axis.nearest_image:
+        first, last = max(first, -axis.n), min(last, axis.n)
+    edges = (np.arange(first, last + 2) - 0.5) * axis.step
+    u = (edges - shift[:, None]) / s[:, None]
+    # erf(u) is a step from -1 to 1 and a tail. The tails are small where they nearly cancel.
+    tail = scipy.special.erfc(np.abs(u))
+    values = np.diff(np.where(u < 0, tail, -tail)) + 2 * np.diff((u >= 0).astype(float))
+    if axis.nearest_image:
+        values[:, np.abs(np.arange(first, last + 1)) == axis.n] /= 2  # both are as near
+    offset = first % axis.length
+    periods = -(-(offset + values.shape[1]) // axis.length)
+    unwrapped = np.zeros((len(s), periods * axis.length))
+    unwrapped[:, offset : offset + values.shape[1]] = values
+    return np.asarray(unwrapped.reshape(len(s), periods, axis.length).sum(axis=1))
+
+
+def wavenumbers(axis: Axis, s: float) -> Array:
+    """Wavenumbers of the modes that live at diffusion length s, shape (aliases, modes) [rad/m].
+
+    Sampling at the element centres folds the modes m + pn onto the mode m.
+    """
+    highest = int(REACH * axis.n * axis.step / (math.pi * s))
+    modes = np.arange(min(highest, axis.n // 2) + 1)
+    folds = int(highest / axis.n + 0.5)
+    aliases = np.arange(-folds, folds + 1)[:, None] * axis.n
+    return np.asarray(2 * math.pi / (axis.n * axis.step) * (modes + aliases), dtype=np.float64)
+
+
+def series_terms(axis: Axis, s: Array, k: Array) -> Array:
+    """Transform of E at rest, 2 sinc(ka) exp(−k²s²/4), for each node, alias and mode."""
+    decay = np.exp(-((k * s[:, None, None] / 2) ** 2))
+    return np.asarray(2 * np.sinc(k * axis.step / (2 * math.pi)) * decay)

@@ -1,0 +1,88 @@
+"""Quadrature over the distance that heat has diffused, s = 2√(κτ): panels, and Filon's rule.
+
+Gauss' rule resolves each panel, unless the integrand oscillates along it: there `filon_weights`
+take the oscillation into the weights.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+import scipy
+from numpy.typing import NDArray
+
+from tribo.types import Array
+
+# erfc(6) = 2e-17 and exp(-6²) = 2e-16: what lies this many diffusion lengths off is nothing.
+REACH = 6.0
+_NOTHING = 1e-12  # of a length, below which no part of the integral is worth a panel
+
+
+def diffusion_length(reach: float, drift: float, distance: float) -> float:
+    """Return the s > 0 at which drift·s² + reach·s = distance; infinite if there is none.
+
+    At that age the heat of a moving source (reach > 0: its front, reach < 0: its rear) gets past
+    `distance`.
+    """
+    root = math.sqrt(reach**2 + 4 * drift * distance)
+    if reach > 0:
+        return 2 * distance / (reach + root)
+    return (root - reach) / (2 * drift) if drift else math.inf
+
+
+def panels(
+    drift: float, start: float, end: float, filon_start: float, side: float
+) -> Iterator[tuple[float, float]]:
+    """Split the diffusion lengths from `start` to `end` so that Gauss' rule resolves each part.
+
+    Heat spreads in proportion to s, hence panels that double; and within one panel the source
+    moves by at most half of `REACH` diffusion lengths, unless Filon's rule takes care of that, or
+    its edges stay away from the centres of all elements, of length `side`: seen from there, a
+    source that passes quickly is either over an element or not.
+    """
+    low = start
+    while low < end:
+        if low >= filon_start:
+            step = low / 2
+        else:
+            step = max(REACH / (REACH / low + 2 * drift), _NOTHING * low)
+            if drift:
+                step = max(step, min(low, _undisturbed(drift, low, side)))
+        high = min(low + step, end)
+        yield low, high
+        low = high
+
+
+def _undisturbed(drift: float, low: float, side: float) -> float:
+    """How far s can grow until an edge of the source comes within reach of an element's centre.
+
+    0 or less if one is within reach already. The edges pass centres when drift·s² is an odd
+    multiple of half the side, and reach this far for a change of s by `REACH`/(2 drift).
+    """
+    passed = math.floor(drift * low**2 / side + 0.5)
+    reach = REACH / (2 * drift)
+    if passed and low < math.sqrt((passed - 0.5) * side / drift) + reach:
+        return 0.0
+    return math.sqrt((passed + 0.5) * side / drift) - reach - low
+
+
+def filon_weights(
+    omega: Array,
+    low: float,
+    high: float,
+    nodes: Array,
+    weights: Array,
+) -> NDArray[np.complex128]:
+    """Weights of the Gauss nodes for ∫ g(z) exp(−iωz) dz from low to high, any ω.
+
+    g is expanded in Legendre polynomials, whose integrals against exp(−iθξ) over [−1, 1] are
+    2(−i)^l j_l(θ) (Bakhvalov & Vasil'eva, USSR Comput. Math. 8, 1968). Shape (nodes, *ω.shape).
+    """
+    degrees = np.arange(len(nodes))
+    projection = np.polynomial.legendre.legvander(nodes, len(nodes) - 1) * weights[:, None]
+    projection = projection * (2 * degrees + 1) * (-1j) ** degrees
+    moments = scipy.special.spherical_jn(degrees[:, None, None], omega * (high - low) / 2)
+    carrier = (high - low) / 2 * np.exp(-1j * omega * (high + low) / 2)
+    return np.asarray(np.einsum("sl,lpm->spm", projection, moments) * carrier)
