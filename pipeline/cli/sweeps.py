@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Collection, Iterator
 from pathlib import Path
+from typing import Any
 
 import pipeline
 from pipeline.cli.meaning import meaning
@@ -21,7 +23,8 @@ from pipeline.run import forkserver
 from pipeline.sweep.doubts import doubts
 from pipeline.sweep.facts import facts_of, require_bearable_loads
 from pipeline.sweep.left_out import left_out
-from pipeline.tradeoff.forecast import machine_bytes, worker_bytes
+from pipeline.sweep.model import Sweep
+from pipeline.tradeoff.forecast import Estimate, machine_bytes, worker_bytes
 
 
 def run(options: argparse.Namespace) -> int:
@@ -70,11 +73,24 @@ def check(options: argparse.Namespace) -> int:
     """Say what a scene means, at once, and then what its sweep would cost."""
     sweep = scene_of(options)
     require_bearable_loads(sweep)
-    facts = facts_of(sweep)
-    doubted, reasons = doubts(sweep, facts), tuple(left_out(sweep))
-    memory = worker_bytes(sweep)
+    facts, memory, reasons = facts_of(sweep), worker_bytes(sweep), tuple(left_out(sweep))
+    doubted = list(doubts(sweep, facts))
+    small = memory > machine_bytes()
+    if small:
+        doubted.append(
+            f"this machine has {machine_bytes() / 1e9:.0f} GB of memory, less than a worker needs: "
+            "the time is not tried out; give fewer window.pixels, or a coarser fidelity"
+        )
     nx, ny = sweep.grid.shape
-    first = [
+    document: dict[str, Any] = {
+        "title": sweep.title,
+        "notes": sweep.notes,
+        "meaning": facts.as_dict(),
+        "left_out": reasons,
+        "worker_bytes": memory,
+        "warnings": doubted,
+    }
+    text = [
         f"{sweep.title}",
         *meaning(sweep, facts),
         *(f"  left out {reason}" for reason in reasons),
@@ -83,29 +99,27 @@ def check(options: argparse.Namespace) -> int:
         f"  grid     {nx} × {ny} elements",
         f"  memory   about {memory / 1e6:.0f} MB a worker",
     ]
-    if not options.json:
-        print("\n".join(first), flush=True)
-    document = {"title": sweep.title, "notes": sweep.notes, "meaning": facts.as_dict()}
-    if memory > machine_bytes():
-        doubt = (
-            f"this machine has {machine_bytes() / 1e9:.0f} GB of memory, less than a worker needs: "
-            "how long it would take is not tried; give fewer window.pixels, or a coarser fidelity"
-        )
-        known = {"left_out": reasons, "warnings": [*doubted, doubt], "worker_bytes": memory}
-        show(options, document | known, [f"  warning  {doubt}"])
+    if small:
+        show(options, document, text)
         return DONE
+    if not options.json:
+        print("\n".join(text), flush=True)
     found = pipeline.estimate(sweep, workers=options.workers)
     document |= found.as_dict() | {"warnings": [*doubted, *found.warnings]}
-    surfaces = f", {len(sweep.realizations)} surfaces" if sweep.realizations else ""
-    text = [
-        f"  points   {found.points}: {len(sweep.loads)} loads, {len(sweep.velocities)} velocities"
-        + surfaces,
-        f"  steps    {found.steps} contacts and {found.temperatures} temperatures to solve",
-        f"  time     about {duration(found.seconds)} on {found.workers} worker(s)",
-        *(f"           {line}" for line in found.basis.split("; ")),
-        f"  disk     about {found.disk_bytes / 1e6:.0f} MB",
-        *(f"  warning  {what}" for what in found.warnings),
-        *(f"  left out {reason}" for reason in found.left_out if reason not in reasons),
-    ]
-    show(options, document, text)
+    show(options, document, _cost(sweep, found, reasons))
     return DONE
+
+
+def _cost(sweep: Sweep, found: Estimate, said: Collection[str]) -> Iterator[str]:
+    """Say what a sweep would cost, and what is left out besides what was said."""
+    surfaces = f", {len(sweep.realizations)} surfaces" if sweep.realizations else ""
+    yield (
+        f"  points   {found.points}: {len(sweep.loads)} loads, {len(sweep.velocities)} velocities"
+        f"{surfaces}"
+    )
+    yield f"  steps    {found.steps} contacts and {found.temperatures} temperatures to solve"
+    yield f"  time     about {duration(found.seconds)} on {found.workers} worker(s)"
+    yield from (f"           {line}" for line in found.basis.split("; "))
+    yield f"  disk     about {found.disk_bytes / 1e6:.0f} MB"
+    yield from (f"  warning  {what}" for what in found.warnings)
+    yield from (f"  left out {reason}" for reason in found.left_out if reason not in said)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -71,6 +71,15 @@ class SurfaceFacts:
     rise: tuple[float, float] = (0.0, 0.0)
     lay: float | None = None
 
+    def as_dict(self) -> dict[str, Any]:
+        """Return the facts by name, each with its unit."""
+        heights = {"ra": self.ra, "rq": self.rq, "mean_height": self.mean_height, "rise": self.rise}
+        return (
+            {"kind": "measured" if self.measured else "random"}
+            | {name: _with_unit(value, "m") for name, value in heights.items()}
+            | {"lay": "none" if self.lay is None else _with_unit(self.lay, "degree")}
+        )
+
 
 @dataclass(frozen=True, slots=True)
 class Facts:
@@ -118,13 +127,34 @@ class Facts:
     surface: SurfaceFacts | None
 
     def as_dict(self) -> dict[str, Any]:
-        """Return the facts by name, in SI, each span as lowest and highest value."""
-        return {
-            name: value._asdict() if isinstance(value, Span) else value
-            for name in self.__slots__
-            if name not in ("contact_widths", "surface")
-            for value in (getattr(self, name),)
-        } | {"surface": asdict(self.surface) if self.surface else None}
+        """Return the facts by name, each with its unit; what is not there or infinite left out."""
+        found = {name: _with_unit(getattr(self, name), unit) for name, unit in _UNITS.items()}
+        if self.surface:
+            found["surface"] = self.surface.as_dict()
+        return {name: entry for name, entry in found.items() if entry is not None}
+
+
+_UNITS = {
+    "contact_modulus": "Pa",
+    "hertz_pressure": "Pa",
+    "hertz_half_width": "m",
+    "contact_width": "m",
+    "window": "m",
+    "duration": "s",
+    "sliding_distance": "m",
+    "wear_depth": "m",
+    "peclet_number": "1",
+    "greatest_load": "N",
+}
+
+
+def _with_unit(value: Any, unit: str) -> dict[str, Any] | None:
+    """A value as plain data, with its unit."""
+    if isinstance(value, Span):
+        return value._asdict() | {"unit": unit}
+    if isinstance(value, tuple):
+        return {"x": value[0], "y": value[1], "unit": unit}
+    return None if value is None or math.isinf(value) else {"value": value, "unit": unit}
 
 
 def facts_of(sweep: Sweep) -> Facts:

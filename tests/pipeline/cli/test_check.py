@@ -36,8 +36,12 @@ def test_the_document_holds_the_same(capsys):
     assert main(["check", SCENE, "--json"]) == 0
     document = json.loads(capsys.readouterr().out)
     meaning = document["meaning"]
-    assert meaning["hertz_pressure"] == pytest.approx({"low": 1.0393e9, "high": 2.0127e9}, rel=1e-3)
-    assert meaning["surface"]["ra"] == pytest.approx(0.27e-6, rel=1e-3)
+    pressure, ra = meaning["hertz_pressure"], meaning["surface"]["ra"]
+    assert pressure.pop("unit") == "Pa"
+    assert pressure == pytest.approx({"low": 1.0393e9, "high": 2.0127e9}, rel=1e-3)
+    assert ra["value"] == pytest.approx(0.27e-6, rel=1e-2)
+    assert ra["unit"] == "m"
+    assert meaning["surface"]["lay"] == "none"
     assert any("424 µm" in warning for warning in document["warnings"])
     assert document["seconds"] > 0
 
