@@ -20,6 +20,7 @@ from pipeline.scene.format import EXTENDS, WITHOUT
 from pipeline.scene.schema import did_you_mean, quoted
 
 _LARGEST_FILE = 10_000_000
+_LEVELS = 10  # of tables in tables, more than the format has
 
 
 @dataclass(frozen=True, slots=True)
@@ -178,8 +179,8 @@ def _depth(entries: Any, parts: list[str]) -> int:
     return len(parts)
 
 
-def _merged(lower: dict[str, Any], upper: dict[str, Any]) -> dict[str, Any]:
-    """The entries of `lower`, and those of `upper` in their place.
+def _merged(lower: dict[str, Any], upper: dict[str, Any], levels: int = _LEVELS) -> dict[str, Any]:
+    """The entries of `lower`, and those of `upper` in their place, down to some levels of tables.
 
     Examples
     --------
@@ -188,8 +189,8 @@ def _merged(lower: dict[str, Any], upper: dict[str, Any]) -> dict[str, Any]:
     """
     merged = dict(lower)
     for key, value in upper.items():
-        both = isinstance(value, dict) and isinstance(lower.get(key), dict)
-        merged[key] = _merged(lower[key], value) if both else value
+        both = levels and isinstance(value, dict) and isinstance(lower.get(key), dict)
+        merged[key] = _merged(lower[key], value, levels - 1) if both else value
     return merged
 
 
