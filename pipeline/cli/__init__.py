@@ -9,7 +9,9 @@ from __future__ import annotations
 
 import atexit
 import gc
+import io
 import sys
+import warnings
 from collections.abc import Sequence
 
 import pipeline
@@ -23,9 +25,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     # Imported modules stay: looking for garbage among them takes 0.1 s now and 0.2 s at the end.
     gc.set_threshold(100_000)
     atexit.register(gc.freeze)
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")  # rather than to fail in ASCII
     options = parse(arguments)
     try:
-        return int(options.command(options))
+        with warnings.catch_warnings():
+            warnings.showwarning = lambda message, *_: tell(f"note: {message}")
+            return int(options.command(options))
     except KeyboardInterrupt:
         tell("interrupted; finished points are safe: run the same command again to go on")
         return INTERRUPTED
@@ -34,6 +41,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return OTHER_SCENE
     except TriboError as error:
         tell(str(error))
+        return WRONG_USE
+    except MemoryError:
+        tell("out of memory; finished points are safe: take fewer workers or a coarser grid")
         return WRONG_USE
     except BrokenPipeError:
         sys.stderr.close()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 import math
+import re
 import sys
 from collections.abc import Callable, Iterable
 from dataclasses import asdict
@@ -21,6 +22,10 @@ if TYPE_CHECKING:
 
 DONE, SOME_FAILED, WRONG_USE, OTHER_SCENE, INTERRUPTED = 0, 1, 2, 3, 130
 """Exit codes."""
+
+_CONTROLS = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f]")
+_LONGEST = 2000  # characters of a line
+_YEAR = 365.25 * 24 * 3600  # [s]
 
 
 class ProgressLine:
@@ -56,6 +61,8 @@ class ProgressLine:
 
 def duration(seconds: float) -> str:
     """Write a duration in the unit that suits it."""
+    if not seconds < 100 * _YEAR:
+        return "more than 100 years"
     if seconds < 60:
         return f"{seconds:.0f} s"
     minutes = round(seconds / 60)
@@ -78,14 +85,22 @@ def failed_points(points: Iterable[FailedPoint | Damage]) -> list[dict[str, Any]
 def show(options: argparse.Namespace, document: dict[str, Any], text: Iterable[str]) -> None:
     """Print a result as text, or as one JSON document if the user asked for that."""
     if options.json:
-        print(json.dumps(_without_nan(document), indent=2, ensure_ascii=False, allow_nan=False))
+        written = json.dumps(_without_nan(document), indent=2, ensure_ascii=False, allow_nan=False)
+        print(_CONTROLS.sub(lambda found: f"\\u{ord(found[0]):04x}", written))
     else:
-        print("\n".join(text))
+        print("\n".join(map(_shown, text)))
 
 
 def tell(message: str) -> None:
     """Print a message that is not a result."""
-    tqdm.write(f"irg: {message}", file=sys.stderr)  # beside a progress line, if there is one
+    lines = "\n".join(map(_shown, f"irg: {message}".split("\n")))
+    tqdm.write(lines, file=sys.stderr)  # beside a progress line, if there is one
+
+
+def _shown(line: str) -> str:
+    """A line as a terminal can show it: without control characters, and of some length at most."""
+    line = line if len(line) <= _LONGEST else f"{line[:_LONGEST]} …"
+    return _CONTROLS.sub(lambda found: f"\\x{ord(found[0]):02x}", line)
 
 
 def _without_nan(value: Any) -> Any:

@@ -32,7 +32,7 @@ class Committed(BackendEntrypoint):
         StoreError
             If there is no readable store.
         """
-        store, flags = read_whole(filename_or_obj, _checked)
+        store, flags = read_whole(filename_or_obj, _checked, Snapshot)
         reader = _Reader(store, flags)
         found = {}
         for name, metadata in store.metadata.items():
@@ -97,7 +97,7 @@ class _Reader:
                 raise
             is_whole = False
         if not is_whole:
-            self._store, values = read_whole(store.path, read)
+            self._store, values = read_whole(store.path, read, Snapshot)
         values[~needed] = store.array(name).fill
         return values
 

@@ -68,7 +68,7 @@ def locked(path: PathLike) -> Iterator[None]:
     folder = folder_of(path)
     with ExitStack() as stack:
         try:
-            stack.enter_context(hold(folder.with_name(folder.name + ".lock")))
+            stack.enter_context(hold(_lock_of(folder)))
         except HeldError as error:
             raise StoreError(
                 f"{folder} is in use by {error}; wait for it, or write to another store"
@@ -80,8 +80,14 @@ def locked(path: PathLike) -> Iterator[None]:
 
 def user(path: PathLike) -> str | None:
     """Tell which process runs a sweep into a store, if one does."""
-    folder = folder_of(path)
-    return holder(folder.with_name(folder.name + ".lock"))
+    return holder(_lock_of(folder_of(path)))
+
+
+def _lock_of(folder: Place) -> Place:
+    """The lock of a store, the same by whatever path it is reached."""
+    if isinstance(folder, Path):
+        folder = Path(os.path.realpath(folder))
+    return folder.with_name(folder.name + ".lock")
 
 
 def read_json(file: Place) -> dict[str, Any]:

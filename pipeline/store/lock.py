@@ -1,23 +1,37 @@
-"""A lock on a file, which ends with the process that holds it; or at an address, with a person."""
+"""Locks: on a file, released by the kernel when its process dies; elsewhere by hand if it died.
+
+Elsewhere is an object store, or a file system without locks; a process that has died there is
+recognized on its own machine alone.
+"""
 
 from __future__ import annotations
 
+import errno
 import fcntl
 import hashlib
 import os
+import re
 import socket
+import stat
 import tempfile
+import uuid
+import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 from pipeline.store.remote import Remote
 
-__all__ = ["HeldError", "hold", "holder"]
+_SAID = re.compile(r"process (\d+) on (\S+)\n")
+_NO_LOCKS = (errno.ENOLCK, errno.EOPNOTSUPP, errno.ENOSYS, errno.EINVAL)
 
 
 class HeldError(Exception):
     """The lock is held by someone else; the message says by whom."""
+
+
+class LockWarning(UserWarning):
+    """A lock that is weaker than usual."""
 
 
 @contextmanager
@@ -27,7 +41,8 @@ def hold(file: Path | Remote) -> Iterator[None]:
     The file says which process holds it. The kernel releases the lock of a process that dies, so
     a file that is left behind does no harm on the same machine. Where another machine left it,
     over a shared file system whose locks may not reach that far or in an object store, only a
-    person can tell.
+    person can tell. A file that does not say in full who holds it was cut short, and counts as
+    left behind.
 
     Raises
     ------
@@ -42,18 +57,43 @@ def hold(file: Path | Remote) -> Iterator[None]:
             finally:
                 file.unlink(missing_ok=True)
     else:
+        file = Path(os.path.realpath(file))
         file.parent.mkdir(parents=True, exist_ok=True)
         with _hold_file(file):
             yield
 
 
+def holder(file: Path | Remote) -> str | None:
+    """Tell who holds the lock, or on another machine may hold it; None if nobody does."""
+    if isinstance(file, Remote):
+        try:
+            said = _complete(file.read_bytes())
+        except OSError:
+            return None
+        return holder(_stand_in(file)) if said is None or _is_here(said) else said
+    try:
+        descriptor = os.open(os.path.realpath(file), os.O_RDONLY | os.O_NONBLOCK)
+    except OSError:
+        return None
+    try:
+        said = _complete(os.read(descriptor, 1000)) if _is_file(descriptor) else None
+        fcntl.flock(descriptor, fcntl.LOCK_SH | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return said or "another process"
+    except OSError:  # no locks here
+        return said if said and _lives(said) else None
+    finally:
+        os.close(descriptor)
+    return None if said is None or _is_here(said) else said
+
+
 def _create(lock: Remote) -> None:
     """Make the object that is the lock, unless another machine has."""
     try:
-        lock.write_bytes(_self().encode(), exclusive=True)
+        lock.write_bytes(_self(), exclusive=True)
     except FileExistsError:
-        _refuse_if_elsewhere(lock.read_bytes().decode(errors="replace").strip(), lock)
-        lock.write_bytes(_self().encode())  # left behind by a process of this machine
+        _refuse_if_elsewhere(_complete(lock.read_bytes()), lock)
+        lock.write_bytes(_self())  # left behind by a process of this machine
 
 
 def _stand_in(lock: Remote) -> Path:
@@ -62,12 +102,35 @@ def _stand_in(lock: Remote) -> Path:
     return Path(tempfile.gettempdir()) / f"irg-{os.getuid()}-{digest}.lock"
 
 
-def _self() -> str:
-    return f"process {os.getpid()} on {socket.gethostname()}\n"
+def _self() -> bytes:
+    return f"process {os.getpid()} on {socket.gethostname()}\n".encode()
 
 
-def _refuse_if_elsewhere(said: str, lock: Path | Remote) -> None:
-    if said and not said.endswith(f" on {socket.gethostname()}"):
+def _complete(content: bytes) -> str | None:
+    """Who holds a lock, if its content says so in full."""
+    said = content.decode(errors="replace")
+    return said.strip() if _SAID.fullmatch(said) else None
+
+
+def _is_here(said: str) -> bool:
+    return said.endswith(f" on {socket.gethostname()}")
+
+
+def _lives(said: str) -> bool:
+    """Whether who holds a lock may still do so."""
+    if not _is_here(said):
+        return True
+    try:
+        os.kill(int(said.split()[1]), 0)
+    except ProcessLookupError:
+        return False
+    except OSError:
+        return True
+    return True
+
+
+def _refuse_if_elsewhere(said: str | None, lock: Path | Remote) -> None:
+    if said and not _is_here(said):
         raise HeldError(f"{said} (if that has ended, delete {lock})")
 
 
@@ -75,51 +138,68 @@ def _refuse_if_elsewhere(said: str, lock: Path | Remote) -> None:
 def _hold_file(file: Path) -> Iterator[None]:
     descriptor = _lock(file)
     try:
-        _refuse_if_elsewhere(os.read(descriptor, 1000).decode(errors="replace").strip(), file)
-        os.ftruncate(descriptor, 0)
-        os.pwrite(descriptor, _self().encode(), 0)
+        if descriptor is None:
+            _claim(file)
+            warnings.warn(
+                f"the file system of {file} has no locks, so that {file.name} is one only by being "
+                "there: a process that dies leaves it behind, and other machines will not go on "
+                "before it is deleted",
+                LockWarning,
+                stacklevel=2,
+            )
+        else:
+            _refuse_if_elsewhere(_complete(os.read(descriptor, 1000)), file)
+            os.ftruncate(descriptor, 0)
+            os.pwrite(descriptor, _self(), 0)
         try:
             yield
         finally:
             file.unlink(missing_ok=True)
     finally:
-        os.close(descriptor)
+        if descriptor is not None:
+            os.close(descriptor)
 
 
-def holder(file: Path | Remote) -> str | None:
-    """Tell who holds the lock, or on another machine may hold it; None if nobody does."""
-    if isinstance(file, Remote):
-        try:
-            said = file.read_bytes().decode(errors="replace").strip()
-        except OSError:
-            return None
-        return holder(_stand_in(file)) if said.endswith(f" on {socket.gethostname()}") else said
-    try:
-        descriptor = os.open(file, os.O_RDONLY)
-    except OSError:
-        return None
-    try:
-        said = os.read(descriptor, 1000).decode(errors="replace").strip()
-        fcntl.flock(descriptor, fcntl.LOCK_SH | fcntl.LOCK_NB)
-    except BlockingIOError:
-        return said or "another process"
-    finally:
-        os.close(descriptor)
-    return None if not said or said.endswith(f" on {socket.gethostname()}") else said
-
-
-def _lock(file: Path) -> int:
+def _lock(file: Path) -> int | None:
+    """Open and lock a file; None where there are no locks."""
     while True:
-        descriptor = os.open(file, os.O_RDWR | os.O_CREAT, 0o644)
+        descriptor = os.open(file, os.O_RDWR | os.O_CREAT | os.O_NONBLOCK, 0o644)
         try:
+            if not _is_file(descriptor):
+                raise OSError(f"{file} is not a file; delete it")
             fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
             if file.exists() and os.path.samestat(os.fstat(descriptor), file.stat()):
                 return descriptor
         except BlockingIOError:
-            holder = os.read(descriptor, 1000).decode(errors="replace").strip()
+            said = _complete(os.read(descriptor, 1000))
             os.close(descriptor)
-            raise HeldError(holder or "another process") from None
-        except BaseException:
+            raise HeldError(said or "another process") from None
+        except BaseException as error:
             os.close(descriptor)
+            if isinstance(error, OSError) and error.errno in _NO_LOCKS:
+                return None
             raise
         os.close(descriptor)  # removed by its last holder after we had opened it
+
+
+def _claim(file: Path) -> None:
+    """Be the process that a file names, where there are no locks."""
+    said = _complete(file.read_bytes())
+    if said and _lives(said):
+        raise HeldError(said if _is_here(said) else f"{said} (if that has ended, delete {file})")
+    own = file.with_name(f"{file.name}.{uuid.uuid4().hex}")
+    file.rename(own)  # which only one can do
+    try:
+        if _complete(own.read_bytes()) == said:  # and not that of somebody who was faster
+            own.write_bytes(_self())
+        os.link(own, file)
+        if _complete(file.read_bytes()) != _complete(_self()):
+            raise HeldError("another process")
+    except FileExistsError:
+        raise HeldError("another process") from None
+    finally:
+        own.unlink()
+
+
+def _is_file(descriptor: int) -> bool:
+    return stat.S_ISREG(os.fstat(descriptor).st_mode)

@@ -83,7 +83,7 @@ def summary(path: PathLike) -> Summary:
     StoreError
         If there is no readable store.
     """
-    _, found = read_whole(path, _with_rate)
+    _, found = read_whole(path, _with_rate, Snapshot)
     return replace(found, running=user(path))
 
 

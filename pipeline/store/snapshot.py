@@ -23,6 +23,7 @@ from pipeline.sweep.model import Point
 from tribo.types import Array
 
 _T = TypeVar("_T")
+_S = TypeVar("_S", bound="Snapshot")
 _KEPT = 3  # chunks of each variable, if they hold many points
 _ATTEMPTS = 20
 
@@ -127,7 +128,10 @@ class Snapshot:
         flags = np.full(array.shape, PENDING, array.dtype)
         known = np.zeros(array.shape, bool)
         places = list(np.ndindex(*array.counts()))
-        contents = self._files.contents(map(array.key, places))
+        try:
+            contents = list(self._files.contents(map(array.key, places)))
+        except OSError as error:
+            raise StoreError(f"{self.path} cannot be read: {error}") from error
         for place, content in zip(places, contents, strict=True):
             with suppress(*UNREADABLE):
                 if content is not None:
@@ -295,8 +299,10 @@ class Snapshot:
         return any(self._files.exist(keys))
 
 
-def read_whole(path: PathLike, read: Callable[[Snapshot], _T]) -> tuple[Snapshot, _T]:
-    """Read from a store as it is; again if it is changed under way.
+def read_whole(
+    path: PathLike, read: Callable[[_S], _T], opened: Callable[[PathLike], _S]
+) -> tuple[_S, _T]:
+    """Read from a store, `opened` as a snapshot; again if it is changed under way.
 
     Returns
     -------
@@ -311,7 +317,7 @@ def read_whole(path: PathLike, read: Callable[[Snapshot], _T]) -> tuple[Snapshot
         If there is no readable store, or it changes all the time.
     """
     for _ in range(_ATTEMPTS):
-        snapshot = Snapshot(path)
+        snapshot = opened(path)
         try:
             found = read(snapshot)
         except StoreError:

@@ -16,6 +16,7 @@ from pipeline.store.folder import (
     ROOT,
     PathLike,
     Place,
+    StoreError,
     folder_of,
     locked,
     read_json,
@@ -30,6 +31,7 @@ from pipeline.store.root import (
     renew_copy,
     restore_root,
 )
+from pipeline.store.snapshot import read_whole
 from pipeline.store.variables import DONE, FAILED, HASHED
 from pipeline.sweep.model import Point
 
@@ -112,23 +114,31 @@ def verify_store(path: PathLike, repair: bool = False) -> Verification:
         shared = list(_root_faults(folder, repair))
         if shared and not repair:
             return Verification(0, (), tuple(shared), (), repaired=False)
-        store = Store(path)
-        shared += _shared_faults(store, repair)
-        found = tuple(store.lost())
-        if repair:
-            store.heal()
-        status = store.status()
-        damaged = []
-        for point in store.places():
-            if (reason := _reason(store, point, status[point])) is not None:
-                damaged.append(Damage(point.load, point.velocity, reason, point.realization))
-        if repair:
-            _reset(store, [each.point for each in damaged])
-    done = sum(flag == DONE for flag in status.values())
-    done -= sum(status[each.point] == DONE for each in damaged)
-    return Verification(
-        done, tuple(damaged), tuple(shared), found, repair, store.attributes["format"] >= HASHED
-    )
+        try:
+            if repair:
+                return _examined(Store(path), shared, repair)
+            return read_whole(path, lambda store: _examined(store, shared, repair), Store)[1]
+        except OSError as error:
+            raise StoreError(f"{folder} cannot be repaired: {error}") from error
+
+
+def _examined(store: Store, shared: list[str], repair: bool) -> Verification:
+    """What is found in a store of which the root has these faults."""
+    shared = [*shared, *_shared_faults(store, repair)]
+    found = tuple(store.lost())
+    if repair:
+        store.heal()
+    status = store.status()
+    damaged = []
+    for point in store.places():
+        if (reason := _reason(store, point, status[point])) is not None:
+            damaged.append(Damage(point.load, point.velocity, reason, point.realization))
+    if repair:
+        _reset(store, [each.point for each in damaged])
+    broken = {each.point for each in damaged}
+    done = sum(flag == DONE and point not in broken for point, flag in status.items())
+    is_protected = store.attributes["format"] >= HASHED
+    return Verification(done, tuple(damaged), tuple(shared), found, repair, is_protected)
 
 
 _CHANGING = ("shape", "chunk_grid", "chunk_key_encoding")

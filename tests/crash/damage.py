@@ -1,0 +1,152 @@
+"""Damage each file of a store, and see what every command makes of it.
+
+A bit is flipped, the file is cut, emptied or deleted, or a FIFO is in its place. No
+command may end with a traceback or hang; numbers that are printed are those of the store as it was,
+unless points are missing and counted as such; what is damaged is named, and in the end `irg verify
+--repair` and a run bring back what was there. Prints a JSON document.
+"""
+
+import argparse
+import contextlib
+import io
+import json
+import os
+import random
+import shutil
+import sys
+import tempfile
+import traceback
+from collections import Counter
+from pathlib import Path
+
+import numpy as np
+
+from pipeline.cli import main as irg
+from pipeline.run import sweep as execute
+from pipeline.store.compact import compact_store
+from pipeline.store.points import locked, prepare
+from pipeline.sweep.plan import points, run_point
+from tests.crash import scenario
+from tests.helpers import tiny
+
+SWEEP = tiny.full(loads=(150.0, 600.0), velocities=(0.5, 1.0, 4.0))
+COMMANDS = ("status", "boundary", "verify", "plot", "compact")
+
+
+def flipped(file, chance):
+    content = bytearray(file.read_bytes())
+    content[chance.randrange(len(content))] ^= 1 << chance.randrange(8)
+    file.write_bytes(content)
+
+
+def cut(file, chance):
+    content = file.read_bytes()
+    file.write_bytes(content[: chance.randrange(len(content))])
+
+
+def emptied(file, chance):
+    file.write_bytes(b"")
+
+
+def deleted(file, chance):
+    file.unlink()
+
+
+def fifo(file, chance):
+    file.unlink()
+    os.mkfifo(file)
+
+
+DAMAGE = (flipped, cut, emptied, deleted, fifo)
+
+
+def called(*arguments):
+    """Exit code, output and messages of a command, and its traceback if it has one."""
+    out, err = io.StringIO(), io.StringIO()
+    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+        try:
+            code = irg([str(argument) for argument in arguments])
+        except SystemExit as error:
+            code = error.code
+        except BaseException:
+            return None, out.getvalue(), traceback.format_exc()[-300:]
+    return code, out.getvalue(), err.getvalue()
+
+
+def content(path):
+    """What a finished store holds."""
+    found = scenario.xr.open_zarr(path, chunks=None)
+    with found as ds:
+        ds = ds.sortby(["load", "velocity"]).load()
+        names = (*scenario.COLUMNS, *scenario.FIELDS, "status", "message", "load", "velocity")
+        return {name: ds[name].values.tolist().__repr__() for name in names}
+
+
+def faults_of(path, what, expected, known):
+    """What is wrong with the answers of the commands to a damaged store."""
+    for command in COMMANDS:
+        further = ["--kind", "diagram", "-o", path.parent / "a.png"] if command == "plot" else []
+        code, out, err = called(command, path, *further, *(["--json"] if not further else []))
+        if code is None:
+            yield f"{what}: {command}: {err}"
+        elif command == "boundary" and code == 0 and out != known["boundary"]:
+            pending = json.loads(called("status", path, "--json")[1])["pending"]
+            if not pending:
+                yield f"{what}: the boundary is another, and nothing says why: {out}"
+        elif code == 2 and "irg verify" not in err and "backup" not in err:
+            yield f"{what}: {command} does not say what to do: {err}"
+    code, out, err = called("verify", path, "--repair")
+    if code is None:
+        yield f"{what}: verify --repair: {err}"
+    elif code == 2:
+        yield f"{what}: cannot be repaired: {err}"
+        return
+    try:
+        with scenario.computing():
+            execute.run_sweep(SWEEP, path)
+    except Exception:
+        yield f"{what}: run: {traceback.format_exc()[-300:]}"
+        return
+    if content(path) != expected:
+        yield f"{what}: not as it was after a repair and a run"
+    if called("verify", path)[0] != 0:
+        yield f"{what}: not clean after a repair and a run: {called('verify', path)[1]}"
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--every", type=int, default=1, help="files to go on by")
+    parser.add_argument("--seed", type=int, default=0)
+    options = parser.parse_args()
+    np.seterr(all="raise", under="ignore")
+    chance = random.Random(options.seed)
+    results = {point: run_point(SWEEP, *point) for point in points(SWEEP)}
+    scenario.results = lambda: results
+    tried, faults = Counter(), []
+    with tempfile.TemporaryDirectory() as temporary:
+        for layout in ("by point", "compact"):
+            whole = Path(temporary) / layout / "whole.zarr"
+            whole.parent.mkdir()
+            with locked(whole):
+                store = prepare(whole, SWEEP)
+                for result in results.values():
+                    store.commit(result)
+            if layout == "compact":
+                compact_store(whole)
+            expected = content(whole)
+            known = {"boundary": called("boundary", whole, "--json")[1]}
+            files = sorted(file.relative_to(whole) for file in whole.rglob("*") if file.is_file())
+            cases = [(file, damage) for file in files for damage in DAMAGE]
+            for file, damage in cases[chance.randrange(options.every) :: options.every]:
+                path = whole.with_name("out.zarr")
+                shutil.rmtree(path, ignore_errors=True)
+                shutil.copytree(whole, path)
+                damage(path / file, chance)
+                tried[damage.__name__] += 1
+                faults += faults_of(path, f"{layout}, {file} {damage.__name__}", expected, known)
+    print(json.dumps({"tried": tried, "faults": faults}, indent=1))
+    return 1 if faults else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
