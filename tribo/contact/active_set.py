@@ -73,7 +73,7 @@ def active_set_step(
     """
     nodes = judged.nodes
     stencil = problem.near.on(nodes)
-    pressure, convolutions = _conjugate_gradients(
+    pressure, spent = _conjugate_gradients(
         problem,
         iterate.pressure.take(nodes),
         judged,
@@ -88,8 +88,7 @@ def active_set_step(
         pressure = problem.within_bounds(pressure, nodes, iterate.pressure, metric)
     whole = iterate.pressure.copy()
     whole.reshape(-1)[nodes] = pressure
-    spent = iterate._replace(convolutions=iterate.convolutions + convolutions)
-    return spent.pressed(problem, whole), ActiveSet(2 * active.iterations, nodes)
+    return iterate.pressed(problem, whole, spent), ActiveSet(2 * active.iterations, nodes)
 
 
 def _conjugate_gradients(

@@ -138,13 +138,15 @@ class Iterate(NamedTuple):
     updates: int = 0
     shifts: int = 0
 
-    def pressed(self, problem: Problem, pressure: Array) -> Iterate:
-        """The iterate of another pressure, its displacement computed."""
-        return self._replace(
-            pressure=pressure,
-            displacement=problem.solid(pressure),
-            convolutions=self.convolutions + 1,
-            updates=0,
+    def pressed(self, problem: Problem, pressure: Array, spent: float = 0.0) -> Iterate:
+        """The iterate of another pressure, its displacement computed.
+
+        `spent` are the convolutions that it took to find that pressure.
+        """
+        convolutions = self.convolutions + spent + 1
+        displacement = problem.solid(pressure)
+        return Iterate(
+            pressure, displacement, self.datum, self.separation, convolutions, 0, self.shifts
         )
 
     def load_error(self, total: float) -> float:
