@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -25,11 +25,66 @@ from tribo import (
 
 _SURFACES = 8
 _DURATIONS = (6.0, 7.0, 8.0, 9.0, 10.0)  # s, of the whole test: not published
+_CHOSEN = 2  # of the durations: the one shown
 _FRICTIONS = (0.1, 0.2, 0.4)  # before the friction of the rig jumps, and after it
+
+
+@dataclass(frozen=True, slots=True)
+class _Inferred:
+    """What each kind of measurement gives."""
+
+    oils: dict[str, tuple[Sweep, ...]]
+    critical: dict[str, list[list[float]]]  # by oil, transition and surface [°C]
+    rates: dict[float, list[float]]  # by load and duration of the test [m²/N]
+    widening: float  # of a worn contact by the roughness, relative
+    heating: dict[float, float]  # of the rig, by friction [K]
+
+    @property
+    def known(self) -> float:
+        """Critical temperature of the white oil as printed [°C]."""
+        (white,) = self.oils["white oil"]
+        return float(celsius(white.conditions.known_critical_temperature()))
+
+    @property
+    def of_surfaces(self) -> list[float]:
+        """Critical temperature of the white oil on each surface [°C]."""
+        return [float(np.mean(column)) for column in zip(*self.critical["white oil"], strict=True)]
+
+    @property
+    def durations(self) -> dict[float, float]:
+        """Duration of the test at each load that gives the printed wear rate [s]."""
+        return {load: _duration_for(row, SPECIFIC_WEAR_RATE) for load, row in self.rates.items()}
 
 
 def inverse(study: Study) -> Report:
     """Critical temperature, specific wear rate and heating of the rig."""
+    found = _inferred(study)
+    return Report(
+        name="inverse",
+        title="what the measurements say about what was not measured",
+        table=Table(("", "printed", "computed"), tuple(_rows(found))),
+        findings=(*_on_critical(found), _on_wear_rate(found), _on_heating(found)),
+        notes=(
+            f"Critical temperatures over {len(found.of_surfaces)} surfaces (mean ± spread), by the "
+            "temperature exceeded on 10 % of the contact. They rest on the correlation length "
+            "of the roughness, our choice (see sensitivity).",
+            "The wear rate is found on a smooth disk; with the roughness a contact worn by the "
+            f"printed rate is {100 * found.widening:+.0f} % wider, and the rates would be "
+            f"{-100 * ((1 + found.widening) ** -3 - 1):.0f} % lower.",
+        ),
+        data={
+            "critical_celsius": found.critical,
+            "wear_rate": {f"{load:g}": row for load, row in found.rates.items()},
+            "durations": list(_DURATIONS),
+            "duration_for_printed_rate": {f"{load:g}": s for load, s in found.durations.items()},
+            "widening_by_roughness": found.widening,
+            "rig_heating": {f"{mu:g}": value for mu, value in found.heating.items()},
+        },
+        figure=_draw(found.critical, found.known, found.rates),
+    )
+
+
+def _inferred(study: Study) -> _Inferred:
     white = study.scene("irg_transition", usual_preset="standard")
     oils = {
         "white oil": (white,),
@@ -37,52 +92,44 @@ def inverse(study: Study) -> Report:
     }
     critical = {name: _critical(study, scenes) for name, scenes in oils.items()}
     study.tell("specific wear rate")
-    rates = _wear_rates(white)
-    widening = _widening(white)
-    lasting = {load: _duration_for(row, SPECIFIC_WEAR_RATE) for load, row in rates.items()}
+    rates, widening = _wear_rates(white), _widening(white)
     study.tell("friction heating of the rig")
     heating = {friction: rig_heating(friction) for friction in _FRICTIONS}
+    return _Inferred(oils, critical, rates, widening, heating)
 
-    known = float(celsius(white.conditions.known_critical_temperature()))
-    of_surface = [float(np.mean(column)) for column in zip(*critical["white oil"], strict=True)]
-    mean, spread = statistics(of_surface)
-    of_transition = [statistics(column)[0] for column in critical["white oil"]]
-    oil_a = [statistics(column)[0] for column in critical["oil A"]]
-    chosen = len(_DURATIONS) // 2
-    at_chosen = [row[chosen] for row in rates.values()]
 
-    rows: list[tuple[str, ...]] = [("critical temperature [°C], from each transition",)]
-    for name, scenes in oils.items():
+def _rows(found: _Inferred) -> Iterator[tuple[str, ...]]:
+    yield ("critical temperature [°C], from each transition",)
+    for name, scenes in found.oils.items():
         entries = [(entry, scene) for scene in scenes for entry in scene.measured]
-        for (entry, scene), column in zip(entries, critical[name], strict=True):
+        for (entry, scene), column in zip(entries, found.critical[name], strict=True):
             bulk = celsius(scene.conditions.bulk_temperature)
-            rows.append(
-                (
-                    f"  {name}, {entry.normal_load:g} N, {entry.velocity:g} m/s, {bulk:g} °C",
-                    f"{known:g}" if name == "white oil" else "",
-                    mean_and_spread(column, 1),
-                )
+            yield (
+                f"  {name}, {entry.normal_load:g} N, {entry.velocity:g} m/s, {bulk:g} °C",
+                f"{found.known:g}" if name == "white oil" else "",
+                mean_and_spread(column, 1),
             )
-    rows.append(
-        (f"specific wear rate [1e-6 mm³/(N m)], if the test lasts {_DURATIONS[chosen]:g} s",)
-    )
-    rows += [
-        (f"  {load:g} N", f"{SPECIFIC_WEAR_RATE * 1e15:g}", f"{row[chosen] * 1e15:.2f}")
-        for load, row in rates.items()
-    ]
-    rows.append(("duration of the test that gives the printed wear rate [s]",))
-    rows += [(f"  {load:g} N", "", f"{seconds:.1f}") for load, seconds in lasting.items()]
-    rows.append(("friction heating of the critical-temperature rig [K]",))
-    rows += [
-        (f"  at friction {friction:g}", f"up to {RIG_HEATING:g}", f"{value:.1f}")
-        for friction, value in heating.items()
-    ]
-    findings = (
+    yield (f"specific wear rate [1e-6 mm³/(N m)], if the test lasts {_DURATIONS[_CHOSEN]:g} s",)
+    for load, row in found.rates.items():
+        yield f"  {load:g} N", f"{SPECIFIC_WEAR_RATE * 1e15:g}", f"{row[_CHOSEN] * 1e15:.2f}"
+    yield ("duration of the test that gives the printed wear rate [s]",)
+    for load, seconds in found.durations.items():
+        yield f"  {load:g} N", "", f"{seconds:.1f}"
+    yield ("friction heating of the critical-temperature rig [K]",)
+    for friction, value in found.heating.items():
+        yield f"  at friction {friction:g}", f"up to {RIG_HEATING:g}", f"{value:.1f}"
+
+
+def _on_critical(found: _Inferred) -> tuple[Finding, Finding]:
+    mean, spread = statistics(found.of_surfaces)
+    of_transition = [statistics(column)[0] for column in found.critical["white oil"]]
+    oil_a = [statistics(column)[0] for column in found.critical["oil A"]]
+    return (
         Finding(
-            f"a critical temperature of {known:g} °C for the white oil",
+            f"a critical temperature of {found.known:g} °C for the white oil",
             f"{mean:.0f} °C ± {spread:.1f} K over surfaces, {min(of_transition):.0f} to "
             f"{max(of_transition):.0f} °C from single transitions",
-            abs(mean - known) < 5,
+            abs(mean - found.known) < 5,
             "So a single measured transition would have been enough to within "
             f"{max(abs(value - mean) for value in of_transition):.0f} K of all four.",
         ),
@@ -94,46 +141,30 @@ def inverse(study: Study) -> Report:
             f"{statistics(oil_a)[1]:.0f} K, where the printed highest temperatures have "
             f"{statistics([row.max_celsius for row in TABLE_6])[1]:.0f} K (see table6).",
         ),
-        Finding(
-            f"a specific wear rate of {SPECIFIC_WEAR_RATE * 1e15:g}e-6 mm³/(N m) from the measured "
-            "contact widths",
-            f"{min(at_chosen) * 1e15:.2f} to {max(at_chosen) * 1e15:.2f}e-6 mm³/(N m) if the tests "
-            f"last {_DURATIONS[chosen]:g} s",
-            0.7 < statistics(at_chosen)[0] / SPECIFIC_WEAR_RATE < 1.4,
-            "How long the tests lasted is not printed; "
-            f"{min(lasting.values()):.0f} to {max(lasting.values()):.0f} s give the printed rate.",
-        ),
-        Finding(
-            f"friction heats the rig by at most {RIG_HEATING:g} °C",
-            ", ".join(f"{value:.1f} K at friction {mu:g}" for mu, value in heating.items()),
-            heating[_FRICTIONS[1]] < RIG_HEATING * 1.01,
-            "Up to a friction of "
-            f"{_FRICTIONS[0] * RIG_HEATING / heating[_FRICTIONS[0]]:.2f} it is so; the friction "
-            "that jumps, 0.4, heats more, but then the film has failed already.",
-        ),
     )
-    return Report(
-        name="inverse",
-        title="what the measurements say about what was not measured",
-        table=Table(("", "printed", "computed"), tuple(rows)),
-        findings=findings,
-        notes=(
-            f"Critical temperatures over {len(of_surface)} surfaces (mean ± spread), by the "
-            "temperature exceeded on 10 % of the contact. They rest on the correlation length "
-            "of the roughness, our choice (see sensitivity).",
-            "The wear rate is found on a smooth disk; with the roughness a contact worn by the "
-            f"printed rate is {100 * widening:+.0f} % wider, and the rates would be "
-            f"{-100 * ((1 + widening) ** -3 - 1):.0f} % lower.",
-        ),
-        data={
-            "critical_celsius": critical,
-            "wear_rate": {f"{load:g}": row for load, row in rates.items()},
-            "durations": list(_DURATIONS),
-            "duration_for_printed_rate": {f"{load:g}": s for load, s in lasting.items()},
-            "widening_by_roughness": widening,
-            "rig_heating": {f"{mu:g}": value for mu, value in heating.items()},
-        },
-        figure=_draw(critical, known, rates),
+
+
+def _on_wear_rate(found: _Inferred) -> Finding:
+    rates, durations = [row[_CHOSEN] for row in found.rates.values()], found.durations.values()
+    return Finding(
+        f"a specific wear rate of {SPECIFIC_WEAR_RATE * 1e15:g}e-6 mm³/(N m) from the measured "
+        "contact widths",
+        f"{min(rates) * 1e15:.2f} to {max(rates) * 1e15:.2f}e-6 mm³/(N m) if the tests "
+        f"last {_DURATIONS[_CHOSEN]:g} s",
+        0.7 < statistics(rates)[0] / SPECIFIC_WEAR_RATE < 1.4,
+        "How long the tests lasted is not printed; "
+        f"{min(durations):.0f} to {max(durations):.0f} s give the printed rate.",
+    )
+
+
+def _on_heating(found: _Inferred) -> Finding:
+    return Finding(
+        f"friction heats the rig by at most {RIG_HEATING:g} °C",
+        ", ".join(f"{value:.1f} K at friction {mu:g}" for mu, value in found.heating.items()),
+        found.heating[_FRICTIONS[1]] < RIG_HEATING * 1.01,
+        "Up to a friction of "
+        f"{_FRICTIONS[0] * RIG_HEATING / found.heating[_FRICTIONS[0]]:.2f} it is so; the friction "
+        "that jumps, 0.4, heats more, but then the film has failed already.",
     )
 
 
