@@ -35,7 +35,7 @@ _NEEDED = {
     "loads": list,
     "velocities": list,
 }
-_CONDITIONS = ("friction", "bulk_temperature", "critical_temperature", "failing_share")
+_CONDITIONS = ("friction", "bulk_temperature", "failing_share")  # a critical one may be unknown
 
 
 def chunks_by_point(name: str, variable: Variable, shape: list[int]) -> list[int]:
@@ -60,7 +60,10 @@ def faults_of(attributes: Mapping[str, Any], arrays: Mapping[str, Any]) -> Itera
     for name, kind in _NEEDED.items():
         if not isinstance(attributes[name], kind):
             yield f"the attribute {name} is damaged"
-    if not all(math.isfinite(attributes["conditions"][name]) for name in _CONDITIONS):
+    conditions = attributes["conditions"]
+    critical = conditions["critical_temperature"]
+    numbers = [conditions[name] for name in _CONDITIONS] + [critical] * (critical is not None)
+    if not all(map(math.isfinite, numbers)):
         yield "the attribute conditions is damaged"
     known = variables("realization" in arrays, with_fields=True)
     if unknown := [name for name in arrays if name not in known]:
