@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 
 from pipeline.sweep.model import Point
 
-TRIALS = 3  # alone, that a point may be lost in before it is called failed
+TRIALS = 5  # alone, that a point may be lost in before it is called failed
 
 
 @dataclass(frozen=True, slots=True)

@@ -46,7 +46,8 @@ def faults_of(path, sweep, expected):
             if (point.load, point.velocity) not in failed:
                 yield f"{point} is not called failed"
         elif not store.is_done(point):
-            yield f"{point} is not done"
+            how = "has failed" if (point.load, point.velocity) in failed else "is still pending"
+            yield f"{point} {how}"
         else:
             result = expected(point)
             found = store.at(point, [*result.columns, *result.fields])
