@@ -95,6 +95,7 @@ FORMAT = Table({
                 "crop": Optional(List(Whole(at_least=0), length=2)),  # its first row and column
                 "level": Optional(Flag(), False),
                 "missing": Optional(Choice(("refuse", "fill")), "refuse"),
+                "repeat": Optional(Choice(("no", "mirror", "tile")), "no"),  # to fill the window
             }),
             when=_has_file,
         )),

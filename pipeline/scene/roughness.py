@@ -12,7 +12,15 @@ import tribo
 from pipeline.scene.document import Document
 from pipeline.scene.faults import Fault
 from pipeline.scene.schema import entry_at, quoted
-from pipeline.scene.surfaces import PLAIN, Surface, cropped, filled, levelled, read_surface
+from pipeline.scene.surfaces import (
+    PLAIN,
+    Surface,
+    cropped,
+    filled,
+    levelled,
+    read_surface,
+    repeated,
+)
 from pipeline.scene.units import display
 from tribo.types import Array
 
@@ -102,8 +110,12 @@ def _fitted_heights(
         faults.append(Fault("window.pixel_size", problem))
     heights = surface.heights
     if table["crop"] is not None and pixels:
+        patch = pixels
+        if table["repeat"] != "no":  # what there is of it
+            left = np.subtract(heights.shape, table["crop"])
+            patch = tuple(int(n) for n in np.minimum(pixels, np.maximum(left, 1)))
         try:
-            heights = cropped(heights, table["crop"], pixels)
+            heights = cropped(heights, table["crop"], patch)
         except tribo.InputError as error:
             problem = f"{error}; give a lower row and column, or fewer window.pixels"
             faults.append(Fault("disk.roughness.crop", problem))
@@ -121,4 +133,14 @@ def _fitted_heights(
             return None
         notes.append(f"disk.roughness.file: {share} are missing and were filled from around them")
         heights = filled(heights)
-    return levelled(heights) if table["level"] else heights
+    if table["level"]:
+        heights = levelled(heights)
+    if table["repeat"] == "no" or not pixels or np.greater_equal(heights.shape, pixels).all():
+        return heights
+    rows, columns = heights.shape
+    how = {"mirror": "mirrored", "tile": "tiled"}[table["repeat"]]
+    notes.append(
+        f"disk.roughness.file: {rows} × {columns} heights were {how} to fill the window of "
+        f"{pixels[0]} × {pixels[1]}, so that the surface repeats itself"
+    )
+    return repeated(heights, pixels, table["repeat"])

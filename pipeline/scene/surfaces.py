@@ -11,7 +11,7 @@ import importlib
 import warnings
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -131,6 +131,33 @@ def cropped(heights: Array, first: tuple[int, int], shape: tuple[int, int]) -> A
             f"of {heights.shape[0]} × {heights.shape[1]}"
         )
     return heights[i : i + nx, j : j + ny].copy()
+
+
+def repeated(heights: Array, shape: tuple[int, int], how: Literal["mirror", "tile"]) -> Array:
+    """Go on with a surface beyond its ends, until it has as many heights.
+
+    Mirrored it stays continuous; as tiles it steps at every seam, but keeps its lay.
+
+    Parameters
+    ----------
+    heights : ndarray, shape (mx, my)
+        Heights of the surface [m].
+    shape : tuple of int
+        Rows and columns wanted; a surface with more keeps them.
+    how : {"mirror", "tile"}
+        Whether each repetition is the mirror image of the one before, or the same again.
+
+    Examples
+    --------
+    >>> repeated(np.array([[1.0, 2.0, 3.0]]), (1, 7), "mirror")
+    array([[1., 2., 3., 3., 2., 1., 1.]])
+    >>> repeated(np.array([[1.0, 2.0, 3.0]]), (1, 7), "tile")
+    array([[1., 2., 3., 1., 2., 3., 1.]])
+    """
+    more = [(0, max(0, wanted - own)) for wanted, own in zip(shape, heights.shape, strict=True)]
+    if how == "mirror":
+        return np.pad(heights, more, mode="symmetric")
+    return np.pad(heights, more, mode="wrap")
 
 
 def levelled(heights: Array) -> Array:

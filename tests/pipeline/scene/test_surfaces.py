@@ -175,9 +175,26 @@ def test_a_scene_takes_a_patch_levelled_and_filled(tmp_path, library):
     assert "2 of 1280 heights (0.16 %) are missing and were filled" in note
 
 
+@pytest.mark.parametrize("how", ["mirror", "tile"])
+def test_a_scan_that_is_too_small_is_repeated_on_request(tmp_path, library, how):
+    library.topography = FakeTopography(HEIGHTS)
+    rows, columns = HEIGHTS.shape
+    table = f'file = "a.x3p"\nrepeat = "{how}"\ncrop = [2, 0]\n'
+    sweep = scene(tmp_path, table, pixels=(2 * rows, columns))
+    kept, second = np.split(sweep.roughness.array, [rows - 2])
+    np.testing.assert_array_equal(kept, HEIGHTS[2:])
+    again = HEIGHTS[2:][::-1] if how == "mirror" else HEIGHTS[2:]
+    np.testing.assert_array_equal(second[: rows - 2], again)
+    (note,) = sweep.notes
+    assert (
+        f"{rows - 2} × {columns} heights were {'mirrored' if how == 'mirror' else 'tiled'}" in note
+    )
+
+
 @pytest.mark.parametrize(
     ("table", "key", "said"),
     [
+        ('file = "a.x3p"\nrepeat = "yes"\n', "disk.roughness.repeat", "mirror"),
         ('file = "a.x3p"\n', "disk.roughness.missing", "row 20, column 20"),
         ('file = "a.x3p"\ncrop = [40, 0]\n', "disk.roughness.crop", "reaches beyond"),
         ('file = "a.x3p"\ncrop = [-1, 0]\n', "disk.roughness.crop[0]", "at least 0"),
