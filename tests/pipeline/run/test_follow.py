@@ -70,7 +70,7 @@ def test_the_boundary_is_that_of_the_grid_for_a_third_of_its_work(grid, followed
     found = pipeline.boundary(ds)["critical_velocity"].values
     # The grid is interpolated too, to about 0.1 %.
     assert found == pytest.approx(grid, rel=TOLERANCE + 0.002)
-    done = [point for point, status in Store(followed, "r").status().items() if status == DONE]
+    done = [point for point, status in Store(followed).status().items() if status == DONE]
     assert steps(done) <= steps(points(SWEEP)) / 3
     assert len(done) <= len(points(SWEEP)) / 5
 

@@ -102,7 +102,7 @@ def test_surfaces_are_added_to_a_store_and_what_is_there_stays(tmp_path):
         np.testing.assert_array_equal(found, expected)
     # A scene that asks for fewer again leaves the others where they are.
     assert run_sweep(several((4,)), path, workers=1).total == 4
-    assert Store(path, "r").status()[Point(600.0, 1.5, 1)] == DONE
+    assert Store(path).status()[Point(600.0, 1.5, 1)] == DONE
 
 
 def test_a_sweep_that_was_stopped_goes_on_to_the_same_numbers(swept, tmp_path):
