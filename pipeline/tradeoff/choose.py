@@ -119,8 +119,10 @@ def choose_fidelity(
 ) -> Selection:
     """Find the cheapest numerical choice whose measured error is within a bound.
 
-    Ever dearer ones are tried at a few points on the boundary and compared with a yardstick, until
-    one is good enough. No time enters the choice, so that it is the same on every machine.
+    Ever dearer ones are tried on the boundary that nearly exact steps give, and compared with
+    these, until one is good enough. Where that would take about as long as the reference, as for
+    single points, the reference is taken. No time enters the choice, so that it is the same on
+    every machine.
 
     Parameters
     ----------
@@ -129,8 +131,8 @@ def choose_fidelity(
     accuracy : float
         Largest relative error of the boundary velocity, such as 0.02.
     points : sequence of Point, optional
-        Where to try; if not given, on the boundary at four loads, from the lowest to the highest,
-        or at all of them where that takes but seconds.
+        Points to be accurate at; if not given, the boundary, which is looked at for four loads
+        from the lowest to the highest.
     progress : callable, optional
         Called with the name of each fidelity before it is tried.
 
@@ -151,6 +153,17 @@ def choose_fidelity(
     if points or _steps_to_probe(sweep, loads) > _WORTH * _steps_of_sweep(sweep):
         tell("the reference")
         return _unprobed(sweep, accuracy, points, began)
+    return _probed(sweep, accuracy, loads, began, tell)
+
+
+def _probed(
+    sweep: Sweep,
+    accuracy: float,
+    loads: Sequence[float],
+    began: float,
+    tell: Callable[[str], None],
+) -> Selection:
+    """Take the cheapest choice whose error against the yardstick is within the accuracy."""
     tell("the yardstick")
     yardstick = measured(sweep, loads)
     own = own_error(sweep, yardstick.points, yardstick.exponents, yardstick.readings)

@@ -42,7 +42,7 @@ class Estimate:
     seconds : float
         Wall time, as long as the machine stays as busy as it is [s].
     basis : str
-        What the time rests on.
+        What was measured to foretell the time.
     worker_bytes, disk_bytes : float
         Memory of each worker, and size of the store [B].
     warnings : tuple of str

@@ -45,13 +45,13 @@ class Reading:
     Attributes
     ----------
     rise : float
-        At friction 1, exceeded by the failing share of the contact [K].
+        Rise at friction 1 that the failing share of the contact exceeds [K].
     failed_share : float
-        Of the contact, above the critical temperature.
+        Share of the contact above the critical temperature.
     contact_width : float
-        Between the outermost elements in contact along x [m].
+        Distance between the outermost elements in contact along x [m].
     contact_nodes : int
-        Elements in contact.
+        Number of elements in contact.
     """
 
     rise: float
@@ -67,15 +67,16 @@ class Probe:
     Attributes
     ----------
     fidelity : Fidelity
+        Numerical choices that were tried.
     readings : tuple of Reading
-        One for each point.
+        What each point gives.
     seconds : float
-        Of one core [s]; with the memory, once the surface and the kernels of the contact are
-        there.
+        Processor time [s]; where the memory is measured, without that of making the surface and
+        the kernels of the contact.
     convolutions : int
-        On all grids, of contacts and of heat.
+        Convolutions of contacts and of heat, on all grids.
     work : float
-        The same weighted by the elements of their grids: a measure of the time that does not
+        Convolutions times the elements of their grids: a measure of the time that does not
         depend on the machine.
     peak_bytes : int or None
         Most memory for arrays that a point took, kernels included, if it was asked for.

@@ -48,15 +48,22 @@ class Choice:
     name : str
         A preset, or what is varied of one.
     varied : str or None
-        The field that is varied.
+        Field of the fidelity that is varied; None if it is a preset as it is.
     fidelity : Fidelity
+        All of the numerical choices.
     velocity_errors : tuple of float
         Relative error of the boundary velocity at each load, with its sign.
     velocity_error, rise_error, width_error, share_error : float
-        Largest over all points, without sign: of the boundary velocity, the decisive rise and the
-        contact width, relative; and of the failed share.
-    seconds, convolutions, work, peak_bytes
-        See `pipeline.tradeoff.probe.Probe`.
+        Largest errors at any point, without sign: of the boundary velocity, the decisive rise and
+        the contact width, relative; and of the failed share.
+    seconds : float
+        Processor time of the points [s].
+    convolutions : int
+        Convolutions of contacts and of heat.
+    work : float
+        Convolutions times the elements of their grids.
+    peak_bytes : int or None
+        Most memory that arrays took at a point [B].
     speedup, saving : float
         How many times less time, and less work, than the reference takes.
     """
@@ -84,13 +91,13 @@ class Finding:
     Attributes
     ----------
     preset, field : str
-        Of which preset, which choice.
+        Name of the preset, and of the field of its fidelity.
     value, cheaper : object
-        What it has, and what would do.
+        Value that the preset has, and a cheaper one that would do.
     saving : float
-        How many times less work that takes.
+        How many times less work the cheaper value takes.
     moves : float
-        By how much it moves the boundary velocity at most, relative.
+        Largest relative change of the boundary velocity by the cheaper value.
     """
 
     preset: str
@@ -115,16 +122,17 @@ class Trade:
     Attributes
     ----------
     title : str
-        Of the scene.
+        Title of the scene.
     points : tuple of Point
-        Where the errors are measured.
+        Points at which the errors are measured.
     base : str
-        The preset that was varied.
+        Preset that was varied.
     choices : tuple of Choice
-        The reference is the last one.
+        Fidelities that were measured, the reference last.
     wasted : tuple of Finding
+        Choices of the base that cost much and gain nothing.
     not_converged : tuple of str
-        Choices that came to no result, and why.
+        Choices that did not converge, and why.
     """
 
     title: str
@@ -205,13 +213,13 @@ def trade(
     Parameters
     ----------
     sweep : Sweep
-        Its own fidelity is one of the choices, if it is no preset.
+        Scene to measure; its own fidelity is one of the choices, unless it is a preset.
     presets : sequence of str
-        Which to compare with ``reference``.
+        Presets to compare with ``reference``.
     base : str, optional
         Preset of which every numerical choice is varied alone; None for none.
     loads : sequence of float, optional
-        At which to look at the boundary [N]; four of the sweep's if not given.
+        Loads at which to look at the boundary [N]; four of the sweep's if not given.
     diagram : bool
         Whether to compare small diagrams instead of single points.
     progress : callable, optional
