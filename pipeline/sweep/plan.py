@@ -18,6 +18,7 @@ import numpy as np
 from pipeline.sweep.criterion import Conditions, Verdict, verdict
 from pipeline.sweep.model import Point, Sweep
 from tribo import QUANTILES, PointWarning, Scene, State, measures, simulate, start, warnings
+from tribo.simulation.steps import leads_to
 from tribo.types import Array
 
 Record = Mapping[str, float | Array]
@@ -155,7 +156,7 @@ def run_point(
     """
     began = time.perf_counter()
     sweep = sweep.on_surface(realization)
-    trunk = trunk or Trunk(start(sweep))
+    trunk = _leading_to(sweep, load, trunk)
     records = list(trunk.records)
     for state in simulate(sweep, load, velocity, trunk.state):
         records.append(_record(sweep, state))
@@ -182,7 +183,7 @@ def advance_trunk(
     Parameters are those of `run_point`.
     """
     sweep = sweep.on_surface(realization)
-    trunk = trunk or Trunk(start(sweep))
+    trunk = _leading_to(sweep, load, trunk)
     below = [
         station
         for station in sweep.stations(load, after=trunk.state.normal_load)
@@ -193,6 +194,11 @@ def advance_trunk(
         for state in itertools.islice(states, len(below)):
             trunk = _extended(sweep, trunk, state, load, _record(sweep, state))
     return trunk
+
+
+def _leading_to(sweep: Sweep, load: float, trunk: Trunk | None) -> Trunk:
+    """The trunk if the ramp to a load goes on from it, else the start of the ramp."""
+    return trunk if trunk and leads_to(sweep, trunk.state, load) else Trunk(start(sweep))
 
 
 def _extended(sweep: Sweep, trunk: Trunk, state: State, load: float, record: Record) -> Trunk:

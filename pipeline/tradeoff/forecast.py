@@ -165,8 +165,10 @@ def _slower_by(busy: float, parallel: int) -> float:
 
 def _steps_of_ramp(sweep: Sweep) -> Iterator[tuple[float, bool]]:
     """Load of each step at one velocity, and whether it is given its temperature."""
-    interval, trunk = sweep.fidelity.temperature_interval, 0.0
+    interval, shared, trunk = sweep.fidelity.temperature_interval, 0.0, 0.0
     for load in sweep.loads:
+        if sweep.trunk(load) != shared:
+            shared, trunk = sweep.trunk(load), 0.0
         stations = list(sweep.stations(load, after=trunk))
         for station in stations:
             reached = station.normal_load == load and not station.holding

@@ -22,6 +22,7 @@ from tribo import (
     measures,
     simulate,
 )
+from tribo.simulation.steps import leads_to
 
 __all__ = [
     "Probe",
@@ -154,6 +155,8 @@ def _run(scene: Sweep, load: float, velocity: float, trunk: State | None = None)
     """A point at its hottest under full load, what it took, and where a higher load goes on."""
     convolutions = work = 0
     hot: list[tuple[float, State]] = []
+    if trunk and not leads_to(scene, trunk, load):
+        trunk = None
     for state in simulate(scene, load, velocity, trunk):
         on_way = state.heat.iterations if state.heat else 0
         convolutions += state.iterations + on_way

@@ -19,6 +19,7 @@ from tribo import (
     MeasuredLoad,
     Ramp,
     Scene,
+    WarningKind,
     Wear,
     advance,
     contact_modulus,
@@ -152,6 +153,31 @@ def test_second_order_is_worth_ten_times_the_increments():
     assert second < 0.1 * first
 
 
+@pytest.mark.parametrize("load", [10.0, 30.0])
+def test_the_steps_are_enough_at_every_load_whatever_the_reference_load(load):
+    """Heavy wear, which forty steps know to 0.5 % and three to 7 %."""
+    rises = []
+    for reference_load in (40.0, 750.0, 1e5):
+        scene = replace(
+            plane(increments=100, contact_tolerance=1e-6),
+            wear=Wear(1e-14, "swept"),
+            loading=Ramp(150.0, reference_load),
+        )
+        *_, state = simulate(scene, load, 12.0)
+        rises.append(state.heat.mean_rise)
+        assert warnings(scene, state) == []
+    assert np.ptp(rises) < 0.01 * min(rises)
+
+
+def test_a_point_reached_in_few_steps_says_so():
+    few, enough = (plane(increments=n, contact_tolerance=1e-3) for n in (2, 3))
+    (warning,) = warnings(few, end(few))
+    assert (warning.kind, "in 2 steps" in warning.text) == (WarningKind.FEW_STEPS, True)
+    assert warnings(enough, end(enough)) == []
+    unworn = replace(few, wear=None)
+    assert warnings(unworn, end(unworn)) == []
+
+
 def test_explicit_wear_with_the_paper_s_increments_is_a_checkerboard_and_says_so():
     scene = plane(wear_scheme="explicit", increments=100, contact_tolerance=1e-6)
     smooth = end(plane(increments=100, contact_tolerance=1e-6))
@@ -218,7 +244,7 @@ def test_a_hold_that_steps_too_far_is_named():
     held = replace(scene, loading=replace(scene.loading, hold=0.5, hold_steps=2))
     state = end(scene)
     assert warnings(held, replace(state, time=5.0)) == []  # the hold has not begun
-    holding = replace(state, time=5.5, sliding_distance=VELOCITY * 5.5)
+    holding = replace(state, on_trunk=False, time=5.5, sliding_distance=VELOCITY * 5.5)
     (warning,) = warnings(held, holding)
     assert "at least 36 steps of the hold" in warning.text  # 2 of 5 times 7.15, over 2
 

@@ -1,8 +1,11 @@
 """The load as a function of time, cut into steps.
 
-One ramp serves every load: its trunk advances by a fixed increment, whatever loads are asked
-for, and each load branches off the last station of the trunk below it with one shorter step. So
-no point depends on which other loads there are. A hold at constant load belongs to its point.
+One ramp serves many loads: its trunk advances by a fixed increment, whatever loads are asked
+for, and each load branches off the last station of the trunk below it with one shorter step. A
+load far below the reference load would then take few steps, and so has a trunk of smaller
+increments: halved until the load takes a quarter of the steps that the reference load takes. Which
+trunk leads to a load depends on nothing else, so no point depends on which other loads there are.
+A hold at constant load belongs to its point.
 """
 
 from __future__ import annotations
@@ -17,6 +20,9 @@ __all__ = ["MOST_STEPS", "Ramp", "Station"]
 
 MOST_STEPS = 1_000_000
 """Steps that a load or a hold may take; more are an oversight."""
+
+
+_FEWEST_SHARE = 0.25  # of the increments up to the reference load, that a load takes at least
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,7 +62,7 @@ class Ramp:
     rate : float
         Growth of the load on the whole pin [N/s].
     reference_load : float
-        The load [N] that the trunk reaches in the scene's number of increments.
+        Load that the trunk reaches in the scene's number of increments [N].
     hold : float, optional
         Duration for which each point's load goes on once it is reached [s].
     hold_steps : int, optional
@@ -91,6 +97,23 @@ class Ramp:
         if self.hold_steps is not None:
             require_integer(1, hold_steps=self.hold_steps)
 
+    def increment(self, normal_load: float, increments: int) -> float:
+        """Load by which each step of the trunk that leads to a load is higher [N].
+
+        Loads of one increment share their trunk.
+
+        Examples
+        --------
+        >>> ramp = Ramp(rate=150.0, reference_load=800.0)
+        >>> [ramp.increment(load, increments=100) for load in (800.0, 200.0, 199.0, 10.0)]
+        [8.0, 8.0, 4.0, 0.25]
+        """
+        share = normal_load / self.reference_load * (1 + 1e-12)
+        halvings = 0
+        if 0 < share < _FEWEST_SHARE:
+            halvings = math.ceil(math.log2(_FEWEST_SHARE) - math.log2(share))
+        return math.ldexp(self.reference_load / increments, -halvings)
+
     def stations(
         self, normal_load: float, increments: int, after: float = 0.0
     ) -> Iterator[Station]:
@@ -103,7 +126,7 @@ class Ramp:
         increments : int
             Steps of the trunk up to the reference load.
         after : float
-            Load of a station on the trunk [N], or 0.
+            Load of a station on the same trunk [N], or 0.
 
         Raises
         ------
@@ -115,7 +138,7 @@ class Ramp:
         for station in self._rise(normal_load, increments, after):
             yield station  # `yield from` would not keep the last one
         if self.hold:
-            step = self.reference_load / increments / self.rate
+            step = self.increment(normal_load, increments) / self.rate
             steps = self.hold_steps or _whole(math.ceil, self.hold, step)
             for number in range(1, steps + 1):
                 yield Station(
@@ -129,7 +152,7 @@ class Ramp:
 
     def _rise(self, normal_load: float, increments: int, after: float) -> Iterator[Station]:
         """Stations of the trunk, and the one at `normal_load`."""
-        increment = self.reference_load / increments
+        increment = self.increment(normal_load, increments)
         last = _whole(math.floor, normal_load, increment)
         first = round(after / increment) + 1
         for index in range(first, last + 1):

@@ -298,6 +298,12 @@ class Scene:
         if not asked:
             yield replace(station, on_trunk=False)
 
+    def trunk(self, normal_load: float) -> float:
+        """Increment of the trunk that leads to a load [N]; loads of one increment share it."""
+        if isinstance(self.loading, MeasuredLoad):
+            return 0.0
+        return self.loading.increment(normal_load, self.fidelity.increments)
+
     @property
     def coarsening(self) -> int:
         """How many times larger elements are, along each axis, until a point's last step.

@@ -56,6 +56,8 @@ class State:
         Integral of the load over the time since the start, ∫F dt [N s].
     on_trunk : bool
         Whether the simulation of a higher load passes through this state.
+    index : int
+        Steps of the loading that lead here.
     iterations : int
         Convolutions that the contact took, on all grids.
     work : int
@@ -84,6 +86,7 @@ class State:
     sliding_distance: float
     impulse: float
     on_trunk: bool
+    index: int
     iterations: int
     residual: float
     previous_pressure: Array

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
@@ -20,10 +21,11 @@ from tribo.thermal.duhamel import HeatHistory
 from tribo.types import Array
 from tribo.wear import EXPLICIT_LIMIT, WEAR_SCHEMES, Stage
 
-__all__ = ["advance", "measures", "simulate", "start", "warnings"]
+__all__ = ["advance", "leads_to", "measures", "simulate", "start", "warnings"]
 
 
 _FEW_NODES = 400  # below which `draft` errs by over 8 % and `standard` by over 3 % in most scenes
+_FEWEST_STEPS = 3  # in which heavy wear knows the rise to about 10 %
 _FARTHEST = 2.0  # steps of the load over which its last step is extrapolated
 
 
@@ -42,7 +44,8 @@ def simulate(
         Velocity of the disk along +x [m/s].
     trunk : State, optional
         A state on the trunk of a lower load at the same velocity, from which to go on; the
-        result is the same as from the start, bit for bit.
+        result is the same as from the start, bit for bit. Loads share a trunk where `Scene.trunk`
+        is the same.
 
     Yields
     ------
@@ -68,10 +71,10 @@ def simulate(
             f"area times the hardness of {scene.hardness:g} Pa"
         )
     state = start(scene) if trunk is None else trunk
-    if not state.on_trunk or state.normal_load >= normal_load:
+    if not leads_to(scene, state, normal_load):
         raise InputError(
             f"cannot go on to {normal_load:g} N from the state at {state.normal_load:g} N; "
-            "it must lie on the trunk, at a lower load"
+            "it must lie on the trunk that leads there, at a lower load"
         )
     if scene.remembers_heat != (state.heat_history is not None):
         heat_model = scene.fidelity.heat_model
@@ -90,6 +93,13 @@ def simulate(
             yield state
 
 
+def leads_to(scene: Scene, state: State, normal_load: float) -> bool:
+    """Whether the simulation of a load passes through a state, and can go on from it."""
+    if not state.on_trunk or state.normal_load >= normal_load:
+        return False
+    return math.isclose(state.normal_load, state.index * scene.trunk(normal_load))
+
+
 def start(scene: Scene) -> State:
     """The unloaded, unworn state."""
     zero = np.zeros(next(scene.levels()).grid.shape)
@@ -101,6 +111,7 @@ def start(scene: Scene) -> State:
         sliding_distance=0.0,
         impulse=0.0,
         on_trunk=True,
+        index=0,
         iterations=0,
         residual=0.0,
         previous_pressure=zero,
@@ -152,6 +163,7 @@ def advance(
         sliding_distance=state.sliding_distance + distance,
         impulse=station.impulse,
         on_trunk=station.on_trunk,
+        index=station.index,
         iterations=iterations,
         work=iterations * contact.pressure.size,
         residual=residual,
@@ -258,7 +270,7 @@ def measures(scene: Scene, state: State) -> dict[str, float]:
 
 def warnings(scene: Scene, state: State) -> list[PointWarning]:
     """What a user should know about a state before relying on it."""
-    found = _unstable_wear(scene, state)
+    found = [*_unstable_wear(scene, state), *_few_steps(scene, state)]
     touched = [
         f"{name} edge"
         for name, axis in (("x", 0), ("y", 1))
@@ -289,6 +301,32 @@ def _few_nodes(scene: Scene, state: State) -> list[PointWarning]:
     return [PointWarning(WarningKind.FEW_NODES, text)]
 
 
+def _few_steps(scene: Scene, state: State) -> list[PointWarning]:
+    """Whether what wears has come here in fewer steps than its shape is known with."""
+    wears = scene.wear is not None and scene.wear.specific_wear_rate > 0
+    if not wears or not 0 < state.index < _FEWEST_STEPS:
+        return []
+    text = (
+        f"{state.normal_load:g} N is reached in {state.index} steps, in which the shape of the "
+        f"wear is known poorly; take increments that lead there in {_FEWEST_STEPS} or more"
+    )
+    return [PointWarning(WarningKind.FEW_STEPS, text)]
+
+
+def _step_lengths(scene: Scene, state: State, holding: bool) -> list[float]:
+    """Durations of the steps so far, those of the hold or those before it [s]."""
+    if state.on_trunk:
+        return [] if holding else [state.time / state.index] * state.index
+    loading = scene.loading.stations(state.normal_load, scene.fidelity.increments)
+    stations = [station for station in loading if station.time <= state.time]
+    times = [0.0, *(station.time for station in stations)]
+    return [
+        station.time - before
+        for before, station in zip(times, stations, strict=False)
+        if station.holding == holding
+    ]
+
+
 def _unstable_wear(scene: Scene, state: State) -> list[PointWarning]:
     """Where steps so far have been too long for explicit wear, and how many would do."""
     fidelity = scene.fidelity
@@ -296,19 +334,9 @@ def _unstable_wear(scene: Scene, state: State) -> list[PointWarning]:
         return []
     solid, _ = elastic_bodies(scene)
     velocity = state.sliding_distance / state.time
-    stations = [
-        station
-        for station in scene.loading.stations(state.normal_load, fidelity.increments)
-        if station.time <= state.time
-    ]
-    times = [0.0, *(station.time for station in stations)]
     found = []
     for holding, name in ((False, "increments"), (True, "steps of the hold")):
-        lengths = [
-            station.time - before
-            for before, station in zip(times, stations, strict=False)
-            if station.holding == holding
-        ]
+        lengths = _step_lengths(scene, state, holding)
         stiffness = scene.wear.stiffness(solid, velocity * max(lengths, default=0.0))
         if stiffness >= EXPLICIT_LIMIT:
             count = len(lengths) if holding else fidelity.increments

@@ -20,6 +20,7 @@ class WarningKind(IntFlag):
     UNSTABLE_WEAR = 1
     CONTACT_AT_EDGE = 2
     FEW_NODES = 4
+    FEW_STEPS = 8
 
     @property
     def label(self) -> str:

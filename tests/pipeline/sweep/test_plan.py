@@ -51,7 +51,7 @@ def test_independent_points_are_chains_of_their_own():
     assert chains(points(SWEEP), independent=True) == tuple((point,) for point in points(SWEEP))
 
 
-@pytest.mark.parametrize(("load", "count"), [(100.0, 1), (150.0, 2), (250.0, 2), (600.0, 5)])
+@pytest.mark.parametrize(("load", "count"), [(100.0, 2), (150.0, 3), (250.0, 2), (600.0, 5)])
 def test_a_point_has_a_row_for_each_of_its_steps(load, count):
     result = run_point(SWEEP, load, 1.0)
     assert step_count(SWEEP, load) == count
@@ -140,9 +140,13 @@ def test_advancing_a_trunk_in_two_goes_is_advancing_it_once():
     )
 
 
-def test_a_trunk_beyond_the_load_is_refused():
-    with pytest.raises(tribo.InputError, match="at a lower load"):
-        run_point(SWEEP, 200.0, 1.0, trunk=run_point(SWEEP, 600.0, 1.0).trunk)
+@pytest.mark.parametrize(("load", "other"), [(200.0, 600.0), (600.0, 150.0)])
+def test_a_trunk_that_does_not_lead_to_the_load_is_left(load, other):
+    """One of a higher load, and one of a load so low that its steps are smaller."""
+    alone, trunk = run_point(SWEEP, load, 1.0), run_point(SWEEP, other, 1.0).trunk
+    result = run_point(SWEEP, load, 1.0, trunk=trunk)
+    for name, values in alone.columns.items():
+        assert np.array_equal(result.columns[name], values, equal_nan=True)
 
 
 def test_a_contact_at_the_edge_of_the_window_is_a_warning_of_the_point():

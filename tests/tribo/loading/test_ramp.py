@@ -1,3 +1,6 @@
+import math
+
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -16,6 +19,20 @@ def test_trunk_is_the_same_for_every_load():
         assert stations[-1].time == load / 150.0
 
 
+def test_a_load_takes_a_quarter_of_the_increments_at_least_whatever_the_reference_load():
+    for load in (300.0, 187.5, 187.0, 10.0, 1e-3, 1e-300):
+        stations = list(RAMP.stations(load, 100))
+        assert 25 <= len(stations) <= max(50, math.ceil(load / 7.5))
+        *trunk, last = stations
+        steps = np.diff([0.0, *(at.normal_load for at in trunk), last.normal_load])
+        increment = RAMP.increment(load, 100)
+        assert steps[:-1] == pytest.approx(increment)
+        assert 0 < steps[-1] <= increment * (1 + 1e-9)
+    # Of loads with the same increment the trunk is one, whatever else is in the diagram.
+    assert RAMP.increment(187.5, 100) == RAMP.increment(750.0, 100) == 7.5
+    assert RAMP.increment(100.0, 100) == RAMP.increment(187.0, 100) == 3.75
+
+
 def test_a_load_on_a_station_is_part_of_the_trunk():
     *_, last = RAMP.stations(600.0, 100)
     assert last.on_trunk
@@ -30,7 +47,8 @@ def test_a_load_on_a_station_is_part_of_the_trunk():
 )
 def test_going_on_from_the_trunk_gives_the_rest_of_the_way(load, increments, start):
     whole = list(RAMP.stations(load, increments))
-    assert len(whole) <= load / (750.0 / increments) + 1
+    assert len(whole) <= max(load / (750.0 / increments), increments / 2) + 1
+    assert len(whole) >= increments / 4
     loads = [s.normal_load for s in whole]
     assert loads == sorted(set(loads))
     trunk = [s for s in whole[:-1] if s.on_trunk]

@@ -25,6 +25,7 @@ from tribo import (
     partition_heat,
     simulate,
 )
+from tribo.simulation.steps import leads_to
 from tribo.thermal.conduction import ConductingHalfSpace
 
 few = settings(deadline=None, derandomize=True, max_examples=30)
@@ -200,6 +201,8 @@ def test_the_order_of_a_sweep_changes_no_bit(drawn, velocity, shares):
     alone = {load: last(simulate(scene, load, velocity)) for load in reversed(loads)}
     trunk = None
     for load in loads:
+        if trunk and not leads_to(scene, trunk, load):
+            trunk = None
         states = list(simulate(scene, load, velocity, trunk=trunk))
         assert np.array_equal(states[-1].pressure, alone[load].pressure)
         assert np.array_equal(states[-1].wear_depth, alone[load].wear_depth)
