@@ -96,8 +96,8 @@ def test_a_point_is_as_severe_as_it_is_at_any_time_of_its_hold(held):
 def test_a_ramp_is_drawn_through_its_own_hold_and_no_other(held):
     axes = ramp(held, load=600.0, velocity=1.0).axes[0]
     times = next(line.get_xdata() for line in axes.lines if len(line.get_xdata()) > 2)
-    # Stations, the ends of 150 and 250 N, and the hold of 600 N.
-    expected = [5 / 6, 1.0, 5 / 3, 2.5, 10 / 3, 4.0, 4.75, 5.5, 6.25, 7.0]
+    # Stations, those of the smaller steps to 150 N, the ends of 150 and 250 N, the hold of 600 N.
+    expected = [5 / 12, 5 / 6, 1.0, 5 / 3, 2.5, 10 / 3, 4.0, 4.75, 5.5, 6.25, 7.0]
     np.testing.assert_allclose(times, expected)
     assert "load held" in [text.get_text().strip() for text in axes.texts]
 

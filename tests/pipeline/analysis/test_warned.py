@@ -97,7 +97,7 @@ def narrow(tmp_path_factory):
     """A store whose window is too narrow at the highest load."""
     path = tmp_path_factory.mktemp("narrow") / "out.zarr"
     conditions = replace(tiny.sweep().conditions, critical_temperature=330.0)
-    pipeline.run_sweep(tiny.sweep(conditions=conditions), path, workers=1)
+    pipeline.run_sweep(tiny.sweep(conditions=conditions, increments=12), path, workers=1)
     return path
 
 

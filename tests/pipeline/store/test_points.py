@@ -103,7 +103,7 @@ def test_axes_have_the_exact_loads_and_velocities(tmp_path):
         assert tuple(ds["load"].values) == sweep.loads
         assert tuple(ds["velocity"].values) == sweep.velocities
         assert ds["quantile"].values.tolist() == list(tribo.QUANTILES)
-        np.testing.assert_array_equal(ds["step"], [1])
+        np.testing.assert_array_equal(ds["step"], [1, 2, 3])
 
 
 def test_what_is_read_is_what_was_computed_bit_for_bit(alone):
