@@ -41,10 +41,13 @@ promises: .venv/test  ## judge --accuracy and the presets on random scenes, for 
 mutants: .venv/test   ## change the code at random, and see whether a test notices, for an hour
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.mutants
 
-crash: .venv/test     ## kill a sweep before each change to its files, and at random times
+crash: .venv/test     ## kill sweeps, cut their power, damage their files, read beside writers
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.crash
 	$(BIN)/python -m tests.crash.kills
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.crash.workers --busy
+	OMP_NUM_THREADS=1 $(BIN)/python -m tests.crash.replay --every 5
+	OMP_NUM_THREADS=1 $(BIN)/python -m tests.crash.damage --every 5
+	OMP_NUM_THREADS=1 $(BIN)/python -m tests.crash.readers --seconds 60
 
 bench: .venv/test     ## measure speed, as ratios within one run
 	$(MEASURE) tests/benchmarks

@@ -43,3 +43,20 @@ def test_sweeps_whose_workers_die_end_with_every_point_that_can_be_computed():
     found = reported("crash.workers", "--sweeps", "1", "--velocities", "6", "--busy")
     assert found == {"sweeps": 2, "kills": found["kills"], "hung": 0, "faults": []}
     assert found["kills"] >= 1
+
+
+def test_when_the_power_fails_nothing_is_lost_by_the_rules_of_any_file_system():
+    found = reported("crash.replay", "--every", "331")
+    assert found["cuts"] == dict.fromkeys(("ext4", "xfs", "posix"), found["cuts"]["ext4"])
+    assert found["cuts"]["ext4"] >= 8
+    assert found["faults"] == []
+
+
+def test_a_name_given_before_its_content_is_synced_would_be_noticed():
+    assert reported("crash.replay", "--every", "331", "--rename-first")["lost"] > 0
+
+
+def test_damage_to_any_file_is_named_or_harmless_and_healed():
+    found = reported("crash.damage", "--every", "211")
+    assert sum(found["tried"].values()) > 3
+    assert found["faults"] == []

@@ -10,10 +10,11 @@ from pipeline.analysis.dataset import open_sweep
 from pipeline.cli import main
 from pipeline.run import cluster
 from pipeline.run.sweep import run_sweep
-from pipeline.store.compact import compact_store
+from pipeline.store.compact import compact_store, lay_out
+from pipeline.store.files import Files
 from pipeline.store.points import Store, StoreError, locked, prepare
 from pipeline.store.progress import summary
-from pipeline.store.variables import COLUMNS
+from pipeline.store.variables import BY_POINT, COLUMNS, COMPACT
 from pipeline.store.verify import verify_store
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import points, run_point
@@ -113,3 +114,48 @@ def test_the_command_compacts(copy, tmp_path, capsys):
     prepare(tmp_path / "empty.zarr", SWEEP)
     assert main(["compact", str(tmp_path / "empty.zarr")]) == 0
     assert summary(tmp_path / "empty.zarr").pending == 9
+
+
+# Readers meanwhile
+
+
+def relaid(path, compact):
+    with locked(path):
+        lay_out(path, COMPACT if compact else BY_POINT)
+
+
+def grown(path, _):
+    prepare(path, tiny.full(loads=(150.0, 1500.0), velocities=(0.5, 2.0)))
+
+
+@pytest.mark.parametrize("change", [relaid, grown])
+@pytest.mark.parametrize("compact", [True, False])
+def test_what_was_opened_before_a_change_of_layout_reads_the_same_after_it(copy, change, compact):
+    relaid(copy, not compact)
+    with open_sweep(copy) as expected:
+        expected.load()
+    with open_sweep(copy) as ds:
+        change(copy, compact)
+        for name in expected.variables:
+            xr.testing.assert_equal(ds[name].load(), expected[name])
+
+
+@pytest.mark.parametrize("read", [summary, verify_store, lambda path: open_sweep(path).load()])
+@pytest.mark.parametrize("compact", [True, False])
+@pytest.mark.parametrize("calls", [0, 1])
+def test_a_change_of_layout_while_a_store_is_read_changes_nothing(
+    copy, monkeypatch, read, compact, calls
+):
+    relaid(copy, not compact)
+    expected, left, contents = read(copy), [calls], Files.contents
+
+    def interrupted(self, keys):
+        left[0] -= 1
+        if left[0] == -1:
+            relaid(copy, compact)
+        return contents(self, keys)
+
+    monkeypatch.setattr(Files, "contents", interrupted)
+    found = read(copy)
+    assert found.equals(expected) if isinstance(found, xr.Dataset) else found == expected
+    assert left[0] < 0
