@@ -33,6 +33,7 @@ _PASSES = 3.5  # of the yardstick's steps at each load that a probe takes, trial
 _WORTH = 0.5  # of the reference's steps in the whole sweep that a probe may take
 _OF_HEAT = 0.7  # of the accuracy, that the present heat alone may err
 _FEWEST_STEPS = 50  # to know the heat of all the past
+_TO_SEEK = replace(PRESETS["standard"], history_coarsening=1, contact_tolerance=_TIGHT)
 _RUNGS: tuple[tuple[str, str, dict[str, Any]], ...] = (
     ("draft", "draft", {}),
     ("draft, finer elements", "draft", {"pixels_per_element": 3}),
@@ -217,7 +218,7 @@ def _unprobed(
 ) -> Selection:
     """Take the reference, where to find something cheaper would take about as long."""
     loads = {point.load for point in points} if points else {sweep.loads[0], sweep.loads[-1]}
-    places, exponents = near_the_boundary(sweep, sorted(loads))
+    places, exponents = near_the_boundary(sweep, sorted(loads), _TO_SEEK)
     if points:
         by_load = dict(zip(sorted(loads), exponents, strict=True))
         places, exponents = tuple(points), tuple(by_load[point.load] for point in points)

@@ -69,7 +69,8 @@ def _in_window(sweep, lengths, velocity):
         )
         sweep = replace(sweep, roughness=roughness)
         ends = (sweep.loads[-1], velocity), (sweep.loads[0], 4 * velocity)
-        if not any(tribo.warnings(sweep, _end(sweep, *end)) for end in ends):
+        told = [each for end in ends for each in tribo.warnings(sweep, _end(sweep, *end))]
+        if tribo.WarningKind.CONTACT_AT_EDGE not in (warning.kind for warning in told):
             break
         sweep = replace(sweep, pixels=tribo.Grid(sweep.pixels.shape, (1.4 * pixel, 1.4 * pixel)))
     return sweep
