@@ -43,7 +43,8 @@ def ramp(
     """Draw what happens while the load grows.
 
     The temperature is known at the end of each point, and between where the scene asked for it.
-    The ends of lower loads at the same velocity lie on the same ramp and are drawn too.
+    The ends of lower loads at the same velocity lie on the same ramp and are drawn too, and where
+    the way was taken on larger elements, width and share of the contact are known there alone.
 
     Parameters
     ----------
@@ -162,8 +163,11 @@ def _pair(
         (right, right_label, right_values, "--"),
     ):
         for number, point in enumerate(points):
-            time, order = ds["time"].values[point], _order(point)
-            axes.plot(time, values[point], color=f"C{number}", ls=style, zorder=order)
+            time, shown, marker = ds["time"].values[point], values[point], ""
+            if np.isnan(shown[np.isfinite(time)]).any():  # known at the ends of loads alone
+                (time, shown), marker = _along_ramp(ds, values, point), "."
+            color, order = f"C{number}", _order(point)
+            axes.plot(time, shown, color=color, ls=style, marker=marker, zorder=order)
         axes.set_ylabel(label)
         axes.set_ylim(0, 1.2 * axes.get_ylim()[1])  # room for the legend
         key.append(Line2D([], [], color=BLACK, ls=style, label=label.partition(" [")[0]))

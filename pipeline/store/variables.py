@@ -62,6 +62,18 @@ _STEP = (*_POINT, "step")
 _FIELD = (*_POINT, "x", "y")
 _RISE = "per unit friction coefficient"
 
+
+def _of_contact(units: str, long_name: str) -> Variable:
+    """Give a variable at every step, which the size of the elements decides."""
+    comment = (
+        "Depends on the size of the elements: a rough surface on larger ones touches on more of "
+        "the window at a lower pressure. In the paper's system the preset 'standard' has 14 to "
+        "17 % more contact than the pixels themselves, 'draft' 40 to 50 %. NaN at steps on the "
+        "coarser grid of the history."
+    )
+    return Variable(_STEP, units, long_name, attributes={"comment": comment})
+
+
 COORDINATES = {
     "realization": Variable(("realization",), "1", "seed of the random surface", "int64"),
     "load": Variable(("load",), "N", "normal load on the pin at the end of the ramp"),
@@ -75,11 +87,11 @@ COLUMNS = {
     "time": Variable(_STEP, "s", "time since the start of the ramp"),
     "normal_load": Variable(_STEP, "N", "normal load on the pin"),
     "sliding_distance": Variable(_STEP, "m", "sliding distance since the start of the ramp"),
-    "contact_fraction": Variable(_STEP, "1", "share of the window in contact"),
-    "contact_width": Variable(_STEP, "m", "width of the contact along the sliding direction"),
-    "max_pressure": Variable(_STEP, "Pa", "highest contact pressure"),
-    "mean_pressure": Variable(_STEP, "Pa", "mean pressure over the contact"),
-    "saturated_fraction": Variable(_STEP, "1", "share of the contact at the hardness"),
+    "contact_fraction": _of_contact("1", "share of the window in contact"),
+    "contact_width": _of_contact("m", "width of the contact along the sliding direction"),
+    "max_pressure": _of_contact("Pa", "highest contact pressure"),
+    "mean_pressure": _of_contact("Pa", "mean pressure over the contact"),
+    "saturated_fraction": _of_contact("1", "share of the contact at the hardness"),
     "wear_depth_max": Variable(_STEP, "m", "greatest wear depth of the pin"),
     "wear_volume": Variable(_STEP, "m3", "worn volume of the whole pin"),
     "iterations": Variable(_STEP, "1", "iterations of the contact solver"),

@@ -26,6 +26,13 @@ __all__ = ["advance", "leads_to", "measures", "simulate", "start", "warnings"]
 
 _FEW_NODES = 400  # below which `draft` errs by over 8 % and `standard` by over 3 % in most scenes
 _FEWEST_STEPS = 3  # in which heavy wear knows the rise to about 10 %
+_OF_CONTACT = (
+    "contact_fraction",
+    "contact_width",
+    "max_pressure",
+    "mean_pressure",
+    "saturated_fraction",
+)
 _FARTHEST = 2.0  # steps of the load over which its last step is extrapolated
 
 
@@ -241,23 +248,29 @@ def measures(scene: Scene, state: State) -> dict[str, float]:
         ``max_pressure`` and ``mean_pressure`` (over the contact) [Pa], ``saturated_fraction``
         (of the contact, at the hardness), ``wear_depth_max`` [m], ``wear_volume`` (of the whole
         pin) [m³], ``iterations`` and ``residual`` of the contact; ``max_rise``, ``mean_rise`` [K]
-        and ``pin_heat_share``, NaN where the temperature was not asked for.
+        and ``pin_heat_share``, NaN where the temperature was not asked for. What the size of the
+        elements decides, ``contact_fraction`` to ``saturated_fraction``, is NaN at the steps that
+        are taken on the coarser grid of the history; see `Fidelity.history_coarsening`.
+
+    Notes
+    -----
+    A rough surface on larger elements touches on more of the window. In the paper's system, at
+    200 and 750 N on two surfaces, the presets ``standard`` and ``draft`` have 14 to 17 % and 40 to
+    50 % more contact than the pixels themselves, 12 to 14 % and 29 to 34 % less mean pressure, and
+    27 to 31 % and 57 to 68 % less of it at the hardness; width and highest pressure agree within
+    1.5 %.
     """
     pressure, patch = state.pressure, scene.grid  # as large on the grid of the history
     pin_area = patch.area * scene.pin.patches(patch)
-    contact = pressure > 0
-    nodes = int(np.count_nonzero(contact))
-    rows = np.flatnonzero(contact.any(axis=1))
-    width = int(rows[-1] - rows[0]) + 1 if nodes else 0
+    if pressure.shape != patch.shape:
+        of_contact = dict.fromkeys(_OF_CONTACT, np.nan)
+    else:
+        of_contact = dict(zip(_OF_CONTACT, _contact_measures(scene, pressure), strict=True))
     return {
         "time": state.time,
         "normal_load": state.normal_load,
         "sliding_distance": state.sliding_distance,
-        "contact_fraction": nodes / pressure.size,
-        "contact_width": width / len(pressure) * patch.size[0],
-        "max_pressure": float(pressure.max()),
-        "mean_pressure": float(pressure.sum()) / max(nodes, 1),
-        "saturated_fraction": np.count_nonzero(pressure >= scene.hardness) / max(nodes, 1),
+        **of_contact,
         "wear_depth_max": float(state.wear_depth.max()),
         "wear_volume": float(state.wear_depth.mean()) * pin_area,
         "iterations": float(state.iterations),
@@ -266,6 +279,21 @@ def measures(scene: Scene, state: State) -> dict[str, float]:
         "mean_rise": state.heat.mean_rise if state.heat else np.nan,
         "pin_heat_share": state.heat.pin_heat_share if state.heat else np.nan,
     }
+
+
+def _contact_measures(scene: Scene, pressure: Array) -> tuple[float, ...]:
+    """What `_OF_CONTACT` names."""
+    contact = pressure > 0
+    nodes = int(np.count_nonzero(contact))
+    rows = np.flatnonzero(contact.any(axis=1))
+    width = int(rows[-1] - rows[0]) + 1 if nodes else 0
+    return (
+        nodes / pressure.size,
+        width / len(pressure) * scene.grid.size[0],
+        float(pressure.max()),
+        float(pressure.sum()) / max(nodes, 1),
+        np.count_nonzero(pressure >= scene.hardness) / max(nodes, 1),
+    )
 
 
 def warnings(scene: Scene, state: State) -> list[PointWarning]:
