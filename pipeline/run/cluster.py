@@ -44,11 +44,13 @@ CONFIGURATION = {
     "distributed.admin.system-monitor.interval": "10s",
     "distributed.admin.large-graph-warning-threshold": "1 TB",
 }
-_LOCAL: dict[str, list[str]] = {
+_LOCAL: dict[str, object] = {
     # Dask would take commands there from whoever else is on the machine.
     "distributed.scheduler.http.routes": [],
     "distributed.worker.http.routes": [],
     "distributed.nanny.http.routes": [],
+    # A worker that dies while it starts is not started again, but taken off after this.
+    "distributed.deploy.lost-worker-timeout": "5s",
 }
 _THREADS = 2  # of a worker: while one waits for the disk, the other computes
 _WORD = 10.0  # [s] without a worker, after which the user is told
@@ -185,6 +187,8 @@ def threads_of(
     while True:
         with _losses_told():
             threads = Counter(client.nthreads())
+        if client.cluster is not None and len(threads) < len(client.cluster.worker_spec):
+            client.cluster.scale(len(client.cluster.worker_spec))  # in place of those taken off
         if threads:
             return threads
         left = end - time.monotonic()
