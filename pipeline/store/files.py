@@ -9,7 +9,7 @@ import itertools
 import os
 import stat
 import uuid
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor, wait
 from contextlib import suppress
 from pathlib import Path
@@ -23,6 +23,7 @@ from pipeline.store.together import together
 
 _T = TypeVar("_T")
 Contents = Iterable[tuple[str, bytes]]
+_Written = tuple[int, str]  # the number of an open file, and the name that it is to have
 
 _THREADS = 8  # that wait for the disk, so that it writes the files of a point in one go
 _AT_ONCE = 256  # files that are written, or objects that are under way
@@ -77,7 +78,8 @@ class Files(LocalStore):
         for folder in folders:
             folder.mkdir(parents=True, exist_ok=True)
         parents = (parent for folder in folders for parent in folder.parents)
-        _sync_folders({f"{each}" for each in parents if each.is_relative_to(self.root)})
+        for parent in {each for each in parents if each.is_relative_to(self.root)}:
+            sync(parent)
 
     def put_all(self, contents: Contents, then: Contents = ()) -> None:
         """Replace files in folders that exist; and others, once those are on the disk for good.
@@ -89,38 +91,38 @@ class Files(LocalStore):
         # Names and numbers, since objects in their place would take a fifth of the time of a
         # point's commit.
         mark = f".{uuid.uuid4().hex}{PARTIAL}"  # not to meet other writers
-        opened: list[int] = []
-        left: list[str] = []
+        first: list[_Written] = []
+        last: list[_Written] = []
         try:
-            groups = [self._written(group, mark, opened, left) for group in (contents, then)]
-            _share_out(_sync_files, opened)
-            for names in groups:
-                for name in names:
-                    os.replace(name + mark, name)  # noqa: PTH105
-                _share_out(_sync_folders, {name[: name.rindex("/")] for name in names})
-            left.clear()
-        finally:
-            for file in opened:
-                os.close(file)
-            for name in left:
+            self._write(contents, mark, first)
+            self._write(then, mark, last)
+            shares = [first[i::_THREADS] for i in range(min(_THREADS, len(first)))]
+            if len(shares) > 1:
+                under_way = [_disk().submit(_name, share, mark) for share in shares]
+                _sync(last)
+                for each in wait(under_way).done:
+                    each.result()
+            else:
+                _name(first, mark)
+            _name(last, mark)
+        except BaseException:
+            for _, name in (*first, *last):
                 with suppress(OSError):
-                    os.unlink(name)  # noqa: PTH108
+                    os.unlink(name + mark)  # noqa: PTH108
+            raise
+        finally:
+            for file, _ in (*first, *last):
+                os.close(file)
 
-    def _written(
-        self, contents: Contents, mark: str, opened: list[int], left: list[str]
-    ) -> list[str]:
-        """Write files beside those they are to replace; return the names of these."""
-        names = []
+    def _write(self, contents: Contents, mark: str, written: list[_Written]) -> None:
+        """Write files beside those that they are to replace, and note each."""
         for key, content in contents:
             name = f"{self.root}/{key}"
-            left.append(name + mark)
             file = os.open(name + mark, os.O_WRONLY | os.O_CREAT, 0o666)
-            opened.append(file)
+            written.append((file, name))
             rest = memoryview(content)
             while rest:
                 rest = rest[os.write(file, rest) :]
-            names.append(name)
-        return names
 
     def put_many(self, contents: Contents) -> None:
         """Replace any number of files."""
@@ -230,26 +232,18 @@ def _batches(items: Iterable[_T]) -> Iterator[list[_T]]:
         yield batch
 
 
-def _sync_files(files: Iterable[int]) -> None:
-    for file in files:
+def _name(written: Iterable[_Written], mark: str) -> None:
+    """Sync files that were written, give them their names, and sync their folders."""
+    _sync(written)
+    for _, name in written:
+        os.replace(name + mark, name)  # noqa: PTH105
+    for folder in {name[: name.rindex("/")] for _, name in written}:
+        sync(folder)
+
+
+def _sync(written: Iterable[_Written]) -> None:
+    for file, _ in written:
         os.fsync(file)
-
-
-def _sync_folders(names: Iterable[str]) -> None:
-    for name in names:
-        sync(name)
-
-
-def _share_out(work: Callable[[list[Any]], None], items: Iterable[Any]) -> None:
-    """Let threads wait for the disk, each with its share of the items."""
-    items = list(items)
-    shares = [items[i::_THREADS] for i in range(min(_THREADS, len(items)))]
-    if len(shares) == 1:
-        work(shares[0])
-        return
-    under_way = [_disk().submit(work, share) for share in shares]
-    for each in wait(under_way).done:
-        each.result()
 
 
 @functools.cache
