@@ -146,5 +146,17 @@ def heating(conditions: Conditions) -> str:
 
 
 def title_of(ds: xr.Dataset) -> str:
-    """Give the sweep's title, in lines that fit a figure."""
-    return textwrap.fill(str(ds.attrs.get("title") or ds.attrs.get("name") or ""), 80)
+    """Give the sweep's title, in a few lines that fit a figure."""
+    return textwrap.fill(as_text(str(ds.attrs.get("title") or ds.attrs.get("name") or "")), 80)
+
+
+def as_text(words: str) -> str:
+    r"""Write words as they are: shortened, without control characters, and not as a formula.
+
+    Examples
+    --------
+    >>> print(as_text(r"worn by $\frac$" + chr(27)))
+    worn by \$\frac\$
+    """
+    shown = "".join(character for character in words[:1000] if character.isprintable())
+    return textwrap.shorten(shown, 240, placeholder=" …").replace("$", r"\$")

@@ -14,7 +14,7 @@ from matplotlib.text import Text
 from matplotlib.ticker import FuncFormatter, NullFormatter
 from matplotlib.transforms import Bbox
 
-from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION, in_house_style
+from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION, as_text, in_house_style
 from pipeline.tradeoff.trade import Choice, Trade
 from tribo import PRESETS
 
@@ -72,7 +72,7 @@ def draw_trade(trade: Trade) -> Figure:
     axes.yaxis.set_minor_formatter(NullFormatter())
     axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axes.xaxis.set_minor_formatter(NullFormatter())
-    axes.set_title(f"Speed against accuracy: {trade.title}", pad=10)
+    axes.set_title(f"Speed against accuracy: {as_text(trade.title)}", pad=10)
     figure.legend(loc="outside lower center", ncols=4)
     figure.draw_without_rendering()  # names go by the final scales
     _name(figure, axes, trade, shown, front)

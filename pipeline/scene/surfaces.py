@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import importlib
 import warnings
+import zipfile
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
@@ -19,6 +20,7 @@ from tribo import InputError, read_heights
 from tribo.types import Array
 
 PLAIN = (".csv", ".npy")
+_MOST_BYTES = 2**30  # that an archive may unpack to
 """Endings of plain arrays, which give neither a unit nor the size of a pixel."""
 
 
@@ -59,6 +61,7 @@ def read_surface(path: str | Path, height_unit: float | None = None) -> Surface:
         if height_unit is None:
             raise InputError(f"{path}: a plain array has no unit of its own; give height_unit")
         return Surface(read_heights(path, height_unit))
+    _require_small_file(path)
     try:
         formats: Any = importlib.import_module("SurfaceTopography.IO")
     except ImportError as error:
@@ -78,6 +81,20 @@ def read_surface(path: str | Path, height_unit: float | None = None) -> Surface:
         if type(error).__name__ == "CannotDetectFileFormat":
             reason = ["its format is not known; save the heights as .npy or .csv"]
         raise InputError(f"{path}: cannot be read as a surface: {reason[0]}") from error
+
+
+def _require_small_file(path: Path) -> None:
+    """Refuse what has no end, and an archive that unpacks to more than a surface can be."""
+    if path.exists() and not path.is_file():
+        raise InputError(f"{path}: cannot be read as a surface: not a file")
+    if zipfile.is_zipfile(path):
+        with zipfile.ZipFile(path) as archive:
+            size = sum(entry.file_size for entry in archive.infolist())
+        if size > _MOST_BYTES:
+            raise InputError(
+                f"{path}: unpacks to {size / 2**30:.1f} GiB; at most {_MOST_BYTES / 2**30:g} GiB "
+                "are read. Crop or average the surface before"
+            )
 
 
 def _converted(path: Path, topography: Any, height_unit: float | None) -> Surface:

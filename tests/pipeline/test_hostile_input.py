@@ -1,0 +1,94 @@
+"""What no reader may hang, run out of memory or end with a traceback on."""
+
+import io
+import os
+import sys
+import zipfile
+
+import numpy as np
+import pytest
+
+import tribo
+from pipeline.cli import main
+from pipeline.cli.output import duration
+from pipeline.figures.style import as_text
+from pipeline.scene import surfaces
+from pipeline.scene.surfaces import read_surface
+from pipeline.store.points import prepare
+from pipeline.store.progress import summary
+from tests.helpers import tiny
+
+
+@pytest.fixture
+def fifo(tmp_path):
+    def made(name):
+        os.mkfifo(tmp_path / name)
+        return tmp_path / name
+
+    return made
+
+
+def test_a_fifo_is_no_surface_load_record_or_scene(fifo, capsys):
+    for read in (
+        lambda: tribo.read_heights(fifo("a.npy"), 1.0),
+        lambda: tribo.read_load(fifo("a.csv")),
+        lambda: read_surface(fifo("a.x3p")),
+    ):
+        with pytest.raises(tribo.InputError, match="not a file"):
+            read()
+    assert main(["check", str(fifo("a.toml"))]) == 2
+    assert "not a file" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("file", ["/dev/zero", "/dev/null"])
+def test_a_device_is_no_scene(file):
+    assert main(["check", file]) == 2
+
+
+def test_an_archive_that_unpacks_to_more_than_a_surface_can_be_is_none(tmp_path, monkeypatch):
+    monkeypatch.setattr(surfaces, "_MOST_BYTES", 2**20)
+    with zipfile.ZipFile(tmp_path / "a.x3p", "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("bin", bytes(2**21))
+    with pytest.raises(tribo.InputError, match="unpacks to"):
+        read_surface(tmp_path / "a.x3p")
+
+
+def test_a_fifo_in_place_of_a_chunk_is_damage(tmp_path):
+    store = prepare(tmp_path / "a.zarr", tiny.sweep())
+    os.mkfifo(store.path / "status" / "c.1.1")
+    assert summary(store.path).pending == 9
+
+
+TITLES = {"formula": r"$\frac$ and $x", "escapes": "\x1b[31mred\x9b0m", "endless": "long " * 10**6}
+
+
+@pytest.mark.parametrize("title", TITLES.values(), ids=TITLES.keys())
+def test_any_title_is_shown_and_drawn(tmp_path, alone, capsys, title):
+    path = tmp_path / "a.zarr"
+    store = prepare(path, tiny.sweep(title=title, store_fields=False))
+    assert main(["status", str(path)]) == 0
+    shown = capsys.readouterr().out
+    assert shown.replace("\n", "").isprintable()
+    assert len(shown) < 5000
+    assert main(["status", str(path), "--json"]) == 0
+    assert "\x9b" not in capsys.readouterr().out
+    assert main(["plot", str(path), "--kind", "diagram", "-o", str(tmp_path / "a.png")]) in (0, 2)
+    assert store.attributes["title"] == title
+
+
+def test_words_of_a_title_are_no_formula():
+    assert as_text(r"$\frac$") == r"\$\frac\$"
+    assert len(as_text("a " * 10**6)) <= 240
+
+
+def test_an_ascii_terminal_gets_what_it_can_show(alone, monkeypatch):
+    stream = io.TextIOWrapper(io.BytesIO(), encoding="ascii")
+    monkeypatch.setattr(sys, "stdout", stream)
+    assert main(["boundary", str(alone)]) == 0
+    stream.flush()
+    assert rb"\xb0C" in stream.buffer.getvalue()
+
+
+@pytest.mark.parametrize("seconds", [1e13, 1e280, np.inf, np.nan])
+def test_a_time_to_go_has_an_end(seconds):
+    assert duration(seconds) == "more than 100 years"
