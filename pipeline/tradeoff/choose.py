@@ -167,7 +167,7 @@ def _probed(
     """Take the cheapest choice whose error against the yardstick is within the accuracy."""
     tell("the yardstick")
     yardstick = measured(sweep, loads)
-    own = own_error(sweep, yardstick.points, yardstick.exponents, yardstick.readings)
+    own = own_error(sweep, yardstick.points[::2], yardstick.exponents[::2], yardstick.readings[::2])
     past = own.heat_model > _OF_HEAT * accuracy or sweep.remembers_heat
     trials, spent = [], yardstick.work + own.work
     for name, fidelity in _ladder(sweep, yardstick.fewest_nodes, past):
