@@ -110,3 +110,8 @@ def test_conditions_outside_their_range_are_refused(changes, said):
 def test_what_is_not_given_stays():
     assert OWN.changed(friction=0.0, share=0.0) == replace(OWN, friction=0.0, failing_share=0.0)
     assert OWN.changed() == OWN
+
+
+def test_without_a_critical_temperature_the_share_is_still_checked():
+    with pytest.raises(InputError, match="failing_share is nan"):
+        Conditions(0.1, 298.15, None, failing_share=math.nan)
