@@ -10,6 +10,7 @@ the store opens, and each point is either done or not.
 from __future__ import annotations
 
 import functools
+import socket
 import time
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
@@ -260,6 +261,12 @@ _OTHER_SURFACES = {
 
 
 @functools.lru_cache(maxsize=4)
-def _opened(path: PathLike, revision: tuple[Any, ...]) -> Store:
-    """The store at `path`; opened anew only after it has grown."""
-    return Store(path)
+def _opened(path: PathLike, revision: str) -> Store:
+    """The store at `path`; opened anew only after its root was replaced."""
+    store = Store(path)
+    if store.revision != revision:
+        raise StoreError(
+            f"{path} is not the same store, or not as it is now, on {socket.gethostname()}; every "
+            "worker must see the store under the same path"
+        )
+    return store

@@ -105,7 +105,7 @@ def commit_metadata(folder: Place, attributes: dict[str, Any], arrays: Mapping[s
     """Replace attributes and the metadata of all arrays at one stroke."""
     attributes["revision"] = attributes.get("revision", 0) + 1
     if attributes["format"] >= HASHED:
-        attributes[_HASH] = _hash(attributes, arrays)
+        attributes[_HASH] = hash_of(attributes, arrays)
     root = {
         "zarr_format": 3,
         "node_type": "group",
@@ -163,7 +163,7 @@ def _fault(root: Any) -> str | None:
     try:
         attributes, arrays = root["attributes"], root[_CONSOLIDATED]["metadata"]
         if (attributes["format"] >= HASHED or _HASH in attributes) and (
-            attributes.get(_HASH) != _hash(attributes, arrays)
+            attributes.get(_HASH) != hash_of(attributes, arrays)
         ):
             return "it is not what was committed"
         return next(faults_of(attributes, arrays), None)
@@ -171,7 +171,7 @@ def _fault(root: Any) -> str | None:
         return "it is not what a sweep writes"
 
 
-def _hash(attributes: Mapping[str, Any], arrays: Mapping[str, Any]) -> str:
-    """SHA-256 of the root but for the hash itself."""
+def hash_of(attributes: Mapping[str, Any], arrays: Mapping[str, Any]) -> str:
+    """SHA-256 of what a root says, but for the hash itself."""
     hashed = {name: value for name, value in attributes.items() if name != _HASH}
     return hashlib.sha256(json.dumps([hashed, arrays], sort_keys=True).encode()).hexdigest()

@@ -7,6 +7,7 @@ afterwards whether the snapshot is current, and takes another if it is not (`rea
 
 from __future__ import annotations
 
+import functools
 import itertools
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
@@ -17,7 +18,7 @@ import numpy as np
 from pipeline.store.chunks import ChunkedArray, Place, keys_at, picked, values_at
 from pipeline.store.files import RemoteFiles, files_in
 from pipeline.store.folder import DAMAGED, UNREADABLE, PathLike, StoreError, folder_of
-from pipeline.store.root import read_metadata
+from pipeline.store.root import hash_of, read_metadata
 from pipeline.store.variables import COLUMNS, COMPACT, COORDINATES, DONE, FAILED, FIELDS, PENDING
 from pipeline.sweep.model import Point
 from tribo.types import Array
@@ -64,10 +65,10 @@ class Snapshot:
             if name in self.axes
         }
 
-    @property
-    def revision(self) -> tuple[Any, ...]:
-        """What tells this state of the store from others."""
-        return self.attributes.get("revision"), self.is_compact, *self._arrays["time"].shape
+    @functools.cached_property
+    def revision(self) -> str:
+        """What tells this state of the store from others, of a store that was here before, too."""
+        return hash_of(self.attributes, self.metadata)
 
     def is_current(self) -> bool:
         """Whether nothing was committed to the root since; what was read since is whole then."""

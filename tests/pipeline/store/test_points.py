@@ -290,6 +290,24 @@ def test_a_process_opens_a_store_once_and_again_after_it_has_grown(store):
     assert len(pickle.dumps(store)) < 1000
 
 
+def test_a_store_in_the_place_of_another_is_not_taken_for_it(tmp_path):
+    """A worker may have written points to one that was there before."""
+    path = tmp_path / "out.zarr"
+    pickle.loads(pickle.dumps(prepare(path, tiny.full(loads=(150.0, 300.0, 900.0)))))
+    shutil.rmtree(path)
+    another = prepare(path, tiny.full(loads=(300.0, 600.0, 900.0)))
+    assert pickle.loads(pickle.dumps(another)).axes == another.axes
+
+
+def test_a_process_that_sees_another_store_under_the_path_says_so(tmp_path):
+    path = tmp_path / "out.zarr"
+    store = pickle.dumps(prepare(path, SWEEP))
+    shutil.rmtree(path)
+    prepare(path, tiny.full(loads=(150.0, 900.0)))
+    with pytest.raises(StoreError, match="every worker must see the store under the same path"):
+        pickle.loads(store)
+
+
 # Resuming and growing
 
 
