@@ -45,6 +45,7 @@ crash: .venv/test     ## kill sweeps, cut their power, damage their files, read 
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.crash
 	$(BIN)/python -m tests.crash.kills
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.crash.workers --busy
+	$(BIN)/python -m tests.crash.command --seconds 120
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.crash.replay --every 5
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.crash.damage --every 5
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.crash.readers --seconds 60

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import os
 from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
@@ -40,17 +41,18 @@ def begin(folder: Place) -> bool:
     """
     if not folder.exists():
         if isinstance(folder, Path):
-            folder.mkdir()
-            sync(folder.parent)
+            real = Path(os.path.realpath(folder))  # behind a link that leads nowhere yet
+            real.mkdir()
+            sync(real.parent)
         return True
     if not folder.is_dir():
         raise StoreError(f"{folder} is a file, not a store")
-    if is_begun(folder):
-        return True
-    read_metadata(folder)
+    is_new = is_begun(folder)
+    if not is_new:
+        read_metadata(folder)
     if isinstance(folder, Path):
         remove_partial(folder)
-    return False
+    return is_new
 
 
 def read_metadata(folder: Place) -> tuple[dict[str, Any], dict[str, Any]]:

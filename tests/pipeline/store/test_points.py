@@ -428,8 +428,16 @@ def test_a_creation_cut_short_is_begun_again(path, monkeypatch, survived):
     monkeypatch.undo()
     with pytest.raises(StoreError, match="was not created completely; run the sweep again"):
         summary(path)
+    (path / f"zarr.json.{'0' * 32}.partial").touch()
     prepare(path, SWEEP).commit(run_point(SWEEP, *POINT))
     assert summary(path).done == 1
+    assert not list(path.rglob("*.partial"))
+
+
+def test_a_store_is_made_where_a_link_leads(path):
+    path.symlink_to(path.with_name("real.zarr"))
+    prepare(path, SWEEP)
+    assert summary(path.with_name("real.zarr")).total == 9
 
 
 def cut_after(monkeypatch, renamed):
