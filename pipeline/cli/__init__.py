@@ -16,7 +16,7 @@ from collections.abc import Sequence
 
 import pipeline
 from pipeline.cli.output import DONE, INTERRUPTED, OTHER_SCENE, WRONG_USE, tell
-from pipeline.cli.parser import parse
+from pipeline.cli.parser import function_of, parse
 from tribo import TriboError
 
 
@@ -32,7 +32,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         with warnings.catch_warnings():
             warnings.showwarning = lambda message, *_: tell(f"note: {message}")
-            return int(options.command(options))
+            return int(function_of(options)(options))
     except KeyboardInterrupt:
         tell("interrupted; finished points are safe: run the same command again to go on")
         return INTERRUPTED

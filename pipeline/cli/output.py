@@ -11,8 +11,6 @@ from collections.abc import Callable, Iterable
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
-from tqdm import tqdm
-
 import pipeline
 
 if TYPE_CHECKING:
@@ -39,6 +37,8 @@ class ProgressLine:
 
     def _show(self, progress: Progress) -> None:
         if self._bar is None:
+            from tqdm import tqdm
+
             self._bar = tqdm(
                 total=progress.total,
                 mininterval=0.1 if sys.stderr.isatty() else 10.0,
@@ -93,6 +93,8 @@ def show(options: argparse.Namespace, document: dict[str, Any], text: Iterable[s
 
 def tell(message: str) -> None:
     """Print a message that is not a result."""
+    from tqdm import tqdm
+
     lines = "\n".join(map(_shown, f"irg: {message}".split("\n")))
     tqdm.write(lines, file=sys.stderr)  # beside a progress line, if there is one
 

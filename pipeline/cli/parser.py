@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import argparse
+import pkgutil
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from pipeline.cli import results, stores, studies, sweeps, values
+from pipeline.cli import values
 from tribo import PRESETS
 
 Command = Callable[[argparse.Namespace], int]
 
 
 def parse(arguments: Sequence[str] | None) -> argparse.Namespace:
-    """Read the options of one command; its function is `command`."""
+    """Read the options of one command; `function_of` gives its function."""
     parser = argparse.ArgumentParser(
         prog="irg",
         description="Predict where a lubricated sliding contact goes from mild to severe wear.",
@@ -31,12 +32,18 @@ def parse(arguments: Sequence[str] | None) -> argparse.Namespace:
     return options
 
 
+def function_of(options: argparse.Namespace) -> Command:
+    """Return the function of a command; its module is imported now, for this command alone."""
+    function: Command = pkgutil.resolve_name(f"pipeline.cli.{options.command}")
+    return function
+
+
 class _Commands(NamedTuple):
-    """The commands so far."""
+    """The commands so far; the function of each by its module in this folder, and its name."""
 
     parsers: Any
 
-    def add(self, name: str, function: Command, what: str, example: str) -> argparse.ArgumentParser:
+    def add(self, name: str, function: str, what: str, example: str) -> argparse.ArgumentParser:
         added: argparse.ArgumentParser = self.parsers.add_parser(
             name,
             help=what,
@@ -48,7 +55,7 @@ class _Commands(NamedTuple):
         return added
 
     def on_scene(
-        self, name: str, function: Command, what: str, options: str = ""
+        self, name: str, function: str, what: str, options: str = ""
     ) -> argparse.ArgumentParser:
         added = self.add(name, function, what, f"workflows/irg_transition.toml {options}".strip())
         added.add_argument("scene", metavar="SCENE.toml", type=Path, help="the scene file")
@@ -69,7 +76,7 @@ class _Commands(NamedTuple):
         return added
 
     def on_store(
-        self, name: str, function: Command, what: str, options: str = ""
+        self, name: str, function: str, what: str, options: str = ""
     ) -> argparse.ArgumentParser:
         added = self.add(name, function, what, f"results/irg_transition.zarr {options}".strip())
         added.add_argument(
@@ -80,7 +87,7 @@ class _Commands(NamedTuple):
 
 def _run(commands: _Commands) -> None:
     parser = commands.on_scene(
-        "run", sweeps.run, "run or resume the sweep of a scene", "--accuracy 2%"
+        "run", "sweeps:run", "run or resume the sweep of a scene", "--accuracy 2%"
     )
     parser.add_argument(
         "-o",
@@ -111,36 +118,36 @@ def _run(commands: _Commands) -> None:
 
 def _check(commands: _Commands) -> None:
     what = "say what a scene means, what would run and what it would cost"
-    _add_workers(commands.on_scene("check", sweeps.check, what))
+    _add_workers(commands.on_scene("check", "sweeps:check", what))
 
 
 def _status(commands: _Commands) -> None:
-    commands.on_store("status", stores.status, "count the points done, failed and pending")
+    commands.on_store("status", "stores:status", "count the points done, failed and pending")
 
 
 def _verify(commands: _Commands) -> None:
     what = "read a whole store and name each damaged point"
-    parser = commands.on_store("verify", stores.verify, what, "--repair")
+    parser = commands.on_store("verify", "stores:verify", what, "--repair")
     parser.add_argument(
         "--repair", action="store_true", help="set damaged points to be computed again"
     )
 
 
 def _compact(commands: _Commands) -> None:
-    commands.on_store("compact", stores.compact, "rewrite a store in few files, to open faster")
+    commands.on_store("compact", "stores:compact", "rewrite a store in few files, to open faster")
 
 
 def _boundary(commands: _Commands) -> None:
     what = "find the transition from mild to severe wear, without a new simulation"
     parser = commands.on_store(
-        "boundary", results.boundary, what, "--friction 0.09 --friction 0.103"
+        "boundary", "results:boundary", what, "--friction 0.09 --friction 0.103"
     )
     _add_conditions(parser)
 
 
 def _point(commands: _Commands) -> None:
     parser = commands.on_scene(
-        "point", results.point, "simulate one point", '--load "600 N" --velocity "1.5 m/s"'
+        "point", "results:point", "simulate one point", '--load "600 N" --velocity "1.5 m/s"'
     )
     _add_place(parser, required=True)
     _add_conditions(parser, several=False)
@@ -150,7 +157,7 @@ def _point(commands: _Commands) -> None:
 def _infer(commands: _Commands) -> None:
     parser = commands.on_scene(
         "infer",
-        results.infer,
+        "results:infer",
         "find the critical temperature from measured transitions, or a wear rate from a width",
     )
     parser.add_argument(
@@ -165,7 +172,7 @@ def _infer(commands: _Commands) -> None:
 
 def _trade(commands: _Commands) -> None:
     parser = commands.on_scene(
-        "trade", studies.trade, "measure speed against accuracy", "-o trade.png"
+        "trade", "studies:trade", "measure speed against accuracy", "-o trade.png"
     )
     parser.add_argument(
         "--base", metavar="NAME", default="fine", help="preset to vary choice by choice"
@@ -177,7 +184,7 @@ def _trade(commands: _Commands) -> None:
 def _reproduce(commands: _Commands) -> None:
     parser = commands.add(
         "reproduce",
-        studies.reproduce,
+        "studies:reproduce",
         "recompute a figure or table of the paper, beside what it prints",
         "table4",
     )
@@ -198,7 +205,7 @@ def _reproduce(commands: _Commands) -> None:
 
 
 def _plot(commands: _Commands) -> None:
-    parser = commands.on_store("plot", results.plot, "draw a figure of a store", "--kind ramp")
+    parser = commands.on_store("plot", "results:plot", "draw a figure of a store", "--kind ramp")
     parser.add_argument(
         "--kind", default="diagram", choices=("diagram", "ramp", "fields"), help="default: diagram"
     )
