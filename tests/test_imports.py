@@ -15,6 +15,8 @@ HEAVY = {
     "xarray",
     "matplotlib",
     "pint",
+    "tqdm",
+    "pipeline.run",
     "scipy.fft",
     "scipy.special",
 }
@@ -40,6 +42,11 @@ def loaded_by(code):
         ("import tribo, tribo.analytic", {"tribo"}),
         ("import pipeline", {"pipeline"}),
         ("import pipeline.cli", {"pipeline", "tribo"}),
+        (
+            "import contextlib, pipeline.cli as cli\nwith contextlib.suppress(SystemExit): "
+            "cli.main(['--help'])",
+            {"pipeline", "tribo"},
+        ),
         # pint looks for dask by itself.
         ("import pipeline; pipeline.load_scene", {"pipeline", "tribo", "pint", "dask"}),
         ("import pipeline; pipeline.run_point", {"pipeline", "tribo"}),
