@@ -15,7 +15,7 @@ from matplotlib.ticker import FuncFormatter, NullFormatter
 from matplotlib.transforms import Bbox
 
 from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION, as_text, in_house_style
-from pipeline.tradeoff.trade import Choice, Trade
+from pipeline.tradeoff.table import Choice, Trade
 from tribo import PRESETS
 
 _LEAST = 1e-4  # the smallest error that is told apart from none

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -26,178 +26,14 @@ from pipeline.tradeoff.probe import (
     probe,
     some_loads,
 )
+from pipeline.tradeoff.table import Choice, Finding, Trade, shown
 from tribo import PRESETS, ConvergenceError, Fidelity, InputError
-
-__all__ = ["Choice", "Finding", "Trade", "trade"]
 
 _USUAL = ("draft", "standard", "fine")
 _LOADS = 4
 _DIAGRAM_VELOCITIES = 5
-_SAVES, _MOVES = (
-    1.1,
-    0.002,
-)  # a choice is wasted that saves as much and moves the boundary so little
-
-
-@dataclass(frozen=True, slots=True)
-class Choice:
-    """One fidelity against the reference.
-
-    Attributes
-    ----------
-    name : str
-        A preset, or what is varied of one.
-    varied : str or None
-        Field of the fidelity that is varied; None if it is a preset as it is.
-    fidelity : Fidelity
-        All of the numerical choices.
-    velocity_errors : tuple of float
-        Relative error of the boundary velocity at each load, with its sign.
-    velocity_error, rise_error, width_error, share_error : float
-        Largest errors at any point, without sign: of the boundary velocity, the decisive rise and
-        the contact width, relative; and of the failed share.
-    seconds : float
-        Processor time of the points [s].
-    convolutions : int
-        Convolutions of contacts and of heat.
-    work : float
-        Convolutions times the elements of their grids.
-    peak_bytes : int or None
-        Most memory that arrays took at a point [B].
-    speedup, saving : float
-        How many times less time, and less work, than the reference takes.
-    """
-
-    name: str
-    varied: str | None
-    fidelity: Fidelity
-    velocity_errors: tuple[float, ...]
-    velocity_error: float
-    rise_error: float
-    width_error: float
-    share_error: float
-    seconds: float
-    convolutions: int
-    work: float
-    peak_bytes: int | None
-    speedup: float
-    saving: float
-
-
-@dataclass(frozen=True, slots=True)
-class Finding:
-    """A numerical choice that costs much and gains nothing.
-
-    Attributes
-    ----------
-    preset, field : str
-        Name of the preset, and of the field of its fidelity.
-    value, cheaper : object
-        Value that the preset has, and a cheaper one that would do.
-    saving : float
-        How many times less work the cheaper value takes.
-    moves : float
-        Largest relative change of the boundary velocity by the cheaper value.
-    """
-
-    preset: str
-    field: str
-    value: Any
-    cheaper: Any
-    saving: float
-    moves: float
-
-    def __str__(self) -> str:
-        return (
-            f"{self.field} = {_shown(self.value)} of {self.preset!r}: with {_shown(self.cheaper)} "
-            f"the work is {self.saving:.2g} times less, and the boundary moves by "
-            f"{100 * self.moves:.2f} %"
-        )
-
-
-@dataclass(frozen=True, slots=True)
-class Trade:
-    """What speed costs in accuracy on a scene.
-
-    Attributes
-    ----------
-    title : str
-        Title of the scene.
-    points : tuple of Point
-        Points at which the errors are measured.
-    base : str
-        Preset that was varied.
-    choices : tuple of Choice
-        Fidelities that were measured, the reference last.
-    wasted : tuple of Finding
-        Choices of the base that cost much and gain nothing.
-    not_converged : tuple of str
-        Choices that did not converge, and why.
-    """
-
-    title: str
-    points: tuple[Point, ...]
-    base: str
-    choices: tuple[Choice, ...]
-    wasted: tuple[Finding, ...]
-    not_converged: tuple[str, ...] = ()
-
-    @property
-    def reference(self) -> Choice:
-        """What the others are compared with."""
-        return self.choices[-1]
-
-    @property
-    def front(self) -> tuple[Choice, ...]:
-        """Choices that no other beats both in work and in error, the cheapest first."""
-        best, found = math.inf, []
-        for choice in sorted(self.choices, key=lambda choice: (choice.work, choice.velocity_error)):
-            if choice.velocity_error < best:
-                best = choice.velocity_error
-                found.append(choice)
-        return tuple(found)
-
-    def cheapest(self, error: float) -> Choice:
-        """The choice of least work whose boundary velocity errs by no more than `error`."""
-        return min(
-            (choice for choice in self.choices if choice.velocity_error <= error),
-            key=lambda choice: choice.work,
-        )
-
-    def as_dict(self) -> dict[str, Any]:
-        """Return all of it as plain data."""
-        return asdict(self) | {
-            "points": [{"load": at.load, "velocity": at.velocity} for at in self.points],
-            "front": [choice.name for choice in self.front],
-            "cheapest_within": {
-                f"{bound:g}": self.cheapest(bound).name for bound in (0.05, 0.03, 0.02, 0.01, 0.005)
-            },
-        }
-
-    def __str__(self) -> str:
-        places = ", ".join(f"{at.load:g} N {at.velocity:.3g} m/s" for at in self.points)
-        loads = sorted({at.load for at in self.points})
-        velocities = sorted({at.velocity for at in self.points})
-        if len(velocities) < len(self.points):  # a diagram
-            places = (
-                f"{', '.join(f'{load:g}' for load in loads)} N, "
-                f"{', '.join(f'{velocity:.3g}' for velocity in velocities)} m/s"
-            )
-        rows = [_HEADER, *map(_row, self.choices)]
-        lines = [
-            f"{self.title}: speed against accuracy at",
-            f"  {places}",
-            "",
-            *rows,
-            "",
-            *(
-                f"cheapest within {100 * bound:g} %: {self.cheapest(bound).name}"
-                for bound in (0.05, 0.03, 0.02, 0.01, 0.005)
-            ),
-            *(f"wasted: {finding}" for finding in self.wasted),
-            *(f"no result: {reason}" for reason in self.not_converged),
-        ]
-        return "\n".join(lines)
+# A choice is wasted that saves as much work, and moves the boundary so little.
+_SAVES, _MOVES = 1.1, 0.002
 
 
 def trade(
@@ -289,7 +125,7 @@ def _candidates(
         for field, values in _variations(start).items():
             for value in values:
                 changed = fitted(sweep, replace(start, **{field: value}))
-                found.append((f"{base}, {field} = {_shown(value)}", field, changed))
+                found.append((f"{base}, {field} = {shown(value)}", field, changed))
     seen = {fitted(sweep, PRESETS["reference"])}
     unique = []
     for entry in found:
@@ -404,26 +240,3 @@ def _wasted(choices: Sequence[Choice], base: str, start: Fidelity) -> tuple[Find
 
 def _round(value: float) -> float:
     return float(f"{value:.0e}")
-
-
-def _shown(value: Any) -> str:
-    return f"{value:g}" if isinstance(value, float) else str(value)
-
-
-_HEADER = (
-    f"{'choice':38} {'velocity':>9} {'rise':>7} {'width':>7} {'share':>7} "
-    f"{'time':>9} {'faster':>7} {'less work':>9} {'conv.':>6} {'memory':>7}"
-)
-
-
-def _row(choice: Choice) -> str:
-    memory = f"{choice.peak_bytes / 1e6:.0f} MB" if choice.peak_bytes else ""
-    return (
-        f"{choice.name:38} {_percent(choice.velocity_error):>9} {_percent(choice.rise_error):>7} "
-        f"{_percent(choice.width_error):>7} {choice.share_error:7.3f} {choice.seconds:7.3f} s "
-        f"{choice.speedup:7.3g} {choice.saving:9.3g} {choice.convolutions:6d} {memory:>7}"
-    )
-
-
-def _percent(value: float) -> str:
-    return f"{100 * value:.2f} %" if math.isfinite(value) else "none"
