@@ -125,7 +125,7 @@ class _Run:
         waiting: Iterable[_Chain],
     ) -> None:
         self._client, self._store, self._patience, self._report = client, store, patience, report
-        self._pickled = pickle.dumps(sweep)
+        self._pickled = pickle.dumps((sweep, store))
         self._parcel = share(client, self._pickled, patience)
         self.waiting = deque(waiting)
         self.running: list[_Task] = []
@@ -159,7 +159,7 @@ class _Run:
     def _start(self, chain: _Chain, worker: str | None = None) -> None:
         if self._parcel.status in ("error", "cancelled"):  # all who had it died
             self._parcel = share(self._client, self._pickled, self._patience)
-        arguments = (self._parcel, self._store, chain.points, chain.trunk, _STRETCH)
+        arguments = (self._parcel, chain.points, chain.trunk, _STRETCH)
         trunk = self._client.submit(compute_points, *arguments, pure=False, workers=worker)
         self.running.append(_Task(chain.points, trunk, worker))
 
@@ -176,22 +176,23 @@ class _Run:
         error = _error(task.trunk)
         if isinstance(error, StoreError | ExecutionError):
             raise error
-        status = self._store.status(task.points)
-        left = tuple(itertools.dropwhile(lambda point: status[point] != PENDING, task.points))
-        if not (died or error) and left == task.points:
+        flags = map(self._store.flag, task.points)  # of which those that wait are not read
+        found = tuple(itertools.takewhile(lambda flag: flag != PENDING, flags))
+        if not (died or error or found):
             return False  # not seen here yet, as happens where machines share their files
-        self._settle(task.points[: len(task.points) - len(left)], status)
+        over, left = task.points[: len(found)], task.points[len(found) :]
+        self._settle(dict(zip(over, found, strict=True)))
         if left and (died or error):
             self._recover(task, left, error)
         elif left:
             self.waiting.appendleft(_Chain(left, task.trunk))
         return True
 
-    def _settle(self, points: tuple[Point, ...], status: Mapping[Point, int]) -> None:
+    def _settle(self, flags: Mapping[Point, int]) -> None:
         """Take note of points that are done or have failed."""
-        for point in points:
-            self._report(**{"done" if status[point] == DONE else "failed": 1})
-        self.suspects = self.suspects.without(points)
+        for flag in flags.values():
+            self._report(**{"done" if flag == DONE else "failed": 1})
+        self.suspects = self.suspects.without(flags)
 
     def _recover(self, task: _Task, left: tuple[Point, ...], error: BaseException | None) -> None:
         """Suspect the point at which a task was lost, and go on with the others."""
@@ -207,7 +208,7 @@ class _Run:
             self.waiting.appendleft(_Chain(left[1:]))
         for point in self.suspects.failed:
             self._store.fail(point, _KILLED if killed else f"{type(error).__name__}: {error}")
-            self._settle((point,), self._store.status([point]))
+            self._settle({point: self._store.flag(point)})
 
     @property
     def at_work(self) -> str:

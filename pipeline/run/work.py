@@ -41,7 +41,7 @@ def _kept(trunk: bytes) -> Kept:
 
 
 def compute_points(
-    parcel: bytes, store: Store, points: tuple[Point, ...], kept: Kept | None, seconds: float
+    parcel: bytes, points: tuple[Point, ...], kept: Kept | None, seconds: float
 ) -> Kept:
     """Compute points of a chain, at least one, until the time is up.
 
@@ -52,8 +52,7 @@ def compute_points(
     Parameters
     ----------
     parcel : bytes
-        The pickled sweep.
-    store : Store
+        The pickled sweep and its store, which a scheduler elsewhere may not see.
     points : tuple of Point
         Of one chain, loads ascending.
     kept : Kept or None
@@ -69,9 +68,9 @@ def compute_points(
     Raises
     ------
     StoreError
-        If a point cannot be recorded.
+        If a point cannot be recorded, or the store is not seen here as it is by the driver.
     """
-    sweep, trunk = _unpacked(parcel), kept.trunk if kept else None
+    (sweep, store), trunk = _unpacked(parcel), kept.trunk if kept else None
     end = time.monotonic() + seconds
     restoring = False
     for point in points:
@@ -94,6 +93,6 @@ def compute_points(
 
 
 @functools.lru_cache(maxsize=1)
-def _unpacked(parcel: bytes) -> Sweep:
-    sweep: Sweep = pickle.loads(parcel)
-    return sweep
+def _unpacked(parcel: bytes) -> tuple[Sweep, Store]:
+    found: tuple[Sweep, Store] = pickle.loads(parcel)
+    return found

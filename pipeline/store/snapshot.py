@@ -109,14 +109,13 @@ class Snapshot:
         places = itertools.product(surfaces, self.axes["load"], self.axes["velocity"])
         return [Point(load, velocity, surface) for surface, load, velocity in places]
 
-    def status(self, points: Iterable[Point] | None = None) -> dict[Point, int]:
-        """Status of some points, or of every point there is room for; pending if not readable."""
-        if points is not None:
-            return {point: self._flag(point) for point in points}
+    def status(self) -> dict[Point, int]:
+        """Status of every point there is room for; pending if not readable."""
         flags, _ = self.flags()
         return dict(zip(self.places(), flags.ravel().tolist(), strict=True))
 
-    def _flag(self, point: Point) -> int:
+    def flag(self, point: Point) -> int:
+        """Status of a point; pending if not readable."""
         try:
             flag = int(self.at(point, ["status"])["status"])
         except StoreError:
@@ -153,7 +152,7 @@ class Snapshot:
 
     def is_done(self, point: Point) -> bool:
         """Whether a point is complete."""
-        return self._flag(point) == DONE
+        return self.flag(point) == DONE
 
     def message(self, point: Point) -> str:
         """Why a point failed, or what to know of it."""

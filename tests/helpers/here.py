@@ -1,5 +1,6 @@
 """A Dask client without a cluster: what it is given is done here and at once."""
 
+import pickle
 from concurrent.futures import Future
 
 from distributed.scheduler import KilledWorker
@@ -61,10 +62,10 @@ class Here:
         killed = KilledWorker(key, None, 0)
         if self._is_hit(len(self.tasks) - 1):
             raise killed
-        points = values[2]
+        points, (_, store) = values[1], pickle.loads(values[0])
         safe = next((i for i, point in enumerate(points) if self._is_deadly(point)), len(points))
-        kept = function(*values[:2], points[:safe], *values[3:])
-        if not all(values[1].is_done(point) for point in points[:safe]) or safe == len(points):
+        kept = function(values[0], points[:safe], *values[2:])
+        if not all(store.is_done(point) for point in points[:safe]) or safe == len(points):
             return kept
         raise killed
 

@@ -3,6 +3,8 @@
 Workers that really die are in test_sweep.py.
 """
 
+import pickle
+import shutil
 from collections import Counter
 
 import numpy as np
@@ -68,14 +70,14 @@ def assert_is_as_computed_alone(store, place):
 def test_a_point_that_takes_its_time_is_a_task_of_its_own(given):
     client = Here()
     _, ended = given(seconds=0.0, client=client)
-    assert [task[2][0] for task in client.tasks] == list(points(SWEEP))
+    assert [task[1][0] for task in client.tasks] == list(points(SWEEP))
     assert ended == {"done": 24}
 
 
 def test_short_points_share_a_task_with_the_next_of_their_chain(given):
     client = Here()
     store, ended = given(client=client)
-    assert [len(task[2]) for task in client.tasks] == [3] * 8
+    assert [len(task[1]) for task in client.tasks] == [3] * 8
     assert ended == {"done": 24}
     for place in points(SWEEP)[9:12]:
         assert_is_as_computed_alone(store, place)
@@ -85,7 +87,7 @@ def test_short_points_share_a_task_with_the_next_of_their_chain(given):
 def test_chains_are_finished_one_by_one_but_the_last_of_them_together(given, workers):
     client = Here(workers)
     given(seconds=0.0, client=client)
-    velocities = [task[2][0].velocity for task in client.tasks]
+    velocities = [task[1][0].velocity for task in client.tasks]
     in_turn = [v for v in SWEEP.velocities for _ in SWEEP.loads]
     together = [v for _ in SWEEP.loads for v in SWEEP.velocities]
     assert velocities == in_turn if workers == 1 else sorted(velocities[:8]) == together[:8]
@@ -109,10 +111,10 @@ def test_a_task_that_is_run_again_for_its_trunk_computes_no_more_than_that(tmp_p
     store = prepare(tmp_path / "out.zarr", SWEEP)
     first, second, third = points(SWEEP)[:3]
     store.commit(run_point(SWEEP, *first))
-    parcel = schedule.pickle.dumps(SWEEP)
-    kept = work.compute_points(parcel, store, (first, second, third), None, 1e9)
-    assert store.status([first, second]) == {first: DONE, second: PENDING}
-    work.compute_points(parcel, store, (second, third), kept, 1e9)
+    parcel = pickle.dumps((SWEEP, store))
+    kept = work.compute_points(parcel, (first, second, third), None, 1e9)
+    assert [store.flag(first), store.flag(second)] == [DONE, PENDING]
+    work.compute_points(parcel, (second, third), kept, 1e9)
     for place in (second, third):
         assert_is_as_computed_alone(store, place)
 
@@ -123,7 +125,7 @@ def test_the_points_that_workers_die_of_fail_after_trials_alone_and_no_others(gi
     store, ended = given(client=client)
     assert ended == {"done": 16, "failed": 8}
     assert {place for place, flag in store.status().items() if flag == FAILED} == deadly
-    alone = [task[2] for task, worker in zip(client.tasks, client.pinned, strict=True) if worker]
+    alone = [task[1] for task, worker in zip(client.tasks, client.pinned, strict=True) if worker]
     assert Counter(alone) == {(place,): TRIALS for place in deadly}
     for place in points(SWEEP)[:3:2]:
         assert_is_as_computed_alone(store, place)
@@ -144,16 +146,43 @@ def test_a_store_that_cannot_be_written_ends_it_all(given, monkeypatch):
         given()
 
 
+def test_workers_that_see_another_store_end_it_all(given, tmp_path):
+    class Elsewhere(Here):
+        def submit(self, *arguments, **options):
+            if len(arguments) > 2:
+                shutil.rmtree(tmp_path / "out.zarr")
+                prepare(tmp_path / "out.zarr", tiny.sweep(velocities=(9.0,)))
+            return super().submit(*arguments, **options)
+
+    with pytest.raises(StoreError, match="every worker must see the store under the same path"):
+        given(client=Elsewhere())
+
+
+def test_what_is_not_begun_is_not_looked_for(given, monkeypatch):
+    """Or a chain of many points would take longer to look after than to compute."""
+    flag, too_far = Store.flag, []
+
+    def looked(self, place):
+        if below := [load for load in SWEEP.loads if load < place.load]:
+            too_far.append(flag(self, place._replace(load=below[-1])) == PENDING)
+        return flag(self, place)
+
+    monkeypatch.setattr(Store, "flag", looked)
+    _, ended = given(seconds=0.0)
+    assert ended == {"done": 24}
+    assert too_far
+    assert not any(too_far)
+
+
 def test_a_point_that_the_store_shows_late_is_waited_for_and_not_blamed(given, monkeypatch):
     """As on a file system of many machines."""
-    status, asked = Store.status, Counter()
+    flag, asked = Store.flag, Counter()
 
-    def late(self, places):
-        asked.update(places)
-        found = status(self, places)
-        return {place: flag if asked[place] > 2 else PENDING for place, flag in found.items()}
+    def late(self, place):
+        asked[place] += flag(self, place) != PENDING
+        return flag(self, place) if asked[place] > 4 else PENDING
 
-    monkeypatch.setattr(Store, "status", late)
+    monkeypatch.setattr(Store, "flag", late)
     monkeypatch.setattr(schedule, "_UNSEEN", 0.0)
     client = Here()
     _, ended = given(client=client)
