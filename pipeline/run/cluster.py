@@ -180,13 +180,13 @@ def threads_of(
     Raises
     ------
     ExecutionError
-        If the scheduler is lost, or no worker comes back.
+        If the scheduler is lost or does not answer, or no worker comes back.
     """
     end = time.monotonic() + patience
     word = min(_WORD, patience / 2)
     while True:
         with _losses_told():
-            threads = Counter(client.nthreads())
+            threads = Counter(client.nthreads(callback_timeout=patience))
         if client.cluster is not None and len(threads) < len(client.cluster.worker_spec):
             client.cluster.scale(len(client.cluster.worker_spec))  # in place of those taken off
         if threads:
@@ -200,16 +200,18 @@ def threads_of(
         time.sleep(0.1)
 
 
-def is_processed(client: Client, keys: Collection[str]) -> bool:
+def is_processed(client: Client, keys: Collection[str], patience: float) -> bool:
     """Whether a worker that lives has been given any of some tasks.
 
     Raises
     ------
     ExecutionError
-        If the scheduler is lost.
+        If the scheduler is lost or does not answer.
     """
     with _losses_told():
-        return any(key in keys for given in client.processing().values() for key in given)
+        # As client.processing(), which may wait for ever.
+        processing = client.sync(client.scheduler.processing, callback_timeout=patience)
+        return any(key in keys for given in processing.values() for key in given)
 
 
 def wait_for_any(futures: Collection[Future], seconds: float) -> None:

@@ -101,7 +101,8 @@ def compute(
         run.submit(workers)
         wait_for_any([task.trunk for task in run.running], _POLL)
         moved = run.look(workers)
-        computing = not moved and is_processed(client, {task.trunk.key for task in run.running})
+        keys = {task.trunk.key for task in run.running}
+        computing = not moved and is_processed(client, keys, patience)
         watch = watch.after(time.monotonic() - absent, moved, computing)
         if watch.is_over:
             raise ExecutionError(f"{watch.word}, and no worker computes any; {SAFE}")

@@ -32,7 +32,14 @@ class Here:
         self._workers, self._is_deadly, self._is_hit = workers, is_deadly, is_hit
         self.tasks, self.pinned = [], []
 
-    def nthreads(self):
+    @property
+    def scheduler(self):
+        return self
+
+    def sync(self, function, **_):
+        return function()
+
+    def nthreads(self, **_):
         return {f"here {number}": 1 for number in range(self._workers)}
 
     def processing(self):

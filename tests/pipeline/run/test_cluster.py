@@ -106,15 +106,16 @@ def test_a_scheduler_that_is_lost_and_workers_that_are_gone_are_errors(cluster, 
         run_sweep(slow, second, **given)
 
 
-def test_a_scheduler_that_is_lost_on_the_way_is_an_error(cluster, tmp_path):
+@pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGSTOP])
+def test_a_scheduler_that_is_lost_or_frozen_on_the_way_is_an_error(cluster, tmp_path, how):
     def lose(progress):
         if progress.done == 2:
-            cluster.scheduler.kill()
+            cluster.scheduler.send_signal(how)
 
     slow = tiny.sweep(loading=tiny.SlowRamp(150.0, 750.0))
     path = tmp_path / "tiny.zarr"
     with pytest.raises(ExecutionError, match="scheduler is lost; finished points are safe"):
-        run_sweep(slow, path, scheduler=cluster.address, progress=lose)
+        run_sweep(slow, path, scheduler=cluster.address, progress=lose, patience=5.0)
     assert summary(path).done >= 2
 
 
