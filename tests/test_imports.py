@@ -7,6 +7,9 @@ from pathlib import Path
 
 import pytest
 
+from pipeline.store.points import prepare
+from tests.helpers import tiny
+
 ROOT = Path(__file__).parents[1]
 HEAVY = {
     "dask",
@@ -56,6 +59,12 @@ def loaded_by(code):
 )
 def test_an_import_loads_no_more_than_it_needs(code, allowed):
     assert loaded_by(code) <= allowed
+
+
+def test_the_state_of_a_sweep_without_warnings_needs_no_dataset(tmp_path):
+    prepare(tmp_path / "tiny.zarr", tiny.sweep())
+    status = f"import pipeline.cli as cli; cli.main(['status', {str(tmp_path / 'tiny.zarr')!r}])"
+    assert loaded_by(status) <= {"pipeline", "tribo", "zarr"}
 
 
 def test_every_public_name_is_there():

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-from dataclasses import asdict, dataclass
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -14,52 +13,11 @@ from pipeline.analysis.dataset import by_surface, ordered
 from pipeline.store.variables import DONE
 from pipeline.sweep.criterion import rise_limit
 from pipeline.sweep.model import Point
+from pipeline.sweep.warned import NO_WARNING, Warned
 from tribo import WarningKind
 from tribo.types import Array, Mask
 
 _OLD_STORES = "of unknown kind"  # those that keep the text alone
-
-
-@dataclass(frozen=True, slots=True)
-class Warned:
-    """How many points of a sweep carry a warning.
-
-    Attributes
-    ----------
-    points : int
-        Points with at least one.
-    kinds : dict of int
-        Points with a warning of each kind that occurs.
-    at_boundary : int or None
-        Those beside the boundary: a neighbour in load or in velocity has the other kind of wear.
-        None where there is no boundary, for want of a critical temperature.
-    example : str
-        One of these points, or of the others if there is none, and what is to be known of it.
-    """
-
-    points: int
-    kinds: dict[str, int]
-    at_boundary: int | None
-    example: str = ""
-
-    def as_dict(self) -> dict[str, Any]:
-        """Return the fields by name."""
-        return asdict(self)
-
-    def lines(self) -> Iterator[str]:
-        """What to tell a user; nothing where no point carries a warning."""
-        if not self.points:
-            return
-        kinds = ", ".join(f"{kind} at {count}" for kind, count in self.kinds.items())
-        if self.at_boundary is None:
-            lies = "and no critical temperature tells where the boundary is"
-        elif self.at_boundary:
-            lies = f"{self.at_boundary} beside the boundary, which may be wrong there"
-        else:
-            lies = "none beside the boundary"
-        carry = "1 point carries" if self.points == 1 else f"{self.points} points carry"
-        yield f"warning: {carry} a warning ({kinds}), {lies}"
-        yield f"warning: at {self.example}"
 
 
 def warned(ds: xr.Dataset, **conditions: Any) -> Warned:
@@ -74,7 +32,7 @@ def warned(ds: xr.Dataset, **conditions: Any) -> Warned:
     """
     there = has_warning(ds)
     if not there.any():
-        return Warned(0, {}, 0)
+        return NO_WARNING
     if "warning_flags" in ds:
         flags = ds["warning_flags"].where(there, 0)
         counts = {kind.label: int(((flags & kind) > 0).sum()) for kind in WarningKind}

@@ -37,6 +37,8 @@ class Summary:
     total, done, pending : int
         Points that the scene asks for, those of them that are done and those still to do.
     failed : tuple of FailedPoint
+    warned : int
+        Points that are done and carry a warning.
     rate : float or None
         At which points were finished most recently [1/s]; None if that is not known.
     running : str or None
@@ -49,6 +51,7 @@ class Summary:
     done: int
     pending: int
     failed: tuple[FailedPoint, ...]
+    warned: int = 0
     rate: float | None = None
     running: str | None = None
 
@@ -76,16 +79,20 @@ def summarized(store: Snapshot) -> Summary:
 
 
 def summary(path: PathLike) -> Summary:
-    """Count the points of a store and tell their rate, without reading their data.
+    """Count the points of a store and their warnings, and tell their rate, without their data.
 
     Raises
     ------
     StoreError
         If there is no readable store.
     """
-    _, found = read_whole(path, _with_rate, Snapshot)
+    _, found = read_whole(path, _with_rate_and_warnings, Snapshot)
     return replace(found, running=user(path))
 
 
-def _with_rate(store: Snapshot) -> Summary:
-    return replace(summarized(store), rate=pace(store.finished_at()))
+def _with_rate_and_warnings(store: Snapshot) -> Summary:
+    name = "warning_flags" if "warning_flags" in store.names else "message"
+    flags, _ = store.flags()
+    # Both are empty, 0 or no text, where there is nothing to warn of.
+    warned = (flags == DONE) & store.values(name).astype(bool)
+    return replace(summarized(store), rate=pace(store.finished_at()), warned=int(warned.sum()))

@@ -1,6 +1,7 @@
 """Points that carry a warning are counted, and those that the boundary rests on are told apart."""
 
 import json
+import shutil
 from dataclasses import replace
 
 import numpy as np
@@ -11,6 +12,8 @@ import pipeline
 from pipeline.analysis.warned import Warned, has_warning, warned
 from pipeline.cli import main
 from pipeline.figures.diagram import diagram
+from pipeline.store.points import Store
+from pipeline.sweep.model import Point
 from tests.helpers import synthetic, tiny
 from tribo import WarningKind
 
@@ -99,6 +102,20 @@ def narrow(tmp_path_factory):
     conditions = replace(tiny.sweep().conditions, critical_temperature=330.0)
     pipeline.run_sweep(tiny.sweep(conditions=conditions, increments=12), path, workers=1)
     return path
+
+
+def test_a_summary_counts_the_same_points(narrow, tmp_path):
+    store = Store(shutil.copytree(narrow, tmp_path / "out.zarr"))
+    there = has_warning(pipeline.open_sweep(store.path)).load()
+    count = int(there.sum())
+    assert pipeline.summary(store.path).warned == count > 0
+    load, velocity = (
+        float(there[name][at[0]])
+        for name, at in zip(there.dims, np.nonzero(there.values), strict=True)
+    )
+    store.forget(Point(load, velocity))
+    store.fail(Point(load, velocity), "it did not converge")
+    assert pipeline.summary(store.path).warned == count - 1
 
 
 def printed(capsys, *arguments):

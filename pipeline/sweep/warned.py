@@ -1,0 +1,53 @@
+"""How many points of a sweep carry a warning, as every command tells it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass
+from typing import Any
+
+
+@dataclass(frozen=True, slots=True)
+class Warned:
+    """How many points of a sweep carry a warning.
+
+    Attributes
+    ----------
+    points : int
+        Points with at least one.
+    kinds : dict of int
+        Points with a warning of each kind that occurs.
+    at_boundary : int or None
+        Those beside the boundary: a neighbour in load or in velocity has the other kind of wear.
+        None where there is no boundary, for want of a critical temperature.
+    example : str
+        One of these points, or of the others if there is none, and what is to be known of it.
+    """
+
+    points: int
+    kinds: dict[str, int]
+    at_boundary: int | None
+    example: str = ""
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the fields by name."""
+        return asdict(self)
+
+    def lines(self) -> Iterator[str]:
+        """What to tell a user; nothing where no point carries a warning."""
+        if not self.points:
+            return
+        kinds = ", ".join(f"{kind} at {count}" for kind, count in self.kinds.items())
+        if self.at_boundary is None:
+            lies = "and no critical temperature tells where the boundary is"
+        elif self.at_boundary:
+            lies = f"{self.at_boundary} beside the boundary, which may be wrong there"
+        else:
+            lies = "none beside the boundary"
+        carry = "1 point carries" if self.points == 1 else f"{self.points} points carry"
+        yield f"warning: {carry} a warning ({kinds}), {lies}"
+        yield f"warning: at {self.example}"
+
+
+NO_WARNING = Warned(0, {}, 0)
+"""Of a sweep in which no point carries one."""
