@@ -96,6 +96,7 @@ def connected(workers: int, scheduler: str | None, patience: float) -> Iterator[
                 yield client
         finally:
             if cluster is not None:
+                forkserver.wake()
                 with interrupts_put_off():
                     cluster.close()
 

@@ -11,9 +11,11 @@ import signal
 import sys
 import threading
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from multiprocessing import forkserver, resource_tracker
 from typing import Any
+
+import psutil
 
 METHOD = "forkserver" if "forkserver" in multiprocessing.get_all_start_methods() else "spawn"
 """Of `multiprocessing`, by which to start workers."""
@@ -39,6 +41,7 @@ _UNGUARDED = 71  # exit code of a worker that was about to run a sweep
 
 def start() -> None:
     """Start the process, unless it runs."""
+    wake()
     if METHOD != "forkserver":
         return
     settings = {**WORKER_ENVIRONMENT, PRELOADING: "1"}
@@ -54,6 +57,15 @@ def start() -> None:
                 del os.environ[name]
             else:
                 os.environ[name] = value
+
+
+def wake() -> None:
+    """Let the process go on if it was stopped; whoever waits for workers waits for it, too."""
+    for child in psutil.Process().children():
+        with suppress(psutil.NoSuchProcess):
+            is_stopped = child.status() == psutil.STATUS_STOPPED
+            if is_stopped and any("multiprocessing.forkserver" in word for word in child.cmdline()):
+                child.resume()
 
 
 def end_if_imported() -> None:

@@ -5,6 +5,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import psutil
 import pytest
 
 from pipeline.run import forkserver
@@ -43,6 +44,22 @@ def test_the_settings_of_workers_are_not_those_of_this_process(monkeypatch):
         (found,) = client.run(lambda: dict(os.environ)).values()
     assert found["SET_LATER"] == os.environ["SET_LATER"]
     assert found["OMP_NUM_THREADS"] == "1"
+
+
+@pytest.mark.skipif(forkserver.METHOD != "forkserver", reason="workers are not forked here")
+def test_a_forkserver_that_was_stopped_is_waited_for_by_nobody():
+    def stop():
+        (server,) = (
+            each for each in psutil.Process().children() if "forkserver" in " ".join(each.cmdline())
+        )
+        server.suspend()
+
+    forkserver.start()
+    stop()  # before workers start, and again before they end
+    with connected(1, None, 30.0) as client:
+        (worker,) = client.run(os.getpid).values()
+        stop()
+    assert not psutil.pid_exists(worker)
 
 
 def test_what_workers_import_is_not_frozen_elsewhere():
