@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -36,6 +35,10 @@ class _Outcome:
     off: list[list[float]]  # of the critical velocity at the scene's friction, relative
 
 
+_Found = Mapping[str, Mapping[str, _Outcome]]
+"""Outcomes by the kind of change, and by the change."""
+
+
 def sensitivity(study: Study) -> Report:
     """Temperatures at Table 4's transitions, and critical velocities, for other surfaces."""
     sweep = study.scene("irg_transition", usual_preset="standard")
@@ -43,71 +46,19 @@ def sensitivity(study: Study) -> Report:
     if not isinstance(own, SelfAffineRoughness):
         raise TypeError("the sensitivity is to the parameters of a random surface")
     base = own.correlation_length[0] * 1e6
-    kinds: dict[str, dict[str, dict[str, Any]]] = {
-        "correlation length": {
-            f"{length:g} µm": {"correlation_length": (length * 1e-6, length * 1e-6)}
-            for length in LENGTHS
-        },
-        "lay": {
-            f"{base * along:g} × {base * across:g} µm": {
-                "correlation_length": (base * along * 1e-6, base * across * 1e-6)
-            }
-            for along, across in LAYS
-        },
-        "Hurst exponent": {f"{value:g}": {"hurst_exponent": value} for value in HURST},
-    }
-    found: dict[str, dict[str, _Outcome]] = {}
     known: dict[SelfAffineRoughness, _Outcome] = {}
-    for kind, variants in kinds.items():
-        found[kind] = {}
-        for name, changes in variants.items():
-            rough = replace(own, **changes)
-            if rough not in known:
-                study.tell(f"{kind} {name}")
-                known[rough] = _outcome(study, replace(sweep, roughness=rough))
-            found[kind][name] = known[rough]
-
-    own_outcome = known[own]
-    lengths = [mean_off(outcome) for outcome in found["correlation length"].values()]
-    good = [
-        name
-        for name, outcome in found["correlation length"].items()
-        if max(abs(statistics(column)[0]) for column in outcome.off) < _GOOD
-    ]
-    other = {
-        kind: [mean_off(outcome) for outcome in found[kind].values()]
-        for kind in ("lay", "Hurst exponent")
+    found = {
+        kind: {
+            name: _outcome_once(study, sweep, rough, f"{kind} {name}", known)
+            for name, rough in variants.items()
+        }
+        for kind, variants in _kinds(own).items()
     }
-    seeds = max(100 * statistics(column)[1] for column in own_outcome.off)
-    hotter = [_mean(o.highest) for o in found["correlation length"].values()]
-    fits = _nearest_highest(found["correlation length"])
-    findings = (
-        Finding(
-            "the calculated transitions agree well with the measured ones",
-            f"on average {100 * lengths[0]:+.0f} % off in velocity with the shortest correlation "
-            f"length to {100 * lengths[-1]:+.0f} % with the longest; every transition within "
-            f"{100 * _GOOD:g} % with {', '.join(good) or 'none'}",
-            max(abs(statistics(column)[0]) for column in own_outcome.off) < _GOOD,
-            f"The verdict is on the {base:g} µm of the scene. A lay moves it to "
-            f"{_percent(other['lay'])}, another Hurst exponent to "
-            f"{_percent(other['Hurst exponent'])}, another surface of the same kind by "
-            f"{seeds:.1f} % (one spread).",
-        ),
-        Finding(
-            "highest temperatures of 153 to 162 °C, 158 °C on average",
-            f"{hotter[0]:.0f} °C with the shortest correlation length to {hotter[-1]:.0f} °C with "
-            f"the longest, {_mean(own_outcome.highest):.0f} °C with the {base:g} µm of the scene",
-            abs(_mean(own_outcome.highest) - _printed_highest()) < 5,
-            f"The nearest is {fits}, with velocities "
-            f"{100 * mean_off(found['correlation length'][fits]):+.0f} % off: to choose it would "
-            "be a fit, not a prediction.",
-        ),
-    )
     return Report(
         name="sensitivity",
         title=f"to the structure of the roughness, over {len(study.seeds(_SURFACES))} surfaces",
         table=_table(sweep, found),
-        findings=findings,
+        findings=(_on_velocities(found, known[own], base), _on_highest(found, known[own], base)),
         notes=(
             f"Ra is {own.ra * 1e6:g} µm throughout. The scene has a correlation length of "
             f"{base:g} µm, no lay and a Hurst exponent of {own.hurst_exponent:g}, all our choice.",
@@ -126,6 +77,78 @@ def sensitivity(study: Study) -> Report:
         },
         figure=_draw(sweep, found),
     )
+
+
+def _kinds(own: SelfAffineRoughness) -> dict[str, dict[str, SelfAffineRoughness]]:
+    """Surfaces that differ from the scene's own in one kind of parameter, by what is changed."""
+    base = own.correlation_length[0] * 1e6
+
+    def of_lengths(along: float, across: float) -> SelfAffineRoughness:
+        return replace(own, correlation_length=(along * 1e-6, across * 1e-6))
+
+    return {
+        "correlation length": {f"{length:g} µm": of_lengths(length, length) for length in LENGTHS},
+        "lay": {
+            f"{base * along:g} × {base * across:g} µm": of_lengths(base * along, base * across)
+            for along, across in LAYS
+        },
+        "Hurst exponent": {f"{value:g}": replace(own, hurst_exponent=value) for value in HURST},
+    }
+
+
+def _on_velocities(found: _Found, own: _Outcome, base: float) -> Finding:
+    lengths = {name: mean_off(outcome) for name, outcome in found["correlation length"].items()}
+    shortest, *_, longest = lengths.values()
+    good = [name for name, each in found["correlation length"].items() if _worst(each) < _GOOD]
+    other = {
+        kind: [mean_off(outcome) for outcome in found[kind].values()]
+        for kind in ("lay", "Hurst exponent")
+    }
+    seeds = max(100 * statistics(column)[1] for column in own.off)
+    return Finding(
+        "the calculated transitions agree well with the measured ones",
+        f"on average {100 * shortest:+.0f} % off in velocity with the shortest correlation "
+        f"length to {100 * longest:+.0f} % with the longest; every transition within "
+        f"{100 * _GOOD:g} % with {', '.join(good) or 'none'}",
+        _worst(own) < _GOOD,
+        f"The verdict is on the {base:g} µm of the scene. A lay moves it to "
+        f"{_percent(other['lay'])}, another Hurst exponent to "
+        f"{_percent(other['Hurst exponent'])}, another surface of the same kind by "
+        f"{seeds:.1f} % (one spread).",
+    )
+
+
+def _on_highest(found: _Found, own: _Outcome, base: float) -> Finding:
+    lengths = found["correlation length"]
+    shortest, *_, longest = map(_mean, (outcome.highest for outcome in lengths.values()))
+    fits = _nearest_highest(lengths)
+    return Finding(
+        "highest temperatures of 153 to 162 °C, 158 °C on average",
+        f"{shortest:.0f} °C with the shortest correlation length to {longest:.0f} °C with "
+        f"the longest, {_mean(own.highest):.0f} °C with the {base:g} µm of the scene",
+        abs(_mean(own.highest) - _printed_highest()) < 5,
+        f"The nearest is {fits}, with velocities {100 * mean_off(lengths[fits]):+.0f} % off: to "
+        "choose it would be a fit, not a prediction.",
+    )
+
+
+def _worst(outcome: _Outcome) -> float:
+    """Largest relative error of a critical velocity, each averaged over the surfaces."""
+    return max(abs(statistics(column)[0]) for column in outcome.off)
+
+
+def _outcome_once(
+    study: Study,
+    sweep: Sweep,
+    rough: SelfAffineRoughness,
+    name: str,
+    known: dict[SelfAffineRoughness, _Outcome],
+) -> _Outcome:
+    """Simulate a kind of surface, unless its outcome is known; keep it."""
+    if rough not in known:
+        study.tell(name)
+        known[rough] = _outcome(study, replace(sweep, roughness=rough))
+    return known[rough]
 
 
 def _outcome(study: Study, sweep: Sweep) -> _Outcome:
@@ -173,7 +196,7 @@ def _nearest_highest(row: Mapping[str, _Outcome]) -> str:
     return min(row, key=lambda name: abs(_mean(row[name].highest) - _printed_highest()))
 
 
-def _table(sweep: Sweep, found: Mapping[str, Mapping[str, _Outcome]]) -> Table:
+def _table(sweep: Sweep, found: _Found) -> Table:
     rows: list[tuple[str, ...]] = []
     for kind, variants in found.items():
         rows.append((kind,))
@@ -198,7 +221,7 @@ def _table(sweep: Sweep, found: Mapping[str, Mapping[str, _Outcome]]) -> Table:
 
 
 @in_house_style
-def _draw(sweep: Sweep, found: Mapping[str, Mapping[str, _Outcome]]) -> Figure:
+def _draw(sweep: Sweep, found: _Found) -> Figure:
     figure = Figure(figsize=(10.4, 6.4))
     rows = figure.subplots(2, len(found), sharex="col", sharey="row")
     critical = celsius(sweep.conditions.known_critical_temperature())
