@@ -35,11 +35,13 @@ def test_the_paper_s_scene_has_its_measured_transitions():
     assert len(PAPER.velocities) >= 13
 
 
-def test_first_try_crosses_the_boundary(tmp_path):
+def test_first_try_crosses_the_boundary_and_no_point_warns(tmp_path):
     sweep = pipeline.load_scene(WORKFLOWS / "first_try.toml")
     outcome = pipeline.run_sweep(sweep, tmp_path / "first.zarr", workers=2)
     assert (outcome.done, outcome.failed) == (outcome.total, ())
-    found = pipeline.boundary(pipeline.open_sweep(tmp_path / "first.zarr"))["critical_velocity"]
+    ds = pipeline.open_sweep(tmp_path / "first.zarr")
+    assert pipeline.warned(ds).as_dict()["points"] == 0
+    found = pipeline.boundary(ds)["critical_velocity"]
     assert found.notnull().all()
     assert (found.diff("load") < 0).all()
 
