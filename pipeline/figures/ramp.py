@@ -63,18 +63,22 @@ def ramp(
     ds = on_surface(ordered(ds), realization).transpose("load", "velocity", "step", ...)
     points = chosen_points(ds, load, velocity, conditions)
 
-    figure = Figure(figsize=(7.2, 7.8))
-    temperature, contact, wear = figure.subplots(3, 1, sharex=True, height_ratios=(1.4, 1, 1))
+    depth, volume = 1e6 * ds["wear_depth_max"].values, 1e9 * ds["wear_volume"].values
+    is_worn = any(np.nanmax(volume[point]) > 0 for point in points)
+    figure = Figure(figsize=(7.2, 7.8 if is_worn else 5.8))
+    ratios = (1.4, 1, 1) if is_worn else (1.4, 1)
+    temperature, contact, *wear = figure.subplots(len(ratios), sharex=True, height_ratios=ratios)
     _temperatures(temperature, ds, points, conditions)
     width, fraction = 1e6 * ds["contact_width"].values, 100 * ds["contact_fraction"].values
     _pair(contact, ds, points, "contact width [µm]", width, "in contact [% of window]", fraction)
-    depth, volume = 1e6 * ds["wear_depth_max"].values, 1e9 * ds["wear_volume"].values
-    power = _power_of_thousand(max(np.nanmax(volume[point]) for point in points))
-    unit = f"$10^{{{round(math.log10(power))}}}$ mm³" if power != 1 else "mm³"
-    worn = f"worn volume [{unit}]", volume / power
-    _pair(wear, ds, points, "greatest wear depth [µm]", depth, *worn)
-    wear.set_xlabel("time [s]")
-    wear.set_xlim(0, 1.01 * max(float(np.nanmax(ds["time"].values[point])) for point in points))
+    for axes in wear:
+        power = _power_of_thousand(max(np.nanmax(volume[point]) for point in points))
+        unit = f"$10^{{{round(math.log10(power))}}}$ mm³" if power != 1 else "mm³"
+        worn = f"worn volume [{unit}]", volume / power
+        _pair(axes, ds, points, "greatest wear depth [µm]", depth, *worn)
+    lowest = [contact, *wear][-1]
+    lowest.set_xlabel("time [s]")
+    lowest.set_xlim(0, 1.01 * max(float(np.nanmax(ds["time"].values[point])) for point in points))
     _load_axis(temperature, ds, points)
     figure.suptitle(title_of(ds))
     lines = [
@@ -164,7 +168,8 @@ def _pair(
     ):
         for number, point in enumerate(points):
             time, shown, marker = ds["time"].values[point], values[point], ""
-            if np.isnan(shown[np.isfinite(time)]).any():  # known at the ends of loads alone
+            steps = np.isfinite(time)
+            if np.isnan(shown[steps]).any() or steps.sum() == 1:  # known at the ends of loads alone
                 (time, shown), marker = _along_ramp(ds, values, point), "."
             color, order = f"C{number}", _order(point)
             axes.plot(time, shown, color=color, ls=style, marker=marker, zorder=order)

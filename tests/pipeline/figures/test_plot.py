@@ -193,6 +193,22 @@ def test_ramp_shows_temperatures_between_where_there_are_any():
     np.testing.assert_allclose(temperature, 25.0 + 0.1 * synthetic.rise(load, 2.0, 0.9))
 
 
+def test_without_wear_the_ramp_has_no_frame_for_it_and_none_that_is_empty(sweep):
+    ds = sweep.assign({name: 0.0 * sweep[name] for name in ("wear_depth_max", "wear_volume")})
+    taken = ds["time"].notnull()
+    ends = taken & ~taken.shift(step=-1, fill_value=False)  # the one step that a point takes then
+    ds = ds.assign(time=ds["time"].where(ends), normal_load=ds["normal_load"].where(ends))
+    axes = ramp(ds).axes
+    assert [at.get_ylabel().partition(" [")[0] for at in axes] == [
+        "contact temperature",
+        "contact width",
+        "in contact",
+    ]
+    assert axes[1].get_xlabel() == "time [s]"
+    for drawn in axes:
+        assert len(drawn.lines[0].get_xdata()) > 1
+
+
 def test_ramp_leaves_out_points_that_are_not_done():
     ds = synthetic.sweep()
     ds["status"].loc[{"load": 500.0}] = FAILED
