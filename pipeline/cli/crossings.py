@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 _NO_CROSSING = {1: "mild throughout", 2: "severe from the lowest", 3: "not known yet"}
+_OUTCOMES = {0: "crosses"} | _NO_CROSSING
 _BOUNDARIES = (
     ("critical_velocity", "load", "  load [N]   critical velocity [m/s]"),
     ("critical_load", "velocity", "  velocity [m/s]   critical load [N]"),
@@ -28,11 +29,25 @@ def document_of(found: xr.Dataset) -> dict[str, Any]:
         for name, axis, _ in _BOUNDARIES:
             shown += [f"{name}_{kind}" for kind in ("mean", "spread", "quantile")]
             shown += [f"crossing_at_{axis}", f"known_at_{axis}"]
-    return {
-        "conditions": {"friction": frictions if "friction" in found.dims else frictions[0]}
-        | {name: found.attrs[name] for name in conditions},
-        "missing_points": found.attrs["missing_points"],
-    } | {name: found[name].values.tolist() for name in shown}
+    return (
+        {
+            "conditions": {"friction": frictions if "friction" in found.dims else frictions[0]}
+            | {name: found.attrs[name] for name in conditions},
+            "missing_points": found.attrs["missing_points"],
+        }
+        | {name: found[name].values.tolist() for name in shown}
+        | {
+            f"{name}_outcome": _worded(found[f"outcome_at_{axis}"].values.tolist())
+            for name, axis, _ in _BOUNDARIES
+        }
+    )
+
+
+def _worded(outcomes: Any) -> Any:
+    """Outcomes in words, in lists as deep as theirs."""
+    if isinstance(outcomes, list):
+        return [_worded(outcome) for outcome in outcomes]
+    return _OUTCOMES[outcomes]
 
 
 def text_of(found: xr.Dataset) -> Iterator[str]:

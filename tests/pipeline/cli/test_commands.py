@@ -241,9 +241,22 @@ def test_friction_0_is_mild_in_every_command(swept, tmp_path, capsys, kind):
     assert run("boundary", store, "--friction", 0, "--json") == 0
     capsys.readouterr()
     assert run("boundary", store, "--friction", 0, "--friction", 0.1, "--json") == 0
-    slippery, rubbing = json.loads(capsys.readouterr().out)["critical_velocity"]
+    document = json.loads(capsys.readouterr().out)
+    slippery, rubbing = document["critical_velocity"]
     assert not any(slippery)
     assert any(rubbing)
+    slippery, rubbing = document["critical_velocity_outcome"]
+    assert set(slippery) == {"mild throughout"}
+    assert "crosses" in rubbing
+
+
+def test_the_document_says_why_there_is_no_crossing(swept, capsys):
+    for friction, why in ((0.001, "mild throughout"), (1.0, "severe from the lowest")):
+        assert run("boundary", swept / "small.zarr", "--friction", friction, "--json") == 0
+        document = json.loads(capsys.readouterr().out)
+        for name in ("critical_velocity", "critical_load"):
+            assert not any(document[name])
+            assert set(document[f"{name}_outcome"]) == {why}
 
 
 def test_a_point_without_friction_is_as_cold_as_its_bulk(swept, capsys):
