@@ -264,9 +264,9 @@ def _add_conditions(parser: argparse.ArgumentParser, several: bool = True) -> No
     )
     group.add_argument(
         "--share",
-        type=float,
+        type=values.failing_share,
         help="share of the contact above the critical temperature beyond which wear is severe, "
-        "like 0.1",
+        "like 10%% or 0.1; 0 for the maximum temperature",
     )
 
 

@@ -94,12 +94,26 @@ class Several(argparse.Action):
 def share(text: str) -> float:
     """Read a share such as 2% or 0.02."""
     try:
-        value = float(text[:-1]) / 100 if text.endswith("%") else float(text)
-    except ValueError:
+        value = failing_share(text)
+    except argparse.ArgumentTypeError:
         value = 0.0
     if not 0 < value < 1:
         raise argparse.ArgumentTypeError(f'"{text}": give a share between 0 and 1, such as 2%')
     return value
+
+
+def failing_share(text: str) -> float:
+    """Read the share of the contact beyond which wear is severe, which may be 0.
+
+    Examples
+    --------
+    >>> failing_share("10%"), failing_share("0.1"), failing_share("0")
+    (0.1, 0.1, 0.0)
+    """
+    try:
+        return float(text[:-1]) / 100 if text.endswith("%") else float(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f'"{text}": give a share such as 10% or 0.1') from None
 
 
 def setting(text: str) -> tuple[str, Any]:

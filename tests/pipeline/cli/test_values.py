@@ -31,6 +31,19 @@ def test_a_decimal_comma_in_a_single_number_is_refused_with_the_point():
         values.friction("0,12")
 
 
+@pytest.mark.parametrize(
+    ("text", "found"), [("10%", 0.1), ("0.1", 0.1), ("0", 0.0), ("0%", 0.0), ("0.0", 0.0)]
+)
+def test_a_failing_share_may_be_in_percent_or_nothing(text, found):
+    assert values.failing_share(text) == found
+
+
+@pytest.mark.parametrize("text", ["0,1", "%", "10 percent", "a tenth"])
+def test_a_failing_share_that_is_not_a_number_is_refused(text):
+    with pytest.raises(argparse.ArgumentTypeError, match=r"give a share such as 10% or 0\.1"):
+        values.failing_share(text)
+
+
 def test_an_option_with_several_values_may_be_repeated():
     parser = argparse.ArgumentParser()
     parser.add_argument("--friction", type=values.frictions, action=values.Several)
