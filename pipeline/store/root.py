@@ -80,6 +80,8 @@ def read_metadata(folder: Place) -> tuple[dict[str, Any], dict[str, Any]]:
                     f"{folder} has lost its {ROOT}, and there is no copy to restore it from; take "
                     "it from a backup, or write to another store"
                 ) from None
+        if not folder.exists():
+            raise StoreError(f"{folder} does not exist; give a store that irg run made") from None
         raise StoreError(f"{folder} is not a store: there is no {ROOT}") from None
     except OSError as error:
         raise StoreError(f"{folder} cannot be read: {error.strerror or error}") from error

@@ -519,7 +519,7 @@ def test_what_is_no_store_is_refused_and_left_alone(path, make, complaint, use):
 
 
 def test_a_store_that_is_not_there_and_a_url_are_refused(path):
-    with pytest.raises(StoreError, match="is not a store"):
+    with pytest.raises(StoreError, match="does not exist; give a store that irg run made"):
         summary(path)
     with pytest.raises(StoreError, match="a local folder or an s3:// address"):
         prepare("https://example.org/tiny.zarr", SWEEP)
