@@ -36,7 +36,8 @@ def meaning(sweep: Sweep, facts: Facts) -> Iterator[str]:
 def _share(facts: Facts) -> str:
     if facts.greatest_load == float("inf"):
         return "elastic at any load"
-    return f"at the hardness all over under {1e-3 * facts.greatest_load:.3g} kN on the pin"
+    kilonewtons = 1e-3 * facts.greatest_load
+    return f"carries at most {kilonewtons:.3g} kN on the pin, all of it at the hardness"
 
 
 def _surface(surface: SurfaceFacts) -> str:

@@ -69,6 +69,17 @@ def duration(seconds: float) -> str:
     return f"{minutes} min" if minutes < 120 else f"{minutes / 60:.1f} h"
 
 
+def counted(number: int, one: str, several: str) -> str:
+    """Write how many there are of something.
+
+    Examples
+    --------
+    >>> counted(1, "load", "loads"), counted(4, "load", "loads")
+    ('1 load', '4 loads')
+    """
+    return f"{number} {one if number == 1 else several}"
+
+
 def micrometres(length: float) -> str:
     """Write a length [m] in micrometres."""
     return pipeline.display(length, "µm", 4)

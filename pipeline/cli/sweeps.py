@@ -13,6 +13,7 @@ from pipeline.cli.output import (
     DONE,
     SOME_FAILED,
     ProgressLine,
+    counted,
     duration,
     failed_points,
     show,
@@ -114,12 +115,14 @@ def _cost(sweep: Sweep, found: Estimate, said: Collection[str]) -> Iterator[str]
     """Say what a sweep would cost, and what is left out besides what was said."""
     surfaces = f", {len(sweep.realizations)} surfaces" if sweep.realizations else ""
     yield (
-        f"  points   {found.points}: {len(sweep.loads)} loads, {len(sweep.velocities)} velocities"
-        f"{surfaces}"
+        f"  points   {found.points}: {counted(len(sweep.loads), 'load', 'loads')}, "
+        f"{counted(len(sweep.velocities), 'velocity', 'velocities')}{surfaces}"
     )
     yield f"  steps    {found.steps} contacts and {found.temperatures} temperatures to solve"
-    yield f"  time     about {duration(found.seconds)} on {found.workers} worker(s)"
+    workers = counted(found.workers, "worker", "workers")
+    yield f"  time     about {duration(found.seconds)} on {workers}"
     yield from (f"           {line}" for line in found.basis.split("; "))
-    yield f"  disk     about {found.disk_bytes / 1e6:.0f} MB"
+    size = found.disk_bytes / 1e6
+    yield "  disk     " + (f"about {size:.0f} MB" if size >= 1 else "less than 1 MB")
     yield from (f"  warning  {what}" for what in found.warnings)
     yield from (f"  left out {reason}" for reason in found.left_out if reason not in said)

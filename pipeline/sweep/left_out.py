@@ -33,12 +33,12 @@ def left_out(sweep: Sweep) -> Iterator[str]:
         yield f"heat at {still * len(sweep.loads) * surfaces} points: nothing moves there"
     interval = sweep.fidelity.temperature_interval
     if not interval and steps > 1 and sweep.friction_heat and not sweep.remembers_heat:
-        yield f"temperatures at up to {steps - 1} steps on the way: asked for at the end only"
+        yield f"temperatures at up to {steps - 1} steps before the last: asked for at the last only"
     if sweep.coarsening > 1:
         factor = sweep.coarsening
         yield (
-            f"the fine grid until a point's last step: {nx // factor} × {ny // factor} elements "
-            "know the wear"
+            "the scene's own grid before a point's last step: the wear up to there is computed on "
+            f"{nx // factor} × {ny // factor} elements"
         )
     if not sweep.store_fields:
         megabytes = 24e-6 * nx * ny * len(sweep.loads) * len(sweep.velocities) * surfaces

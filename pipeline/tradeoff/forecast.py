@@ -89,7 +89,7 @@ def estimate(sweep: Sweep, workers: int | None = None) -> Estimate:
     steps = list(_steps_of_ramp(sweep))
     heats = sum(with_heat for _, with_heat in steps)
 
-    busy = busy_cores()
+    busy, cores = busy_cores(), os.cpu_count() or 1
     sample = sampled(sweep)
     ramp = sum(sample.end(load) if heat else sample.step(load) for load, heat in steps)
     warnings: list[str] = []
@@ -111,7 +111,7 @@ def estimate(sweep: Sweep, workers: int | None = None) -> Estimate:
             f"from real steps at {len(sample.loads)} of {len(sweep.loads)} loads, timed just now: "
             f"{1e3 * sample.end(max(sweep.loads)):.3g} ms for one with a temperature at the "
             "highest load; mostly right within a factor of 1.5; "
-            f"{busy:.1f} of {os.cpu_count() or 1} cores were busy, and are taken to stay so"
+            f"{min(busy, cores):.2g} of {cores} cores were busy, and are taken to stay so"
         ),
         worker_bytes=worker_bytes(sweep, sample.contact_nodes),
         disk_bytes=_disk_bytes(sweep),
@@ -143,7 +143,7 @@ def machine_bytes() -> float:
 
 
 def busy_cores() -> float:
-    """How many cores were busy in the last minute; 0 where that is not known."""
+    """How many tasks had or wanted a core in the last minute; 0 where that is not known."""
     return os.getloadavg()[0] if hasattr(os, "getloadavg") else 0.0
 
 

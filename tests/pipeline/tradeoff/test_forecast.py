@@ -86,6 +86,7 @@ def test_where_other_work_has_taken_the_cores_a_second_worker_gains_nothing(know
     alone = estimate(SWEEP, 1).seconds
     monkeypatch.setattr(forecast, "busy_cores", lambda: 100.0)
     crowded = [estimate(SWEEP, workers).seconds for workers in (1, 2)]
+    assert "2 of 2 cores were busy" in estimate(SWEEP, 1).basis
     assert crowded[0] >= alone
     assert crowded[1] > 0.5 * crowded[0]
 
@@ -127,7 +128,7 @@ def test_fields_take_room_only_where_they_are_asked_for(tmp_path):
         ({"roughness": None}, "the axis y: both bodies are smooth"),
         ({"velocities": (0.0, 1.0)}, "heat at 3 points: nothing moves there"),
         ({}, "temperatures at up to"),
-        ({"fidelity": PRESETS["standard"]}, "the fine grid until a point's last step"),
+        ({"fidelity": PRESETS["standard"]}, "the scene's own grid before a point's last step"),
         ({}, "rows of elements, which carry nothing even at 750 N"),
         ({}, "fields: not asked for"),
     ],
