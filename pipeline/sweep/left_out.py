@@ -38,7 +38,7 @@ def left_out(sweep: Sweep) -> Iterator[str]:
         factor = sweep.coarsening
         yield (
             "the scene's own grid before a point's last step: the wear up to there is computed on "
-            f"{nx // factor} × {ny // factor} elements"
+            f"{nx // factor} × {ny // factor} elements, unless hardly any touch"
         )
     if not sweep.store_fields:
         megabytes = 24e-6 * nx * ny * len(sweep.loads) * len(sweep.velocities) * surfaces

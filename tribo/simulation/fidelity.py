@@ -34,8 +34,9 @@ class Fidelity:
     history_coarsening : int
         Until a point's last step, elements are up to so many times larger along each axis; the
         last step is then repeated on the scene's own grid. The past acts through the wear alone,
-        which a coarse grid knows well where it is swept. Local wear keeps the roughness, and the
-        grid with it.
+        which a coarse grid knows well where it is swept and many elements touch. Where fewer than
+        400 do, the point is computed on its own grid from the start. Local wear keeps the
+        roughness, and the grid with it.
     increments : int
         Steps of the ramp up to its reference load.
     kernel : {"periodic", "nearest-image"}

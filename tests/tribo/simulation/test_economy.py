@@ -102,6 +102,24 @@ def test_going_on_from_a_coarse_trunk_is_the_same_bit_for_bit(interval):
         assert [s.pressure.shape for s in rest] == [s.pressure.shape for s in alone[-len(rest) :]]
 
 
+@pytest.mark.parametrize("interval", [0, 2])
+def test_where_few_elements_touch_the_history_is_on_their_own_grid(interval):
+    scene = rough_scene(temperature_interval=interval)
+    heavily_worn = replace(scene, wear=Wear(1e-13, "swept"), pixels=Grid((96, 24), (4e-6, 4e-6)))
+    coarse = replace(heavily_worn, fidelity=replace(heavily_worn.fidelity, history_coarsening=2))
+    alone = list(simulate(coarse, 300.0, 1.25))
+    on_own_grid = list(simulate(heavily_worn, 300.0, 1.25))
+    assert alone[0].pressure.shape != alone[-1].pressure.shape
+    for state, exact in zip(alone, on_own_grid, strict=True):
+        if state.heat:
+            assert np.array_equal(state.heat.rise, exact.heat.rise)
+            assert np.array_equal(state.wear_depth, exact.wear_depth)
+    assert total_work(alone) > total_work(on_own_grid)
+    passed = [state for state in simulate(coarse, 200.0, 1.25) if state.on_trunk][-1]
+    rest = list(simulate(coarse, 300.0, 1.25, trunk=passed.history or passed))
+    assert np.array_equal(rest[-1].heat.rise, alone[-1].heat.rise)
+
+
 @pytest.mark.parametrize(
     ("changes", "coarsening"),
     [

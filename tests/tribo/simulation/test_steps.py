@@ -162,8 +162,7 @@ def test_contact_at_the_window_s_edge_warns():
     ("changes", "told"),
     [
         ({"pixels_per_element": 2}, True),
-        ({"history_coarsening": 2}, True),  # of the wear
-        ({"history_coarsening": 2, "wear": False}, False),
+        ({"history_coarsening": 2}, False),  # which a point of few nodes does without
         ({}, False),  # each pixel is an element: there are no smaller ones
         ({"pixels_per_element": 2, "roughness": False}, True),  # eight in a line
     ],
