@@ -49,9 +49,9 @@ def _pace_text(found: Summary) -> Iterable[str]:
     if found.running:
         yield f"running: {found.running}"
     if found.pending and found.rate and found.time_to_go:
+        when = "now" if found.running else "the last time"
         yield (
-            f"{60 * found.rate:.3g} points a minute {'now' if found.running else 'the last time'}, "
-            f"{duration(found.time_to_go)} to go"
+            f"{_pace(60 * found.rate)} points a minute {when}, {duration(found.time_to_go)} to go"
         )
 
 
@@ -100,3 +100,14 @@ def compact(options: argparse.Namespace) -> int:
     pipeline.compact_store(options.store)
     show(options, {"store": str(options.store)}, [f"{options.store} is compact"])
     return DONE
+
+
+def _pace(per_minute: float) -> str:
+    """Write a number with three digits, or all before the point.
+
+    Examples
+    --------
+    >>> _pace(1.5), _pace(4218.3)
+    ('1.5', '4218')
+    """
+    return f"{per_minute:.0f}" if per_minute >= 100 else f"{per_minute:.3g}"
