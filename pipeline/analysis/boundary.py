@@ -73,6 +73,8 @@ def boundary(
     InputError
         If a condition lies outside its range.
     """
+    if isinstance(friction, str):
+        raise InputError(f'friction: "{friction}" is text; give a number such as 0.1, or several')
     if isinstance(friction, Iterable):
         others = (bulk_temperature, critical_temperature, share)
         values = [float(value) for value in friction]

@@ -310,3 +310,9 @@ def test_several_frictions_are_a_dimension_and_each_is_as_alone(sweep):
         boundary(sweep, friction=(0.1, -0.1))
     with pytest.raises(InputError, match="one number"):
         decisive_temperature(sweep, friction=(0.09, 0.103))
+
+
+@pytest.mark.parametrize("text", ["0.1", "0,1", "0.09,0.103"])
+def test_friction_as_text_is_refused_and_not_read_letter_by_letter(text):
+    with pytest.raises(InputError, match=r"is text; give a number such as 0\.1"):
+        boundary(synthetic.sweep(), friction=text)
