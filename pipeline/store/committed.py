@@ -93,8 +93,6 @@ class _Reader:
             values = read(store)
             is_whole = store.is_current()
         except StoreError:
-            if store.is_current():
-                raise
             is_whole = False
         if not is_whole:
             self._store, values = read_whole(store.path, read, Snapshot)

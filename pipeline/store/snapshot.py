@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import functools
 import itertools
+import time
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from typing import Any, TypeVar
@@ -27,6 +28,9 @@ _T = TypeVar("_T")
 _S = TypeVar("_S", bound="Snapshot")
 _KEPT = 3  # chunks of each variable, if they hold many points
 _ATTEMPTS = 20
+_LOOKS = 3  # at what cannot be read, since a point may just be written anew
+A_COMMIT = 0.1
+"""Time in which a point is mostly committed [s]."""
 
 
 class Snapshot:
@@ -302,7 +306,7 @@ class Snapshot:
 def read_whole(
     path: PathLike, read: Callable[[_S], _T], opened: Callable[[PathLike], _S]
 ) -> tuple[_S, _T]:
-    """Read from a store, `opened` as a snapshot; again if it is changed under way.
+    """Read from a store, `opened` as a snapshot; again if it or a point of it is being written.
 
     Returns
     -------
@@ -316,13 +320,15 @@ def read_whole(
     StoreError
         If there is no readable store, or it changes all the time.
     """
-    for _ in range(_ATTEMPTS):
+    for attempt in range(_ATTEMPTS):
         snapshot = opened(path)
         try:
             found = read(snapshot)
         except StoreError:
             if snapshot.is_current():
-                raise
+                if attempt >= _LOOKS:
+                    raise
+                time.sleep(A_COMMIT)
             continue
         if snapshot.is_current():
             return snapshot, found

@@ -7,7 +7,8 @@ run computes it again; coordinates and metadata are restored from the root of th
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import time
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass
 from typing import Any
@@ -31,7 +32,7 @@ from pipeline.store.root import (
     renew_copy,
     restore_root,
 )
-from pipeline.store.snapshot import read_whole
+from pipeline.store.snapshot import A_COMMIT, read_whole
 from pipeline.store.variables import DONE, FAILED, HASHED
 from pipeline.sweep.model import Point
 
@@ -129,16 +130,27 @@ def _examined(store: Store, shared: list[str], repair: bool) -> Verification:
     if repair:
         store.heal()
     status = store.status()
-    damaged = []
-    for point in store.places():
-        if (reason := _reason(store, point, status[point])) is not None:
-            damaged.append(Damage(point.load, point.velocity, reason, point.realization))
+    damaged = _damaged(store, store.places(), status)
+    if damaged and not repair:  # a run may just be writing these anew
+        time.sleep(A_COMMIT)
+        again = [each.point for each in damaged]
+        damaged = _damaged(store, again, store.status())
     if repair:
         _reset(store, [each.point for each in damaged])
     broken = {each.point for each in damaged}
     done = sum(flag == DONE and point not in broken for point, flag in status.items())
     is_protected = store.attributes["format"] >= HASHED
     return Verification(done, tuple(damaged), tuple(shared), found, repair, is_protected)
+
+
+def _damaged(store: Store, points: Iterable[Point], status: Mapping[Point, int]) -> list[Damage]:
+    """Points at which something is wrong."""
+    reasons = ((point, _reason(store, point, status[point])) for point in points)
+    return [
+        Damage(point.load, point.velocity, reason, point.realization)
+        for point, reason in reasons
+        if reason is not None
+    ]
 
 
 _CHANGING = ("shape", "chunk_grid", "chunk_key_encoding")

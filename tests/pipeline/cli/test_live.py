@@ -33,11 +33,12 @@ def results():
 @pytest.fixture
 def growing(tmp_path, results):
     """A store that is written all the time: its points are made pending and committed again."""
-    path, stop = tmp_path / "tiny.zarr", threading.Event()
+    path, begun, stop = tmp_path / "tiny.zarr", threading.Event(), threading.Event()
     prepare(path, SWEEP)
 
     def write():
         with locked(path):
+            begun.set()
             for round_ in itertools.count():
                 store = prepare(path, SWEEP if round_ < 3 else LONGER)
                 for point in store.asked():
@@ -48,6 +49,7 @@ def growing(tmp_path, results):
 
     writer = threading.Thread(target=write)
     writer.start()
+    begun.wait()
     yield path
     stop.set()
     writer.join()
