@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import re
 import tokenize
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -41,7 +42,7 @@ def read_heights(path: str | Path, unit: float = 1.0) -> Array:
     """
     path = Path(path)
     require_positive(unit=unit)
-    _require_file(path)
+    require_file(path)
     try:
         match path.suffix.lower():
             case ".npy":
@@ -73,10 +74,11 @@ def read_heights(path: str | Path, unit: float = 1.0) -> Array:
     return scaled
 
 
-def _require_file(path: Path) -> None:
+def require_file(path: Path) -> None:
     """Refuse what has no end, such as a device or a FIFO that nobody writes to."""
-    if path.exists() and not path.is_file():
-        raise InputError(f"{path}: cannot be read: not a file")
+    with suppress(OSError):  # which opening it says better
+        if path.exists() and not path.is_file():
+            raise InputError(f"{path}: cannot be read: not a file")
 
 
 def _read_npy(path: Path) -> NDArray[Any]:
@@ -145,7 +147,7 @@ def read_load(path: str | Path, reference_load: float | None = None) -> Measured
         If the file cannot be read or is no such record; the message names the line.
     """
     path = Path(path)
-    _require_file(path)
+    require_file(path)
     lines: list[int] = []
     rows: list[tuple[float, float]] = []
     factors: tuple[float, float] | None = None

@@ -200,9 +200,9 @@ def _is_same(path: Path, other: Path) -> bool:
 
 def _toml(path: Path) -> dict[str, Any]:
     """Read one file."""
-    if path.exists() and not path.is_file():
-        raise SceneFileError(path, ["cannot be read: not a file"])
     try:
+        if path.exists() and not path.is_file():
+            raise SceneFileError(path, ["cannot be read: not a file"])
         with path.open("rb") as file:
             content = file.read(_LARGEST_FILE + 1)
     except (OSError, ValueError) as error:

@@ -17,6 +17,7 @@ from typing import Any, Literal
 import numpy as np
 
 from tribo import InputError, read_heights
+from tribo.files import require_file
 from tribo.types import Array
 
 PLAIN = (".csv", ".npy")
@@ -85,8 +86,7 @@ def read_surface(path: str | Path, height_unit: float | None = None) -> Surface:
 
 def _require_small_file(path: Path) -> None:
     """Refuse what has no end, and an archive that unpacks to more than a surface can be."""
-    if path.exists() and not path.is_file():
-        raise InputError(f"{path}: cannot be read as a surface: not a file")
+    require_file(path)
     if zipfile.is_zipfile(path):
         with zipfile.ZipFile(path) as archive:
             size = sum(entry.file_size for entry in archive.infolist())
