@@ -11,6 +11,7 @@ from __future__ import annotations
 import logging
 import os
 import time
+import warnings
 from collections import Counter
 from collections.abc import Callable, Collection, Iterator
 from concurrent.futures import CancelledError
@@ -83,7 +84,7 @@ def connected(workers: int, scheduler: str | None, patience: float) -> Iterator[
                 "Dask's configuration, as DASK_DISTRIBUTED__COMM__TLS__CA_FILE, "
                 "…__CLIENT__CERT and …__CLIENT__KEY do"
             ) from error
-        with client, client.as_current():
+        with client, client.as_current(), _quiet_if_interrupted():
             yield client
         return
     cluster = None
@@ -92,13 +93,27 @@ def connected(workers: int, scheduler: str | None, patience: float) -> Iterator[
             forkserver.start()
             with interrupts_put_off(), _nothing_imported_for_the_forkserver():
                 cluster = _local_cluster(workers)
-            with Client(cluster, set_as_default=False) as client, client.as_current():
+            with (
+                Client(cluster, set_as_default=False) as client,
+                client.as_current(),
+                _quiet_if_interrupted(),
+            ):
                 yield client
         finally:
             if cluster is not None:
                 forkserver.wake()
                 with interrupts_put_off():
                     cluster.close()
+
+
+@contextmanager
+def _quiet_if_interrupted() -> Iterator[None]:
+    """Let Python not complain of the call to Dask that Ctrl-C broke off."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        warnings.filterwarnings("ignore", "coroutine .* was never awaited", RuntimeWarning)
+        raise
 
 
 @contextmanager
