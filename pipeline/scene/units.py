@@ -22,6 +22,7 @@ _PINT_ERRORS = (
     pint.PintError,
     ArithmeticError,
     AssertionError,
+    KeyError,
     TokenError,
     TypeError,
     ValueError,

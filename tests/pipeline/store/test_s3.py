@@ -158,7 +158,7 @@ def test_a_driver_that_was_killed_does_not_count_and_one_elsewhere_does(address)
 
 
 def test_what_is_no_store_is_refused(address):
-    with pytest.raises(StoreError, match="is not a store"):
+    with pytest.raises(StoreError, match="does not exist"):
         summary(address)
     put(f"{address}/thesis.tex", b"years of work")
     with pytest.raises(StoreError, match="is not a store"):
