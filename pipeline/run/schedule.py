@@ -34,7 +34,7 @@ from pipeline.run.work import compute_points
 from pipeline.store.points import DONE, PENDING, Store, StoreError
 from pipeline.sweep.model import Point, Sweep
 
-_STRETCH = 0.25  # [s] that a task should take, beside which 5 ms of Dask do not count
+_STRETCH = 1.0  # [s] that a task should take, beside which 5 ms of Dask do not count
 _POLL = 2.0  # [s] after which to look for workers that came or went
 _UNSEEN = 0.1  # [s] after which to look again for what a task says that it has done
 _KILLED = (
