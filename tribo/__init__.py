@@ -1,7 +1,6 @@
 """Simulation of one point of the transition diagram: contact, wear and heat of rough bodies."""
 
-from tribo.contact.elasticity import ElasticHalfSpace, elastic_influence
-from tribo.contact.solver import ContactSolution, solve_contact
+from tribo.contact import ContactSolution, ElasticHalfSpace, elastic_influence, solve_contact
 from tribo.convolution import Convolution
 from tribo.errors import ConvergenceError, InputError, InvariantError, RangeError, TriboError
 from tribo.files import read_heights, read_load
@@ -16,20 +15,44 @@ from tribo.inverse import (
     rig_heating,
     specific_wear_rate,
 )
-from tribo.loading.ramp import Ramp, Station
-from tribo.loading.record import MeasuredLoad
+from tribo.loading import MeasuredLoad, Ramp, Station
+from tribo.lubricant import Oil, lubrication_regime, minimum_line_film, minimum_point_film
 from tribo.material import Material, contact_modulus
-from tribo.simulation.fidelity import PRESETS, Fidelity
-from tribo.simulation.heating import heat
-from tribo.simulation.kernels import forget_kernels
-from tribo.simulation.scene import Ball, Cylinder, MeasuredRoughness, Scene, SelfAffineRoughness
-from tribo.simulation.state import Heat, State
-from tribo.simulation.steps import advance, measures, simulate, start, warnings
-from tribo.simulation.warning import PointWarning, WarningKind
-from tribo.thermal.conduction import ConductingHalfSpace
-from tribo.thermal.duhamel import Conductor, HeatHistory, partition_with_history
-from tribo.thermal.partition import HeatPartition, partition_heat
-from tribo.thermal.quantiles import QUANTILES, contact_quantiles, failed_share
+from tribo.simulation import (
+    PRESETS,
+    Ball,
+    Crowned,
+    Cylinder,
+    Fidelity,
+    Heat,
+    MeasuredRoughness,
+    Motion,
+    PointWarning,
+    Scene,
+    SelfAffineRoughness,
+    State,
+    Velocities,
+    WarningKind,
+    advance,
+    forget_kernels,
+    heat,
+    measures,
+    simulate,
+    start,
+    warnings,
+)
+from tribo.thermal import (
+    BULK_RATIOS,
+    QUANTILES,
+    ConductingHalfSpace,
+    Conductor,
+    HeatHistory,
+    HeatPartition,
+    contact_quantiles,
+    failed_share,
+    partition_heat,
+    partition_with_history,
+)
 from tribo.topography import (
     average_roughness,
     block_average,
@@ -41,6 +64,7 @@ from tribo.wear import WEAR_SCHEMES, Wear
 
 __all__ = [
     "AISI_316",
+    "BULK_RATIOS",
     "PRESETS",
     "QUANTILES",
     "WEAR_SCHEMES",
@@ -51,6 +75,7 @@ __all__ = [
     "ConvergenceError",
     "Convolution",
     "CriticalTemperature",
+    "Crowned",
     "Cylinder",
     "ElasticHalfSpace",
     "Fidelity",
@@ -63,6 +88,8 @@ __all__ = [
     "Material",
     "MeasuredLoad",
     "MeasuredRoughness",
+    "Motion",
+    "Oil",
     "PointWarning",
     "Ramp",
     "RangeError",
@@ -72,6 +99,7 @@ __all__ = [
     "Station",
     "Transition",
     "TriboError",
+    "Velocities",
     "WarningKind",
     "Wear",
     "WearRate",
@@ -86,7 +114,10 @@ __all__ = [
     "failed_share",
     "forget_kernels",
     "heat",
+    "lubrication_regime",
     "measures",
+    "minimum_line_film",
+    "minimum_point_film",
     "partition_heat",
     "partition_with_history",
     "read_heights",

@@ -20,9 +20,8 @@ from tribo.errors import InputError
 from tribo.grid import Grid
 from tribo.types import Array, Indices, Spectrum
 
-__all__ = ["Convolution", "forget_buffers", "padded_shape", "wrapped_offsets"]
-
 _LARGE = 64**2  # elements from which on single precision takes less time than double
+_SMALLEST_SINGLE = 1e-25  # influence that leaves single precision room for what comes of it
 _MOST_BUFFERS = 4  # sizes of transforms that a thread goes back and forth between
 
 
@@ -186,17 +185,22 @@ class Convolution:
         single._single = True
         return single
 
-    def in_faster_precision(self) -> Self:
-        """Return the copy that counts in single precision, or on small grids itself.
+    def in_faster_precision(self, influence: float) -> Self:
+        """Return the copy that counts in single precision, or itself where that gains nothing.
+
+        That is on small grids, and where the influence of an element on itself is a number too
+        large or too small for single precision.
 
         Examples
         --------
         >>> grid = Grid((4, 4), (1.0, 1.0))
         >>> small = Convolution.from_kernel(grid, np.ones(padded_shape(grid)))
-        >>> small.in_faster_precision() is small
+        >>> small.in_faster_precision(1.0) is small
         True
         """
-        return self.in_single_precision() if math.prod(self.grid.shape) >= _LARGE else self
+        fits = _SMALLEST_SINGLE < influence < 1 / _SMALLEST_SINGLE
+        gains = math.prod(self.grid.shape) >= _LARGE
+        return self.in_single_precision() if fits and gains else self
 
     def with_spectrum(self, spectrum: Spectrum) -> Self:
         """Return a copy with another spectrum."""

@@ -21,24 +21,32 @@ from numpy.typing import ArrayLike
 
 from tribo.types import Array
 
-__all__ = [
-    "ConvergenceError",
-    "InputError",
-    "InvariantError",
-    "RangeError",
-    "TriboError",
-    "finite_field",
-    "require_integer",
-    "require_positive",
-]
-
 
 class TriboError(Exception):
-    """Base of every exception that this project raises on purpose."""
+    """Base of every exception that this project raises on purpose.
+
+    Examples
+    --------
+    >>> import tribo
+    >>> try:
+    ...     tribo.Ramp(rate=-150.0, reference_load=750.0)
+    ... except tribo.TriboError as error:
+    ...     print(error)
+    rate is -150.0; it must be finite and greater than 0
+    """
 
 
 class InputError(TriboError, ValueError):
-    """A value that physics or the method does not allow."""
+    """A value that physics or the method does not allow.
+
+    Examples
+    --------
+    >>> import tribo
+    >>> tribo.Wear(specific_wear_rate=-1.0)
+    Traceback (most recent call last):
+        ...
+    tribo.errors.InputError: specific_wear_rate is -1.0; it must be finite and ≥ 0
+    """
 
 
 class ConvergenceError(TriboError, RuntimeError):
@@ -48,6 +56,14 @@ class ConvergenceError(TriboError, RuntimeError):
     ----------
     solution
         The best solution found, of the solver's own result type, with its residual.
+
+    Examples
+    --------
+    >>> try:
+    ...     raise ConvergenceError("the contact did not converge", solution="as far as it got")
+    ... except ConvergenceError as error:
+    ...     error.solution
+    'as far as it got'
     """
 
     def __init__(self, message: str, solution: Any) -> None:
@@ -60,11 +76,23 @@ class ConvergenceError(TriboError, RuntimeError):
 
 
 class InvariantError(TriboError):
-    """A result that breaks a law which every result must obey: a defect, not a wrong input."""
+    """A result that breaks a law which every result must obey: a defect, not a wrong input.
+
+    Examples
+    --------
+    >>> issubclass(InvariantError, TriboError)
+    True
+    """
 
 
 class RangeError(TriboError, ArithmeticError):
-    """Numbers too large or too small for double precision on the way to a result."""
+    """Numbers too large or too small for double precision on the way to a result.
+
+    Examples
+    --------
+    >>> issubclass(RangeError, TriboError)
+    True
+    """
 
 
 def require_positive(**values: float) -> None:

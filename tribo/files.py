@@ -13,18 +13,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tribo.errors import InputError, require_positive
-from tribo.loading.record import MeasuredLoad, fault
+from tribo.loading import MeasuredLoad
+from tribo.loading.record import fault
 from tribo.types import Array
-
-__all__ = ["read_heights", "read_load"]
-
 
 _MOST_HEIGHTS = 10**8  # of a surface; 0.8 GB
 _MOST_ROWS = 1_000_000  # of a load record
 _UNITS = {"time": {"s": 1.0, "ms": 1e-3, "min": 60.0}, "load": {"N": 1.0, "kN": 1e3, "mN": 1e-3}}
 
 
-def read_heights(path: str | Path, unit: float = 1.0) -> Array:
+def read_heights(path: str | Path, unit: float = 1.0, *, allow_missing: bool = False) -> Array:
     """Heights [m] of a measured surface from ``.npy`` or comma-separated ``.csv``.
 
     Parameters
@@ -33,12 +31,24 @@ def read_heights(path: str | Path, unit: float = 1.0) -> Array:
         A two-dimensional array: one row for each x, one column for each y.
     unit : float
         What one unit of the file is worth [m].
+    allow_missing : bool
+        Whether heights may be missing: NaN in either format, or nothing between two commas.
 
     Raises
     ------
     InputError
-        If the file cannot be read, is not a two-dimensional array of numbers, or holds NaN or
-        inf; the message says where.
+        If the file cannot be read, is not a two-dimensional array of numbers, or holds inf, or
+        NaN where none is allowed; the message says where.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from pathlib import Path
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     file = Path(folder, "heights.csv")
+    ...     _ = file.write_text("1,2,3")
+    ...     read_heights(file, unit=1e-6)
+    array([[1.e-06, 2.e-06, 3.e-06]])
     """
     path = Path(path)
     require_positive(unit=unit)
@@ -48,7 +58,7 @@ def read_heights(path: str | Path, unit: float = 1.0) -> Array:
             case ".npy":
                 heights = _read_npy(path)
             case ".csv":
-                heights = _read_csv(path)
+                heights = _read_csv(path, allow_missing)
             case suffix:
                 raise InputError(f"{path}: format {suffix!r} is not known; use .npy or .csv")
     except OSError as error:
@@ -64,7 +74,7 @@ def read_heights(path: str | Path, unit: float = 1.0) -> Array:
         )
     with np.errstate(over="ignore"):
         scaled: Array = heights.astype(np.float64) * unit
-    bad = np.argwhere(~np.isfinite(scaled))
+    bad = np.argwhere(np.isinf(scaled) if allow_missing else ~np.isfinite(scaled))
     if bad.size:
         row, column = bad[0].tolist()
         raise InputError(
@@ -98,10 +108,11 @@ def _read_npy(path: Path) -> NDArray[Any]:
     return array
 
 
-def _read_csv(path: Path) -> Array:
+def _read_csv(path: Path, allow_missing: bool) -> Array:
     """Rows of numbers; the error names the line."""
     rows: list[Array] = []
     count = 0
+    missing = "nan" if allow_missing else ""
     with path.open(newline="", encoding="utf-8-sig") as file:
         reader = csv.reader(file)
         for cells in reader:
@@ -109,9 +120,10 @@ def _read_csv(path: Path) -> Array:
                 continue
             where = f"{path}, line {reader.line_num}"
             try:
-                rows.append(np.array([float(cell) for cell in cells]))
+                rows.append(np.array([float(cell.strip() or missing) for cell in cells]))
             except ValueError as error:
-                raise InputError(f"{where}: {error}") from error
+                hint = _hint(cells) or ("" if rows else "; leave a header out")
+                raise InputError(f"{where}: {error}{hint}") from error
             if len(rows[-1]) != len(rows[0]):
                 raise InputError(
                     f"{where}: {len(rows[-1])} numbers, but {len(rows[0])} in the "
@@ -121,6 +133,27 @@ def _read_csv(path: Path) -> Array:
             if count > _MOST_HEIGHTS:
                 raise _too_large(path, f"more than {_MOST_HEIGHTS} heights up to {where}")
     return np.array(rows)
+
+
+def _hint(cells: list[str]) -> str:
+    """Say what to change in a row that is not numbers between commas; empty if that is unclear.
+
+    Examples
+    --------
+    >>> _hint(["1", "5;2", "5"])
+    '; put commas between numbers, in place of semicolons, and write decimals with a point'
+    >>> _hint(["1 2 3"])
+    '; put commas between numbers, in place of spaces'
+    """
+    row = ",".join(cells).strip()
+    point = "write decimals with a point"
+    for separator, name in ((";", "semicolons"), ("\t", "tabs"), (" ", "spaces")):
+        if separator in row and (separator != " " or row[0] in "+-.0123456789"):
+            between = f"; put commas between numbers, in place of {name}"
+            return between + (f", and {point}" if len(cells) > 1 else "")
+    if len(cells) == 4 and all(cell.strip("+- ").isdigit() for cell in cells):
+        return f"; {point}"
+    return ""
 
 
 def _too_large(path: Path, size: str) -> InputError:
@@ -145,6 +178,13 @@ def read_load(path: str | Path, reference_load: float | None = None) -> Measured
     ------
     InputError
         If the file cannot be read or is no such record; the message names the line.
+
+    Examples
+    --------
+    >>> import tribo
+    >>> record = tribo.read_load("workflows/fig8_load_record.csv")
+    >>> len(record.times), f"{max(record.loads):.0f} N"
+    (300, '605 N')
     """
     path = Path(path)
     require_file(path)
@@ -160,7 +200,9 @@ def read_load(path: str | Path, reference_load: float | None = None) -> Measured
                     continue
                 where = f"{path}, line {reader.line_num}"
                 if len(cells) != 2:
-                    raise InputError(f"{where}: {len(cells)} columns; needed are time and load")
+                    raise InputError(
+                        f"{where}: {len(cells)} columns; needed are time and load{_hint(cells)}"
+                    )
                 if factors is None:
                     factors, load_first = _header(cells, where)
                     continue
@@ -211,4 +253,4 @@ def _numbers(cells: list[str], where: str) -> tuple[float, float]:
     try:
         return float(cells[0]), float(cells[1])
     except ValueError as error:
-        raise InputError(f"{where}: {error}") from error
+        raise InputError(f"{where}: {error}{_hint(cells)}") from error

@@ -10,8 +10,6 @@ import numpy as np
 from tribo.errors import InputError, require_integer, require_positive
 from tribo.types import Array
 
-__all__ = ["Grid"]
-
 
 @dataclass(frozen=True, slots=True)
 class Grid:

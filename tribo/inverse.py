@@ -16,24 +16,11 @@ import numpy as np
 from tribo.analytic import hertz_point_radius
 from tribo.errors import InputError, require_positive
 from tribo.grid import Grid
-from tribo.loading.ramp import Ramp
+from tribo.loading import Ramp
 from tribo.material import Material, contact_modulus
-from tribo.simulation.fidelity import Fidelity
-from tribo.simulation.scene import Ball, Scene
-from tribo.simulation.steps import advance, measures, simulate, start
-from tribo.thermal.quantiles import require_share, rise_exceeded
+from tribo.simulation import Ball, Fidelity, Scene, advance, measures, simulate, start
+from tribo.thermal import require_share, rise_exceeded
 from tribo.wear import Wear, WearPattern
-
-__all__ = [
-    "AISI_316",
-    "CriticalTemperature",
-    "Transition",
-    "WearRate",
-    "critical_temperature",
-    "critical_temperature_rig",
-    "rig_heating",
-    "specific_wear_rate",
-]
 
 _WEAR_RATES = 1e-20, 1e-8  # where one is looked for [m²/N]; boundary lubrication has about 1e-15
 _PRECISION = 0.01  # of the wear rate
@@ -50,7 +37,13 @@ AISI_316 = Material(
 
 
 class Transition(NamedTuple):
-    """A measured transition from mild to severe wear: load [N], velocity [m/s], friction."""
+    """A measured transition from mild to severe wear: load [N], velocity [m/s], friction.
+
+    Examples
+    --------
+    >>> Transition(normal_load=600.0, velocity=1.5, friction=0.1).velocity
+    1.5
+    """
 
     normal_load: float
     velocity: float
@@ -69,6 +62,11 @@ class CriticalTemperature:
         Mean of these temperatures, on the same scale.
     spread : float
         Standard deviation of the single ones; NaN if there is but one.
+
+    Examples
+    --------
+    >>> CriticalTemperature(temperatures=(418.0, 412.0), mean=415.0, spread=4.2).mean
+    415.0
     """
 
     temperatures: tuple[float, ...]
@@ -81,6 +79,7 @@ def critical_temperature(
     transitions: Sequence[tuple[float, float, float]],
     bulk_temperature: float,
     share: float = 0.1,
+    bulk_difference: float = 0.0,
 ) -> CriticalTemperature:
     """Critical temperature from measured transitions: what the failing share exceeds there.
 
@@ -94,10 +93,13 @@ def critical_temperature(
     transitions : sequence of Transition
         Loads, velocities and frictions at which mild wear became severe.
     bulk_temperature : float
-        Bulk temperature of both bodies [K] or [°C].
+        Bulk temperature of both bodies, or of the pin where they differ [K] or [°C].
     share : float
         Share of the contact area above the critical temperature at a transition, from 0 to below 1;
         0 takes the maximum temperature, as Blok does.
+    bulk_difference : float
+        Bulk temperature of the disk less that of the pin [K]; the scene must have `unequal_bulks`
+        if it is not 0.
 
     Returns
     -------
@@ -109,6 +111,14 @@ def critical_temperature(
     InputError
         If there is no transition, or the share or a friction coefficient lies outside its range,
         besides what `tribo.simulate` raises.
+
+    Examples
+    --------
+    >>> import tribo
+    >>> scene = tribo.critical_temperature_rig()
+    >>> found = tribo.critical_temperature(scene, [(10.0, 0.065, 0.1)], bulk_temperature=298.15)
+    >>> f"{found.mean:.0f} K"
+    '305 K'
     """
     if not transitions:
         raise InputError("there is no transition; at least one is needed")
@@ -118,7 +128,7 @@ def critical_temperature(
     found = []
     for normal_load, velocity, friction in transitions:
         rise = max(
-            float(rise_exceeded(state.heat.rise_quantile, share))
+            float(rise_exceeded(state.heat.rise_quantile_at(bulk_difference / friction), share))
             for state in simulate(scene, normal_load, velocity)
             if state.heat and state.normal_load >= normal_load
         )
@@ -137,6 +147,11 @@ class WearRate:
         Specific wear rate, the geometric mean of its bounds [m²/N].
     lowest, highest : float
         Specific wear rates with which the width is half an element less or more than measured.
+
+    Examples
+    --------
+    >>> WearRate(value=1.2e-15, lowest=1.1e-15, highest=1.3e-15).value
+    1.2e-15
     """
 
     value: float
@@ -162,7 +177,7 @@ def specific_wear_rate(
         Width of the contact along x at the end of the loading [m]. Sliding on at full load belongs
         into the loading, as a hold.
     normal_load, velocity : float
-        Load on the whole pin at the end [N], and velocity of the disk [m/s].
+        Load on the whole pin at the end [N], and sliding velocity [m/s].
 
     Returns
     -------
@@ -172,9 +187,26 @@ def specific_wear_rate(
     Raises
     ------
     InputError
-        If no wear rate makes the contact that wide within the scene's window.
+        If no wear rate makes the contact that wide within the scene's window, or the pin rolls.
+
+    Examples
+    --------
+    >>> import tribo
+    >>> steel = tribo.Material(elastic_modulus=210e9, poisson_ratio=0.3, hardness=6.6e9,
+    ...                        thermal_conductivity=45.0, density=7800.0, specific_heat=470.0)
+    >>> pin = tribo.Cylinder(2e-3, 3.4e-3, steel)
+    >>> scene = tribo.Scene(pin=pin, disk=steel, pixels=tribo.Grid((192, 2), (2e-6, 228e-6)),
+    ...                     loading=tribo.Ramp(rate=150.0, reference_load=750.0))
+    >>> found = tribo.specific_wear_rate(scene, 160e-6, normal_load=150.0, velocity=1.0)
+    >>> found.lowest <= found.value <= found.highest
+    True
     """
     grid = scene.grid
+    if scene.velocities_at(velocity).pin:
+        raise InputError(
+            "the scene's motion makes the pin roll: it wears all around its track, which makes its "
+            "contact no wider, so that a width does not tell a wear rate"
+        )
     half = grid.spacing[0] / 2
     pattern: WearPattern = "swept" if grid.periodic[1] else "local"
     fidelity = replace(scene.fidelity, heat_model="elapsed", history_coarsening=1)
@@ -227,6 +259,14 @@ def critical_temperature_rig(normal_load: float = 10.0, duration: float = 60.0) 
         Load on the ball [N].
     duration : float
         Duration of the sliding [s]; the contact has its steady temperature after milliseconds.
+
+    Examples
+    --------
+    >>> import tribo
+    >>> scene = tribo.critical_temperature_rig()
+    >>> *_, state = tribo.simulate(scene, normal_load=10.0, velocity=0.065)
+    >>> f"{0.1 * state.heat.max_rise:.1f} K at friction 0.1"
+    '7.5 K at friction 0.1'
     """
     radius = 10e-3
     modulus = contact_modulus(AISI_316, AISI_316)

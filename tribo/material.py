@@ -7,8 +7,6 @@ from dataclasses import dataclass
 
 from tribo.errors import InputError, require_positive
 
-__all__ = ["Material", "contact_modulus"]
-
 
 @dataclass(frozen=True, slots=True)
 class Material:

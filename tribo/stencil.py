@@ -18,9 +18,6 @@ from numpy.typing import NDArray
 from tribo.convolution import Convolution, padded_shape
 from tribo.types import Array, Nodes
 
-__all__ = ["Neighbourhood", "Preconditioner"]
-
-
 # Coupling within rows, in units of an element's own influence, beyond which to undo it exactly
 # is worth more than to undo what rows do to each other.
 _RIGID = 0.3

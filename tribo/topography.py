@@ -11,15 +11,6 @@ from tribo.errors import InputError, require_integer, require_positive
 from tribo.grid import Grid
 from tribo.types import Array
 
-__all__ = [
-    "average_roughness",
-    "block_average",
-    "block_sample",
-    "rms_height",
-    "rms_slope",
-    "self_affine",
-]
-
 
 def self_affine(
     grid: Grid,

@@ -18,20 +18,9 @@ from typing import Literal, NamedTuple, get_args
 
 import numpy as np
 
-from tribo.contact.elasticity import ElasticHalfSpace
+from tribo.contact import ElasticHalfSpace
 from tribo.errors import InputError
 from tribo.types import Array
-
-__all__ = [
-    "EXPLICIT_LIMIT",
-    "WEAR_PATTERNS",
-    "WEAR_SCHEMES",
-    "RungeKutta",
-    "Stage",
-    "Wear",
-    "WearPattern",
-    "WearScheme",
-]
 
 WearPattern = Literal["local", "swept"]
 WEAR_PATTERNS: tuple[WearPattern, ...] = get_args(WearPattern)
@@ -150,8 +139,9 @@ class Wear:
     pattern : {"local", "swept"}
         ``"local"``: each point of the pin wears by the pressure on it, as if it always faced the
         same patch of the disk (Bosman & de Rooij, Eq. 26). ``"swept"``: the roughness moves past
-        the pin, which at x loses the mean along y, dh(x) = k dS ⟨p(x, ·)⟩_y. It needs a patch
-        that is periodic along y.
+        the pin, which at x loses the mean along y, dh(x) = k dS ⟨p(x, ·)⟩_y, on a patch that is
+        periodic along y. Where y is free, as under a ball, a scene takes the mean over positions
+        of the disk instead; see `tribo.simulation.passes`.
 
     Raises
     ------
@@ -222,3 +212,61 @@ class Wear:
         """
         compliances = solid.spectrum[:, 0] if self.pattern == "swept" else solid.spectrum
         return self.specific_wear_rate * distance / float(compliances[compliances > 0].min())
+
+
+@dataclass(frozen=True, slots=True)
+class RollingWear(Wear):
+    """How a pin wears that rolls: along x by the same depth everywhere on its track.
+
+    See `tribo.simulation.motion`, Eq. (1). Along y it wears by the pattern.
+
+    Parameters
+    ----------
+    specific_wear_rate, pattern
+        Those of `Wear`.
+    window_share : float
+        Length of the window along x, in that of the track around the pin; above 0, at most 1.
+
+    Examples
+    --------
+    Half of the window is pressed, and the window is a tenth of the track:
+
+    >>> roller = RollingWear(specific_wear_rate=1e-15, pattern="local", window_share=0.1)
+    >>> roller.depth(np.array([[1e9], [0.0]]), distance=1.0)
+    array([[5.e-08],
+           [5.e-08]])
+    """
+
+    window_share: float = 1.0
+
+    def __post_init__(self) -> None:
+        Wear.__post_init__(self)  # a slotted dataclass has no super()
+        if not 0 < self.window_share <= 1:
+            raise InputError(
+                f"window_share is {self.window_share!r}; it must be above 0 and at most 1"
+            )
+
+    def depth(self, pressure: Array, distance: float) -> Array:
+        """Depth that the pin loses over a sliding distance [m], shape of `pressure`."""
+        axes = (0, 1) if self.pattern == "swept" else (0,)
+        source = pressure.mean(axis=axes, keepdims=True) * self.window_share
+        return np.broadcast_to(self.specific_wear_rate * distance * source, pressure.shape)
+
+    def yielding(self, solid: ElasticHalfSpace, distance: float) -> ElasticHalfSpace:
+        """`solid` with the wear over a sliding distance added to its displacement."""
+        spectrum = solid.spectrum.copy()
+        waves = slice(1) if self.pattern == "swept" else slice(None)
+        spectrum[0, waves] += self._compliance(solid, distance)
+        return solid.with_spectrum(spectrum)
+
+    def stiffness(self, solid: ElasticHalfSpace, distance: float) -> float:
+        """k·dS/λ_min as in `Wear`, of the waves along y alone: 0 where there are none."""
+        waves = solid.spectrum[0, 1:]
+        if self.pattern == "swept" or not (waves > 0).any():
+            return 0.0
+        return self._compliance(solid, distance) / float(waves[waves > 0].min())
+
+    def _compliance(self, solid: ElasticHalfSpace, distance: float) -> float:
+        """Wear per pressure on the whole window, in the mode of the padded grid for k_x = 0."""
+        padding = len(solid.spectrum) / solid.grid.shape[0]
+        return self.specific_wear_rate * distance * self.window_share * padding

@@ -27,7 +27,7 @@ _INNER_REDUCTION, _FINAL_REDUCTION = 0.2, 1e-4
 
 
 class ActiveSet(NamedTuple):
-    """What active-set steps remember.
+    """State of the active-set steps.
 
     Attributes
     ----------
@@ -65,11 +65,11 @@ def active_set_step(
     judged : Judgement
         Gap under that pressure, and the nodes to solve for.
     active : ActiveSet
-        What the steps so far have left.
+        State that the steps so far have left.
     enough : float
         Largest gap at these nodes that needs no further reduction [m].
     most : float
-        Convolutions that may still be spent.
+        Number of convolutions that may still be spent.
     """
     nodes = judged.nodes
     stencil = problem.near.on(nodes)

@@ -1,7 +1,7 @@
 """Correction of a guess whose displacement is known, without a convolution.
 
-Nodes that enter or leave the contact are what an extrapolation knows least; they concern their
-neighbours most, and so can be corrected by the `stencil` alone.
+An extrapolation knows least about nodes that enter or leave the contact. These affect their
+neighbours most, so that the `stencil` alone can correct them.
 """
 
 from __future__ import annotations

@@ -35,8 +35,6 @@ from tribo.errors import InputError, require_positive
 from tribo.grid import Grid
 from tribo.types import Array
 
-__all__ = ["ElasticHalfSpace", "ElasticKernel", "elastic_influence"]
-
 ElasticKernel = Literal["periodic", "nearest-image"]
 
 _STEP = 1 / 7  # of ln s, for a relative error of 3e-15
@@ -55,7 +53,7 @@ class ElasticHalfSpace(Convolution):
         Axes may be free or periodic in any mix. With a periodic axis the displacement is known
         up to a constant, which in a contact only shifts the approach.
     contact_modulus : float
-        E* [Pa].
+        Contact modulus E* [Pa].
     kernel : {"periodic", "nearest-image"}, optional
         Whether a periodic axis sums all images or one; see `elastic_influence`.
 
@@ -94,7 +92,7 @@ def elastic_influence(
     grid : Grid
         Elements, and the axes that are periodic.
     contact_modulus : float
-        E* [Pa].
+        Contact modulus E* [Pa].
     kernel : {"periodic", "nearest-image"}, optional
         ``"periodic"`` sums all images along the periodic axes. ``"nearest-image"`` is for one
         periodic axis, say y of length L, and takes D(x, |y|) + D(x, L − |y|): the DC-FFT with

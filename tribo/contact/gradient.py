@@ -15,7 +15,7 @@ from tribo.contact.simplex import nearest
 
 
 class Gradient(NamedTuple):
-    """What gradient steps remember.
+    """State of the gradient steps.
 
     Attributes
     ----------
@@ -30,7 +30,7 @@ class Gradient(NamedTuple):
 
 
 def first_length(problem: Problem) -> float:
-    """Length of a step of which no other is known: that of an element on its own."""
+    """Length of the first step: that of an element on its own."""
     return 1.0 if problem.soft.matter else 1 / problem.solid.self_influence
 
 

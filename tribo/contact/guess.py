@@ -11,13 +11,9 @@ import math
 
 import numpy as np
 
-from tribo.contact.elasticity import ElasticHalfSpace
 from tribo.contact.iteration import Limits, iterate
 from tribo.contact.problem import Problem
 from tribo.types import Array, Mask
-
-__all__ = ["from_coarser_grids", "in_window"]
-
 
 _COARSEST = 64**2  # elements of a grid on which a coarser one saves nothing
 _COARSE_TOLERANCE, _COARSE_CONVOLUTIONS = 0.3, 100
@@ -26,18 +22,11 @@ _MARGIN = 2  # elements at least, on each side of those that carry load
 _MULTIPLE = 8  # of elements along a window, for short transforms
 
 
-def from_coarser_grids(
-    solid: ElasticHalfSpace, heights: Array, total: float, hardness: float
-) -> tuple[Array, float]:
-    """Pressure of the contact of means over 2 × 2 elements, itself begun on a coarser grid.
+def from_coarser_grids(problem: Problem) -> tuple[Array, float]:
+    """Guess from the contact of means over 2 × 2 elements, itself begun on a coarser grid.
 
     A block's elements get its pressure: more elements than will touch in the end, which the
     iteration sheds in fewer steps than it would take to find those that are missing.
-
-    Parameters
-    ----------
-    solid, heights, total, hardness
-        Those of `tribo.contact.problem.Problem`.
 
     Returns
     -------
@@ -46,33 +35,31 @@ def from_coarser_grids(
     work : float
         Convolutions that the guess took, each by its share of the elements.
     """
+    heights = problem.heights
     if heights.size <= _COARSEST or any(n % 2 and n > 1 for n in heights.shape):
-        return _springs(heights, total, hardness), 0.0
+        return _springs(heights, problem.total, problem.hardness), 0.0
     (nx, ny), (fx, fy) = heights.shape, (min(n, 2) for n in heights.shape)
     blocks = fx * fy
-    coarse, means = solid.coarsened(), heights.reshape(nx // fx, fx, ny // fy, fy).mean(axis=(1, 3))
-    guess, work = from_coarser_grids(coarse, means, total / blocks, hardness)
-    problem = Problem.of(coarse, means, total / blocks, hardness)
-    found = iterate(problem, guess, Limits(_COARSE_TOLERANCE, _COARSE_CONVOLUTIONS), spent=work)
+    means = heights.reshape(nx // fx, fx, ny // fy, fy).mean(axis=(1, 3))
+    solid, total = problem.solid.coarsened(), problem.total / blocks
+    coarse = Problem.of(solid, means, total, problem.hardness)
+    guess, work = from_coarser_grids(coarse)
+    found = iterate(coarse, guess, Limits(_COARSE_TOLERANCE, _COARSE_CONVOLUTIONS), spent=work)
     pressure = found.pressure.repeat(fx, axis=0).repeat(fy, axis=1)
     return pressure, found.convolutions / blocks
 
 
-def in_window(
-    solid: ElasticHalfSpace,
-    heights: Array,
-    total: float,
-    hardness: float,
-    guess: Array,
-    tolerance: float,
-    max_convolutions: float,
-) -> tuple[Array, float]:
+def in_window(problem: Problem, guess: Array, limits: Limits) -> tuple[Array, float]:
     """Improve a guess on the part of the free axes that it loads, if that is small.
 
     Parameters
     ----------
-    solid, heights, total, hardness, guess, tolerance, max_convolutions
-        Those of `tribo.contact.problem.Problem` and `tribo.contact.iteration.Limits`.
+    problem : Problem
+        Contact on the whole grid.
+    guess : ndarray, shape (nx, ny)
+        Guess of its pressure [Pa].
+    limits : Limits
+        When to end the improvement.
 
     Returns
     -------
@@ -81,15 +68,17 @@ def in_window(
     work : float
         Convolutions that the improvement took, each by its share of the elements.
     """
+    heights, total, hardness = problem.heights, problem.total, problem.hardness
+    axes = zip(heights.shape, problem.solid.grid.periodic, strict=True)
     window = tuple(
         slice(0, n) if periodic else _extent(guess.max(axis=1 - axis) > 0)
-        for axis, (n, periodic) in enumerate(zip(heights.shape, solid.grid.periodic, strict=True))
+        for axis, (n, periodic) in enumerate(axes)
     )
     part = heights[window]
     if part.size >= _WINDOW * heights.size or total >= hardness * part.size:
         return guess, 0.0
-    problem = Problem.of(solid.cropped(part.shape), part, total, hardness)
-    found = iterate(problem, guess[window], Limits(tolerance, max_convolutions))
+    cropped = Problem.of(problem.solid.cropped(part.shape), part, total, hardness)
+    found = iterate(cropped, guess[window], limits)
     pressure = np.zeros(heights.shape)
     pressure[window] = found.pressure
     return pressure, found.convolutions * part.size / heights.size
@@ -107,7 +96,7 @@ def _extent(loaded: Mask) -> slice:
 
 
 def _springs(heights: Array, total: float, hardness: float) -> Array:
-    """A bed of springs under the shape, its stiffness that of the load on its lowest tenth."""
+    """Pressure on a bed of springs in which the lowest tenth of the shape carries the load [Pa]."""
     level = float(np.quantile(heights, 0.1))
     penetration = np.maximum(level - heights, 0.0)
     weight = float(penetration.sum())

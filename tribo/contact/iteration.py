@@ -145,7 +145,7 @@ def iterate(
         Displacement under the guess [m], where it is known. The guess then carries the load, but
         may exceed the bounds.
     spent : float, optional
-        Convolutions on the way here.
+        Convolutions that the guess took.
     """
     state = _begun(problem, guess, displacement, spent)
     turns, progress, change = Turns(), Progress(), math.inf
@@ -153,7 +153,8 @@ def iterate(
     while True:
         judged = judge(problem, state)
         progress = progress.after(judged.residual, state.convolutions)
-        stalled = progress.has_stalled(problem, state, judged, gradient.idle)
+        stuck = not judged.nodes.size  # all in contact is at the hardness, and rightly so
+        stalled = stuck or progress.has_stalled(problem, state, judged, gradient.idle)
         exhausted = state.convolutions >= limits.convolutions or not math.isfinite(judged.residual)
         error, slack = judged.residual, limits.tolerance - judged.residual
         if limits.by_change:

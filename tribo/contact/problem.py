@@ -19,10 +19,9 @@ from tribo.stencil import Neighbourhood
 from tribo.types import Array, Mask, Nodes
 
 # Conjugate gradients go by single precision, in two thirds of the time: they only lead the way to a
-# pressure, the displacement of which is then computed in full. Not so where numbers are too large
-# or too small for it, or where the coupling within rows, in units of an element's compliance, would
-# magnify its rounding.
-_SMALLEST_SINGLE, _MOST_COUPLING = 1e-25, 1.0
+# pressure, the displacement of which is then computed in full. Not so where the coupling within
+# rows, in units of an element's compliance, would magnify its rounding.
+_MOST_COUPLING = 1.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -60,8 +59,7 @@ class Problem:
         """Set up the problem of pressing `heights` into a solid."""
         soft, unit = SoftRows.of(solid), solid.self_influence
         coupling = soft.coupling if soft.matter else 0.0
-        near_1 = _SMALLEST_SINGLE < unit < 1 / _SMALLEST_SINGLE
-        fast = solid.in_faster_precision() if near_1 and coupling < _MOST_COUPLING * unit else solid
+        fast = solid.in_faster_precision(unit) if coupling < _MOST_COUPLING * unit else solid
         near = Neighbourhood(solid, soft.axis, coupling)
         return cls(solid, heights, total, hardness, soft, near, fast)
 

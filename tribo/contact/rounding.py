@@ -33,7 +33,7 @@ def largest(field: Array) -> float:
 
 
 def lost_by_updates(updates: int, rounding: float, displacement: float) -> float:
-    """What updates of a displacement may have cost of it [m].
+    """Largest error of a displacement after updates [m].
 
     Parameters
     ----------
@@ -53,7 +53,7 @@ def lost_by_updates(updates: int, rounding: float, displacement: float) -> float
 
 
 def lost_by_transform(rounding: float, displacement: float) -> float:
-    """What a displacement that has just been computed may be wrong by [m].
+    """Largest error of a displacement that has just been computed [m].
 
     The parameters are those of `lost_by_updates`.
     """
@@ -66,7 +66,7 @@ def hides_more(lost: float, slack: float, unit: float) -> bool:
     Parameters
     ----------
     lost : float
-        What the displacement may be wrong by [m].
+        Largest error of the displacement [m].
     slack : float
         Tolerance less residual.
     unit : float
@@ -100,7 +100,7 @@ def restored(
     problem : Problem
         The contact to solve.
     iterate : Iterate
-        What is about to be given out.
+        Iterate that is about to be returned.
     judged : Judgement
         Level and residual of that iterate.
     slack : float

@@ -23,9 +23,6 @@ import numpy as np
 from tribo.contact.elasticity import ElasticHalfSpace
 from tribo.types import Array, Indices
 
-__all__ = ["RowMetric", "SoftRows"]
-
-
 _ROUNDING = 1e-15
 _MOST_STEPS = 100  # of a root finder that halves its bracket where Newton's method leaves it
 _MOST_AT_ONCE = 10  # of Newton's method without a bracket
@@ -46,7 +43,7 @@ class SoftRows:
         c/n of Eq. (1) [m/Pa]: c is what waves across the rows yield, in the median, beyond what
         an element does.
     matter : bool
-        Whether that is enough for iterations to mind it.
+        Whether the coupling is large enough to need the metric.
     """
 
     axis: int
@@ -55,7 +52,7 @@ class SoftRows:
 
     @classmethod
     def of(cls, solid: ElasticHalfSpace) -> SoftRows:
-        """Find them."""
+        """Find the rows of a solid that yield most."""
         (nx, ny), spectrum = solid.grid.shape, solid.spectrum.real
         couplings = [
             (float(np.sort(across)[len(across) // 2]) - solid.self_influence) / n

@@ -8,9 +8,6 @@ import numpy as np
 
 from tribo.types import Array
 
-__all__ = ["LARGEST", "LOAD_ERROR", "SMALLEST", "nearest", "scaled_to_load", "shifted_to_load"]
-
-
 LOAD_ERROR = 1e-12
 """Of the load; beyond it a pressure does not carry it."""
 

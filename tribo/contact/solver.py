@@ -3,9 +3,9 @@
 Find the pressure p and the approach α that minimise ½ pᵀDp + zᵀp over 0 ≤ p ≤ H and Σp·dA = F.
 Then the gap g = Dp + z − α is 0 where 0 < p < H, ≥ 0 where p = 0 and ≤ 0 where p = H.
 
-How well a solution fulfils that is evaluated on the pressure that is given out, and nothing is
-given out before it lies within the tolerance; one below what rounding allows ends in an error that
-says so. How it is found is told in `iteration`, and where that starts in `guess`.
+How well a solution fulfils that is evaluated on the very pressure that is returned, and none is
+returned before it is within the tolerance; a tolerance below what rounding allows ends in an error
+that says so. The iteration is in `iteration`, and where it starts in `guess`.
 """
 
 from __future__ import annotations
@@ -24,8 +24,6 @@ from tribo.contact.rows import SoftRows
 from tribo.contact.simplex import LARGEST, SMALLEST
 from tribo.errors import ConvergenceError, InputError, finite_field, require_positive
 from tribo.types import Array
-
-__all__ = ["ContactCriterion", "ContactSolution", "solve_contact"]
 
 ContactCriterion = Literal["gap", "pressure-change"]
 
@@ -57,12 +55,22 @@ class ContactSolution:
         Largest violation of the conditions on the gap, in units of D_self·max(p), and what
         rounding may hide of it.
     load_error : float
-        |Σp·dA/F − 1|.
+        Relative error of the load, |Σp·dA/F − 1|.
     penetration : float
         Deepest overlap of the bodies where the material does not yield [m]; it counts in the
         residual.
     saturated_fraction : float
         Share of the contact's nodes that carry the hardness.
+
+    Examples
+    --------
+    >>> import tribo
+    >>> grid = tribo.Grid((65, 1), (4e-6, 1e-3))
+    >>> separation = grid.coordinates(0)[:, None] ** 2 / (2 * 8e-3)
+    >>> solid = tribo.ElasticHalfSpace(grid, 115e9)
+    >>> contact = tribo.solve_contact(solid, separation, normal_load=100.0)
+    >>> f"{contact.pressure.max() / 1e9:.2f} GPa", contact.residual < 1e-8
+    ('0.68 GPa', True)
     """
 
     pressure: Array
@@ -155,19 +163,17 @@ def solve_contact(
         return ContactSolution(
             pressure, gap - gap.max(), float(gap.max()), 1, 0.0, load_error, 0.0, 1.0
         )
-    total = normal_load / grid.element_area
+    problem = Problem.of(solid, z, normal_load / grid.element_area, hardness)
     if initial_pressure is None:
-        guess, spent = from_coarser_grids(solid, z, total, hardness)
+        guess, spent = from_coarser_grids(problem)
     else:
         guess, spent = finite_field("initial_pressure", initial_pressure, grid.shape), 0.0
     if initial_displacement is not None:
         finite_field("initial_displacement", initial_displacement, grid.shape)
     elif criterion == "gap":
-        guess, more = in_window(
-            solid, z, total, hardness, guess, _WINDOW_SHARE * tolerance, max_iterations - spent
-        )
+        loose = Limits(_WINDOW_SHARE * tolerance, max_iterations - spent)
+        guess, more = in_window(problem, guess, loose)
         spent += more
-    problem = Problem.of(solid, z, total, hardness)
     limits = Limits(tolerance, max_iterations, by_change=criterion == "pressure-change")
     found = iterate(problem, guess, limits, initial_displacement, spent)
     solution = _solution(found, hardness)

@@ -16,8 +16,6 @@ from dataclasses import dataclass
 
 from tribo.errors import InputError, require_integer, require_positive
 
-__all__ = ["MOST_STEPS", "Ramp", "Station"]
-
 MOST_STEPS = 1_000_000
 """Steps that a load or a hold may take; more are an oversight."""
 
@@ -43,6 +41,14 @@ class Station:
         Integral of the load over the time since then, ∫F dt [N s].
     holding : bool
         Whether the load has been the same since the station before.
+
+    Examples
+    --------
+    >>> import tribo
+    >>> ramp = tribo.Ramp(rate=150.0, reference_load=750.0)
+    >>> *_, last = ramp.stations(100.0, increments=10)
+    >>> last.normal_load, last.on_trunk
+    (100.0, False)
     """
 
     normal_load: float
@@ -170,7 +176,7 @@ class Ramp:
 
 
 def _whole(rounded: Callable[[float], int], whole: float, step: float) -> int:
-    """How many steps make up the whole; what is within rounding of a number of steps is it."""
+    """Number of steps that make up the whole; a whole number where it is one but for rounding."""
     steps = whole / step if step > 0 else math.inf
     if not steps <= MOST_STEPS:
         raise InputError(

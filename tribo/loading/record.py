@@ -12,9 +12,6 @@ from tribo.errors import InputError, require_positive
 from tribo.loading.ramp import Ramp, Station
 from tribo.types import Array
 
-__all__ = ["MeasuredLoad", "fault"]
-
-
 _FITTED = (0.1, 0.9)  # of the reference load: the part of the rise that has no rounded ends
 
 

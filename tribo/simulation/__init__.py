@@ -1,1 +1,39 @@
 """One point of the diagram: loading with wear and friction heat."""
+
+from tribo.simulation.fidelity import PRESETS, Fidelity
+from tribo.simulation.heating import heat
+from tribo.simulation.kernels import forget_kernels
+from tribo.simulation.motion import Motion, Velocities
+from tribo.simulation.pins import Ball, Crowned, Cylinder
+from tribo.simulation.record import measures
+from tribo.simulation.roughness import MeasuredRoughness, SelfAffineRoughness
+from tribo.simulation.scene import Scene
+from tribo.simulation.state import Heat, State
+from tribo.simulation.step import advance, start
+from tribo.simulation.steps import leads_to, simulate
+from tribo.simulation.warning import PointWarning, WarningKind, warnings
+
+__all__ = [
+    "PRESETS",
+    "Ball",
+    "Crowned",
+    "Cylinder",
+    "Fidelity",
+    "Heat",
+    "MeasuredRoughness",
+    "Motion",
+    "PointWarning",
+    "Scene",
+    "SelfAffineRoughness",
+    "State",
+    "Velocities",
+    "WarningKind",
+    "advance",
+    "forget_kernels",
+    "heat",
+    "leads_to",
+    "measures",
+    "simulate",
+    "start",
+    "warnings",
+]

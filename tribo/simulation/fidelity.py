@@ -5,12 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal, get_args
 
-from tribo.contact.elasticity import ElasticKernel
-from tribo.contact.solver import ContactCriterion
+from tribo.contact import ContactCriterion, ElasticKernel
 from tribo.errors import InputError, require_integer, require_positive
 from tribo.wear import WearScheme
-
-__all__ = ["PRESETS", "Fidelity"]
 
 Averaging = Literal["mean", "sample"]
 Partition = Literal["local", "uniform", "direct"]
@@ -35,8 +32,12 @@ class Fidelity:
         Until a point's last step, elements are up to so many times larger along each axis; the
         last step is then repeated on the scene's own grid. The past acts through the wear alone,
         which a coarse grid knows well where it is swept and many elements touch. Where fewer than
-        400 do, the point is computed on its own grid from the start. Local wear keeps the
-        roughness, and the grid with it.
+        400 do, or `fewest_elements`, the point is computed on its own grid from the start. Local
+        wear keeps the roughness, and the grid with it.
+    fewest_elements : int
+        Elements that have to touch at least where a temperature is asked for. A point at which
+        fewer do is computed from its start on smaller elements, down to the pixels, and on one
+        grid; 0 to take those of the scene in any case.
     increments : int
         Steps of the ramp up to its reference load.
     kernel : {"periodic", "nearest-image"}
@@ -54,7 +55,8 @@ class Fidelity:
     heat_model : {"elapsed", "history"}
         ``"elapsed"``: the present friction heat is taken to have acted since time 0 (Bosman & de
         Rooij). ``"history"``: all heat since then acts at its own time, linear between the steps;
-        every step then needs its temperature. A contact that grows makes the former too warm: in
+        every step then needs its temperature, and has it in the result if `fewest_elements` is 0.
+        A contact that grows makes the former too warm: in
         the paper's system at 600 N by 0.2, 0.8, 1.5 and 2.4 % of the rise at 1.25, 0.1, 0.01 and
         0.001 m/s, and by 0.6, 2.1, 4.2 and 8.3 % with the heat kernel ``"endless"``.
     heat_kernel : {"pin", "endless", "nearest-image"}
@@ -76,11 +78,19 @@ class Fidelity:
     ------
     InputError
         If a value lies outside its range.
+
+    Examples
+    --------
+    >>> import tribo
+    >>> from dataclasses import replace
+    >>> replace(tribo.PRESETS["standard"], increments=50).increments
+    50
     """
 
     pixels_per_element: int = 2
     averaging: Averaging = "mean"
     history_coarsening: int = 1
+    fewest_elements: int = 0
     increments: int = 100
     kernel: ElasticKernel = "periodic"
     contact_tolerance: float = 1e-3
@@ -97,6 +107,7 @@ class Fidelity:
         for name, lowest in (
             ("pixels_per_element", 1),
             ("history_coarsening", 1),
+            ("fewest_elements", 0),
             ("increments", 1),
             ("temperature_interval", 0),
         ):
@@ -132,27 +143,37 @@ PRESETS: dict[str, Fidelity] = {
         pixels_per_element=4,
         averaging="sample",
         history_coarsening=4,
-        increments=10,
+        fewest_elements=400,
+        increments=5,
         contact_tolerance=0.1,
+        wear_scheme="sdirk2",
         heat_tolerance=1e-2,
     ),
     "standard": Fidelity(
         pixels_per_element=2,
         averaging="sample",
         history_coarsening=2,
-        increments=50,
+        fewest_elements=1000,
+        increments=25,
         contact_tolerance=3e-2,
+        wear_scheme="sdirk2",
         heat_tolerance=1e-3,
     ),
     "fine": Fidelity(
         pixels_per_element=1,
         history_coarsening=2,
-        increments=100,
+        fewest_elements=1000,
+        increments=50,
         contact_tolerance=1e-2,
+        wear_scheme="sdirk2",
         heat_tolerance=1e-4,
     ),
     "reference": Fidelity(
-        pixels_per_element=1, increments=200, contact_tolerance=1e-5, heat_tolerance=1e-8
+        pixels_per_element=1,
+        increments=100,
+        contact_tolerance=1e-5,
+        wear_scheme="sdirk2",
+        heat_tolerance=1e-8,
     ),
     "as-published": Fidelity(
         pixels_per_element=2,

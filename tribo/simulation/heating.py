@@ -12,43 +12,84 @@ from tribo.simulation.invariants import check_heat, within_range
 from tribo.simulation.kernels import heat_spectrum
 from tribo.simulation.scene import Scene
 from tribo.simulation.state import Heat, State
-from tribo.thermal.conduction import settling_time
-from tribo.thermal.duhamel import Conductor, HeatHistory, partition_with_history
-from tribo.thermal.partition import HeatPartition, partition_heat
-from tribo.thermal.quantiles import contact_quantiles
-from tribo.types import Mask
-
-__all__ = ["heat", "heated_since"]
+from tribo.thermal import (
+    Conductor,
+    HeatHistory,
+    HeatPartition,
+    bulk_ratio_quantiles,
+    contact_quantiles,
+    partition_heat,
+    partition_with_history,
+    settling_time,
+)
+from tribo.types import Array, Mask
 
 
 @within_range("the temperature of a contact")
 def heat(scene: Scene, state: State, velocity: float) -> Heat:
-    """Temperature of a state, at friction coefficient 1 and with both bodies' bulk equal.
+    """Temperature of a state, at friction coefficient 1.
 
-    The present friction heat is taken to act since time 0 (Bosman & de Rooij), whatever the heat
-    model of the fidelity.
+    That is of bodies of equal bulk temperature, besides the response to a difference of 1 K where
+    the scene has unequal ones. The present friction heat is taken to act since time 0 (Bosman & de
+    Rooij), whatever the heat model of the fidelity.
+
+    Examples
+    --------
+    >>> import tribo
+    >>> scene = tribo.critical_temperature_rig()
+    >>> *_, state = tribo.simulate(scene, normal_load=10.0, velocity=0.065)
+    >>> f"{0.1 * tribo.heat(scene, state, velocity=0.13).max_rise:.1f} K at friction 0.1"
+    '13.8 K at friction 0.1'
     """
     contact = state.pressure > 0
-    return _summary(scene, _partition(scene, state, velocity, contact), contact)
+    summary = _summary(scene, _partition(scene, state, velocity, contact), contact)
+    if not scene.unequal_bulks:
+        return summary
+    return _responding(scene, summary, _response(scene, state, velocity, contact), contact)
 
 
-def heated_since(scene: Scene, history: HeatHistory, state: State, velocity: float) -> State:
-    """Give a state the temperature that it owes to all heat so far, its own step included."""
+def heated_since(scene: Scene, before: State, state: State, velocity: float) -> State:
+    """Give a state the temperature that it owes to all heat since the start.
+
+    Parameters
+    ----------
+    scene : Scene
+        System to simulate.
+    before : State
+        State one step earlier, with its histories of the heat.
+    state : State
+        State now, without temperature.
+    velocity : float
+        Sliding velocity [m/s].
+    """
     contact = state.pressure > 0
-    split, heat_history = partition_with_history(
-        scene.grid,
-        *_bodies(scene, velocity),
-        history,
-        state.time,
-        abs(velocity) * state.pressure,
-        contact,
-        method=scene.fidelity.partition,
-        tolerance=scene.fidelity.heat_tolerance,
-        spectrum_of=heat_spectrum,
-    )
+
+    def since(
+        history: HeatHistory | None, flux: Array, bulk_difference: float
+    ) -> tuple[HeatPartition, HeatHistory]:
+        return partition_with_history(
+            scene.grid,
+            *_bodies(scene, velocity),
+            history or HeatHistory(),
+            state.time,
+            flux,
+            contact,
+            method=scene.fidelity.partition,
+            tolerance=scene.fidelity.heat_tolerance,
+            bulk_difference=bulk_difference,
+            spectrum_of=heat_spectrum,
+        )
+
+    split, heat_history = since(before.heat_history, abs(velocity) * state.pressure, 0.0)
     _check_split(scene, state, velocity, contact, split)
     summary = _summary(scene, split, contact) if contact.any() else None
-    return replace(state, heat=summary, heat_history=heat_history)
+    state = replace(state, heat=summary, heat_history=heat_history)
+    if not scene.unequal_bulks:
+        return state
+    response, history = since(before.response_history, np.zeros(scene.grid.shape), 1.0)
+    if summary:
+        summary = _responding(scene, summary, response, contact)
+    return replace(state, heat=summary, response_history=history)
 
 
 def _summary(scene: Scene, split: HeatPartition, contact: Mask) -> Heat:
@@ -62,6 +103,33 @@ def _summary(scene: Scene, split: HeatPartition, contact: Mask) -> Heat:
         mean_rise=float(on_contact.mean()),
         pin_heat_share=split.pin_share,
         iterations=split.iterations,
+    )
+
+
+def _responding(scene: Scene, summary: Heat, response: HeatPartition, contact: Mask) -> Heat:
+    """The temperature with its response to a disk that is 1 K warmer than the pin."""
+    rows = scene.rows_per_element
+    rises = summary.rise.repeat(rows, 1), response.rise.repeat(rows, 1)
+    return replace(
+        summary,
+        bulk_response=response.rise,
+        mean_bulk_response=float(response.rise[contact].mean()),
+        bulk_rise_quantile=bulk_ratio_quantiles(*rises, contact.repeat(rows, 1)),
+        iterations=summary.iterations + response.iterations,
+    )
+
+
+def _response(scene: Scene, state: State, velocity: float, contact: Mask) -> HeatPartition:
+    """Heat that flows where the disk's bulk is 1 K warmer than the pin's since time 0."""
+    pin, disk = (_conductor(scene.grid, body, state.time) for body in _bodies(scene, velocity))
+    return partition_heat(
+        pin,
+        disk,
+        np.zeros(scene.grid.shape),
+        contact,
+        method=scene.fidelity.partition,
+        tolerance=scene.fidelity.heat_tolerance,
+        bulk_difference=1.0,
     )
 
 
@@ -96,8 +164,11 @@ def _check_split(
 
 def _bodies(scene: Scene, velocity: float) -> tuple[Conductor, Conductor]:
     """Pin and disk."""
-    length = scene.heated_length
-    return Conductor(scene.pin.material, 0.0, length), Conductor(scene.disk, velocity, length)
+    length, own = scene.heated_length, scene.velocities_at(velocity)
+    return (
+        Conductor(scene.pin.material, own.pin, length),
+        Conductor(scene.disk, own.disk, length),
+    )
 
 
 def _conductor(grid: Grid, body: Conductor, time: float) -> Convolution:

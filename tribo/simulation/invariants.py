@@ -26,11 +26,8 @@ from contextlib import contextmanager
 import numpy as np
 
 from tribo.errors import InvariantError, RangeError
-from tribo.thermal.partition import HeatPartition
+from tribo.thermal import HeatPartition
 from tribo.types import Array, Mask
-
-__all__ = ["check_contact", "check_heat", "check_wear", "within_range"]
-
 
 # Sums over a million nodes lose less than 1e-13, and the contact solver allows itself 1e-12.
 _BALANCE = 1e-10
@@ -186,7 +183,7 @@ def check_heat(
 
 @contextmanager
 def within_range(what: str) -> Iterator[None]:
-    """Turn a number beyond double precision into a `RangeError` that says during what.
+    """Turn a number beyond double precision into a `RangeError` that says where it arose.
 
     Examples
     --------

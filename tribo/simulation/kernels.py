@@ -12,15 +12,13 @@ from collections import OrderedDict
 from collections.abc import Callable, Hashable
 from typing import Generic, NamedTuple, TypeVar
 
-from tribo.contact.elasticity import ElasticHalfSpace
+from tribo.contact import ElasticHalfSpace
 from tribo.convolution import forget_buffers
 from tribo.grid import Grid
 from tribo.material import contact_modulus
 from tribo.simulation.scene import Scene
-from tribo.thermal.duhamel import Conductor, conducted_spectrum
+from tribo.thermal import Conductor, conducted_spectrum
 from tribo.types import Array, Spectrum
-
-__all__ = ["ElasticBodies", "Kept", "elastic_bodies", "forget_kernels", "heat_spectrum"]
 
 _MOST_BODIES = 8  # a scene needs up to three of them, one for each of its grids
 _MOST_BYTES = 2**28  # of thermal kernels
@@ -66,14 +64,14 @@ class Kept(Generic[Value]):
             return value
 
     def clear(self) -> None:
-        """Keep nothing of what there is."""
+        """Forget all values."""
         with self._lock:
             self._values.clear()
             self._size = 0
 
 
 class ElasticBodies(NamedTuple):
-    """What no step of a loading changes.
+    """The bodies' map and shape, which no step of a loading changes.
 
     Attributes
     ----------
@@ -106,7 +104,13 @@ def heat_spectrum(
 
 
 def forget_kernels() -> None:
-    """Free what simulations keep for the next ones of the same scene."""
+    """Free what simulations keep for the next ones of the same scene.
+
+    Examples
+    --------
+    >>> import tribo
+    >>> tribo.forget_kernels()
+    """
     _bodies.clear()
     _spectra.clear()
     forget_buffers()

@@ -2,153 +2,30 @@
 
 from __future__ import annotations
 
-import hashlib
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 
-import numpy as np
-
-from tribo.errors import InputError, finite_field, require_positive
+from tribo.errors import InputError
 from tribo.grid import Grid
-from tribo.loading.ramp import Ramp, Station
-from tribo.loading.record import MeasuredLoad
+from tribo.loading import MeasuredLoad, Ramp, Station
 from tribo.material import Material
 from tribo.simulation.fidelity import Fidelity
-from tribo.thermal.conduction import HeatedLength
-from tribo.topography import block_average, block_sample, self_affine
+from tribo.simulation.motion import Motion, Velocities
+from tribo.simulation.pins import Ball, Crowned, Cylinder
+from tribo.simulation.roughness import MeasuredRoughness, SelfAffineRoughness
+from tribo.thermal import HeatedLength
+from tribo.topography import block_average, block_sample
 from tribo.types import Array
-from tribo.wear import Wear
-
-__all__ = ["Ball", "Cylinder", "MeasuredRoughness", "Scene", "SelfAffineRoughness"]
-
+from tribo.wear import RollingWear, Wear
 
 # Elements along x with which the shape of the wear is still known well.
 _FEWEST_ELEMENTS = 24
-
-
-@dataclass(frozen=True, slots=True)
-class Cylinder:
-    """A smooth pin whose axis lies along y.
-
-    Parameters
-    ----------
-    radius, length : float
-        Radius and length of the cylinder [m]. The load is spread evenly over the length.
-    material : Material
-        Material of the cylinder.
-    """
-
-    radius: float
-    length: float
-    material: Material
-
-    def __post_init__(self) -> None:
-        require_positive(radius=self.radius, length=self.length)
-
-    def profile(self, grid: Grid) -> Array:
-        """Distance from the flat that it touches, x²/(2R) [m], shape ``grid.shape``."""
-        x = grid.coordinates(0)[:, None]
-        return np.broadcast_to(x**2 / (2 * self.radius), grid.shape)
-
-    def patches(self, grid: Grid) -> float:
-        """How many times the patch's load and wear make up the whole pin's."""
-        return self.length / grid.size[1]
-
-
-@dataclass(frozen=True, slots=True)
-class Ball:
-    """A smooth ball as pin.
-
-    Parameters
-    ----------
-    radius : float
-        Radius of the ball [m].
-    material : Material
-        Material of the ball.
-    """
-
-    radius: float
-    material: Material
-
-    def __post_init__(self) -> None:
-        require_positive(radius=self.radius)
-
-    def profile(self, grid: Grid) -> Array:
-        """Distance from the flat that it touches, (x² + y²)/(2R) [m], shape ``grid.shape``."""
-        x, y = grid.coordinates(0)[:, None], grid.coordinates(1)[None, :]
-        distance: Array = (x**2 + y**2) / (2 * self.radius)
-        return distance
-
-    def patches(self, grid: Grid) -> float:
-        """How many times the patch's load and wear make up the whole pin's."""
-        return 1.0
-
-
-@dataclass(frozen=True, slots=True)
-class SelfAffineRoughness:
-    """A random surface; see `tribo.self_affine`.
-
-    Parameters
-    ----------
-    ra : float
-        Mean absolute height on the pixels, Ra [m].
-    hurst_exponent : float
-        Hurst exponent, from 0 (rough at every length) to 1 (smooth at short ones).
-    correlation_length : tuple of float
-        Correlation lengths along x and y [m].
-    seed : int
-        Number of the random surface.
-    """
-
-    ra: float
-    hurst_exponent: float
-    correlation_length: tuple[float, float]
-    seed: int = 0
-
-    def heights(self, pixels: Grid) -> Array:
-        """Heights [m], shape ``pixels.shape``."""
-        return self_affine(pixels, self.ra, self.hurst_exponent, self.correlation_length, self.seed)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class MeasuredRoughness:
-    """A surface as it was measured.
-
-    Parameters
-    ----------
-    array : ndarray, shape (nx, ny)
-        Heights [m], positive towards the pin; rows along x.
-    """
-
-    array: Array
-    digest: str = field(init=False, repr=False)
-
-    def __post_init__(self) -> None:
-        shape = np.shape(self.array)
-        if len(shape) != 2 or 0 in shape:
-            raise InputError(
-                f"measured heights have shape {shape}; they must be a two-dimensional array"
-            )
-        array = np.ascontiguousarray(finite_field("measured heights", self.array, shape))
-        object.__setattr__(self, "array", array)
-        digest = hashlib.sha256(repr(array.shape).encode() + array.tobytes()).hexdigest()
-        object.__setattr__(self, "digest", digest)
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, MeasuredRoughness) and self.digest == other.digest
-
-    def __hash__(self) -> int:
-        return hash(self.digest)
-
-    def heights(self, pixels: Grid) -> Array:
-        """Heights [m] above their mean, shape ``pixels.shape``."""
-        if self.array.shape != pixels.shape:
-            raise InputError(
-                f"the measured surface has {self.array.shape} pixels, the scene {pixels.shape}"
-            )
-        level: Array = self.array - self.array.mean()
-        return level
+# Positions of the disk in a step of swept wear along a free y. Under a ball of 5 mm at 200 N and
+# 1 m/s the rise exceeded by 10 % of the contact is 0.2 % too high in 50 steps of 2, and 0.8 % in
+# 10, beside 800 positions; where the wear is 40 Ra deep, 1.3 and 3.3 % beside 1280. Longer steps of
+# more positions, as many in all, give the same.
+_POSITIONS = 2
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -157,8 +34,8 @@ class Scene:
 
     Parameters
     ----------
-    pin : Cylinder or Ball
-        Smooth, at rest.
+    pin : Cylinder, Ball or Crowned
+        Smooth; at rest unless the scene has a motion.
     disk : Material
         Material of the body that moves along +x.
     pixels : Grid
@@ -172,6 +49,11 @@ class Scene:
     friction_heat : bool
         Whether there is friction, and with it heat. If not, no temperature is solved for: the rise
         is 0.
+    motion : Motion, optional
+        How both bodies move; the pin is at rest if not given.
+    unequal_bulks : bool
+        Whether the bodies may differ in bulk temperature. If so, the response of the contact to a
+        difference is solved for besides the rise.
     fidelity : Fidelity
         Numerical choices.
 
@@ -179,15 +61,28 @@ class Scene:
     ------
     InputError
         If the parts do not fit together.
+
+    Examples
+    --------
+    >>> import tribo
+    >>> steel = tribo.Material(elastic_modulus=210e9, poisson_ratio=0.3, hardness=6.6e9,
+    ...                        thermal_conductivity=45.0, density=7800.0, specific_heat=470.0)
+    >>> pin = tribo.Cylinder(2e-3, 3.4e-3, steel)
+    >>> scene = tribo.Scene(pin=pin, disk=steel, pixels=tribo.Grid((192, 2), (2e-6, 228e-6)),
+    ...                     loading=tribo.Ramp(rate=150.0, reference_load=750.0))
+    >>> scene.grid.shape
+    (96, 1)
     """
 
-    pin: Cylinder | Ball
+    pin: Cylinder | Ball | Crowned
     disk: Material
     pixels: Grid
     loading: Ramp | MeasuredLoad
     roughness: SelfAffineRoughness | MeasuredRoughness | None = None
     wear: Wear | None = None
     friction_heat: bool = True
+    motion: Motion | None = None
+    unequal_bulks: bool = False
     fidelity: Fidelity = field(default_factory=Fidelity)
 
     def __post_init__(self) -> None:
@@ -199,11 +94,10 @@ class Scene:
             )
         if self.pixels.periodic[0]:
             raise InputError("the patch is periodic along x; under a round pin x must be free")
-        if isinstance(self.pin, Ball) and self.pixels.periodic[1]:
-            raise InputError("the patch is periodic along y; under a ball both axes must be free")
-        if self.wear and self.wear.pattern == "swept" and not self.pixels.periodic[1]:
+        if not isinstance(self.pin, Cylinder) and self.pixels.periodic[1]:
+            shape = type(self.pin).__name__.lower()
             raise InputError(
-                "swept wear needs a patch that is periodic along y; use the pattern 'local'"
+                f"the patch is periodic along y; under a {shape} pin both axes must be free"
             )
         if self.fidelity.kernel == "nearest-image" and not self.pixels.periodic[1]:
             raise InputError(
@@ -216,6 +110,57 @@ class Scene:
             )
         if isinstance(self.roughness, MeasuredRoughness):
             self.roughness.heights(self.pixels)
+        if self.unequal_bulks and self.fidelity.partition == "uniform":
+            raise InputError(
+                "the partition 'uniform' divides frictional heat alone, and the bulk temperatures "
+                "are unequal; use 'local'"
+            )
+        if self.motion and self.track_length < self.pixels.size[0] * (1 - 1e-9):
+            raise InputError(
+                f"track_length is {self.track_length:g} m; it must be at least that of the window "
+                f"along x, {self.pixels.size[0]:g} m"
+            )
+
+    @property
+    def track_length(self) -> float:
+        """Length of the track around a pin that rolls [m]."""
+        given = self.motion.track_length if self.motion else None
+        return 2 * math.pi * self.pin.radius if given is None else given
+
+    def velocities_at(self, sliding: float) -> Velocities:
+        """Velocities of pin and disk along x at a sliding velocity [m/s]."""
+        return self.motion.velocities(sliding) if self.motion else Velocities(0.0, sliding)
+
+    def windows_worn(self, sliding: float) -> float:
+        """Number of windows along x in what wears of the pin: those of its track if it rolls."""
+        if self.velocities_at(sliding).pin == 0:
+            return 1.0
+        return self.track_length / self.pixels.size[0]
+
+    def wear_at(self, sliding: float) -> Wear | None:
+        """How the pin wears at a sliding velocity [m/s]; None if it does not.
+
+        Along a free y each position of the disk wears the pin by its own pressure; `positions`
+        tells how many of them there are.
+        """
+        if self.wear is None:
+            return None
+        wear = self.wear if self.pixels.periodic[1] else replace(self.wear, pattern="local")
+        windows = self.windows_worn(sliding) if self.motion else 1.0
+        if windows == 1:
+            return wear
+        return RollingWear(wear.specific_wear_rate, wear.pattern, min(1.0, 1 / windows))
+
+    @property
+    def sweeps_over(self) -> bool:
+        """Whether ever new patches of the disk pass the pin, along x and y."""
+        swept = self.wear is not None and self.wear.pattern == "swept"
+        return swept and not self.pixels.periodic[1] and self.roughness is not None
+
+    @property
+    def positions(self) -> int:
+        """Positions of the disk that pass the pin in a step."""
+        return _POSITIONS if self.sweeps_over else 1
 
     @property
     def grid(self) -> Grid:
@@ -248,9 +193,20 @@ class Scene:
         return min(self.pin.material.hardness, self.disk.hardness)
 
     @property
+    def nominal_area(self) -> float:
+        """Area of the window, times the number of times that the pin holds it [m²]."""
+        return self.grid.area * self.pin.patches(self.grid)
+
+    @property
+    def greatest_load(self) -> float:
+        """Load on the pin at which the whole window is at the hardness [N]."""
+        return self.hardness * self.nominal_area
+
+    @property
     def remembers_heat(self) -> bool:
         """Whether a temperature depends on the heat of the steps before."""
-        return self.friction_heat and self.fidelity.heat_model == "history"
+        warms = self.friction_heat or self.unequal_bulks
+        return warms and self.fidelity.heat_model == "history"
 
     @property
     def heated_length(self) -> HeatedLength:

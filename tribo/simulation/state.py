@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
-from tribo.thermal.duhamel import HeatHistory
+from tribo.errors import InputError
+from tribo.thermal import HeatHistory, at_bulk_ratio
 from tribo.types import Array
-
-__all__ = ["Heat", "State"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -26,6 +26,22 @@ class Heat:
         Share of the friction heat that goes into the pin.
     iterations : int
         Iterations of the heat partition, each one convolution.
+    bulk_response : ndarray, shape (nx, ny), or None
+        Rise of the pin's surface above the pin's bulk for each kelvin by which the disk's bulk is
+        the warmer one; None unless the scene has unequal bulk temperatures.
+    mean_bulk_response : float
+        Mean of `bulk_response` over the contact area [K/K]; NaN where there is none.
+    bulk_rise_quantile : ndarray, shape (len(BULK_RATIOS), len(QUANTILES)), or None
+        Quantiles over the contact area of ``rise + ratio * bulk_response`` [K], for each ratio of
+        `tribo.BULK_RATIOS`.
+
+    Examples
+    --------
+    >>> import tribo
+    >>> scene = tribo.critical_temperature_rig()
+    >>> *_, state = tribo.simulate(scene, normal_load=10.0, velocity=0.065)
+    >>> f"{0.1 * state.heat.max_rise:.1f} K at friction 0.1"
+    '7.5 K at friction 0.1'
     """
 
     rise: Array
@@ -34,6 +50,26 @@ class Heat:
     mean_rise: float
     pin_heat_share: float
     iterations: int = 0
+    bulk_response: Array | None = None
+    mean_bulk_response: float = math.nan
+    bulk_rise_quantile: Array | None = None
+
+    def rise_quantile_at(self, bulk_ratio: float) -> Array:
+        """Quantiles of the rise at friction 1 and a bulk ratio [K]; see `at_bulk_ratio`.
+
+        Raises
+        ------
+        InputError
+            If the ratio is not 0, and the scene had no unequal bulk temperatures.
+        """
+        if bulk_ratio == 0:
+            return self.rise_quantile
+        if self.bulk_rise_quantile is None:
+            raise InputError(
+                "the bulk temperatures differ, and the scene was simulated with equal ones; set "
+                "unequal_bulks"
+            )
+        return at_bulk_ratio(self.rise_quantile, self.bulk_rise_quantile, bulk_ratio)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -73,10 +109,20 @@ class State:
     heat : Heat or None
         Temperature of the contact, where it was asked for.
     history : State or None
-        The same moment on the coarser grid of the history, where there is one; it is from there
-        that the ramp goes on.
+        State at the same moment on the coarser grid of the history, from which the ramp goes on;
+        None without such a grid.
     heat_history : HeatHistory or None
         Heat that has flowed so far, where the temperature depends on it.
+    response_history : HeatHistory or None
+        Heat that has flowed so far because of unequal bulk temperatures, where they are unequal.
+
+    Examples
+    --------
+    >>> import tribo
+    >>> scene = tribo.critical_temperature_rig()
+    >>> *_, state = tribo.simulate(scene, normal_load=10.0, velocity=0.065)
+    >>> state.normal_load, state.time, f"{state.pressure.max() / 1e9:.2f} GPa"
+    (10.0, 61.0, '0.64 GPa')
     """
 
     pressure: Array
@@ -97,3 +143,4 @@ class State:
     heat: Heat | None = None
     history: State | None = None
     heat_history: HeatHistory | None = None
+    response_history: HeatHistory | None = None

@@ -1,11 +1,22 @@
-"""Kinds of warnings that a point may carry."""
+"""Warnings that a point may carry: their kinds, and when a state deserves them."""
 
 from __future__ import annotations
 
 from enum import IntFlag
 from typing import NamedTuple
 
-__all__ = ["PointWarning", "WarningKind"]
+import numpy as np
+
+from tribo.simulation.kernels import elastic_bodies
+from tribo.simulation.scene import Scene
+from tribo.simulation.state import State
+from tribo.wear import EXPLICIT_LIMIT, WEAR_SCHEMES
+
+FEW_NODES = 400  # below which `draft` errs by over 8 % and `standard` by over 3 % in most scenes,
+# and a coarse history of heavy wear, which does not know the summits that wear, by up to 80 %
+_SLOW = 0.1  # [m/s] from which on the present heat moved no boundary by more than 1.7 %
+_MOSTLY_HELD = 0.75  # of the present load times the time: a ramp makes half of it, a hold all
+_FEWEST_STEPS = 3  # or stages of steps, in which heavy wear knows the rise to about 10 %
 
 
 class WarningKind(IntFlag):
@@ -21,6 +32,7 @@ class WarningKind(IntFlag):
     CONTACT_AT_EDGE = 2
     FEW_NODES = 4
     FEW_STEPS = 8
+    PRESENT_HEAT = 16
 
     @property
     def label(self) -> str:
@@ -37,6 +49,12 @@ class PointWarning(NamedTuple):
         What it is about.
     text : str
         What is wrong, by how much, and what to do.
+
+    Examples
+    --------
+    >>> import tribo
+    >>> PointWarning(tribo.WarningKind.CONTACT_AT_EDGE, "give a wider window").kind.label
+    'contact at edge'
     """
 
     kind: WarningKind
@@ -44,3 +62,114 @@ class PointWarning(NamedTuple):
 
     def __str__(self) -> str:
         return self.text
+
+
+def warnings(scene: Scene, state: State) -> list[PointWarning]:
+    """What a user should know about a state before relying on it.
+
+    Examples
+    --------
+    >>> import tribo
+    >>> scene = tribo.critical_temperature_rig()
+    >>> *_, state = tribo.simulate(scene, normal_load=10.0, velocity=0.065)
+    >>> [warning.kind.label for warning in tribo.warnings(scene, state)]
+    []
+    """
+    found = [*_unstable_wear(scene, state), *_few_steps(scene, state)]
+    touched = [
+        f"{name} edge"
+        for name, axis in (("x", 0), ("y", 1))
+        if not scene.grid.periodic[axis] and np.take(state.pressure, (0, -1), axis=axis).any()
+    ]
+    if touched:
+        text = (
+            f"contact touches the window's {' and '.join(touched)} at {state.normal_load:g} N; "
+            "a wider window would carry load there too"
+        )
+        found.append(PointWarning(WarningKind.CONTACT_AT_EDGE, text))
+    return [*found, *_few_nodes(scene, state), *_present_heat(scene, state)]
+
+
+def _few_nodes(scene: Scene, state: State) -> list[PointWarning]:
+    """Warn where so few elements touch that ones larger than the pixels err by many percent."""
+    nodes, known = int(np.count_nonzero(state.pressure)), ordered_nodes(scene, state)
+    if not 0 < known < FEW_NODES or len(state.pressure) == scene.pixels.shape[0]:
+        return []
+    text = (
+        f"only {nodes} elements touch at {state.normal_load:g} N; so few had the boundary of "
+        "random scenes off by 0.4 to 100 %, by 10 % in the median; take smaller elements "
+        "(fewest_elements = 400, or pixels_per_element = 1), or ask for an accuracy"
+    )
+    return [PointWarning(WarningKind.FEW_NODES, text)]
+
+
+def ordered_nodes(scene: Scene, state: State) -> int:
+    """Elements that touch; in a plane, where they are in order of their heat, as many squared."""
+    nodes = int(np.count_nonzero(state.pressure))
+    return nodes**2 if scene.is_plane else nodes
+
+
+def _few_steps(scene: Scene, state: State) -> list[PointWarning]:
+    """Warn where a pin that wears has come here in too few steps for its shape to be known."""
+    wears = scene.wear is not None and scene.wear.specific_wear_rate > 0
+    stages = len(WEAR_SCHEMES[scene.fidelity.wear_scheme].weights)
+    if not wears or not 0 < stages * state.index < _FEWEST_STEPS:
+        return []
+    text = (
+        f"{state.normal_load:g} N is reached in {state.index} steps, in which the shape of the "
+        f"wear is known poorly; take increments that lead there in {_FEWEST_STEPS} or more"
+    )
+    return [PointWarning(WarningKind.FEW_STEPS, text)]
+
+
+def _present_heat(scene: Scene, state: State) -> list[PointWarning]:
+    """Whether a contact has grown so slowly that the heat of its past is not the present one."""
+    if state.heat is None or not scene.friction_heat or scene.remembers_heat or scene.motion:
+        return []
+    speed = state.sliding_distance / state.time
+    has_grown = state.impulse < _MOSTLY_HELD * state.normal_load * state.time
+    if not (0 < speed < _SLOW and has_grown):
+        return []
+    text = (
+        f"at {speed:.2g} m/s the present friction heat, taken to have acted since the start, makes "
+        "a contact that grows some 1 to 4 % too warm; take heat_model = 'history' and "
+        "history_coarsening = 1"
+    )
+    return [PointWarning(WarningKind.PRESENT_HEAT, text)]
+
+
+def _step_lengths(scene: Scene, state: State, holding: bool) -> list[float]:
+    """Durations of the steps so far, those of the hold or those before it [s]."""
+    if state.on_trunk:
+        return [] if holding else [state.time / state.index] * state.index
+    loading = scene.loading.stations(state.normal_load, scene.fidelity.increments)
+    stations = [station for station in loading if station.time <= state.time]
+    times = [0.0, *(station.time for station in stations)]
+    return [
+        station.time - before
+        for before, station in zip(times, stations, strict=False)
+        if station.holding == holding
+    ]
+
+
+def _unstable_wear(scene: Scene, state: State) -> list[PointWarning]:
+    """Warn where steps have been too long for explicit wear, and say how many would do."""
+    fidelity = scene.fidelity
+    if not scene.wear or fidelity.wear_scheme != "explicit" or not state.normal_load:
+        return []
+    solid, _ = elastic_bodies(scene)
+    velocity = state.sliding_distance / state.time
+    wear = scene.wear_at(velocity) or scene.wear
+    found = []
+    for holding, name in ((False, "increments"), (True, "steps of the hold")):
+        lengths = _step_lengths(scene, state, holding)
+        stiffness = wear.stiffness(solid, velocity * max(lengths, default=0.0))
+        if stiffness >= EXPLICIT_LIMIT:
+            count = len(lengths) if holding else fidelity.increments
+            text = (
+                f"explicit wear is unstable: k·dS is {stiffness:.1f} times the smallest compliance "
+                f"of the grid, the limit is {EXPLICIT_LIMIT:g}; take at least "
+                f"{int(count * stiffness / EXPLICIT_LIMIT) + 1} {name}, or another wear scheme"
+            )
+            found.append(PointWarning(WarningKind.UNSTABLE_WEAR, text))
+    return found

@@ -12,7 +12,7 @@ that heat diffuses and vs² = Vτ the distance that the surface travels in the m
 node s of a quadrature the integrand is an outer product f(x) g(y), and so is its transform: the
 spectrum of the whole kernel is a sum of outer products of one-dimensional transforms.
 
-The panels of the quadrature are told in `quadrature`, and how a factor is found in `factors`.
+The panels of the quadrature are in `quadrature`, and the factors f and g in `factors`.
 
 **Length of the pin.** Along a periodic y the patch repeats as far as the pin reaches, which may be
 much less than heat spreads. Of a flux, what varies along y has then long evened out: the ends are
@@ -38,14 +38,6 @@ from tribo.material import Material
 from tribo.thermal.factors import Axis, factor, series_terms, wavenumbers
 from tribo.thermal.quadrature import REACH, diffusion_length, filon_weights, panels
 from tribo.types import Array, Spectrum
-
-__all__ = [
-    "ConductingHalfSpace",
-    "HeatedLength",
-    "flux_history_spectrum",
-    "settling_time",
-    "thermal_influence",
-]
 
 HeatedLength = float | Literal["nearest-image"]
 
@@ -103,7 +95,9 @@ class ConductingHalfSpace(Convolution):
         length: HeatedLength = math.inf,
     ) -> None:
         constant = (0.0, time), (1.0, 1.0)
-        spectrum = _spectrum(grid, material, velocity, *constant, quadrature_nodes, length)
+        spectrum = flux_history_spectrum(
+            grid, material, velocity, *constant, quadrature_nodes, length
+        )
         super().__init__(grid, spectrum)
 
 
@@ -134,7 +128,7 @@ def thermal_influence(
     ((5, 4), '2.0000e-06')
     """
     constant = (0.0, time), (1.0, 1.0)
-    spectrum = _spectrum(grid, material, velocity, *constant, quadrature_nodes, length)
+    spectrum = flux_history_spectrum(grid, material, velocity, *constant, quadrature_nodes, length)
     return np.fft.irfft2(spectrum, s=padded_shape(grid))
 
 
@@ -167,8 +161,8 @@ def flux_history_spectrum(
 ) -> Spectrum:
     """Spectrum of the present rise due to a flux of unit shape whose strength varied with time.
 
-    By Duhamel's principle Eq. (1) with the strength of the flux at the age τ = s²/(4κ) under the
-    integral.
+    By Duhamel's principle it is Eq. (1) with the strength of the flux at the age τ = s²/(4κ) under
+    the integral.
 
     Parameters
     ----------
@@ -184,7 +178,8 @@ def flux_history_spectrum(
     -------
     ndarray, shape (mx, c)
         The first c columns of a spectrum for `Convolution`; the others are 0, since what varies
-        quickly along a periodic y has faded since the first age. [K m²/W]
+        quickly along a periodic y has faded since the first age. Real where the body is at rest.
+        [K m²/W]
 
     Raises
     ------
@@ -203,7 +198,39 @@ def flux_history_spectrum(
     >>> print(f"{(ramp[0, 0] / constant.spectrum[0, 0]).real:.12f}")
     0.666666666667
     """
-    return _spectrum(grid, material, velocity, ages, strengths, quadrature_nodes, length)
+    _check(velocity, ages, quadrature_nodes)
+    (mx, my), (dx, dy) = padded_shape(grid), grid.spacing
+    x = Axis(grid.shape[0], dx, mx, grid.periodic[0])
+    y = Axis(grid.shape[1], dy, my, grid.periodic[1], length == "nearest-image")
+    heated = _heated_length(grid, length)
+    K, kappa = material.thermal_conductivity, material.thermal_diffusivity
+    v = abs(velocity) / (4 * kappa)
+    # Earlier no heat has crossed half an element: both factors are 2 on the element, 0 off it.
+    confined = diffusion_length(REACH, v, min(dx, dy) / 2)
+    gone = _gone(grid, v)
+
+    rule = np.polynomial.legendre.leggauss(quadrature_nodes)
+    half = np.zeros((mx // 2 + 1, my // 2 + 1), dtype=complex if v else float)
+    columns = 0 if ages[0] > 0 else my // 2 + 1
+    filon_start = x.series_start(v) if v else math.inf
+    for stretch in _stretches(kappa, ages, strengths):
+        end = min(stretch.end, gone)
+        middle = max(stretch.begin, min(confined, end))
+        if middle > stretch.begin:
+            half += 4 * stretch.integral(middle)
+            columns = my // 2 + 1
+        for panel in panels(v, middle, end, filon_start, dx):
+            s, f = _weighted_factor(x, v, panel, rule, panel[0] >= filon_start)
+            f *= stretch.strength(s)[:, None]
+            g = factor(y, s, panel[0], 0.0)
+            g[:, 0] *= scipy.special.erf(heated / (2 * s))
+            _add_products(half, f, g)
+            columns = max(columns, g.shape[1])
+    half = half[:, :columns]
+    if velocity < 0:
+        half = half.conj()
+    mirrored = half[1 : (mx + 1) // 2][::-1].conj()
+    return np.concatenate((half, mirrored)) / (4 * math.sqrt(math.pi) * K)
 
 
 class _Stretch(NamedTuple):
@@ -243,51 +270,6 @@ def _stretches(
     ):
         slope = (last - first) / (end**2 - begin**2) if end > begin else 0.0
         yield _Stretch(begin, end, first, slope)
-
-
-def _spectrum(
-    grid: Grid,
-    material: Material,
-    velocity: float,
-    ages: Sequence[float],
-    strengths: Sequence[float],
-    quadrature_nodes: int,
-    length: HeatedLength,
-) -> Spectrum:
-    """Transform of the kernel [K m²/W], without the last columns if 0; real if nothing moves."""
-    _check(velocity, ages, quadrature_nodes)
-    (mx, my), (dx, dy) = padded_shape(grid), grid.spacing
-    x = Axis(grid.shape[0], dx, mx, grid.periodic[0])
-    y = Axis(grid.shape[1], dy, my, grid.periodic[1], length == "nearest-image")
-    heated = _heated_length(grid, length)
-    K, kappa = material.thermal_conductivity, material.thermal_diffusivity
-    v = abs(velocity) / (4 * kappa)
-    # Earlier no heat has crossed half an element: both factors are 2 on the element, 0 off it.
-    confined = diffusion_length(REACH, v, min(dx, dy) / 2)
-    gone = _gone(grid, v)
-
-    rule = np.polynomial.legendre.leggauss(quadrature_nodes)
-    half = np.zeros((mx // 2 + 1, my // 2 + 1), dtype=complex if v else float)
-    columns = 0 if ages[0] > 0 else my // 2 + 1
-    filon_start = x.series_start(v) if v else math.inf
-    for stretch in _stretches(kappa, ages, strengths):
-        end = min(stretch.end, gone)
-        middle = max(stretch.begin, min(confined, end))
-        if middle > stretch.begin:
-            half += 4 * stretch.integral(middle)
-            columns = my // 2 + 1
-        for panel in panels(v, middle, end, filon_start, dx):
-            s, f = _weighted_factor(x, v, panel, rule, panel[0] >= filon_start)
-            f *= stretch.strength(s)[:, None]
-            g = factor(y, s, panel[0], 0.0)
-            g[:, 0] *= scipy.special.erf(heated / (2 * s))
-            _add_products(half, f, g)
-            columns = max(columns, g.shape[1])
-    half = half[:, :columns]
-    if velocity < 0:
-        half = half.conj()
-    mirrored = half[1 : (mx + 1) // 2][::-1].conj()
-    return np.concatenate((half, mirrored)) / (4 * math.sqrt(math.pi) * K)
 
 
 def _check(velocity: float, ages: Sequence[float], quadrature_nodes: int) -> None:

@@ -33,14 +33,6 @@ from tribo.thermal.conduction import HeatedLength, flux_history_spectrum
 from tribo.thermal.partition import HeatPartition, partition_heat
 from tribo.types import Array, Mask, Spectrum
 
-__all__ = [
-    "Conductor",
-    "HeatHistory",
-    "SpectrumOf",
-    "conducted_spectrum",
-    "partition_with_history",
-]
-
 _AGE_DIGITS = 9  # to which ages are rounded, so that equal steps make equal ages
 
 
@@ -55,6 +47,13 @@ class Conductor(NamedTuple):
         Velocity along x [m/s].
     length : float or "nearest-image"
         Length along y that is heated [m]; see `ConductingHalfSpace`.
+
+    Examples
+    --------
+    >>> import tribo
+    >>> disk = tribo.Conductor(tribo.AISI_316, velocity=1.5)
+    >>> disk.length
+    inf
     """
 
     material: Material
@@ -82,9 +81,16 @@ class HeatHistory:
     Attributes
     ----------
     times : tuple of float
-        0, when all flux was 0, and the stations since [s].
+        Times of the stations [s], the first 0, when all flux was 0.
     pin_flux, disk_flux : tuple of ndarray, shape (mx, c)
         Transforms of the flux at each station [W/m²], the columns that still act.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> history = HeatHistory()
+    >>> history.times
+    (0.0,)
     """
 
     times: tuple[float, ...] = (0.0,)
@@ -112,11 +118,11 @@ def partition_with_history(
     grid : Grid
         Grid of all fields, at rest relative to the heat sources.
     pin, disk : Conductor
-        Both bodies.
+        The two bodies.
     history : HeatHistory
         Heat that has flowed up to an earlier time.
     time : float
-        Now [s], since the first heat.
+        Present time since the first heat [s].
     heat_flux, contact, method, tolerance, bulk_difference
         Those of `tribo.partition_heat`.
     spectrum_of : callable, optional

@@ -26,12 +26,8 @@ from numpy.typing import ArrayLike
 
 from tribo.convolution import Convolution, padded_shape
 from tribo.errors import ConvergenceError, InputError
-from tribo.grid import Grid
 from tribo.stencil import Neighbourhood
 from tribo.types import Array, Mask, Nodes
-
-__all__ = ["DIRECT_MEMORY", "HeatPartition", "partition_heat"]
-
 
 DIRECT_MEMORY = 2 * 2**30
 """Largest matrix that ``method="direct"`` builds [byte]; 16384 nodes in contact."""
@@ -39,9 +35,9 @@ DIRECT_MEMORY = 2 * 2**30
 # Directions that the iteration keeps orthogonal. It rarely needs as many.
 _KEPT_DIRECTIONS = 60
 _RESERVE = 0.9  # of the tolerance, for the iteration; the rest is for rounding
-# The iteration goes by single precision, in two thirds of the time, down to this tolerance, where
-# the kernel's numbers are not too small or large for it. What it finds is judged in double.
-_SINGLE_TOLERANCE, _SMALLEST_SINGLE = 1e-4, 1e-25
+# The iteration goes by single precision, in two thirds of the time, down to this tolerance. What it
+# finds is judged in double.
+_SINGLE_TOLERANCE = 1e-4
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,12 +52,24 @@ class HeatPartition:
     pin_flux : ndarray, shape ``grid.shape``
         Heat flux into the pin q₁ [W/m²], 0 outside the contact.
     pin_share : float
-        Σq₁/Σq; NaN if there is no frictional heat at all, Σq = 0.
+        Share of the heat that enters the pin, Σq₁/Σq; NaN if there is no frictional heat at all.
     iterations : int
         Iterations of the local method, each one convolution; 0 for the others.
     residual : float
         Difference between the two surface temperatures, relative to the right-hand side of
         Eq. (1); root mean squares over the contact.
+
+    Examples
+    --------
+    >>> import tribo
+    >>> import numpy as np
+    >>> patch = tribo.Grid((8, 8), (1e-6, 1e-6))
+    >>> body = tribo.ConductingHalfSpace(patch, tribo.AISI_316, velocity=0.0, time=1e-5)
+    >>> flux = np.zeros((8, 8))
+    >>> flux[2:5, 3:6] = 1e9
+    >>> split = tribo.partition_heat(body, body, flux, flux > 0)
+    >>> f"{split.pin_share:.3f} to the pin"
+    '0.500 to the pin'
     """
 
     rise: Array
@@ -132,7 +140,8 @@ def partition_heat(
     """
     grid = pin.grid
     difference = np.broadcast_to(np.asarray(bulk_difference, dtype=float), grid.shape)
-    _check(grid, disk.grid, heat_flux, contact, difference, method, tolerance)
+    _check_choices(method, tolerance)
+    _check_fields(pin, disk, heat_flux, contact, difference)
     nodes = np.flatnonzero(contact)
     q, delta = heat_flux.take(nodes), difference.take(nodes)
     target = disk(heat_flux).take(nodes) + delta if q.any() else delta
@@ -144,20 +153,13 @@ def partition_heat(
     both = pin + disk
     near = Neighbourhood(both)
     if not near.influence[1, 0] > 0:
-        raise InputError("the bodies have had no time to conduct; bulk_difference must be 0 then")
-    if method == "direct":
-        kernel = np.fft.irfft2(both.spectrum, s=padded_shape(grid))
-        solution, iterations = _eliminate(_dense(kernel, contact), target), 0
-    else:
-        near_1 = _SMALLEST_SINGLE < near.influence[1, 0] < 1 / _SMALLEST_SINGLE
-        single = near_1 and tolerance >= _SINGLE_TOLERANCE
-        solution, iterations = _iterate(
-            _on_nodes(both.in_faster_precision() if single else both, nodes),
-            functools.partial(near.on(nodes), near.inverse),
-            target,
-            _RESERVE * tolerance,
-            max_iterations,
+        raise InputError(
+            "bulk_difference is not 0; it must be, since the bodies have had no time to conduct"
         )
+    if method == "direct":
+        solution, iterations = _eliminate(_dense(both, contact), target), 0
+    else:
+        solution, iterations = _iterated(both, near, nodes, target, tolerance, max_iterations)
     pin_flux = np.zeros(grid.shape)
     pin_flux.reshape(-1)[nodes] = solution
     total = float(np.sum(q))
@@ -182,18 +184,21 @@ def partition_heat(
     return partition
 
 
-def _check(
-    grid: Grid,
-    other_grid: Grid,
-    heat_flux: Array,
-    contact: Mask,
-    difference: Array,
-    method: str,
-    tolerance: float,
+def _check_choices(method: str, tolerance: float) -> None:
+    """Raise `InputError` for a method or tolerance that cannot be."""
+    if method not in ("local", "direct", "uniform"):
+        raise InputError(f'method is {method!r}; it must be "local", "direct" or "uniform"')
+    if not 1e-14 <= tolerance < 1:
+        raise InputError(f"tolerance is {tolerance!r}; it must be from 1e-14 to below 1")
+
+
+def _check_fields(
+    pin: Convolution, disk: Convolution, heat_flux: Array, contact: Mask, difference: Array
 ) -> None:
-    """Raise `InputError` for arguments that do not fit each other."""
-    if other_grid != grid:
-        raise InputError(f"pin has {grid} and disk has {other_grid}; they must be the same")
+    """Raise `InputError` for fields that do not fit each other."""
+    grid = pin.grid
+    if disk.grid != grid:
+        raise InputError(f"pin has {grid} and disk has {disk.grid}; they must be the same")
     if heat_flux.shape != grid.shape or contact.shape != grid.shape:
         raise InputError(
             f"heat_flux has shape {heat_flux.shape} and contact {contact.shape}; both must be "
@@ -205,10 +210,23 @@ def _check(
         raise InputError("heat_flux or bulk_difference holds a NaN or an infinity")
     if heat_flux[~contact].any():
         raise InputError("heat_flux is not 0 everywhere outside the contact; it must be")
-    if method not in ("local", "direct", "uniform"):
-        raise InputError(f'method is {method!r}; it must be "local", "direct" or "uniform"')
-    if not 1e-14 <= tolerance < 1:
-        raise InputError(f"tolerance is {tolerance!r}; it must be from 1e-14 to below 1")
+
+
+def _iterated(
+    both: Convolution,
+    near: Neighbourhood,
+    nodes: Nodes,
+    target: Array,
+    tolerance: float,
+    max_iterations: int,
+) -> tuple[Array, int]:
+    """Flux into the pin on the nodes by iteration [W/m²], and the number of iterations."""
+    if tolerance >= _SINGLE_TOLERANCE:
+        both = both.in_faster_precision(near.influence[1, 0])
+    precondition = functools.partial(near.on(nodes), near.inverse)
+    return _iterate(
+        _on_nodes(both, nodes), precondition, target, _RESERVE * tolerance, max_iterations
+    )
 
 
 def _on_nodes(body: Convolution, nodes: Nodes) -> Callable[[Array], Array]:
@@ -280,7 +298,7 @@ def _iterate(
     return solution, iteration
 
 
-def _dense(kernel: Array, contact: Mask) -> Array:
+def _dense(both: Convolution, contact: Mask) -> Array:
     """Matrix of the operator on the contact [K m²/W]; the kernel's wrapped order takes i − j."""
     i, j = np.nonzero(contact)
     if 8 * i.size**2 > DIRECT_MEMORY:
@@ -288,6 +306,7 @@ def _dense(kernel: Array, contact: Mask) -> Array:
             f"{i.size} nodes in contact need a matrix of {8 * i.size**2 / 2**30:.1f} GiB; at most "
             f'{DIRECT_MEMORY / 2**30:.1f} GiB are allowed. Use method="local"'
         )
+    kernel = np.fft.irfft2(both.spectrum, s=padded_shape(both.grid))
     matrix = np.empty((i.size, i.size))
     for row in range(i.size):
         matrix[row] = kernel[i[row] - i, j[row] - j]

@@ -3,6 +3,14 @@
 Wear turns severe where more than a given share of the real contact area is hotter than the
 critical temperature. The same thing, but smooth: the quantile of the temperature that this share
 exceeds lies above the critical temperature.
+
+**Bodies of unequal bulk temperature.** Let a be the rise of the pin's surface at friction 1 and b
+its response to a disk that is 1 K warmer. At friction µ and a difference Δ the rise is µa + Δb,
+that is µ times a + ρb with the bulk ratio ρ = Δ/µ; only its quantiles are not affine. They are kept
+at several ρ, and linear in between: exact at these, in the mean, and wherever b is uniform. Along
+the paper's boundary, where b lies between 0.8 and 0.9, the temperature exceeded by 10 % of the
+contact area is found to 0.16 % of the mean rise for |ρ| up to 1000 K (100 K at friction 0.1), any
+other to 0.4 %.
 """
 
 from __future__ import annotations
@@ -12,14 +20,16 @@ import numpy as np
 from tribo.errors import InputError
 from tribo.types import Array, Mask
 
-__all__ = ["QUANTILES", "contact_quantiles", "failed_share", "require_share", "rise_exceeded"]
-
-
 QUANTILES: tuple[float, ...] = (
     0.0, 0.01, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5, 0.55, 0.6, 0.65, 0.7, 0.75,
     0.8, 0.825, 0.85, 0.875, 0.89, 0.9, 0.91, 0.925, 0.95, 0.975, 0.99, 0.999, 1.0,
 )  # fmt: skip
-"""Shares of the contact area that are cooler, at which the temperature is kept."""
+"""Quantiles of the temperature that are kept, as shares of the contact area that are cooler."""
+
+_RATIOS = (200.0, 500.0, 1e3, 2e3, 5e3, 1e4, 3e4, 1e8)
+BULK_RATIOS: tuple[float, ...] = (*(-ratio for ratio in reversed(_RATIOS)), *_RATIOS)
+"""Differences of the bulk temperatures, disk's less pin's, over friction, at which quantiles are
+kept besides 0 [K]. At the outermost the frictional rise is next to nothing."""
 
 
 def contact_quantiles(rise: Array, contact: Mask) -> Array:
@@ -45,6 +55,64 @@ def contact_quantiles(rise: Array, contact: Mask) -> Array:
     # What np.quantile gives, which for so many quantiles takes several times as long.
     quantiles: Array = np.interp(places, np.arange(ordered.size), ordered)
     return quantiles
+
+
+def bulk_ratio_quantiles(rise: Array, response: Array, contact: Mask) -> Array:
+    """`contact_quantiles` of a + ρb for each ρ of `BULK_RATIOS` [K].
+
+    Parameters
+    ----------
+    rise : ndarray, shape (nx, ny)
+        Rise at friction 1 between bodies of equal bulk temperature, a [K].
+    response : ndarray, shape (nx, ny)
+        Rise for each kelvin by which the disk's bulk is the warmer one, b.
+    contact : ndarray of bool, shape (nx, ny)
+        Whether the pressure is positive.
+
+    Returns
+    -------
+    ndarray, shape (n_ratio, n_quantile)
+    """
+    return np.array([contact_quantiles(rise + ratio * response, contact) for ratio in BULK_RATIOS])
+
+
+def at_bulk_ratio(rise_quantiles: Array, bulk_rise_quantiles: Array, ratio: float) -> Array:
+    """Quantiles of the rise at friction 1 and a bulk ratio [K], linear between those kept.
+
+    Parameters
+    ----------
+    rise_quantiles : ndarray, shape (..., n_quantile)
+        Quantiles at the bulk ratio 0 [K].
+    bulk_rise_quantiles : ndarray, shape (..., n_ratio, n_quantile)
+        Quantiles at each of `BULK_RATIOS` [K].
+    ratio : float
+        Disk's less pin's bulk temperature, over friction, ρ [K]; within `BULK_RATIOS`.
+
+    Examples
+    --------
+    A response of 0.8 everywhere moves all quantiles alike:
+
+    >>> rise, everywhere = np.arange(101.0)[None, :], np.ones((1, 101), bool)
+    >>> kept = bulk_ratio_quantiles(rise, np.full(rise.shape, 0.8), everywhere)
+    >>> at = at_bulk_ratio(contact_quantiles(rise, everywhere), kept, ratio=300.0)
+    >>> f"{at[QUANTILES.index(0.9)]:.3f}"
+    '330.000'
+    """
+    if ratio == 0:
+        return rise_quantiles
+    ratios = np.insert(BULK_RATIOS, len(_RATIOS), 0.0)
+    above = int(np.clip(np.searchsorted(ratios, ratio), 1, len(ratios) - 1))
+
+    def kept(place: int) -> Array:
+        if place == len(_RATIOS):
+            return rise_quantiles
+        found: Array = bulk_rise_quantiles[..., place - (place > len(_RATIOS)), :]
+        return found
+
+    low, high = ratios[above - 1], ratios[above]
+    weight = (ratio - low) / (high - low)
+    between: Array = (1 - weight) * kept(above - 1) + weight * kept(above)
+    return between
 
 
 def require_share(share: float) -> None:

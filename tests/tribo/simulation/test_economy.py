@@ -18,6 +18,7 @@ from tribo import (
     forget_kernels,
     measures,
     simulate,
+    warnings,
 )
 from tribo.simulation import heating, steps
 from tribo.thermal import duhamel
@@ -118,6 +119,28 @@ def test_where_few_elements_touch_the_history_is_on_their_own_grid(interval):
     passed = [state for state in simulate(coarse, 200.0, 1.25) if state.on_trunk][-1]
     rest = list(simulate(coarse, 300.0, 1.25, trunk=passed.history or passed))
     assert np.array_equal(rest[-1].heat.rise, alone[-1].heat.rise)
+
+
+@pytest.mark.parametrize("heat_model", ["elapsed", "history"])
+def test_where_few_elements_touch_they_are_smaller(heat_model):
+    few = {"fewest_elements": 400, "increments": 8, "heat_model": heat_model}
+    scene = rough_scene(pixels_per_element=4, **few)
+    pixels = replace(scene, fidelity=replace(scene.fidelity, pixels_per_element=1))
+    alone, exact = (list(simulate(each, 300.0, 1.25)) for each in (scene, pixels))
+    assert np.array_equal(alone[-1].heat.rise, exact[-1].heat.rise)
+    assert alone[0].pressure.shape == (48, 24)
+    assert [state.heat is None for state in alone] == [True] * (len(alone) - 1) + [False]
+    assert measures(scene, alone[-1]) == measures(pixels, exact[-1])
+    assert warnings(scene, alone[-1]) == []
+    passed = [state for state in simulate(scene, 200.0, 1.25) if state.on_trunk][-1]
+    rest = list(simulate(scene, 300.0, 1.25, trunk=passed.history or passed))
+    assert np.array_equal(rest[-1].heat.rise, alone[-1].heat.rise)
+
+
+def test_elements_are_no_smaller_than_is_needed_for_enough_to_touch():
+    scene = rough_scene(pixels_per_element=4, fewest_elements=60, increments=8)
+    shapes = {load: last(simulate(scene, load, 1.25)).pressure.shape for load in (50.0, 600.0)}
+    assert shapes == {50.0: (96, 48), 600.0: (48, 24)}
 
 
 @pytest.mark.parametrize(

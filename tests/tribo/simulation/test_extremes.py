@@ -39,7 +39,7 @@ from tribo import (
 )
 from tribo.analytic import uniform_flux_rise
 from tribo.files import read_load
-from tribo.loading.record import MeasuredLoad
+from tribo.loading import MeasuredLoad
 from tribo.thermal.conduction import thermal_influence
 
 TABLE = Path(__file__).with_name("EXTREMES.md")

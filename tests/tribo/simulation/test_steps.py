@@ -20,14 +20,12 @@ from tribo import (
     MeasuredRoughness,
     Ramp,
     Scene,
-    WarningKind,
     Wear,
     measures,
     simulate,
-    warnings,
 )
 from tribo.analytic import hertz_line_half_width, hertz_line_peak_pressure
-from tribo.simulation.heating import heat
+from tribo.simulation import heat
 
 ROOT = Path(__file__).parents[3]
 
@@ -152,36 +150,6 @@ def test_ball_on_a_flat_runs_with_local_wear():
     assert state.pressure == pytest.approx(state.pressure[:, ::-1], rel=1e-3)
 
 
-def test_contact_at_the_window_s_edge_warns():
-    scene = replace(small_scene(), pixels=Grid((12, 16), (8e-6, 8e-6)))
-    assert "x edge" in warnings(scene, last(simulate(scene, 750.0, 1.25)))[0].text
-    assert warnings(small_scene(), last(simulate(small_scene(), 100.0, 1.25))) == []
-
-
-@pytest.mark.parametrize(
-    ("changes", "told"),
-    [
-        ({"pixels_per_element": 2}, True),
-        ({"history_coarsening": 2}, False),  # which a point of few nodes does without
-        ({}, False),  # each pixel is an element: there are no smaller ones
-        ({"pixels_per_element": 2, "roughness": False}, True),  # eight in a line
-    ],
-)
-def test_few_nodes_warn_where_smaller_elements_would_differ(changes, told):
-    scene = replace(small_scene(**changes), pixels=Grid((96, 64), (4e-6, 4e-6)))
-    state = last(simulate(scene, 50.0, 1.25))
-    kinds = [warning.kind for warning in warnings(scene, state)]
-    assert kinds == [WarningKind.FEW_NODES] * told
-    assert not told or "take smaller elements" in warnings(scene, state)[0].text
-
-
-def test_measures_without_temperature_are_nan():
-    scene = small_scene()
-    first = next(iter(simulate(scene, 300.0, 1.25)))
-    assert first.heat is None
-    assert np.isnan(measures(scene, first)["max_rise"])
-
-
 @pytest.mark.parametrize(
     ("load", "velocity", "said"),
     [
@@ -208,7 +176,6 @@ def test_only_the_trunk_can_be_gone_on_from():
     [
         ({"fidelity": Fidelity(pixels_per_element=5)}, "divide"),
         ({"pixels": Grid((48, 16), (8e-6, 8e-6), (True, True))}, "periodic along x"),
-        ({"pixels": Grid((48, 16), (8e-6, 8e-6), (False, False))}, "swept"),
         ({"pin": Ball(1e-3, STEEL), "wear": Wear(1e-15, "local")}, "under a ball"),
         ({"roughness": MeasuredRoughness(np.zeros((3, 3)))}, "pixels"),
     ],

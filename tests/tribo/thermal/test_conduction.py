@@ -18,12 +18,8 @@ from tribo.convolution import wrapped_offsets
 from tribo.errors import InputError
 from tribo.grid import Grid
 from tribo.material import Material
-from tribo.thermal.conduction import (
-    ConductingHalfSpace,
-    flux_history_spectrum,
-    settling_time,
-    thermal_influence,
-)
+from tribo.thermal import ConductingHalfSpace, settling_time
+from tribo.thermal.conduction import flux_history_spectrum, thermal_influence
 
 REFERENCES = json.loads(
     (Path(__file__).parent / "references" / "thermal_influence.json").read_text()

@@ -23,8 +23,8 @@ from tribo import (
     start,
 )
 from tribo.analytic import ramped_flux_rise, uniform_flux_rise
-from tribo.thermal.conduction import ConductingHalfSpace, flux_history_spectrum
-from tribo.thermal.duhamel import conducted_spectrum
+from tribo.thermal import ConductingHalfSpace, conducted_spectrum
+from tribo.thermal.conduction import flux_history_spectrum
 
 EFFUSIVITY = STEEL.thermal_effusivity
 ELEMENT = (1.632e-6, 1.9e-6)

@@ -13,9 +13,7 @@ import pytest
 from tribo.errors import ConvergenceError, InputError
 from tribo.grid import Grid
 from tribo.material import Material
-from tribo.thermal import partition
-from tribo.thermal.conduction import ConductingHalfSpace
-from tribo.thermal.partition import partition_heat
+from tribo.thermal import ConductingHalfSpace, partition, partition_heat
 
 STEEL = Material(210e9, 0.3, 45.0, 7800.0, 470.0)
 CERAMIC = Material(300e9, 0.25, 3.0, 5700.0, 450.0)

@@ -1,0 +1,229 @@
+"""Balls and crowned pins: contact, heat, and wear swept along a free y (simulation/passes.py)."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy import integrate
+
+from tests.helpers.scenes import STEEL
+from tribo import (
+    PRESETS,
+    QUANTILES,
+    Ball,
+    ConductingHalfSpace,
+    Crowned,
+    Cylinder,
+    ElasticHalfSpace,
+    Grid,
+    InputError,
+    MeasuredLoad,
+    Motion,
+    Ramp,
+    Scene,
+    SelfAffineRoughness,
+    Wear,
+    contact_modulus,
+    measures,
+    simulate,
+    solve_contact,
+)
+from tribo.analytic import hertz_ellipse, moving_ellipse_rise, resting_ellipse_rise
+from tribo.simulation.passes import spread
+
+E_STAR = contact_modulus(STEEL, STEEL)
+K, KAPPA = STEEL.thermal_conductivity, STEEL.thermal_diffusivity
+NINE_TENTHS = QUANTILES.index(0.9)
+
+
+def ball(preset="draft", pattern="swept", side=4e-6, pixels=160, **fidelity):
+    """A ball of 5 mm on a rough disk, in a window of 640 µm."""
+    return Scene(
+        pin=Ball(5e-3, STEEL),
+        disk=STEEL,
+        pixels=Grid((pixels, pixels), (side, side), (False, False)),
+        loading=Ramp(150.0, 200.0),
+        roughness=SelfAffineRoughness(0.27e-6, 0.8, (8e-6, 8e-6), 3),
+        wear=Wear(1.2e-15, pattern),
+        fidelity=replace(PRESETS[preset], partition="local", **fidelity),
+    )
+
+
+def end(scene, load=200.0, velocity=1.0):
+    *_, state = simulate(scene, load, velocity)
+    return state
+
+
+def hot(state):
+    return state.heat.rise_quantile[NINE_TENTHS]
+
+
+def ellipse(half_x, half_y, elements=120):
+    """Grid about an ellipse, and √(1 − x²/a² − y²/b²) on it."""
+    sides = 2.4 * half_x / elements, 2.4 * half_y / elements
+    grid = Grid((elements, elements), sides, (False, False))
+    x, y = grid.coordinates(0)[:, None], grid.coordinates(1)[None, :]
+    return grid, np.sqrt(np.maximum(1 - (x / half_x) ** 2 - (y / half_y) ** 2, 0.0))
+
+
+@pytest.mark.parametrize("radii", [(5e-3, 5e-3), (5e-3, 20e-3), (20e-3, 5e-3), (5e-3, 0.2)])
+def test_a_crowned_contact_is_the_ellipse_of_hertz(radii):
+    expected = hertz_ellipse(200.0, *radii, E_STAR)
+    grid, _ = ellipse(expected.half_x, expected.half_y)
+    separation = Crowned(*radii, STEEL).profile(grid)
+    found = solve_contact(ElasticHalfSpace(grid, E_STAR), separation, 200.0, tolerance=1e-7)
+    p = found.pressure
+    assert found.approach == pytest.approx(expected.approach, rel=1e-3)
+    assert p.max() == pytest.approx(expected.peak_pressure, rel=1e-3)
+    # ∫x²p is Fa²/5 of the semi-ellipsoid, which knows the axes better than the elements count.
+    for axis, half in ((0, expected.half_x), (1, expected.half_y)):
+        square = np.moveaxis(grid.coordinates(axis)[:, None] ** 2 * np.ones((1, 120)), 0, axis)
+        assert math.sqrt(5 * np.sum(square * p) / p.sum()) == pytest.approx(half, rel=1e-3)
+
+
+@pytest.mark.parametrize(("half_x", "half_y"), [(1e-4, 1e-4), (1e-4, 4e-4), (4e-4, 1e-4)])
+def test_the_flash_temperature_of_an_ellipse_is_exact_at_rest_and_fast(half_x, half_y):
+    grid, shape = ellipse(half_x, half_y)
+    for peclet_number, tolerance in ((0.0, 2e-3), (3000.0, 5e-3)):
+        velocity = peclet_number * 2 * KAPPA / half_x
+        found = ConductingHalfSpace(grid, STEEL, velocity, 1e4)(1e9 * shape).max()
+        expected = moving_ellipse_rise(1e9, half_x, half_y, velocity, K, KAPPA)
+        assert found == pytest.approx(expected, rel=tolerance)
+
+
+@pytest.mark.parametrize("peclet_number", [0.1, 1.0, 3.0, 10.0, 100.0])
+def test_the_flash_temperature_of_a_circle_is_that_of_tian_and_kennedy(peclet_number):
+    grid, shape = ellipse(1e-4, 1e-4)
+    velocity = peclet_number * 2 * KAPPA / 1e-4
+    found = ConductingHalfSpace(grid, STEEL, velocity, 1e4)(1.5e9 * shape).max()
+    fit = 2.32 * 1e9 * 1e-4 / (K * math.sqrt(math.pi * (1.234 + peclet_number)))
+    assert found == pytest.approx(fit, rel=0.02)
+    assert moving_ellipse_rise(1.5e9, 1e-4, 1e-4, velocity, K, KAPPA) == pytest.approx(
+        fit, rel=2e-3
+    )
+
+
+@pytest.mark.parametrize(("half_x", "half_y"), [(1e-4, 3e-4), (3e-4, 1e-4)])
+def test_a_moving_ellipse_is_as_warm_as_the_sum_of_its_points(half_x, half_y):
+    """θ = 1/(2πK) ∫∫ q exp(−V r (1 − cos φ)/(2κ)) dr dφ, around the point that is asked for."""
+    velocity = 5.0 * 2 * KAPPA / half_x
+    at = 0.6 * half_x
+
+    def along(angle):
+        towards = math.cos(angle) / half_x, math.sin(angle) / half_y
+        # The source at distance r lies at (at − r cos φ, −r sin φ).
+        square, product = towards[0] ** 2 + towards[1] ** 2, at / half_x * towards[0]
+        left = 1 - (at / half_x) ** 2
+        reach = (product + math.sqrt(product**2 + square * left)) / square
+        decay = velocity * (1 - math.cos(angle)) / (2 * KAPPA)
+
+        def flux(r):
+            inside = left + 2 * product * r - square * r**2
+            return math.sqrt(max(inside, 0.0)) * math.exp(-decay * r)
+
+        return integrate.quad(flux, 0.0, reach)[0]
+
+    total = 2 * integrate.quad(along, 0.0, math.pi, limit=200, epsrel=1e-6)[0]
+    expected = 1e9 * total / (2 * math.pi * K)
+    grid, shape = ellipse(half_x, half_y, elements=121)
+    rise = ConductingHalfSpace(grid, STEEL, velocity, 1e4)(1e9 * shape)[:, 60]
+    assert np.interp(at, grid.coordinates(0), rise) == pytest.approx(expected, rel=2e-3)
+
+
+def test_the_rise_at_rest_is_that_of_the_elastic_ellipse():
+    hertz = hertz_ellipse(200.0, 5e-3, 20e-3, E_STAR)
+    rise = resting_ellipse_rise(hertz.peak_pressure, hertz.half_x, hertz.half_y, K)
+    assert rise * 2 * K / E_STAR == pytest.approx(hertz.approach, rel=1e-12)
+
+
+@pytest.mark.parametrize("preset", sorted({*PRESETS} - {"as-published"}))  # of a periodic y
+@pytest.mark.parametrize("pin", [Ball(5e-3, STEEL), Crowned(5e-3, 40e-3, STEEL)])
+def test_the_worn_volume_is_that_of_the_work_of_the_load(preset, pin):
+    scene = replace(ball(preset, pixels=64, side=10e-6, increments=3), pin=pin)
+    volume = measures(scene, end(scene))["wear_volume"]
+    assert volume == pytest.approx(1.2e-15 * 200.0 * 200.0 / 150.0 / 2, rel=1e-10)
+    record = MeasuredLoad(np.array([0.0, 0.4, 0.8, 1.5]), np.array([0.0, 150.0, 20.0, 200.0]))
+    volume = measures(scene, end(replace(scene, loading=record)))["wear_volume"]
+    work = 150.0 * 0.2 + 85.0 * 0.4 + 110.0 * 0.7
+    assert volume == pytest.approx(1.2e-15 * work, rel=1e-10)
+
+
+def test_a_ball_swept_over_is_hotter_than_one_that_fits_its_patch():
+    """A ball that meets ever new summits does not wear into them."""
+    # Many times as many patches as the scene takes, each worn point by point:
+    many = ball(history_coarsening=1, increments=150)
+    swept, patch = ball(history_coarsening=1, increments=50), ball(pattern="local")
+    true = hot(end(many))
+    assert hot(end(swept)) == pytest.approx(true, rel=0.01)
+    assert hot(end(ball())) == pytest.approx(true, rel=0.03)
+    assert hot(end(patch)) < 0.96 * true
+    worn, fitted = (measures(scene, end(scene)) for scene in (ball(), patch))
+    assert fitted["contact_fraction"] > 1.6 * worn["contact_fraction"]
+
+
+def test_the_wear_has_no_memory_of_a_patch():
+    """Its roughness is well below that of one that has worn into a single patch."""
+    worn, fitted = (
+        end(ball("standard", pattern, history_coarsening=1, increments=30)).wear_depth
+        for pattern in ("swept", "local")
+    )
+    worn, fitted = worn[30:50, 30:50], fitted[30:50, 30:50]
+    roughness = [np.diff(np.diff(depth, axis=0), axis=1).std() for depth in (worn, fitted)]
+    assert roughness[0] < 0.5 * roughness[1]
+
+
+@pytest.mark.parametrize("coarsening", [1, 4])
+def test_going_on_from_the_trunk_is_the_same_bit_for_bit(coarsening):
+    scene = ball(history_coarsening=coarsening, increments=8)
+    alone = end(scene, 175.0)
+    trunk = [state for state in simulate(scene, 110.0, 1.0) if state.on_trunk][-1]
+    *_, gone_on = simulate(scene, 175.0, 1.0, trunk=trunk)
+    assert np.array_equal(gone_on.pressure, alone.pressure)
+    assert np.array_equal(gone_on.heat.rise, alone.heat.rise)
+    assert np.array_equal(gone_on.wear_depth, alone.wear_depth)
+
+
+def test_over_a_smooth_disk_swept_and_local_are_one():
+    swept, local = (
+        end(replace(ball(pattern=pattern), roughness=None)) for pattern in ("swept", "local")
+    )
+    assert hot(swept) == pytest.approx(hot(local), rel=0.02)  # `local` has no coarse history
+    assert not replace(ball(), roughness=None).sweeps_over
+
+
+def test_a_cylinder_with_free_ends_is_swept_over_too():
+    scene = replace(ball(pixels=96, side=5e-6, increments=4), pin=Cylinder(5e-3, 0.6e-3, STEEL))
+    assert scene.sweeps_over
+    volume = measures(scene, end(scene))["wear_volume"]
+    assert volume == pytest.approx(1.2e-15 * 200.0 * 200.0 / 150.0 / 2, rel=1e-10)
+
+
+def test_a_ball_that_rolls_is_swept_over_and_wears_around():
+    scene = replace(ball(pixels=96, side=7e-6, increments=4), motion=Motion(slide_roll_ratio=0.5))
+    state = end(scene)
+    volume = measures(scene, state)["wear_volume"]
+    assert volume == pytest.approx(1.2e-15 * 200.0 * 200.0 / 150.0 / 2, rel=1e-10)
+    assert np.allclose(state.wear_depth, state.wear_depth[:1], rtol=1e-9)
+
+
+def test_all_heat_so_far_is_remembered_under_a_ball_too():
+    scene = ball(pixels=96, side=7e-6, increments=4, heat_model="history", history_coarsening=1)
+    elapsed = replace(scene, fidelity=replace(scene.fidelity, heat_model="elapsed"))
+    assert 0.9 < hot(end(scene)) / hot(end(elapsed)) < 1.0
+
+
+def test_spread_wear_keeps_its_volume_and_planes():
+    depth = np.add.outer(np.arange(6.0), 2 * np.arange(4.0))
+    finer = spread(depth, (24, 16))
+    assert finer.mean() == pytest.approx(depth.mean(), rel=1e-14)
+    assert np.allclose(np.diff(finer[2:-2], axis=0), 0.25)
+    assert np.allclose(np.diff(finer[:, 2:-2], axis=1), 0.5)
+
+
+def test_pins_that_cannot_be_are_refused():
+    with pytest.raises(InputError, match="crown_radius is -1"):
+        Crowned(5e-3, -1.0, STEEL)
+    periodic = Grid((160, 160), (4e-6, 4e-6))
+    with pytest.raises(InputError, match="under a crowned pin both axes must be free"):
+        replace(ball(), pin=Crowned(5e-3, 0.1, STEEL), pixels=periodic)

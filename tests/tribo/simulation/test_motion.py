@@ -1,0 +1,253 @@
+"""Both bodies moving through the contact (tribo/simulation/motion.py)."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy import integrate
+
+from tests.helpers.scenes import STEEL, small_scene
+from tribo import (
+    PRESETS,
+    Ball,
+    ConductingHalfSpace,
+    Cylinder,
+    ElasticHalfSpace,
+    Fidelity,
+    Grid,
+    InputError,
+    Motion,
+    Ramp,
+    Scene,
+    Wear,
+    contact_modulus,
+    measures,
+    partition_heat,
+    simulate,
+    specific_wear_rate,
+)
+from tribo.analytic import (
+    ROLLING_SLIDING_PEAK,
+    hertz_line_half_width,
+    rolling_sliding_rise,
+)
+from tribo.wear import RollingWear
+
+LOAD, RADIUS, LENGTH = 750.0, 2e-3, 3.4e-3
+HALF_WIDTH = hertz_line_half_width(LOAD / LENGTH, RADIUS, contact_modulus(STEEL, STEEL))
+RATIO = Motion(slide_roll_ratio=0.5)
+
+
+def twin_disc(motion=RATIO, elements=300, **changes):
+    """A smooth line contact, whose elements are rows, endless for heat."""
+    fidelity = Fidelity(
+        pixels_per_element=1,
+        increments=1,
+        contact_tolerance=1e-6,
+        heat_tolerance=1e-8,
+        heat_kernel="endless",
+    )
+    scene = Scene(
+        pin=Cylinder(RADIUS, LENGTH, replace(STEEL, hardness=math.inf)),
+        disk=replace(STEEL, hardness=math.inf),
+        pixels=Grid((elements, 1), (3 * HALF_WIDTH / elements, 456e-6)),
+        loading=Ramp(150.0, 750.0),
+        motion=motion,
+        fidelity=fidelity,
+    )
+    return replace(scene, **changes)
+
+
+def end(scene, velocity, load=LOAD):
+    *_, state = simulate(scene, load, velocity)
+    return state
+
+
+@pytest.mark.parametrize(
+    ("motion", "sliding", "pin", "disk"),
+    [
+        (Motion(slide_roll_ratio=0.5), 1.0, 1.5, 2.5),
+        (Motion(slide_roll_ratio=-0.5), 1.0, 2.5, 1.5),
+        (Motion(slide_roll_ratio=0.5), -1.0, -1.5, -2.5),
+        (Motion(slide_roll_ratio=2.0), 1.25, 0.0, 1.25),
+        (Motion(slide_roll_ratio=-2.0), 1.25, 1.25, 0.0),
+        (Motion(slide_roll_ratio=4.0), 2.0, -0.5, 1.5),
+        (Motion(entrainment_velocity=3.0), 2.0, 2.0, 4.0),
+        (Motion(entrainment_velocity=3.0), 0.0, 3.0, 3.0),
+        (Motion(entrainment_velocity=0.0), 2.0, -1.0, 1.0),
+        (Motion(entrainment_velocity=0.3), 0.6, 0.0, 0.6),
+    ],
+)
+def test_the_velocities_have_the_sliding_velocity_as_difference(motion, sliding, pin, disk):
+    found = motion.velocities(sliding)
+    assert found == pytest.approx((pin, disk), abs=1e-15)
+    assert (found.pin == 0) == (pin == 0)
+
+
+def test_the_coefficients_are_those_of_the_integrals():
+    assert ROLLING_SLIDING_PEAK["uniform"] == pytest.approx(2 / math.sqrt(math.pi), rel=1e-6)
+
+    def rise(x):
+        def inside(root):
+            return 8 / math.pi * math.sqrt(max(0.0, 1 - (x - root**2) ** 2))
+
+        return integrate.quad(inside, 0, math.sqrt(x + 1))[0] / math.sqrt(2 * math.pi)
+
+    highest = max(rise(x) for x in np.linspace(0.6, 0.7, 101))
+    assert ROLLING_SLIDING_PEAK["hertz"] == pytest.approx(highest, rel=2e-6)
+
+
+@pytest.mark.parametrize("ratio", [0.1, 0.5, 1.5, -0.5])
+def test_the_highest_rise_of_a_twin_disc_is_blok_s(ratio):
+    scene = twin_disc(Motion(slide_roll_ratio=ratio))
+    at = scene.velocities_at(40.0)
+    width, load = 2 * HALF_WIDTH, LOAD / LENGTH
+    expected = rolling_sliding_rise(1.0, load, width, at, STEEL.thermal_effusivity)
+    assert end(scene, 40.0).heat.max_rise == pytest.approx(expected, rel=4e-3)
+
+
+def test_under_a_uniform_pressure_the_highest_rise_is_blok_s():
+    grid, velocities = Grid((300, 1), (1e-6, 456e-6)), (75.0, 125.0)
+    pin, disk = (ConductingHalfSpace(grid, STEEL, u, 1.0) for u in velocities)
+    flux = np.zeros(grid.shape)
+    flux[50:250] = 1e9
+    split = partition_heat(pin, disk, flux, flux > 0)
+    load = 1e9 * 200e-6 / 50.0  # q = µ w V/(2b) at friction 1
+    expected = rolling_sliding_rise(
+        1.0, load, 200e-6, velocities, STEEL.thermal_effusivity, "uniform"
+    )
+    # The last element's mean lies below its trailing edge, by a quarter of 1/200.
+    assert split.rise.max() == pytest.approx(expected, rel=4e-3)
+
+
+@pytest.mark.parametrize("ratio", [0.2, 1.0, -1.0])
+def test_heat_is_shared_as_the_roots_of_the_velocities(ratio):
+    scene = twin_disc(Motion(slide_roll_ratio=ratio), elements=100)
+    pin, disk = map(math.sqrt, scene.velocities_at(40.0))
+    assert end(scene, 40.0).heat.pin_heat_share == pytest.approx(pin / (pin + disk), rel=2e-3)
+
+
+def test_bodies_that_roll_alone_get_no_warmer_and_do_not_wear():
+    scene = twin_disc(Motion(entrainment_velocity=2.0), wear=Wear(1.2e-15))
+    state = end(scene, 0.0)
+    assert not state.heat.rise.any()
+    assert not state.heat.rise_quantile.any()
+    assert not state.wear_depth.any()
+    nearly = end(scene, 1e-9)
+    assert 0 < nearly.heat.max_rise < 1e-5
+
+
+def test_a_slide_roll_ratio_of_2_is_a_pin_at_rest_bit_for_bit():
+    scene = small_scene()
+    for velocity in (1.25, -1.25):
+        resting = end(scene, velocity)
+        moving = end(replace(scene, motion=Motion(slide_roll_ratio=2.0)), velocity)
+        assert np.array_equal(moving.heat.rise, resting.heat.rise)
+        assert np.array_equal(moving.wear_depth, resting.wear_depth)
+
+
+def test_identical_smooth_bodies_may_change_places():
+    slower, faster = (
+        end(twin_disc(Motion(slide_roll_ratio=ratio), elements=100), 3.0).heat
+        for ratio in (0.5, -0.5)
+    )
+    assert np.allclose(slower.rise_quantile, faster.rise_quantile, rtol=1e-7)
+    assert slower.pin_heat_share + faster.pin_heat_share == pytest.approx(1.0, rel=1e-7)
+
+
+def test_a_faster_pin_cools_the_contact():
+    rises = [
+        end(twin_disc(Motion(entrainment_velocity=mean), elements=60), 1.0).heat.max_rise
+        for mean in (0.5, 1.0, 4.0)
+    ]
+    assert rises[0] > 1.2 * rises[1] > 1.2 * rises[2]
+
+
+@pytest.mark.parametrize("pattern", ["local", "swept"])
+@pytest.mark.parametrize("preset", PRESETS)
+def test_the_worn_volume_is_that_of_the_work_on_the_whole_track(preset, pattern):
+    fidelity = replace(PRESETS[preset], increments=4, partition="local", precision="double")
+    scene = replace(small_scene(pattern), motion=RATIO, fidelity=fidelity)
+    scene = replace(scene, pixels=Grid((96, 64), (4e-6, 4e-6)))
+    kept = measures(scene, state := end(scene, 1.25))
+    assert kept["wear_volume"] == pytest.approx(1.2e-15 * 1.25 * 5.0 * LOAD / 2, rel=1e-10)
+    # Shared by the whole track, 33 windows long, of which each loses the same.
+    share = 96 * 4e-6 / (2 * math.pi * RADIUS)
+    assert state.wear_depth.mean() == pytest.approx(
+        share * kept["wear_volume"] / (96 * 4e-6 * LENGTH), rel=1e-10
+    )
+    assert (state.wear_depth == state.wear_depth[0]).all()
+
+
+def test_a_cylinder_that_rolls_stays_round():
+    scene = small_scene(roughness=False)
+    unworn = measures(scene, end(replace(scene, wear=None), 1.25))
+    rolling = measures(scene, end(replace(scene, motion=RATIO), 1.25))
+    assert rolling["contact_width"] == unworn["contact_width"]
+    assert rolling["max_pressure"] == pytest.approx(unworn["max_pressure"], rel=1e-5)
+    assert measures(scene, end(scene, 1.25))["max_pressure"] < 0.8 * unworn["max_pressure"]
+
+
+def test_a_ball_that_rolls_wears_a_groove_around_itself():
+    """The implicit step solves for the depth that its own pressure wears, whatever the step."""
+    scene = Scene(
+        pin=Ball(5e-3, STEEL),
+        disk=STEEL,
+        pixels=Grid((40, 48), (12e-6, 12e-6), periodic=(False, False)),
+        loading=Ramp(150.0, 150.0),
+        wear=Wear(1e-14, "local"),
+        motion=Motion(slide_roll_ratio=0.5, track_length=2e-3),
+        fidelity=Fidelity(pixels_per_element=1, increments=20, contact_tolerance=1e-6),
+    )
+    coarse = end(scene, 1.0, 150.0)
+    worn = coarse.wear_depth[0]
+    assert worn[24] > 20 * worn[4]
+    fine = end(replace(scene, fidelity=replace(scene.fidelity, wear_scheme="sdirk2")), 1.0, 150.0)
+    assert np.allclose(worn, fine.wear_depth[0], atol=0.05 * worn.max())
+    profile = coarse.pressure.sum(axis=0)  # flatter along y than that of the round ball
+    unworn = end(replace(scene, wear=None), 1.0, 150.0).pressure.sum(axis=0)
+    assert profile.max() < 0.8 * unworn.max()
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ({}, "exactly one of them"),
+        ({"slide_roll_ratio": 0.5, "entrainment_velocity": 2.0}, "exactly one of them"),
+        ({"slide_roll_ratio": 0.0}, "slide_roll_ratio is 0"),
+        ({"slide_roll_ratio": math.nan}, "slide_roll_ratio is nan"),
+        ({"entrainment_velocity": math.inf}, "entrainment_velocity is inf"),
+        ({"slide_roll_ratio": 1.0, "track_length": 0.0}, "track_length is 0"),
+    ],
+)
+def test_a_motion_that_cannot_be_is_refused(given, said):
+    with pytest.raises(InputError, match=said):
+        Motion(**given)
+
+
+def test_a_track_shorter_than_the_window_is_refused():
+    motion = Motion(slide_roll_ratio=1.0, track_length=0.3e-3)
+    with pytest.raises(InputError, match=r"track_length is 0\.0003 m"):
+        replace(small_scene(), motion=motion)
+
+
+def test_no_width_tells_the_wear_rate_of_a_pin_that_rolls():
+    with pytest.raises(InputError, match="no wider"):
+        specific_wear_rate(replace(small_scene(), motion=RATIO), 3e-4, 600.0, 1.25)
+
+
+@pytest.mark.parametrize("pattern", ["local", "swept"])
+@pytest.mark.parametrize("grid", [Grid((12, 8), (3e-6, 5e-6)), Grid((12, 1), (3e-6, 5e-6))])
+def test_a_solid_yields_by_as_much_as_the_rolling_pin_wears(grid, pattern):
+    solid, wear = ElasticHalfSpace(grid, 115e9), RollingWear(1e-15, pattern, window_share=0.2)
+    pressure = np.random.default_rng(0).random(grid.shape) * 1e9
+    yielded = wear.yielding(solid, 3.0)(pressure) - solid(pressure)
+    assert yielded == pytest.approx(wear.depth(pressure, 3.0), rel=1e-9)
+
+
+def test_explicit_wear_is_stiff_only_where_the_rolling_pin_changes_shape():
+    solid = ElasticHalfSpace(Grid((12, 8), (3e-6, 5e-6)), 115e9)
+    local, swept = (RollingWear(1e-15, pattern, 0.2) for pattern in ("local", "swept"))
+    assert swept.stiffness(solid, 3.0) == 0.0
+    assert 0.0 < local.stiffness(solid, 3.0) < Wear(1e-15, "local").stiffness(solid, 3.0)

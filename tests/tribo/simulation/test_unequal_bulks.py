@@ -1,0 +1,174 @@
+"""Bodies of unequal bulk temperature (tribo/simulation/heating.py, tribo/thermal/quantiles.py)."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tests.helpers.scenes import STEEL, small_scene
+from tribo import (
+    BULK_RATIOS,
+    PRESETS,
+    QUANTILES,
+    Conductor,
+    Cylinder,
+    Fidelity,
+    Grid,
+    HeatHistory,
+    InputError,
+    Motion,
+    Ramp,
+    Scene,
+    contact_quantiles,
+    critical_temperature,
+    partition_heat,
+    partition_with_history,
+    simulate,
+)
+from tribo.simulation.heating import _bodies, _conductor
+
+NINE_TENTHS = QUANTILES.index(0.9)
+
+
+def end(scene, velocity=1.25, load=750.0):
+    *_, state = simulate(scene, load, velocity)
+    return state
+
+
+@pytest.fixture(scope="module")
+def rough():
+    """A rough contact, 64 × 32 elements, some 500 of which touch."""
+    scene = replace(
+        small_scene(increments=3, heat_tolerance=1e-9),
+        pixels=Grid((96, 48), (4e-6, 4e-6)),
+        unequal_bulks=True,
+    )
+    return scene, end(scene)
+
+
+@pytest.mark.parametrize("conductivity", [45.0, 5.0])
+def test_fast_bodies_meet_at_the_temperature_of_two_half_spaces(conductivity):
+    """Each point of both has been in contact for x/u, as if e√u were its effusivity."""
+    slow = replace(STEEL, thermal_conductivity=conductivity, hardness=math.inf)
+    scene = Scene(
+        pin=Cylinder(2e-3, 3.4e-3, slow),
+        disk=replace(STEEL, hardness=math.inf),
+        pixels=Grid((120, 1), (2e-6, 456e-6)),
+        loading=Ramp(150.0, 750.0),
+        motion=Motion(slide_roll_ratio=0.5),
+        unequal_bulks=True,
+        fidelity=Fidelity(increments=1, pixels_per_element=1, heat_tolerance=1e-8),
+    )
+    state = end(scene, velocity=200.0)
+    at = scene.velocities_at(200.0)
+    pin, disk = (
+        body.thermal_effusivity * math.sqrt(u) for body, u in zip((slow, STEEL), at, strict=True)
+    )
+    inside = state.heat.bulk_response[state.pressure > 0]
+    assert inside == pytest.approx(disk / (pin + disk), abs=0.01)
+    assert state.heat.mean_bulk_response == pytest.approx(inside.mean())
+
+
+@pytest.mark.parametrize(("friction", "difference"), [(0.1, 35.0), (0.05, -60.0), (0.0, 20.0)])
+def test_the_temperature_is_affine_in_friction_and_difference(rough, friction, difference):
+    scene, state = rough
+    contact = state.pressure > 0
+    pin, disk = (_conductor(scene.grid, body, state.time) for body in _bodies(scene, 1.25))
+    split = partition_heat(
+        pin,
+        disk,
+        friction * 1.25 * state.pressure,
+        contact,
+        tolerance=1e-9,
+        bulk_difference=difference,
+    )
+    affine = friction * state.heat.rise + difference * state.heat.bulk_response
+    assert affine[contact] == pytest.approx(split.rise[contact], abs=1e-6)
+
+
+@pytest.mark.parametrize("preset", ["draft", "standard"])
+def test_the_rise_is_the_same_with_the_response_and_without_bit_for_bit(preset):
+    scene = small_scene()
+    scene = replace(scene, pixels=Grid((96, 64), (4e-6, 4e-6)), fidelity=PRESETS[preset])
+    alone, both = end(scene).heat, end(replace(scene, unequal_bulks=True)).heat
+    assert np.array_equal(alone.rise, both.rise)
+    assert np.array_equal(alone.rise_quantile, both.rise_quantile)
+    assert alone.bulk_response is None
+    assert alone.bulk_rise_quantile is None
+
+
+def test_quantiles_are_exact_at_the_kept_ratios_and_near_between(rough):
+    _, state = rough
+    heat, contact = state.heat, state.pressure > 0
+
+    def exact(ratio):
+        return contact_quantiles(heat.rise + ratio * heat.bulk_response, contact)
+
+    for ratio in (0.0, *BULK_RATIOS):
+        assert heat.rise_quantile_at(ratio) == pytest.approx(exact(ratio), rel=1e-12)
+    scale = heat.mean_rise
+    ratios = np.linspace(-1000.0, 1000.0, 41)
+    errors = np.array([(heat.rise_quantile_at(r) - exact(r)) / scale for r in ratios])
+    assert np.abs(errors[:, NINE_TENTHS]).max() < 3e-3
+    assert np.abs(errors).max() < 2e-2
+    assert (errors[:, -1] > -1e-12).all()  # the highest is convex: never too cold
+
+
+def test_what_was_remembered_of_both_is_affine():
+    """One history of heat and difference together, against the sum of one of each."""
+    scene = replace(
+        small_scene(increments=4, heat_model="history", heat_tolerance=1e-10), unequal_bulks=True
+    )
+    together = HeatHistory()
+    for state in simulate(scene, 750.0, 0.3):
+        split, together = partition_with_history(
+            scene.grid,
+            Conductor(STEEL, 0.0, scene.heated_length),
+            Conductor(STEEL, 0.3, scene.heated_length),
+            together,
+            state.time,
+            0.1 * 0.3 * state.pressure,
+            state.pressure > 0,
+            tolerance=1e-10,
+            bulk_difference=40.0,
+        )
+    affine = 0.1 * state.heat.rise + 40.0 * state.heat.bulk_response
+    inside = state.pressure > 0
+    assert affine[inside] == pytest.approx(split.rise[inside], rel=1e-7)
+
+
+def test_without_motion_or_friction_the_difference_alone_warms():
+    for velocity, friction_heat in ((0.0, True), (1.25, False)):
+        scene = replace(small_scene(wear=False), friction_heat=friction_heat, unequal_bulks=True)
+        heat = end(scene, velocity).heat
+        assert not heat.rise.any()
+        assert 0.3 < heat.mean_bulk_response < 1.0
+        kelvins = heat.rise_quantile_at(BULK_RATIOS[-1]) / BULK_RATIOS[-1]
+        assert 0.0 < kelvins[0] <= kelvins[-1] < 1.0
+
+
+def test_a_plane_counts_all_the_rows_that_it_stands_for():
+    plane = replace(small_scene(roughness=False, wear=False), unequal_bulks=True)
+    state = end(plane)
+    rows = plane.rows_per_element
+    rise = (state.heat.rise + 500.0 * state.heat.bulk_response).repeat(rows, 1)
+    expected = contact_quantiles(rise, (state.pressure > 0).repeat(rows, 1))
+    assert rows > 1
+    assert state.heat.rise_quantile_at(500.0) == pytest.approx(expected, rel=1e-12)
+
+
+def test_a_critical_temperature_knows_both_bulk_temperatures(rough):
+    scene, state = rough
+    found = critical_temperature(scene, [(750.0, 1.25, 0.1)], 60.0, bulk_difference=-50.0)
+    expected = 60.0 + 0.1 * state.heat.rise_quantile_at(-500.0)[NINE_TENTHS]
+    assert found.mean == pytest.approx(expected, rel=1e-12)
+    with pytest.raises(InputError, match="unequal_bulks"):
+        critical_temperature(
+            replace(scene, unequal_bulks=False), [(750.0, 1.25, 0.1)], 60.0, bulk_difference=-50.0
+        )
+
+
+def test_one_share_of_the_heat_for_all_does_not_go_with_unequal_bulks():
+    with pytest.raises(InputError, match="'uniform' divides frictional heat alone"):
+        replace(small_scene(partition="uniform"), unequal_bulks=True)

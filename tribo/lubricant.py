@@ -1,0 +1,179 @@
+"""Oils: viscosity at any temperature, and the film that would part smooth surfaces.
+
+The contact itself is computed as if it were dry (boundary lubrication). The film parameter says
+how far that may be relied on.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from tribo.errors import InputError, require_positive
+
+BOUNDARY = 1.0
+"""Film parameter below which the roughness carries the load."""
+FULL_FILM = 3.0
+"""Film parameter from which the film carries the load."""
+
+
+@dataclass(frozen=True, slots=True)
+class Oil:
+    """A Newtonian lubricant at ambient pressure, and how its viscosity grows with pressure.
+
+    Parameters
+    ----------
+    temperatures : tuple of float
+        Two temperatures at which the viscosity is known, ascending [K].
+    viscosities : tuple of float
+        Kinematic viscosity at these temperatures, falling [m²/s].
+    density : float
+        Density, taken as the same at all temperatures [kg/m³].
+    pressure_coefficients : tuple of float or None
+        Pressure-viscosity coefficient α at these temperatures [1/Pa]; None if it is not known.
+
+    Raises
+    ------
+    InputError
+        If a value is not positive, the temperatures do not rise, the viscosity does not fall, or
+        is below 0.31 mm²/s, where ASTM D341 in its simple form ends.
+
+    Examples
+    --------
+    >>> white = Oil((313.15, 373.15), (32e-6, 5e-6), 866.0, (20e-9, 20e-9))
+    >>> f"{white.viscosity(313.15):.4f}, {white.viscosity(298.15):.4f} Pa s"
+    '0.0277, 0.0593 Pa s'
+    """
+
+    temperatures: tuple[float, float]
+    viscosities: tuple[float, float]
+    density: float
+    pressure_coefficients: tuple[float, float] | None = None
+
+    def __post_init__(self) -> None:
+        (cold, warm), (thick, thin) = self.temperatures, self.viscosities
+        require_positive(temperature=cold, viscosity=thin, density=self.density)
+        for coefficient in self.pressure_coefficients or ():
+            require_positive(pressure_coefficient=coefficient)
+        if not cold < warm:
+            raise InputError(f"temperatures are {cold:g} and {warm:g} K; they must rise")
+        if not thick > thin:
+            raise InputError(
+                f"viscosities are {thick:g} and {thin:g} m²/s; they must fall with temperature"
+            )
+        if thin < 0.31e-6:
+            raise InputError(f"viscosity is {thin:g} m²/s; it must be at least 3.1e-07 m²/s")
+
+    def viscosity(self, temperature: float) -> float:
+        """Dynamic viscosity η at ambient pressure [Pa s].
+
+        log log(ν + 0.7) is linear in log T, with ν [mm²/s] and T [K] (ASTM D341; Walther 1931).
+        """
+        place = math.log(temperature / self.temperatures[0]) / math.log(
+            self.temperatures[1] / self.temperatures[0]
+        )
+        cold, warm = (math.log(math.log(1e6 * nu + 0.7)) for nu in self.viscosities)
+        # No oil is as thick as the bound, which keeps the double exponential within doubles.
+        kinematic = math.exp(math.exp(min(cold + place * (warm - cold), 5.0))) - 0.7
+        return 1e-6 * kinematic * self.density
+
+    def pressure_coefficient(self, temperature: float) -> float:
+        """Pressure-viscosity coefficient α [1/Pa], its logarithm linear in the temperature.
+
+        Raises
+        ------
+        InputError
+            If it is not known.
+        """
+        if self.pressure_coefficients is None:
+            raise InputError("the oil has no pressure-viscosity coefficient; give it one")
+        (cold, warm), (low, high) = self.temperatures, self.pressure_coefficients
+        return float(low * (high / low) ** ((temperature - cold) / (warm - cold)))
+
+
+def minimum_line_film(
+    speed: float,
+    viscosity: float,
+    pressure_coefficient: float,
+    load_per_length: float,
+    radius: float,
+    contact_modulus: float,
+) -> float:
+    """Minimum film thickness between smooth cylinders [m].
+
+    h/R = 2.65 U^0.7 G^0.54 W^−0.13 with U = ηu/(E'R), G = αE', W = w/(E'R), E' = 2E* (Dowson,
+    *Elastohydrodynamics*, Proc. IMechE 182, 1968; after Dowson & Higginson).
+
+    Parameters
+    ----------
+    speed : float
+        Entrainment speed u, the mean velocity of the two surfaces [m/s].
+    viscosity : float
+        Dynamic viscosity η at the inlet [Pa s].
+    pressure_coefficient : float
+        Pressure-viscosity coefficient α [1/Pa].
+    load_per_length : float
+        Load per length w [N/m].
+    radius : float
+        Radius R of the cylinder on a plane [m].
+    contact_modulus : float
+        Contact modulus E* [Pa].
+
+    Examples
+    --------
+    >>> h = minimum_line_film(0.625, 0.055, 20e-9, 750 / 3.4e-3, 2e-3, 115.385e9)
+    >>> f"{1e6 * h:.3f} µm"
+    '0.111 µm'
+    """
+    R, E = radius, 2 * contact_modulus
+    U, G, W = viscosity * speed / (E * R), pressure_coefficient * E, load_per_length / (E * R)
+    return float(2.65 * U**0.7 * G**0.54 * W**-0.13 * R)
+
+
+def minimum_point_film(
+    speed: float,
+    viscosity: float,
+    pressure_coefficient: float,
+    normal_load: float,
+    radius: float,
+    contact_modulus: float,
+) -> float:
+    """Minimum film thickness between a smooth ball and a plane [m].
+
+    h/R = 3.63 U^0.68 G^0.49 W^−0.073 (1 − e^−0.68) with U = ηu/(E'R), G = αE', W = F/(E'R²),
+    E' = 2E* (Hamrock & Dowson, J. Lubr. Technol. 99, 1977, for a circular contact).
+
+    Parameters
+    ----------
+    speed, viscosity, pressure_coefficient, contact_modulus
+        See `minimum_line_film`.
+    normal_load : float
+        Load F [N].
+    radius : float
+        Radius R of the ball [m].
+
+    Examples
+    --------
+    >>> h = minimum_point_film(1.0, 0.04, 22e-9, 50.0, 9.525e-3, 115.385e9)
+    >>> f"{1e6 * h:.3f} µm"
+    '0.143 µm'
+    """
+    R, E = radius, 2 * contact_modulus
+    U, G, W = viscosity * speed / (E * R), pressure_coefficient * E, normal_load / (E * R**2)
+    return float(3.63 * U**0.68 * G**0.49 * W**-0.073 * (1 - math.exp(-0.68)) * R)
+
+
+def lubrication_regime(film_parameter: float) -> str:
+    """Name the regime of a film parameter Λ, the minimum film over the roughness Rq.
+
+    Boundary lubrication below 1, full film from 3 on, mixed between (Hamrock, Schmid & Jacobson,
+    *Fundamentals of Fluid Film Lubrication*, 2nd ed., §3.7).
+
+    Examples
+    --------
+    >>> [lubrication_regime(value) for value in (0.33, 1.0, 3.0)]
+    ['boundary lubrication', 'mixed lubrication', 'full film, outside the model']
+    """
+    if film_parameter < BOUNDARY:
+        return "boundary lubrication"
+    return "mixed lubrication" if film_parameter < FULL_FILM else "full film, outside the model"

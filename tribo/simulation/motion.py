@@ -1,0 +1,113 @@
+"""Motion of both bodies through the contact, as in a twin-disc or a ball-on-disc traction rig.
+
+Both surfaces move along x past the contact, which stays where it is: the disk at u₂, the pin,
+which rolls, at u₁. They slide on each other at V = |u₂ − u₁|, and the lubricant is entrained at
+ū = (u₁ + u₂)/2. The slide-roll ratio is s = (u₂ − u₁)/ū.
+
+**Wear.** In a time t a point of the pin comes through the contact N = u₁t/L times, L the length of
+the track around the pin. In each pass it slides V·2b/u₁ on a contact that is 2b wide, and wears by
+kV/u₁ ∫p dx. So all points of the track wear by the same depth
+
+    h(y) = k S/L ∫ p(x, y) dx,   S = Vt,                                                     (1)
+
+however slowly the pin rolls, as long as it turns many times; the volume on the whole track is
+k∫F dS, as for a pin at rest. Its profile along x stays round, so that a cylinder does not get a
+flat, nor a wider contact.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from tribo.errors import InputError, require_positive
+
+_AT_REST = 1e-12  # of the sliding velocity, below which a body's own is rounding
+
+
+class Velocities(NamedTuple):
+    """Velocities of both surfaces along x [m/s].
+
+    Examples
+    --------
+    >>> rolling = Velocities(pin=1.0, disk=3.0)
+    >>> rolling.disk - rolling.pin
+    2.0
+    """
+
+    pin: float
+    disk: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Motion:
+    """How both bodies move at a sliding velocity.
+
+    Exactly one of the first two is given.
+
+    Parameters
+    ----------
+    slide_roll_ratio : float, optional
+        Sliding over entrainment velocity, s = (u₂ − u₁)/ū. The disk is the faster body where it is
+        positive, the pin where it is negative; beyond ±2 they move against each other. At 2 the pin
+        is at rest.
+    entrainment_velocity : float, optional
+        Mean velocity of both bodies, ū [m/s], the same at every sliding velocity; the disk is the
+        faster body. Where the sliding velocity is 0 they roll on each other.
+    track_length : float, optional
+        Length of the track around the pin [m]; 2π times its radius if not given. To be given where
+        the pin's radius is the reduced one of two discs.
+
+    Raises
+    ------
+    InputError
+        If not exactly one of the two is given, or a value lies outside its range.
+
+    Examples
+    --------
+    >>> Motion(slide_roll_ratio=0.5).velocities(1.0)
+    Velocities(pin=1.5, disk=2.5)
+    >>> Motion(entrainment_velocity=3.0).velocities(0.0)
+    Velocities(pin=3.0, disk=3.0)
+    """
+
+    slide_roll_ratio: float | None = None
+    entrainment_velocity: float | None = None
+    track_length: float | None = None
+
+    def __post_init__(self) -> None:
+        given = self.slide_roll_ratio, self.entrainment_velocity
+        if (given[0] is None) == (given[1] is None):
+            raise InputError(
+                f"motion has slide_roll_ratio {given[0]!r} and entrainment_velocity {given[1]!r}; "
+                "exactly one of them must be given"
+            )
+        for name, value in zip(("slide_roll_ratio", "entrainment_velocity"), given, strict=True):
+            if value is not None and not math.isfinite(value):
+                raise InputError(f"{name} is {value!r}; it must be finite")
+        if self.slide_roll_ratio == 0:
+            raise InputError(
+                "slide_roll_ratio is 0: bodies that roll have no sliding velocity; give "
+                "entrainment_velocity, and the sliding velocity 0"
+            )
+        if self.track_length is not None:
+            require_positive(track_length=self.track_length)
+
+    def velocities(self, sliding: float) -> Velocities:
+        """Velocities of pin and disk [m/s], whose difference is the sliding velocity.
+
+        Parameters
+        ----------
+        sliding : float
+            Sliding velocity [m/s]; all is mirrored where it is negative.
+        """
+        if self.slide_roll_ratio is not None:
+            mean, share = abs(sliding / self.slide_roll_ratio), self.slide_roll_ratio / 2
+            pin, disk = mean * (1 - share), mean * (1 + share)
+        else:
+            mean = self.entrainment_velocity or 0.0
+            pin, disk = mean - abs(sliding) / 2, mean + abs(sliding) / 2
+        if abs(pin) <= _AT_REST * abs(sliding):
+            pin = 0.0
+        return Velocities(pin, disk) if sliding >= 0 else Velocities(-pin, -disk)

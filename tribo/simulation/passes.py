@@ -1,0 +1,109 @@
+"""Contacts that a step has to solve: by its wear scheme, and by the patches of the disk that pass.
+
+Along a periodic y swept wear averages over y, which is exact. Where y is free, as under a ball, the
+pin's shape varies along both axes, and the roughness that is swept past must be moved itself: the
+pin wears by the pressure averaged over positions of the disk. A step is cut into as many parts as
+the scene has positions, and in each part the disk lies elsewhere, by numbers that fill the patch
+evenly (Roberts' sequence), so that no position comes twice. Each part wears the pin by its own
+pressure, implicitly. So the average is taken along the way, and all that is left of a single
+position is what one part has worn.
+
+What is looked at, pressure and temperature, is the contact at the scene's own position of the disk,
+which has worn nothing yet. The patch is taken to repeat itself along both axes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from tribo.loading import Station
+from tribo.simulation.kernels import elastic_bodies
+from tribo.simulation.scene import Scene
+from tribo.simulation.state import State
+from tribo.types import Array
+from tribo.wear import WEAR_SCHEMES, Stage
+
+_PLASTIC = 1.32471795724474602596  # the root of x³ = x + 1, whose powers fill a square evenly
+_STEPS = 1 / _PLASTIC, 1 / _PLASTIC**2
+
+
+class Pass(NamedTuple):
+    """A contact to be solved within a step.
+
+    Attributes
+    ----------
+    stage : Stage
+        Load of the pass, and the wear that it causes.
+    shift : tuple of int or None
+        Elements by which the disk lies off its own position along x and y; None at that position.
+    """
+
+    stage: Stage
+    shift: tuple[int, int] | None = None
+
+
+def passes(
+    scene: Scene, state: State, station: Station, distance: float, observed: bool
+) -> Iterator[Pass]:
+    """Contacts that the step from `state` to `station` has to solve.
+
+    Parameters
+    ----------
+    scene : Scene
+        System to simulate.
+    state : State
+        State at the beginning of the step.
+    station : Station
+        Time and load at its end.
+    distance : float
+        Slid in the step [m].
+    observed : bool
+        Whether the contact at the disk's own position is asked for, if others pass.
+    """
+    if not scene.wear:
+        yield Pass(Stage(station.normal_load, 0.0, 0.0))
+        return
+    scheme = WEAR_SCHEMES[scene.fidelity.wear_scheme]
+    loads = state.normal_load, station.normal_load
+    mean_load = max(0.0, (station.impulse - state.impulse) / (station.time - state.time))
+    if not scene.sweeps_over:
+        yield from map(Pass, scheme.stages(loads, mean_load, distance))
+        return
+    count = scene.positions
+    ends = np.linspace(*loads, count + 1)
+    # Each part has the share of the impulse that it would have if the load changed linearly.
+    known = float(ends.sum() - (ends[0] + ends[-1]) / 2)
+    for part in range(count):
+        begin, end = float(ends[part]), float(ends[part + 1])
+        mean = count * mean_load * (begin + end) / 2 / known if known else mean_load
+        shift = _position(scene, count * station.index + part)
+        for stage in scheme.stages((begin, end), mean, distance / count):
+            yield Pass(stage, shift)
+    if observed:
+        yield Pass(Stage(station.normal_load, 0.0, 0.0))
+
+
+def separation_at(scene: Scene, shift: tuple[int, int] | None) -> Array:
+    """Distance of the unworn, undeformed surfaces where the disk has moved [m]."""
+    separation = elastic_bodies(scene).separation
+    if shift is None:
+        return separation
+    profile = scene.pin.profile(scene.grid)
+    moved: Array = profile + np.roll(separation - profile, shift, axis=(0, 1))
+    return moved
+
+
+def spread(wear_depth: Array, shape: tuple[int, int]) -> Array:
+    """Wear on finer elements, linear along x and y; its mean stays the same."""
+    for n in shape[::-1]:  # along the last axis, then turned
+        at, known = ((np.arange(size) + 0.5) / size for size in (n, wear_depth.shape[1]))
+        wear_depth = np.array([np.interp(at, known, row) for row in wear_depth]).T
+    return np.ascontiguousarray(wear_depth)
+
+
+def _position(scene: Scene, number: int) -> tuple[int, int]:
+    x, y = (int(n * (number * step % 1)) for n, step in zip(scene.grid.shape, _STEPS, strict=True))
+    return x, y

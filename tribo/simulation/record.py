@@ -1,0 +1,95 @@
+"""What a step records."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from tribo.simulation.scene import Scene
+from tribo.simulation.state import State
+from tribo.types import Array
+
+_OF_CONTACT = (
+    "contact_fraction",
+    "contact_width",
+    "max_pressure",
+    "mean_pressure",
+    "saturated_fraction",
+)
+
+
+def measures(scene: Scene, state: State) -> dict[str, float]:
+    """What is kept of a state at every step, by the name of its variable in the dataset.
+
+    Returns
+    -------
+    dict
+        ``time`` [s], ``normal_load`` [N], ``sliding_distance`` [m], ``contact_fraction`` (of the
+        window), ``contact_width`` (between the outermost elements in contact along x) [m],
+        ``max_pressure`` and ``mean_pressure`` (over the contact) [Pa], ``saturated_fraction``
+        (of the contact, at the hardness), ``wear_depth_max`` [m], ``wear_volume`` (of the whole
+        pin) [m³], ``iterations`` and ``residual`` of the contact; ``max_rise``, ``mean_rise`` [K]
+        and ``pin_heat_share``, NaN where the temperature was not asked for; with unequal bulk
+        temperatures ``mean_bulk_response`` likewise. What the size of the
+        elements decides, ``contact_fraction`` to ``saturated_fraction``, is NaN at the steps that
+        are taken on the coarser grid of the history; see `Fidelity.history_coarsening`.
+
+    Notes
+    -----
+    A rough surface on larger elements touches on more of the window. In the paper's system, at
+    200 and 750 N on two surfaces, the presets ``standard`` and ``draft`` have 14 to 17 % and 40 to
+    50 % more contact than the pixels themselves, 12 to 14 % and 29 to 34 % less mean pressure, and
+    27 to 31 % and 57 to 68 % less of it at the hardness; width and highest pressure agree within
+    1.5 %.
+
+    Examples
+    --------
+    >>> import tribo
+    >>> scene = tribo.critical_temperature_rig()
+    >>> *_, state = tribo.simulate(scene, normal_load=10.0, velocity=0.065)
+    >>> found = tribo.measures(scene, state)
+    >>> f"{1e6 * found['contact_width']:.0f} µm, {found['sliding_distance']:g} m"
+    '171 µm, 3.965 m'
+    """
+    pressure, mean_depth = state.pressure, float(state.wear_depth.mean())
+    if pressure.size < math.prod(scene.grid.shape):
+        of_contact = dict.fromkeys(_OF_CONTACT, np.nan)
+    else:
+        of_contact = dict(zip(_OF_CONTACT, _contact_measures(scene, pressure), strict=True))
+    response = state.heat.mean_bulk_response if state.heat else np.nan
+    return {
+        "time": state.time,
+        "normal_load": state.normal_load,
+        "sliding_distance": state.sliding_distance,
+        **of_contact,
+        "wear_depth_max": float(state.wear_depth.max()),
+        "wear_volume": mean_depth * scene.nominal_area * _windows_worn(scene, state),
+        "iterations": float(state.iterations),
+        "residual": state.residual,
+        "max_rise": state.heat.max_rise if state.heat else np.nan,
+        "mean_rise": state.heat.mean_rise if state.heat else np.nan,
+        "pin_heat_share": state.heat.pin_heat_share if state.heat else np.nan,
+        **({"mean_bulk_response": response} if scene.unequal_bulks else {}),
+    }
+
+
+def _windows_worn(scene: Scene, state: State) -> float:
+    """See `Scene.windows_worn`."""
+    moves = scene.motion and state.time > 0
+    return scene.windows_worn(state.sliding_distance / state.time) if moves else 1.0
+
+
+def _contact_measures(scene: Scene, pressure: Array) -> tuple[float, ...]:
+    """Values of the measures that `_OF_CONTACT` names."""
+    contact = pressure > 0
+    nodes = int(np.count_nonzero(contact))
+    rows = np.flatnonzero(contact.any(axis=1))
+    width = int(rows[-1] - rows[0]) + 1 if nodes else 0
+    return (
+        nodes / pressure.size,
+        width / len(pressure) * scene.grid.size[0],
+        float(pressure.max()),
+        float(pressure.sum()) / max(nodes, 1),
+        np.count_nonzero(pressure >= scene.hardness) / max(nodes, 1),
+    )

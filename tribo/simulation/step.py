@@ -1,0 +1,190 @@
+"""One step of a loading: contact and wear from one state to the next."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from tribo.contact import ContactSolution, solve_contact
+from tribo.loading import Station
+from tribo.simulation.heating import heated_since
+from tribo.simulation.invariants import check_contact, check_wear, within_range
+from tribo.simulation.kernels import elastic_bodies
+from tribo.simulation.passes import Pass, passes, separation_at
+from tribo.simulation.scene import Scene
+from tribo.simulation.state import State
+from tribo.thermal import HeatHistory
+from tribo.types import Array
+from tribo.wear import Wear
+
+_FARTHEST = 2.0  # steps of the load over which its last step is extrapolated
+
+
+def start(scene: Scene) -> State:
+    """The unloaded, unworn state.
+
+    Examples
+    --------
+    >>> import tribo
+    >>> scene = tribo.critical_temperature_rig()
+    >>> tribo.start(scene).normal_load
+    0.0
+    """
+    zero = np.zeros(next(scene.levels()).grid.shape)
+    return State(
+        pressure=zero,
+        wear_depth=zero,
+        normal_load=0.0,
+        time=0.0,
+        sliding_distance=0.0,
+        impulse=0.0,
+        on_trunk=True,
+        index=0,
+        iterations=0,
+        residual=0.0,
+        previous_pressure=zero,
+        previous_load=0.0,
+        heat_history=HeatHistory() if scene.remembers_heat else None,
+    )
+
+
+@within_range("a step of the loading")
+def advance(
+    scene: Scene,
+    state: State,
+    station: Station,
+    velocity: float,
+    guess: Array | None = None,
+    observed: bool = True,
+) -> State:
+    """Slide and load until `station`, wearing the pin by the scheme of the fidelity.
+
+    Parameters
+    ----------
+    scene : Scene
+        System to simulate.
+    state : State
+        State at an earlier time.
+    station : Station
+        Time and load at the end of the step.
+    velocity : float
+        Sliding velocity [m/s]: that of the disk along +x, unless the scene has a motion.
+    guess : ndarray, shape (nx, ny), optional
+        Guess of the pressure [Pa]; extrapolated from the last two states if not given.
+    observed : bool, optional
+        Whether the contact at the disk's own position is solved, too, where others pass the pin.
+        If not, the pressure is that of the last one that has passed.
+
+    Returns
+    -------
+    State
+        State at the station, with its temperature where that depends on the earlier ones, else
+        without.
+
+    Examples
+    --------
+    >>> import tribo
+    >>> scene = tribo.critical_temperature_rig()
+    >>> first = next(iter(scene.stations(10.0)))
+    >>> tribo.advance(scene, tribo.start(scene), first, velocity=0.065).normal_load
+    10.0
+    """
+    wear_depth, iterations, residual = state.wear_depth, 0, 0.0
+    distance = abs(velocity) * (station.time - state.time)
+    wear = scene.wear_at(velocity)
+    passed = state.pressure
+    for stage, shift in passes(scene, state, station, distance, observed):
+        near = guess if shift is None else passed if passed.any() else None
+        contact, displacement = solved(scene, state, Pass(stage, shift), wear, wear_depth, near)
+        iterations, residual = iterations + contact.iterations, max(residual, contact.residual)
+        if wear:
+            wear_depth = wear_depth + wear.depth(contact.pressure, stage.distance)
+        passed = contact.pressure
+    if wear:
+        volume = wear.specific_wear_rate * abs(velocity) * station.impulse
+        area = _element_area(scene) * scene.windows_worn(velocity)
+        check_wear(state.wear_depth, wear_depth, area, volume)
+    advanced = State(
+        pressure=contact.pressure,
+        wear_depth=wear_depth,
+        normal_load=station.normal_load,
+        time=station.time,
+        sliding_distance=state.sliding_distance + distance,
+        impulse=station.impulse,
+        on_trunk=station.on_trunk,
+        index=station.index,
+        iterations=iterations,
+        work=iterations * contact.pressure.size,
+        residual=residual,
+        previous_pressure=state.pressure,
+        previous_load=state.normal_load,
+        displacement=displacement,
+        previous_displacement=state.displacement,
+    )
+    if state.heat_history is None:
+        return advanced
+    return heated_since(scene, state, advanced, velocity)
+
+
+def solved(
+    scene: Scene,
+    state: State,
+    each: Pass,
+    wear: Wear | None,
+    wear_depth: Array,
+    guess: Array | None,
+) -> tuple[ContactSolution, Array]:
+    """Contact of a pass after a state, and its elastic displacement."""
+    solid, fidelity, stage = elastic_bodies(scene).solid, scene.fidelity, each.stage
+    initial, displacement = (
+        _extrapolated(state, stage.normal_load) if guess is None else (guess, None)
+    )
+    if wear:
+        solid = wear.yielding(solid, stage.implicit_distance)
+        if displacement is not None and initial is not None:
+            displacement += wear.depth(initial, stage.implicit_distance)
+    shape = separation_at(scene, each.shift) + wear_depth
+    contact = solve_contact(
+        solid,
+        shape,
+        stage.normal_load / scene.pin.patches(scene.grid),
+        hardness=scene.hardness,
+        tolerance=fidelity.contact_tolerance,
+        criterion=fidelity.contact_criterion,
+        initial_pressure=initial,
+        initial_displacement=displacement,
+    )
+    check_contact(
+        contact.pressure,
+        stage.normal_load,
+        _element_area(scene),
+        scene.hardness,
+        contact.residual,
+        fidelity.contact_tolerance if fidelity.contact_criterion == "gap" else np.inf,
+    )
+    displacement = contact.gap + contact.approach - shape
+    if wear:
+        displacement -= wear.depth(contact.pressure, stage.implicit_distance)
+    return contact, displacement
+
+
+def _element_area(scene: Scene) -> float:
+    """Area that an element stands for, on the whole pin [m²]."""
+    return scene.grid.element_area * scene.pin.patches(scene.grid)
+
+
+def _extrapolated(state: State, normal_load: float) -> tuple[Array | None, Array | None]:
+    """Pressure and elastic displacement at the next load, linear through the last two states.
+
+    The pressure as it is where the load has hardly changed before, as in a hold.
+    """
+    if state.normal_load == 0.0:
+        return None, None
+    change, before = normal_load - state.normal_load, state.normal_load - state.previous_load
+    if state.previous_load == 0.0 or abs(change) >= _FARTHEST * abs(before):
+        return state.pressure, None
+    ratio = change / before
+    pressure = state.pressure + ratio * (state.pressure - state.previous_pressure)
+    if state.displacement is None or state.previous_displacement is None:
+        return pressure, None
+    rise = state.displacement - state.previous_displacement
+    return pressure, state.displacement + ratio * rise
