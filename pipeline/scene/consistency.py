@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import tribo
+from pipeline.scene.entries import did_you_mean, entry_at, quoted
 from pipeline.scene.faults import Fault
-from pipeline.scene.schema import did_you_mean, entry_at, quoted
+from pipeline.scene.library import nearest
 from pipeline.scene.units import display
 
 Roughness = tribo.SelfAffineRoughness | tribo.MeasuredRoughness
@@ -34,18 +36,21 @@ def check_tables(
     _check_materials(found, faults)
     _check_pixels(found, fidelity.pixels_per_element, roughness, faults)
     _check_pin(found, faults)
+    _check_motion(found, faults)
     _check_conditions(found, faults)
 
 
 def _check_materials(found: dict[str, Any], faults: list[Fault]) -> None:
-    materials = found["materials"]
+    if any(fault.key == "materials" for fault in faults):
+        return
+    materials = found["materials"] or {}
     for body in ("pin", "disk"):
         name = entry_at(found, f"{body}.material")
-        if name and materials and name not in materials:
-            allowed = " or ".join(map(quoted, materials))
-            hint = did_you_mean(name, materials)
-            problem = f"{quoted(name)} is not a table of [materials]{hint}; give {allowed}"
-            faults.append(Fault(f"{body}.material", problem))
+        if name and name not in materials:
+            hint = did_you_mean(name, materials) or f" ({nearest(name, 'materials')})"
+            problem = f"{quoted(name)} is neither a table of [materials] nor in the library{hint}"
+            own = " or ".join(map(quoted, materials)) or "one of them, or add a table for it"
+            faults.append(Fault(f"{body}.material", f"{problem}; give {own}"))
 
 
 def _check_pixels(
@@ -84,20 +89,50 @@ def _check_pin(found: dict[str, Any], faults: list[Fault]) -> None:
             f"{display(pixels[1] * sides[1], 'mm')} along y; give at least that"
         )
         faults.append(Fault("pin.length", problem))
-    ball, periodic_y = entry_at(found, "pin.shape") == "ball", entry_at(found, "window.periodic_y")
-    if ball and periodic_y:
-        problem = "true does not fit a ball; give false, or leave it out"
+    shape, crown = entry_at(found, "pin.shape"), entry_at(found, "pin.crown_radius")
+    if shape in ("ball", "crowned") and entry_at(found, "window.periodic_y"):
+        problem = f"true does not fit a {shape} pin; give false, or leave it out"
         faults.append(Fault("window.periodic_y", problem))
-    if entry_at(found, "wear.pattern") == "swept" and (ball or periodic_y is False):
+    if any(fault.key == "pin.crown_radius" for fault in faults):
+        return
+    if shape == "crowned" and crown is None:
+        problem = 'missing; a crowned pin needs its radius across sliding, such as "100 mm"'
+        faults.append(Fault("pin.crown_radius", problem))
+    if shape == "ball" and crown is not None:
+        problem = f'{display(crown, "mm")} does not fit a ball; give shape = "crowned"'
+        faults.append(Fault("pin.crown_radius", problem))
+
+
+def _check_motion(found: dict[str, Any], faults: list[Fault]) -> None:
+    motion = found["motion"]
+    if motion is None or any(fault.key.startswith("motion.") for fault in faults):
+        return
+    ratio, entrainment = motion["slide_roll_ratio"], motion["entrainment_velocity"]
+    if (ratio is None) == (entrainment is None):
+        given = "neither is" if ratio is None else "both are"
+        problem = f"{given} given; give either slide_roll_ratio or entrainment_velocity"
+        faults.append(Fault("motion", problem))
+    elif ratio == 0:
         problem = (
-            '"swept" averages along y, which needs a window that is periodic along y, under a '
-            'cylinder; give "local"'
+            "0 is rolling without a sliding velocity; give another number such as 0.5, or "
+            'entrainment_velocity and the velocity "0 m/s"'
         )
-        faults.append(Fault("wear.pattern", problem))
+        faults.append(Fault("motion.slide_roll_ratio", problem))
+    window, radius = found["window"] or {}, entry_at(found, "pin.radius")
+    pixels, sides = window.get("pixels"), window.get("pixel_size")
+    track = motion["track_length"] or (radius and 2 * math.pi * radius)
+    if pixels and sides and track and track < pixels[0] * sides[0] * (1 - 1e-9):
+        problem = (
+            f"{display(track, 'mm')} is shorter than the window, which is "
+            f"{display(pixels[0] * sides[0], 'mm')} along x; give at least that"
+        )
+        faults.append(Fault("motion.track_length", problem))
 
 
 def _check_conditions(found: dict[str, Any], faults: list[Fault]) -> None:
     bulk, critical = entry_at(found, "temperature.bulk"), entry_at(found, "temperature.critical")
+    if isinstance(bulk, dict):
+        bulk = None if None in bulk.values() else max(bulk.values())
     if bulk and critical and critical <= bulk:
         problem = (
             f"{display(critical, '°C')} is not above temperature.bulk, {display(bulk, '°C')}; "

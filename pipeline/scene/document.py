@@ -15,9 +15,9 @@ from functools import reduce
 from pathlib import Path
 from typing import Any
 
+from pipeline.scene.entries import did_you_mean, quoted
 from pipeline.scene.faults import Fault, SceneFileError
 from pipeline.scene.format import EXTENDS, WITHOUT
-from pipeline.scene.schema import did_you_mean, quoted
 
 _LARGEST_FILE = 10_000_000
 _LEVELS = 10  # of tables in tables, more than the format has
@@ -32,7 +32,7 @@ class Layer:
     file : Path
         Scene file.
     entries : dict
-        Its tables and values, as TOML has them.
+        Tables and values of the file, as TOML has them.
     """
 
     file: Path
@@ -202,7 +202,8 @@ def _toml(path: Path) -> dict[str, Any]:
     """Read one file."""
     try:
         if path.exists() and not path.is_file():
-            raise SceneFileError(path, ["cannot be read: not a file"])
+            what = "a store" if (path / "zarr.json").exists() else "not a file"
+            raise SceneFileError(path, [f"cannot be read: {what}; give a scene file (TOML)"])
         with path.open("rb") as file:
             content = file.read(_LARGEST_FILE + 1)
     except (OSError, ValueError) as error:

@@ -36,6 +36,15 @@ class SceneFileError(TriboError):
     faults : list of str
         Every fault, one line each: its key, the file where that is another one, what is wrong and
         what is allowed.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> try:
+    ...     pipeline.load_scene("workflows/first_try.toml", overrides={"pin.radius": 2})
+    ... except pipeline.SceneFileError as error:
+    ...     print(error)
+    workflows/first_try.toml: pin.radius: 2 has no unit; give a length above 0, such as "2 mm"
     """
 
     def __init__(self, path: Path, faults: list[str]) -> None:

@@ -6,22 +6,18 @@ import math
 from typing import Any, Literal, get_args, get_origin, get_type_hints
 
 import tribo
+from pipeline.scene.kinds import Choice, Flag, Kind, Number, Quantity, Text, Unit, Whole
 from pipeline.scene.schema import (
-    Choice,
+    Distributions,
     Either,
-    Flag,
-    Kind,
     List,
-    Number,
     Optional,
-    Quantity,
     Range,
+    Scalar,
     Table,
     Tables,
-    Text,
-    Unit,
-    Whole,
 )
+from pipeline.sweep.unknown import MOST_SAMPLES
 
 
 def _kind(hint: Any) -> Kind:
@@ -31,8 +27,8 @@ def _kind(hint: Any) -> Kind:
     return {int: Whole(), float: Number(), bool: Flag(), str: Text()}[hint]
 
 
-def _is_ball(pin: Any) -> bool:
-    return isinstance(pin, dict) and pin.get("shape") == "ball"
+def _is_curved(pin: Any) -> bool:
+    return isinstance(pin, dict) and pin.get("shape") in ("ball", "crowned")
 
 
 def _has_file(table: Any) -> bool:
@@ -53,12 +49,23 @@ LOAD = Quantity("a load", "200 N")
 DURATION = Quantity("a duration", "4 s", zero=True)
 VELOCITY = Quantity("a velocity", "1.25 m/s", zero=True)
 TEMPERATURE = Quantity("a temperature", "25 degC")
+PER_PRESSURE = Quantity("a pressure coefficient", "20 1/GPa")
 FRICTION = Number(at_least=0)
 SEED = Whole(at_least=0)
 SURFACES = Whole(at_least=1, at_most=100_000)
-SHAPE = Choice(("cylinder", "ball"))
+SHAPE = Choice(("cylinder", "ball", "crowned"))
 PRESET = Choice(tuple(tribo.PRESETS))
 FIDELITY = {name: Optional(_kind(hint)) for name, hint in get_type_hints(tribo.Fidelity).items()}
+
+SAMPLES = Whole(at_least=1, at_most=MOST_SAMPLES)
+UNKNOWN = Distributions(
+    (
+        Table({"mean": Scalar(), "sd": Scalar()}),  # normal
+        Table({"median": Scalar(), "factor": Number(above=1)}),  # log-normal
+        Table({"from": Scalar(), "to": Scalar()}),  # uniform
+    ),
+    listed=List(Scalar(), distinct=True),  # each as likely
+)
 
 EXTENDS = Text()
 WITHOUT = List(Text(), distinct=True)
@@ -67,18 +74,21 @@ FORMAT = Table({
     "extends": Optional(EXTENDS),  # another scene file, relative to this one's folder
     "without": Optional(WITHOUT),  # key paths of the other's entries to leave out
     "title": Optional(Text()),
-    "materials": Tables(Table({
+    "materials": Optional(Tables(Table({
+        "like": Optional(Text()),  # a material of the library, for what is not given here
         "elastic_modulus": Quantity("a modulus", "210 GPa"),
         "poisson_ratio": Number(above=-1, at_most=0.5),
-        "hardness": Optional(Quantity("a pressure", "6.6 GPa"), math.inf),
+        "hardness": Optional(Quantity("a pressure", "6.6 GPa"), math.inf),  # or "62 HRC"
         "thermal_conductivity": Quantity("a conductivity", "45 W/(m K)"),
         "density": Quantity("a density", "7800 kg/m^3"),
         "specific_heat": Quantity("a specific heat", "470 J/(kg K)"),
-    })),
+    }))),
     "pin": Either(
         Table({"shape": SHAPE, "radius": SIZE, "length": SIZE, "material": Text()}),
-        Table({"shape": SHAPE, "radius": SIZE, "material": Text()}),
-        when=_is_ball,
+        Table({
+            "shape": SHAPE, "radius": SIZE, "crown_radius": Optional(SIZE), "material": Text(),
+        }),
+        when=_is_curved,
     ),
     "disk": Table({
         "material": Text(),
@@ -119,16 +129,35 @@ FORMAT = Table({
         }),
         when=_has_file,
     ),
+    "motion": Optional(Table({  # of both bodies; without it the pin is at rest
+        "slide_roll_ratio": Optional(Number()),  # one of this
+        "entrainment_velocity": Optional(VELOCITY),  # and this
+        "track_length": Optional(SIZE),  # by default the pin's circumference
+    })),
     "wear": Optional(Table({
         "specific_wear_rate": Quantity("a specific wear rate", "1.2e-6 mm^3/(N m)", zero=True),
         "pattern": _kind(get_type_hints(tribo.Wear)["pattern"]),
+    })),
+    "oil": Optional(Table({  # says only which film it would build
+        "like": Optional(Text()),  # an oil of the library, for what is not given here
+        "temperatures": Optional(List(TEMPERATURE, length=2), (313.15, 373.15)),
+        "kinematic_viscosity": Optional(
+            List(Quantity("a kinematic viscosity", "32 mm^2/s"), length=2)
+        ),
+        "dynamic_viscosity": Optional(List(Quantity("a viscosity", "28 mPa s"), length=2)),
+        "density": Optional(Quantity("a density", "866 kg/m^3")),  # with a kinematic viscosity
+        "pressure_viscosity_coefficient": Optional(
+            Either(PER_PRESSURE, List(PER_PRESSURE, length=2), when=_is_list)
+        ),
     })),
     "friction": Table({
         "coefficient": FRICTION,
         "band": Optional(List(FRICTION, length=2)),
     }),
     "temperature": Table({
-        "bulk": TEMPERATURE,
+        "bulk": Either(  # of both bodies, or of each
+            TEMPERATURE, Table({"pin": TEMPERATURE, "disk": TEMPERATURE}), when=_is_table
+        ),
         "critical": Optional(TEMPERATURE),  # needed where wear is judged
         "failing_share": Optional(Number(at_least=0, below=1), 0.1),
     }),
@@ -137,9 +166,12 @@ FORMAT = Table({
         "loads": Either(List(LOAD, distinct=True), Range(LOAD), when=_is_table),
         "velocities": Either(List(VELOCITY, distinct=True), Range(VELOCITY), when=_is_table),
         "realizations": Optional(Either(SURFACES, List(SEED, distinct=True), when=_is_list)),
+        "samples": Optional(SAMPLES),  # of what is unknown
+        "sample_seed": Optional(SEED, 0),
         "fields": Optional(Flag(), False),
         "independent": Optional(Flag(), False),
     }),
+    "unknown": Optional(UNKNOWN),  # by the paths of entries
     "measured": Optional(
         List(Table({"load": LOAD, "velocity": VELOCITY, "friction": Optional(FRICTION)})), ()
     ),

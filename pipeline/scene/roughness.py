@@ -10,8 +10,8 @@ import numpy as np
 
 import tribo
 from pipeline.scene.document import Document
+from pipeline.scene.entries import entry_at, quoted
 from pipeline.scene.faults import Fault
-from pipeline.scene.schema import entry_at, quoted
 from pipeline.scene.surfaces import (
     PLAIN,
     Surface,

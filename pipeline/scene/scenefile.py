@@ -15,16 +15,21 @@ from typing import Any
 import tribo
 from pipeline.scene.consistency import check_tables
 from pipeline.scene.document import Document, read_document, with_entries
+from pipeline.scene.entries import did_you_mean, entry_at
 from pipeline.scene.faults import Fault, SceneFileError
 from pipeline.scene.format import FIDELITY, FORMAT, PRESET
+from pipeline.scene.library import with_library, without_consequences
+from pipeline.scene.oil import oil_of
 from pipeline.scene.roughness import realizations_of, roughness_of
-from pipeline.scene.schema import Table, did_you_mean
-from pipeline.sweep.criterion import Conditions
+from pipeline.scene.schema import Table
+from pipeline.scene.unknown import samples_of
+from pipeline.sweep.criterion import Conditions, of_bulks
 from pipeline.sweep.model import Measurement, Sweep
 
 _PATHS = ("wear.pattern", "loading.hold", "temperature.failing_share", "sweep.realizations")
 
 Loading = tribo.Ramp | tribo.MeasuredLoad
+Pin = tribo.Cylinder | tribo.Ball | tribo.Crowned
 
 
 def load_scene(
@@ -49,34 +54,93 @@ def load_scene(
     ------
     SceneFileError
         If there is any fault in the file or the arguments; it carries all of them.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> scene = pipeline.load_scene("workflows/first_try.toml", preset="standard")
+    >>> scene.preset, scene.loads
+    ('standard', (200.0, 400.0, 600.0, 750.0))
     """
     path = Path(path)
     faults: list[Fault] = []
     notes: list[str] = []
     overrides = {key.removeprefix("fidelity."): value for key, value in (overrides or {}).items()}
-    entries = {key: overrides.pop(key) for key in list(overrides) if "." in key}
-    document = with_entries(read_document(path, faults), entries, faults)
-    found = FORMAT.read(document.entries(), "", faults)
+    given = {key: overrides.pop(key) for key in list(overrides) if "." in key}
+    document = with_entries(read_document(path, faults), given, faults)
+    entries, taken = with_library(document.entries(), faults)
+    found = FORMAT.read(entries, "", faults)
     preset = overrides.pop("preset", preset)
     fidelity, preset = _fidelity(found["fidelity"] or {}, preset, overrides, faults)
     realizations = realizations_of(found, faults)
     roughness = roughness_of(found, document, faults, notes)
     loading = _loading(found["loading"], document, faults, notes)
-    check_tables(found, fidelity, roughness, faults)
-    if faults or loading is None:
-        raise SceneFileError(path, [document.line(fault) for fault in faults])
-    try:
+
+    def build(other: dict[str, Any], wrong: list[Fault]) -> Sweep | None:
+        """The sweep of these entries, of which few differ from those found."""
+        own = roughness
+        if entry_at(other, "disk.roughness") is not entry_at(found, "disk.roughness"):
+            own = roughness_of(other, document, wrong, [])
+        ramp = loading
+        if other["loading"] is not found["loading"]:
+            ramp = _loading(other["loading"], document, wrong, [])
+        oil = oil_of(other, wrong)
+        check_tables(other, fidelity, own, wrong)
+        if wrong or ramp is None:
+            return None
         return Sweep(
-            **_entries(path.stem, found),
-            loading=loading,
-            roughness=roughness,
+            **_entries(path.stem, other),
+            loading=ramp,
+            roughness=own,
+            oil=oil,
             realizations=realizations,
             fidelity=fidelity,
             preset=preset,
             notes=tuple(notes),
+            library=taken,
         )
+
+    try:
+        sweep = build(found, faults)
+        if sweep is not None:
+            samples = samples_of(entries, found, sweep, build, faults, notes)
+            sweep = replace(sweep, samples=samples, notes=tuple(notes))
     except tribo.InputError as error:
         raise SceneFileError(path, [str(error)]) from error
+    if sweep is None or faults:
+        told = without_consequences(faults)
+        raise SceneFileError(path, [document.line(fault) for fault in told])
+    return sweep
+
+
+def scene_entry(
+    path: str | PathLike[str], key: str, overrides: Mapping[str, Any] | None = None
+) -> Any:
+    """Return what a scene says at a key path, as TOML has it; None if it says nothing there.
+
+    Parameters
+    ----------
+    path : path-like
+        Scene file.
+    key : str
+        Key path, such as ``wear.specific_wear_rate``.
+    overrides : mapping, optional
+        Entries by their key path in place of what the file says there.
+
+    Raises
+    ------
+    SceneFileError
+        If the file cannot be read.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> pipeline.scene_entry("workflows/first_try.toml", "temperature.bulk")
+    '25 degC'
+    """
+    given = {name: value for name, value in (overrides or {}).items() if "." in name}
+    document = with_entries(read_document(Path(path), []), given, [])
+    return entry_at(with_library(document.entries(), [])[0], key)
 
 
 def _fidelity(
@@ -138,34 +202,47 @@ def _loading(
     return record.ramp()
 
 
+def _pin(table: Mapping[str, Any], material: tribo.Material) -> Pin:
+    match table["shape"]:
+        case "cylinder":
+            return tribo.Cylinder(table["radius"], table["length"], material)
+        case "crowned":
+            return tribo.Crowned(table["radius"], table["crown_radius"], material)
+    return tribo.Ball(table["radius"], material)
+
+
 def _entries(name: str, found: dict[str, Any]) -> dict[str, Any]:
     """Fields of the sweep that follow from sound entries alone."""
-    materials = {key: tribo.Material(**table) for key, table in found["materials"].items()}
+    materials = {
+        name: tribo.Material(**{key: value for key, value in table.items() if key != "like"})
+        for name, table in found["materials"].items()
+    }
     pin, window, sweep = found["pin"], found["window"], found["sweep"]
     friction, temperature = found["friction"], found["temperature"]
     cylinder, periodic_y = pin["shape"] == "cylinder", window["periodic_y"]
     material = materials[pin["material"]]
+    bulks = of_bulks(temperature["bulk"])
     return {
-        "pin": tribo.Cylinder(pin["radius"], pin["length"], material)
-        if cylinder
-        else tribo.Ball(pin["radius"], material),
+        "pin": _pin(pin, material),
         "disk": materials[found["disk"]["material"]],
         "pixels": tribo.Grid(
             window["pixels"],
             window["pixel_size"],
             periodic=(False, cylinder if periodic_y is None else periodic_y),
         ),
+        "motion": tribo.Motion(**found["motion"]) if found["motion"] else None,
         "wear": tribo.Wear(**found["wear"]) if found["wear"] else None,
         "friction_heat": max([friction["coefficient"], *(friction["band"] or [])]) > 0,
         "name": name,
         "title": found["title"] or name,
         "loads": tuple(sorted(set(sweep["loads"]))),
         "velocities": tuple(sorted(set(sweep["velocities"]))),
+        "unequal_bulks": bulks["disk_temperature"] is not None,
         "conditions": Conditions(
-            friction["coefficient"],
-            temperature["bulk"],
-            temperature["critical"],
-            temperature["failing_share"],
+            friction=friction["coefficient"],
+            critical_temperature=temperature["critical"],
+            failing_share=temperature["failing_share"],
+            **bulks,
         ),
         "friction_band": friction["band"],
         "measured": tuple(

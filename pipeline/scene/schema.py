@@ -1,202 +1,21 @@
-"""Kinds of values, of which a file format is made, and their reader, which finds every fault.
+"""Kinds of which a file format is made: lists, ranges and tables of the kinds of single values.
 
 A format is a tree of kinds, one for each place in the file. Reading a value gives it as the
 program wants it; or None, and a `Fault` for everything that is wrong. A table with a fault still
-gives its sound entries, so that these can be checked further. ``str(kind)`` says what is allowed.
+gives its sound entries, so that these can be checked further.
 """
 
 from __future__ import annotations
 
-import difflib
-import json
-import math
-import re
-from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from decimal import Decimal
 from typing import Any
 
+from pipeline.scene.entries import did_you_mean, joined, quoted
 from pipeline.scene.faults import Fault
-from pipeline.scene.units import UnitError, exact_si
+from pipeline.scene.kinds import Kind, Quantity, UnfitError
 
 _MOST_STEPS = 10_000
-_LARGEST = 1e300
-
-
-class UnfitError(Exception):
-    """A value that does not fit its kind; the message says why."""
-
-
-class Kind(ABC):
-    """What is allowed at one place of a file."""
-
-    def read(self, value: object, at: str, faults: list[Fault]) -> Any:
-        """Read a value; None if it is faulty.
-
-        Parameters
-        ----------
-        value : object
-            Value as TOML has it.
-        at : str
-            Key path of the value.
-        faults : list of Fault
-            List to which every fault found is added.
-        """
-        try:
-            return self._read(value, at, faults)
-        except UnfitError as problem:
-            faults.append(Fault(at, f"{problem}; give {self}"))
-            return None
-
-    @abstractmethod
-    def _read(self, value: Any, at: str, faults: list[Fault]) -> Any:
-        """Raise `UnfitError` if the value as a whole is wrong; note the faults of its parts."""
-
-
-@dataclass(frozen=True)
-class Text(Kind):
-    """Text that is not empty."""
-
-    def __str__(self) -> str:
-        return "text in quotes"
-
-    def _read(self, value: Any, at: str, faults: list[Fault]) -> str:
-        if not isinstance(value, str):
-            raise UnfitError(f"{quoted(value)} is not text")
-        if not value:
-            raise UnfitError("the text is empty")
-        return value
-
-
-@dataclass(frozen=True)
-class Flag(Kind):
-    """True or false."""
-
-    def __str__(self) -> str:
-        return "true or false"
-
-    def _read(self, value: Any, at: str, faults: list[Fault]) -> bool:
-        if not isinstance(value, bool):
-            raise UnfitError(f"{quoted(value)} is neither true nor false")
-        return value
-
-
-@dataclass(frozen=True)
-class Choice(Kind):
-    """One of a few words."""
-
-    options: tuple[str, ...]
-
-    def __str__(self) -> str:
-        return " or ".join(map(quoted, self.options))
-
-    def _read(self, value: Any, at: str, faults: list[Fault]) -> str:
-        if not isinstance(value, str):
-            raise UnfitError(f"{quoted(value)} is not text")
-        if value not in self.options:
-            raise UnfitError(f"{quoted(value)} is unknown{did_you_mean(value, self.options)}")
-        return value
-
-
-@dataclass(frozen=True)
-class Number(Kind):
-    """A number without a unit."""
-
-    above: float = -math.inf
-    at_least: float = -math.inf
-    below: float = math.inf
-    at_most: float = math.inf
-
-    def __str__(self) -> str:
-        return f"a number without a unit{self._limits()}"
-
-    def _read(self, value: Any, at: str, faults: list[Fault]) -> float:
-        if isinstance(value, bool) or not isinstance(value, int | float):
-            raise UnfitError(f"{quoted(value)} is not a plain number")
-        fits = self.above < value < self.below and self.at_least <= value <= self.at_most
-        if not fits or abs(value) > _LARGEST:
-            raise UnfitError(f"{quoted(value)} is out of range")
-        return float(value)
-
-    def _limits(self) -> str:
-        limits = {
-            "above": self.above,
-            "at least": self.at_least,
-            "below": self.below,
-            "at most": self.at_most,
-        }
-        given = [f"{word} {limit:g}" for word, limit in limits.items() if math.isfinite(limit)]
-        return ", " * bool(given) + " and ".join(given)
-
-
-@dataclass(frozen=True)
-class Whole(Number):
-    """A whole number."""
-
-    def __str__(self) -> str:
-        return f"a whole number{self._limits()}"
-
-    def _read(self, value: Any, at: str, faults: list[Fault]) -> int:
-        if isinstance(value, bool) or not isinstance(value, int):
-            raise UnfitError(f"{quoted(value)} is not a whole number")
-        super()._read(value, at, faults)
-        return value
-
-
-@dataclass(frozen=True)
-class Quantity(Kind):
-    """A positive number with a unit, read as its value in SI.
-
-    Parameters
-    ----------
-    name : str
-        Name of the quantity, with its article.
-    example : str
-        Example of it, which fixes the dimension.
-    zero : bool
-        Whether 0 is allowed.
-    exact : bool
-        Whether the value is kept as a decimal, without rounding.
-    """
-
-    name: str
-    example: str
-    zero: bool = False
-    exact: bool = False
-
-    def __str__(self) -> str:
-        limit = "of at least 0" if self.zero else "above 0"
-        return f"{self.name} {limit}, such as {quoted(self.example)}"
-
-    def _read(self, value: Any, at: str, faults: list[Fault]) -> float | Decimal:
-        if not isinstance(value, str):
-            raise UnfitError(f"{quoted(value)} has no unit")
-        try:
-            exact = exact_si(value, like=self.example)
-        except UnitError as error:
-            raise UnfitError(str(error)) from error
-        rounded = float(exact)
-        if not (0 <= rounded < math.inf if self.zero else 0 < rounded < math.inf):
-            raise UnfitError(f"{quoted(value)} is out of range")
-        return exact if self.exact else rounded
-
-
-@dataclass(frozen=True)
-class Unit(Kind):
-    """A unit alone, read as its value in SI."""
-
-    name: str
-    example: str
-
-    def __str__(self) -> str:
-        return f"{self.name}, such as {quoted(self.example)}"
-
-    def _read(self, value: Any, at: str, faults: list[Fault]) -> float:
-        try:
-            return float(exact_si(f"1 {value}", like=f"1 {self.example}"))
-        except UnitError as error:
-            raise UnfitError(f"{quoted(value)} is not {self.name}") from error
 
 
 @dataclass(frozen=True)
@@ -291,17 +110,81 @@ class Table(Kind):
             if key not in self.keys:
                 hint = did_you_mean(key, self.keys)
                 problem = f"unknown key{hint}; give one of {', '.join(self.keys)}"
-                faults.append(Fault(_join(at, key), problem))
+                faults.append(Fault(joined(at, key), problem))
         found = {}
         for key, entry in self.keys.items():
             kind = entry.kind if isinstance(entry, Optional) else entry
             if key in value:
-                found[key] = kind.read(value[key], _join(at, key), faults)
+                found[key] = kind.read(value[key], joined(at, key), faults)
             else:
                 found[key] = entry.default if isinstance(entry, Optional) else None
                 if kind is entry:
-                    faults.append(Fault(_join(at, key), f"missing; give {kind}"))
+                    faults.append(Fault(joined(at, key), f"missing; give {kind}"))
         return found
+
+
+@dataclass(frozen=True)
+class Scalar(Kind):
+    """A number, or a quantity whose dimension another entry fixes."""
+
+    def __str__(self) -> str:
+        return "a number, or a quantity in quotes"
+
+    def _read(self, value: Any, at: str, faults: list[Fault]) -> float | int | str:
+        if isinstance(value, bool) or not isinstance(value, int | float | str):
+            raise UnfitError(f"{quoted(value)} is neither a number nor a quantity")
+        return value
+
+
+@dataclass(frozen=True)
+class Distributions(Kind):
+    """Distributions of entries, by the entries' paths, in quotes or as tables in tables.
+
+    Parameters
+    ----------
+    of : list of Table
+        Allowed keys of a distribution.
+    listed : Kind
+        A list in place of a distribution.
+    """
+
+    of: tuple[Table, ...]
+    listed: Kind
+
+    def __str__(self) -> str:
+        pairs = [" and ".join(table.keys) for table in self.of]
+        return f"a table with {', or '.join(pairs)}; or {self.listed}"
+
+    def _read(self, value: Any, at: str, faults: list[Fault]) -> dict[str, Any]:
+        if not isinstance(value, dict):
+            raise UnfitError(f"{quoted(value)} is not a table")
+        found = {path: self._one(each, path, at, faults) for path, each in self._flat(value, "")}
+        return {path: each for path, each in found.items() if each is not None}
+
+    def _flat(self, tables: dict[str, Any], above: str) -> Iterator[tuple[str, Any]]:
+        """Paths, and what stands there in place of a further table."""
+        ours = {key for table in self.of for key in table.keys}
+        for key, each in tables.items():
+            path = f"{above}.{key}" if above else key
+            if isinstance(each, dict) and each and not ours & set(each):
+                yield from self._flat(each, path)
+            else:
+                yield path, each
+
+    def _one(self, value: Any, path: str, at: str, faults: list[Fault]) -> Any:
+        key = f"{at}.{quoted(path)}"
+        if isinstance(value, list):
+            return self.listed.read(value, key, faults)
+        fits = (
+            table for table in self.of if isinstance(value, dict) and set(table.keys) == set(value)
+        )
+        table = next(fits, None)
+        if table is None:
+            given = f"a table with {', '.join(value)}" if isinstance(value, dict) else quoted(value)
+            faults.append(Fault(key, f"{given} is not a distribution; give {self}"))
+            return None
+        read = table.read(value, key, faults)
+        return None if None in read.values() else read
 
 
 @dataclass(frozen=True)
@@ -316,49 +199,6 @@ class Tables(Kind):
     def _read(self, value: Any, at: str, faults: list[Fault]) -> dict[str, Any]:
         if not isinstance(value, dict) or not value:
             raise UnfitError(f"{quoted(value)} is not a table that holds tables")
-        return {name: self.of.read(table, _join(at, name), faults) for name, table in value.items()}
-
-
-def quoted(value: object) -> str:
-    """Show a value on one line, about as it stands in the file."""
-    if isinstance(value, dict):
-        text = "a table"
-    elif isinstance(value, list):
-        text = f"[{', '.join(map(quoted, value[:4]))}{', ...' if len(value) > 4 else ''}]"
-    elif isinstance(value, str):
-        text = json.dumps(value, ensure_ascii=not value.isprintable())
-    elif isinstance(value, bool):
-        text = str(value).lower()
-    elif isinstance(value, int) and abs(value) > 10**30:
-        text = "a number above 10^30"
-    else:
-        text = str(value)
-    return text if len(text) <= 100 else f"{text[:96]} ..."
-
-
-def did_you_mean(word: str, known: Iterable[str]) -> str:
-    """Ask whether the nearest known word was meant; empty if none is near.
-
-    Examples
-    --------
-    >>> did_you_mean("swetp", ["local", "swept"]), did_you_mean("hurst", ["hurst_exponent"])
-    (' (did you mean "swept"?)', ' (did you mean "hurst_exponent"?)')
-    """
-    word, known = word[:80].lower(), list(known)
-    longer = [other for other in known if len(word) > 2 and other.startswith(word)]
-    near = longer or difflib.get_close_matches(word, known, n=1)
-    return f' (did you mean "{near[0]}"?)' if near else ""
-
-
-def entry_at(found: Mapping[str, Any], path: str) -> Any:
-    """Look up a path; None where it, or a table on the way to it, is missing or faulty."""
-    entry: Any = found
-    for key in path.split("."):
-        entry = None if entry is None else entry.get(key)
-    return entry
-
-
-def _join(at: str, key: str) -> str:
-    """Path of a key of the table `at`, as TOML writes it."""
-    bare = key if re.fullmatch(r"[A-Za-z0-9_-]+", key) else quoted(key)
-    return f"{at}.{bare}" if at else bare
+        return {
+            name: self.of.read(table, joined(at, name), faults) for name, table in value.items()
+        }

@@ -61,13 +61,14 @@ def read_surface(path: str | Path, height_unit: float | None = None) -> Surface:
     if path.suffix.lower() in PLAIN:
         if height_unit is None:
             raise InputError(f"{path}: a plain array has no unit of its own; give height_unit")
-        return Surface(read_heights(path, height_unit))
+        return Surface(read_heights(path, height_unit, allow_missing=True))
     _require_small_file(path)
     try:
         formats: Any = importlib.import_module("SurfaceTopography.IO")
     except ImportError as error:
         raise InputError(
-            f"{path}: reading {path.suffix or 'such'} files needs SurfaceTopography; get it with "
+            f"{path}: not a plain array, which ends in .npy or .csv; if an instrument wrote it, "
+            "SurfaceTopography may know its format: get that with "
             'pip install "irg-transition[surfaces]", or save the heights as .npy'
         ) from error
     try:

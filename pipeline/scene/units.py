@@ -11,12 +11,14 @@ from typing import Any
 
 import pint
 
-from tribo import TriboError
+from pipeline.scene.hardness import hardness_pressure
+from tribo import InputError, TriboError
 
 _LONGEST = 80
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?"
 # The unit's characters leave out "_", and so delta_degC, which would make 25 K of 25 °C.
 _QUANTITY = re.compile(rf"\s*({_NUMBER})\s*([A-Za-z0-9µμ°Ω²³⁻¹ .·*/^()-]*)", re.ASCII)
+_DECIMAL_COMMA = re.compile(r"\s*[+-]?\d+,\d+(?!,)")
 # What pint raises on text that is not a unit: more than its own errors.
 _PINT_ERRORS = (
     pint.PintError,
@@ -27,6 +29,9 @@ _PINT_ERRORS = (
     TypeError,
     ValueError,
 )
+
+_DEGREES = {"C": "degC", "F": "degF"}
+"""What is meant by units that are of charge and of capacitance, where a temperature is due."""
 
 _DISPLAY = {
     "°C": (1.0, -273.15),
@@ -46,6 +51,8 @@ class UnitError(TriboError, ValueError):
 def exact_si(text: str, like: str) -> Decimal:
     """Value in SI of a quantity such as ``"0.27 um"``, without rounding.
 
+    Hardness numbers are pressures (see `pipeline.scene.hardness`).
+
     Parameters
     ----------
     text : str
@@ -62,12 +69,19 @@ def exact_si(text: str, like: str) -> Decimal:
     --------
     >>> exact_si("25 degC", like="300 K")
     Decimal('298.15')
+    >>> f"{exact_si('62 HRC', like='6.6 GPa'):.4g}"
+    '7.316e+9'
     """
     quantity = _parsed(text)
     if not quantity.check(_parsed(like).dimensionality):
         if quantity.unitless:
             raise UnitError(f"{_quoted(text)} has no unit")
-        raise UnitError(f"{_quoted(text)} cannot be converted to {_parts(like)[1]}")
+        number, unit = _parts(text)
+        needed = _parts(like)[1]
+        if (meant := _DEGREES.get(unit)) and needed in ("K", "degC"):
+            what = f"{unit} is the unit {quantity.units}"
+            raise UnitError(f"{_quoted(text)}: {what}; write {number} {meant}")
+        raise UnitError(f"{_quoted(text)} cannot be converted to {needed}")
     try:
         value: Decimal = quantity.to_base_units().magnitude
     except _PINT_ERRORS as error:
@@ -88,6 +102,20 @@ def to_si(text: str, like: str) -> float:
     pipeline.scene.units.UnitError: "7 kg" cannot be converted to N
     """
     return float(exact_si(text, like))
+
+
+def si_unit(text: str) -> str:
+    """SI unit of the dimension of a quantity, as CF writes units.
+
+    Examples
+    --------
+    >>> si_unit("145 degC"), si_unit("1.2e-6 mm^3/(N m)"), si_unit("20 W/(m K)")
+    ('K', 'm s2 kg-1', 'kg m s-3 K-1')
+    """
+    units: Any = _parsed(text).to_base_units().unit_items()
+    powers = [(f"{_registry().get_symbol(name)}", int(power)) for name, power in units]
+    powers.sort(key=lambda each: each[1] < 0)
+    return " ".join(name + ("" if power == 1 else f"{power}") for name, power in powers) or "1"
 
 
 def display(value: float, unit: str, digits: int = 6) -> str:
@@ -112,12 +140,21 @@ def _parts(text: str) -> tuple[str, str]:
     """Split text into a number and a unit."""
     match = _QUANTITY.fullmatch(text) if len(text) <= _LONGEST else None
     if match is None:
-        raise UnitError(f"{_quoted(text)} is not a number followed by a unit")
+        hint = ""
+        if _DECIMAL_COMMA.match(text):
+            hint = f'; write decimals with a point: "{text[:_LONGEST].replace(",", ".", 1)}"'
+        raise UnitError(f"{_quoted(text)} is not a number followed by a unit{hint}")
     return match[1], match[2]
 
 
 def _parsed(text: str) -> pint.Quantity[Decimal]:
     number, unit = _parts(text)
+    try:
+        pressure = hardness_pressure(Decimal(number), unit)
+    except InputError as error:
+        raise UnitError(f"{_quoted(text)} {error}") from error
+    if pressure is not None:
+        return _registry().Quantity(pressure, "Pa")
     try:
         return _registry().Quantity(Decimal(number), _registry().parse_units(unit))
     except pint.UndefinedUnitError as error:

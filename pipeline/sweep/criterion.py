@@ -6,6 +6,9 @@ decisive rise), wear is severe where
 
     bulk + µ r > critical,  that is  r > (critical − bulk)/µ.
 
+Where the disk's bulk is Δ warmer than the pin's, bulk is that of the pin, and r the rise at the
+ratio Δ/µ (`tribo.thermal.quantiles`): see `at_bulks`.
+
 A point counts by its worst moment: where the load is held, r is the highest one from when the
 load is reached on.
 """
@@ -13,14 +16,14 @@ load is reached on.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, TypeVar
+from collections.abc import Container, Iterable, Mapping
+from dataclasses import asdict, dataclass, replace
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
-from tribo import InputError, failed_share
-from tribo.thermal.quantiles import require_share, rise_exceeded
+from tribo import BULK_RATIOS, InputError, failed_share
+from tribo.thermal import at_bulk_ratio, require_share, rise_exceeded
 from tribo.types import Array, Indices
 
 if TYPE_CHECKING:
@@ -38,28 +41,40 @@ class Conditions:
     friction : float
         Friction coefficient, at least 0.
     bulk_temperature : float
-        Temperature of both bodies far from the contact [K].
+        Temperature of both bodies far from the contact, or of the pin where they differ [K].
     critical_temperature : float or None
         Temperature above which the lubricant fails [K]; None where it is not known.
     failing_share : float
         Share of the contact area above the critical temperature beyond which wear is severe, from
         0 (Blok's criterion, the maximum temperature) to below 1.
+    disk_temperature : float or None
+        Temperature of the disk far from the contact [K]; None where it is that of the pin.
 
     Raises
     ------
     InputError
         If one lies outside its range.
+
+    Examples
+    --------
+    >>> from dataclasses import replace
+    >>> white_oil = Conditions(0.1, bulk_temperature=298.15, critical_temperature=418.15)
+    >>> replace(white_oil, friction=0.12).failing_share
+    0.1
+    >>> white_oil.changed(share=0.0).failing_share
+    0.0
     """
 
     friction: float
     bulk_temperature: float
     critical_temperature: float | None
     failing_share: float = 0.1
+    disk_temperature: float | None = None
 
     def __post_init__(self) -> None:
-        for name in ("friction", "bulk_temperature", "critical_temperature", "failing_share"):
+        for name in self.__slots__:
             value = getattr(self, name)
-            if value is None and name == "critical_temperature":
+            if value is None and name in ("critical_temperature", "disk_temperature"):
                 continue
             if isinstance(value, Iterable):
                 raise InputError(f"{name} is {value!r}; it must be one number here")
@@ -67,17 +82,51 @@ class Conditions:
                 raise InputError(f"{name} is {value!r}; it must be finite")
         if self.friction < 0:
             raise InputError(f"friction is {self.friction:g}; it must be at least 0")
-        if self.bulk_temperature <= 0:
-            raise InputError(
-                f"bulk_temperature is {self.bulk_temperature:g} K; it must be above 0 K"
-            )
+        warmest = self.bulk_temperature + max(0.0, self.bulk_difference)
+        for name in ("bulk_temperature", "disk_temperature"):
+            value = getattr(self, name)
+            if value is not None and value <= 0:
+                raise InputError(f"{name} is {_in_celsius(value)}; it must be above 0 K")
         critical = self.critical_temperature
-        if critical is not None and critical <= self.bulk_temperature:
+        if critical is not None and critical <= warmest:
             raise InputError(
-                f"critical_temperature is {critical:g} K; it must lie above the "
-                f"bulk temperature, {self.bulk_temperature:g} K"
+                f"critical_temperature is {_in_celsius(critical)}; it must lie above the bulk "
+                f"temperature, {_in_celsius(warmest)}"
             )
         require_share(self.failing_share)
+
+    @property
+    def bulk_difference(self) -> float:
+        """Bulk temperature of the disk less that of the pin [K]."""
+        disk = self.disk_temperature
+        return 0.0 if disk is None else disk - self.bulk_temperature
+
+    @property
+    def mean_bulk_temperature(self) -> float:
+        """Mean of both bodies' bulk temperatures [K]: that of the oil between them."""
+        return self.bulk_temperature + self.bulk_difference / 2
+
+    @property
+    def rise_factor(self) -> float:
+        """What the rise at friction 1 is multiplied by: the friction.
+
+        Without friction unequal bulk temperatures still warm one of the bodies. Then it is so small
+        that their ratio to it is the largest one that is kept.
+        """
+        return max(self.friction, abs(self.bulk_difference) / BULK_RATIOS[-1])
+
+    @property
+    def bulk_ratio(self) -> float:
+        """Difference of the bulk temperatures over what the rise is multiplied by [K]."""
+        difference = self.bulk_difference
+        return difference / self.rise_factor if difference else 0.0
+
+    def as_dict(self) -> dict[str, float | None]:
+        """Return all values as plain data; the disk's temperature only where it is its own."""
+        found = asdict(self)
+        if self.disk_temperature is None:
+            del found["disk_temperature"]
+        return found
 
     def known_critical_temperature(self) -> float:
         """Critical temperature [K].
@@ -98,18 +147,59 @@ class Conditions:
     def changed(
         self,
         friction: float | None = None,
-        bulk_temperature: float | None = None,
+        bulk_temperature: float | Mapping[str, float] | None = None,
         critical_temperature: float | None = None,
         share: float | None = None,
     ) -> Conditions:
-        """Return the conditions with those that are given in place of their own."""
-        given = {
+        """Return the conditions with those that are given in place of their own.
+
+        Parameters
+        ----------
+        friction, critical_temperature, share : float, optional
+            Coefficient, temperature [K] and share in place of their own.
+        bulk_temperature : float or mapping, optional
+            Temperature of both bodies [K]; or one for each, by ``"pin"`` and ``"disk"``.
+        """
+        given: dict[str, Any] = {
             "friction": friction,
-            "bulk_temperature": bulk_temperature,
             "critical_temperature": critical_temperature,
             "failing_share": share,
         }
-        return replace(self, **{name: value for name, value in given.items() if value is not None})
+        changes = {name: value for name, value in given.items() if value is not None}
+        if bulk_temperature is not None:
+            changes |= of_bulks(bulk_temperature)
+        return replace(self, **changes)
+
+
+def of_bulks(given: float | Mapping[str, float | None] | None) -> dict[str, Any]:
+    """Entries of `Conditions` for one bulk temperature, or for one of each body [K].
+
+    Raises
+    ------
+    InputError
+        If it names other bodies than pin and disk.
+
+    Examples
+    --------
+    >>> of_bulks({"pin": 333.15, "disk": 298.15})
+    {'bulk_temperature': 333.15, 'disk_temperature': 298.15}
+    >>> of_bulks(298.15)
+    {'bulk_temperature': 298.15, 'disk_temperature': None}
+    """
+    if not isinstance(given, Mapping):
+        return {"bulk_temperature": given, "disk_temperature": None}
+    if set(given) != {"pin", "disk"}:
+        raise InputError(
+            f"bulk_temperature names {', '.join(map(str, given)) or 'no body'}; give one "
+            "temperature for both bodies, or one for pin and one for disk"
+        )
+    disk = given["disk"] if given["disk"] != given["pin"] else None
+    return {"bulk_temperature": given["pin"], "disk_temperature": disk}
+
+
+def _in_celsius(temperature: float) -> str:
+    """Write a temperature [K] in both of its usual units."""
+    return f"{temperature - 273.15:.6g} °C ({temperature:.6g} K)"
 
 
 @dataclass(frozen=True, slots=True)
@@ -146,7 +236,7 @@ def contact_temperature(rise: Rise, conditions: Conditions) -> Rise:
     >>> contact_temperature(1250.0, Conditions(0.1, 298.15, 418.15))
     423.15
     """
-    return conditions.bulk_temperature + conditions.friction * rise
+    return conditions.bulk_temperature + conditions.rise_factor * rise
 
 
 def rise_limit(conditions: Conditions) -> float:
@@ -157,10 +247,46 @@ def rise_limit(conditions: Conditions) -> float:
     >>> rise_limit(Conditions(0.1, 298.15, 418.15)), rise_limit(Conditions(0.0, 298.15, 418.15))
     (1200.0, inf)
     """
-    if conditions.friction == 0:
+    if conditions.rise_factor == 0:
         return math.inf
     warming = conditions.known_critical_temperature() - conditions.bulk_temperature
-    return warming / conditions.friction
+    return warming / conditions.rise_factor
+
+
+def at_bulks(columns: Mapping[str, Array], conditions: Conditions) -> Array:
+    """Quantiles of the rise at friction 1 and the bulk temperatures of the conditions [K].
+
+    Parameters
+    ----------
+    columns : mapping of ndarray
+        ``rise_quantile`` (..., n_quantile) [K], and ``bulk_rise_quantile``
+        (..., n_ratio, n_quantile) [K] where the bulk temperatures may differ.
+    conditions : Conditions
+        Conditions to judge by.
+
+    Raises
+    ------
+    InputError
+        If the bulk temperatures differ, and nothing is kept for that.
+    """
+    if conditions.bulk_ratio == 0:
+        return columns["rise_quantile"]
+    require_bulks(columns, conditions)
+    return at_bulk_ratio(
+        columns["rise_quantile"], columns["bulk_rise_quantile"], conditions.bulk_ratio
+    )
+
+
+def require_bulks(columns: Container[Any] | xr.Dataset, conditions: Conditions) -> None:
+    """Refuse unequal bulk temperatures where nothing is kept for them."""
+    if conditions.disk_temperature is None or "bulk_rise_quantile" in columns:
+        return
+    raise InputError(
+        f"bulk_temperature is {_in_celsius(conditions.bulk_temperature)} of the pin and "
+        f"{_in_celsius(conditions.disk_temperature)} of the disk; the sweep was computed for "
+        "bodies of one bulk temperature: give one, or run the scene into another store with "
+        "bulk = { pin = ..., disk = ... } under [temperature]"
+    )
 
 
 def failed_fraction(rise_quantile: Array, conditions: Conditions) -> float:
@@ -218,16 +344,17 @@ def verdict(columns: Mapping[str, Array], load: float, conditions: Conditions) -
     Parameters
     ----------
     columns : dict of ndarray
-        ``normal_load`` [N], ``time`` [s] and ``rise_quantile`` [K] by step, as in
+        ``normal_load`` [N], ``time`` [s] and those of `at_bulks` by step, as in
         `pipeline.sweep.plan.PointResult.columns`.
     load : float
         The load that the point is named after [N].
     conditions : Conditions
         Friction, temperatures and failing share to judge by.
     """
-    rises = rise_exceeded(columns["rise_quantile"], conditions.failing_share)
+    of_all = at_bulks(columns, conditions)
+    rises = rise_exceeded(of_all, conditions.failing_share)
     worst = int(worst_moment(rises, columns["normal_load"], load))
-    rise, quantiles = float(rises[worst]), columns["rise_quantile"][worst]
+    rise, quantiles = float(rises[worst]), of_all[worst]
     judged = conditions.critical_temperature is not None
     return Verdict(
         is_severe=rise > rise_limit(conditions) if judged else None,

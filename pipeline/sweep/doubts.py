@@ -6,9 +6,10 @@ import math
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from pipeline.sweep.facts import Facts, SurfaceFacts
+from pipeline.sweep.facts import Facts
 from pipeline.sweep.model import Sweep
-from tribo import Ball, Material
+from pipeline.sweep.surface import SurfaceFacts
+from tribo import Ball, Crowned, Cylinder, Material, analytic
 
 
 class Usual(NamedTuple):
@@ -50,6 +51,7 @@ _MATERIAL = {
     "specific_heat": Usual("specific heat", 100, 5000, "J/(kg K)"),
 }
 _RADIUS = Usual("radius", 0.1, 1000, "mm", 1e3)
+_CROWN = Usual("crown radius", 0.1, 100_000, "mm", 1e3)
 _LENGTH = Usual("length", 0.1, 1000, "mm", 1e3)
 _RA = Usual("Ra", 0.001, 10, "µm", 1e6)
 _WEAR_RATE = Usual("specific wear rate", 1e-11, 1e-2, "mm³/(N m)", 1e9)
@@ -58,6 +60,7 @@ _BULK = Usual("bulk temperature", 200, 800, "K")
 _STEEPEST_HARDNESS = 0.2  # of the elastic modulus; diamond has 0.1
 _WIDEST = 0.3  # half-width in radii up to which the bodies are half-spaces, about
 _MOST_RISE = 2.0  # of the mean plane over the window, in Rq
+_FEWEST_TURNS = 10  # of a pin that rolls, over which its wear is even around it to about a tenth
 _ALONG = 30.0  # angle up to which grooves lie along sliding [°]
 
 
@@ -66,6 +69,7 @@ def doubts(sweep: Sweep, facts: Facts) -> tuple[str, ...]:
     return (
         *_of_bodies(sweep),
         *_of_conditions(sweep),
+        *_of_motion(facts),
         *_of_contact(sweep, facts),
         *(_of_surface(sweep, facts.surface) if facts.surface else ()),
     )
@@ -79,7 +83,9 @@ def _of_bodies(sweep: Sweep) -> Iterator[str]:
         yield from _of_material("the pin's ", pin)
         yield from _of_material("the disk's ", disk)
     yield from _RADIUS.doubt("the pin's ", sweep.pin.radius)
-    if not isinstance(sweep.pin, Ball):
+    if isinstance(sweep.pin, Crowned):
+        yield from _CROWN.doubt("the pin's ", sweep.pin.crown_radius)
+    if isinstance(sweep.pin, Cylinder):
         yield from _LENGTH.doubt("the pin's ", sweep.pin.length)
 
 
@@ -109,6 +115,16 @@ def _of_conditions(sweep: Sweep) -> Iterator[str]:
         yield from _WEAR_RATE.doubt("the ", sweep.wear.specific_wear_rate)
 
 
+def _of_motion(facts: Facts) -> Iterator[str]:
+    if facts.pin_turns is None or not 0 < facts.pin_turns.low < _FEWEST_TURNS:
+        return
+    yield (
+        f"the pin turns only {facts.pin_turns.low:.2g} times until the end at the lowest load and "
+        f"velocity, where its wear is taken to spread evenly around it: {_FEWEST_TURNS} turns or "
+        "more are sound"
+    )
+
+
 def _of_contact(sweep: Sweep, facts: Facts) -> Iterator[str]:
     share = facts.hertz_half_width.high / sweep.pin.radius
     if share > _WIDEST:
@@ -116,23 +132,34 @@ def _of_contact(sweep: Sweep, facts: Facts) -> Iterator[str]:
             f"Hertz's half-width is {share:.2g} of the pin's radius, where at most {_WIDEST:g} is "
             "sound: such bodies are no half-spaces"
         )
-    axes = (0, 1) if isinstance(sweep.pin, Ball) else (0,)
-    side = min(facts.window[axis] for axis in axes)
+    side, window = facts.window[0], "window"
+    if not isinstance(sweep.pin, Cylinder):
+        across = facts.window[1] / _length_over_width(sweep.pin)
+        if across < side:
+            side, window = across, "room for it in the window, by its length along y,"
     hertz = 2 * facts.hertz_half_width.high
     if hertz >= side:
         yield (
             f"the contact of Hertz is {1e6 * hertz:.3g} µm wide at {max(sweep.loads):g} N, the "
-            f"window {1e6 * side:.3g} µm: give more window.pixels"
+            f"{window} {1e6 * side:.3g} µm: give more window.pixels"
         )
         return
     wide = [width for row in facts.contact_widths for width in row if width >= side]
     if wide:
         yield (
-            f"the contact is expected to grow up to {1e6 * max(wide):.3g} µm wide, the window is "
+            f"the contact is expected to grow up to {1e6 * max(wide):.3g} µm wide, the {window} is "
             f"{1e6 * side:.3g} µm: it carries too little load at its edges at about {len(wide)} of "
             f"{len(sweep.loads) * len(sweep.velocities)} points, those of high load and velocity; "
             "give more window.pixels if these matter"
         )
+
+
+def _length_over_width(pin: Ball | Crowned) -> float:
+    """How many times longer the elastic contact is along y than along x, at any load."""
+    if isinstance(pin, Ball):
+        return 1.0
+    half_x, half_y, *_ = analytic.hertz_ellipse(1.0, pin.radius, pin.crown_radius, 1e11)
+    return half_y / half_x
 
 
 def _of_surface(sweep: Sweep, surface: SurfaceFacts) -> Iterator[str]:

@@ -15,20 +15,17 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from pipeline.sweep.model import Sweep
+from pipeline.sweep.surface import SurfaceFacts, surface_facts, with_unit
 from tribo import (
     Ball,
+    Crowned,
+    Cylinder,
     InputError,
-    MeasuredRoughness,
-    Scene,
-    SelfAffineRoughness,
     analytic,
     contact_modulus,
 )
 from tribo.types import Array
 
-_MOST_PIXELS = 1_000_000  # of a random surface that is made only to describe it
-_RQ_OF_RA = math.sqrt(math.pi / 2)  # of heights distributed normally
-_LAY = 2.0  # slopes across the grooves, in those along them, from which a surface has a lay
 _ROUGH_RISE = 3.0  # root mean squares by which peaks reach beyond the smooth contact
 
 
@@ -46,42 +43,6 @@ class Span(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True)
-class SurfaceFacts:
-    """The disk's surface, on its pixels.
-
-    Attributes
-    ----------
-    measured : bool
-        Whether the heights come from a file.
-    ra, rq : float
-        Mean and root mean square distance of the heights from their mean plane [m].
-    mean_height : float
-        Mean height [m].
-    rise : tuple of float
-        Heights by which the mean plane rises over the window, along x and along y [m].
-    lay : float or None
-        Angle between the grooves and the sliding direction, from 0 to 90 [°]; None for a surface
-        without grooves.
-    """
-
-    measured: bool
-    ra: float
-    rq: float
-    mean_height: float = 0.0
-    rise: tuple[float, float] = (0.0, 0.0)
-    lay: float | None = None
-
-    def as_dict(self) -> dict[str, Any]:
-        """Return the facts by name, each with its unit."""
-        heights = {"ra": self.ra, "rq": self.rq, "mean_height": self.mean_height, "rise": self.rise}
-        return (
-            {"kind": "measured" if self.measured else "random"}
-            | {name: _with_unit(value, "m") for name, value in heights.items()}
-            | {"lay": "none" if self.lay is None else _with_unit(self.lay, "degree")}
-        )
-
-
-@dataclass(frozen=True, slots=True)
 class Facts:
     """What a scene means. Spans are over its loads and velocities.
 
@@ -96,7 +57,7 @@ class Facts:
     contact_width : Span
         Width expected at the end of the points, worn and rough [m].
     contact_widths : tuple of tuple of float
-        The same by load and velocity [m].
+        Contact width expected at each load and velocity [m].
     window : tuple of float
         Sides of the window along x and y [m].
     duration : Span
@@ -106,7 +67,11 @@ class Facts:
     wear_depth : Span or None
         Depth expected to be worn off the pin by then [m]; None without wear.
     peclet_number : Span
-        V·a/(2κ) of the disk, after Jaeger, with the Hertzian half-width a.
+        u·a/(2κ) of the disk, after Jaeger, with its velocity u and the Hertzian half-width a.
+    pin_velocity, disk_velocity : Span or None
+        Velocities of both surfaces through the contact [m/s]; None where the pin is at rest.
+    pin_turns : Span or None
+        Turns of the pin around its track until then; None where it is at rest.
     greatest_load : float
         Load at which the whole window would be at the hardness [N]; infinite without hardness.
     surface : SurfaceFacts or None
@@ -125,6 +90,9 @@ class Facts:
     peclet_number: Span
     greatest_load: float
     surface: SurfaceFacts | None
+    pin_velocity: Span | None = None
+    disk_velocity: Span | None = None
+    pin_turns: Span | None = None
 
     def as_dict(self) -> dict[str, Any]:
         """Return the facts by name, each with its unit; what is not there or infinite left out."""
@@ -144,23 +112,23 @@ _UNITS = {
     "sliding_distance": "m",
     "wear_depth": "m",
     "peclet_number": "1",
+    "pin_velocity": "m/s",
+    "disk_velocity": "m/s",
+    "pin_turns": "1",
     "greatest_load": "N",
 }
 
 
 def _with_unit(value: Any, unit: str) -> dict[str, Any] | None:
-    """A value as plain data, with its unit."""
-    if isinstance(value, Span):
-        return value._asdict() | {"unit": unit}
-    if isinstance(value, tuple):
-        return {"x": value[0], "y": value[1], "unit": unit}
-    return None if value is None or math.isinf(value) else {"value": value, "unit": unit}
+    """A value or a span as plain data, with its unit."""
+    return value._asdict() | {"unit": unit} if isinstance(value, Span) else with_unit(value, unit)
 
 
 def facts_of(sweep: Sweep) -> Facts:
     """Find what a scene means, without a simulation."""
     modulus = contact_modulus(sweep.pin.material, sweep.disk)
     velocities = np.array(sweep.velocities)
+    pin, disk = np.transpose([sweep.velocities_at(velocity) for velocity in velocities])
     pressures, half_widths = np.transpose([_hertz(sweep, load, modulus) for load in sweep.loads])
     durations, impulses = np.transpose([_duration(sweep, load) for load in sweep.loads])
     surface = surface_facts(sweep)
@@ -179,21 +147,21 @@ def facts_of(sweep: Sweep) -> Facts:
         sliding_distance=Span.of(np.outer(durations, velocities)),
         wear_depth=Span.of(depths) if sweep.wear else None,
         peclet_number=Span.of(
-            np.outer(half_widths, velocities) / (2 * sweep.disk.thermal_diffusivity)
+            np.outer(half_widths, np.abs(disk)) / (2 * sweep.disk.thermal_diffusivity)
         ),
-        greatest_load=greatest_load(sweep),
+        greatest_load=sweep.greatest_load,
         surface=surface,
+        pin_velocity=Span.of(pin) if sweep.motion else None,
+        disk_velocity=Span.of(disk) if sweep.motion else None,
+        pin_turns=Span.of(np.outer(durations, np.abs(pin)) / sweep.track_length)
+        if sweep.motion
+        else None,
     )
-
-
-def greatest_load(scene: Scene) -> float:
-    """Load on the pin at which the whole window is at the hardness of the softer body [N]."""
-    return scene.hardness * math.prod(scene.grid.size) * scene.pin.patches(scene.grid)
 
 
 def require_bearable_loads(sweep: Sweep) -> None:
     """Raise `InputError` if the window cannot carry the highest load."""
-    load, greatest = max(sweep.loads), greatest_load(sweep)
+    load, greatest = max(sweep.loads), sweep.greatest_load
     if load > greatest:
         nx, ny = (1e6 * side for side in sweep.grid.size)
         raise InputError(
@@ -203,36 +171,12 @@ def require_bearable_loads(sweep: Sweep) -> None:
         )
 
 
-def surface_facts(sweep: Sweep) -> SurfaceFacts | None:
-    """Describe the disk's surface; None if it is smooth.
-
-    A random surface of more than a million pixels is described as it is asked for, not made.
-    """
-    rough = sweep.roughness
-    if isinstance(rough, SelfAffineRoughness):
-        if math.prod(sweep.pixels.shape) > _MOST_PIXELS:
-            along_x, along_y = rough.correlation_length
-            lay = 0.0 if along_x >= _LAY * along_y else 90.0 if along_y >= _LAY * along_x else None
-            return SurfaceFacts(False, rough.ra, rough.ra * _RQ_OF_RA, lay=lay)
-        heights = rough.heights(sweep.pixels)
-    elif isinstance(rough, MeasuredRoughness):
-        heights = rough.array
-    else:
-        return None
-    level, rise = _level(heights)
-    return SurfaceFacts(
-        measured=isinstance(rough, MeasuredRoughness),
-        ra=float(np.abs(level).mean()),
-        rq=float(np.sqrt(np.mean(level**2))),
-        mean_height=float(heights.mean()),
-        rise=rise,
-        lay=_lay(level, sweep.pixels.spacing),
-    )
-
-
 def _hertz(sweep: Sweep, load: float, modulus: float) -> tuple[float, float]:
     """Peak pressure [Pa] and half-width [m] of the smooth contact."""
     radius = sweep.pin.radius
+    if isinstance(sweep.pin, Crowned):
+        ellipse = analytic.hertz_ellipse(load, radius, sweep.pin.crown_radius, modulus)
+        return ellipse.peak_pressure, ellipse.half_x
     if isinstance(sweep.pin, Ball):
         pressure = analytic.hertz_point_peak_pressure(load, radius, modulus)
         return pressure, analytic.hertz_point_radius(load, radius, modulus)
@@ -252,6 +196,15 @@ def _duration(sweep: Sweep, load: float) -> tuple[float, float]:
 def _worn(sweep: Sweep, half_widths: Array, worn_volumes: Array) -> tuple[Array, Array]:
     """Width of the smooth, worn contact and depth of the wear [m]."""
     radius, hertz = sweep.pin.radius, 2 * half_widths
+    if sweep.velocities_at(max(sweep.velocities)).pin:  # wears all around, and stays round
+        along_y = sweep.pin.length if isinstance(sweep.pin, Cylinder) else hertz / 1.5
+        return hertz + 0 * worn_volumes, worn_volumes / (sweep.track_length * along_y)
+    if isinstance(sweep.pin, Crowned):
+        # The flat of a paraboloid of both radii is an ellipse as much longer as their root.
+        longer = math.sqrt(sweep.pin.crown_radius / radius)
+        flat = np.vectorize(analytic.worn_point_width)(worn_volumes / longer, radius)
+        width = (hertz**4 + flat**4) ** 0.25
+        return width, 8 * worn_volumes / (math.pi * width**2 * longer)
     if isinstance(sweep.pin, Ball):
         flat = np.vectorize(analytic.worn_point_width)(worn_volumes, radius)
         width = (hertz**4 + flat**4) ** 0.25
@@ -260,31 +213,3 @@ def _worn(sweep: Sweep, half_widths: Array, worn_volumes: Array) -> tuple[Array,
     flat = np.vectorize(analytic.worn_line_width)(area, radius)
     width = np.cbrt(hertz**3 + flat**3)
     return width, 1.5 * area / width
-
-
-def _level(heights: Array) -> tuple[Array, tuple[float, float]]:
-    """Heights above their mean plane, and how far that rises over the window [m].
-
-    The coordinates of a grid are orthogonal, so each slope is a sum of its own.
-    """
-    level, rises = heights - heights.mean(), []
-    for axis, count in enumerate(heights.shape):
-        place = np.arange(count) - (count - 1) / 2
-        profile = level.mean(axis=1 - axis)
-        slope = float(place @ profile / max(place @ place, 1.0))
-        level = level - slope * (place[:, None] if axis == 0 else place)
-        rises.append(slope * count)
-    return level, (rises[0], rises[1])
-
-
-def _lay(heights: Array, spacing: tuple[float, float]) -> float | None:
-    """Angle from the x axis of the direction in which heights change least [°]; None if any."""
-    if min(heights.shape) < 2:
-        return None
-    along_x, along_y = np.gradient(heights, *spacing)
-    xx, yy = float(np.mean(along_x**2)), float(np.mean(along_y**2))
-    values, vectors = np.linalg.eigh([[xx, (xy := float(np.mean(along_x * along_y)))], [xy, yy]])
-    if values[1] <= _LAY**2 * max(values[0], 0.0):
-        return None
-    x, y = np.abs(vectors[:, 0])
-    return math.degrees(math.atan2(y, x))

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import NamedTuple, Self
+from typing import Any, NamedTuple, Self
 
 from pipeline.sweep.criterion import Conditions
 from pipeline.sweep.selection import Selection
-from tribo import InputError, Scene, SelfAffineRoughness
+from pipeline.sweep.shown import as_html, as_lines, on_conditions, on_plane, on_scene
+from pipeline.sweep.unknown import Samples
+from tribo import InputError, Oil, Scene, SelfAffineRoughness
 
 
 class Point(NamedTuple):
-    """One place in the diagram, and on which surface.
+    """One place in the diagram, and on which surface or for which sample.
 
     Attributes
     ----------
@@ -21,6 +23,8 @@ class Point(NamedTuple):
         Sliding velocity [m/s].
     realization : int or None
         Seed of the random surface, in a sweep over several.
+    sample : int or None
+        Number of the sample of unknown inputs, in a sweep over several.
 
     Examples
     --------
@@ -31,10 +35,12 @@ class Point(NamedTuple):
     load: float
     velocity: float
     realization: int | None = None
+    sample: int | None = None
 
     def __str__(self) -> str:
         surface = "" if self.realization is None else f", surface {self.realization}"
-        return f"{self.load:g} N, {self.velocity:g} m/s{surface}"
+        sample = "" if self.sample is None else f", sample {self.sample}"
+        return f"{self.load:g} N, {self.velocity:g} m/s{surface}{sample}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,11 +55,34 @@ class Measurement:
         Sliding velocity [m/s].
     friction : float or None
         Friction coefficient, if it was measured.
+
+    Examples
+    --------
+    >>> Measurement(normal_load=600.0, velocity=1.5, friction=0.1)
+    Measurement(normal_load=600.0, velocity=1.5, friction=0.1)
     """
 
     normal_load: float
     velocity: float
     friction: float | None = None
+
+
+class FromLibrary(NamedTuple):
+    """A number that a scene takes from the library.
+
+    Attributes
+    ----------
+    key : str
+        Key path of the entry.
+    value : str
+        Value of the number, with its unit.
+    source : str
+        Where the library has it from.
+    """
+
+    key: str
+    value: str
+    source: str
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -73,10 +102,15 @@ class Sweep(Scene):
     realizations : tuple of int
         Seeds of the random surfaces on which to simulate every load and velocity, one after the
         other in place of the scene's own; none if the scene's own surface is all there is.
+    samples : Samples or None
+        Samples of the inputs that are not known exactly, to simulate one after the other in place
+        of the scene itself; None if there are none.
     friction_band : tuple of float or None
         Lowest and highest friction coefficient measured.
     measured : tuple of Measurement
         Measured transitions, for comparison.
+    oil : Oil or None
+        Lubricant, to tell the regime of lubrication; no number of the simulation depends on it.
     store_fields : bool
         Whether the fields at the end of each point are kept.
     independent : bool
@@ -87,13 +121,25 @@ class Sweep(Scene):
         Why the fidelity is what it is, if it was picked for its accuracy.
     notes : tuple of str
         What was assumed on reading the scene, for the user to know.
+    library : tuple of FromLibrary
+        Numbers that the scene takes from the library.
     chosen : tuple of Point or None
         The points to simulate, if not all of them.
 
     Raises
     ------
     InputError
-        If there are realizations, but the roughness is not a random one.
+        If there are realizations, but the roughness is not a random one, or samples as well.
+
+    Examples
+    --------
+    >>> from dataclasses import replace
+    >>> import pipeline
+    >>> scene = pipeline.load_scene("workflows/first_try.toml")
+    >>> scene.loads, len(scene.velocities)
+    ((200.0, 400.0, 600.0, 750.0), 6)
+    >>> replace(scene, loads=(600.0,)).loads
+    (600.0,)
     """
 
     name: str
@@ -102,13 +148,16 @@ class Sweep(Scene):
     velocities: tuple[float, ...]
     conditions: Conditions
     realizations: tuple[int, ...] = ()
+    samples: Samples | None = None
     friction_band: tuple[float, float] | None = None
     measured: tuple[Measurement, ...] = ()
+    oil: Oil | None = None
     store_fields: bool = False
     independent: bool = False
     preset: str | None = None
     selection: Selection | None = None
     notes: tuple[str, ...] = ()
+    library: tuple[FromLibrary, ...] = ()
     chosen: tuple[Point, ...] | None = None
 
     def __post_init__(self) -> None:
@@ -117,6 +166,48 @@ class Sweep(Scene):
             raise InputError(
                 "realizations are seeds of a random roughness; that of the scene is not random"
             )
+
+        if self.realizations and self.samples:
+            raise InputError(
+                "sweep.realizations and sweep.samples exclude each other; make the surface an "
+                'unknown input: "disk.roughness.seed" = [0, 1, 2, 3]'
+            )
+
+    def __repr__(self) -> str:
+        return as_lines(f"{self.name}: {self.title}", self._rows())
+
+    def _repr_html_(self) -> str:
+        """Show the scene as a table in a notebook."""
+        return as_html(f"{self.name}: {self.title}", self._rows())
+
+    def _rows(self) -> list[tuple[str, str]]:
+        """What the scene is, a row for each subject."""
+        several = [(f"{self.axis[0]}s", str(len(self.axis[1])))] if self.axis else []
+        return [
+            *on_scene(self),
+            on_plane(self.loads, self.velocities),
+            *several,
+            ("fidelity", self.preset or "of its own"),
+            *on_conditions(self.conditions),
+        ]
+
+    @property
+    def axis(self) -> tuple[str, tuple[int, ...]] | None:
+        """Name and values of what leads the dimensions of its points, if anything does."""
+        if self.realizations:
+            return "realization", self.realizations
+        if self.samples and self.samples.are_simulated:
+            return "sample", tuple(range(len(self.samples)))
+        return None
+
+    def variant(self, realization: int | None = None, sample: int | None = None) -> Self:
+        """The sweep on one random surface, or with the inputs of one sample; itself if neither."""
+        if sample is None:
+            return replace(self, samples=None) if self.samples else self.on_surface(realization)
+        if self.samples is None or not sample < len(self.samples):
+            raise InputError(f"sample is {sample}, which the sweep does not have")
+        parts: dict[str, Any] = dict(self.samples.parts[sample])
+        return replace(self, **parts, samples=None)
 
     def on_surface(self, seed: int | None) -> Self:
         """The sweep on the random surface of a seed alone; itself if None."""

@@ -2,8 +2,8 @@
 
 At one velocity every load passes through the same trunk of the ramp, so the points of a velocity
 form a chain: each continues the trunk where the next lower load left it. A point computed from
-the start, or from any trunk, has the same numbers, bit for bit. Each random surface has chains of
-its own.
+the start, or from any trunk, has the same numbers, bit for bit. Each random surface, and each
+sample of unknown inputs, has chains of its own.
 """
 
 from __future__ import annotations
@@ -17,13 +17,25 @@ import numpy as np
 
 from pipeline.sweep.criterion import Conditions, Verdict, verdict
 from pipeline.sweep.model import Point, Sweep
-from tribo import QUANTILES, PointWarning, Scene, State, measures, simulate, start, warnings
-from tribo.simulation.steps import leads_to
+from pipeline.sweep.shown import as_html, as_lines, on_point
+from tribo import (
+    BULK_RATIOS,
+    QUANTILES,
+    PointWarning,
+    Scene,
+    State,
+    measures,
+    simulate,
+    start,
+    warnings,
+)
+from tribo.simulation import leads_to
 from tribo.types import Array
 
 Record = Mapping[str, float | Array]
 
 _NO_QUANTILES = np.full(len(QUANTILES), np.nan)
+_NO_BULK_QUANTILES = np.full((len(BULK_RATIOS), len(QUANTILES)), np.nan)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -54,7 +66,10 @@ class PointResult:
         Values at each step since the start of the ramp, by variable of the dataset; NaN where
         the temperature was not asked for.
     state : State
-        State at the end, with temperature.
+        State at the end, with temperature; where few elements touch, on smaller ones than the
+        scene's, see `tribo.Fidelity.fewest_elements`.
+    shape : tuple of int
+        Numbers of elements of the scene along x and y.
     warnings : tuple of PointWarning
         Reasons for care in relying on the point.
     trunk : Trunk
@@ -66,19 +81,39 @@ class PointResult:
     point: Point
     columns: dict[str, Array]
     state: State
+    shape: tuple[int, int]
     warnings: tuple[PointWarning, ...]
     trunk: Trunk
     wall_time: float
 
+    def __repr__(self) -> str:
+        return as_lines(str(self.point), list(on_point(self.columns, self.warnings)))
+
+    def _repr_html_(self) -> str:
+        """Show the result as a table in a notebook."""
+        return as_html(str(self.point), list(on_point(self.columns, self.warnings)))
+
     @property
     def fields(self) -> dict[str, Array]:
-        """Pressure [Pa], rise at friction 1 [K] and wear depth [m] at the end, shape (nx, ny)."""
-        heat = self.state.heat
-        return {
-            "pressure": self.state.pressure,
-            "rise": heat.rise if heat else np.full_like(self.state.pressure, np.nan),
+        """Pressure [Pa], rise at friction 1 [K] and wear depth [m] at the end, shape (nx, ny).
+
+        With unequal bulk temperatures the response to their difference, too. Means over the
+        scene's elements, where the state has smaller ones.
+        """
+        heat, pressure = self.state.heat, self.state.pressure
+        unknown = np.full_like(pressure, np.nan)
+        fields = {
+            "pressure": pressure,
+            "rise": heat.rise if heat else unknown,
             "wear_depth": self.state.wear_depth,
         }
+        if "bulk_rise_quantile" in self.columns:
+            response = heat.bulk_response if heat else None
+            fields["bulk_response"] = unknown if response is None else response
+        if pressure.shape == self.shape:
+            return fields
+        blocks = (self.shape[0], -1, self.shape[1], pressure.shape[1] // self.shape[1])
+        return {name: field.reshape(blocks).mean((1, 3)) for name, field in fields.items()}
 
     def verdict(self, conditions: Conditions) -> Verdict:
         """Whether wear is severe at the point under these conditions, by its worst moment."""
@@ -86,11 +121,12 @@ class PointResult:
 
 
 def points(sweep: Sweep) -> tuple[Point, ...]:
-    """Every point of a sweep, surface by surface, velocity by velocity, loads ascending."""
+    """Every point of a sweep, variant by variant, velocity by velocity, loads ascending."""
     if sweep.chosen is not None:
         return tuple(sorted(sweep.chosen, key=_order))
-    places = itertools.product(sweep.realizations or (None,), sweep.velocities, sweep.loads)
-    return tuple(Point(load, velocity, surface) for surface, velocity, load in places)
+    name, variants = sweep.axis or ("realization", (None,))
+    places = itertools.product(variants, sweep.velocities, sweep.loads)
+    return tuple(Point(load, velocity, **{name: each}) for each, velocity, load in places)
 
 
 def chains(todo: Iterable[Point], independent: bool = False) -> tuple[tuple[Point, ...], ...]:
@@ -113,12 +149,12 @@ def chains(todo: Iterable[Point], independent: bool = False) -> tuple[tuple[Poin
     ordered = sorted(todo, key=_order)
     if independent:
         return tuple((point,) for point in ordered)
-    ramps = itertools.groupby(ordered, key=lambda point: (point.realization, point.velocity))
+    ramps = itertools.groupby(ordered, key=lambda point: point[1:])
     return tuple(tuple(chain) for _, chain in ramps)
 
 
-def _order(point: Point) -> tuple[int, float, float]:
-    return point.realization or 0, point.velocity, point.load
+def _order(point: Point) -> tuple[int, int, float, float]:
+    return point.sample or 0, point.realization or 0, point.velocity, point.load
 
 
 def step_count(scene: Scene, load: float) -> int:
@@ -131,40 +167,22 @@ def run_point(
     load: float,
     velocity: float,
     realization: int | None = None,
+    sample: int | None = None,
     trunk: Trunk | None = None,
 ) -> PointResult:
-    """Simulate one point.
-
-    Parameters
-    ----------
-    sweep : Sweep
-        The scene, and the surfaces it has.
-    load : float
-        Normal load on the whole pin at the end of the ramp [N].
-    velocity : float
-        Sliding velocity [m/s].
-    realization : int, optional
-        Seed of the random surface in place of the sweep's own.
-    trunk : Trunk, optional
-        Trunk of a lower load at the same velocity on the same surface, to continue; the start of
-        the ramp if not given. The result is the same.
-
-    Raises
-    ------
-    TriboError
-        What `tribo.simulate` raises.
-    """
+    """Simulate one point; see `pipeline.run_point`, which takes text, too."""
     began = time.perf_counter()
-    sweep = sweep.on_surface(realization)
+    sweep = sweep.variant(realization, sample)
     trunk = _leading_to(sweep, load, trunk)
     records = list(trunk.records)
     for state in simulate(sweep, load, velocity, trunk.state):
         records.append(_record(sweep, state))
         trunk = _extended(sweep, trunk, state, load, records[-1])
     return PointResult(
-        point=Point(load, velocity, realization),
+        point=Point(load, velocity, realization, sample),
         columns={name: np.array([record[name] for record in records]) for name in records[0]},
         state=state,
+        shape=sweep.grid.shape,
         warnings=tuple(warnings(sweep, state)),
         trunk=trunk,
         wall_time=time.perf_counter() - began,
@@ -176,13 +194,14 @@ def advance_trunk(
     load: float,
     velocity: float,
     realization: int | None = None,
+    sample: int | None = None,
     trunk: Trunk | None = None,
 ) -> Trunk:
     """Continue a trunk up to the last station below a load, without computing the point there.
 
     Parameters are those of `run_point`.
     """
-    sweep = sweep.on_surface(realization)
+    sweep = sweep.variant(realization, sample)
     trunk = _leading_to(sweep, load, trunk)
     below = [
         station
@@ -205,7 +224,7 @@ def _extended(sweep: Sweep, trunk: Trunk, state: State, load: float, record: Rec
     """Return the trunk with one more state of a point, if higher loads pass through it."""
     if not state.on_trunk:
         return trunk
-    onwards = state.history or replace(state, heat=None)
+    onwards = replace(state.history or state, heat=None)
     if not _is_same_for_higher_loads(sweep, state, load):
         record = _record(sweep, onwards)
     return Trunk(onwards, (*trunk.records, record))
@@ -213,7 +232,8 @@ def _extended(sweep: Sweep, trunk: Trunk, state: State, load: float, record: Rec
 
 def _is_same_for_higher_loads(sweep: Sweep, state: State, load: float) -> bool:
     """Whether a state has its temperature on the finest grid also where it ends no point."""
-    if state.normal_load < load or sweep.remembers_heat:
+    at_every_step = sweep.remembers_heat and not sweep.fidelity.fewest_elements
+    if state.normal_load < load or at_every_step:
         return True
     (station,) = (at for at in sweep.stations(load) if at.on_trunk and at.normal_load == load)
     interval = sweep.fidelity.temperature_interval
@@ -222,4 +242,8 @@ def _is_same_for_higher_loads(sweep: Sweep, state: State, load: float) -> bool:
 
 def _record(sweep: Sweep, state: State) -> Record:
     quantiles = state.heat.rise_quantile if state.heat else _NO_QUANTILES
-    return {**measures(sweep, state), "rise_quantile": quantiles}
+    record: dict[str, float | Array] = {**measures(sweep, state), "rise_quantile": quantiles}
+    if sweep.unequal_bulks:
+        found = state.heat.bulk_rise_quantile if state.heat else None
+        record["bulk_rise_quantile"] = _NO_BULK_QUANTILES if found is None else found
+    return record

@@ -14,14 +14,15 @@ class Warned:
     Attributes
     ----------
     points : int
-        Points with at least one.
+        Number of points with at least one warning.
     kinds : dict of int
-        Points with a warning of each kind that occurs.
+        Number of points with a warning of each kind that occurs.
     at_boundary : int or None
-        Those beside the boundary: a neighbour in load or in velocity has the other kind of wear.
+        Number of these beside the boundary: a neighbour in load or in velocity has the other kind
+        of wear.
         None where there is no boundary, for want of a critical temperature.
     example : str
-        One of these points, or of the others if there is none, and what is to be known of it.
+        One of the points beside the boundary, or else any of them, with its warning.
     """
 
     points: int

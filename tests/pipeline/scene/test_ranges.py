@@ -12,7 +12,8 @@ import pytest
 
 import tribo
 from pipeline.scene.format import FORMAT
-from pipeline.scene.schema import Either, List, Optional, Quantity, Table, Tables
+from pipeline.scene.kinds import Quantity
+from pipeline.scene.schema import Either, List, Optional, Table, Tables
 from pipeline.sweep.criterion import Conditions
 from tests.helpers.scenes import STEEL, small_scene
 
@@ -92,7 +93,21 @@ PLACES = {
     "loading.reference_load": (ABOVE_0, lambda v: replace(RAMP, reference_load=v)),
     "loading.hold": (AT_LEAST_0, lambda v: replace(RAMP, hold=v)),
     "loading.hold_steps": (FROM_1, lambda v: replace(RAMP, hold_steps=v)),
+    "motion.track_length": (
+        ABOVE_0,
+        lambda v: tribo.Motion(slide_roll_ratio=1.0, track_length=v),
+    ),
     "wear.specific_wear_rate": (AT_LEAST_0, tribo.Wear),
+    "oil.temperatures": (ABOVE_0, lambda v: tribo.Oil((v, 400.0), (32e-6, 5e-6), 866.0)),
+    "oil.kinematic_viscosity": (
+        (-1.0, 0.0, 1.0),
+        lambda v: tribo.Oil((313.0, 373.0), (v, v / 2), 866.0),
+    ),
+    "oil.density": (ABOVE_0, lambda v: tribo.Oil((313.0, 373.0), (32e-6, 5e-6), v)),
+    "oil.pressure_viscosity_coefficient": (
+        ABOVE_0,
+        lambda v: tribo.Oil((313.0, 373.0), (32e-6, 5e-6), 866.0, (v, v)),
+    ),
     "friction.coefficient": (AT_LEAST_0, lambda v: replace(CONDITIONS, friction=v)),
     "temperature.bulk": (
         (-1.0, 0.0, 1e-30, 300.0),
@@ -132,7 +147,12 @@ def test_every_range_of_the_format_is_held_against_tribo():
         "loading.file",
         "fidelity",  # `tribo.Fidelity` alone checks these
         "sweep.velocities",  # `tribo` lets the disk move backwards, too
+        "motion.slide_roll_ratio",  # any but 0
+        "motion.entrainment_velocity",  # likewise
         "sweep.realizations",  # how many, or seeds as above
+        "oil.dynamic_viscosity",  # as the kinematic one
+        "sweep.samples",  # how many
+        "sweep.sample_seed",  # as a seed above
         "friction.band",  # as the coefficient
         "temperature.critical",  # above the bulk temperature
         "measured",

@@ -156,6 +156,7 @@ def test_the_scene_of_the_paper_holds_the_papers_numbers():
         loading=tribo.Ramp(rate=150.0, reference_load=750.0),
         roughness=tribo.SelfAffineRoughness(0.27e-6, 0.8, (4e-6, 4e-6), seed=0),
         wear=tribo.Wear(1.2e-15, "swept"),
+        oil=tribo.Oil((313.15, 373.15), (32e-6, 5e-6), 866.0, (2e-8, 2e-8)),
         fidelity=tribo.Fidelity(pixels_per_element=2, increments=100),
         name="irg_transition",
         title=sweep.title,
@@ -372,7 +373,6 @@ def test_any_entry_may_be_given_in_place_of_the_files(read, faults):
         ("[480, 480]", "480", "window.pixels", ["480", "list of 2"]),
         ('"0.95 um"]', "0.95]", "window.pixel_size[1]", ["0.95 has no unit"]),
         ("pixels =", "periodic_y = 1\npixels =", "window.periodic_y", ["true or false"]),
-        ("pixels =", "periodic_y = false\npixels =", "wear.pattern", ['give "local"']),
         ('"swept"', '"swetp"', "wear.pattern", ['did you mean "swept"?', '"local" or "swept"']),
         ('"150 N/s"', '"150 N"', "loading.rate", ['"150 N"', "N/s"]),
         ('"150 N/s"', '"150 N/s"\nhold = 4', "loading.hold", ["4 has no unit", '"4 s"']),
@@ -440,13 +440,20 @@ def test_a_fault_is_one_line_with_its_key_and_what_is_allowed(faults, old, new, 
 
 @pytest.mark.parametrize(
     "table",
-    ["materials.steel", "pin", "window", "loading", "friction", "temperature", "sweep"],
+    ["pin", "window", "loading", "friction", "temperature", "sweep"],
 )
 def test_a_missing_table_is_named(faults, table):
     start = TEXT.index(f"[{table}]")
     rest = TEXT[start + 1 :]
     found = faults((TEXT[start : start + 1 + rest.index("\n[")], ""))
-    assert any(line.startswith(f"{table.split('.')[0]}: missing; give") for line in found)
+    assert any(line.startswith(f"{table}: missing; give") for line in found)
+
+
+def test_a_material_that_is_nowhere_is_named_for_each_body(faults):
+    start = TEXT.index("[materials.steel]")
+    found = faults((TEXT[start : TEXT.index("[pin]")], ""))
+    assert [line.split(":")[0] for line in found] == ["pin.material", "disk.material"]
+    assert all("neither a table of [materials] nor in the library" in line for line in found)
 
 
 def test_a_load_is_held(read):
@@ -477,9 +484,49 @@ def test_a_measured_load_stands_in_place_of_the_ramp(read, faults, tmp_path):
     assert "line 5: time 4 s after 5 s" in fault
 
 
-def test_a_ball_fits_neither_a_periodic_window_nor_swept_wear(faults):
+def test_a_ball_does_not_fit_a_periodic_window(faults):
     found = faults(*BALL, ("[window]\n", "[window]\nperiodic_y = true\n"))
-    assert [line.split(":")[0] for line in found] == ["window.periodic_y", "wear.pattern"]
+    assert [line.split(":")[0] for line in found] == ["window.periodic_y"]
+
+
+CROWNED = (
+    ('shape = "cylinder"', 'shape = "crowned"'),
+    ('length = "3.4 mm"', 'crown_radius = "8 cm"'),
+)
+
+
+def test_a_crowned_pin_has_two_radii_and_is_swept_over(read):
+    sweep = read(*CROWNED)
+    assert sweep.pin == tribo.Crowned(2e-3, 80e-3, sweep.disk)
+    assert sweep.pixels.periodic == (False, False)
+    assert sweep.sweeps_over
+    assert not read(*CROWNED, ('"swept"', '"local"')).sweeps_over
+
+
+@pytest.mark.parametrize(
+    ("changes", "fault"),
+    [
+        (
+            (CROWNED[0], ('length = "3.4 mm"\n', "")),
+            "pin.crown_radius: missing; a crowned pin needs its radius across sliding, such as "
+            '"100 mm"',
+        ),
+        (
+            (BALL[0], CROWNED[1]),
+            'pin.crown_radius: 80 mm does not fit a ball; give shape = "crowned"',
+        ),
+        (
+            (*CROWNED, ('"8 cm"', '"0 cm"')),
+            'pin.crown_radius: "0 cm" is out of range; give a length above 0, such as "2 mm"',
+        ),
+        (
+            (*CROWNED, ("[window]\n", "[window]\nperiodic_y = true\n")),
+            "window.periodic_y: true does not fit a crowned pin; give false, or leave it out",
+        ),
+    ],
+)
+def test_a_crown_that_cannot_be_is_one_fault(faults, changes, fault):
+    assert faults(*changes) == [fault]
 
 
 def test_a_single_pixel_has_no_roughness(read, faults):
@@ -544,7 +591,7 @@ def test_a_faulty_measured_surface_is_a_fault_with_its_place(faults, tmp_path, c
     if content is not None:
         (tmp_path / "surface.npy").write_bytes(content)
     (fault,) = faults((ROUGHNESS, MEASURED_SURFACE))
-    assert fault.startswith("disk.roughness.file: ")
+    assert fault.startswith(("disk.roughness.file: ", "disk.roughness.missing: "))
     assert said in fault
 
 
@@ -585,7 +632,7 @@ def test_an_empty_file_lacks_every_table(tmp_path):
     (tmp_path / "empty.toml").touch()
     with pytest.raises(SceneFileError) as caught:
         load_scene(tmp_path / "empty.toml")
-    assert len(caught.value.faults) == 8
+    assert len(caught.value.faults) == 7
     assert all("missing; give" in line for line in caught.value.faults)
 
 
@@ -669,3 +716,46 @@ def test_a_scene_of_garbled_text_is_read_or_refused(tmp_path, data):
     insert = data.draw(st.text(st.characters(codec="utf-8"), max_size=5))
     faults = faults_of(tmp_path / "scene.toml", TEXT[:start] + insert + TEXT[end:])
     assert all(len(line.splitlines()) == 1 for line in faults)
+
+
+def test_both_bodies_may_move(read):
+    moving = [("[wear]", '[motion]\nslide_roll_ratio = 0.5\ntrack_length = "30 mm"\n\n[wear]')]
+    sweep = read(*moving)
+    assert sweep.motion == tribo.Motion(slide_roll_ratio=0.5, track_length=30e-3)
+    assert sweep.velocities_at(1.0) == (1.5, 2.5)
+    rolling = read(("[wear]", '[motion]\nentrainment_velocity = "2 m/s"\n\n[wear]'))
+    assert rolling.velocities_at(0.0) == (2.0, 2.0)
+    assert read().motion is None
+
+
+@pytest.mark.parametrize(
+    ("table", "fault"),
+    [
+        ("", "motion: neither is given; give either slide_roll_ratio or entrainment_velocity"),
+        (
+            'slide_roll_ratio = 1\nentrainment_velocity = "1 m/s"',
+            "motion: both are given; give either slide_roll_ratio or entrainment_velocity",
+        ),
+        (
+            "slide_roll_ratio = 0",
+            "motion.slide_roll_ratio: 0 is rolling without a sliding velocity; give another number "
+            'such as 0.5, or entrainment_velocity and the velocity "0 m/s"',
+        ),
+        (
+            'slide_roll_ratio = "50 %"',
+            'motion.slide_roll_ratio: "50 %" is not a plain number; give a number without a unit',
+        ),
+        (
+            "entrainment_velocity = 2",
+            "motion.entrainment_velocity: 2 has no unit; give a velocity of at least 0, such as "
+            '"1.25 m/s"',
+        ),
+        (
+            'slide_roll_ratio = 1\ntrack_length = "0.1 mm"',
+            "motion.track_length: 0.1 mm is shorter than the window, which is 0.39168 mm along x; "
+            "give at least that",
+        ),
+    ],
+)
+def test_a_motion_that_cannot_be_is_one_fault(faults, table, fault):
+    assert faults(("[wear]", f"[motion]\n{table}\n\n[wear]")) == [fault]

@@ -107,12 +107,26 @@ def test_without_the_extra_the_message_says_how_to_get_it(monkeypatch):
     monkeypatch.setitem(sys.modules, "SurfaceTopography.IO", None)
     with pytest.raises(InputError, match=r"irg-transition\[surfaces\]"):
         read_surface("a.x3p")
+    with pytest.raises(InputError, match=r"^a\.toml: not a plain array, which ends in \.npy"):
+        read_surface("a.toml")
 
 
 def test_plain_arrays_need_no_extra(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "SurfaceTopography.IO", None)
     np.save(tmp_path / "a.npy", HEIGHTS)
     np.testing.assert_array_equal(read_surface(tmp_path / "a.npy", 1.0).heights, HEIGHTS)
+
+
+def test_heights_may_be_missing_in_a_plain_array_but_not_infinite(tmp_path):
+    (tmp_path / "a.csv").write_text("1,nan\n,4\n")
+    np.testing.assert_array_equal(
+        read_surface(tmp_path / "a.csv", 1.0).heights, [[1.0, np.nan], [np.nan, 4.0]]
+    )
+    np.save(tmp_path / "a.npy", np.array([[1.0, np.nan]]))
+    assert np.isnan(read_surface(tmp_path / "a.npy", 1.0).heights[0, 1])
+    (tmp_path / "a.csv").write_text("1,inf\n3,4\n")
+    with pytest.raises(InputError, match="row 0, column 1"):
+        read_surface(tmp_path / "a.csv", 1.0)
 
 
 def test_the_real_library_reads_what_it_writes(tmp_path):

@@ -98,7 +98,7 @@ def test_the_error_of_a_boundary_velocity_is_that_of_a_power_law():
         ({"friction": (0.1, 0.2)}, "it must be one number"),
         ({"bulk_temperature": math.nan}, "bulk_temperature is nan; it must be finite"),
         ({"bulk_temperature": -1.0}, "it must be above 0 K"),
-        ({"critical_temperature": 298.15}, "it must lie above the bulk temperature, 298.15 K"),
+        ({"critical_temperature": 298.15}, "must lie above the bulk temperature, 25 °C .298.15 K"),
         ({"failing_share": 1.0}, "share is 1.0"),
     ],
 )

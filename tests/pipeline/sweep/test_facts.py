@@ -7,8 +7,9 @@ import pytest
 
 import tribo
 from pipeline.sweep.doubts import doubts
-from pipeline.sweep.facts import facts_of, greatest_load, surface_facts
+from pipeline.sweep.facts import facts_of
 from pipeline.sweep.plan import run_point
+from pipeline.sweep.surface import surface_facts
 from tests.helpers import tiny
 from tests.helpers.scenes import STEEL
 
@@ -29,6 +30,31 @@ BALL = replace(
     loads=(10.0,),
     velocities=(1.0,),
 )
+
+
+CROWNED = replace(
+    BALL,
+    pin=tribo.Crowned(radius=2e-3, crown_radius=8e-3, material=STEEL),
+    pixels=tribo.Grid((120, 120), (1.5e-6, 4e-6), periodic=(False, False)),
+)
+
+
+@pytest.mark.parametrize("rate", [0.0, 1e-15])
+def test_width_and_depth_are_those_of_a_smooth_crowned_pin(rate):
+    wear = tribo.Wear(rate, "local") if rate else None
+    sweep = replace(CROWNED, wear=wear)
+    facts, columns = facts_of(sweep), run_point(sweep, 10.0, 1.0).columns
+    assert facts.contact_width.low == pytest.approx(columns["contact_width"][-1], rel=0.05)
+    if rate:
+        assert facts.wear_depth.low == pytest.approx(columns["wear_depth_max"][-1], rel=0.15)
+    else:
+        assert facts.hertz_pressure.low == pytest.approx(columns["max_pressure"][-1], rel=0.01)
+
+
+def test_a_crowned_contact_that_outgrows_the_window_along_y_is_doubted():
+    assert not any("window" in doubt for doubt in doubts(CROWNED, facts_of(CROWNED)))
+    short = replace(CROWNED, pixels=tribo.Grid((120, 40), (1.5e-6, 4e-6), (False, False)))
+    assert any("give more window.pixels" in doubt for doubt in doubts(short, facts_of(short)))
 
 
 def rough(array, **changes):
@@ -91,7 +117,7 @@ def test_spans_cover_all_loads_and_velocities():
 
 
 def test_the_greatest_load_is_the_last_that_the_window_carries():
-    greatest = greatest_load(SMOOTH)
+    greatest = SMOOTH.greatest_load
     edge = replace(SMOOTH, wear=None, loading=tribo.Ramp(150.0, greatest))
     run_point(edge, greatest * (1 - 1e-9), 0.0)
     with pytest.raises(tribo.InputError):
@@ -168,3 +194,25 @@ def test_a_surface_that_is_hardly_meant_is_doubted(heights, wear, said):
 def test_grooves_across_sliding_raise_no_doubt():
     sweep = rough(np.tile(waves(), (6, 1)))
     assert not any("grooves" in doubt for doubt in doubts(sweep, facts_of(sweep)))
+
+
+def test_of_two_moving_bodies_the_velocities_and_turns_are_told():
+    motion = tribo.Motion(slide_roll_ratio=0.5, track_length=0.1)
+    sweep = replace(SMOOTH, motion=motion, loads=(300.0, 750.0), velocities=(1.0, 4.0))
+    facts, unmoved = facts_of(sweep), facts_of(replace(sweep, motion=None))
+    assert (facts.pin_velocity, facts.disk_velocity) == ((1.5, 6.0), (2.5, 10.0))
+    assert facts.pin_turns == pytest.approx((1.5 * 2.0 / 0.1, 6.0 * 5.0 / 0.1))
+    assert facts.peclet_number.high == pytest.approx(2.5 * unmoved.peclet_number.high)
+    columns = run_point(sweep, 750.0, 4.0).columns
+    assert facts.contact_width.high == pytest.approx(columns["contact_width"][-1], rel=0.03)
+    assert facts.wear_depth.high == pytest.approx(columns["wear_depth_max"][-1], rel=1e-9)
+    assert unmoved.pin_velocity is None
+    assert "pin_velocity" not in unmoved.as_dict()
+
+
+def test_a_pin_that_hardly_turns_is_doubted():
+    motion = tribo.Motion(slide_roll_ratio=1.0, track_length=1.0)
+    slow = replace(SMOOTH, motion=motion)
+    assert any("the pin turns only" in doubt for doubt in doubts(slow, facts_of(slow)))
+    fast = replace(slow, motion=replace(motion, track_length=1e-2))
+    assert not any("the pin turns only" in doubt for doubt in doubts(fast, facts_of(fast)))

@@ -65,6 +65,7 @@ def test_a_point_has_a_row_for_each_of_its_steps(load, count):
 WIDE = tribo.Grid((48, 16), (9e-6, 15e-6))
 RAMP = tribo.Ramp(rate=150.0, reference_load=750.0, hold=1.0, hold_steps=2)
 RECORD = tribo.MeasuredLoad(np.array([0.0, 1.0, 3.0, 5.0]), np.array([0.0, 300.0, 250.0, 750.0]))
+SMALLER = {"pixels_per_element": 2, "history_coarsening": 2, "fewest_elements": 100}
 PHYSICS = {
     "plain": {},
     "hold": {"loading": RAMP},
@@ -74,6 +75,12 @@ PHYSICS = {
     "coarse history and hold": {
         "pixels": WIDE,
         "fidelity": {"history_coarsening": 2},
+        "loading": RAMP,
+    },
+    "few elements": {"pixels": WIDE, "fidelity": SMALLER, "loading": RAMP},
+    "few elements and heat of the past": {
+        "pixels": WIDE,
+        "fidelity": SMALLER | {"heat_model": "history", "history_coarsening": 1},
         "loading": RAMP,
     },
     "heat of the past": {"fidelity": {"heat_model": "history"}, "loading": RAMP},
@@ -96,6 +103,16 @@ def test_a_point_on_a_trunk_equals_the_point_alone_bit_for_bit(physics, interval
             run_point(sweep, 625.0, 1.0, trunk=advance_trunk(sweep, load, 1.0)),
             run_point(sweep, 625.0, 1.0, trunk=trunk),
         )
+
+
+def test_fields_of_smaller_elements_are_means_over_those_of_the_scene():
+    sweep = tiny.sweep(pixels=WIDE, fidelity={"pixels_per_element": 2, "fewest_elements": 100})
+    result = run_point(sweep, 250.0, 1.0)
+    assert (result.state.pressure.shape, result.shape) == (WIDE.shape, (24, 8))
+    blocks = result.state.heat.rise.reshape(24, 2, 8, 2)
+    assert result.fields["rise"] == pytest.approx(blocks.mean(axis=(1, 3)))
+    load = result.fields["pressure"].sum() * sweep.grid.element_area
+    assert load * sweep.pin.patches(sweep.grid) == pytest.approx(250.0)
 
 
 def test_temperatures_on_the_way_are_where_they_are_asked_for():

@@ -1,0 +1,139 @@
+"""The library of materials and oils: what a scene takes from it by name, and from which source.
+
+A body whose ``material`` is not a table of ``[materials]`` has that of the library; so has a table
+with ``like = "AISI 52100"``, or under a name of the library that is not complete by itself.
+``oil = "medicinal white oil"`` is short for ``[oil]`` with ``like``. A scene's own entries go
+before those of the library; viscosities and the temperatures that they hold at go together.
+"""
+
+from __future__ import annotations
+
+import difflib
+import functools
+import tomllib
+from importlib import resources
+from typing import Any
+
+from pipeline.scene.entries import entry_at, joined, quoted
+from pipeline.scene.faults import Fault
+from pipeline.sweep.model import FromLibrary
+
+_WHOLE = {
+    "elastic_modulus", "poisson_ratio", "thermal_conductivity", "density", "specific_heat",
+}  # fmt: skip
+_VISCOSITY = ("temperatures", "kinematic_viscosity", "dynamic_viscosity")
+
+
+@functools.cache
+def library() -> dict[str, Any]:
+    """Tables ``materials`` and ``oils``, each number with the key of its source; ``sources``."""
+    file = resources.files("pipeline.scene").joinpath("library.toml")
+    return tomllib.loads(file.read_text(encoding="utf-8"))
+
+
+def with_library(
+    entries: dict[str, Any], faults: list[Fault]
+) -> tuple[dict[str, Any], tuple[FromLibrary, ...]]:
+    """Add what a scene takes from the library.
+
+    Parameters
+    ----------
+    entries : dict
+        Entries of the scene, as TOML has them.
+    faults : list of Fault
+        List to which a fault is added for every name that the library does not have.
+
+    Returns
+    -------
+    entries : dict
+        The scene's entries, and those of the library that it has not.
+    taken : tuple of FromLibrary
+        The latter alone, with their sources.
+    """
+    taken: list[FromLibrary] = []
+    entries = dict(entries)
+    oil = entries.get("oil")
+    if isinstance(oil, str):
+        oil = {"like": oil}
+    if isinstance(oil, dict):
+        entries["oil"] = _filled(oil, oil.get("like"), "oils", "oil", taken, faults)
+    tables = entries.get("materials", {})
+    if not isinstance(tables, dict):
+        return entries, tuple(taken)
+    for body in ("pin", "disk"):
+        name = entry_at(entries, f"{body}.material") if _is_table(entries, body) else None
+        if _is_known(name) and name not in tables:
+            tables = {name: dict[str, Any](), **tables}
+    if tables:
+        entries["materials"] = {
+            name: _material(name, table, taken, faults) for name, table in tables.items()
+        }
+    return entries, tuple(taken)
+
+
+def without_consequences(faults: list[Fault]) -> list[Fault]:
+    """The faults but for entries that are missing only because a ``like`` is wrong."""
+    wrong = tuple(fault.key.removesuffix("like") for fault in faults if fault.key.endswith(".like"))
+    return [
+        fault
+        for fault in faults
+        if not (fault.key.startswith(wrong) and fault.problem.startswith("missing"))
+    ]
+
+
+def nearest(name: str, kind: str) -> str:
+    """Say which names of the library are near a name, or all of them if none is."""
+    names = list(library()[kind])
+    near = [known for known in names if name.lower() in known.lower()] or difflib.get_close_matches(
+        name, names, n=3, cutoff=0.5
+    )
+    if near:
+        return f"did you mean {' or '.join(map(quoted, near[:3]))}?"
+    return f"the library has {', '.join(map(quoted, names))}"
+
+
+def _is_table(entries: dict[str, Any], key: str) -> bool:
+    return isinstance(entries.get(key), dict)
+
+
+def _is_known(name: Any) -> bool:
+    return isinstance(name, str) and name in library()["materials"]
+
+
+def _material(name: str, table: Any, taken: list[FromLibrary], faults: list[Fault]) -> Any:
+    """A table of ``[materials]``, filled from the library if it is to be."""
+    if not isinstance(table, dict):
+        return table
+    own_name = name if _is_known(name) and not set(table) >= _WHOLE else None
+    like = table.get("like", own_name)
+    return _filled(table, like, "materials", joined("materials", name), taken, faults)
+
+
+def _filled(
+    table: dict[str, Any],
+    like: Any,
+    kind: str,
+    at: str,
+    taken: list[FromLibrary],
+    faults: list[Fault],
+) -> dict[str, Any]:
+    """The entries of a table, and those that it lacks from an entry of the library."""
+    if not isinstance(like, str) or not like:
+        return table
+    known = library()[kind].get(like)
+    if known is None:
+        problem = f"{quoted(like)} is not in the library ({nearest(like, kind)}); give a name of it"
+        faults.append(Fault(f"{at}.like", problem))
+        return table
+    has_viscosity = any(key in table for key in _VISCOSITY)
+    found = {}
+    for key, (value, source) in known.items():
+        at_temperatures = key in _VISCOSITY or isinstance(value, list)
+        if key not in table and not (has_viscosity and at_temperatures):
+            found[key] = value
+            taken.append(FromLibrary(f"{at}.{key}", _text(value), library()["sources"][source]))
+    return found | table
+
+
+def _text(value: Any) -> str:
+    return " and ".join(value) if isinstance(value, list) else str(value)

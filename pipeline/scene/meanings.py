@@ -1,0 +1,153 @@
+"""What each entry of a scene file means, in a sentence: for the reference and the template.
+
+The entries of ``[fidelity]`` are described where they are defined, in `tribo.Fidelity`.
+"""
+
+from __future__ import annotations
+
+import inspect
+import re
+
+import tribo
+
+TABLES = {
+    "": "The file itself, above its first table.",
+    "materials.NAME": "A material, under a name of your choice by which `[pin]` and `[disk]` call "
+    "it. Not needed for those of the [library](../pipeline/scene/library.toml).",
+    "pin": "The body that is loaded and that wears: a cylinder across the sliding direction, a "
+    "ball, or a roller with a crown.",
+    "disk": "The body that slides under the pin.",
+    "disk.roughness": "Its surface: random, or measured; smooth without the table.",
+    "window": "The patch of the contact that is simulated: x along sliding, y along the cylinder's "
+    "axis.",
+    "loading": "How the load grows: a ramp, or a recorded load.",
+    "motion": "Motion of both bodies; without it the pin is at rest. Give one of "
+    "`slide_roll_ratio` and `entrainment_velocity`.",
+    "wear": "Archard's wear of the pin; no wear without the table.",
+    "oil": "The lubricant, which says only which crossings lie in boundary lubrication. In place "
+    'of the table `oil = "NAME"` takes one of the [library](../pipeline/scene/library.toml).',
+    "friction": "Friction, by which the temperature rises. It takes effect after the simulation: "
+    "`irg boundary --friction` changes it at no cost.",
+    "temperature": "Temperatures that decide about wear. They take effect after the simulation, as "
+    "friction does.",
+    "fidelity": "Numerical choices: a preset, and single choices in place of its own; the preset "
+    '"standard" without the table.',
+    "sweep": "The points of the load–velocity plane to compute.",
+    "measured": "Transitions that were measured, each a table `[[measured]]`: drawn in the "
+    "diagram, and what `irg infer` goes by.",
+}
+"""Sentence on each table, by its path."""
+
+VARIANTS = {
+    "pin": ("cylinder", "ball or crowned"),
+    "disk.roughness": ("random surface", "measured surface"),
+    "loading": ("ramp", "record"),
+}
+"""What the keys of a table belong to that has either of two forms, the usual one first."""
+
+_ENTRIES = {
+    "extends": "Another scene file whose entries hold where this one gives none; relative to the "
+    "folder of this one.",
+    "unknown": "Inputs that are not known exactly, by the paths of their entries: normal by mean "
+    "and standard deviation, log-normal by median and the factor within which two thirds lie, "
+    "uniform between two values, or a list of values that are as likely.",
+    "without": "Key paths of entries of the other scene to leave out, such as "
+    '["wear", "friction.band"].',
+    "title": "Title of figures and summaries; by default the name of the file.",
+    "materials.NAME.like": "A material of the library, which gives what is not given here.",
+    "materials.NAME.elastic_modulus": "Young's modulus.",
+    "materials.NAME.poisson_ratio": "Poisson's ratio.",
+    "materials.NAME.hardness": "Highest pressure that it bears, or a hardness such as "
+    '"62 HRC", "750 HV" or "250 HB"; the softer body\'s counts.',
+    "materials.NAME.thermal_conductivity": "Thermal conductivity.",
+    "materials.NAME.density": "Density.",
+    "materials.NAME.specific_heat": "Specific heat capacity.",
+    "pin.shape": "Shape of the pin.",
+    "pin.radius": "Radius in the plane of sliding; of two curved bodies the reduced one.",
+    "pin.crown_radius": "Radius across sliding of a crowned pin, which it needs.",
+    "pin.length": "Length of the cylinder's line contact, along y.",
+    "pin.material": "Name of its material, here or in the library.",
+    "disk.material": "Name of its material, here or in the library.",
+    "disk.roughness.ra": "Mean deviation of the heights from their mean plane, Ra.",
+    "disk.roughness.hurst_exponent": "Hurst exponent; the nearer to 1, the smoother at short "
+    "wavelengths.",
+    "disk.roughness.correlation_length": "Length beyond which heights no longer depend on each "
+    "other; two for one along x and one along y, as on ground surfaces.",
+    "disk.roughness.seed": "Seed of the random surface; the same gives the same surface.",
+    "disk.roughness.file": "Heights of a measured surface, a row for each x: .npy, .csv, or the "
+    "file of an instrument (with the extra `surfaces`); relative to the folder of the scene.",
+    "disk.roughness.height_unit": "Unit of the heights; needed where the file has none, as in .npy "
+    "and .csv.",
+    "disk.roughness.crop": "First row and column, counted from 0, of the patch to cut out; without "
+    "it the surface is to have the window's size.",
+    "disk.roughness.level": "Whether to take the least-squares plane, the tilt, off the heights.",
+    "disk.roughness.missing": "What to do where the instrument has no height: refuse the file, or "
+    "fill the hole smoothly from around it.",
+    "disk.roughness.repeat": "How to fill a window that is larger than the surface: not at all, "
+    "mirrored at each end, or as tiles.",
+    "window.pixels": "Number of pixels along x and y.",
+    "window.pixel_size": "Sides of a pixel along x and y; those of the measured surface.",
+    "window.periodic_y": "Whether the patch repeats along y; by default for a cylinder alone.",
+    "loading.rate": "Rate at which the load grows from 0.",
+    "loading.reference_load": "Load that the ramp reaches in `fidelity.increments` steps; of a "
+    "record, by default its peak.",
+    "loading.hold": "Time for which each load is held once it is reached.",
+    "loading.hold_steps": "Number of steps of the hold; by default as few as are no longer than "
+    "those of the ramp.",
+    "loading.file": "Record of the load, .csv with the columns `time [s]` and `load [N]`; relative "
+    "to the folder of the scene.",
+    "loading.fit": "Whether to take a straight line through the record in place of it.",
+    "motion.slide_roll_ratio": "Sliding velocity divided by the mean velocity of both surfaces; "
+    "negative where the pin is the faster body.",
+    "motion.entrainment_velocity": "Mean velocity of both surfaces, the same at every sliding "
+    "velocity.",
+    "motion.track_length": "Length of the pin's track, over which its wear spreads; by default its "
+    "circumference.",
+    "wear.specific_wear_rate": "Worn volume per load and sliding distance.",
+    "wear.pattern": 'How the pin wears: "swept" by the mean pressure along y, or over positions of '
+    'the disk where y is free, since the roughness moves past it; "local" each element by its own '
+    "pressure.",
+    "oil.like": "An oil of the library, which gives what is not given here.",
+    "oil.temperatures": "Two temperatures at which its viscosity is known.",
+    "oil.kinematic_viscosity": "Kinematic viscosity at both; this or the dynamic one.",
+    "oil.dynamic_viscosity": "Dynamic viscosity at both.",
+    "oil.density": "Density; needed with a kinematic viscosity.",
+    "oil.pressure_viscosity_coefficient": "Pressure–viscosity coefficient, one, or one at each of "
+    "both temperatures; without it no film is foretold.",
+    "friction.coefficient": "Coefficient of friction.",
+    "friction.band": "Lowest and highest coefficient, drawn as a band in the diagram.",
+    "temperature.bulk": "Temperature far from the contact: of both bodies, or of `pin` and `disk`.",
+    "temperature.critical": "Contact temperature above which the lubricant fails; needed where "
+    "wear is judged.",
+    "temperature.failing_share": "Share of the contact area above the critical temperature beyond "
+    "which wear is severe; 0 for the highest temperature alone.",
+    "fidelity.preset": 'Preset to begin with: "draft" is the fastest, "reference" the best.',
+    "sweep.loads": "Normal loads.",
+    "sweep.velocities": "Sliding velocities.",
+    "sweep.realizations": "Random surfaces to compute it all on: a number of them from the seed "
+    "on, or a list of seeds.",
+    "sweep.samples": "How many samples to draw of what is `unknown`, each with a boundary of its "
+    "own.",
+    "sweep.sample_seed": "Seed of the samples.",
+    "sweep.fields": "Whether to store pressure, temperature rise and wear depth over the window.",
+    "sweep.independent": "Whether each point is simulated from the start instead of on from the "
+    "next lower load; takes longer.",
+    "measured.load": "Load at which wear turned severe.",
+    "measured.velocity": "Sliding velocity there.",
+    "measured.friction": "Coefficient of friction measured there; by default the scene's.",
+}
+
+
+def _of_fidelity() -> dict[str, str]:
+    """First sentence on each parameter in the docstring of `tribo.Fidelity`."""
+    text = inspect.cleandoc(tribo.Fidelity.__doc__ or "")
+    section = text.partition("Parameters\n----------\n")[2].partition("\n\nRaises")[0]
+    found = {}
+    for name, about in re.findall(r"^(\w+) : .*\n((?:    .*\n?)+)", section, flags=re.MULTILINE):
+        sentence = re.split(r"(?<=[.\w])[.;] ", " ".join(about.split()))[0].rstrip(".") + "."
+        found[f"fidelity.{name}"] = sentence.replace('``"', '"').replace('"``', '"')
+    return found
+
+
+MEANINGS = _ENTRIES | _of_fidelity()
+"""Sentence on each entry, by its path; NAME stands for a name of the user's choice."""

@@ -1,0 +1,59 @@
+"""Quantities as a user gives them in Python: numbers in SI, or text with a unit."""
+
+from __future__ import annotations
+
+from tribo import InputError
+
+
+def in_si(name: str, given: float | str, like: str) -> float:
+    """Value of a quantity in SI.
+
+    Parameters
+    ----------
+    name : str
+        What it is called, for the error.
+    given : float or str
+        Number in SI, or text with a unit.
+    like : str
+        Quantity of the dimension that is needed, as an example.
+
+    Raises
+    ------
+    InputError
+        If text is not such a quantity.
+
+    Examples
+    --------
+    >>> in_si("load", 600.0, like="750 N"), in_si("load", "0.6 kN", like="750 N")
+    (600.0, 600.0)
+    """
+    if not isinstance(given, str):
+        return float(given)
+    from pipeline.scene.units import UnitError, to_si  # takes 0.1 s, and few calls need it
+
+    try:
+        return to_si(given, like)
+    except UnitError as error:
+        raise InputError(f'{name}: {error}; give one such as "{like}"') from error
+
+
+def share_of(given: float | str) -> float:
+    """Value of a share, as a number or as text such as ``"10%"``.
+
+    Raises
+    ------
+    InputError
+        If text is not a share.
+
+    Examples
+    --------
+    >>> share_of(0.1), share_of("10%"), share_of("0.1")
+    (0.1, 0.1, 0.1)
+    """
+    if not isinstance(given, str):
+        return given
+    number = given.strip().removesuffix("%")
+    try:
+        return float(number) / 100 if number != given.strip() else float(number)
+    except ValueError:
+        raise InputError(f'"{given}": give a share such as 10% or 0.1') from None

@@ -1,0 +1,226 @@
+"""New scene files: a shipped scene in full, with every other entry of the format as a comment."""
+
+from __future__ import annotations
+
+import json
+import re
+import shutil
+import textwrap
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import tribo
+from pipeline.scene.document import read_document
+from pipeline.scene.entries import did_you_mean, entry_at
+from pipeline.scene.kinds import Choice, Flag, Kind, Number, Quantity, Unit, Whole
+from pipeline.scene.meanings import MEANINGS, TABLES, VARIANTS
+from pipeline.scene.reference import Section, sections, written
+from pipeline.scene.schema import Distributions, Either, List, Optional
+from pipeline.scene.shipped import shipped_scenes
+from tribo import InputError
+
+_WIDTH = 98
+_USUAL = "first_try"
+_FILES = ("disk.roughness.file", "loading.file")
+_EXAMPLES = {
+    "extends": "other.toml",
+    "without": ["wear", "friction.band"],
+    "materials.NAME.like": "AISI 52100",
+    "oil.like": "medicinal white oil",
+    "oil.temperatures": ["40 degC", "100 degC"],
+    "oil.kinematic_viscosity": ["95 mm^2/s", "10.7 mm^2/s"],
+    "oil.dynamic_viscosity": ["83 mPa s", "8.9 mPa s"],
+    "disk.roughness.file": "surface.npy",
+    "loading.file": "load.csv",
+}
+_HEAD = """\
+# A scene to start from. Its entries are those of a steel cylinder on a ground steel disk in white
+# oil: put your own in their place. An entry such as "#hold" is not used; take the # off to use it.
+"""
+_NEXT = """\
+#
+# What it means    irg check {name}.toml
+# Its diagram      irg run {name}.toml, then irg plot results/{name}.zarr
+"""
+
+
+def new_scene(path: str | Path, like: str | None = None) -> list[Path]:
+    """Write a commented scene to start from.
+
+    Parameters
+    ----------
+    path : path
+        File to write; it must not exist yet.
+    like : str, optional
+        Name of the shipped scene whose entries it gets; a template of a diagram that is computed
+        in seconds if not given.
+
+    Returns
+    -------
+    list of Path
+        The files written: the scene, and copies of those that it names.
+
+    Raises
+    ------
+    InputError
+        If there is no such scene, the file exists or cannot be written, or is not called ``.toml``.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> folder = Path(tempfile.mkdtemp())
+    >>> [file.name for file in new_scene(folder / "mine.toml", like="fig8")]
+    ['mine.toml', 'fig8_load_record.csv']
+    """
+    path, known = Path(path), shipped_scenes()
+    if path.suffix != ".toml":
+        raise InputError(f"{path}: a scene is a TOML file; give a name such as {path.stem}.toml")
+    if like is not None and like not in known:
+        raise InputError(
+            f'"{like}" is not a shipped scene{did_you_mean(like, known)}; there are '
+            f"{', '.join(known)}"
+        )
+    source = known[like or _USUAL]
+    entries = read_document(source, []).entries()
+    if like is None:
+        head = _HEAD
+        entries |= {"title": "My system", "fidelity": {"preset": "standard"}}
+        del entries["measured"]
+    else:
+        head = "".join(_header_of(source))
+    text = "\n".join([head + _NEXT.format(name=path.stem).rstrip(), *_lines(entries), ""])
+    beside = [str(name) for key in _FILES if (name := entry_at(entries, key))]
+    copies = [(source.parent / name, path.parent / Path(name).name) for name in beside]
+    for file in (path, *(copy for _, copy in copies)):
+        if file.exists():
+            raise InputError(f"{file} exists already; give another name, or remove it")
+    try:
+        path.write_text(text, encoding="utf-8")
+        for original, copy in copies:
+            shutil.copyfile(original, copy)
+    except OSError as error:
+        raise InputError(f"{path} cannot be written: {error.strerror or error}") from error
+    return [path, *(copy for _, copy in copies)]
+
+
+def _header_of(scene: Path) -> Iterator[str]:
+    """The comment at the head of a scene file."""
+    for line in scene.read_text(encoding="utf-8").splitlines(keepends=True):
+        if not line.startswith("#"):
+            return
+        yield line
+
+
+def _lines(entries: Mapping[str, Any]) -> Iterator[str]:
+    """A scene's entries with what each means, and those that it does not have as comments."""
+    for section in sections():
+        if "NAME" in section.path:
+            table = section.path.partition(".")[0]
+            for number, (name, values) in enumerate(entries.get(table, {}).items()):
+                yield from _section(section, f"[{table}.{name}]", values, comment=number == 0)
+            continue
+        values = entry_at(entries, section.path) if section.path else entries
+        if section.is_list and values:
+            for number, item in enumerate(values):
+                yield from _section(section, section.header, item, comment=number == 0)
+            continue
+        if isinstance(values, str):  # short for a name of the library
+            values = {"like": values}
+        yield from _section(section, section.header if section.path else "", values)
+
+
+def _section(
+    section: Section, header: str, values: Mapping[str, Any] | None, comment: bool = True
+) -> Iterator[str]:
+    """Lines of one table: all keys with comments, or only those given without."""
+    yield ""
+    if comment and section.path:
+        yield from _wrapped(_plain(TABLES[section.path]))
+    if header:
+        yield header if values is not None else f"#{header}"
+    given = values or {}
+    used = _form(section, given)
+    keys = section.keys()
+    for key, (entry, form) in keys.items():
+        if form in ("", used) and (comment or key in given):
+            yield from _key(section, key, entry, given, comment)
+    others = {key: entry for key, (entry, form) in keys.items() if form not in ("", used)}
+    if others and comment:
+        form = next(form for form in VARIANTS[section.path] if form != used)
+        yield from _wrapped(f"Or, for a {form}, in place of the keys of the {used}:")
+        for key, entry in others.items():
+            yield from _key(section, key, entry, {}, comment)
+
+
+def _form(section: Section, given: Mapping[str, Any]) -> str:
+    """Which of the two forms of a table the given keys are of; empty if it has but one."""
+    if len(section.forms) == 1:
+        return ""
+    usual, other = VARIANTS[section.path]
+    is_other = any(form == other for key, (_, form) in section.keys().items() if key in given)
+    return other if is_other or given.get("shape") in other.split(" or ") else usual
+
+
+def _key(
+    section: Section, key: str, entry: Kind | Optional, given: Mapping[str, Any], comment: bool
+) -> Iterator[str]:
+    """Lines of one key: what it means and what is allowed, and its value or an example."""
+    kind = entry.kind if isinstance(entry, Optional) else entry
+    default = entry.default if isinstance(entry, Optional) else None
+    path = section.path_of(key)
+    if section.path == "fidelity" and key != "preset":
+        preset = given.get("preset", "standard")
+        default = getattr(tribo.PRESETS[preset], key)
+    if comment:
+        known = f"; default {written(default, kind)}" if default not in (None, ()) else ""
+        yield from _wrapped(f"{_plain(MEANINGS[path])} Give {kind}{known}.")
+    if key in given:
+        yield f"{key} = {_toml(given[key])}"
+    else:
+        yield f"#{key} = {_toml(_EXAMPLES.get(path, example(kind, default)))}"
+
+
+def example(kind: Kind, default: Any = None) -> Any:
+    """Return a value of a kind, as TOML has it: its default, or else one that it allows."""
+    match kind:
+        case Quantity() | Unit():
+            return kind.example
+        case List():
+            return [example(kind.of)] * (kind.length or 1)
+        case Distributions():
+            return {"temperature.critical": {"mean": "145 degC", "sd": "8 K"}}
+        case Either():
+            return example(kind.usual, default)
+        case Choice():
+            return default or kind.options[0]
+        case Flag():
+            return bool(default)
+        case Whole():
+            return default if default is not None else int(max(kind.at_least, 0))
+        case Number():
+            return default if default is not None else 0.1
+    return "text" if default is None else default
+
+
+def _toml(value: Any) -> str:
+    """Write a value as TOML does."""
+    match value:
+        case dict():
+            return f"{{ {', '.join(f'{key} = {_toml(item)}' for key, item in value.items())} }}"
+        case list():
+            return f"[{', '.join(map(_toml, value))}]"
+        case float():
+            return f"{value:g}"
+    return json.dumps(value, ensure_ascii=False)
+
+
+def _plain(text: str) -> str:
+    """Text without the marks of Markdown."""
+    return re.sub(r"\[(\w+)\]\([^)]*\)", r"\1", text).replace("`", "")
+
+
+def _wrapped(text: str) -> Iterator[str]:
+    kept = re.sub('"[^"]*"', lambda found: found[0].replace(" ", "\N{NO-BREAK SPACE}"), text)
+    for line in textwrap.wrap(kept, _WIDTH, break_long_words=False, break_on_hyphens=False):
+        yield "# " + line.replace("\N{NO-BREAK SPACE}", " ")

@@ -1,0 +1,249 @@
+"""What a scene does not know exactly: its table ``[unknown]``, and samples of the whole scene.
+
+A sample is read as if its values stood in the file: whatever follows from an entry, and whatever
+an entry must fit to, follows and must fit there, too. That a distribution keeps to what is allowed
+is seen at its ends, beyond which one of ten thousand samples lies.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+
+from pipeline.scene.entries import quoted
+from pipeline.scene.faults import Fault
+from pipeline.scene.format import FORMAT
+from pipeline.scene.units import UnitError, si_unit, to_si
+from pipeline.sweep.model import Sweep
+from pipeline.sweep.plan import step_count
+from pipeline.sweep.unknown import MOST, Kind, Samples, Unit, Unknown, drawn
+from tribo import InputError, Scene
+
+Build = Callable[[dict[str, Any], list[Fault]], Sweep | None]
+"""Makes a sweep of what the format gives; notes faults."""
+
+_ENDS = np.array([1e-4, 1 - 1e-4])
+_FIXED = ("sweep", "fidelity", "window", "measured", "unknown", "title", "extends", "without")
+_PAIRS: dict[tuple[str, str], Kind] = {
+    ("mean", "sd"): "normal",
+    ("median", "factor"): "log-normal",
+    ("from", "to"): "uniform",
+}
+_SIGNS = {"degC": "°C", "degF": "°F", "um": "µm"}
+_EVERYWHERE = {"name", "title", "notes"}
+
+
+@dataclass(frozen=True, slots=True)
+class _Entry:
+    """An unknown input, and how the file writes its values: in a unit, as whole numbers or not."""
+
+    unknown: Unknown
+    unit: str | None
+    is_whole: bool
+
+    def found(self, value: float) -> float | int:
+        """A value as the format gives it."""
+        return round(value) if self.is_whole else float(value)
+
+    def written(self, value: float) -> str | float | int:
+        """A value as it would stand in the file."""
+        if self.unit is None:
+            return self.found(value)
+        return f"{self.unknown.shown.of(value):.6g} {self.unit}"
+
+
+def samples_of(
+    entries: Mapping[str, Any],
+    found: dict[str, Any],
+    sweep: Sweep,
+    build: Build,
+    faults: list[Fault],
+    notes: list[str],
+) -> Samples | None:
+    """Draw the samples of a scene; None if it asks for none, or something is wrong.
+
+    Parameters
+    ----------
+    entries : mapping
+        The scene as TOML has it.
+    found : dict
+        What the format gives of it.
+    sweep : Sweep
+        The scene without samples.
+    build : callable
+        Makes a sweep of other entries.
+    faults : list of Fault
+        List to which every fault found is added.
+    notes : list of str
+        List to which is added what to know of a scene that is not sampled.
+    """
+    count, table = found["sweep"]["samples"], found["unknown"]
+    if count is not None and not table:
+        problem = f"{count} does not fit a scene in which all is known; give [unknown], too"
+        faults.append(Fault("sweep.samples", problem))
+    if not table:
+        return None
+    known = len(faults)
+    if sweep.unequal_bulks:
+        problem = "two temperatures do not go with [unknown]; give one for both bodies"
+        faults.append(Fault("temperature.bulk", problem))
+        return None
+    read = [_entry(path, value, faults) for path, value in table.items()]
+    unknown = [entry for entry in read if entry is not None]
+    if len(unknown) > MOST:
+        faults.append(Fault("unknown", f"{len(unknown)} inputs are unknown; give {MOST} at most"))
+    simulated = []
+    for entry in unknown:
+        changed = _changed(entry, entries, found, build, sweep, faults)
+        if changed & {each.name for each in fields(Scene)}:
+            simulated.append(entry.unknown.path)
+    if len(faults) > known:
+        return None
+    if count is None:
+        inputs = "1 input" if len(unknown) == 1 else f"{len(unknown)} inputs"
+        notes.append(f"unknown: {inputs} not known exactly; give sweep.samples to draw them")
+        return None
+    return _drawn(unknown, tuple(simulated), found, sweep, build, faults)
+
+
+def _drawn(
+    entries: list[_Entry],
+    simulated: tuple[str, ...],
+    found: dict[str, Any],
+    sweep: Sweep,
+    build: Build,
+    faults: list[Fault],
+) -> Samples | None:
+    unknown, seed = tuple(entry.unknown for entry in entries), found["sweep"]["sample_seed"]
+    values = drawn(unknown, seed, found["sweep"]["samples"])
+    parts = []
+    for number, row in enumerate(values.tolist()):
+        wrong: list[Fault] = []
+        variant = found
+        for entry, value in zip(entries, row, strict=True):
+            variant = _with(variant, entry.unknown.path, entry.found(value))
+        built = build(variant, wrong)
+        if built is None:
+            told = f"sample {number} is not a sound scene: {wrong[0].key}: {wrong[0].problem}"
+            faults.append(Fault("unknown", f"{told}; give narrower distributions"))
+            return None
+        parts.append(tuple(differing(sweep, built)))
+    rows = tuple(map(tuple, values.tolist()))
+    return Samples(unknown, seed, rows, tuple(parts), simulated)
+
+
+def differing(sweep: Sweep, other: Sweep) -> Iterator[tuple[str, Any]]:
+    """Fields, and their values, in which another sweep differs from one."""
+    for each in fields(Sweep):
+        own, new = getattr(sweep, each.name), getattr(other, each.name)
+        if each.name not in _EVERYWHERE and own is not new and own != new:
+            yield each.name, new
+
+
+def _entry(path: str, value: Any, faults: list[Fault]) -> _Entry | None:
+    """Read the distribution of one input; None if it is faulty."""
+    key = f"unknown.{quoted(path)}"
+    if path.partition(".")[0] in _FIXED or "." not in path:
+        problem = (
+            "this cannot be unknown; give an entry of what is simulated or judged, such as "
+            '"wear.specific_wear_rate" or "temperature.critical"'
+        )
+        faults.append(Fault(key, problem))
+        return None
+    kind: Kind = "list"
+    given: tuple[Any, ...] = value if isinstance(value, tuple) else ()
+    if not given:
+        pair = next(pair for pair in _PAIRS if set(pair) == set(value))
+        kind, given = _PAIRS[pair], tuple(value[name] for name in pair)
+    try:
+        return _distribution(path, kind, given)
+    except (UnitError, InputError) as error:
+        faults.append(Fault(key, str(error)))
+        return None
+
+
+def _distribution(path: str, kind: Kind, given: tuple[Any, ...]) -> _Entry:
+    first = given[0]
+    is_text = isinstance(first, str)
+    if kind != "log-normal" and any(isinstance(each, str) != is_text for each in given):
+        raise UnitError(f"{', '.join(map(quoted, given))}: give all with a unit, or none")
+    if not is_text:
+        is_whole = all(isinstance(each, int) for each in given)
+        numbers = tuple(map(float, given))
+        return _Entry(Unknown(path, kind, numbers), None, is_whole and kind == "list")
+    _number, unit = first.strip().partition(" ")[::2]
+    if not unit.strip():
+        raise UnitError(f"{quoted(first)}: give number and unit with a space between them")
+    unit = unit.strip()
+    values = [to_si(first, first)]
+    for each in given[1:]:
+        if kind == "log-normal":
+            values.append(float(each))
+        elif kind == "normal":
+            values.append(_spread(each, first))
+        else:
+            values.append(to_si(each, first))
+    unknown = Unknown(path, kind, tuple(values), si_unit(first), _written(first, unit))
+    return _Entry(unknown, unit, is_whole=False)
+
+
+def _written(text: str, unit: str) -> Unit:
+    """The unit of a quantity as it is shown."""
+    try:
+        zero, one = (to_si(f"{n} {unit}", text) for n in (0, 1))
+    except UnitError as error:
+        problem = f"{quoted(text)} is on a scale of uneven steps; give it in HV, or as a pressure"
+        raise UnitError(problem) from error
+    return Unit(_SIGNS.get(unit, unit), one - zero, zero)
+
+
+def _spread(text: str, like: str) -> float:
+    """A standard deviation, which is a difference [SI]."""
+    spread = to_si(text, like)
+    unit = text.strip().partition(" ")[2]
+    if unit and to_si(f"0 {unit}", like) != 0:
+        raise UnitError(f'sd is {quoted(text)}, a temperature; give a difference, such as "8 K"')
+    return spread
+
+
+def _changed(
+    entry: _Entry,
+    entries: Mapping[str, Any],
+    found: dict[str, Any],
+    build: Build,
+    sweep: Sweep,
+    faults: list[Fault],
+) -> set[str]:
+    """Names of the fields of the sweep that an input moves; it is tried out at its ends."""
+    unknown = entry.unknown
+    is_list = unknown.kind == "list"
+    ends = unknown.parameters if is_list else tuple(unknown.at(_ENDS).tolist())
+    key = f"unknown.{quoted(unknown.path)}"
+    changed: set[str] = set()
+    for value in ends:
+        wrong: list[Fault] = []
+        FORMAT.read(_with(dict(entries), unknown.path, entry.written(value)), "", wrong)
+        built = None if wrong else build(_with(found, unknown.path, entry.found(value)), wrong)
+        if built is None:
+            where = "" if is_list else f"reaches {entry.written(value)} in one of 10000 samples: "
+            why = f"{wrong[0].key}: {wrong[0].problem}" if wrong else "the scene does not fit"
+            shape = "" if is_list else "; or a narrower distribution, or one with median and factor"
+            faults.append(Fault(key, f"{where}{why}{shape}"))
+            return set()
+        changed |= {name for name, _ in differing(sweep, built)}
+        if step_count(built, max(sweep.loads)) != step_count(sweep, max(sweep.loads)):
+            faults.append(Fault(key, "it changes the number of steps, which must stay; give it"))
+    if not changed:
+        faults.append(Fault(key, "it changes nothing in this scene; leave it out"))
+    return changed
+
+
+def _with(tables: dict[str, Any], path: str, value: Any) -> dict[str, Any]:
+    """Tables with another value at a path; those on the way are copied, or made."""
+    first, _, rest = path.partition(".")
+    inner = tables.get(first)
+    other = _with(inner if isinstance(inner, dict) else {}, rest, value) if rest else value
+    return {**tables, first: other}

@@ -1,0 +1,123 @@
+"""Which regime of lubrication a point lies in: the film that a scene's oil would build.
+
+The film is that between smooth bodies at the bulk temperature, with the pin's radius as it was
+before any wear; the film parameter Λ is its thickness over the root mean square height of the
+disk. A pin that has worn flat is closer to the disk's shape, and builds another film.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from pipeline.sweep.model import Sweep
+from pipeline.sweep.surface import surface_facts
+from tribo import (
+    Crowned,
+    Cylinder,
+    Motion,
+    Oil,
+    contact_modulus,
+    minimum_line_film,
+    minimum_point_film,
+)
+from tribo.types import Array
+
+
+@dataclass(frozen=True, slots=True)
+class Lubrication:
+    """What the film parameter of a scene depends on.
+
+    Attributes
+    ----------
+    oil : Oil
+        Lubricant, with a pressure-viscosity coefficient.
+    radius : float
+        Radius of the pin [m].
+    length : float or None
+        Length of a cylinder [m]; None for a ball.
+    contact_modulus : float
+        Contact modulus of the two bodies [Pa].
+    rms_height : float
+        Root mean square height of the disk [m].
+    motion : Motion or None
+        How both bodies move; None if the pin is at rest.
+    """
+
+    oil: Oil
+    radius: float
+    length: float | None
+    contact_modulus: float
+    rms_height: float
+    motion: Motion | None = None
+
+    @classmethod
+    def of(cls, sweep: Sweep) -> Self | None:
+        """Take what a scene says; None if it gives no oil, or not enough of it, or no roughness."""
+        if sweep.oil is None or sweep.oil.pressure_coefficients is None:
+            return None
+        surface = surface_facts(sweep)
+        if surface is None or isinstance(sweep.pin, Crowned):  # no formula here for an ellipse
+            return None
+        pin = sweep.pin
+        return cls(
+            sweep.oil,
+            pin.radius,
+            pin.length if isinstance(pin, Cylinder) else None,
+            contact_modulus(pin.material, sweep.disk),
+            surface.rq,
+            sweep.motion,
+        )
+
+    @classmethod
+    def stored(cls, attributes: Mapping[str, Any]) -> Self | None:
+        """Take what the attributes of a stored sweep say; None if they say nothing of it."""
+        found = attributes.get("lubrication")
+        if not found:
+            return None
+        oil: dict[str, Any] = {
+            name: tuple(value) if isinstance(value, list) else value
+            for name, value in found["oil"].items()
+        }
+        motion = found.get("motion")
+        parts = {"oil": Oil(**oil), "motion": Motion(**motion) if motion else None}
+        return cls(**{**found, **parts})
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return plain data, which `stored` reads."""
+        return asdict(self)
+
+    def film_thickness(self, load: float, velocity: float, temperature: float) -> float:
+        """Minimum film thickness at a load [N], a sliding velocity [m/s] and a temperature [K] [m].
+
+        Where the pin is at rest, the oil enters at half the sliding velocity.
+        """
+        both = self.motion.velocities(velocity) if self.motion else (0.0, velocity)
+        viscosity = self.oil.viscosity(temperature)
+        coefficient = self.oil.pressure_coefficient(temperature)
+        oil = abs(sum(both)) / 2, viscosity, coefficient
+        if self.length is None:
+            return minimum_point_film(*oil, load, self.radius, self.contact_modulus)
+        return minimum_line_film(*oil, load / self.length, self.radius, self.contact_modulus)
+
+    def film_parameter(self, load: ArrayLike, velocity: ArrayLike, temperature: float) -> Array:
+        """Film parameter Λ of loads [N] and velocities [m/s], broadcast; NaN where either is.
+
+        Examples
+        --------
+        >>> oil = Oil((313.15, 373.15), (32e-6, 5e-6), 866.0, (20e-9, 20e-9))
+        >>> white = Lubrication(oil, 2e-3, 3.4e-3, 115.385e9, 0.338e-6)
+        >>> print(white.film_parameter([750.0, 200.0], [1.25, 3.75], 298.15).round(2))
+        [0.35 0.89]
+        """
+        loads, velocities = np.broadcast_arrays(load, velocity)
+        found = np.full(loads.shape, np.nan)
+        for index in np.ndindex(loads.shape):
+            at = float(loads[index]), float(velocities[index])
+            if at[0] > 0 and at[1] >= 0:
+                found[index] = self.film_thickness(*at, temperature) / self.rms_height
+        return found

@@ -1,0 +1,171 @@
+"""What simpler criteria say of a point: from the smooth contact alone, without a simulation.
+
+Each is a number that grows with load and velocity. As a criterion it says that wear turns severe
+where the number exceeds a limit: for Blok's flash temperature the limit is the critical
+temperature; the others have none of their own and take it from measured transitions.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, fields
+from typing import Any, NamedTuple, Self
+
+from tribo import (
+    Crowned,
+    Cylinder,
+    InputError,
+    Material,
+    Motion,
+    Scene,
+    analytic,
+    contact_modulus,
+)
+
+
+@dataclass(frozen=True, slots=True)
+class SmoothContact:
+    """The smooth contact, as the simple criteria know it.
+
+    Attributes
+    ----------
+    radius : float
+        Radius of the pin [m].
+    length : float or None
+        Length of a cylinder [m]; None for a ball or a crowned pin.
+    pin, disk : Material
+        Materials of the two bodies.
+    motion : Motion or None
+        How both bodies move; None if the pin is at rest.
+    crown_radius : float or None
+        Radius of a crowned pin across sliding [m]; None for a cylinder or a ball.
+    """
+
+    radius: float
+    length: float | None
+    pin: Material
+    disk: Material
+    motion: Motion | None = None
+    crown_radius: float | None = None
+
+    @classmethod
+    def of(cls, scene: Scene) -> Self:
+        """Take what a scene says."""
+        pin = scene.pin
+        length = pin.length if isinstance(pin, Cylinder) else None
+        crown = pin.crown_radius if isinstance(pin, Crowned) else None
+        return cls(pin.radius, length, pin.material, scene.disk, scene.motion, crown)
+
+    @classmethod
+    def stored(cls, attributes: Mapping[str, Any]) -> Self:
+        """Take what the attributes of a stored sweep say."""
+        scene = attributes["scene"]
+        pin, motion = scene["pin"], scene.get("motion")
+        return cls(
+            pin["radius"],
+            pin.get("length"),
+            _of_plain(Material, pin["material"]),
+            _of_plain(Material, scene["disk"]),
+            _of_plain(Motion, motion) if motion else None,
+            pin.get("crown_radius"),
+        )
+
+    def width(self, load: float) -> float:
+        """Width of the elastic, unworn contact at a load [N] [m]."""
+        modulus = contact_modulus(self.pin, self.disk)
+        if self.crown_radius is not None:
+            return 2 * analytic.hertz_ellipse(load, self.radius, self.crown_radius, modulus).half_x
+        if self.length is None:
+            return 2 * analytic.hertz_point_radius(load, self.radius, modulus)
+        return 2 * analytic.hertz_line_half_width(load / self.length, self.radius, modulus)
+
+    def area(self, load: float, width: float | None = None) -> float:
+        """Area of the contact [m²], of another width [m] if that is given."""
+        across = self.width(load) if width is None else width
+        if self.crown_radius is not None:
+            modulus = contact_modulus(self.pin, self.disk)
+            hertz = analytic.hertz_ellipse(load, self.radius, self.crown_radius, modulus)
+            return math.pi / 4 * across**2 * hertz.half_y / hertz.half_x
+        return math.pi / 4 * across**2 if self.length is None else across * self.length
+
+    def flash_rise(
+        self, load: float, velocity: float, friction: float, width: float | None = None
+    ) -> float:
+        """Blok's flash temperature of the smooth line contact, above the bulk [K].
+
+        Parameters
+        ----------
+        load, velocity, friction : float
+            Normal load [N], sliding velocity [m/s] and coefficient of friction.
+        width : float, optional
+            Width of the contact [m]; that of Hertz if not given.
+
+        Raises
+        ------
+        InputError
+            If the contact is not a line, or bodies of different materials both move.
+        """
+        if self.length is None:
+            raise InputError("Blok's flash temperature of a line contact needs a cylinder")
+        if self.motion and self.pin != self.disk:
+            raise InputError("Blok's flash temperature of two moving bodies needs identical ones")
+        both = self.motion.velocities(velocity) if self.motion else (0.0, velocity)
+        across = self.width(load) if width is None else width
+        return analytic.rolling_sliding_rise(
+            friction, load / self.length, across, (both[0], both[1]), self.disk.thermal_effusivity
+        )
+
+
+class Rival(NamedTuple):
+    """A simple criterion.
+
+    Attributes
+    ----------
+    label : str
+        Name for people.
+    unit : str
+        Unit in which to show its value.
+    scale : float
+        What its value in SI is to be multiplied by for that.
+    value : callable
+        Called with a contact, load [N], velocity [m/s] and friction; returns the criterion's value
+        in SI.
+    """
+
+    label: str
+    unit: str
+    scale: float
+    value: Callable[[SmoothContact, float, float, float], float]
+
+
+RIVALS: dict[str, Rival] = {
+    "blok": Rival("Blok, smooth", "K", 1.0, SmoothContact.flash_rise),
+    "power": Rival("friction power", "W", 1.0, lambda _, F, V, mu: mu * F * V),
+    "power-density": Rival(
+        "power per area", "W/mm²", 1e-6, lambda contact, F, V, mu: mu * F * V / contact.area(F)
+    ),
+    "pv": Rival("PV", "GPa m/s", 1e-9, lambda contact, F, V, _: F * V / contact.area(F)),
+}
+"""Simple criteria by the name that ``irg plot --rival`` takes."""
+
+
+def load_speed_exponent(loads: list[float], velocities: list[float]) -> float:
+    """Exponent n of F·Vⁿ that is constant along a line, least squares in the logarithms of F.
+
+    Examples
+    --------
+    >>> f"{load_speed_exponent([750.0, 600.0, 400.0, 200.0], [1.25, 1.5, 2.25, 3.75]):.2f}"
+    '1.19'
+    """
+    x, y = [math.log(v) for v in velocities], [math.log(f) for f in loads]
+    mx, my = sum(x) / len(x), sum(y) / len(y)
+    covariance = sum((a - mx) * (b - my) for a, b in zip(x, y, strict=True))
+    return -covariance / sum((a - mx) ** 2 for a in x)
+
+
+def _of_plain(kind: type[Any], plain: Mapping[str, Any]) -> Any:
+    """An object from what a store says of it, in which infinity is text."""
+    names = {field.name for field in fields(kind)}
+    values = {name: value for name, value in plain.items() if name in names}
+    return kind(**{name: math.inf if value == "inf" else value for name, value in values.items()})

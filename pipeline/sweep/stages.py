@@ -1,0 +1,72 @@
+"""Stages of a long computation: which one begins, of how many, and the time to go."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterable, Iterator
+from typing import TypeVar
+
+T = TypeVar("T")
+
+_YEAR = 365.25 * 24 * 3600  # [s]
+_SOON = 2.0  # [s] before which nothing is foretold
+
+
+def staged(
+    items: Iterable[T],
+    tell: Callable[[str], None] | None,
+    name: Callable[[T], str] = str,
+    weight: Callable[[T], float] = lambda item: 1.0,
+    clock: Callable[[], float] = time.monotonic,
+) -> Iterator[T]:
+    """Go through items, and say before each which it is, of how many, and the time to go.
+
+    Parameters
+    ----------
+    items : iterable
+        What is computed one after the other.
+    tell : callable or None
+        Called with a line before each; nothing is said if None.
+    name : callable
+        Gives the name of an item.
+    weight : callable
+        Gives the share of the time that an item takes, in any unit.
+    clock : callable
+        Gives the time [s].
+
+    Examples
+    --------
+    >>> times = iter([0.0, 0.0, 40.0])
+    >>> for _ in staged(["coarse", "fine"], print, clock=lambda: next(times)):
+    ...     pass
+    1 of 2: coarse
+    2 of 2: fine (about 40 s to go)
+    """
+    everything = list(items)
+    weights = [weight(item) for item in everything]
+    began = clock()
+    for number, item in enumerate(everything):
+        done, left = sum(weights[:number]), sum(weights[number:])
+        elapsed = clock() - began
+        known = done > 0 and elapsed >= _SOON
+        rest = f" (about {duration(elapsed * left / done)} to go)" if known else ""
+        count = f"{number + 1} of {len(everything)}: " if len(everything) > 1 else ""
+        if tell:
+            tell(f"{count}{name(item)}{rest}")
+        yield item
+
+
+def duration(seconds: float) -> str:
+    """Write a duration in the unit that suits it.
+
+    Examples
+    --------
+    >>> duration(12.3), duration(1500.0), duration(19_800.0), duration(float("nan"))
+    ('12 s', '25 min', '5.5 h', 'more than 100 years')
+    """
+    if not seconds < 100 * _YEAR:
+        return "more than 100 years"
+    if seconds < 60:
+        return f"{seconds:.0f} s"
+    minutes = round(seconds / 60)
+    return f"{minutes} min" if minutes < 120 else f"{minutes / 60:.1f} h"

@@ -1,0 +1,115 @@
+"""The disk's surface in a few numbers, before any simulation: heights, tilt and lay."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from pipeline.sweep.model import Sweep
+from tribo import MeasuredRoughness, SelfAffineRoughness
+from tribo.types import Array
+
+_MOST_PIXELS = 1_000_000  # of a random surface that is made only to describe it
+_RQ_OF_RA = math.sqrt(math.pi / 2)  # of heights distributed normally
+_LAY = 2.0  # slopes across the grooves, in those along them, from which a surface has a lay
+
+
+@dataclass(frozen=True, slots=True)
+class SurfaceFacts:
+    """The disk's surface, on its pixels.
+
+    Attributes
+    ----------
+    measured : bool
+        Whether the heights come from a file.
+    ra, rq : float
+        Mean and root mean square distance of the heights from their mean plane [m].
+    mean_height : float
+        Mean height [m].
+    rise : tuple of float
+        Heights by which the mean plane rises over the window, along x and along y [m].
+    lay : float or None
+        Angle between the grooves and the sliding direction, from 0 to 90 [°]; None for a surface
+        without grooves.
+    """
+
+    measured: bool
+    ra: float
+    rq: float
+    mean_height: float = 0.0
+    rise: tuple[float, float] = (0.0, 0.0)
+    lay: float | None = None
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the facts by name, each with its unit."""
+        heights = {"ra": self.ra, "rq": self.rq, "mean_height": self.mean_height, "rise": self.rise}
+        return (
+            {"kind": "measured" if self.measured else "random"}
+            | {name: with_unit(value, "m") for name, value in heights.items()}
+            | {"lay": "none" if self.lay is None else with_unit(self.lay, "degree")}
+        )
+
+
+def with_unit(value: Any, unit: str) -> dict[str, Any] | None:
+    """A value, or a pair along x and y, as plain data with its unit; None if it is infinite."""
+    if isinstance(value, tuple):
+        return {"x": value[0], "y": value[1], "unit": unit}
+    return None if value is None or math.isinf(value) else {"value": value, "unit": unit}
+
+
+def surface_facts(sweep: Sweep) -> SurfaceFacts | None:
+    """Describe the disk's surface; None if it is smooth.
+
+    A random surface of more than a million pixels is described as it is asked for, not made.
+    """
+    rough = sweep.roughness
+    if isinstance(rough, SelfAffineRoughness):
+        if math.prod(sweep.pixels.shape) > _MOST_PIXELS:
+            along_x, along_y = rough.correlation_length
+            lay = 0.0 if along_x >= _LAY * along_y else 90.0 if along_y >= _LAY * along_x else None
+            return SurfaceFacts(False, rough.ra, rough.ra * _RQ_OF_RA, lay=lay)
+        heights = rough.heights(sweep.pixels)
+    elif isinstance(rough, MeasuredRoughness):
+        heights = rough.array
+    else:
+        return None
+    level, rise = _level(heights)
+    return SurfaceFacts(
+        measured=isinstance(rough, MeasuredRoughness),
+        ra=float(np.abs(level).mean()),
+        rq=float(np.sqrt(np.mean(level**2))),
+        mean_height=float(heights.mean()),
+        rise=rise,
+        lay=_lay(level, sweep.pixels.spacing),
+    )
+
+
+def _level(heights: Array) -> tuple[Array, tuple[float, float]]:
+    """Heights above their mean plane, and how far that rises over the window [m].
+
+    The coordinates of a grid are orthogonal, so each slope is a sum of its own.
+    """
+    level, rises = heights - heights.mean(), []
+    for axis, count in enumerate(heights.shape):
+        place = np.arange(count) - (count - 1) / 2
+        profile = level.mean(axis=1 - axis)
+        slope = float(place @ profile / max(place @ place, 1.0))
+        level = level - slope * (place[:, None] if axis == 0 else place)
+        rises.append(slope * count)
+    return level, (rises[0], rises[1])
+
+
+def _lay(heights: Array, spacing: tuple[float, float]) -> float | None:
+    """Angle from the x axis of the direction in which heights change least [°]; None if any."""
+    if min(heights.shape) < 2:
+        return None
+    along_x, along_y = np.gradient(heights, *spacing)
+    xx, yy = float(np.mean(along_x**2)), float(np.mean(along_y**2))
+    values, vectors = np.linalg.eigh([[xx, (xy := float(np.mean(along_x * along_y)))], [xy, yy]])
+    if values[1] <= _LAY**2 * max(values[0], 0.0):
+        return None
+    x, y = np.abs(vectors[:, 0])
+    return math.degrees(math.atan2(y, x))

@@ -1,0 +1,285 @@
+"""Inputs that are not known exactly, and the samples drawn of them.
+
+Samples are the points of a scrambled Sobol' sequence (`scipy.stats.qmc`), which fills the space of
+inputs more evenly than chance does. A longer sequence begins with the shorter one, and what is
+drawn of an input does not depend on those that stand after it.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from typing import Any, Literal, get_args
+
+import numpy as np
+
+from tribo import InputError
+from tribo.types import Array
+
+Kind = Literal["normal", "log-normal", "uniform", "list"]
+
+MOST = 32
+"""Number of inputs that may be unknown."""
+MOST_SAMPLES = 1_000_000
+"""Number of samples that may be drawn."""
+_CONDITIONS = ("friction", "temperature")
+
+
+@dataclass(frozen=True, slots=True)
+class Unit:
+    """A unit in which values are shown.
+
+    Attributes
+    ----------
+    name : str
+        The unit as text; of a pure number, ``1``.
+    size : float
+        Difference that one of it makes [SI].
+    zero : float
+        Value at its zero [SI].
+
+    Examples
+    --------
+    >>> celsius = Unit("°C", zero=273.15)
+    >>> f"{celsius.of(418.15):g} {celsius.name}"
+    '145 °C'
+    """
+
+    name: str
+    size: float = 1.0
+    zero: float = 0.0
+
+    def of(self, value: Any) -> Any:
+        """A value, or an array of them, in this unit."""
+        return (value - self.zero) / self.size
+
+    @property
+    def suffix(self) -> str:
+        """The unit as it follows a number."""
+        return "" if self.name == "1" else f" {self.name}"
+
+
+@dataclass(frozen=True, slots=True)
+class Unknown:
+    """An input that is not known exactly.
+
+    Attributes
+    ----------
+    path : str
+        Path of the entry in the scene, such as ``wear.specific_wear_rate``.
+    kind : {"normal", "log-normal", "uniform", "list"}
+        Shape of its distribution.
+    parameters : tuple of float
+        Mean and standard deviation; median and factor, within which two thirds lie; lowest and
+        highest value; or the values, each as likely [SI].
+    unit : str
+        Unit of its values in SI.
+    written : Unit, optional
+        Unit in which the scene gives its values, if not in SI. Another makes no other input.
+
+    Raises
+    ------
+    InputError
+        If the parameters do not make a distribution.
+
+    Examples
+    --------
+    >>> usual = Unit("mm^3/(N m)", 1e-9)
+    >>> rate = Unknown("wear.specific_wear_rate", "log-normal", (1.2e-15, 1.5), "m2 N-1", usual)
+    >>> print(rate)
+    wear.specific_wear_rate: log-normal, median 1.2e-06 mm^3/(N m), factor 1.5
+    >>> low, middle, high = rate.at(np.array([0.1586553, 0.5, 0.8413447]))
+    >>> print(f"{low:.3g} {middle:.3g} {high:.3g}")
+    8e-16 1.2e-15 1.8e-15
+    """
+
+    path: str
+    kind: Kind
+    parameters: tuple[float, ...]
+    unit: str = "1"
+    written: Unit | None = field(default=None, compare=False)
+
+    def __post_init__(self) -> None:
+        given = self.parameters
+        if self.kind not in get_args(Kind) or not all(map(math.isfinite, given)):
+            raise InputError(f"{self.kind} with {given} is not a distribution; give finite numbers")
+        fault = {
+            "normal": len(given) == 2 and given[1] <= 0 and f"sd is {given[-1]:g}; give above 0",
+            "log-normal": len(given) == 2
+            and (
+                (given[0] <= 0 and f"median is {given[0]:g}; give above 0")
+                or (given[1] <= 1 and f"factor is {given[1]:g}; give above 1, such as 1.5")
+            ),
+            "uniform": len(given) == 2
+            and given[0] >= given[1]
+            and f"from {given[0]:g} to {given[1]:g} does not rise; give the lower one first",
+            "list": len(set(given)) < max(2, len(given)) and "give at least two different values",
+        }[self.kind]
+        if fault:
+            raise InputError(fault)
+
+    def at(self, share: Array) -> Array:
+        """Values that shares of the probability stay below.
+
+        Parameters
+        ----------
+        share : ndarray
+            Shares, above 0 and below 1.
+
+        Returns
+        -------
+        ndarray
+            Values [SI].
+        """
+        from scipy.special import ndtri  # few scenes need it
+
+        first, *rest = self.parameters
+        if self.kind == "normal":
+            return np.asarray(first + rest[0] * ndtri(share))
+        if self.kind == "log-normal":
+            return np.asarray(first * rest[0] ** ndtri(share))
+        if self.kind == "uniform":
+            return np.asarray(first + (rest[0] - first) * share)
+        values = np.array(self.parameters)
+        return np.asarray(values[np.minimum((share * len(values)).astype(int), len(values) - 1)])
+
+    def share_below(self, value: Array) -> Array:
+        """Share of the probability below values [SI]; the inverse of `at`, not for a list."""
+        from scipy.special import ndtr
+
+        first, second = self.parameters[:2]
+        if self.kind == "normal":
+            return np.asarray(ndtr((value - first) / second))
+        if self.kind == "log-normal":
+            return np.asarray(ndtr(np.log(value / first) / math.log(second)))
+        return np.clip((value - first) / (second - first), 0.0, 1.0)
+
+    @property
+    def is_relative(self) -> bool:
+        """Whether ratios of its values count rather than differences."""
+        return self.kind == "log-normal"
+
+    @property
+    def shown(self) -> Unit:
+        """The unit in which its values are shown."""
+        return self.written or Unit(self.unit)
+
+    @property
+    def spread(self) -> Unit:
+        """The unit in which differences of its values are shown; those of a temperature, in K."""
+        return Unit(self.unit) if self.shown.zero else self.shown
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return all fields as plain data, without the unit of the scene where it is of SI."""
+        data = asdict(self) | {"parameters": list(self.parameters)}
+        return data if self.written else {k: v for k, v in data.items() if k != "written"}
+
+    @classmethod
+    def from_dict(cls, data: Mapping[str, Any]) -> Unknown:
+        """Make one from what `as_dict` returned."""
+        written = data.get("written")
+        unit = Unit(**written) if written else None
+        return cls(**{**data, "parameters": tuple(data["parameters"]), "written": unit})
+
+    def __str__(self) -> str:
+        unit = self.shown.suffix
+        values = [f"{self.shown.of(value):.6g}" for value in self.parameters]
+        first, second = values[0], self.parameters[1]
+        spread = f"{self.spread.of(second):.6g}{self.spread.suffix}"
+        told = {
+            "normal": f"normal, mean {first}{unit}, sd {spread}",
+            "log-normal": f"log-normal, median {first}{unit}, factor {second:.6g}",
+            "uniform": f"uniform from {first} to {values[1]}{unit}",
+            "list": f"one of {', '.join(values)}{unit}",
+        }[self.kind]
+        return f"{self.path}: {told}"
+
+
+@dataclass(frozen=True, slots=True)
+class Samples:
+    """What the samples of a sweep have in place of the scene's own entries.
+
+    Attributes
+    ----------
+    unknown : tuple of Unknown
+        Inputs that are drawn.
+    seed : int
+        Seed of the scrambling.
+    values : tuple of tuple of float
+        Values drawn, by sample and input [SI].
+    parts : tuple of tuple of (str, value)
+        Fields of the `Sweep` that differ from its own, and their values, for each sample.
+    simulated : tuple of str
+        Paths of the inputs that the simulation depends on; the others are applied afterwards.
+    """
+
+    unknown: tuple[Unknown, ...]
+    seed: int
+    values: tuple[tuple[float, ...], ...]
+    parts: tuple[tuple[tuple[str, Any], ...], ...]
+    simulated: tuple[str, ...]
+
+    def __len__(self) -> int:
+        return len(self.values)
+
+    @property
+    def are_simulated(self) -> bool:
+        """Whether any sample needs a simulation of its own."""
+        return bool(self.simulated)
+
+    def scaled(self, number: int) -> tuple[float, ...]:
+        """Values of a sample on scales on which a power law is straight."""
+        row = zip(self.unknown, self.values[number], strict=True)
+        return tuple(math.log(value) if each.is_relative else value for each, value in row)
+
+    @property
+    def columns(self) -> dict[str, list[float]]:
+        """Values drawn of each input, by its path [SI]."""
+        columns = np.array(self.values, float).reshape(len(self.values), len(self.unknown)).T
+        return {
+            each.path: column.tolist() for each, column in zip(self.unknown, columns, strict=True)
+        }
+
+
+def drawn(unknown: tuple[Unknown, ...], seed: int, count: int) -> Array:
+    """Draw samples of unknown inputs.
+
+    Parameters
+    ----------
+    unknown : tuple of Unknown
+        Inputs, `MOST` at most.
+    seed : int
+        Seed of the scrambling.
+    count : int
+        Number of samples.
+
+    Returns
+    -------
+    ndarray, shape (count, n_unknown)
+        Values [SI]. Those of more samples begin with those of fewer.
+
+    Examples
+    --------
+    >>> friction = Unknown("friction.coefficient", "normal", (0.1, 0.005))
+    >>> values = drawn((friction,), seed=0, count=256)
+    >>> print(f"{values.mean():.4f} {values.std():.4f}")
+    0.1000 0.0050
+    >>> bool((values[:8] == drawn((friction,), seed=0, count=8)).all())
+    True
+    """
+    shares = _sequence(seed, max(count - 1, 1).bit_length())[:count]
+    return np.stack([each.at(column) for each, column in zip(unknown, shares.T, strict=False)], 1)
+
+
+@functools.lru_cache(maxsize=2)
+def _sequence(seed: int, levels: int) -> Array:
+    """The first 2**levels points of the sequence, within the unit cube and not on its faces."""
+    from scipy.stats import qmc  # takes 0.5 s, and few scenes need it
+
+    points: Array = qmc.Sobol(MOST, scramble=True, rng=np.random.default_rng(seed)).random_base2(
+        levels
+    )
+    shares: Array = np.clip(points, 2.0**-40, 1 - 2.0**-40)
+    return shares

@@ -1,0 +1,161 @@
+"""Materials, oils and units of hardness that a scene can name."""
+
+import re
+from decimal import Decimal
+
+import pytest
+
+from pipeline.scene.faults import SceneFileError
+from pipeline.scene.hardness import hardness_pressure
+from pipeline.scene.library import library
+from pipeline.scene.scenefile import load_scene
+from pipeline.scene.units import UnitError, to_si
+from tests.helpers.scenes import STEEL
+from tests.pipeline.scene import test_scenefile
+
+WITH_OIL = test_scenefile.TEXT
+TEXT = WITH_OIL[: WITH_OIL.index("[oil]")] + WITH_OIL[WITH_OIL.index("[friction]") :]
+TABLE = TEXT[TEXT.index("[materials.steel]") : TEXT.index("[pin]")]
+NO_TABLE = TEXT.replace(TABLE, "").replace('"steel"', '"AISI 52100"')
+
+
+@pytest.fixture
+def read(tmp_path):
+    def read(text):
+        path = tmp_path / "scene.toml"
+        path.write_text(text, encoding="utf-8")
+        return load_scene(path)
+
+    return read
+
+
+@pytest.fixture
+def fault(read):
+    def fault(text):
+        with pytest.raises(SceneFileError) as caught:
+            read(text)
+        (only,) = caught.value.faults
+        return only
+
+    return fault
+
+
+def test_a_material_of_the_library_is_the_same_written_in_full(read):
+    sweep, written = read(NO_TABLE), read(TEXT)
+    assert sweep.disk == written.disk == STEEL
+    assert {entry.source for entry in sweep.library} == {"Bosman & de Rooij, Table 3"}
+    assert len(sweep.library) == 6
+    assert written.library == ()
+
+
+def test_own_entries_go_before_those_of_the_library(read):
+    hard = '[materials.ball]\nlike = "AISI 52100"\nhardness = "62 HRC"\n'
+    sweep = read(NO_TABLE.replace("[pin]", f"{hard}\n[pin]", 1).replace(
+        'length = "3.4 mm"\nmaterial = "AISI 52100"', 'length = "3.4 mm"\nmaterial = "ball"'
+    ))  # fmt: skip
+    assert sweep.pin.material.hardness == pytest.approx(746 * 9.80665e6)
+    assert sweep.disk.hardness == 6.6e9
+    assert "materials.ball.hardness" not in [entry.key for entry in sweep.library]
+
+
+def test_a_table_under_a_name_of_the_library_may_be_a_part_or_whole(read):
+    part = '[materials."AISI 52100"]\nhardness = "700 HV"\n\n[pin]'
+    assert read(NO_TABLE.replace("[pin]", part, 1)).disk.hardness == 700 * 9.80665e6
+    elastic = re.sub("hardness = .*\n", "", TABLE).replace("steel", '"AISI 52100"')
+    sweep = read(NO_TABLE + elastic)
+    assert sweep.disk.hardness == float("inf")
+    assert sweep.library == ()
+
+
+def test_a_misspelt_name_is_told_with_the_nearest(fault):
+    assert 'did you mean "AISI 52100"' in fault(
+        NO_TABLE.replace('material = "AISI 52100"', 'material = "AISI 5210"', 1)
+    )
+    assert 'did you mean "medicinal white oil"' in fault('oil = "white oil"\n' + TEXT)
+    assert '"tungsten"' in fault(NO_TABLE.replace('material = "AISI 52100"', 'material = "zzz"', 1))
+
+
+@pytest.mark.parametrize(
+    ("like", "said"), [('"AISI 5210"', 'did you mean "AISI 52100"'), ("3", "3 is not text")]
+)
+def test_a_wrong_like_is_one_fault_without_what_follows_from_it(fault, like, said):
+    table = f'[materials."AISI 52100"]\nlike = {like}\n\n[pin]'
+    assert said in fault(NO_TABLE.replace("[pin]", table, 1))
+
+
+def test_an_empty_name_of_an_oil_is_one_fault(fault):
+    assert "the text is empty" in fault('oil = ""\n' + TEXT)
+
+
+def test_every_entry_of_the_library_is_a_sound_material_or_oil(read):
+    for name in library()["materials"]:
+        sweep = read(NO_TABLE.replace("AISI 52100", name))
+        assert sweep.disk.thermal_conductivity > 0
+        assert 80e9 < sweep.disk.elastic_modulus < 420e9 or name.startswith("aluminium")
+        assert 1e-7 < sweep.disk.thermal_diffusivity < 2e-4
+    for name in library()["oils"]:
+        oil = read(f'oil = "{name}"\n{TEXT}').oil
+        assert 1 < oil.viscosity(303.15) / oil.viscosity(373.15) < 100
+
+
+def test_every_number_of_the_library_has_a_source():
+    known = set(library()["sources"])
+    entries = [*library()["materials"].values(), *library()["oils"].values()]
+    used = {source for entry in entries for _, source in entry.values()}
+    assert used == known
+
+
+def test_the_viscosity_between_its_temperatures_is_that_of_the_source(read):
+    """The source has 23.3 mPa s at 60 °C as well, the equation of ASTM D341 within 3 %."""
+    oil = read(f'oil = "medicinal white oil"\n{TEXT}').oil
+    assert oil.viscosity(303.15) == pytest.approx(0.107)
+    assert oil.viscosity(373.15) == pytest.approx(0.0064)
+    assert oil.viscosity(333.15) == pytest.approx(0.0233, rel=0.03)
+    assert oil.pressure_coefficient(333.15) == pytest.approx(22.8e-9, rel=0.05)
+
+
+def test_own_viscosity_takes_none_of_the_library_at_other_temperatures(read):
+    own = '[oil]\nlike = "medicinal white oil"\ndensity = "866 kg/m^3"\n'
+    thin = own + 'kinematic_viscosity = ["32 mm^2/s", "5 mm^2/s"]\n'
+    oil = read(TEXT + thin).oil
+    assert oil.temperatures == (313.15, 373.15)
+    assert oil.pressure_coefficients is None
+
+
+@pytest.mark.parametrize(
+    ("table", "said"),
+    [
+        ('density = "866 kg/m^3"', "neither is given"),
+        ('kinematic_viscosity = ["32 mm^2/s", "5 mm^2/s"]', "needs one"),
+        ('dynamic_viscosity = ["4 mPa s", "28 mPa s"]', "must fall"),
+        ('dynamic_viscosity = ["28 mPa s", "4 mPa s"]\nviscosity = 3', "unknown key"),
+    ],
+)
+def test_a_faulty_oil_is_one_clear_fault(fault, table, said):
+    assert said in fault(f"{TEXT}[oil]\n{table}\n")
+
+
+@pytest.mark.parametrize(
+    ("text", "vickers"), [("700 HV", 700), ("700 HV0.5", 700), ("64 HRC", 800), ("20.5 HRC", 240.5),
+                          ("654 HBW 10/3000", 697), ("226 HB", 238)],
+)  # fmt: skip
+def test_units_of_hardness(text, vickers):
+    assert to_si(text, like="6.6 GPa") == pytest.approx(vickers * 9.80665e6)
+
+
+@pytest.mark.parametrize("text", ["19 HRC", "69 HRC", "200 HB", "740 HBW", "60 HRA", "60 HRC/mm"])
+def test_no_hardness_outside_its_conversion(text):
+    with pytest.raises(UnitError):
+        to_si(text, like="6.6 GPa")
+
+
+def test_conversion_rises_and_scales_agree():
+    """HB of E140 at 60 HRC is 654: both give the same Vickers number."""
+    values = [hardness_pressure(Decimal(n), "HRC") for n in range(20, 69)]
+    assert values == sorted(set(values))
+    assert hardness_pressure(Decimal(654), "HB") == hardness_pressure(Decimal(60), "HRC")
+
+
+def test_a_hardness_is_not_a_length():
+    with pytest.raises(UnitError, match="cannot be converted to mm"):
+        to_si("62 HRC", like="1 mm")

@@ -1,0 +1,96 @@
+"""The reference of the scene file, and new scenes: both made from the format."""
+
+import re
+import tomllib
+
+import pytest
+
+from pipeline.cli import main
+from pipeline.scene.meanings import MEANINGS, TABLES
+from pipeline.scene.reference import page, sections
+from pipeline.scene.scenefile import load_scene
+from pipeline.scene.schema import Optional
+from pipeline.scene.shipped import WORKFLOWS, shipped_scenes
+from pipeline.scene.template import example, new_scene
+from tribo import InputError
+
+KEYS = [(section, key) for section in sections() for key in section.keys()]  # noqa: SIM118
+
+
+def test_the_page_is_what_the_format_says():
+    shown = (WORKFLOWS / "SCENE.md").read_text(encoding="utf-8")
+    assert shown == page(), "write it anew with: make reference"
+
+
+def test_every_entry_has_a_sentence_and_no_sentence_is_without_an_entry():
+    where = "pipeline/scene/meanings.py"
+    assert {section.path_of(key) for section, key in KEYS} == set(MEANINGS), where
+    assert {section.path for section in sections()} == set(TABLES), where
+    assert all(text.endswith(".") for text in [*MEANINGS.values(), *TABLES.values()])
+
+
+@pytest.mark.parametrize("name", shipped_scenes())
+def test_a_new_scene_means_what_the_shipped_one_does(name, tmp_path):
+    new_scene(tmp_path / f"{name}.toml", like=name)
+    assert load_scene(tmp_path / f"{name}.toml") == load_scene(WORKFLOWS / f"{name}.toml")
+
+
+@pytest.fixture(scope="module")
+def template(tmp_path_factory):
+    path = tmp_path_factory.mktemp("new") / "mine.toml"
+    new_scene(path)
+    return path
+
+
+def test_the_template_holds_every_table_and_key(template):
+    text = template.read_text(encoding="utf-8")
+    names = re.findall(r"^#?(\w+) = ", text, flags=re.MULTILINE)
+    assert sorted(names) == sorted(key for _, key in KEYS)
+    headers = re.findall(r"^#?\[+([\w.]+)\]+$", text, flags=re.MULTILINE)
+    assert headers == [s.path.replace("NAME", "steel") for s in sections() if s.path]
+    assert max(map(len, text.splitlines())) <= 100
+
+
+@pytest.mark.parametrize(("section", "key"), KEYS, ids=[f"{s.path}.{key}" for s, key in KEYS])
+def test_every_example_is_allowed(section, key, template):
+    entry, _ = section.keys()[key]
+    kind, default = (entry.kind, entry.default) if isinstance(entry, Optional) else (entry, None)
+    faults = []
+    kind.read(example(kind, default), section.path_of(key), faults)
+    assert not faults
+    lines = template.read_text(encoding="utf-8").splitlines()
+    shown = next(line for line in lines if re.match(rf"#?{key} = ", line))
+    tomllib.loads(shown.removeprefix("#"))
+
+
+def test_an_entry_without_its_mark_takes_effect(template, tmp_path):
+    text = template.read_text(encoding="utf-8")
+    (tmp_path / "held.toml").write_text(text.replace("#hold = ", "hold = "), encoding="utf-8")
+    assert load_scene(template).loading.hold == 0.0
+    assert load_scene(tmp_path / "held.toml").loading.hold == 4.0
+
+
+def test_what_cannot_be_written_is_refused(tmp_path):
+    with pytest.raises(InputError, match=r"give a name such as mine\.toml"):
+        new_scene(tmp_path / "mine")
+    with pytest.raises(InputError, match=r'did you mean "twin_disc"\?.*there are ball_on_disk'):
+        new_scene(tmp_path / "mine.toml", like="twin_disk")
+    with pytest.raises(InputError, match="No such file or directory"):
+        new_scene(tmp_path / "nowhere" / "mine.toml")
+    new_scene(tmp_path / "mine.toml")
+    with pytest.raises(InputError, match="exists already"):
+        new_scene(tmp_path / "mine.toml")
+    (tmp_path / "fig8_load_record.csv").write_text("mine")
+    with pytest.raises(InputError, match=r"fig8_load_record\.csv exists already"):
+        new_scene(tmp_path / "other.toml", like="fig8")
+    assert not (tmp_path / "other.toml").exists()
+
+
+def test_the_command_writes_and_lists(tmp_path, capsys):
+    assert main(["new", str(tmp_path / "mine.toml")]) == 0
+    assert f"irg check {tmp_path / 'mine.toml'}" in capsys.readouterr().out
+    assert load_scene(tmp_path / "mine.toml").preset == "standard"
+    assert main(["new", "--list"]) == 0
+    assert set(shipped_scenes()) <= set(capsys.readouterr().out.split())
+    assert main(["new"]) == 2
+    assert "irg new scene.toml" in capsys.readouterr().err

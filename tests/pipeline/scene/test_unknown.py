@@ -1,0 +1,181 @@
+"""The table [unknown] of a scene file: what it means, and every way to get it wrong."""
+
+import json
+from dataclasses import replace
+
+import pytest
+
+import pipeline
+from pipeline.scene.faults import SceneFileError
+from pipeline.store.identity import describe, scene_hash
+from pipeline.sweep.plan import points
+from tests.pipeline.cli.test_commands import SCENE
+
+UNKNOWN = """
+[unknown]
+"wear.specific_wear_rate" = { median = "1.2e-6 mm^3/(N m)", factor = 1.5 }
+"disk.roughness.correlation_length" = { from = "12 um", to = "24 um" }
+"friction.coefficient" = { mean = 0.1, sd = 0.005 }
+"temperature.critical" = { mean = "145 degC", sd = "8 K" }
+"disk.roughness.seed" = [0, 1, 2, 3]
+"""
+
+
+def scene(tmp_path, unknown=UNKNOWN, samples=8, text=SCENE):
+    sampled = "[sweep]" if samples is None else f"[sweep]\nsamples = {samples}"
+    (tmp_path / "scene.toml").write_text(text.replace("[sweep]", sampled) + unknown)
+    return tmp_path / "scene.toml"
+
+
+def faults(path):
+    with pytest.raises(SceneFileError) as caught:
+        pipeline.load_scene(path)
+    return caught.value.faults
+
+
+def test_quantities_are_read_in_si(tmp_path):
+    sweep = pipeline.load_scene(scene(tmp_path))
+    rate, length, friction, critical, seed = sweep.samples.unknown
+    assert (rate.kind, rate.parameters) == ("log-normal", (1.2e-15, 1.5))
+    assert (length.kind, length.parameters, length.unit) == ("uniform", (12e-6, 24e-6), "m")
+    assert (friction.kind, friction.parameters) == ("normal", (0.1, 0.005))
+    assert (critical.parameters, critical.unit) == (pytest.approx((418.15, 8.0)), "K")
+    assert (seed.kind, seed.parameters) == ("list", (0.0, 1.0, 2.0, 3.0))
+    assert len(sweep.samples) == 8
+
+
+def test_friction_and_temperatures_are_not_simulated(tmp_path):
+    sweep = pipeline.load_scene(scene(tmp_path))
+    assert sweep.samples.simulated == (
+        "wear.specific_wear_rate",
+        "disk.roughness.correlation_length",
+        "disk.roughness.seed",
+    )
+    only = '[unknown]\n"temperature.critical" = { mean = "145 degC", sd = "8 K" }\n'
+    judged = pipeline.load_scene(scene(tmp_path, only))
+    assert judged.axis is None
+    assert points(judged) == points(pipeline.load_scene(scene(tmp_path, "", None)))
+
+
+def test_a_sample_is_the_scene_with_its_values_typed_in(tmp_path):
+    path = scene(tmp_path)
+    sweep = pipeline.load_scene(path)
+    for number in (0, 5):
+        rate, length, friction, critical, seed = sweep.samples.values[number]
+        typed = pipeline.load_scene(
+            scene(tmp_path, "", None),
+            overrides={
+                "wear.specific_wear_rate": f"{rate!r} m^2/N",
+                "disk.roughness.correlation_length": f"{length!r} m",
+                "friction.coefficient": friction,
+                "temperature.critical": f"{critical!r} K",
+                "disk.roughness.seed": round(seed),
+            },
+        )
+        assert sweep.variant(sample=number) == typed
+        scene(tmp_path)
+
+
+def test_paths_may_also_be_written_as_tables(tmp_path):
+    nested = UNKNOWN.replace('"wear.specific_wear_rate"', "wear.specific_wear_rate")
+    assert pipeline.load_scene(scene(tmp_path, nested)) == pipeline.load_scene(scene(tmp_path))
+
+
+def test_what_is_unknown_counts_only_with_samples(tmp_path):
+    plain = pipeline.load_scene(scene(tmp_path, "", None))
+    told = pipeline.load_scene(scene(tmp_path, UNKNOWN, None))
+    assert told.notes == ("unknown: 5 inputs not known exactly; give sweep.samples to draw them",)
+    assert replace(told, notes=()) == plain
+    assert scene_hash(describe(told)) == scene_hash(describe(plain))
+
+
+def test_samples_are_part_of_what_a_store_is_of_but_conditions_are_not(tmp_path):
+    sweep = pipeline.load_scene(scene(tmp_path))
+    wider = pipeline.load_scene(scene(tmp_path, UNKNOWN.replace("8 K", "9 K")))
+    other = pipeline.load_scene(scene(tmp_path, UNKNOWN.replace("factor = 1.5", "factor = 1.6")))
+    assert describe(wider) == describe(sweep)
+    assert describe(other) != describe(sweep)
+    assert describe(replace(sweep, samples=None)) != describe(sweep)
+
+
+def test_another_spelling_of_the_same_quantities_is_shown_and_is_the_same_scene(tmp_path):
+    si = {
+        "1.2e-6 mm^3/(N m)": "1.2e-15 1/Pa",
+        '"12 um", to = "24 um"': '"0.012 mm", to = "24000 nm"',
+        "145 degC": "418.15 K",
+    }
+    spelled = UNKNOWN
+    for before, after in si.items():
+        spelled = spelled.replace(before, after)
+    sweep = pipeline.load_scene(scene(tmp_path))
+    other = pipeline.load_scene(scene(tmp_path, spelled))
+    assert other == sweep
+    assert scene_hash(describe(other)) == scene_hash(describe(sweep))
+    assert '"written"' not in json.dumps(describe(sweep))
+    assert [str(each).partition(": ")[2] for each in sweep.samples.unknown[:4]] == [
+        "log-normal, median 1.2e-06 mm^3/(N m), factor 1.5",
+        "uniform from 12 to 24 µm",
+        "normal, mean 0.1, sd 0.005",
+        "normal, mean 145 °C, sd 8 K",
+    ]
+    assert [str(each).partition(": ")[2] for each in other.samples.unknown[:4]] == [
+        "log-normal, median 1.2e-15 1/Pa, factor 1.5",
+        "uniform from 0.012 to 0.024 mm",
+        "normal, mean 0.1, sd 0.005",
+        "normal, mean 418.15 K, sd 8 K",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("line", "told"),
+    [
+        (
+            '"disk.roughness.ra" = { mean = "0.27 um", sd = "0.15 um" }',
+            'reaches -0.287852 um in one of 10000 samples: disk.roughness.ra: "-0.287852 um" is '
+            "out of range; give a length above 0",
+        ),
+        ('"wear.specific_rate" = [1, 2]', "wear.specific_rate: unknown key (did you mean"),
+        ('"temperature.critical" = { mean = "145 degC", sd = "8 degC" }', 'such as "8 K"'),
+        ('"temperature.critical" = { mean = "45 degC", sd = "8 K" }', "not above temperature.bulk"),
+        ('"pin.radius" = { median = "2 s", factor = 1.1 }', "cannot be converted to mm"),
+        ('"pin.radius" = { mean = "2 mm", sd = 0.1 }', "give all with a unit, or none"),
+        ('"pin.radius" = { from = "3 mm", to = "1 mm" }', "does not rise"),
+        ('"pin.radius" = { mean = "2 mm", factor = 2 }', "is not a distribution; give a table"),
+        ('"pin.radius" = "2 mm"', "is not a distribution"),
+        (
+            '"materials.steel.hardness" = ["60 HRC", "62 HRC"]',
+            '"60 HRC" is on a scale of uneven steps; give it in HV, or as a pressure',
+        ),
+        ('"friction.coefficient" = { median = 0.1, factor = 0.9 }', "0.9 is out of range"),
+        ('"materials.copper.hardness" = ["1 GPa", "2 GPa"]', "materials.copper.elastic_modulus"),
+        ('"friction.band" = [0.1, 0.2]', "friction.band: 0.1 is not a list"),
+        ('"sweep.loads" = ["1 N", "2 N"]', "cannot be unknown"),
+        ('"title" = ["a", "b"]', "cannot be unknown"),
+        ('"loading.reference_load" = ["750 N", "400 N"]', "number of steps"),
+    ],
+)
+def test_a_fault_says_what_is_wrong_and_with_which_input(tmp_path, line, told):
+    found = faults(scene(tmp_path, f"[unknown]\n{line}\n"))
+    assert len(found) == 1
+    assert found[0].startswith(f"unknown.{line.partition(' =')[0]}")
+    assert told in found[0]
+
+
+def test_an_input_that_changes_nothing_is_told(tmp_path):
+    idle = SCENE.split("[materials.steel]")[1].split("[pin]")[0]
+    text = SCENE.replace("[pin]", f"[materials.idle]{idle}[pin]")
+    (told,) = faults(
+        scene(
+            tmp_path, '[unknown]\n"materials.idle.density" = ["1 g/cm^3", "2 g/cm^3"]\n', text=text
+        )
+    )
+    assert "changes nothing in this scene; leave it out" in told
+
+
+def test_samples_of_a_scene_in_which_all_is_known_are_refused(tmp_path):
+    assert "give [unknown], too" in faults(scene(tmp_path, ""))[0]
+
+
+def test_samples_and_surfaces_exclude_each_other(tmp_path):
+    path = scene(tmp_path, text=SCENE.replace("[sweep]", "[sweep]\nrealizations = 2"))
+    assert '"disk.roughness.seed" = [0, 1, 2, 3]' in faults(path)[0]

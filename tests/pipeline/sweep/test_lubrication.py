@@ -1,0 +1,83 @@
+"""In which regime of lubrication a crossing lies."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import pipeline
+from pipeline.sweep.lubrication import Lubrication
+from tribo import Ball, Motion, Oil, lubrication_regime, minimum_line_film, minimum_point_film
+
+WORKFLOWS = Path(__file__).parents[3] / "workflows"
+WHITE = Oil((313.15, 373.15), (32e-6, 5e-6), 866.0, (20e-9, 20e-9))
+LOADS, VELOCITIES = np.array([750.0, 600.0, 400.0, 200.0]), np.array([1.25, 1.5, 2.25, 3.75])
+
+
+@pytest.fixture(scope="module")
+def sweep():
+    return replace(pipeline.load_scene(WORKFLOWS / "first_try.toml"), oil=WHITE)
+
+
+def test_film_parameters_of_the_papers_transitions(sweep):
+    """0.33, 0.38, 0.53, 0.84 with 55 mPa s; ASTM D341 gives the oil 59.3 mPa s at 25 °C."""
+    thinner = replace(WHITE, density=WHITE.density * 0.055 / WHITE.viscosity(298.15))
+    found = Lubrication.of(replace(sweep, oil=thinner))
+    expected = [0.33, 0.38, 0.53, 0.84]
+    assert found.film_parameter(LOADS, VELOCITIES, 298.15) == pytest.approx(expected, abs=0.01)
+
+
+def test_the_film_grows_with_speed_and_shrinks_with_heat_and_load(sweep):
+    of = Lubrication.of(sweep).film_parameter
+    assert of(750, 2.5, 298.15) / of(750, 1.25, 298.15) == pytest.approx(2**0.7)
+    assert of(1500, 1.25, 298.15) / of(750, 1.25, 298.15) == pytest.approx(2**-0.13)
+    assert of(750, 1.25, 373.15) < 0.2 * of(750, 1.25, 298.15)
+    assert np.isnan(of(np.nan, 1.0, 298.15))
+
+
+def test_rolling_draws_in_more_oil_than_sliding(sweep):
+    at_rest, rolling = (
+        Lubrication.of(replace(sweep, motion=motion)).film_parameter(750, 1.0, 298.15)
+        for motion in (None, Motion(slide_roll_ratio=0.5))
+    )
+    assert rolling / at_rest == pytest.approx(4**0.7)
+
+
+def test_a_ball_has_the_film_of_a_point_contact(sweep):
+    ball = replace(sweep, pin=Ball(5e-3, sweep.disk), pixels=replace(
+        sweep.pixels, periodic=(False, False)), wear=None)  # fmt: skip
+    found = Lubrication.of(ball)
+    expected = minimum_point_film(
+        0.5, WHITE.viscosity(298.15), 20e-9, 50.0, 5e-3, found.contact_modulus
+    )
+    assert found.film_thickness(50.0, 1.0, 298.15) == expected
+
+
+def test_line_and_point_formulas_have_their_exponents():
+    line = [minimum_line_film(1.0, 0.05, 20e-9, w, 2e-3, 1e11) for w in (1e5, 2e5)]
+    assert line[1] / line[0] == pytest.approx(2**-0.13)
+    point = [minimum_point_film(u, 0.05, 20e-9, 50.0, 5e-3, 1e11) for u in (1.0, 2.0)]
+    assert point[1] / point[0] == pytest.approx(2**0.68)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [{"oil": None}, {"roughness": None}, {"oil": replace(WHITE, pressure_coefficients=None)}],
+)
+def test_nothing_is_said_without_what_it_takes(sweep, change):
+    assert Lubrication.of(replace(sweep, **change)) is None
+
+
+def test_a_stored_sweep_says_the_same(sweep):
+    found = Lubrication.of(replace(sweep, motion=Motion(entrainment_velocity=2.0)))
+    assert Lubrication.stored({"lubrication": found.as_dict()}) == found
+    assert Lubrication.stored({}) is None
+
+
+def test_regimes_change_at_one_and_three():
+    below, above = np.nextafter(1, 0), np.nextafter(3, 0)
+    assert lubrication_regime(below) == "boundary lubrication"
+    assert lubrication_regime(1.0) == "mixed lubrication"
+    assert lubrication_regime(above) == "mixed lubrication"
+    assert lubrication_regime(3.0).startswith("full film")

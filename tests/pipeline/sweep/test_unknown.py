@@ -1,0 +1,112 @@
+"""Distributions of inputs that are not known exactly, and the samples drawn of them."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from pipeline.sweep.unknown import Unit, Unknown, drawn
+from tribo import InputError
+
+NORMAL = Unknown("temperature.critical", "normal", (418.15, 8.0), "K")
+FACTOR = Unknown("wear.specific_wear_rate", "log-normal", (1.2e-15, 1.5), "m s2 kg-1")
+EVEN = Unknown("disk.roughness.correlation_length", "uniform", (3e-6, 6e-6), "m")
+LISTED = Unknown("disk.roughness.seed", "list", (3.0, 5.0, 8.0, 9.0))
+ALL = (NORMAL, FACTOR, EVEN, LISTED)
+
+
+@pytest.mark.parametrize("unknown", [NORMAL, FACTOR, EVEN], ids=lambda each: each.kind)
+def test_the_share_below_a_value_is_the_one_it_was_drawn_by(unknown):
+    shares = np.array([1e-4, 0.2, 0.5, 0.9])
+    assert unknown.share_below(unknown.at(shares)) == pytest.approx(shares, rel=1e-9)
+
+
+def test_two_thirds_lie_within_the_standard_deviation_or_the_factor():
+    values = drawn(ALL, seed=1, count=4096)
+    within = np.abs(values[:, 0] - 418.15) < 8.0
+    assert within.mean() == pytest.approx(0.6827, abs=0.002)
+    ratio = values[:, 1] / 1.2e-15
+    assert ((ratio < 1.5) & (ratio > 1 / 1.5)).mean() == pytest.approx(0.6827, abs=0.002)
+    assert values[:, 2].min() < 3.01e-6 < 5.99e-6 < values[:, 2].max()
+
+
+def test_each_of_a_list_is_drawn_as_often():
+    values, counts = np.unique(drawn(ALL, seed=1, count=256)[:, 3], return_counts=True)
+    assert values.tolist() == [3.0, 5.0, 8.0, 9.0]
+    assert counts.tolist() == [64, 64, 64, 64]
+
+
+def test_more_samples_begin_with_those_of_fewer():
+    assert (drawn(ALL, seed=2, count=200)[:77] == drawn(ALL, seed=2, count=77)).all()
+
+
+def test_what_is_drawn_of_an_input_does_not_depend_on_those_after_it():
+    assert (drawn(ALL, seed=2, count=50)[:, :2] == drawn(ALL[:2], seed=2, count=50)).all()
+
+
+def test_another_seed_draws_others():
+    assert (drawn(ALL[:2], 1, 64) != drawn(ALL[:2], 2, 64)).all()
+
+
+def test_samples_fill_the_space_more_evenly_than_chance():
+    means = [drawn((EVEN,), seed, 128).mean() for seed in range(20)]
+    by_chance = (3e-6 / 12**0.5) / 128**0.5
+    assert np.std(means) < 0.1 * by_chance
+
+
+@pytest.mark.parametrize(
+    ("kind", "parameters", "told"),
+    [
+        ("normal", (0.1, 0.0), "sd is 0; give above 0"),
+        ("log-normal", (-1.0, 1.5), "median is -1; give above 0"),
+        ("log-normal", (1.0, 1.0), "factor is 1; give above 1"),
+        ("uniform", (6.0, 3.0), "from 6 to 3 does not rise"),
+        ("list", (1.0,), "at least two different values"),
+        ("list", (1.0, 1.0), "at least two different values"),
+        ("normal", (float("nan"), 1.0), "finite"),
+    ],
+)
+def test_what_is_not_a_distribution_is_refused(kind, parameters, told):
+    with pytest.raises(InputError, match=told):
+        Unknown("friction.coefficient", kind, parameters)
+
+
+def test_an_input_survives_being_written_as_plain_data():
+    assert [Unknown.from_dict(each.as_dict()) for each in ALL] == list(ALL)
+
+
+CELSIUS = replace(NORMAL, written=Unit("°C", zero=273.15))
+
+
+@pytest.mark.parametrize(
+    ("unknown", "told"),
+    [
+        (NORMAL, "normal, mean 418.15 K, sd 8 K"),
+        (CELSIUS, "normal, mean 145 °C, sd 8 K"),
+        (
+            replace(FACTOR, written=Unit("mm^3/(N m)", 1e-9)),
+            "log-normal, median 1.2e-06 mm^3/(N m), factor 1.5",
+        ),
+        (replace(EVEN, written=Unit("µm", 1e-6)), "uniform from 3 to 6 µm"),
+        (
+            Unknown("pin.radius", "normal", (2e-3, 1e-4), "m", Unit("mm", 1e-3)),
+            "normal, mean 2 mm, sd 0.1 mm",
+        ),
+        (
+            Unknown("pin.radius", "list", (2e-3, 3e-3), "m", Unit("mm", 1e-3)),
+            "one of 2, 3 mm",
+        ),
+        (LISTED, "one of 3, 5, 8, 9"),
+    ],
+)
+def test_values_are_told_in_the_unit_in_which_they_were_written(unknown, told):
+    assert str(unknown) == f"{unknown.path}: {told}"
+    assert str(Unknown.from_dict(json.loads(json.dumps(unknown.as_dict())))) == str(unknown)
+
+
+def test_the_unit_in_which_it_was_written_makes_no_other_input():
+    assert CELSIUS == NORMAL
+    older = {"path": NORMAL.path, "kind": "normal", "parameters": [418.15, 8.0], "unit": "K"}
+    assert NORMAL.as_dict() == older
+    assert Unknown.from_dict(older).shown == Unit("K")
