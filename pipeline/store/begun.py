@@ -7,11 +7,12 @@ chunk of any point, or with any other file, is left alone.
 
 from __future__ import annotations
 
+import os
 import re
 from pathlib import Path
 
 from pipeline.store.folder import PARTIAL, ROOT, Place, read_json
-from pipeline.store.variables import COORDINATES, VARIABLES
+from pipeline.store.variables import is_coordinate, variable_of
 
 _PARTIAL = re.compile(rf".+\.(json|[0-9a-f]{{32}}){re.escape(PARTIAL)}")
 _CHUNK = re.compile(r"c\.\d+")
@@ -23,17 +24,18 @@ def is_begun(folder: Place) -> bool:
 
 
 def remove_partial(folder: Path) -> None:
-    """Remove what processes that were killed were writing."""
-    for left in folder.rglob(f"*{PARTIAL}"):
-        if _is_partial(left):
-            left.unlink(missing_ok=True)
+    """Remove what processes that were killed were writing, which takes a look at every name."""
+    for place, _, names in os.walk(folder):
+        for name in names:
+            if name.endswith(PARTIAL) and _is_partial(file := Path(place, name)):
+                file.unlink(missing_ok=True)
 
 
 def _is_of_creation(entry: Place) -> bool:
     """Whether something in a folder without a root is what a creation leaves that was cut short."""
     if _is_partial(entry):
         return True
-    if entry.name not in VARIABLES or not entry.is_dir():
+    if variable_of(entry.name) is None or not entry.is_dir():
         return False
     return all(_is_partial(file) or _is_new(entry.name, file) for file in entry.iterdir())
 
@@ -41,13 +43,14 @@ def _is_of_creation(entry: Place) -> bool:
 def _is_new(name: str, file: Place) -> bool:
     """Whether a file of a variable is written before the root is."""
     if file.name != ROOT:
-        return name in COORDINATES and bool(_CHUNK.fullmatch(file.name))
+        return is_coordinate(name) and bool(_CHUNK.fullmatch(file.name))
+    variable = variable_of(name)
     try:
         document = read_json(file)
-        same = document["attributes"]["long_name"] == VARIABLES[name].long_name
+        same = variable and document["attributes"]["long_name"] == variable.long_name
     except (OSError, ValueError, KeyError, TypeError, RecursionError):
         return False
-    return same and document.get("node_type") == "array"
+    return bool(same) and document.get("node_type") == "array"
 
 
 def _is_partial(file: Place) -> bool:

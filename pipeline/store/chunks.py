@@ -1,8 +1,8 @@
 """Chunks: how an array lies in files, and their content, byte for byte as Zarr writes it.
 
 Zarr reads a chunk that is missing as fill values, and so a lost file as if it had never been
-written; here the caller is told. Besides, a point has some twenty small chunks, of which Zarr's
-tasks and threads would cost more than a coarse simulation does.
+written; here the caller is told. Besides, a point has some twenty small chunks, on which Zarr's
+tasks and threads would spend more time than a coarse simulation takes.
 """
 
 from __future__ import annotations
@@ -35,11 +35,11 @@ class ChunkedArray:
     shape, chunks : tuple of int
         Size of the array, and of each of its chunks.
     dtype : dtype
-        As in memory; object for text.
+        Type of the values in memory; object for text.
     fill : object
         Value where no chunk was written.
     separator : str
-        Between the numbers in the name of a chunk.
+        Separator of the numbers in the name of a chunk.
     """
 
     name: str
@@ -107,8 +107,9 @@ def chunks_of(array: ChunkedArray, place: Place, values: Any) -> Iterator[tuple[
     Parameters
     ----------
     array : ChunkedArray
+        Array to read or to cut.
     place : tuple of int
-        Of the chunk along the leading dimensions.
+        Numbers of the chunk along the leading dimensions.
     values : array_like
         What the chunks there hold: along the leading dimensions as much as one chunk has or less,
         or a single entry without these dimensions; along the others all there is.
@@ -143,10 +144,11 @@ def values_at(
     Parameters
     ----------
     array : ChunkedArray
+        Array to read or to cut.
     index : tuple of int
-        Along the leading dimensions, where chunks have one entry each.
+        Index along the leading dimensions, where chunks have one entry each.
     content : callable
-        Gives the content of a key, or None if there is no such file.
+        Called with a key; returns the content of its file, or None if there is no such file.
     lacks : callable, optional
         Called with the key and the place of each chunk that is missing.
 
@@ -182,13 +184,14 @@ def picked(
     Parameters
     ----------
     array : ChunkedArray
+        Array to read or to cut.
     picks : sequence of array_like of int
-        Which entries, along each dimension.
+        Indices of the entries along each dimension.
     contents : callable
-        Gives the contents of keys, None for those without a file.
+        Called with keys; returns the contents of their files, None for those without a file.
     is_wanted : callable
-        Tells for each chunk, by the entries of the result that it holds, whether to read it; the
-        result has fill values where not.
+        Called with the entries of the result that a chunk holds; returns whether to read the chunk.
+        The result has fill values where it is not read.
     lacks : callable
         Called with the key and the place of each chunk that is missing.
 
@@ -227,7 +230,7 @@ class _Part(NamedTuple):
 
 
 def _indices(along: Iterable[tuple[Any]]) -> tuple[Any, ...]:
-    """An index of slices, or of arrays that are taken orthogonally if one of them is no slice."""
+    """An index of slices, or where one of them is an array, of arrays, taken orthogonally."""
     found = tuple(each for (each,) in along)
     if all(isinstance(each, slice) for each in found):
         return found

@@ -1,8 +1,8 @@
-"""What is committed to a store, for xarray to read as it is needed, and nothing that is not.
+"""The committed part of a store, and nothing else, for xarray to read as it is needed.
 
-A point that was cut short has data on the disk, too, and one that is being written has some of
-them. So the status is read first, and the data of points that are not done by then are NaN. What
-a point that is done lacks is an error.
+A point that was cut short has data on the disk, too, and one that is being written has some of its
+data. So the status is read first, and the data of points that are not done by then are NaN. Data
+that a done point lacks are an error.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from xarray.core import indexing
 
 from pipeline.store.folder import DAMAGED, StoreError
 from pipeline.store.snapshot import Snapshot, read_whole
-from pipeline.store.variables import COORDINATES, DONE, PENDING
+from pipeline.store.variables import DONE, PENDING, is_coordinate
 
 
 class Committed(BackendEntrypoint):
@@ -38,13 +38,13 @@ class Committed(BackendEntrypoint):
         for name, metadata in store.metadata.items():
             attributes = {k: v for k, v in metadata["attributes"].items() if k != "_FillValue"}
             dims = metadata["dimension_names"]
-            if name in COORDINATES:
+            if is_coordinate(name):
                 found[name] = xr.Variable(dims, np.array(store.axes[name]), attributes)
             elif name == "status":
                 found[name] = xr.Variable(dims, flags, attributes)
             else:
                 found[name] = reader.variable(name, dims, attributes)
-        coordinates = {name: found.pop(name) for name in COORDINATES if name in found}
+        coordinates = {name: found.pop(name) for name in list(found) if is_coordinate(name)}
         return xr.Dataset(found, coordinates, store.attributes)
 
 

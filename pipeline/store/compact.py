@@ -29,18 +29,35 @@ from pipeline.store.folder import (
 from pipeline.store.layout import POINTS, separator_of
 from pipeline.store.points import Store
 from pipeline.store.root import commit_metadata, read_metadata
-from pipeline.store.variables import BY_POINT, COLUMNS, COMPACT, DONE, PENDING, RECORDS
+from pipeline.store.variables import (
+    BULK_COLUMNS,
+    BY_POINT,
+    COLUMNS,
+    COMPACT,
+    DONE,
+    KEPT_COMPACT,
+    PENDING,
+    RECORDS,
+)
 
 
 def compact_store(path: PathLike) -> None:
-    """Rewrite what is finished in large chunks, but the fields.
+    """Rewrite what is finished, except for fields, in large chunks.
 
-    A run that computes further points splits them again before it does, and compacts them after.
+    A run that computes further points splits them again before it does, and compacts them after;
+    should it be killed, the next run does.
 
     Raises
     ------
     StoreError
         If there is no store, it is in use, damaged, or cannot be written.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> pipeline.compact_store("results/first_try.zarr")
+    >>> pipeline.summary("results/first_try.zarr").done
+    24
     """
     folder = folder_of(path)
     read_metadata(folder)  # before a lock is laid beside what is no store
@@ -51,11 +68,11 @@ def compact_store(path: PathLike) -> None:
 def lay_out(folder: Place, separator: str) -> None:
     """Bring a store to one kind of chunks or the other, while it is `locked`.
 
-    Raises as `compact_store`.
+    Raises what `compact_store` raises.
     """
     files = files_in(folder)
     attributes, arrays = read_metadata(folder)
-    names = [name for name in (*RECORDS, *COLUMNS) if name in arrays]
+    names = [name for name in (*RECORDS, *COLUMNS, *BULK_COLUMNS) if name in arrays]
     try:
         if separator_of(arrays["status"]) != separator:
             store = Store(folder)
@@ -68,6 +85,7 @@ def lay_out(folder: Place, separator: str) -> None:
                 if separator == COMPACT:
                     files.make_folders(_folders(array, flags))
                 files.put_many(_chunks(store, array, flags))
+            attributes[KEPT_COMPACT] = True
             commit_metadata(folder, attributes, arrays)
         for name in names:
             if _read(folder / name / ROOT) != arrays[name]:
@@ -97,8 +115,8 @@ def _described(array: dict[str, Any], separator: str, axes: int) -> dict[str, An
 
 
 def _chunks(store: Store, array: ChunkedArray, flags: Any) -> Iterator[tuple[str, bytes]]:
-    """The values of a store in the chunks of `array`; of points that are pending none are kept."""
-    # What is not of a point that is done may be missing, but for why others failed.
+    """The values of a store in the chunks of `array`, without those of pending points."""
+    # Only points that are done must have their data; why a point failed is needed, too.
     needed = flags != PENDING if array.name == "message" else flags == DONE
     values = store.pick(array.name, [np.arange(n) for n in array.shape], needed)
     if array.name == "status":

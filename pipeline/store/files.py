@@ -9,7 +9,7 @@ import itertools
 import os
 import stat
 import uuid
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor, wait
 from contextlib import suppress
 from pathlib import Path
@@ -17,13 +17,16 @@ from typing import Any, TypeVar
 
 from zarr.storage import FsspecStore, LocalStore
 
-from pipeline.store.folder import PARTIAL, Place, sync
+from pipeline.store.folder import PARTIAL, Place, rename, sync
 from pipeline.store.remote import Remote, as_os_error, asynchronous
 from pipeline.store.together import together
 
 _T = TypeVar("_T")
 Contents = Iterable[tuple[str, bytes]]
 _Written = tuple[int, str]  # the number of an open file, and the name that it is to have
+
+_AS_IT_IS = getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
+"""Flags for files that are bytes, not lines, and that do not wait for somebody to write."""
 
 _THREADS = 8  # that wait for the disk, so that it writes the files of a point in one go
 _AT_ONCE = 256  # files that are written, or objects that are under way
@@ -47,7 +50,7 @@ class Files(LocalStore):
             If it cannot be read, or is something without an end.
         """
         try:
-            file = os.open(f"{self.root}/{key}", os.O_RDONLY | os.O_NONBLOCK)
+            file = os.open(f"{self.root}/{key}", os.O_RDONLY | _AS_IT_IS)
         except FileNotFoundError:
             return None
         try:
@@ -59,7 +62,7 @@ class Files(LocalStore):
             os.close(file)
 
     def contents(self, keys: Iterable[str]) -> Iterator[bytes | None]:
-        """Read files, each when it is its turn; what the disk cannot read is empty."""
+        """Read files one by one, as they are asked for; empty where the disk cannot read."""
         for key in keys:
             try:
                 yield self.content(key)
@@ -73,7 +76,7 @@ class Files(LocalStore):
         return [os.path.lexists(f"{self.root}/{key}") for key in keys]
 
     def make_folders(self, names: Iterable[str]) -> None:
-        """Make folders, and see their names on the disk."""
+        """Make folders, and wait until their names are on the disk."""
         folders = [self.root / name for name in names]
         for folder in folders:
             folder.mkdir(parents=True, exist_ok=True)
@@ -82,7 +85,7 @@ class Files(LocalStore):
             sync(parent)
 
     def put_all(self, contents: Contents, then: Contents = ()) -> None:
-        """Replace files in folders that exist; and others, once those are on the disk for good.
+        """Replace files in existing folders, `then` others, once the former are safe on the disk.
 
         Each is written beside the one it replaces, synced, and only then given its name; then its
         folder is synced. So what has its name is whole, and what is to come last is not there
@@ -96,15 +99,11 @@ class Files(LocalStore):
         try:
             self._write(contents, mark, first)
             self._write(then, mark, last)
-            shares = [first[i::_THREADS] for i in range(min(_THREADS, len(first)))]
-            if len(shares) > 1:
-                under_way = [_disk().submit(_name, share, mark) for share in shares]
-                _sync(last)
-                for each in wait(under_way).done:
-                    each.result()
-            else:
-                _name(first, mark)
-            _name(last, mark)
+            _together(os.fsync, [file for file, _ in (*first, *last)])
+            for written in (first, last):
+                for _, name in written:
+                    rename(name + mark, name)
+                _together(sync, sorted({name[: name.rindex("/")] for _, name in written}))
         except BaseException:
             for _, name in (*first, *last):
                 with suppress(OSError):
@@ -118,7 +117,7 @@ class Files(LocalStore):
         """Write files beside those that they are to replace, and note each."""
         for key, content in contents:
             name = f"{self.root}/{key}"
-            file = os.open(name + mark, os.O_WRONLY | os.O_CREAT, 0o666)
+            file = os.open(name + mark, os.O_WRONLY | os.O_CREAT | _AS_IT_IS, 0o666)
             written.append((file, name))
             rest = memoryview(content)
             while rest:
@@ -130,12 +129,16 @@ class Files(LocalStore):
             self.put_all(batch)
 
     def remove(self, keys: Iterable[str]) -> None:
-        """Remove files, as far as they are there."""
+        """Remove files, as far as they are there, and empty folders in the place of one."""
         for key in keys:
-            Path(self.root, key).unlink(missing_ok=True)
+            file = Path(self.root, key)
+            try:
+                file.unlink(missing_ok=True)
+            except IsADirectoryError:
+                file.rmdir()
 
     def remove_all(self, prefix: str) -> None:
-        """Remove the files of which the key begins like this."""
+        """Remove the files whose keys begin with a prefix."""
         top, beginning = os.path.split(f"{self.root}/{prefix}")
         for folder, _, names in os.walk(top):
             for name in names:
@@ -169,7 +172,7 @@ class RemoteFiles(FsspecStore):
         """Do nothing: an object needs no folder."""
 
     def put_all(self, contents: Contents, then: Contents = ()) -> None:
-        """Replace objects, at the same time; and others once those are safe."""
+        """Replace objects, all at the same time, `then` others, once the former are safe."""
         for group in (contents, then):
             together(self._put(key, content) for key, content in group)
 
@@ -183,7 +186,7 @@ class RemoteFiles(FsspecStore):
         together(self._removed(key) for key in keys)
 
     def remove_all(self, prefix: str) -> None:
-        """Remove the objects of which the key begins like this."""
+        """Remove the objects whose keys begin with a prefix."""
         (found,) = together([self.fs._find(self._path(prefix.rpartition("/")[0]))])
         beginning = self._path(prefix)
         for batch in _batches(key for key in found if key.startswith(beginning)):
@@ -232,18 +235,27 @@ def _batches(items: Iterable[_T]) -> Iterator[list[_T]]:
         yield batch
 
 
-def _name(written: Iterable[_Written], mark: str) -> None:
-    """Sync files that were written, give them their names, and sync their folders."""
-    _sync(written)
-    for _, name in written:
-        os.replace(name + mark, name)  # noqa: PTH105
-    for folder in {name[: name.rindex("/")] for _, name in written}:
-        sync(folder)
+def _together(act: Callable[[Any], None], items: Sequence[Any]) -> None:
+    """Do something with each item, several at the same time.
+
+    A file system writes in one go what waits at the same time; one after the other, each item would
+    take a go of its own.
+    """
+    shares = [items[i::_THREADS] for i in range(min(_THREADS, len(items)))]
+    under_way = []
+    with suppress(RuntimeError):  # where no further thread can be started
+        while len(shares) > 1:
+            under_way.append(_disk().submit(_each, act, shares[-1]))
+            shares.pop()
+    for share in shares:
+        _each(act, share)
+    for each in wait(under_way).done:
+        each.result()
 
 
-def _sync(written: Iterable[_Written]) -> None:
-    for file, _ in written:
-        os.fsync(file)
+def _each(act: Callable[[Any], None], items: Iterable[Any]) -> None:
+    for item in items:
+        act(item)
 
 
 @functools.cache

@@ -35,11 +35,32 @@ DAMAGED = "{}: {} cannot be read; irg verify names what is damaged, and repairs 
 
 
 class StoreError(TriboError):
-    """A store that is missing, not readable, not writable or in use."""
+    """A store that is missing, not readable, not writable or in use.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> try:
+    ...     pipeline.open_sweep("results/none.zarr")
+    ... except pipeline.StoreError:
+    ...     print("run the scene first")
+    run the scene first
+    """
 
 
 class StoreMismatchError(StoreError):
-    """A store that belongs to another scene."""
+    """A store that belongs to another scene.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> other = pipeline.load_scene("workflows/first_try.toml", overrides={"wear.pattern": "local"})
+    >>> try:
+    ...     pipeline.run_sweep(other, "results/first_try.zarr")
+    ... except pipeline.StoreMismatchError:
+    ...     print("another scene: give another folder")
+    another scene: give another folder
+    """
 
 
 def folder_of(path: PathLike) -> Place:
@@ -106,7 +127,7 @@ def as_json(document: Mapping[str, Any]) -> bytes:
 
 
 def write_json(file: Place, document: Mapping[str, Any]) -> None:
-    """Replace a file at one stroke, and see it on the disk."""
+    """Replace a file at one stroke, and wait until it is on the disk."""
     content = as_json(document)
     if isinstance(file, Remote):
         file.write_bytes(content)
@@ -115,11 +136,20 @@ def write_json(file: Place, document: Mapping[str, Any]) -> None:
     try:
         partial.write_bytes(content)
         sync(partial)
-        partial.replace(file)
+        rename(partial, file)
     except BaseException:
         partial.unlink(missing_ok=True)
         raise
     sync(file.parent)
+
+
+def rename(partial: Path | str, file: Path | str) -> None:
+    """Give a file its name, in place of an empty folder as well."""
+    try:
+        os.replace(partial, file)  # noqa: PTH105
+    except IsADirectoryError:
+        os.rmdir(file)  # noqa: PTH106
+        os.replace(partial, file)  # noqa: PTH105
 
 
 def sync(file: Path | str) -> None:

@@ -1,4 +1,4 @@
-"""What a store is of: the description of its scene, how two differ, and checksums of points."""
+"""What a store belongs to: its scene's description, how two differ, and points' checksums."""
 
 from __future__ import annotations
 
@@ -16,22 +16,31 @@ from pipeline.sweep.model import Point, Sweep
 from tribo import Scene
 from tribo.types import Array
 
-__all__ = ["checksum", "describe", "differences", "scene_hash", "stored_scene"]
+_RARE = ("motion", "unequal_bulks")  # parts of a scene that stores did not always know
 
 
 def describe(sweep: Sweep) -> dict[str, Any]:
     """What decides a scene's numbers, as plain data in SI: its parts, arrays as their digest.
 
-    A seed is none of it where there are realizations, each with its own.
+    The seed is left out where there are realizations, each with its own; so is what few scenes
+    have, where this one does not. Unknown inputs are part of it where there are samples, as far as
+    the simulation depends on them.
     """
     parts = {entry.name: _plain(getattr(sweep, entry.name)) for entry in fields(Scene)}
+    parts = {name: part for name, part in parts.items() if part or name not in _RARE}
     if sweep.realizations:
         parts["roughness"]["seed"] = None
+    if sweep.samples and sweep.samples.are_simulated:
+        drawn = {each.path: each.as_dict() for each in sweep.samples.unknown}
+        for each in drawn.values():
+            each.pop("written", None)  # the same values in another unit are the same scene
+        parts["unknown"] = {path: drawn[path] for path in sweep.samples.simulated}
+        parts["unknown"]["seed"] = sweep.samples.seed
     return parts
 
 
 def stored_scene(attributes: Mapping[str, Any]) -> dict[str, Any]:
-    """The description of a scene in a store, with what stores did not always say.
+    """The description of a scene in a store, completed by what older stores leave out.
 
     Examples
     --------
@@ -72,6 +81,8 @@ def checksum(data: Mapping[str, Array], point: Point | None = None) -> np.uint64
     if point is not None:
         digest.update(struct.pack("<dd", point.load, point.velocity))
         digest.update(f"{point.realization}".encode())
+        if point.sample is not None:
+            digest.update(f"sample {point.sample}".encode())
     for name in sorted(data):
         digest.update(name.encode())
         digest.update(np.ascontiguousarray(data[name], dtype="<f8").tobytes())

@@ -7,21 +7,23 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from pipeline.store.variables import (
+    BULK_COLUMNS,
     BY_POINT,
     COLUMNS,
     COMPACT,
-    COORDINATES,
+    LEADING,
     RECORDS,
     Variable,
+    is_coordinate,
     variables,
 )
 
-GROWING = ("realization", "load", "velocity", "step")
+GROWING = (*LEADING, "load", "velocity", "step")
 """Dimensions along which a store grows."""
 GROWING_CHUNK = 256
 """Size of the chunks of their coordinates."""
 POINTS = 1024
-"""Number of points in a chunk of many, about."""
+"""Approximate number of points in a chunk that holds many."""
 
 _LONGEST = 10**7  # dimension that is believed
 _CODECS = {"str": ["vlen-utf8", "zstd"]}
@@ -40,8 +42,8 @@ _CONDITIONS = ("friction", "bulk_temperature", "failing_share")  # a critical on
 
 def chunks_by_point(name: str, variable: Variable, shape: list[int]) -> list[int]:
     """Sizes of the chunks of a new variable, which has one of them or more for each point."""
-    if name in COORDINATES:
-        return [GROWING_CHUNK] if name in GROWING else shape
+    if is_coordinate(name):
+        return [GROWING_CHUNK] if variable.dims[0] in GROWING else shape
     own = variable.dims.index("velocity") + 1  # the dimensions that choose a point
     return [1] * own + shape[own:]
 
@@ -65,10 +67,14 @@ def faults_of(attributes: Mapping[str, Any], arrays: Mapping[str, Any]) -> Itera
     numbers = [conditions[name] for name in _CONDITIONS] + [critical] * (critical is not None)
     if not all(map(math.isfinite, numbers)):
         yield "the attribute conditions is damaged"
-    known = variables("realization" in arrays, with_fields=True)
+    leading = next((name for name in LEADING if name in arrays), None)
+    inputs = {name: "" for name in arrays if "." in name}
+    known = variables(leading, with_fields=True, of_bulks=True, inputs=inputs)
     if unknown := [name for name in arrays if name not in known]:
         yield f"{unknown[0]} is not a variable of a sweep"
-    if missing := [name for name in ("status", "load", "velocity", *COLUMNS) if name not in arrays]:
+    needed = ["status", "load", "velocity", *COLUMNS]
+    needed += [*BULK_COLUMNS, "bulk_ratio"] if "bulk_ratio" in arrays else []
+    if missing := [name for name in needed if name not in arrays]:
         yield f"the metadata of {missing[0]} are missing"
     lengths = {name: len(values) for name, values in attributes.get("axes", {}).items()}
     for name in attributes.get("axes", {}):
@@ -102,11 +108,11 @@ def _is_as_written(
         0 < size <= _LONGEST and lengths.setdefault(dim, size) == size
         for dim, size in zip(dims, shape, strict=True)
     )
-    if name in COORDINATES:
+    if is_coordinate(name):
         fit = 0 < chunks[0] <= max(GROWING_CHUNK, shape[0])
     else:
         own = dims.index("velocity") + 1
-        many = separator_of(array) == COMPACT and (name in COLUMNS or name in RECORDS)
+        many = separator_of(array) == COMPACT and name in (*COLUMNS, *BULK_COLUMNS, *RECORDS)
         fit = all(0 < size <= full for size, full in zip(chunks[own:], shape[own:], strict=True))
         fit &= 0 < math.prod(chunks[:own]) <= (POINTS if many else 1)
     return (

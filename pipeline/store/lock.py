@@ -7,7 +7,6 @@ recognized on its own machine alone.
 from __future__ import annotations
 
 import errno
-import fcntl
 import hashlib
 import os
 import re
@@ -21,6 +20,11 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from pipeline.store.remote import Remote
+
+try:
+    import fcntl
+except ImportError:  # not a POSIX system: stores can be read, but not written
+    fcntl = None  # type: ignore[assignment]
 
 _SAID = re.compile(r"process (\d+) on (\S+)\n")
 _NO_LOCKS = (errno.ENOLCK, errno.EOPNOTSUPP, errno.ENOSYS, errno.EINVAL)
@@ -48,7 +52,14 @@ def hold(file: Path | Remote) -> Iterator[None]:
     ------
     HeldError
         If another process holds it.
+    OSError
+        If it cannot be created, or the system has no locks on files.
     """
+    if fcntl is None:
+        raise OSError(
+            "this system has no locks on files, which runs need; run on Linux or macOS, or within "
+            "WSL on Windows: irg check, point, boundary, margin and plot work here, too"
+        )
     if isinstance(file, Remote):
         with _hold_file(_stand_in(file)):  # against others on this machine
             _create(file)
@@ -65,6 +76,8 @@ def hold(file: Path | Remote) -> Iterator[None]:
 
 def holder(file: Path | Remote) -> str | None:
     """Tell who holds the lock, or on another machine may hold it; None if nobody does."""
+    if fcntl is None:  # who writes is elsewhere, and not to be seen from here
+        return None
     if isinstance(file, Remote):
         try:
             said = _complete(file.read_bytes())
@@ -88,7 +101,7 @@ def holder(file: Path | Remote) -> str | None:
 
 
 def _create(lock: Remote) -> None:
-    """Make the object that is the lock, unless another machine has."""
+    """Create the object that serves as the lock, unless another machine has."""
     try:
         lock.write_bytes(_self(), exclusive=True)
     except FileExistsError:
@@ -117,7 +130,7 @@ def _is_here(said: str) -> bool:
 
 
 def _lives(said: str) -> bool:
-    """Whether who holds a lock may still do so."""
+    """Whether the holder of a lock may still hold it."""
     if not _is_here(said):
         return True
     try:
@@ -141,9 +154,9 @@ def _hold_file(file: Path) -> Iterator[None]:
         if descriptor is None:
             _claim(file)
             warnings.warn(
-                f"the file system of {file} has no locks, so that {file.name} is one only by being "
-                "there: a process that dies leaves it behind, and other machines will not go on "
-                "before it is deleted",
+                f"the file system of {file} has no locks, and the mere presence of {file.name} "
+                "serves as one: a process that dies leaves it behind, and other machines do not go "
+                "on until it is deleted",
                 LockWarning,
                 stacklevel=2,
             )
@@ -183,7 +196,7 @@ def _lock(file: Path) -> int | None:
 
 
 def _claim(file: Path) -> None:
-    """Be the process that a file names, where there are no locks."""
+    """Name this process in a file as its holder, where there are no locks."""
     said = _complete(file.read_bytes())
     if said and _lives(said):
         raise HeldError(said if _is_here(said) else f"{said} (if that has ended, delete {file})")

@@ -6,8 +6,6 @@ import numpy as np
 
 from tribo.types import Array
 
-__all__ = ["pace"]
-
 _RECENT = 200  # points, of which the rate is taken
 _BREAK = 20.0  # times the usual time between points, after which a run was interrupted
 

@@ -10,20 +10,19 @@ from pipeline.store.snapshot import Snapshot, read_whole
 from pipeline.store.variables import DONE, FAILED, PENDING
 from pipeline.sweep.model import Point
 
-__all__ = ["FailedPoint", "Summary", "summarized", "summary"]
-
 
 @dataclass(frozen=True, slots=True)
 class FailedPoint:
-    """A point that could not be computed: load [N], velocity [m/s], why, and on which surface."""
+    """A point that could not be computed: load [N], velocity [m/s], why, and which variant."""
 
     load: float
     velocity: float
     message: str
     realization: int | None = None
+    sample: int | None = None
 
     def __str__(self) -> str:
-        return f"{Point(self.load, self.velocity, self.realization)}: {self.message}"
+        return f"{Point(self.load, self.velocity, self.realization, self.sample)}: {self.message}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,16 +32,17 @@ class Summary:
     Attributes
     ----------
     name, title : str
-        Of the scene.
+        Name and title of the scene.
     total, done, pending : int
         Points that the scene asks for, those of them that are done and those still to do.
     failed : tuple of FailedPoint
+        Points that could not be computed.
     warned : int
         Points that are done and carry a warning.
     rate : float or None
-        At which points were finished most recently [1/s]; None if that is not known.
+        Rate at which points were finished most recently [1/s]; None if that is not known.
     running : str or None
-        Who computes points now, if anyone does.
+        Process that computes points now; None if there is none.
     """
 
     name: str
@@ -73,7 +73,7 @@ def summarized(store: Snapshot) -> Summary:
         done=counts.count(DONE),
         pending=counts.count(PENDING),
         failed=tuple(
-            FailedPoint(at.load, at.velocity, store.message(at), at.realization) for at in failed
+            FailedPoint(at.load, at.velocity, store.message(at), *at[2:]) for at in failed
         ),
     )
 
@@ -85,6 +85,13 @@ def summary(path: PathLike) -> Summary:
     ------
     StoreError
         If there is no readable store.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> found = pipeline.summary("results/first_try.zarr")
+    >>> found.done, found.pending, found.failed
+    (24, 0, ())
     """
     _, found = read_whole(path, _with_rate_and_warnings, Snapshot)
     return replace(found, running=user(path))

@@ -14,8 +14,6 @@ from typing import Any
 
 import fsspec
 
-__all__ = ["SCHEME", "Remote", "as_os_error", "asynchronous"]
-
 SCHEME = "s3://"
 
 _OPTIONS = {"use_listings_cache": False, "skip_instance_cache": True}
@@ -34,7 +32,7 @@ def as_os_error() -> Iterator[None]:
 
 @dataclass(frozen=True, slots=True)
 class Remote:
-    """What stands at an address, be it an object or a folder of objects; used like a `Path`."""
+    """An address of an object or of a folder of objects, used like a `Path`."""
 
     url: str
 
@@ -60,7 +58,7 @@ class Remote:
         return f".{self.name.rsplit('.', 1)[-1]}" if "." in self.name else ""
 
     def with_name(self, name: str) -> Remote:
-        """What stands beside this."""
+        """The address of this name beside this one."""
         return Remote(f"{self.url.rsplit('/', 1)[0]}/{name}")
 
     def exists(self) -> bool:
@@ -74,7 +72,7 @@ class Remote:
             return bool(_objects().isdir(self.key))
 
     def iterdir(self) -> list[Remote]:
-        """What is one level below."""
+        """Addresses one level below."""
         with as_os_error():
             found = _objects().ls(self.key, detail=False, refresh=True)
         return [Remote(f"{SCHEME}{key}") for key in found]

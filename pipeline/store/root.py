@@ -15,7 +15,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from pipeline.store.begun import is_begun, remove_partial
+from pipeline.store.begun import is_begun
 from pipeline.store.folder import ROOT, Place, StoreError, read_json, sync, write_json
 from pipeline.store.layout import faults_of
 from pipeline.store.variables import FORMAT, HASHED
@@ -28,7 +28,7 @@ _HASH = "root_hash"
 
 
 class DamagedRootError(StoreError):
-    """A store of which the root is lost or damaged, which may be restored."""
+    """A store whose root is lost or damaged, but may be restored."""
 
 
 def begin(folder: Place) -> bool:
@@ -47,12 +47,10 @@ def begin(folder: Place) -> bool:
         return True
     if not folder.is_dir():
         raise StoreError(f"{folder} is a file, not a store")
-    is_new = is_begun(folder)
-    if not is_new:
-        read_metadata(folder)
-    if isinstance(folder, Path):
-        remove_partial(folder)
-    return is_new
+    if is_begun(folder):
+        return True
+    read_metadata(folder)
+    return False
 
 
 def read_metadata(folder: Place) -> tuple[dict[str, Any], dict[str, Any]]:
@@ -82,8 +80,15 @@ def read_metadata(folder: Place) -> tuple[dict[str, Any], dict[str, Any]]:
                 ) from None
         if not folder.exists():
             raise StoreError(f"{folder} does not exist; give a store that irg run made") from None
+        if isinstance(folder, Path) and folder.is_file():
+            raise StoreError(
+                f"{folder} is a file, not a store; give a folder that irg run made"
+            ) from None
         raise StoreError(f"{folder} is not a store: there is no {ROOT}") from None
     except OSError as error:
+        file = folder / ROOT
+        if isinstance(file, Path) and file.exists() and not file.is_file() and copy_of(folder):
+            raise DamagedRootError(f"{folder}: {ROOT} is not a file; {_REMEDY}") from None
         raise StoreError(f"{folder} cannot be read: {error.strerror or error}") from error
     except (ValueError, RecursionError):
         root = {}
@@ -133,7 +138,7 @@ def has_copy(folder: Place) -> bool:
 
 
 def restore_root(folder: Place) -> None:
-    """Write the root as its copy is.
+    """Restore the root from its copy.
 
     Raises
     ------
@@ -176,6 +181,6 @@ def _fault(root: Any) -> str | None:
 
 
 def hash_of(attributes: Mapping[str, Any], arrays: Mapping[str, Any]) -> str:
-    """SHA-256 of what a root says, but for the hash itself."""
+    """SHA-256 of what a root says, without the hash itself."""
     hashed = {name: value for name, value in attributes.items() if name != _HASH}
     return hashlib.sha256(json.dumps([hashed, arrays], sort_keys=True).encode()).hexdigest()

@@ -22,8 +22,10 @@ from pipeline.store.together import together
 from pipeline.store.variables import (
     BY_POINT,
     COORDINATES,
+    PRESENT,
     RECORDS,
     Variable,
+    is_coordinate,
     note_versions,
     present_attributes,
     variables,
@@ -47,23 +49,34 @@ def commit_shape(
     committed = json.dumps([attributes, arrays], sort_keys=True)
     is_old = bool(arrays)
     changed: list[str] = []
-    for name, variable in variables(bool(sweep.realizations), with_fields).items():
+    present = attributes.get("axes", {})
+    leading, _ = sweep.axis or (None, ())
+    units = {each.path: each.unit for each in sweep.samples.unknown} if sweep.samples else {}
+    wanted = variables(leading, with_fields, sweep.unequal_bulks, units)
+    for name in [name for name in arrays if is_coordinate(name) and name not in wanted]:
+        if "." in name:  # an input that is known now, and did not count in the simulation
+            del arrays[name]
+    for name, variable in wanted.items():
         if name in RECORDS and is_old and name not in arrays:
             continue  # its points lack it
         shape = [len(axes[dim]) for dim in variable.dims]
         if name not in arrays:
             arrays[name] = _described(name, variable, shape)
-        elif arrays[name]["shape"] == shape:
+        elif arrays[name]["shape"] == shape and not (
+            name in units and present.get(name) != axes[name]
+        ):
             continue
         arrays[name]["shape"] = shape
         changed.append(name)
     files.make_folders(changed)
     files.put_all((f"{name}/{ROOT}", as_json(arrays[name])) for name in changed)
-    coordinates = [name for name in changed if name in COORDINATES]
+    coordinates = [name for name in changed if is_coordinate(name)]
     files.put_all(coordinate_chunks(arrays, axes, coordinates))
+    for name in PRESENT:
+        attributes.pop(name, None)
     attributes |= present_attributes(sweep)
     note_versions(attributes)
-    attributes["axes"] = {name: axes[name] for name in COORDINATES if name in arrays}
+    attributes["axes"] = {name: axes[name] for name in [*COORDINATES, *units] if name in arrays}
     if json.dumps([attributes, arrays], sort_keys=True) != committed:
         commit_metadata(folder, attributes, arrays)
 
@@ -81,7 +94,7 @@ def _described(name: str, variable: Variable, shape: list[int]) -> dict[str, Any
     attributes = {"long_name": variable.long_name, **variable.attributes}
     if variable.units is not None:
         attributes["units"] = variable.units
-    if variable.dtype == "float64" and name not in COORDINATES:
+    if variable.dtype == "float64" and not is_coordinate(name):
         attributes["_FillValue"] = _NAN
     written: dict[str, Any] = {}
     creation = create_array(

@@ -1,8 +1,9 @@
-"""A store as its root describes it at one time, to be read.
+"""A snapshot of a store, to read from: what its root describes at one time.
 
-A chunk that is missing where there must be one is damage, never a fill value. While the layout of
-a store changes, what a root describes is removed only after that root was replaced: who reads asks
-afterwards whether the snapshot is current, and takes another if it is not (`read_whole`).
+A missing chunk of a point that is done is damage, never a fill value. When the layout of a store
+changes, files are removed only after the root that describes them has been replaced. So a reader
+asks afterwards whether its snapshot is still current, and takes another if it is not
+(`read_whole`).
 """
 
 from __future__ import annotations
@@ -20,7 +21,20 @@ from pipeline.store.chunks import ChunkedArray, Place, keys_at, picked, values_a
 from pipeline.store.files import RemoteFiles, files_in
 from pipeline.store.folder import DAMAGED, UNREADABLE, PathLike, StoreError, folder_of
 from pipeline.store.root import hash_of, read_metadata
-from pipeline.store.variables import COLUMNS, COMPACT, COORDINATES, DONE, FAILED, FIELDS, PENDING
+from pipeline.store.variables import (
+    BULK_COLUMNS,
+    BULK_FIELDS,
+    COLUMNS,
+    COMPACT,
+    COORDINATES,
+    DONE,
+    FAILED,
+    FIELDS,
+    KEPT_COMPACT,
+    LEADING,
+    PENDING,
+    is_coordinate,
+)
 from pipeline.sweep.model import Point
 from tribo.types import Array
 
@@ -34,17 +48,19 @@ A_COMMIT = 0.1
 
 
 class Snapshot:
-    """A store as it was committed last.
+    """A store as of its last commit.
 
     Parameters
     ----------
     path : str or path
+        Folder or address of the store.
 
     Attributes
     ----------
     path : Path or Remote
+        Absolute folder, or address, of the store.
     attributes : dict
-        Of the root group.
+        Attributes of the root group.
     axes : dict of list
         Values along each dimension, in the order of the store.
 
@@ -65,28 +81,33 @@ class Snapshot:
         self._kept: dict[tuple[str, Place], Any] = {}
         self._places = {
             name: {value: index for index, value in enumerate(self.axes[name])}
-            for name in ("realization", "load", "velocity")
+            for name in (*LEADING, "load", "velocity")
             if name in self.axes
         }
 
     @functools.cached_property
     def revision(self) -> str:
-        """What tells this state of the store from others, of a store that was here before, too."""
+        """Identifier of this state of the store; no other has it, nor any earlier store here."""
         return hash_of(self.attributes, self.metadata)
 
     def is_current(self) -> bool:
-        """Whether nothing was committed to the root since; what was read since is whole then."""
+        """Whether nothing was committed to the root since; if so, what was read since is whole."""
         return read_metadata(self.path) == (self.attributes, self.metadata)
 
     @property
     def is_compact(self) -> bool:
-        """Whether a chunk holds many points."""
+        """Whether the chunks hold many points each."""
         return self._arrays["status"].separator == COMPACT
 
     @property
+    def is_kept_compact(self) -> bool:
+        """Whether it is compact, or is to be so again."""
+        return self.is_compact or KEPT_COMPACT in self.attributes
+
+    @property
     def names(self) -> list[str]:
-        """Variables of the store, but its coordinates."""
-        return [name for name in self._arrays if name not in COORDINATES]
+        """Variables of the store, without its coordinates."""
+        return [name for name in self._arrays if not is_coordinate(name)]
 
     def array(self, name: str) -> ChunkedArray:
         """How a variable lies in chunks."""
@@ -102,19 +123,28 @@ class Snapshot:
         chosen = self.attributes.get("chosen")
         if chosen is not None:
             return [Point(*point) for point in chosen]
-        surfaces = self.attributes.get("realizations") or [None]
+        name, _ = self._leading
+        samples = range(self.attributes.get("samples", 0))
+        variants = samples if name == "sample" else self.attributes.get("realizations") or [None]
         loads, velocities = self.attributes["loads"], self.attributes["velocities"]
-        places = itertools.product(surfaces, velocities, loads)
-        return [Point(load, velocity, surface) for surface, velocity, load in places]
+        places = itertools.product(variants, velocities, loads)
+        return [Point(load, velocity, **{name: each}) for each, velocity, load in places]
 
     def places(self) -> list[Point]:
-        """Every point there is room for."""
-        surfaces: Iterable[Any] = self.axes.get("realization", [None])
-        places = itertools.product(surfaces, self.axes["load"], self.axes["velocity"])
-        return [Point(load, velocity, surface) for surface, load, velocity in places]
+        """Every point that the store has room for."""
+        name, variants = self._leading
+        places = itertools.product(variants, self.axes["load"], self.axes["velocity"])
+        return [Point(load, velocity, **{name: each}) for each, load, velocity in places]
+
+    @property
+    def _leading(self) -> tuple[str, list[Any]]:
+        """Name and values of what leads the dimensions of points; nothing but None if none does."""
+        return next(
+            ((name, self.axes[name]) for name in LEADING if name in self.axes), (LEADING[0], [None])
+        )
 
     def status(self) -> dict[Point, int]:
-        """Status of every point there is room for; pending if not readable."""
+        """Status of every point that the store has room for; pending if not readable."""
         flags, _ = self.flags()
         return dict(zip(self.places(), flags.ravel().tolist(), strict=True))
 
@@ -127,7 +157,7 @@ class Snapshot:
         return flag if flag in (DONE, FAILED) else PENDING
 
     def flags(self) -> tuple[Any, Any]:
-        """Status by place, and where it is known: there is one, and it can be read."""
+        """Status by place, and whether it is known: whether there is one, and it can be read."""
         array = self._arrays["status"]
         flags = np.full(array.shape, PENDING, array.dtype)
         known = np.zeros(array.shape, bool)
@@ -147,7 +177,7 @@ class Snapshot:
         return np.where(known, flags, PENDING), known
 
     def block(self, place: Place) -> tuple[slice, ...]:
-        """The points of a chunk."""
+        """Points that share a chunk."""
         array = self._arrays["status"]
         return tuple(
             slice(i * size, min((i + 1) * size, end))
@@ -159,18 +189,18 @@ class Snapshot:
         return self.flag(point) == DONE
 
     def message(self, point: Point) -> str:
-        """Why a point failed, or what to know of it."""
+        """Why a point failed, or what to know before relying on it."""
         return str(self.at(point, ["message"])["message"])
 
     def finished_at(self) -> Array:
-        """When points were finished [s], in no order; those of which it is known."""
+        """Times at which points were finished [s], in no order, as far as they are known."""
         if "finished_at" not in self._arrays:
             return np.empty(0)
         times: Array = self.values("finished_at")
         return times[np.isfinite(times)]
 
     def values(self, name: str) -> Any:
-        """All of a variable, with fill values where nothing was written."""
+        """Values of a whole variable; fill values where nothing was written."""
         return self.pick(name, [np.arange(n) for n in self._arrays[name].shape])
 
     def has_coordinate(self, name: str) -> bool:
@@ -187,16 +217,17 @@ class Snapshot:
         Parameters
         ----------
         name : str
+            Name of the variable.
         picks : sequence of array_like of int
-            Which entries, along each dimension.
+            Indices of the entries along each dimension.
         needed : ndarray of bool, optional
-            By place, which points must be there; the others are not read. All are read, as far as
-            they are there, if not given.
+            Whether each point must be there, by place; the others are not read. If not given, all
+            that are there are read.
 
         Raises
         ------
         StoreError
-            If something cannot be read, or is missing and needed.
+            If something cannot be read, or a needed point is missing.
         """
 
         def is_wanted(into: tuple[Any, ...]) -> Any:
@@ -256,7 +287,7 @@ class Snapshot:
         return there
 
     def _contents(self, names: Iterable[str], index: Place) -> Callable[[str], bytes | None]:
-        """What gives the contents of the files of a point."""
+        """A function that gives the contents of the files of a point."""
         if not isinstance(self._files, RemoteFiles) or self.is_compact:
             return self._files.content
         keys = [key for name in names for key in keys_at(self._arrays[name], index)]
@@ -265,7 +296,7 @@ class Snapshot:
     def _in_block(
         self, array: ChunkedArray, index: Place, lacks: Callable[[str, Place], None]
     ) -> Any:
-        """Values at an index, of a chunk that is kept for the next ones that it holds."""
+        """Values at an index, from a chunk that is kept, since it holds the next ones too."""
         place = self.place(array.name, index)
         block = self.block(place)
         if (array.name, place) not in self._kept:
@@ -286,14 +317,15 @@ class Snapshot:
         return self._kept[array.name, place][within]
 
     def _is_lost(self, name: str, place: Place) -> bool:
-        """Whether a chunk that is missing at a point that is done was lost.
+        """Whether a missing chunk of a point that is done was lost.
 
-        A point has no fields that were asked for after it was done, and no further chunks along
-        steps that the store was given later; then none of its variables has.
+        Nothing was lost where fields were asked for only after the point was done, or where the
+        store was given more steps later; then none of the point's variables has these chunks.
         """
-        siblings = FIELDS if name in FIELDS else COLUMNS
+        fields, columns = FIELDS | BULK_FIELDS, COLUMNS | BULK_COLUMNS
+        siblings = fields if name in fields else columns
         lead = len(self._places)
-        if name not in siblings or (name in COLUMNS and place[lead] == 0):
+        if name not in siblings or (name in columns and place[lead] == 0):
             return True
         keys = []
         for other in siblings:
@@ -306,14 +338,14 @@ class Snapshot:
 def read_whole(
     path: PathLike, read: Callable[[_S], _T], opened: Callable[[PathLike], _S]
 ) -> tuple[_S, _T]:
-    """Read from a store, `opened` as a snapshot; again if it or a point of it is being written.
+    """Read from a snapshot of a store; again if the store or one of its points was being written.
 
     Returns
     -------
     Snapshot
-        That was current throughout.
+        Snapshot that was current throughout.
     object
-        What `read` gave of it.
+        Result of `read` on that snapshot.
 
     Raises
     ------

@@ -8,8 +8,6 @@ import threading
 from collections.abc import Coroutine, Iterable
 from typing import Any
 
-__all__ = ["together"]
-
 
 def together(coroutines: Iterable[Coroutine[Any, Any, Any]]) -> list[Any]:
     """Results of coroutines that run at the same time, in a thread of their own.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict
 from datetime import UTC, datetime
@@ -9,31 +10,11 @@ from importlib import metadata
 from typing import Any, NamedTuple
 
 from pipeline.store.identity import describe, scene_hash
-from pipeline.sweep.model import Sweep
+from pipeline.sweep.lubrication import Lubrication
+from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import step_count
-from tribo import QUANTILES, WarningKind
-
-__all__ = [
-    "BY_POINT",
-    "COLUMNS",
-    "COMPACT",
-    "COORDINATES",
-    "DONE",
-    "FAILED",
-    "FIELDS",
-    "FORMAT",
-    "HASHED",
-    "PENDING",
-    "RECORDS",
-    "VARIABLES",
-    "Variable",
-    "grown",
-    "lasting_attributes",
-    "note_versions",
-    "present_attributes",
-    "variables",
-    "versions",
-]
+from pipeline.sweep.unknown import drawn
+from tribo import BULK_RATIOS, QUANTILES, WarningKind
 
 FORMAT = 2
 """Version of the layout; a program reads this one and older ones."""
@@ -41,8 +22,10 @@ HASHED = 2
 """Version from which the root has a hash, and a point's checksum holds its load and velocity."""
 
 BY_POINT, COMPACT = ".", "/"
-"""What separates the numbers in the names of chunks that hold one point, and of those with many."""
+"""Separators of the numbers in the names of chunks: where each holds one point, and where many."""
 
+KEPT_COMPACT = "kept_compact"
+"""Attribute of a store that was compact once, and is to be so whenever no run computes points."""
 PENDING, DONE, FAILED = 0, 1, 2
 """Values of the variable ``status``."""
 
@@ -64,7 +47,7 @@ _RISE = "per unit friction coefficient"
 
 
 def _of_contact(units: str, long_name: str) -> Variable:
-    """Give a variable at every step, which the size of the elements decides."""
+    """A variable at every step that depends on the size of the elements."""
     comment = (
         "Depends on the size of the elements: a rough surface on larger ones touches on more of "
         "the window at a lower pressure. In the paper's system the preset 'standard' has 14 to "
@@ -76,10 +59,14 @@ def _of_contact(units: str, long_name: str) -> Variable:
 
 COORDINATES = {
     "realization": Variable(("realization",), "1", "seed of the random surface", "int64"),
+    "sample": Variable(("sample",), "1", "number of the sample of unknown inputs", "int64"),
     "load": Variable(("load",), "N", "normal load on the pin at the end of the ramp"),
     "velocity": Variable(("velocity",), "m/s", "sliding velocity"),
     "step": Variable(("step",), "1", "step of the ramp", "int64"),
     "quantile": Variable(("quantile",), "1", "share of the contact area that is cooler"),
+    "bulk_ratio": Variable(
+        ("bulk_ratio",), "K", "bulk temperature of the disk less that of the pin, over friction"
+    ),
     "x": Variable(("x",), "m", "position along the sliding direction"),
     "y": Variable(("y",), "m", "position across the sliding direction"),
 }
@@ -93,7 +80,7 @@ COLUMNS = {
     "mean_pressure": _of_contact("Pa", "mean pressure over the contact"),
     "saturated_fraction": _of_contact("1", "share of the contact at the hardness"),
     "wear_depth_max": Variable(_STEP, "m", "greatest wear depth of the pin"),
-    "wear_volume": Variable(_STEP, "m3", "worn volume of the whole pin"),
+    "wear_volume": Variable(_STEP, "m^3", "worn volume of the whole pin"),
     "iterations": Variable(_STEP, "1", "iterations of the contact solver"),
     "residual": Variable(_STEP, "1", "residual of the contact solver"),
     "max_rise": Variable(_STEP, "K", f"highest temperature rise of the contact {_RISE}"),
@@ -108,6 +95,23 @@ FIELDS = {
     "rise": Variable(_FIELD, "K", f"temperature rise of the pin at the end of the ramp {_RISE}"),
     "wear_depth": Variable(_FIELD, "m", "wear depth of the pin at the end of the ramp"),
 }
+BULK_COLUMNS = {
+    "mean_bulk_response": Variable(
+        _STEP, "1", "mean rise of the contact for each kelvin by which the disk's bulk is warmer"
+    ),
+    "bulk_rise_quantile": Variable(
+        (*_STEP, "bulk_ratio", "quantile"),
+        "K",
+        f"quantile of the contact's rise above the pin's bulk at a bulk ratio, {_RISE}",
+    ),
+}
+"""What scenes with unequal bulk temperatures have besides `COLUMNS`."""
+BULK_FIELDS = {
+    "bulk_response": Variable(
+        _FIELD, "1", "rise of the pin for each kelvin by which the disk's bulk is warmer"
+    ),
+}
+"""What they have besides `FIELDS`."""
 RECORDS = {
     "status": Variable(
         _POINT,
@@ -132,21 +136,57 @@ RECORDS = {
     "checksum": Variable(_POINT, None, "BLAKE2b-64 of the point's data", "uint64"),
 }
 
-VARIABLES = COORDINATES | RECORDS | COLUMNS | FIELDS
-"""All that a store may hold; its status first, so that who reads all has it before the data."""
+VARIABLES = COORDINATES | RECORDS | COLUMNS | BULK_COLUMNS | FIELDS | BULK_FIELDS
+"""All that a store may hold; the status first, so that a reader of all has it before the data."""
 
 
-def variables(over_surfaces: bool, with_fields: bool) -> dict[str, Variable]:
-    """Variables of a store, the leading dimension ``realization`` only over several surfaces."""
-    left_out = set() if with_fields else {"x", "y", *FIELDS}
+LEADING = ("realization", "sample")
+"""Dimensions of which one may stand in front of the others."""
+
+_INPUT = Variable(("sample",), None, "value drawn of an input that is not known exactly")
+_PATH = re.compile(r"[\w-]+(\.[\w-]+)+")
+
+
+def is_coordinate(name: str) -> bool:
+    """Whether a variable is a coordinate: of a dimension, or an input by its path in the scene."""
+    return name in COORDINATES or _PATH.fullmatch(name) is not None
+
+
+def variable_of(name: str) -> Variable | None:
+    """What a store may hold under a name, without what leads its dimensions; None if nothing."""
+    return VARIABLES.get(name) or (_INPUT if is_coordinate(name) else None)
+
+
+def variables(
+    leading: str | None,
+    with_fields: bool,
+    of_bulks: bool,
+    inputs: Mapping[str, str] | None = None,
+) -> dict[str, Variable]:
+    """Variables of a store.
+
+    Parameters
+    ----------
+    leading : str or None
+        The one of `LEADING` that stands in front of the dimensions, if one does.
+    with_fields : bool
+        Whether the fields at the end of each point are kept.
+    of_bulks : bool
+        Whether the bodies differ in bulk temperature.
+    inputs : mapping, optional
+        Unit of each input that is drawn, by its path in the scene.
+    """
+    left_out = {name for name in LEADING if name != leading}
+    if not with_fields:
+        left_out |= {"x", "y", *FIELDS, *BULK_FIELDS}
+    if not of_bulks:
+        left_out |= {"bulk_ratio", *BULK_COLUMNS, *BULK_FIELDS}
     found = {name: variable for name, variable in VARIABLES.items() if name not in left_out}
-    if not over_surfaces:
-        del found["realization"]
+    coordinates = {path: _INPUT._replace(units=unit) for path, unit in (inputs or {}).items()}
+    if leading is None:
         return found
-    return {
-        name: variable
-        if name in COORDINATES
-        else variable._replace(dims=("realization", *variable.dims))
+    return coordinates | {
+        name: variable if name in COORDINATES else variable._replace(dims=(leading, *variable.dims))
         for name, variable in found.items()
     }
 
@@ -164,7 +204,7 @@ def lasting_attributes(sweep: Sweep) -> dict[str, Any]:
 
 
 def versions() -> dict[str, str]:
-    """Versions of what computes and stores."""
+    """Versions of the packages that compute and store."""
     try:
         tribo = metadata.version("irg-transition")
     except metadata.PackageNotFoundError:  # run from its source
@@ -187,18 +227,50 @@ def present_attributes(sweep: Sweep) -> dict[str, Any]:
     Why the fidelity was picked is kept from an earlier run, if this one did not pick it.
     """
     picked = {"selection": sweep.selection.as_dict()} if sweep.selection else {}
-    return picked | {
-        "name": sweep.name,
-        "title": sweep.title,
-        "preset": sweep.preset,
-        "conditions": asdict(sweep.conditions),
-        "friction_band": list(sweep.friction_band) if sweep.friction_band else None,
-        "measured": [asdict(measurement) for measurement in sweep.measured],
-        "loads": list(sweep.loads),
-        "velocities": list(sweep.velocities),
-        "realizations": list(sweep.realizations),
-        "chosen": None if sweep.chosen is None else [list(point) for point in sweep.chosen],
+    lubrication = Lubrication.of(sweep)
+    oiled = {"lubrication": lubrication.as_dict()} if lubrication else {}
+    return (
+        picked
+        | oiled
+        | _samples_of(sweep)
+        | {
+            "name": sweep.name,
+            "title": sweep.title,
+            "preset": sweep.preset,
+            "conditions": sweep.conditions.as_dict(),
+            "friction_band": list(sweep.friction_band) if sweep.friction_band else None,
+            "measured": [asdict(measurement) for measurement in sweep.measured],
+            "loads": list(sweep.loads),
+            "velocities": list(sweep.velocities),
+            "realizations": list(sweep.realizations),
+            "chosen": None if sweep.chosen is None else [_short(point) for point in sweep.chosen],
+        }
+    )
+
+
+PRESENT = ("coordinates", "lubrication", "samples", "sample_seed", "unknown")
+"""Present attributes that a store has only where there are samples, or an oil."""
+
+
+def _samples_of(sweep: Sweep) -> dict[str, Any]:
+    """What is unknown and how it was drawn; nothing where there are no samples.
+
+    ``coordinates`` is where readers of CF look for coordinates that are not dimensions.
+    """
+    if not sweep.samples:
+        return {}
+    samples = sweep.samples
+    paths = " ".join(each.path for each in samples.unknown)
+    return ({"coordinates": paths} if samples.are_simulated and paths else {}) | {
+        "samples": len(samples),
+        "sample_seed": samples.seed,
+        "unknown": [each.as_dict() for each in samples.unknown],
     }
+
+
+def _short(point: Point) -> list[float | None]:
+    """A point as a list, without a sample where there are none."""
+    return list(point if point.sample is not None else point[:3])
 
 
 def grown(axes: Mapping[str, list[float]], sweep: Sweep) -> dict[str, list[float]]:
@@ -209,12 +281,28 @@ def grown(axes: Mapping[str, list[float]], sweep: Sweep) -> dict[str, list[float
         known = axes.get(name, [])
         return [*known, *(new for new in wanted if new not in known)]
 
-    return {
-        "realization": widened("realization", sweep.realizations),
-        "load": widened("load", sweep.loads),
-        "velocity": widened("velocity", sweep.velocities),
-        "step": list(range(1, max(steps, len(axes.get("step", []))) + 1)),
-        "quantile": list(QUANTILES),
-        "x": sweep.grid.coordinates(0).tolist(),
-        "y": sweep.grid.coordinates(1).tolist(),
-    }
+    name, values = sweep.axis or (None, ())
+    leading = {name: widened(name, values)} if name else {}
+    return (
+        leading
+        | _inputs(sweep, len(leading.get("sample", [])))
+        | {
+            "load": widened("load", sweep.loads),
+            "velocity": widened("velocity", sweep.velocities),
+            "step": list(range(1, max(steps, len(axes.get("step", []))) + 1)),
+            "quantile": list(QUANTILES),
+            "bulk_ratio": list(BULK_RATIOS),
+            "x": sweep.grid.coordinates(0).tolist(),
+            "y": sweep.grid.coordinates(1).tolist(),
+        }
+    )
+
+
+def _inputs(sweep: Sweep, count: int) -> dict[str, list[float]]:
+    """Values drawn of each input for so many samples, which may be more than the sweep's."""
+    if not (count and sweep.samples and sweep.samples.unknown):
+        return {}
+    if count == len(sweep.samples):
+        return sweep.samples.columns
+    values = drawn(sweep.samples.unknown, sweep.samples.seed, count)
+    return {each.path: values[:, i].tolist() for i, each in enumerate(sweep.samples.unknown)}

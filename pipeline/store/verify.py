@@ -36,22 +36,21 @@ from pipeline.store.snapshot import A_COMMIT, read_whole
 from pipeline.store.variables import DONE, FAILED, HASHED
 from pipeline.sweep.model import Point
 
-__all__ = ["Damage", "Verification", "verify_store"]
-
 
 @dataclass(frozen=True, slots=True)
 class Damage:
-    """A damaged point: load [N], velocity [m/s], what is wrong with it, and on which surface."""
+    """A damaged point: load [N], velocity [m/s], what is wrong with it, and which variant."""
 
     load: float
     velocity: float
     reason: str
     realization: int | None = None
+    sample: int | None = None
 
     @property
     def point(self) -> Point:
         """Where it is."""
-        return Point(self.load, self.velocity, self.realization)
+        return Point(self.load, self.velocity, self.realization, self.sample)
 
     def __str__(self) -> str:
         return f"{self.point}: {self.reason}"
@@ -73,7 +72,8 @@ class Verification:
         Points that are complete, but without a status: it was lost, or a run was killed before it
         wrote it. The next run takes them as done.
     is_protected : bool
-        Whether conditions, axes and metadata are held by a hash, which stores of format 1 lack.
+        Whether conditions, axes and metadata are protected by a hash, which stores of format 1
+        lack.
     repaired : bool
         Whether all of that was repaired.
     """
@@ -97,14 +97,21 @@ def verify_store(path: PathLike, repair: bool = False) -> Verification:
     Parameters
     ----------
     path : str or path
-        Of the store, which may be in use unless it is repaired.
+        Path of the store, which may be in use unless it is to be repaired.
     repair : bool
         Whether to make damaged points pending, and to restore what is shared.
 
     Raises
     ------
     StoreError
-        If there is no readable store, or it is in use and to be repaired.
+        If there is no readable store, or it is to be repaired while in use.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> found = pipeline.verify_store("results/first_try.zarr")
+    >>> found.done, found.is_clean
+    (24, True)
     """
     folder = folder_of(path)
     with ExitStack() as stack:
@@ -124,7 +131,7 @@ def verify_store(path: PathLike, repair: bool = False) -> Verification:
 
 
 def _examined(store: Store, shared: list[str], repair: bool) -> Verification:
-    """What is found in a store of which the root has these faults."""
+    """Examine a store whose root has these faults."""
     shared = [*shared, *_shared_faults(store, repair)]
     found = tuple(store.lost())
     if repair:
@@ -147,7 +154,7 @@ def _damaged(store: Store, points: Iterable[Point], status: Mapping[Point, int])
     """Points at which something is wrong."""
     reasons = ((point, _reason(store, point, status[point])) for point in points)
     return [
-        Damage(point.load, point.velocity, reason, point.realization)
+        Damage(point.load, point.velocity, reason, *point[2:])
         for point, reason in reasons
         if reason is not None
     ]

@@ -1,6 +1,9 @@
 """Stores with large chunks (pipeline/store/compact.py)."""
 
+import errno
+import os
 import shutil
+from contextlib import nullcontext
 
 import numpy as np
 import pytest
@@ -8,21 +11,31 @@ import xarray as xr
 
 from pipeline.analysis.dataset import open_sweep
 from pipeline.cli import main
-from pipeline.run import cluster
+from pipeline.run import cluster, sweep
 from pipeline.run.sweep import run_sweep
-from pipeline.store.compact import compact_store, lay_out
+from pipeline.store import (
+    BY_POINT,
+    COMPACT,
+    Store,
+    StoreError,
+    compact_store,
+    lay_out,
+    locked,
+    prepare,
+    summary,
+    verify_store,
+)
 from pipeline.store.files import Files
-from pipeline.store.points import Store, StoreError, locked, prepare
-from pipeline.store.progress import summary
-from pipeline.store.variables import BY_POINT, COLUMNS, COMPACT
-from pipeline.store.verify import verify_store
+from pipeline.store.variables import COLUMNS, KEPT_COMPACT
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import points, run_point
 from tests.helpers import tiny
+from tests.helpers.here import Here
 from tests.pipeline.conftest import commit_all
 
 SWEEP = tiny.full()
 POINT = Point(250.0, 1.0)
+CHANGED = ("revision", "root_hash", KEPT_COMPACT)
 
 
 @pytest.fixture
@@ -32,7 +45,7 @@ def copy(alone, tmp_path):
 
 def loaded(path):
     with xr.open_zarr(path, chunks=None) as ds:
-        ds.attrs = {k: v for k, v in ds.attrs.items() if k not in ("revision", "root_hash")}
+        ds.attrs = {k: v for k, v in ds.attrs.items() if k not in CHANGED}
         return ds.load()
 
 
@@ -74,6 +87,47 @@ def test_a_compact_store_resumes_grows_and_is_compact_again(copy, alone):
         assert ds["wear_volume"].sel(load=900, velocity=0.75).values.tobytes() == expected.tobytes()
 
 
+@pytest.mark.parametrize("ending", [KeyboardInterrupt, StoreError])
+def test_a_compact_store_is_compact_again_after_a_run_that_broke_off(copy, monkeypatch, ending):
+    def compute(*_):
+        assert not Store(copy).is_compact
+        raise ending
+
+    monkeypatch.setattr(sweep, "connected", lambda *_: nullcontext(Here()))
+    monkeypatch.setattr(sweep, "compute", compute)
+    Store(copy).forget(POINT)
+    compact_store(copy)
+    with pytest.raises(ending):
+        run_sweep(SWEEP, copy)
+    assert Store(copy).is_compact
+    assert summary(copy).pending == 1
+
+
+def test_a_compact_store_whose_run_was_killed_is_compact_after_the_next(copy, monkeypatch):
+    monkeypatch.setattr(cluster, "LocalCluster", None)
+    compact_store(copy)
+    relaid(copy, compact=False)
+    assert run_sweep(SWEEP, copy).computed == 0
+    assert Store(copy).is_compact
+    assert verify_store(copy).is_clean
+
+
+def test_a_store_that_cannot_be_made_compact_again_says_so_and_is_whole(copy, monkeypatch):
+    compact_store(copy)
+    relaid(copy, compact=False)
+    monkeypatch.setattr(Files, "put_many", failing)
+    told = []
+    run_sweep(SWEEP, copy, tell=told.append)
+    assert "not made compact again this time" in told[-1]
+    assert "No space left" in told[-1]
+    monkeypatch.undo()
+    assert verify_store(copy).is_clean
+
+
+def failing(*_):
+    raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+
 def test_failed_and_pending_points_stay_what_they_are(tmp_path):
     path = tmp_path / "tiny.zarr"
     sweep = tiny.sweep(loads=(150.0, 250.0), velocities=(0.5, 1.0), realizations=(1, 2))
@@ -86,7 +140,7 @@ def test_failed_and_pending_points_stay_what_they_are(tmp_path):
     assert (before.done, before.pending, before.failed[0].realization) == (6, 1, 2)
     with open_sweep(path) as ds:
         for point in points(sweep):
-            own = ds["time"].sel(point._asdict()).values
+            own = ds["time"].sel({n: v for n, v in point._asdict().items() if n in ds.dims}).values
             assert np.isfinite(own).any() == (point not in (failed, pending))
 
 

@@ -8,7 +8,8 @@ import sys
 
 import pytest
 
-from pipeline.store.folder import StoreError, locked, user
+from pipeline.store import StoreError, locked
+from pipeline.store.folder import user
 from pipeline.store.lock import LockWarning
 
 

@@ -19,17 +19,20 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import tribo
-from pipeline.store.identity import describe
-from pipeline.store.points import (
+from pipeline.store import (
     DONE,
     PENDING,
+    FailedPoint,
     Store,
     StoreError,
     StoreMismatchError,
+    files,
     locked,
     prepare,
+    remove_partial,
+    summary,
 )
-from pipeline.store.progress import FailedPoint, summary
+from pipeline.store.identity import describe
 from pipeline.store.variables import COLUMNS, COORDINATES, FIELDS
 from pipeline.sweep.criterion import Conditions
 from pipeline.sweep.model import Point
@@ -147,7 +150,9 @@ def test_attributes_say_what_was_computed(alone):
     assert attributes["versions"]["numpy"] == np.__version__
     assert attributes["conditions"]["critical_temperature"] == 418.15
     assert attributes["measured"][1] == {"normal_load": 200.0, "velocity": 3.75, "friction": None}
-    assert set(attributes["scene"]) == {field.name for field in dataclasses.fields(tribo.Scene)}
+    few_have = {"motion", "unequal_bulks"}
+    every = {field.name for field in dataclasses.fields(tribo.Scene)}
+    assert set(attributes["scene"]) == every - few_have
 
 
 def summary_attributes(path):
@@ -431,7 +436,30 @@ def test_a_creation_cut_short_is_begun_again(path, monkeypatch, survived):
     (path / f"zarr.json.{'0' * 32}.partial").touch()
     prepare(path, SWEEP).commit(run_point(SWEEP, *POINT))
     assert summary(path).done == 1
-    assert not list(path.rglob("*.partial"))
+
+
+def test_a_point_is_committed_where_no_further_thread_can_be_started(path, monkeypatch):
+    class Refusing:
+        def submit(self, *_):
+            raise RuntimeError("can't start new thread")
+
+    store = prepare(path, SWEEP)
+    monkeypatch.setattr(files, "_disk", Refusing)
+    store.commit(run_point(SWEEP, *POINT))
+    assert store.is_done(POINT)
+    assert store.is_intact(POINT)
+
+
+def test_only_what_this_program_was_writing_is_removed(path):
+    store = prepare(path, SWEEP)
+    store.commit(run_point(SWEEP, *POINT))
+    ours = [path / f"zarr.json.{'0' * 32}.partial", path / "load" / f"c.0.{'a' * 32}.partial"]
+    others = [path / "notes.partial", path / "load" / "c.0.partial"]
+    for file in (*ours, *others):
+        file.touch()
+    remove_partial(path)
+    assert [file.exists() for file in (*ours, *others)] == [False, False, True, True]
+    assert store.is_intact(POINT)
 
 
 def test_a_store_is_made_where_a_link_leads(path):
@@ -535,7 +563,7 @@ def test_a_place_that_cannot_be_written_is_refused(tmp_path):
 
 HOLDER = """if True:
     import sys, time
-    from pipeline.store.points import locked
+    from pipeline.store import locked
     with locked(sys.argv[1]):
         print("held", flush=True)
         time.sleep(60)

@@ -2,18 +2,17 @@
 
 import json
 import math
+import os
 import shutil
+from pathlib import Path
 
 import pytest
 
 from pipeline.analysis.dataset import open_sweep
 from pipeline.cli import main
 from pipeline.run.sweep import run_sweep
-from pipeline.store.compact import compact_store
-from pipeline.store.points import Store, StoreError, prepare
-from pipeline.store.progress import summary
+from pipeline.store import Store, StoreError, compact_store, prepare, summary, verify_store
 from pipeline.store.root import COPY
-from pipeline.store.verify import verify_store
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import run_point
 from tests.helpers import tiny
@@ -283,3 +282,31 @@ def test_a_run_heals_coordinates_and_the_copy_of_the_root(copy):
     assert len(verify_store(copy).shared) == 2
     assert run_sweep(SWEEP, copy, workers=1).computed == 0
     assert verify_store(copy).is_clean
+
+
+@pytest.mark.parametrize(
+    "put",
+    [Path.mkdir, os.mkfifo, lambda file: file.symlink_to("/dev/zero")],
+    ids=["folder", "fifo", "device"],
+)
+def test_what_is_in_the_place_of_a_file_gives_way_to_it(copy, put):
+    """A FIFO or a device would be read without an end, and a folder cannot be written over."""
+    whole = (copy / "zarr.json").read_bytes()
+    for file in (copy / "zarr.json", copy / "load" / "c.0", copy / "time" / "zarr.json"):
+        file.unlink()
+        put(file)
+    with pytest.raises(StoreError, match="is not a file; irg verify --repair"):
+        summary(copy)
+    verify_store(copy, repair=True)
+    assert (copy / "zarr.json").read_bytes() == whole
+    assert verify_store(copy).is_clean
+
+
+def test_a_folder_with_files_in_the_place_of_one_stays(copy):
+    file = copy / "load" / "c.0"
+    file.unlink()
+    file.mkdir()
+    (file / "mine").write_text("years of work")
+    with pytest.raises(StoreError, match="not empty"):
+        verify_store(copy, repair=True)
+    assert (file / "mine").exists()

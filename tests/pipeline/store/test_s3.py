@@ -14,11 +14,8 @@ import pipeline.store.shape as shape_module
 from pipeline.analysis.dataset import open_sweep
 from pipeline.cli import main
 from pipeline.run.sweep import run_sweep
-from pipeline.store import folder
-from pipeline.store.points import StoreError, locked, prepare
-from pipeline.store.progress import summary
+from pipeline.store import StoreError, folder, locked, prepare, summary, verify_store
 from pipeline.store.variables import COLUMNS, FIELDS
-from pipeline.store.verify import verify_store
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import points, run_point
 from tests.helpers import tiny
@@ -140,7 +137,7 @@ def test_one_driver_at_a_time(address):
 def test_a_driver_that_was_killed_does_not_count_and_one_elsewhere_does(address):
     killed = """if True:
         import os, sys
-        from pipeline.store.points import locked
+        from pipeline.store import locked
         held = locked(sys.argv[1])
         held.__enter__()
         os._exit(1)

@@ -1,0 +1,79 @@
+"""Whether what is done in a store is intact: points by their checksums, and coordinates."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from pipeline.store.folder import StoreError
+from pipeline.store.identity import checksum
+from pipeline.store.snapshot import Snapshot
+from pipeline.store.variables import (
+    BULK_COLUMNS,
+    BULK_FIELDS,
+    COLUMNS,
+    FIELDS,
+    HASHED,
+    is_coordinate,
+)
+from pipeline.sweep.model import Point
+from tribo.types import Array
+
+
+class Checked(Snapshot):
+    """A snapshot that tells what in its store is damaged."""
+
+    def is_intact(self, point: Point) -> bool:
+        """Whether all of a point can be read, and its data are those that were computed."""
+        return self.fault(point) is None
+
+    def fault(self, point: Point) -> str | None:
+        """What is wrong with a point that should be done, if anything is."""
+        missing: set[str] = set()
+        names = [name for name in self.names if name != "status"]
+        try:
+            found = self.at(point, names, missing)
+        except StoreError:
+            return f"{', '.join(self.unreadable(point))} cannot be read"
+        if missing:
+            return f"{', '.join(name for name in names if name in missing)} is missing"
+        steps = np.count_nonzero(np.isfinite(found["time"]))
+        data = {name: found[name][:steps] for name in (*COLUMNS, *BULK_COLUMNS) if name in found}
+        if "pressure" in found and not self.lacks_fields(point):
+            fields = (name for name in (*FIELDS, *BULK_FIELDS) if name in found)
+            data |= {name: found[name] for name in fields}
+        if found["checksum"] != self._checksum(point, data):
+            return "the data are not those that were computed"
+        return None
+
+    def unreadable(self, point: Point) -> list[str]:
+        """Variables with damaged files at a point."""
+        return [name for name in self.names if not self._is_readable(name, point)]
+
+    def lacks_fields(self, point: Point) -> bool:
+        """Whether a point has none of the fields that the store has room for."""
+        return "pressure" in self._arrays and not self.has("pressure", point)
+
+    def lost(self) -> list[Point]:
+        """Points that are complete, but without a status that can be read."""
+        _, known = self.flags()
+        unknown = np.ravel(~known)
+        points = (point for point, is_so in zip(self.places(), unknown, strict=True) if is_so)
+        return [point for point in points if self.has("checksum", point) and self.is_intact(point)]
+
+    def damaged_coordinates(self) -> list[str]:
+        """Coordinates that cannot be read, or are not what was committed."""
+        names = [name for name in self._arrays if is_coordinate(name)]
+        return [name for name in names if not self.has_coordinate(name)]
+
+    def _is_readable(self, name: str, point: Point) -> bool:
+        try:
+            self.at(point, [name])
+        except StoreError:
+            return False
+        return True
+
+    def _checksum(self, point: Point, data: Mapping[str, Array]) -> np.uint64:
+        is_old = self.attributes["format"] < HASHED
+        return checksum(data, None if is_old else point)

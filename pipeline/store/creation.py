@@ -1,0 +1,75 @@
+"""Creates the store of a sweep, or opens it and makes room for what the sweep adds."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from pipeline.store.folder import (
+    PathLike,
+    StoreError,
+    StoreMismatchError,
+    folder_of,
+)
+from pipeline.store.identity import describe, differences, stored_scene
+from pipeline.store.points import Store
+from pipeline.store.root import begin, read_metadata, renew_copy
+from pipeline.store.shape import commit_shape
+from pipeline.store.variables import (
+    grown,
+    lasting_attributes,
+)
+from pipeline.sweep.model import Sweep
+from tribo import QUANTILES
+
+
+def prepare(path: PathLike, sweep: Sweep) -> Store:
+    """Create the store of a sweep, or open it and make room for what the sweep adds.
+
+    Call it while the store is `locked`. What is in the store stays, whether or not the sweep still
+    asks for it, and what can be healed is healed.
+
+    Raises
+    ------
+    StoreMismatchError
+        If the store belongs to another scene; the message says how the two differ.
+    StoreError
+        If there is something else in its place, or it cannot be written.
+    """
+    folder = folder_of(path)
+    try:
+        if begin(folder):
+            commit_shape(folder, lasting_attributes(sweep), {}, grown({}, sweep), sweep)
+            return Store(folder)
+        store = Store(folder)
+        axes = store.axes
+        name, _ = sweep.axis or (None, ())
+        if fault := next(_other_axes(axes, name), None):
+            raise StoreMismatchError(f"{folder} {fault}")
+        if different := [
+            *differences(stored_scene(store.attributes), describe(sweep)),
+            *differences(axes["quantile"], list(QUANTILES), "quantile"),
+        ]:
+            reason = f"{folder} belongs to another scene; write to another store"
+            raise StoreMismatchError("\n  ".join([reason, *different]))
+        renew_copy(folder)
+        store.heal()
+        commit_shape(folder, *read_metadata(folder), grown(axes, sweep), sweep)
+        return Store(folder)
+    except OSError as error:
+        raise StoreError(f"{folder} cannot be written: {error}") from error
+
+
+def _other_axes(axes: Mapping[str, Any], leading: str | None) -> Iterator[str]:
+    """Say how what leads the dimensions of a store is not what the scene asks for."""
+    for name, what in (("realization", "the seeds"), ("sample", "the number")):
+        if name in axes and name != leading:
+            yield (
+                f"has an axis for sweep.{name}s, which the scene does not give; give {what} that "
+                "are wanted, or write to another store"
+            )
+        if name not in axes and name == leading:
+            yield (
+                f"has no axis for sweep.{name}s, and the dimensions of a store stay what they were "
+                "at its creation; write to another store"
+            )
