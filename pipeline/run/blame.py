@@ -1,9 +1,8 @@
-"""Which points are called failed when workers die: those that workers die of when left alone.
+"""Which points are called failed when workers die: those that kill even a worker of their own.
 
-A worker that dies takes with it whatever it was given to do, and what it died of, nobody says. So
-the point that each lost task was at is suspected, and tried again later, on a worker that computes
-nothing else. Who kills workers from outside hits the same point again now and then, but not time
-after time.
+A worker that dies takes with it whatever it was given to do, and does not say what it died of. So
+the point at which each lost task was is suspected, and tried again later on a worker that computes
+nothing else. Kills from outside hit the same point again now and then, but not time after time.
 """
 
 from __future__ import annotations
@@ -39,16 +38,16 @@ class Suspects:
     losses: Mapping[Point, int] = field(default_factory=dict)
 
     def after_loss(self, point: Point, alone: bool) -> Suspects:
-        """Take note that a task was lost at a point, and whether that was tried alone."""
+        """Take note that a task was lost at a point, which may have been tried alone."""
         return Suspects({**self.losses, point: self.losses.get(point, 0) + alone})
 
     def without(self, points: Collection[Point]) -> Suspects:
-        """Clear points of suspicion, or take them off since they are called failed."""
+        """Take points off the list: cleared of suspicion, or called failed."""
         return Suspects({point: n for point, n in self.losses.items() if point not in points})
 
     @property
     def to_try(self) -> list[Point]:
-        """Points to try alone, those first that were lost least often."""
+        """Points to try alone, those lost least often first."""
         return sorted(self.losses, key=lambda point: self.losses[point])
 
     @property

@@ -1,4 +1,4 @@
-"""Where to look for the boundary, if that is all that is wanted.
+"""Where to look next, if the boundary is all that is wanted.
 
 At one load the rise grows with velocity about as a power of it. Between two velocities, one mild
 and one severe, a straight line through both in logarithms finds the crossing to κh²/8, where h is
@@ -22,31 +22,30 @@ import numpy as np
 from pipeline.sweep.model import Point
 from tribo import InputError
 
-__all__ = ["BoundarySearch"]
-
 _EXPONENT = 0.6  # of the rise over velocity, until it is known
 _TREND = -0.8  # of the boundary's velocity over load, until it is known
 _CURVATURE = 0.5  # κ until it is known
 _LEAST_CURVATURE = 0.2  # known from a few points, it may be less by chance
 _WIDEST = 0.35  # of h
 _NEAR = 0.25  # of h: how near to a node a crossing must be expected to ask beyond it
+_NEAR_EXPECTED = 0.1  # the same, where it is expected for a better reason
 _FINEST = 12  # halvings of the axis
 
 
 @dataclass(frozen=True, slots=True)
 class BoundarySearch:
-    """A search for the critical velocity at each of some loads.
+    """A search for the critical velocity at each of several loads.
 
     Parameters
     ----------
     loads : sequence of float
-        [N], ascending.
+        Loads at which to find it [N], ascending.
     lowest, highest : float
         Velocities between which to look [m/s], above 0.
     limit : float
         Rise at which wear turns severe [K].
     tolerance : float
-        Relative, of the critical velocity.
+        Relative error of the critical velocity.
 
     Raises
     ------
@@ -79,27 +78,35 @@ class BoundarySearch:
             raise InputError(f"the tolerance is {self.tolerance!r}; it must be between 0 and 1")
 
     def wanted(
-        self, known: Mapping[Point, float], hopeless: Iterable[Point] = ()
+        self,
+        known: Mapping[Point, float],
+        hopeless: Iterable[Point] = (),
+        expected: Mapping[float, float] | None = None,
     ) -> tuple[Point, ...]:
         """Points to look at next; none once the boundary is known at every load.
 
         Parameters
         ----------
         known : mapping
-            Rise at the points that are done [K], these and any others.
+            Rise at the points that are done [K], whether asked for here or not.
         hopeless : iterable of Point
-            That failed; they are not asked for.
+            Points that failed; they are not asked for again.
+        expected : mapping, optional
+            Where the critical velocity is expected at each load [m/s], for want of known points.
         """
         rows = {load: self._row(known, load) for load in self.loads}
         curvature = self._curvature(rows)
-        guesses = self._guesses(rows)
+        guesses, near = self._guesses(rows), _NEAR
+        if not guesses and expected:
+            guesses = {load: math.log(velocity) for load, velocity in expected.items()}
+            near = _NEAR_EXPECTED
         asked = set()
         if not guesses:
             ends = (self.loads[0], self.loads[len(self.loads) // 2], self.loads[-1])
             middle = self._node(round(self._intervals() / 2), 0)
             asked = {Point(load, middle) for load in ends}
         for load, guess in guesses.items():
-            asked |= {Point(load, v) for v in self._next(rows[load], guess, curvature)}
+            asked |= {Point(load, v) for v in self._next(rows[load], guess, curvature, near)}
         fresh = asked - set(known) - set(hopeless)
         return tuple(sorted(fresh, key=lambda point: (point.velocity, point.load)))
 
@@ -127,7 +134,7 @@ class BoundarySearch:
         return (mild[-1] if mild else None), high
 
     def _curvature(self, rows: Mapping[float, list[tuple[float, float]]]) -> float:
-        """The greatest κ that three velocities about a crossing tell, with a margin."""
+        """The greatest κ by three velocities about a crossing, with a margin."""
         found = []
         for row in rows.values():
             low, high = self._bracket(row)
@@ -180,7 +187,7 @@ class BoundarySearch:
         return float(x[k] - y[k] / min(max(slope, 0.2), 3.0))
 
     def _next(
-        self, row: list[tuple[float, float]], guess: float, curvature: float
+        self, row: list[tuple[float, float]], guess: float, curvature: float, near: float
     ) -> Iterable[float]:
         """Velocities to look at next at one load."""
         low, high = self._bracket(row)
@@ -201,8 +208,8 @@ class BoundarySearch:
             below, above = math.floor(k), math.ceil(k)
             nodes = {below, above} | ({below + 1} if below == above else set())
             if not (low and high):
-                nodes |= {below - 1} if k - below < _NEAR else set()
-                nodes |= {above + 1} if above - k < _NEAR else set()
+                nodes |= {below - 1} if k - below < near else set()
+                nodes |= {above + 1} if above - k < near else set()
             last = self._intervals() * 2**level
             asked = {self._node(min(max(node, 0), last), level) for node in nodes}
             inside = {v for v in asked if (low is None or v > low) and (high is None or v < high)}

@@ -18,7 +18,8 @@ from concurrent.futures import CancelledError
 from contextlib import contextmanager, suppress
 
 import dask
-from distributed import Client, Future, LocalCluster, versions, wait
+from distributed import Client, Future, LocalCluster, Status, versions, wait
+from distributed.scheduler import KilledWorker
 
 from pipeline.run import forkserver
 from pipeline.run.certificate import private_security
@@ -50,14 +51,15 @@ _LOCAL: dict[str, object] = {
     "distributed.scheduler.http.routes": [],
     "distributed.worker.http.routes": [],
     "distributed.nanny.http.routes": [],
-    # A worker that dies while it starts is not started again, but taken off after this.
-    "distributed.deploy.lost-worker-timeout": "5s",
+    # A nanny starts its worker again. Dask would take off who is away at this time after a loss,
+    # and so, where workers die again and again, one that is just coming back.
+    "distributed.deploy.lost-worker-timeout": "1000 days",
 }
 _THREADS = 2  # of a worker: while one waits for the disk, the other computes
 _WORD = 10.0  # [s] without a worker, after which the user is told
-_ATTEMPTS = 3  # to start workers, one of which may be killed before it is ready
+_ATTEMPTS = 3  # to start workers, or to reach one, which may be killed meanwhile
 PATIENCE = 30.0
-"""For how long to wait for a scheduler, and for workers if there are none [s]."""
+"""Time to wait for a scheduler, and for workers if there are none [s]."""
 
 
 class ExecutionError(TriboError):
@@ -66,7 +68,7 @@ class ExecutionError(TriboError):
 
 @contextmanager
 def connected(workers: int, scheduler: str | None, patience: float) -> Iterator[Client]:
-    """Connect to a scheduler, or start one with workers and see to it that all of them end.
+    """Connect to a scheduler, or start one with workers, and end those that were started.
 
     Raises
     ------
@@ -108,7 +110,7 @@ def connected(workers: int, scheduler: str | None, patience: float) -> Iterator[
 
 @contextmanager
 def _quiet_if_interrupted() -> Iterator[None]:
-    """Let Python not complain of the call to Dask that Ctrl-C broke off."""
+    """Keep Python from complaining about the call to Dask that Ctrl-C broke off."""
     try:
         yield
     except KeyboardInterrupt:
@@ -118,7 +120,7 @@ def _quiet_if_interrupted() -> Iterator[None]:
 
 @contextmanager
 def _nothing_imported_for_the_forkserver() -> Iterator[None]:
-    """Spare this process the packages that Dask imports to have the forkserver import them, too.
+    """Spare this process the packages that Dask imports only to name them to the forkserver.
 
     That is pandas, and 0.2 s of CPU time. It may go once Dask sees that the forkserver runs.
     """
@@ -152,7 +154,10 @@ def _local_cluster(workers: int) -> LocalCluster:
                 raise ExecutionError(UNGUARDED) from None
             attempts -= 1
             if not attempts:
-                raise ExecutionError(f"the worker processes do not start: {error}") from error
+                raise ExecutionError(
+                    f"the worker processes do not start: {error}; memory, threads or processes "
+                    "may be limited (ulimit -a), and fewer workers take less of each"
+                ) from error
 
 
 def dashboard_of(client: Client) -> str | None:
@@ -171,17 +176,20 @@ def share(client: Client, content: bytes, patience: float) -> Future:
     ExecutionError
         If there is no worker to take it, or none that can.
     """
-    try:
-        client.wait_for_workers(1, timeout=patience)
-        shared = client.submit(_same, content, pure=False)
-        error = shared.exception(timeout=patience)
-    except TimeoutError:
-        raise ExecutionError(f"no Dask worker is ready within {patience:g} s") from None
-    except CancelledError:
-        raise ExecutionError(LOST) from None
-    if error is not None:
-        raise ExecutionError(f"the Dask workers cannot run this program: {error}")
-    return shared
+    for _ in range(_ATTEMPTS):
+        try:
+            client.wait_for_workers(1, timeout=patience)
+            shared = client.submit(_same, content, pure=False)
+            error = shared.exception(timeout=patience)
+        except TimeoutError:
+            raise ExecutionError(f"no Dask worker is ready within {patience:g} s") from None
+        except CancelledError:
+            raise ExecutionError(LOST) from None
+        if error is None:
+            return shared
+        if not isinstance(error, KilledWorker):  # it would be raised again
+            break
+    raise ExecutionError(f"the Dask workers cannot run this program: {error}")
 
 
 def _same(content: bytes) -> bytes:
@@ -203,8 +211,8 @@ def threads_of(
     while True:
         with _losses_told():
             threads = Counter(client.nthreads(callback_timeout=patience))
-        if client.cluster is not None and len(threads) < len(client.cluster.worker_spec):
-            client.cluster.scale(len(client.cluster.worker_spec))  # in place of those taken off
+        if client.cluster is not None:
+            _replace_lost(client.cluster)
         if threads:
             return threads
         left = end - time.monotonic()
@@ -216,8 +224,21 @@ def threads_of(
         time.sleep(0.1)
 
 
+def _replace_lost(cluster: LocalCluster) -> None:
+    """Start a worker in place of each whose nanny could not start it again."""
+    lost = [
+        name
+        for name, nanny in list(cluster.workers.items())
+        if nanny.status in (Status.closed, Status.failed)
+    ]
+    for name in lost:
+        del cluster.workers[name]
+    if lost:
+        cluster.scale(len(cluster.worker_spec))
+
+
 def is_processed(client: Client, keys: Collection[str], patience: float) -> bool:
-    """Whether a worker that lives has been given any of some tasks.
+    """Whether a live worker has been given any of these tasks.
 
     Raises
     ------
@@ -231,7 +252,7 @@ def is_processed(client: Client, keys: Collection[str], patience: float) -> bool
 
 
 def wait_for_any(futures: Collection[Future], seconds: float) -> None:
-    """Wait until one of some tasks ends, or for a time [s].
+    """Wait until one of these tasks ends, or a time has passed [s].
 
     Raises
     ------

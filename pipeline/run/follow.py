@@ -1,24 +1,31 @@
-"""Boundary mode: a sweep that chooses its velocities itself, to find the boundary and no more."""
+"""Boundary mode: a sweep that chooses its own velocities, to find the boundary and no more."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-from dataclasses import replace
+import math
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
-from pipeline.analysis.boundary import decisive_rise
-from pipeline.analysis.dataset import by_surface, open_sweep
+from pipeline.analysis.interpolation import crossing
 from pipeline.run.boundary_search import BoundarySearch
 from pipeline.run.sweep import Outcome, Progress, run_sweep
-from pipeline.store.folder import ROOT, PathLike, folder_of
-from pipeline.store.variables import FAILED
-from pipeline.sweep.criterion import rise_limit
+from pipeline.store import FAILED, PENDING, ROOT, PathLike, Store, StoreError, folder_of
+from pipeline.sweep.criterion import Conditions, at_bulks, rise_limit, worst_moment
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import points
 from tribo import InputError
+from tribo.thermal import rise_exceeded
+from tribo.types import Array
 
-__all__ = ["follow_boundary"]
+_Place = tuple[Any, ...]  # surface and sample of a point
+
+_FIRST = 16  # samples that are searched without knowing where others found their boundary
+_GROWTH = 2.0  # of the number of samples that are searched at a time
 
 
 def follow_boundary(
@@ -33,9 +40,11 @@ def follow_boundary(
 ) -> Outcome:
     """Find the critical velocity at each load of a sweep, with as few points as that takes.
 
-    Each of several surfaces has a boundary of its own, and is searched for it. The result is a
-    store like that of `pipeline.run_sweep`, with velocities of the search's own between the
-    sweep's lowest and highest. It resumes like that, begins with what is there, and can be
+    Where there are several surfaces, the boundary of each is searched for. So is that of each
+    sample of unknown inputs: of a few first, of the others about where these let it be expected;
+    samples that differ in friction and temperatures alone share their points. The result is a store
+    like that of `pipeline.run_sweep`, with velocities that the search chose between the sweep's
+    lowest and highest. It is resumed in the same way, begins with what is there, and can be
     completed to the whole sweep later.
 
     Parameters
@@ -44,7 +53,7 @@ def follow_boundary(
     out, workers, scheduler, progress, retry_failed, tell
         See `pipeline.run_sweep`.
     tolerance : float
-        Relative, of the critical velocity, besides the error of the scene's fidelity.
+        Relative error of the critical velocity, besides that of the scene's fidelity.
 
     Raises
     ------
@@ -52,58 +61,182 @@ def follow_boundary(
         If there is no boundary to look for: no friction, or one velocity alone.
     StoreMismatchError, StoreError, ExecutionError
         See `pipeline.run_sweep`.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> scene = pipeline.load_scene("workflows/first_try.toml")
+    >>> outcome = pipeline.follow_boundary(scene, "results/edge.zarr")  # doctest: +SKIP
+    >>> outcome.done  # doctest: +SKIP
+    11
     """
-    limit = rise_limit(sweep.conditions)
     moving = [velocity for velocity in sweep.velocities if velocity > 0]
-    if not np.isfinite(limit) or len(moving) < 2:
+    variants = _variants(sweep)
+    limits = [rise_limit(each) for variant in variants for each in variant.conditions]
+    if not np.isfinite(limits).all() or len(moving) < 2:
         raise InputError(
             "there is no boundary to look for without friction, or between fewer than two "
             "velocities above 0"
         )
-    search = BoundarySearch(sweep.loads, moving[0], moving[-1], limit, tolerance)
-
-    def searched() -> tuple[set[Point], set[Point]]:
-        """The points of the sweep that are known or failed, and those to look at next."""
-        there: set[Point] = set()
-        wanted: set[Point] = set()
-        found = _found(sweep, out) if (folder_of(out) / ROOT).exists() else {}
-        for seed in sweep.realizations or (None,):
-            known, failed = found.get(seed, ({}, []))
-            there |= {at._replace(realization=seed) for at in (*known, *failed)}
-            wanted |= {at._replace(realization=seed) for at in search.wanted(known, failed)}
-        return there, wanted
+    search = _Search(BoundarySearch(sweep.loads, moving[0], moving[-1], limits[0], tolerance), out)
+    batches = deque(_batches(variants) if sweep.samples else [variants])
+    searched: list[_Variant] = []
 
     def further() -> Sweep | None:
-        there, wanted = searched()
-        return _with_points(sweep, there | wanted) if wanted else None
+        """The sweep at the points that are known or failed, and at those to look at next."""
+        search.look(variants)
+        while batches:
+            if wanted := search.wanted(batches[0]):
+                return _with_points(sweep, search.there | wanted)
+            searched.extend(batches.popleft())
+            if sweep.samples and batches:
+                search.learn(searched)
+        return None
 
-    there, wanted = searched()
-    begun = _with_points(sweep, there | wanted)
+    begun = further() or _with_points(sweep, search.there)
     return run_sweep(begun, out, workers, scheduler, progress, retry_failed, further, tell)
 
 
-_Found = tuple[dict[Point, float], list[Point]]
+@dataclass(frozen=True, slots=True, eq=False)
+class _Variant:
+    """What has points of its own: a surface, a sample, or the scene itself.
+
+    Attributes
+    ----------
+    place : tuple of int or None
+        Surface and sample of its points.
+    conditions : tuple of Conditions
+        Conditions under each of which to find the boundary.
+    inputs : tuple of float
+        Values drawn, on scales on which the boundary is about linear; none but for samples.
+    """
+
+    place: _Place
+    conditions: tuple[Conditions, ...]
+    inputs: tuple[float, ...] = ()
 
 
-def _found(sweep: Sweep, out: PathLike) -> dict[int | None, _Found]:
-    """By surface the decisive rise at the points that are done, and the points that failed."""
-    found: dict[int | None, _Found] = {}
-    for ds in by_surface(open_sweep(out)):
-        rise = decisive_rise(ds, sweep.conditions.failing_share)
-        status = ds["status"].transpose("load", "velocity").values
-        known, failed = {}, []
-        for i, load in enumerate(rise["load"].values.tolist()):
-            for j, velocity in enumerate(rise["velocity"].values.tolist()):
-                if load in sweep.loads and np.isfinite(rise.values[i, j]):
-                    known[Point(load, velocity)] = float(rise.values[i, j])
-                elif load in sweep.loads and status[i, j] == FAILED:
-                    failed.append(Point(load, velocity))
-        found[int(ds["realization"]) if "realization" in ds.coords else None] = known, failed
-    return found
+def _variants(sweep: Sweep) -> list[_Variant]:
+    if sweep.samples is None:
+        seeds = sweep.realizations or (None,)
+        return [_Variant((seed, None), (sweep.conditions,)) for seed in seeds]
+    samples = sweep.samples
+    conditions = [sweep.variant(sample=number).conditions for number in range(len(samples))]
+    if not samples.are_simulated:
+        return [_Variant((None, None), tuple(conditions))]
+    return [
+        _Variant((None, number), (conditions[number],), samples.scaled(number))
+        for number in range(len(samples))
+    ]
+
+
+def _batches(variants: Sequence[_Variant]) -> Iterator[Sequence[_Variant]]:
+    """Samples to search at a time: few at first, from which the others learn."""
+    begin, size = 0, _FIRST
+    while begin < len(variants):
+        yield variants[begin : begin + size]
+        begin, size = begin + size, int(_GROWTH * size)
+
+
+class _Search:
+    """The search for the boundary of each variant, and what is known so far."""
+
+    def __init__(self, search: BoundarySearch, out: PathLike) -> None:
+        self.there: set[Point] = set()
+        self._search, self._out = search, out
+        self._rises: dict[_Place, dict[Point, Array]] = {}
+        self._failed: dict[_Place, set[Point]] = {}
+        self._expect: Callable[[_Variant], Mapping[float, float]] = lambda _: {}
+
+    def look(self, variants: Sequence[_Variant]) -> None:
+        """Read from the store what was not known yet."""
+        if not (folder_of(self._out) / ROOT).exists():
+            return
+        store, by_place = Store(self._out), {each.place: each for each in variants}
+        for point, status in store.status().items():
+            if status == PENDING or point.load not in self._search.loads:
+                continue
+            if (variant := by_place.get(point[2:])) is None:
+                continue
+            at, known = Point(*point[:2]), self._rises.setdefault(point[2:], {})
+            self.there.add(point)
+            if status == FAILED:
+                self._failed.setdefault(point[2:], set()).add(at)
+            elif at not in known:
+                with suppress(StoreError):  # damaged, and computed again
+                    known[at] = _rises(store, point, variant.conditions)
+
+    def wanted(self, variants: Sequence[_Variant]) -> set[Point]:
+        """Points to look at next."""
+        found: set[Point] = set()
+        for variant in variants:
+            known = self._rises.get(variant.place, {})
+            failed = self._failed.get(variant.place, set())
+            expected = None if known else self._expect(variant)
+            for number, conditions in enumerate(variant.conditions):
+                search = replace(self._search, limit=rise_limit(conditions))
+                own = {at: float(rises[number]) for at, rises in known.items()}
+                asked = search.wanted(own, failed, expected)
+                found |= {Point(*at[:2], *variant.place) for at in asked}
+        return found
+
+    def learn(self, variants: Sequence[_Variant]) -> None:
+        """Expect the boundary of further samples from that of those that were searched."""
+        inputs = np.array([each.inputs for each in variants])
+        found = np.log(
+            [[self._critical(each, load) for load in self._search.loads] for each in variants]
+        )
+        fits = {}
+        for load, column in zip(self._search.loads, found.T, strict=True):
+            at = np.isfinite(column)
+            if np.count_nonzero(at) > inputs.shape[1] + 1:
+                fits[load] = _plane(inputs[at], column[at])
+        lowest, highest = self._search.lowest, self._search.highest
+
+        def expect(variant: _Variant) -> Mapping[float, float]:
+            at = np.array([1.0, *variant.inputs])
+            return {
+                load: min(max(math.exp(float(at @ fit)), lowest), highest)
+                for load, fit in fits.items()
+            }
+
+        self._expect = expect
+
+    def _critical(self, variant: _Variant, load: float) -> float:
+        """Critical velocity of a sample at a load; NaN where it does not cross."""
+        known = self._rises.get(variant.place, {})
+        row = sorted(
+            (at.velocity, float(rises[0])) for at, rises in known.items() if at.load == load
+        )
+        if len(row) < 2:
+            return math.nan
+        velocities, rises = np.array(row).T
+        return crossing(velocities, rises, rise_limit(variant.conditions[0]))
+
+
+def _plane(inputs: Array, values: Array) -> Array:
+    """Coefficients of the plane that is nearest to values over inputs, the constant first."""
+    scale = np.maximum(np.ptp(inputs, axis=0), 1e-300)
+    columns = np.column_stack([np.ones(len(inputs)), inputs / scale])
+    fit: Array = np.linalg.lstsq(columns, values)[0]
+    return np.append(fit[:1], fit[1:] / scale)
+
+
+def _rises(store: Store, point: Point, each: Sequence[Conditions]) -> Array:
+    """Decisive rise at a point under each of some conditions [K]."""
+    names = [name for name in ("rise_quantile", "bulk_rise_quantile") if name in store.names]
+    found = store.at(point, [*names, "normal_load"])
+    known: dict[tuple[float, float], float] = {}
+    for conditions in each:
+        judged = conditions.failing_share, conditions.bulk_ratio
+        if judged not in known:
+            rises = rise_exceeded(at_bulks(found, conditions), conditions.failing_share)
+            known[judged] = float(rises[worst_moment(rises, found["normal_load"], point.load)])
+    return np.array([known[own.failing_share, own.bulk_ratio] for own in each])
 
 
 def _with_points(sweep: Sweep, chosen: Iterable[Point]) -> Sweep:
-    """The sweep at these points alone."""
+    """The same sweep at these points alone."""
     asked = replace(sweep, chosen=tuple(chosen))
     velocities = tuple(sorted({point.velocity for point in points(asked)}))
     return replace(asked, velocities=velocities, chosen=points(asked))

@@ -17,8 +17,10 @@ from typing import Any
 
 import psutil
 
+from pipeline.run.leftovers import remove_dead_folders
+
 METHOD = "forkserver" if "forkserver" in multiprocessing.get_all_start_methods() else "spawn"
-"""Of `multiprocessing`, by which to start workers."""
+"""Start method of `multiprocessing` for the workers."""
 
 WORKER_ENVIRONMENT = {
     # Dask's own thresholds return each FFT's memory to the kernel, which takes longer than the
@@ -29,11 +31,11 @@ WORKER_ENVIRONMENT = {
     "MKL_NUM_THREADS": "1",
     "OPENBLAS_NUM_THREADS": "1",
 }
-"""For workers that are started elsewhere, too."""
+"""Environment of the workers, also of those that are started elsewhere."""
 
 
 PRELOADING = "IRG_PRELOADING"
-"""Set in the environment of the forkserver alone, and so of all that it starts."""
+"""Variable that only the forkserver, and so all that it starts, has in its environment."""
 
 UNGUARDED = 'in a script, call run_sweep under if __name__ == "__main__":, since workers import it'
 _UNGUARDED = 71  # exit code of a worker that was about to run a sweep
@@ -51,6 +53,7 @@ def start() -> None:
         os.environ.update(settings)
         with interrupts_put_off():
             forkserver.ensure_running()
+        remove_dead_folders()  # while that imports
     finally:
         for name, value in before.items():
             if value is None:
@@ -60,7 +63,7 @@ def start() -> None:
 
 
 def wake() -> None:
-    """Let the process go on if it was stopped; whoever waits for workers waits for it, too."""
+    """Let the process go on if it was stopped, since whoever waits for workers waits for it."""
     for child in psutil.Process().children():
         with suppress(psutil.NoSuchProcess):
             is_stopped = child.status() == psutil.STATUS_STOPPED
@@ -90,7 +93,7 @@ def _nothing() -> None:
 
 @contextmanager
 def interrupts_put_off() -> Iterator[None]:
-    """Let Ctrl-C wait until the end.
+    """Put off Ctrl-C until the end of the block.
 
     Threads that begin in here, and the processes that these start, inherit that SIGINT is
     blocked. So a Ctrl-C in a terminal, which goes to every process of the foreground, stops the

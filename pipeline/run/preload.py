@@ -1,7 +1,7 @@
 """What the forkserver imports for all workers, and then leaves alone.
 
-Frozen, none of it is looked through for garbage: its memory stays shared between the processes,
-and its end does not take 0.2 s.
+Once frozen, none of it is searched for garbage: the memory stays shared between the processes, and
+the end of a process does not take 0.2 s.
 """
 
 import gc
@@ -15,7 +15,7 @@ MODULES = ("scipy.fft", "scipy.special", "pipeline.run.schedule")
 
 
 def preload() -> None:
-    """Import and freeze."""
+    """Import all of it, and freeze it."""
     gc.disable()  # there is no garbage yet
     for name in MODULES:
         importlib.import_module(name)

@@ -1,7 +1,7 @@
-"""Chains of points on the threads of a cluster.
+"""Computes chains of points on the threads of a cluster.
 
-A task computes points of one chain for a moment, and the next task of the chain depends on
-the trunk that it leaves. Dask decides what runs where, and runs a task again whose trunk was lost.
+A task computes points of one chain for about a second, and the next task of the chain depends on
+the trunk that it leaves. Dask decides what runs where, and runs a task again if its trunk was lost.
 What is left to do is read from the store when a task has ended, whatever became of the task; what
 is still missing is submitted anew.
 """
@@ -31,7 +31,7 @@ from pipeline.run.cluster import (
 )
 from pipeline.run.watch import Watch
 from pipeline.run.work import compute_points
-from pipeline.store.points import DONE, PENDING, Store, StoreError
+from pipeline.store import DONE, PENDING, Store, StoreError
 from pipeline.sweep.model import Point, Sweep
 
 _STRETCH = 1.0  # [s] that a task should take, beside which 5 ms of Dask do not count
@@ -45,7 +45,7 @@ _KILLED = (
 
 @dataclass(frozen=True, slots=True)
 class _Chain:
-    """Points still to compute on one ramp, and the trunk to go on from if there is one."""
+    """Points still to compute on one ramp, and the trunk to go on from, if there is one."""
 
     points: tuple[Point, ...]
     trunk: Future | None = None
@@ -53,7 +53,7 @@ class _Chain:
 
 @dataclass(frozen=True, slots=True)
 class _Task:
-    """A chain that goes on, the trunk that this will leave, and the worker of a point alone."""
+    """Points that a task computes, the trunk that it leaves, and its worker if it runs alone."""
 
     points: tuple[Point, ...]
     trunk: Future
@@ -79,11 +79,11 @@ def compute(
     waiting : iterable of tuple of Point
         Points of each chain.
     patience : float
-        Time to wait for a worker, if there is none [s].
+        Time to wait for a worker if there is none [s].
     report : callable
         Called with ``done=1`` or ``failed=1`` for each point that ends.
     tell : callable, optional
-        Called with a line for the user, if nothing has ended for long.
+        Called with a line for the user if nothing has ended for long.
 
     Raises
     ------
@@ -133,10 +133,10 @@ class _Run:
         self.suspects = Suspects()
 
     def submit(self, workers: Counter[str]) -> None:
-        """Give the workers a task for each thread; at last, each a suspect that it has alone.
+        """Give the workers a task for each thread; in the end, give each one suspect alone.
 
-        Dask counts the death of a worker against all that it was given, so that it is not given
-        more than it can begin with.
+        Dask counts the death of a worker against all tasks that it was given, so it is given no
+        more than it can begin at once.
         """
         if self.waiting or any(task.alone_on is None for task in self.running):
             while self.waiting and len(self.running) < workers.total():
@@ -149,7 +149,7 @@ class _Run:
             self._start(_Chain((point,)), worker)
 
     def _next(self, threads: int) -> _Chain:
-        """Finish chains one by one, so that few trunks are kept; but let the last end together."""
+        """Take the next chain: the first, so that few trunks are kept; near the end the longest."""
         if len(self.waiting) + len(self.running) >= 2 * threads:
             return self.waiting.popleft()
         longest = max(range(len(self.waiting)), key=lambda i: len(self.waiting[i].points))
@@ -213,7 +213,7 @@ class _Run:
 
     @property
     def at_work(self) -> str:
-        """What is waited for."""
+        """What the run waits for, in words."""
         if not self.running:
             return f"{len(self.waiting)} ramps wait for a worker"
         others = f" and {n} more" if (n := len(self.running) - 1) else ""

@@ -14,30 +14,36 @@ import time
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from pathlib import Path
 from typing import NamedTuple
 
 from dask.system import CPU_COUNT
 
 from pipeline.run.cluster import PATIENCE, ExecutionError, connected, dashboard_of
 from pipeline.run.forkserver import UNGUARDED, end_if_imported
+from pipeline.run.notebook import reported
 from pipeline.run.schedule import compute
-from pipeline.store.compact import lay_out
-from pipeline.store.folder import PathLike
-from pipeline.store.points import (
+from pipeline.store import (
+    BY_POINT,
+    COMPACT,
     DONE,
     FAILED,
     PENDING,
+    FailedPoint,
+    PathLike,
     Store,
+    StoreError,
+    Summary,
+    lay_out,
     locked,
     prepare,
+    remove_partial,
+    summarized,
+    versions,
 )
-from pipeline.store.progress import FailedPoint, Summary, summarized
-from pipeline.store.variables import BY_POINT, COMPACT, versions
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import chains, points
 from tribo import InputError
-
-__all__ = ["ExecutionError", "Outcome", "Progress", "run_sweep"]
 
 _MANY = 2000  # points, from which compacting is worth a word
 
@@ -49,11 +55,11 @@ class Progress:
     Attributes
     ----------
     done, failed, total : int
-        Points of the sweep, those of earlier runs included.
+        Points that are done, that have failed, and all of the sweep, earlier runs included.
     elapsed : float
-        Since this run began [s].
+        Time since this run began [s].
     time_to_go : float or None
-        Estimated [s]; None until the first point is done.
+        Estimated time until the end [s]; None until the first point is done.
     """
 
     done: int
@@ -76,7 +82,7 @@ class Outcome:
     failed : tuple of FailedPoint
         Points that failed, now or in an earlier run.
     wall_time : float
-        Of this run [s].
+        Duration of this run [s].
     """
 
     total: int
@@ -106,25 +112,26 @@ def run_sweep(
     ----------
     sweep : Sweep
     out : str or path
-        Of the store; it is created, resumed or extended.
+        Path of the store, which is created, resumed or extended.
     workers : int, optional
         Number of processes; one for each core that this process may use if not given.
     scheduler : str, optional
         Address of a Dask scheduler to use instead. Its workers need this package and see the
         store under the same path.
     progress : callable, optional
-        Called with a `Progress` at the start and after each point.
+        Called with a `Progress` at the start and after each point; in a notebook a bar shows it
+        if not given.
     retry_failed : bool, optional
-        Whether to try points again that failed in an earlier run.
+        Whether to try again the points that failed in an earlier run.
     further : callable, optional
-        Called when every point is done or has failed: gives the same sweep with more points, to
-        go on with, or None.
+        Called when every point is done or has failed; returns the same sweep with more points to go
+        on with, or None.
     tell : callable, optional
         Called with a line for the user, such as where the cluster's dashboard is.
     patience : float, optional
-        How long to wait for a scheduler to answer, and for workers if there are none [s].
+        Time to wait for a scheduler to answer, and for workers if there are none [s].
     fill_fields : bool, optional
-        Whether to compute points again that were finished before the scene asked for fields.
+        Whether to compute again the points that were finished before the scene asked for fields.
 
     Raises
     ------
@@ -134,35 +141,47 @@ def run_sweep(
         If the store is in use or cannot be written. Finished points are safe.
     ExecutionError
         If the cluster does not start or is lost. Finished points are safe.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> scene = pipeline.load_scene("workflows/first_try.toml")
+    >>> outcome = pipeline.run_sweep(scene, "results/first_try.zarr")  # goes on where it stopped
+    >>> outcome.done, outcome.failed
+    (24, ())
     """
     if workers is not None and workers < 1:
         raise InputError(f"workers is {workers}; it must be at least 1")
     _refuse_in_a_worker(scheduler)
     began = time.monotonic()
-    with locked(out):
+    with locked(out), reported(progress) as report:
         store = prepare(out, sweep)
+        if isinstance(store.path, Path):
+            remove_partial(store.path)
         if fill_fields:
             for point in _without_fields(store, sweep):
                 store.forget(point)
         if tell:
             for note in _notes(store, sweep):
                 tell(note)
-        tally = _Tally(summarized(store), began, progress)
+        tally = _Tally(summarized(store), began, report)
         rounds = _rounds(store, sweep, retry_failed, further)
-        if first := next(rounds, None):
-            # Points that come later may have more chains than those that wait now.
-            needed = len(first.waiting) if further is None else CPU_COUNT
-            with (
-                _laid_out_by_point(store),
-                connected(min(workers or CPU_COUNT, needed), scheduler, patience) as client,
-            ):
-                if tell and (dashboard := dashboard_of(client)):
-                    tell(f"the cluster's dashboard is at {dashboard}")
-                for each in itertools.chain([first], rounds):
-                    store = Store(out)
-                    if each is not first:
-                        tally.widen(summarized(store))
-                    compute(client, each.sweep, store, each.waiting, patience, tally.report, tell)
+        with _kept_compact(store, tell):
+            if first := next(rounds, None):
+                if store.is_compact:
+                    lay_out(store.path, BY_POINT)
+                # Points that come later may have more chains than those that wait now.
+                most = len(first.waiting) if further is None else CPU_COUNT
+                with connected(min(workers or CPU_COUNT, most), scheduler, patience) as client:
+                    if tell and (dashboard := dashboard_of(client)):
+                        tell(f"the cluster's dashboard is at {dashboard}")
+                    for each in itertools.chain([first], rounds):
+                        store = Store(out)
+                        if each is not first:
+                            tally.widen(summarized(store))
+                        compute(
+                            client, each.sweep, store, each.waiting, patience, tally.report, tell
+                        )
         store = Store(out)
         found = summarized(store)
     if tell and found.total >= _MANY and not store.is_compact:
@@ -192,7 +211,7 @@ class _Round(NamedTuple):
 def _rounds(
     store: Store, sweep: Sweep, retry_failed: bool, further: Callable[[], Sweep | None] | None
 ) -> Iterator[_Round]:
-    """What there is to compute: of the sweep, then of those that come further."""
+    """What there is to compute: for the sweep, then for each that comes after it."""
     checked: set[Point] = set()
     asked: Sweep | None = sweep
     while asked is not None:
@@ -205,13 +224,17 @@ def _rounds(
 
 
 @contextmanager
-def _laid_out_by_point(store: Store) -> Iterator[None]:
-    """Let a compact store be written to, and make it compact again."""
-    if store.is_compact:
-        lay_out(store.path, BY_POINT)
-    yield
-    if store.is_compact:
-        lay_out(store.path, COMPACT)
+def _kept_compact(store: Store, tell: Callable[[str], None] | None) -> Iterator[None]:
+    """Make a store compact again that was so once, whether the run ends, fails or is broken off."""
+    try:
+        yield
+    finally:
+        if store.is_kept_compact:
+            try:
+                lay_out(store.path, COMPACT)
+            except StoreError as error:  # so it stays as it is, and whole
+                if tell:
+                    tell(f"{store.path} is not made compact again this time: {error}")
 
 
 def _without_fields(store: Store, sweep: Sweep) -> list[Point]:

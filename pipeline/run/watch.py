@@ -10,10 +10,10 @@ END = 300.0  # [s] without a worker that computes, after which the sweep is give
 
 @dataclass(frozen=True, slots=True)
 class Watch:
-    """How long nothing has moved.
+    """Watches for how long nothing has moved.
 
-    A point may take its time, and as long as a worker computes one there is no end to wait for. If
-    tasks wait that no worker has been given, something is wrong.
+    A point may take its time: as long as a worker computes one, there is no limit. But if tasks
+    wait and no worker has been given one, something is wrong.
 
     Attributes
     ----------
@@ -52,7 +52,7 @@ class Watch:
         return replace(self, now=now, computed=now if computing else self.computed)
 
     def heard(self) -> Watch:
-        """Once a word was said, it is said again after twice the time."""
+        """The watch after its word was said, which is said again after twice the time."""
         return replace(self, patience=2 * self.patience)
 
     @property

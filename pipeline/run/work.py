@@ -1,8 +1,8 @@
-"""What a worker does: it computes and commits points of a chain, one after the other.
+"""What a worker does: compute and commit points of a chain, one after the other.
 
 The trunk that it ends with is the result of the task, which stays on the worker for the next task
-of the chain. Should that worker die, Dask runs the task again; its points are done by then, so that
-only the trunk is computed. No result depends on any of this.
+of the chain. Should that worker die, Dask runs the task again; as its points are done by then, only
+the trunk is computed. No result depends on any of this.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import time
 from dataclasses import dataclass
 from typing import Any
 
-from pipeline.store.points import Store
+from pipeline.store import Store
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import Trunk, advance_trunk, run_point
 
@@ -24,7 +24,7 @@ _one_at_a_time = threading.Lock()
 
 @dataclass(frozen=True, eq=False)
 class Kept:
-    """A trunk, which stays as it is for the next point on the same worker.
+    """A trunk, kept as it is for the next point on the same worker.
 
     On its way to another it is bytes: arrays that Dask rebuilds from its own messages may lie at
     odd addresses, and NumPy sums such arrays in another order.
@@ -54,7 +54,7 @@ def compute_points(
     parcel : bytes
         The pickled sweep and its store, which a scheduler elsewhere may not see.
     points : tuple of Point
-        Of one chain, loads ascending.
+        Points of one chain, in the order of their loads.
     kept : Kept or None
         The trunk to go on from.
     seconds : float
@@ -76,12 +76,12 @@ def compute_points(
     for point in points:
         with _one_at_a_time:
             if store.is_done(point):
-                trunk, restoring = advance_trunk(sweep, *point, trunk), True
+                trunk, restoring = advance_trunk(sweep, *point, trunk=trunk), True
                 continue
             if restoring:
                 break
             try:
-                result = run_point(sweep, *point, trunk)
+                result = run_point(sweep, *point, trunk=trunk)
             except Exception as error:
                 store.fail(point, f"{type(error).__name__}: {error}")
                 continue

@@ -8,13 +8,16 @@ import sys
 import time
 from contextlib import ExitStack
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from distributed import Client
+from distributed.scheduler import KilledWorker
 
 from pipeline.cli import main
+from pipeline.run.cluster import connected, share, threads_of
 from pipeline.run.sweep import ExecutionError, run_sweep
-from pipeline.store.progress import summary
+from pipeline.store import summary
 from tests.helpers import tiny
 from tests.pipeline.cli.test_commands import SCENE
 from tests.pipeline.run.test_sweep import content
@@ -117,6 +120,38 @@ def test_a_scheduler_that_is_lost_or_frozen_on_the_way_is_an_error(cluster, tmp_
     with pytest.raises(ExecutionError, match="scheduler is lost; finished points are safe"):
         run_sweep(slow, path, scheduler=cluster.address, progress=lose, patience=5.0)
     assert summary(path).done >= 2
+
+
+class Deadly:
+    """A client whose workers die of the first tasks; also the future of each."""
+
+    def __init__(self, deaths):
+        self._deaths, self.submitted = deaths, 0
+
+    def wait_for_workers(self, number, timeout):
+        pass
+
+    def submit(self, *_, **__):
+        self.submitted += 1
+        return self
+
+    def exception(self, timeout):
+        if self.submitted > self._deaths:
+            return None
+        return KilledWorker("task", SimpleNamespace(address="tcp://127.0.0.1:1"), 0)
+
+
+def test_what_workers_share_outlives_those_that_die_while_they_take_it():
+    client = Deadly(deaths=2)
+    assert share(client, b"", patience=1.0) is client
+    with pytest.raises(ExecutionError, match="cannot run this program"):
+        share(Deadly(deaths=100), b"", patience=1.0)
+
+
+def test_a_worker_that_its_nanny_gives_up_is_replaced():
+    with connected(workers=1, scheduler=None, patience=30.0) as client:
+        client.sync(client.cluster.workers[0].close)
+        assert threads_of(client, patience=30.0).total() > 0
 
 
 def test_the_recipe_for_batch_systems_runs(tmp_path, alone):

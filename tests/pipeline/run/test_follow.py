@@ -8,7 +8,7 @@ import pytest
 import pipeline
 from pipeline.analysis.interpolation import crossing
 from pipeline.run.follow import follow_boundary
-from pipeline.store.points import DONE, Store
+from pipeline.store import DONE, Store
 from pipeline.sweep.criterion import decisive_rise, rise_limit
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import chains, points, run_point, step_count
@@ -43,7 +43,7 @@ def grid():
     for chain in chains(points(SWEEP)):
         trunk = None
         for point in chain:
-            result = run_point(SWEEP, *point, trunk)
+            result = run_point(SWEEP, *point, trunk=trunk)
             trunk = result.trunk
             rises[point] = decisive_rise(result.state.heat.rise_quantile, SWEEP.conditions)
     velocities = np.array(SWEEP.velocities)

@@ -14,8 +14,7 @@ from pipeline.analysis.boundary import boundary
 from pipeline.cli import main
 from pipeline.run.follow import follow_boundary
 from pipeline.run.sweep import run_sweep
-from pipeline.store.points import DONE, Store, StoreMismatchError, prepare
-from pipeline.store.progress import summary
+from pipeline.store import DONE, Store, StoreMismatchError, prepare, summary
 from pipeline.store.variables import COLUMNS, FIELDS, RECORDS
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import chains, points, run_point

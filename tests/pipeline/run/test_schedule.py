@@ -16,8 +16,7 @@ from pipeline.run import schedule, watch, work
 from pipeline.run.blame import TRIALS
 from pipeline.run.cluster import ExecutionError
 from pipeline.run.schedule import compute
-from pipeline.store.points import DONE, FAILED, PENDING, Store, StoreError, prepare
-from pipeline.store.progress import summarized
+from pipeline.store import DONE, FAILED, PENDING, Store, StoreError, prepare, summarized
 from pipeline.store.variables import COLUMNS
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import chains, points, run_point
@@ -50,10 +49,10 @@ def given(tmp_path, monkeypatch):
 
 
 def failing_at(bad):
-    def run(sweep, load, velocity, realization, trunk=None):
+    def run(sweep, load, velocity, *variant, trunk=None):
         if Point(load, velocity) == bad:
             raise tribo.ConvergenceError("the contact did not converge", solution=None)
-        return run_point(sweep, load, velocity, realization, trunk)
+        return run_point(sweep, load, velocity, *variant, trunk=trunk)
 
     return run
 

@@ -21,18 +21,20 @@ import tribo
 from pipeline.run import cluster
 from pipeline.run import sweep as execute
 from pipeline.run.sweep import run_sweep
-from pipeline.store import variables as layout
-from pipeline.store.identity import describe, scene_hash
-from pipeline.store.points import (
+from pipeline.store import (
+    FailedPoint,
     Store,
     StoreError,
     StoreMismatchError,
     locked,
+    read_metadata,
+    summary,
+    verify_store,
 )
-from pipeline.store.progress import FailedPoint, summary
-from pipeline.store.root import commit_metadata, read_metadata
+from pipeline.store import variables as layout
+from pipeline.store.identity import describe, scene_hash
+from pipeline.store.root import commit_metadata
 from pipeline.store.variables import COLUMNS, FIELDS
-from pipeline.store.verify import verify_store
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import run_point
 from tests.helpers import tiny
@@ -274,7 +276,10 @@ from pipeline.run.sweep import run_sweep
 from tests.helpers import tiny
 
 if __name__ == "__main__":
-    sweep = tiny.full(loading=tiny.SlowRamp(150.0, 750.0))
+    sweep = tiny.full(
+        loading=tiny.SlowRamp(150.0, 750.0),
+        velocities=tuple(0.5 + 0.1 * n for n in range(12)),
+    )
     try:
         run_sweep(
             sweep, sys.argv[1], workers=2, progress=lambda report: print(report.done, flush=True)
@@ -330,8 +335,9 @@ def test_ctrl_c_ends_everything_within_seconds_and_keeps_finished_points(driver,
     assert group_is_gone(driver.pid)
     assert driver.stderr.read() == ""
     store = Store(path)
-    done = [point for point in store.asked() if store.is_done(point)]
-    assert finished <= len(done) < 9
+    asked = store.asked()
+    done = [point for point in asked if store.is_done(point)]
+    assert finished <= len(done) < len(asked)
     assert all(store.is_intact(point) for point in done)
     with locked(path):
         pass

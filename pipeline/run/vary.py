@@ -1,0 +1,210 @@
+"""One input at a time: the boundary of a scene, and of others that differ from it in one entry."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from pipeline.analysis.interpolation import crossing
+from pipeline.run.boundary_search import BoundarySearch
+from pipeline.sweep.criterion import Conditions, at_bulks, rise_limit, worst_moment
+from pipeline.sweep.model import Point, Sweep
+from pipeline.sweep.plan import chains, run_point
+from tribo import InputError, Scene
+from tribo.thermal import rise_exceeded
+from tribo.types import Array
+
+_APART = (  # fields of a sweep that count after the simulation
+    "name",
+    "title",
+    "notes",
+    "conditions",
+    "measured",
+    "friction_band",
+    "preset",
+    "oil",
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Variation:
+    """The boundary with one entry changed.
+
+    Attributes
+    ----------
+    key, value : str
+        Path of the entry, and what it is given, as it would stand in the scene; both empty for the
+        scene as it is.
+    critical_velocities : tuple of float
+        Critical velocity at each load [m/s]; NaN where there is no transition within the sweep.
+
+    Examples
+    --------
+    >>> Variation("friction.coefficient", "0.12", critical_velocities=(1.63,)).value
+    '0.12'
+    """
+
+    key: str
+    value: str
+    critical_velocities: tuple[float, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Variations:
+    """The boundary of a scene, and with single entries changed.
+
+    Attributes
+    ----------
+    title : str
+        Title of the scene.
+    loads : tuple of float
+        Normal loads on the whole pin [N].
+    own : Variation
+        The scene as it is.
+    others : tuple of Variation
+        The changes, in the order in which they were asked for.
+    points : int
+        Points simulated.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> own = pipeline.Variation("", "", critical_velocities=(2.17,))
+    >>> other = pipeline.Variation("friction.coefficient", "0.12", critical_velocities=(1.63,))
+    >>> found = pipeline.Variations("A scene", (400.0,), own, (other,), points=8)
+    >>> found.own.critical_velocities
+    (2.17,)
+    """
+
+    title: str
+    loads: tuple[float, ...]
+    own: Variation
+    others: tuple[Variation, ...]
+    points: int
+
+    def changes(self, variation: Variation) -> Array:
+        """Relative change of the critical velocity at each load; NaN where there is none."""
+        changed: Array = np.array(variation.critical_velocities) / self.own.critical_velocities - 1
+        return changed
+
+    def by_key(self) -> dict[str, list[Variation]]:
+        """Changes by entry; first the entry that moves the boundary most."""
+        found: dict[str, list[Variation]] = {}
+        for each in self.others:
+            found.setdefault(each.key, []).append(each)
+        return dict(sorted(found.items(), key=lambda item: -self._swing(item[1])))
+
+    def _swing(self, variations: list[Variation]) -> float:
+        moved = np.abs([self.changes(each) for each in variations])
+        return float(np.nanmax(moved)) if np.isfinite(moved).any() else 0.0
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return all values as plain data."""
+        return {
+            "loads": list(self.loads),
+            "critical_velocity": list(self.own.critical_velocities),
+            "variations": [
+                {
+                    "key": each.key,
+                    "value": each.value,
+                    "critical_velocity": list(each.critical_velocities),
+                    "change": self.changes(each).tolist(),
+                }
+                for each in self.others
+            ],
+            "points": self.points,
+        }
+
+
+def vary(
+    sweep: Sweep,
+    others: Mapping[tuple[str, str], Sweep],
+    tolerance: float = 0.01,
+    tell: Callable[[str], None] | None = None,
+) -> Variations:
+    """Find the boundary of a scene, and of the same with single entries changed.
+
+    Scenes that differ in friction and temperatures alone are simulated once.
+
+    Parameters
+    ----------
+    sweep : Sweep
+        The scene; between its lowest and highest velocity the boundary is searched at its loads.
+    others : mapping
+        Changed scenes by the path of the entry and what it is given.
+    tolerance : float
+        Relative error of the critical velocity, besides that of the scene's fidelity.
+    tell : callable, optional
+        Called with a line before each scene.
+
+    Raises
+    ------
+    InputError
+        If there is no boundary to look for: no friction, or one velocity alone.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> scene, warm = (pipeline.load_scene("workflows/first_try.toml", overrides=each)
+    ...                for each in ({}, {"temperature.bulk": "40 degC"}))
+    >>> found = pipeline.vary(scene, {("temperature.bulk", "40 degC"): warm})  # doctest: +SKIP
+    """
+    planes: dict[Scene, _Plane] = {}
+
+    def boundary(key: str, value: str, scene: Sweep) -> Variation:
+        if tell:
+            tell(f"{key} = {value}" if key else "the scene as it is")
+        plain = replace(scene, samples=None, realizations=())
+        alike = replace(plain, **{name: getattr(sweep, name) for name in _APART})
+        plane = planes.setdefault(alike, _Plane(plain))
+        return Variation(key, value, plane.boundary(sweep, scene.conditions, tolerance))
+
+    own = boundary("", "", sweep)
+    found = tuple(boundary(*name, scene) for name, scene in others.items())
+    count = sum(len(plane.known) for plane in planes.values())
+    return Variations(sweep.title, sweep.loads, own, found, count)
+
+
+class _Plane:
+    """The points of one scene that were simulated."""
+
+    def __init__(self, sweep: Sweep) -> None:
+        self._sweep = sweep
+        self.known: dict[Point, dict[str, Array]] = {}
+
+    def boundary(self, asked: Sweep, conditions: Conditions, tolerance: float) -> tuple[float, ...]:
+        """Critical velocity at each load under some conditions, simulating what that takes."""
+        limit, moving = rise_limit(conditions), [v for v in asked.velocities if v > 0]
+        if not np.isfinite(limit) or len(moving) < 2:
+            raise InputError(
+                "there is no boundary to look for without friction, or between fewer than two "
+                "velocities above 0"
+            )
+        search = BoundarySearch(asked.loads, moving[0], moving[-1], limit, tolerance)
+        while wanted := search.wanted(rises := self._rises(conditions)):
+            self._simulate(wanted)
+        return tuple(_crossing(rises, load, limit) for load in asked.loads)
+
+    def _rises(self, conditions: Conditions) -> dict[Point, float]:
+        found = {}
+        for point, columns in self.known.items():
+            rises = rise_exceeded(at_bulks(columns, conditions), conditions.failing_share)
+            worst = int(worst_moment(rises, columns["normal_load"], point.load))
+            found[point] = float(rises[worst])
+        return found
+
+    def _simulate(self, wanted: tuple[Point, ...]) -> None:
+        for chain in chains(wanted, self._sweep.independent):
+            trunk = None
+            for point in chain:
+                result = run_point(self._sweep, *point, trunk=trunk)
+                self.known[point], trunk = result.columns, result.trunk
+
+
+def _crossing(rises: Mapping[Point, float], load: float, limit: float) -> float:
+    row = sorted((point.velocity, rise) for point, rise in rises.items() if point.load == load)
+    velocities, values = np.array(row).T
+    return crossing(velocities, values, limit)

@@ -1,0 +1,97 @@
+"""The boundary of a scene, one input at a time."""
+
+import json
+
+import numpy as np
+import pytest
+
+import pipeline
+from pipeline.cli import main
+from tests.pipeline.cli.test_commands import SCENE
+
+SMALL = SCENE.replace("coefficient = 0.1", "coefficient = 0.13").replace(
+    '"200 N", "400 N", ', '"200 N", '
+)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    path = tmp_path_factory.mktemp("vary")
+    (path / "small.toml").write_text(SMALL)
+    return path
+
+
+@pytest.fixture(scope="module")
+def found(folder):
+    own = pipeline.load_scene(folder / "small.toml")
+    changes = {
+        ("friction.coefficient", "0.12"): 0.12,
+        ("temperature.critical", "137 degC"): "137 degC",
+        ("wear.specific_wear_rate", "4e-6 mm^3/(N m)"): "4e-6 mm^3/(N m)",
+    }
+    others = {
+        name: pipeline.load_scene(folder / "small.toml", overrides={name[0]: value})
+        for name, value in changes.items()
+    }
+    return pipeline.vary(own, others)
+
+
+def test_less_friction_and_more_wear_raise_the_boundary_and_a_weaker_oil_lowers_it(found):
+    friction, critical, rate = (found.changes(each)[0] for each in found.others)
+    assert friction > 0.02
+    assert critical < -0.02
+    assert rate > 0.02
+
+
+def test_the_boundary_is_that_of_the_whole_sweep(found, folder):
+    sweep = pipeline.load_scene(folder / "small.toml")
+    grid = np.array([2.0, 2.4, 2.8, 3.3, 4.0])
+    results = [pipeline.run_point(sweep, 200.0, v).verdict(sweep.conditions) for v in grid]
+    critical = np.interp(418.15, [each.decisive_temperature for each in results], grid)
+    assert found.own.critical_velocities[0] == pytest.approx(critical, rel=0.02)
+
+
+def test_friction_and_temperatures_cost_few_points(found, folder):
+    own = pipeline.load_scene(folder / "small.toml")
+    alone = pipeline.vary(own, {})
+    rate = ("wear.specific_wear_rate", "4e-6 mm^3/(N m)")
+    other = {rate: pipeline.load_scene(folder / "small.toml", overrides=dict([rate]))}
+    assert found.points <= pipeline.vary(own, other).points + 4
+    assert alone.points < found.points
+
+
+def test_the_entry_that_moves_the_boundary_most_comes_first(found):
+    swings = [
+        max(np.nanmax(np.abs(found.changes(each))) for each in group)
+        for group in found.by_key().values()
+    ]
+    assert swings == sorted(swings, reverse=True)
+
+
+def test_the_command_takes_percent_of_the_scene_s_own(folder, capsys):
+    over = ("--over", "pin.radius=-20%,+20%", "--over", "friction.coefficient=-5%")
+    out = folder / "tornado.png"
+    assert main(["vary", str(folder / "small.toml"), *over, "--json", "-o", str(out)]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert [each["value"] for each in document["variations"]] == ["1.6 mm", "2.4 mm", "0.1235"]
+    assert out.stat().st_size > 10_000
+
+
+@pytest.mark.parametrize(
+    ("over", "told"),
+    [
+        ("temperature.critical=+20%", "of which there are no percent"),
+        ("wear.pattern=+20%", "no number there to change"),
+        ("pin.radius=-2 mm", "out of range"),
+        ("pin.radis=1 mm", "unknown key"),
+        ("pin.radius", "gives no values"),
+        ("friction.coefficient=0", "without friction"),
+    ],
+)
+def test_bad_input_is_told_in_a_line(folder, capsys, over, told):
+    try:
+        code = main(["vary", str(folder / "small.toml"), "--over", over])
+    except SystemExit as exit_:
+        code = exit_.code
+    assert code == 2
+    assert told in capsys.readouterr().err
