@@ -24,7 +24,7 @@ BAND = (0.1, 0.5, 0.9)
 
 
 def with_band(boundaries: xr.Dataset) -> xr.Dataset:
-    """Add quantiles, mean, spread and counts to the boundaries of several surfaces.
+    """Add quantiles, mean, spread and counts to the boundaries of several surfaces or samples.
 
     Parameters
     ----------
@@ -32,12 +32,13 @@ def with_band(boundaries: xr.Dataset) -> xr.Dataset:
         Boundaries with ``critical_velocity(realization, load)``,
         ``critical_load(realization, velocity)`` and the outcomes of each.
     """
+    name_of = "sample" if "sample" in boundaries.dims else "realization"
     found = boundaries.assign_coords(
         quantile=("quantile", list(BAND), {"long_name": "share of the surfaces that lie lower"})
     )
     for name, axis in (("critical_velocity", "load"), ("critical_load", "velocity")):
-        outcome = found[f"outcome_at_{axis}"].transpose("realization", axis).values
-        values = found[name].transpose("realization", axis).values
+        outcome = found[f"outcome_at_{axis}"].transpose(name_of, axis).values
+        values = found[name].transpose(name_of, axis).values
         unit = {"units": found[name].attrs["units"]}
         crossing, known = (outcome == CROSSES).sum(axis=0), (outcome != UNKNOWN).sum(axis=0)
         columns = [

@@ -6,21 +6,35 @@ Friction, bulk temperature, critical temperature and failing share enter only he
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import asdict
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from pipeline.analysis.attributes import attributes_of
 from pipeline.analysis.band import CROSSES, MILD, SEVERE, UNKNOWN, with_band
-from pipeline.analysis.dataset import asked_points, by_surface, ordered
+from pipeline.analysis.dataset import asked_points, at_bulks, by_surface, leading, ordered
 from pipeline.analysis.interpolation import crossing, interpolated
-from pipeline.store.variables import DONE
-from pipeline.sweep.criterion import Conditions, contact_temperature, rise_limit, worst_moment
+from pipeline.scene.quantities import in_si, share_of
+from pipeline.store import DONE
+from pipeline.sweep.criterion import (
+    Conditions,
+    contact_temperature,
+    of_bulks,
+    require_bulks,
+    rise_limit,
+    worst_moment,
+)
+from pipeline.sweep.lubrication import Lubrication
 from tribo import InputError
 from tribo.thermal import quantiles
 from tribo.types import Array
+
+Bulk = float | str | Mapping[str, float | str]
+"""A bulk temperature [K] or with a unit; or one for each body, by ``"pin"`` and ``"disk"``."""
 
 _COLDEST_OIL, _HOTTEST_OIL = 220.0, 900.0  # bulk temperatures [K]
 
@@ -28,9 +42,9 @@ _COLDEST_OIL, _HOTTEST_OIL = 220.0, 900.0  # bulk temperatures [K]
 def boundary(
     ds: xr.Dataset,
     friction: float | Iterable[float] | None = None,
-    bulk_temperature: float | str | None = None,
+    bulk_temperature: Bulk | None = None,
     critical_temperature: float | str | None = None,
-    share: float | None = None,
+    share: float | str | None = None,
 ) -> xr.Dataset:
     """Critical velocity for each load and critical load for each velocity.
 
@@ -43,12 +57,13 @@ def boundary(
     friction : float or several, optional
         Coefficient of friction, at least 0; like the following the sweep's own if not given.
         Several give a dimension ``friction``.
-    bulk_temperature, critical_temperature : float or str, optional
+    bulk_temperature, critical_temperature : float, str or mapping, optional
         Temperature far from the contact, and the one above which the lubricant fails [K]; or text
-        with a unit, such as ``"80 degC"``.
-    share : float, optional
+        with a unit, such as ``"80 degC"``. In a sweep of bodies of unequal bulk temperatures, such
+        as ``{"pin": "60 degC", "disk": "25 degC"}`` for both.
+    share : float or str, optional
         Wear is severe where more than this share of the contact area is hotter than the critical
-        temperature; 0 is Blok's criterion, the maximum temperature.
+        temperature, such as 0.1 or ``"10%"``; 0 is Blok's criterion, the maximum temperature.
 
     Returns
     -------
@@ -58,7 +73,9 @@ def boundary(
         ``outcome_at_velocity`` say why not: mild or severe (at the lowest point already)
         throughout, or unknown for want of points. ``missing_at_load`` and
         ``missing_at_velocity`` count the points that are pending or failed. The conditions are
-        attributes, and ``missing_points`` their total.
+        attributes, and ``missing_points`` their total. Where the scene gives an oil,
+        ``film_parameter_at_load`` and ``film_parameter_at_velocity`` are the film parameters at
+        the crossings (see `pipeline.sweep.lubrication`).
 
         All of these have a dimension ``realization`` more over several surfaces, and there are
         ``critical_velocity_quantile(quantile, load)``, the velocity below which 10, 50 and 90 %
@@ -72,6 +89,21 @@ def boundary(
     ------
     InputError
         If a condition lies outside its range.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> ds = pipeline.open_sweep("results/first_try.zarr")
+    >>> pipeline.boundary(ds)["critical_velocity"].round(2).to_series()
+    load
+    200.0    3.54
+    400.0    2.23
+    600.0    1.56
+    750.0    1.24
+    Name: critical_velocity, dtype: float64
+    >>> warmer = pipeline.boundary(ds, friction=0.09, bulk_temperature="40 degC")
+    >>> warmer["critical_velocity"].sel(load=600).round(2).item()
+    1.48
     """
     if isinstance(friction, str):
         raise InputError(f'friction: "{friction}" is text; give a number such as 0.1, or several')
@@ -86,20 +118,57 @@ def boundary(
             combine_attrs="drop_conflicts",
         )
     conditions = conditions_of(ds, friction, bulk_temperature, critical_temperature, share)
-    found = [_boundary(surface, conditions) for surface in by_surface(ordered(ds))]
-    if "realization" not in ds.dims:
+    parts = by_surface(ordered(ds))
+    given = (friction, bulk_temperature, critical_temperature, share)
+    found = [_boundary(part, of_sample(part, conditions, given)) for part in parts]
+    name = leading(ds)
+    if name is None:
         return found[0]
-    band = with_band(xr.concat(found, "realization", combine_attrs="override"))
+    band = with_band(xr.concat(found, name, combine_attrs="override"))
+    own = {key: getattr(conditions, key) for key in band.attrs if hasattr(conditions, key)}
+    band = band.assign_attrs(own)  # a sample's are its own
     return band.assign_attrs(missing_points=sum(each.attrs["missing_points"] for each in found))
+
+
+def of_sample(ds: xr.Dataset, conditions: Conditions, given: Iterable[Any]) -> Conditions:
+    """Conditions of one sample: as it was drawn, where they are not given.
+
+    Parameters
+    ----------
+    ds : Dataset
+        Sweep on one surface or for one sample.
+    conditions : Conditions
+        Those that hold otherwise.
+    given : iterable
+        What is given of the friction, the bulk and the critical temperature and the failing share,
+        in this order; None where it is not.
+    """
+    drawn = {
+        name: float(ds[path])
+        for (name, path), own in zip(_DRAWN.items(), given, strict=True)
+        if own is None and path in ds.coords
+    }
+    return replace(conditions, **drawn) if drawn else conditions
+
+
+_DRAWN = {
+    "friction": "friction.coefficient",
+    "bulk_temperature": "temperature.bulk",
+    "critical_temperature": "temperature.critical",
+    "failing_share": "temperature.failing_share",
+}
+"""Conditions that may be unknown inputs, and their paths in the scene."""
 
 
 def _boundary(ds: xr.Dataset, conditions: Conditions) -> xr.Dataset:
     """The boundary on one surface."""
+    ds = at_bulks(ds, conditions)
     rise = decisive_rise(ds, conditions.failing_share)
     limit = rise_limit(conditions)
     loads, velocities, r = rise["load"].values, rise["velocity"].values, rise.values
     missing = ~np.isfinite(r) & asked_points(ds).values
 
+    lubrication = Lubrication.stored(attributes_of(ds))
     result = xr.Dataset(
         {
             "critical_velocity": (
@@ -114,7 +183,7 @@ def _boundary(ds: xr.Dataset, conditions: Conditions) -> xr.Dataset:
             ),
         },
         coords=rise.coords,
-        attrs={**asdict(conditions), "missing_points": int(np.count_nonzero(missing))},
+        attrs={**conditions.as_dict(), "missing_points": int(np.count_nonzero(missing))},
     )
     for name, axis in (("load", 1), ("velocity", 0)):
         found = result["critical_velocity" if name == "load" else "critical_load"].values
@@ -124,6 +193,14 @@ def _boundary(ds: xr.Dataset, conditions: Conditions) -> xr.Dataset:
             np.count_nonzero(missing, axis=axis),
             {"units": "1", "long_name": f"pending or failed points at this {name}"},
         )
+        if lubrication:
+            at = (loads, found) if name == "load" else (found, velocities)
+            parameter = lubrication.film_parameter(*at, conditions.mean_bulk_temperature)
+            result[f"film_parameter_at_{name}"] = (
+                name,
+                parameter,
+                {"units": "1", "long_name": "film parameter at the crossing"},
+            )
     return result
 
 
@@ -137,9 +214,9 @@ _OUTCOME_ATTRS = {
 def decisive_temperature(
     ds: xr.Dataset,
     friction: float | None = None,
-    bulk_temperature: float | str | None = None,
+    bulk_temperature: Bulk | None = None,
     critical_temperature: float | str | None = None,
-    share: float | None = None,
+    share: float | str | None = None,
     resolution: int | None = None,
 ) -> xr.DataArray:
     """Temperature that just the failing share of the contact area exceeds, at the highest.
@@ -157,14 +234,22 @@ def decisive_temperature(
     -------
     DataArray, dims (load, velocity), after ``realization`` over several surfaces
         Temperature [K]; NaN at points that are pending or failed.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> ds = pipeline.open_sweep("results/first_try.zarr")
+    >>> temperature = pipeline.decisive_temperature(ds, friction=0.12)
+    >>> temperature.sel(load=600, velocity=1.6).round().item()
+    444.0
     """
     conditions = conditions_of(ds, friction, bulk_temperature, critical_temperature, share)
-    rise = decisive_rise(ds, conditions.failing_share, resolution)
+    rise = decisive_rise(at_bulks(ds, conditions), conditions.failing_share, resolution)
     temperature = contact_temperature(rise, conditions)
     temperature.attrs = {
         "units": "K",
         "long_name": "temperature exceeded by the failing share of the contact",
-        **asdict(conditions),
+        **conditions.as_dict(),
     }
     return temperature.rename("decisive_temperature")
 
@@ -196,9 +281,9 @@ def decisive_rise(
         Rise [K], sorted along all axes; NaN at points that are pending or failed.
     """
     ds = ordered(ds[["normal_load", "rise_quantile", "status"]])
-    if "realization" in ds.dims:
+    if name := leading(ds):
         each = [decisive_rise(part, share, resolution, continued) for part in by_surface(ds)]
-        found: xr.DataArray = xr.concat(each, "realization")
+        found: xr.DataArray = xr.concat(each, name)
         return found
     ds = ds.transpose("load", "velocity", "step", ...)
     rises = rise_exceeded(ds, share).where(ds["status"] == DONE).values
@@ -216,7 +301,7 @@ def decisive_rise(
         coords={
             "load": ("load", loads, ds["load"].attrs),
             "velocity": ("velocity", velocities, ds["velocity"].attrs),
-            **{name: ds[name] for name in ("realization",) if name in ds.coords},
+            **{name: ds[name] for name in ds.coords if name in ("realization", "sample")},
         },
         dims=("load", "velocity"),
         name="decisive_rise",
@@ -249,9 +334,9 @@ def rise_exceeded(ds: xr.Dataset, share: float) -> xr.DataArray:
 def conditions_of(
     ds: xr.Dataset,
     friction: float | None = None,
-    bulk_temperature: float | str | None = None,
+    bulk_temperature: Bulk | None = None,
     critical_temperature: float | str | None = None,
-    share: float | None = None,
+    share: float | str | None = None,
 ) -> Conditions:
     """Take the sweep's own conditions, and those that are given in their place.
 
@@ -262,17 +347,24 @@ def conditions_of(
     """
     given = {
         "friction": friction,
-        "bulk_temperature": _kelvin("bulk_temperature", bulk_temperature),
         "critical_temperature": _kelvin("critical_temperature", critical_temperature),
-        "failing_share": share,
+        "failing_share": None if share is None else share_of(share),
     }
-    values = dict(ds.attrs.get("conditions") or {})
+    values = dict(attributes_of(ds).get("conditions") or {})
     values |= {name: value for name, value in given.items() if value is not None}
-    for name in given:
+    if bulk_temperature is not None:
+        each = (
+            {body: _kelvin("bulk_temperature", own) for body, own in bulk_temperature.items()}
+            if isinstance(bulk_temperature, Mapping)
+            else _kelvin("bulk_temperature", bulk_temperature)
+        )
+        values |= of_bulks(each)
+    for name in (*given, "bulk_temperature"):
         if values.get(name) is None and name != "critical_temperature":
             raise InputError(f"the sweep has no {name} of its own; give one")
     conditions = Conditions(**values)
-    if conditions.friction and not ds.attrs.get("scene", {}).get("friction_heat", True):
+    require_bulks(ds, conditions)
+    if conditions.friction and not attributes_of(ds).get("scene", {}).get("friction_heat", True):
         raise InputError(
             f"friction is {conditions.friction:g}; the sweep was computed without friction, and "
             "so without any heat: run it again with friction, into another store"
@@ -283,19 +375,15 @@ def conditions_of(
 def _kelvin(name: str, given: float | str | None) -> float | None:
     """Read a temperature [K], and refuse one at which no oil works."""
     if isinstance(given, str):
-        from pipeline.scene.units import UnitError, to_si  # takes 0.1 s, and few calls need it
-
-        try:
-            given = to_si(given, "300 K")
-        except UnitError as error:
-            raise InputError(f'{name}: {error}; give one such as "80 degC"') from error
+        given = in_si(name, given, "80 degC")
     if given is None or isinstance(given, Iterable):
         return given  # several are refused with the other conditions
     hottest = _HOTTEST_OIL if name == "bulk_temperature" else np.inf
     if given < _COLDEST_OIL or hottest < given < np.inf:
         raise InputError(
-            f"{name} is {given:g} K, that is {given - 273.15:.4g} °C, at which no oil works; give "
-            f'kelvins from {_COLDEST_OIL:g} on, or text with a unit, such as "{given:g} degC"'
+            f"{name} is {given - 273.15:.4g} °C ({given:g} K), at which no oil works; give one "
+            f"from {_COLDEST_OIL - 273.15:.4g} °C on; in Python a plain number is in kelvins, and "
+            'text has its unit, such as "80 degC"'
         )
     return given
 

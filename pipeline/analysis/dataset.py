@@ -2,17 +2,31 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from pipeline.store.committed import Committed, as_needed
-from pipeline.store.folder import PathLike, folder_of
-from pipeline.sweep.criterion import Conditions, contact_temperature, failed_fraction
+from pipeline.analysis.attributes import attributes_of, portable
+from pipeline.store import Committed, PathLike, as_needed, folder_of
+from pipeline.store.variables import LEADING, VARIABLES
+from pipeline.sweep.criterion import (
+    Conditions,
+    contact_temperature,
+    failed_fraction,
+    require_bulks,
+)
 from pipeline.sweep.model import Point
 from tribo import InputError
+from tribo.thermal import at_bulk_ratio
 from tribo.types import Array
+
+_IN_UTC = {
+    "units": "seconds since 1970-01-01 00:00:00",
+    "calendar": "standard",
+    "long_name": "when the point was finished, UTC",
+}
 
 
 def open_sweep(path: PathLike) -> xr.Dataset:
@@ -37,27 +51,54 @@ def open_sweep(path: PathLike) -> xr.Dataset:
         ``failed_fraction``
             Share of the contact area above the critical temperature, if the scene gives that.
 
-        Data are read when they are used.
+        ``step_count``
+            Number of steps of each point; 0 where it is not done.
+
+        Data are read when they are used. Attributes are text and numbers, those that are more as
+        JSON, so that ``to_netcdf`` writes them.
 
     Raises
     ------
     StoreError
         If there is no readable store.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> ds = pipeline.open_sweep("results/first_try.zarr")
+    >>> ds["max_temperature"].dims
+    ('load', 'velocity', 'step')
+    >>> end = pipeline.end_of_point(ds)
+    >>> end["max_temperature"].sel(load=600, velocity=1.6).round().item()
+    436.0
     """
     ds = ordered(xr.open_dataset(str(folder_of(path)), engine=Committed))
-    return ds.assign(_temperatures(ds))
+    for name in ds.variables:  # as they are written today, in old stores too
+        if name in VARIABLES and (units := VARIABLES[str(name)].units):
+            ds[name].attrs["units"] = units
+    ds["finished_at"].attrs |= _IN_UTC
+    ds = ds.assign(_temperatures(ds) | {"step_count": _step_counts(ds), "message": _messages(ds)})
+    return (
+        ds.drop_vars("checksum", errors="ignore")
+        .drop_attrs(deep=False)
+        .assign_attrs(portable(ds.attrs))
+    )
 
 
 def ordered(ds: xr.Dataset) -> xr.Dataset:
     """Sort the axes of a sweep, which a store keeps in the order in which they grew."""
-    return ds.sortby([name for name in ("realization", "load", "velocity") if name in ds.dims])
+    return ds.sortby([name for name in (*LEADING, "load", "velocity") if name in ds.dims])
+
+
+def leading(ds: xr.Dataset) -> str | None:
+    """Name of the dimension of the surfaces or samples of a sweep; None if it has neither."""
+    return next((name for name in LEADING if name in ds.dims), None)
 
 
 def by_surface(ds: xr.Dataset) -> list[xr.Dataset]:
-    """Take the sweep on each of its surfaces alone; as it is if it has no such dimension."""
-    if "realization" not in ds.dims:
-        return [ds]
-    return [ds.sel(realization=seed) for seed in ds["realization"].values.tolist()]
+    """Take each surface or sample of a sweep alone; the sweep as it is if it has neither."""
+    name = leading(ds)
+    return [ds] if name is None else [ds.sel({name: each}) for each in ds[name].values.tolist()]
 
 
 def on_surface(ds: xr.Dataset, realization: int | None = None) -> xr.Dataset:
@@ -68,6 +109,11 @@ def on_surface(ds: xr.Dataset, realization: int | None = None) -> xr.Dataset:
     InputError
         If the sweep does not hold that surface.
     """
+    if "sample" in ds.dims:
+        raise InputError(
+            "the sweep has samples of unknown inputs; irg risk and irg sensitivity show them all, "
+            "and in Python ds.sel(sample=0) is one of them"
+        )
     seeds = ds["realization"].values.tolist() if "realization" in ds.dims else []
     if realization is None:
         return ds.sel(realization=seeds[0]) if seeds else ds
@@ -83,18 +129,55 @@ def asked_points(ds: xr.Dataset) -> xr.DataArray:
     The other points in the store were asked for by an earlier run. The sweep is on one surface.
     """
     asked = xr.ones_like(ds["status"], dtype=bool)
-    chosen = ds.attrs.get("chosen")
+    chosen = attributes_of(ds).get("chosen")
     if chosen is not None:
-        surface = int(ds["realization"]) if "realization" in ds.coords else None
-        wanted = {
-            point[:2]
-            for point in (Point(*entry) for entry in chosen)
-            if point.realization == surface
-        }
+        place = tuple(int(ds[name]) if name in ds.coords else None for name in LEADING)
+        wanted = {point[:2] for point in (Point(*entry) for entry in chosen) if point[2:] == place}
         loads, velocities = ds["load"].values.tolist(), ds["velocity"].values.tolist()
         rows = [[(load, velocity) in wanted for velocity in velocities] for load in loads]
         asked = xr.DataArray(rows, {"load": ds["load"], "velocity": ds["velocity"]})
     return asked.transpose("load", "velocity")
+
+
+def at_bulks(ds: xr.Dataset, conditions: Conditions) -> xr.Dataset:
+    """Take the rises of a sweep at the bulk temperatures of some conditions.
+
+    Parameters
+    ----------
+    ds : Dataset
+        Dataset of `open_sweep`.
+    conditions : Conditions
+        Conditions to judge by.
+
+    Returns
+    -------
+    Dataset
+        The same where the bulk temperatures are equal; else with rises above the pin's bulk for
+        each unit of `Conditions.rise_factor`, but for the fields.
+
+    Raises
+    ------
+    InputError
+        If they are not, and the sweep was computed for equal ones.
+    """
+    ratio = conditions.bulk_ratio
+    if ratio == 0:
+        return ds
+    require_bulks(ds, conditions)
+    rises = xr.apply_ufunc(
+        at_bulk_ratio,
+        ds["rise_quantile"],
+        ds["bulk_rise_quantile"],
+        input_core_dims=[["quantile"], ["bulk_ratio", "quantile"]],
+        output_core_dims=[["quantile"]],
+        kwargs={"ratio": ratio},
+        keep_attrs=True,
+    )
+    found = {"rise_quantile": rises}
+    if "max_rise" in ds:
+        found["max_rise"] = rises.isel(quantile=-1, drop=True)
+        found["mean_rise"] = ds["mean_rise"] + ratio * ds["mean_bulk_response"]
+    return ds.assign(found)
 
 
 def end_of_point(ds: xr.Dataset) -> xr.Dataset:
@@ -109,14 +192,47 @@ def end_of_point(ds: xr.Dataset) -> xr.Dataset:
     -------
     Dataset
         Without the dimension ``step``; NaN where a point is not done.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> ds = pipeline.open_sweep("results/first_try.zarr")
+    >>> end = pipeline.end_of_point(ds)
+    >>> end["contact_width"].sel(load=600, velocity=1.6).round(6).item()
+    0.00029
     """
-    steps = ds["time"].notnull().sum("step")
+    steps = ds["step_count"] if "step_count" in ds else ds["time"].notnull().sum("step")
     return ds.isel(step=(steps - 1).clip(min=0)).drop_vars("step")
+
+
+def _messages(ds: xr.Dataset) -> xr.Variable:
+    """Messages as Python's text; xarray 2025.6 does not write NumPy's own to netCDF."""
+    told = ds["message"].variable
+    return as_needed(
+        told.dims,
+        told.shape,
+        object,
+        lambda key: np.asarray(told[key].values, dtype=object),
+        told.attrs,
+    )
+
+
+def _step_counts(ds: xr.Dataset) -> xr.Variable:
+    """Number of steps of each point."""
+    time = ds["time"].variable
+    return as_needed(
+        time.dims[:-1],
+        time.shape[:-1],
+        np.int32,
+        lambda key: np.isfinite(time[(*key, slice(None))].values).sum(axis=-1, dtype=np.int32),
+        {"units": "1", "long_name": "number of steps of the point; the last is its end"},
+    )
 
 
 def _temperatures(ds: xr.Dataset) -> dict[str, xr.Variable]:
     """Temperature and failed share at the friction and bulk temperature of the scene."""
-    conditions = Conditions(**ds.attrs["conditions"])
+    conditions = Conditions(**attributes_of(ds)["conditions"])
+    rises = _rises(ds, conditions)
 
     def warmed(name: str, meaning: str) -> xr.Variable:
         rise = ds[name].variable
@@ -124,14 +240,14 @@ def _temperatures(ds: xr.Dataset) -> dict[str, xr.Variable]:
             rise.dims,
             rise.shape,
             rise.dtype,
-            lambda key: contact_temperature(rise[key].values, conditions),
+            lambda key: contact_temperature(rises[name](key), conditions),
             {"units": "K", "long_name": f"{meaning} of the contact"},
         )
 
-    rises = ds["rise_quantile"].variable
+    *dims, _ = ds["rise_quantile"].dims
 
     def failed(key: tuple[Any, ...]) -> Array:
-        quantiles = rises[(*key, slice(None))].values
+        quantiles = rises["rise_quantile"]((*key, slice(None)))
         shares = np.full(quantiles.shape[:-1], np.nan)
         for index in np.ndindex(shares.shape):
             if np.isfinite(quantiles[index][0]):
@@ -145,10 +261,35 @@ def _temperatures(ds: xr.Dataset) -> dict[str, xr.Variable]:
     }
     if conditions.critical_temperature is not None:
         found["failed_fraction"] = as_needed(
-            rises.dims[:-1],
-            rises.shape[:-1],
+            tuple(dims),
+            tuple(ds.sizes[name] for name in dims),
             float,
             failed,
             {"units": "1", "long_name": "share of the contact above the critical temperature"},
         )
     return found
+
+
+def _rises(ds: xr.Dataset, conditions: Conditions) -> dict[str, Callable[[tuple[Any, ...]], Array]]:
+    """Readers of rises [K] at the bulk temperatures of some conditions, by an orthogonal index."""
+
+    def stored(name: str) -> Callable[[tuple[Any, ...]], Array]:
+        variable = ds[name].variable
+        return lambda key: variable[key].values
+
+    found = {name: stored(name) for name in ("max_rise", "mean_rise", "rise_quantile")}
+    ratio = conditions.bulk_ratio
+    if ratio == 0:
+        return found
+    quantiles, of_bulks = found["rise_quantile"], stored("bulk_rise_quantile")
+    mean, response = found["mean_rise"], stored("mean_bulk_response")
+    every = slice(None)
+
+    def at_ratio(key: tuple[Any, ...]) -> Array:
+        return at_bulk_ratio(quantiles((*key, every)), of_bulks((*key, every, every)), ratio)
+
+    return {
+        "max_rise": lambda key: at_ratio(key)[..., -1],
+        "mean_rise": lambda key: mean(key) + ratio * response(key),
+        "rise_quantile": lambda key: at_ratio(key[:-1])[..., key[-1]],
+    }

@@ -9,7 +9,9 @@ from typing import Any
 import numpy as np
 
 from pipeline.sweep.model import Measurement, Sweep
+from pipeline.sweep.stages import staged
 from tribo import InputError, Transition, critical_temperature
+from tribo.errors import require_positive
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,6 +28,14 @@ class CriticalTemperatures:
         Critical temperature by transition and surface [K].
     share : float
         Share of the contact area that exceeds the critical temperature.
+
+    Examples
+    --------
+    >>> from tribo import Transition
+    >>> measured = Transition(600.0, 1.5, 0.1), Transition(200.0, 3.75, 0.094)
+    >>> found = CriticalTemperatures(measured, (0, 1), ((418.0, 420.0), (412.0, 414.0)), share=0.1)
+    >>> found.means, found.mean
+    ((419.0, 413.0), 416.0)
     """
 
     transitions: tuple[Transition, ...]
@@ -82,12 +92,21 @@ def critical_temperatures(
         Scene with measured transitions, simulated on each of its realizations if it has any. A
         transition without a friction of its own has that of the sweep.
     progress : callable, optional
-        Called with a line before each surface.
+        Called with a line before each transition on each surface, and the time to go.
 
     Raises
     ------
     InputError
         If no transition was measured, or for a reason of `tribo.critical_temperature`.
+
+    Examples
+    --------
+    >>> from dataclasses import replace
+    >>> import pipeline
+    >>> scene = pipeline.load_scene("workflows/first_try.toml")
+    >>> found = pipeline.critical_temperatures(replace(scene, measured=scene.measured[:1]))
+    >>> f"{found.mean - 273.15:.0f} °C"
+    '149 °C'
     """
     if not sweep.measured:
         raise InputError(
@@ -102,20 +121,32 @@ def critical_temperatures(
 
     transitions = tuple(transition(entry) for entry in sweep.measured)
     surfaces = sweep.realizations or (getattr(sweep.roughness, "seed", None),)
-    found = []
-    for number, seed in enumerate(surfaces, 1):
-        if progress:
-            progress(f"{sweep.name}: surface {number} of {len(surfaces)}")
+    for at in transitions:
+        require_positive(friction=at.friction)
+    stages = staged(
+        [(seed, number) for seed in surfaces for number in range(len(transitions))],
+        progress,
+        lambda stage: _worded(sweep, transitions[stage[1]], stage[0]),
+        lambda stage: transitions[stage[1]].normal_load,
+    )
+    found: list[list[float]] = [[] for _ in transitions]
+    for seed, number in stages:
         result = critical_temperature(
             sweep.on_surface(seed),
-            transitions,
+            transitions[number : number + 1],
             conditions.bulk_temperature,
             conditions.failing_share,
+            conditions.bulk_difference,
         )
-        found.append(result.temperatures)
+        found[number] += result.temperatures
     return CriticalTemperatures(
-        transitions, surfaces, tuple(zip(*found, strict=True)), conditions.failing_share
+        transitions, surfaces, tuple(map(tuple, found)), conditions.failing_share
     )
+
+
+def _worded(sweep: Sweep, at: Transition, seed: int | None) -> str:
+    surface = f", surface {seed}" if sweep.realizations else ""
+    return f"{sweep.name}, {at.normal_load:g} N at {at.velocity:g} m/s{surface}"
 
 
 def _spread(values: tuple[float, ...]) -> float | None:

@@ -11,12 +11,10 @@ which the rise reaches what it is halfway between two of them is found to 0.11 %
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, Protocol
 
 import numpy as np
-from scipy.interpolate import PchipInterpolator
-from scipy.optimize import brentq
 
 from tribo.types import Array
 
@@ -51,14 +49,8 @@ def crossing(x: Array, y: Array, limit: float) -> float:
         return float(x[first])
     if first == 0:
         return math.nan
-    smooth, lower, upper = _interpolant(x, y), float(x[first - 1]), float(x[first])
-    # Within rounding of a point the interpolant may lie on the other side of the limit.
-    if smooth(lower) >= limit:
-        return lower
-    if smooth(upper) <= limit:
-        return upper
-    # It is monotone between two points, so this root is the only one between them.
-    return float(brentq(lambda q: float(smooth(q)) - limit, lower, upper, xtol=1e-14))
+    found = _interpolant(x, y).inverse(limit, first - 1)
+    return min(max(found, float(x[first - 1])), float(x[first]))
 
 
 def interpolated(x: Array, y: Array, at: Array, continued: bool = False) -> Array:
@@ -92,21 +84,114 @@ def interpolated(x: Array, y: Array, at: Array, continued: bool = False) -> Arra
     return result
 
 
-def _interpolant(x: Array, y: Array) -> Callable[[Any], Array]:
+def _interpolant(x: Array, y: Array) -> _Interpolant:
     if (x > 0).all() and (y > 0).all():
-        cubic = PchipInterpolator(np.log(x), np.log(y))
-        return lambda q: np.exp(cubic(np.log(q)))
+        return _Logarithmic(_Cubic.through(np.log(x), np.log(y)))
     if x[0] == 0 and y[0] == 0 and len(x) > 2 and (y[1:] > 0).all():
         # From the first point down to 0, the power law goes on with which the others begin; a
         # flat one would leap up at 0.
-        first = x[1]
-        cubic = PchipInterpolator(np.log(x[1:]), np.log(y[1:]))
-        exponent = float(cubic(np.log(first), nu=1))
-        if exponent > 0.25:
-            return lambda q: np.where(
-                q < first,
-                y[1] * (np.minimum(q, first) / first) ** exponent,
-                np.exp(cubic(np.log(np.maximum(q, first)))),
-            )
-    cubic = PchipInterpolator(x, y)
-    return lambda q: np.asarray(cubic(q))
+        cubic = _Cubic.through(np.log(x[1:]), np.log(y[1:]))
+        if cubic.slopes[0] > 0.25:
+            return _FromZero(_Logarithmic(cubic), float(x[1]), float(y[1]), float(cubic.slopes[0]))
+    return _Cubic.through(x, y)
+
+
+class _Interpolant(Protocol):
+    def __call__(self, at: Array) -> Array: ...
+
+    def inverse(self, value: float, interval: int) -> float: ...
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Cubic:
+    """A cubic between each two points; neighbours share their slope at the point between them.
+
+    By Fritsch and Butland (1984): where y goes on to rise or fall, the slope at a point is the
+    harmonic mean of those to either side, weighted by their lengths, else 0.
+    """
+
+    x: Array
+    y: Array
+    slopes: Array
+
+    @classmethod
+    def through(cls, x: Array, y: Array) -> _Cubic:
+        widths, secants = np.diff(x), np.diff(y) / np.diff(x)
+        slopes = np.repeat(secants[:1], len(x))
+        if len(x) > 2:
+            before, after = 2 * widths[1:] + widths[:-1], widths[1:] + 2 * widths[:-1]
+            goes_on = secants[:-1] * secants[1:] > 0
+            left, right = (np.where(goes_on, part, 1.0) for part in (secants[:-1], secants[1:]))
+            mean = (before + after) / (before / left + after / right)
+            slopes[1:-1] = np.where(goes_on, mean, 0.0)
+            slopes[0] = _slope_at_end(*widths[:2], *secants[:2])
+            slopes[-1] = _slope_at_end(*widths[:-3:-1], *secants[:-3:-1])
+        return cls(x, y, slopes)
+
+    def __call__(self, at: Array) -> Array:
+        i = np.clip(np.searchsorted(self.x, at, side="right") - 1, 0, len(self.x) - 2)
+        width = self.x[i + 1] - self.x[i]
+        ends = self.y[i], self.y[i + 1], width * self.slopes[i], width * self.slopes[i + 1]
+        found: Array = _hermite((at - self.x[i]) / width, *ends)
+        return found
+
+    def inverse(self, value: float, interval: int) -> float:
+        """Abscissa of a value in an interval, where the cubic is monotone and passes it upwards."""
+        i = interval
+        width = float(self.x[i + 1] - self.x[i])
+        y, rises = self.y[i : i + 2].tolist(), (width * self.slopes[i : i + 2]).tolist()
+        lower, upper = 0.0, 1.0
+        while lower < (middle := (lower + upper) / 2) < upper:
+            if _hermite(middle, *y, *rises) < value:
+                lower = middle
+            else:
+                upper = middle
+        return float(self.x[i]) + upper * width
+
+
+def _hermite(t: Any, y0: Any, y1: Any, rise0: Any, rise1: Any) -> Any:
+    """Cubic on 0 ≤ t ≤ 1 with given values and slopes at both ends."""
+    rest = (1 - t) * (rise0 - (y1 - y0)) - t * (rise1 - (y1 - y0))
+    return y0 + t * (y1 - y0) + t * (1 - t) * rest
+
+
+def _slope_at_end(near: float, far: float, secant: float, next_secant: float) -> float:
+    """Slope of the parabola through three points at the first, kept from changing the order."""
+    slope = ((2 * near + far) * secant - near * next_secant) / (near + far)
+    if slope * secant <= 0:
+        return 0.0
+    if secant * next_secant < 0 and abs(slope) > 3 * abs(secant):
+        return 3 * secant
+    return slope
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Logarithmic:
+    """The logarithm of y over that of x."""
+
+    cubic: _Cubic
+
+    def __call__(self, at: Array) -> Array:
+        return np.exp(self.cubic(np.log(at)))
+
+    def inverse(self, value: float, interval: int) -> float:
+        return math.exp(self.cubic.inverse(math.log(value), interval))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _FromZero:
+    """A power law from 0 to the first point beside it, and what follows."""
+
+    beyond: _Logarithmic
+    x: float
+    y: float
+    exponent: float
+
+    def __call__(self, at: Array) -> Array:
+        foot = self.y * (np.minimum(at, self.x) / self.x) ** self.exponent
+        return np.where(at < self.x, foot, self.beyond(np.maximum(at, self.x)))
+
+    def inverse(self, value: float, interval: int) -> float:
+        if interval == 0:
+            return self.x * math.exp(math.log(value / self.y) / self.exponent)
+        return self.beyond.inverse(value, interval - 1)

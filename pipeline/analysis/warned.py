@@ -9,8 +9,8 @@ import numpy as np
 import xarray as xr
 
 from pipeline.analysis.boundary import conditions_of, decisive_rise
-from pipeline.analysis.dataset import by_surface, ordered
-from pipeline.store.variables import DONE
+from pipeline.analysis.dataset import at_bulks, by_surface, leading, ordered
+from pipeline.store import DONE
 from pipeline.sweep.criterion import rise_limit
 from pipeline.sweep.model import Point
 from pipeline.sweep.warned import NO_WARNING, Warned
@@ -29,6 +29,12 @@ def warned(ds: xr.Dataset, **conditions: Any) -> Warned:
         Dataset of `pipeline.open_sweep`.
     **conditions
         Those of `pipeline.boundary`, to tell which points lie beside it.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> pipeline.warned(pipeline.open_sweep("results/first_try.zarr")).points
+    0
     """
     there = has_warning(ds)
     if not there.any():
@@ -65,12 +71,14 @@ def _beside_boundary(ds: xr.Dataset, conditions: dict[str, Any]) -> xr.DataArray
     each = [conditions_of(ds, **conditions | {"friction": friction}) for friction in several]
     if each[0].critical_temperature is None:
         return None
-    rises = [decisive_rise(part, each[0].failing_share) for part in by_surface(ordered(ds))]
-    found = [
-        rise.copy(data=np.any([_beside(rise.values, rise_limit(own)) for own in each], axis=0))
-        for rise in rises
-    ]
-    return xr.concat(found, "realization") if "realization" in ds.dims else found[0]
+    found = []
+    for part in by_surface(ordered(ds)):
+        rises = [decisive_rise(at_bulks(part, own), own.failing_share) for own in each]
+        limits = [rise_limit(own) for own in each]
+        beside = [_beside(r.values, limit) for r, limit in zip(rises, limits, strict=True)]
+        found.append(rises[0].copy(data=np.any(beside, axis=0)))
+    name = leading(ds)
+    return found[0] if name is None else xr.concat(found, name)
 
 
 def _first(messages: xr.DataArray) -> str:

@@ -7,7 +7,9 @@ from hypothesis import strategies as st
 
 from pipeline.analysis.boundary import boundary, decisive_rise, decisive_temperature
 from pipeline.analysis.interpolation import crossing, interpolated
-from pipeline.store.variables import FAILED, PENDING
+from pipeline.cli.crossings import document_of, text_of
+from pipeline.store import FAILED, PENDING
+from pipeline.sweep.lubrication import Lubrication
 from tests.helpers import synthetic
 from tests.helpers.synthetic import LOADS, VELOCITIES
 from tribo import InputError, failed_share
@@ -272,9 +274,12 @@ def test_result_says_its_conditions_and_units(sweep):
     [
         ({"friction": -0.1}, r"friction is -0.1; it must be at least 0"),
         ({"friction": np.nan}, r"friction is nan; it must be finite"),
-        ({"bulk_temperature": -1.0}, r"bulk_temperature is -1 K"),
-        ({"critical_temperature": 298.15}, r"critical_temperature is 298.15 K; .* 298.15 K"),
-        ({"bulk_temperature": 500.0}, r"critical_temperature is 418.15 K; .* 500 K"),
+        ({"bulk_temperature": -1.0}, r"bulk_temperature is -274.1 °C .-1 K"),
+        (
+            {"critical_temperature": 298.15},
+            r"critical_temperature is 25 °C .298.15 K.*; .* 25 °C .298.15 K",
+        ),
+        ({"bulk_temperature": 500.0}, r"critical_temperature is 145 °C .*; .* 226.85 °C .500 K"),
         ({"share": 1.0}, r"share is 1.0; it must be at least 0"),
         ({"share": -0.1}, r"share is -0.1"),
     ],
@@ -316,3 +321,43 @@ def test_several_frictions_are_a_dimension_and_each_is_as_alone(sweep):
 def test_friction_as_text_is_refused_and_not_read_letter_by_letter(text):
     with pytest.raises(InputError, match=r"is text; give a number such as 0\.1"):
         boundary(synthetic.sweep(), friction=text)
+
+
+OILED = {
+    "oil": {
+        "temperatures": [313.15, 373.15],
+        "viscosities": [32e-6, 5e-6],
+        "density": 866.0,
+        "pressure_coefficients": [20e-9, 20e-9],
+    },
+    "radius": 2e-3,
+    "length": 3.4e-3,
+    "contact_modulus": 115.385e9,
+    "rms_height": 0.338e-6,
+    "motion": None,
+}
+
+
+def test_each_crossing_has_its_film_parameter_where_the_scene_has_an_oil():
+    plain, oiled = synthetic.sweep(), synthetic.sweep(lubrication=OILED)
+    assert not [name for name in boundary(plain) if name.startswith("film")]
+    found = boundary(oiled, bulk_temperature=320.0, friction=[0.09, 0.1])
+    of = Lubrication.stored(oiled.attrs).film_parameter
+    for friction in (0.09, 0.1):
+        part = found.sel(friction=friction)
+        expected = of(part["load"], part["critical_velocity"], 320.0)
+        np.testing.assert_array_equal(part["film_parameter_at_load"], expected)
+        expected = of(part["critical_load"], part["velocity"], 320.0)
+        np.testing.assert_array_equal(part["film_parameter_at_velocity"], expected)
+    assert found["film_parameter_at_load"].notnull().any()
+
+
+def test_the_regime_of_each_crossing_is_told_in_words_and_in_the_document():
+    found = boundary(synthetic.sweep(lubrication=OILED))
+    (said,) = [line for line in text_of(found) if line.startswith("       200")]
+    assert said == "       200   3.678  Λ 0.87 boundary"
+    document = document_of(found)
+    assert document["critical_velocity_regime"][0] == "boundary lubrication"
+    assert document["critical_velocity_film_parameter"][0] == pytest.approx(0.87, abs=0.005)
+    assert "no crossing" in document["critical_load_regime"]
+    assert "Λ" not in "".join(text_of(boundary(synthetic.sweep())))

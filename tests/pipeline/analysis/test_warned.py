@@ -12,7 +12,7 @@ import pipeline
 from pipeline.analysis.warned import Warned, has_warning, warned
 from pipeline.cli import main
 from pipeline.figures.diagram import diagram
-from pipeline.store.points import Store
+from pipeline.store import Store
 from pipeline.sweep.model import Point
 from tests.helpers import synthetic, tiny
 from tribo import WarningKind

@@ -1,0 +1,62 @@
+"""Attributes of a dataset that any format of file can hold: text and numbers alone."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from typing import Any
+
+import xarray as xr
+
+_ENCODED = "json_attributes"
+_INTERNAL = ("axes", "revision", "root_hash")
+
+
+def portable(attributes: Mapping[Any, Any]) -> dict[str, Any]:
+    """Write a store's attributes so that netCDF holds them, and say what computed the data.
+
+    What is neither text nor a number becomes JSON; `attributes_of` reads it again.
+    """
+    kept = {k: v for k, v in attributes.items() if v is not None and k not in _INTERNAL}
+    encoded = [name for name, value in kept.items() if not isinstance(value, str | int | float)]
+    return (
+        kept
+        | {name: json.dumps(kept[name], ensure_ascii=False) for name in encoded}
+        | {_ENCODED: " ".join(encoded)}
+        | _provenance(attributes)
+    )
+
+
+def attributes_of(ds: xr.Dataset) -> dict[Any, Any]:
+    """Attributes of a sweep as plain data, those that are JSON text as what they say.
+
+    Examples
+    --------
+    >>> attributes_of(xr.Dataset(attrs=portable({"measured": [{"friction": 0.1}]})))["measured"]
+    [{'friction': 0.1}]
+    """
+    found = dict(ds.attrs)
+    for name in str(found.get(_ENCODED, "")).split():
+        if isinstance(found.get(name), str):
+            found[name] = json.loads(found[name])
+    return found
+
+
+def _provenance(attributes: Mapping[Any, Any]) -> dict[str, str]:
+    """What computed a store, and when it was gone on with by other versions."""
+    versions = attributes.get("versions")
+    if not versions:
+        return {}
+
+    def listed(versions: Mapping[str, str]) -> str:
+        others = ", ".join(f"{name} {it}" for name, it in versions.items() if name != "tribo")
+        return f"irg-transition {versions['tribo']} with {others}"
+
+    later = attributes.get("later_versions", [])
+    lines = [f"computed by {listed(versions)}"]
+    lines += [f"{entry['since']}: gone on with by {listed(entry['versions'])}" for entry in later]
+    return {
+        "source": f"simulated by irg-transition {versions['tribo']}",
+        "history": "\n".join(lines),
+        "license": "BSD-3-Clause for the program that computed this; the data are their author's",
+    }

@@ -1,0 +1,199 @@
+"""Which unknown input moves the boundary how much: Sobol' indices, by load.
+
+The first index of an input is the share of the variance that would be gone if it alone were known;
+the total index the share that would stay if all others were.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from pipeline.analysis.ensemble import Ensemble
+from pipeline.analysis.risk import Draws, resampled
+from pipeline.analysis.surrogate import Surrogate
+from pipeline.sweep.unknown import Unknown
+from tribo.types import Array
+
+_POINTS = 2**12
+_FEW = 2**10  # for each of many fits
+_STEPS = 41  # velocities among which a boundary is found
+_BINS = 24
+GOOD = 0.9
+"""Share of the variance that a polynomial must explain to be relied on."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sensitivity:
+    """Sobol' indices of the critical velocity.
+
+    Attributes
+    ----------
+    unknown : tuple of Unknown
+        The inputs.
+    loads : tuple of float
+        Normal loads on the whole pin [N].
+    first, total : ndarray, shape (n_load, n_unknown)
+        Indices; the total ones NaN where the inputs are not independent.
+    first_interval, total_interval : ndarray, shape (2, n_load, n_unknown)
+        Ends of their 90 % intervals, from what the number of samples leaves open.
+    spread : tuple of float
+        Standard deviation of the logarithm of the critical velocity, by load.
+    surrogate_error, explained : tuple of float
+        By load, what the polynomial in place of the simulation errs by: of the rise, relative; and
+        the share of the rise's variance that it explains of samples that it leaves out.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> ensemble = pipeline.Ensemble.of(pipeline.open_sweep("results/unknown.zarr"))
+    >>> found = pipeline.sensitivity(ensemble)
+    >>> [each.path for each in found.unknown]
+    ['friction.coefficient', 'temperature.critical']
+    """
+
+    unknown: tuple[Unknown, ...]
+    loads: tuple[float, ...]
+    first: Array
+    total: Array
+    first_interval: Array
+    total_interval: Array
+    spread: tuple[float, ...]
+    surrogate_error: tuple[float, ...]
+    explained: tuple[float, ...]
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return all fields as plain data."""
+        return {
+            "inputs": [each.path for each in self.unknown],
+            "loads": list(self.loads),
+            "first": self.first.tolist(),
+            "first_interval": np.moveaxis(self.first_interval, 0, -1).tolist(),
+            "total": self.total.tolist(),
+            "total_interval": np.moveaxis(self.total_interval, 0, -1).tolist(),
+            "spread": list(self.spread),
+            "surrogate_error": list(self.surrogate_error),
+            "explained": list(self.explained),
+        }
+
+
+def indices(
+    function: Callable[[Array], Array], unknown: Sequence[Unknown], count: int, seed: int
+) -> tuple[Array, Array]:
+    """First and total Sobol' indices of functions of unknown inputs (`scipy.stats`).
+
+    Parameters
+    ----------
+    function : callable
+        Takes values of shape (n, n_unknown), gives those of the functions, (n, n_output).
+    unknown : sequence of Unknown
+        The inputs, which are independent.
+    count : int
+        Number of points, a power of 2; the function is called at n_unknown + 2 times as many.
+    seed : int
+        Seed of the points.
+
+    Returns
+    -------
+    tuple of ndarray, shape (n_output, n_unknown)
+        First and total indices.
+    """
+    from scipy.stats import sobol_indices, uniform  # takes 0.5 s
+
+    def of_shares(shares: Array) -> Array:
+        inside = np.clip(shares, 2.0**-40, 1 - 2.0**-40)
+        values = np.stack([each.at(row) for each, row in zip(unknown, inside, strict=True)], axis=1)
+        outputs: Array = function(values).T
+        return outputs
+
+    rng = np.random.default_rng(seed)
+    found = sobol_indices(func=of_shares, n=count, dists=[uniform()] * len(unknown), rng=rng)
+    return np.atleast_2d(found.first_order), np.atleast_2d(found.total_order)
+
+
+def sensitivity(ensemble: Ensemble, posterior: Draws | None = None) -> Sensitivity:
+    """Find which unknown input moves the critical velocity how much, at each load.
+
+    Parameters
+    ----------
+    ensemble : Ensemble
+        Samples of a sweep.
+    posterior : Draws, optional
+        What measurements leave open of the inputs, in place of what the scene assumes. The inputs
+        depend on one another then, and there are no total indices.
+
+    Raises
+    ------
+    InputError
+        If the samples are too few.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> ensemble = pipeline.Ensemble.of(pipeline.open_sweep("results/unknown.zarr"))
+    >>> found = pipeline.sensitivity(ensemble)
+    >>> found.total.shape
+    (4, 2)
+    """
+    velocities = np.geomspace(ensemble.velocities[0], ensemble.velocities[-1], _STEPS)
+    fits = [ensemble.surrogate(load, velocities) for load in ensemble.loads.tolist()]
+    shape = len(ensemble.loads), len(ensemble.unknown)
+
+    def logs(inputs: Array, each: Sequence[Surrogate]) -> Array:
+        rows = [ensemble.critical_velocities(fit, velocities, inputs) for fit in each]
+        found: Array = np.stack(rows, axis=1)
+        return found
+
+    def both(each: Sequence[Surrogate], count: int) -> tuple[Array, Array]:
+        if posterior is None:
+            return indices(lambda at: logs(at, each), ensemble.unknown, count, ensemble.seed)
+        return _first_of(posterior, logs(posterior.inputs, each)), np.full(shape, np.nan)
+
+    outputs = [ensemble.outputs(load, velocities) for load in ensemble.loads.tolist()]
+    others = zip(
+        *(resampled(ensemble, fit, y) for fit, y in zip(fits, outputs, strict=True)), strict=True
+    )
+    first, total = both(fits, _POINTS)
+    spans = np.array([both(each, _FEW) for each in others])
+    ends = np.quantile(spans, (0.05, 0.95), axis=0)
+    draws = posterior or Draws(
+        ensemble.inputs, np.full(len(ensemble.inputs), 1 / len(ensemble.inputs))
+    )
+    values = logs(draws.inputs, fits)
+    variance = draws.mean((values - draws.mean(values)) ** 2)
+    middle = [int(np.argmin(np.abs(np.log(velocities) - at))) for at in draws.mean(values)]
+    return Sensitivity(
+        unknown=ensemble.unknown,
+        loads=tuple(ensemble.loads.tolist()),
+        first=first,
+        total=total,
+        first_interval=ends[:, 0],
+        total_interval=ends[:, 1],
+        spread=tuple(np.sqrt(variance).tolist()),
+        surrogate_error=tuple(float(f.error[at]) for f, at in zip(fits, middle, strict=True)),
+        explained=tuple(float(f.explained[at]) for f, at in zip(fits, middle, strict=True)),
+    )
+
+
+def _first_of(draws: Draws, values: Array) -> Array:
+    """First indices from weighted draws: the variance of the mean over parts of each input."""
+    whole = draws.mean(values)
+    variance = draws.mean((values - whole) ** 2)
+    found = []
+    for column in draws.inputs.T:
+        order = np.argsort(column, kind="stable")
+        below = np.cumsum(draws.weights[order]) - 0.5 * draws.weights[order]
+        part = np.empty(len(order), int)
+        part[order] = np.minimum((below * _BINS).astype(int), _BINS - 1)
+        if len(distinct := np.unique(column)) <= _BINS:
+            part = np.searchsorted(distinct, column)
+        weight = np.bincount(part, draws.weights, minlength=_BINS)
+        means = np.stack([
+            np.bincount(part, draws.weights * y, minlength=_BINS) / np.maximum(weight, 1e-300)
+            for y in values.T
+        ])  # fmt: skip
+        found.append(np.sum(weight * (means - whole[:, None]) ** 2, axis=1) / variance)
+    return np.array(found).T

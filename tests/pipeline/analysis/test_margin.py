@@ -1,0 +1,113 @@
+"""Margins of operating points, on a rise that is known in closed form."""
+
+import numpy as np
+import pytest
+
+import pipeline
+from pipeline.store import PENDING
+from tests.helpers import synthetic
+from tribo import InputError
+
+LIMIT = synthetic.limit()
+
+
+def margin(ds, load, velocity, **conditions):
+    (found,) = pipeline.margins(ds, load, velocity, **conditions)
+    return found
+
+
+@pytest.mark.parametrize(("load", "velocity"), [(320.0, 1.1), (400.0, 3.1), (480.0, 2.25)])
+def test_a_power_law_is_found_between_the_points_of_a_sweep(load, velocity):
+    found = margin(synthetic.sweep(), load, velocity)
+    warm = 298.15 + 0.1 * synthetic.rise(load, velocity, 0.9)
+    assert found.decisive_temperature == pytest.approx(warm, rel=1e-12)
+    assert found.temperature_error == pytest.approx(0.0, abs=1e-9)
+    assert found.distance == pytest.approx(418.15 - warm, abs=1e-9)
+    assert found.is_severe == (warm > 418.15)
+    critical = synthetic.critical_velocity(load, LIMIT)
+    assert found.velocity_factor == pytest.approx(critical / velocity, rel=1e-9)
+
+
+def test_the_factor_of_load_is_that_of_the_closed_form():
+    found = margin(synthetic.sweep(), 320.0, 2.1)
+    assert found.load_factor == pytest.approx(synthetic.critical_load(2.1, LIMIT) / 320.0, rel=1e-9)
+
+
+def test_other_conditions_need_no_other_sweep():
+    found = margin(synthetic.sweep(), 320.0, 2.1, friction=0.2, critical_temperature="180 degC")
+    warm = 298.15 + 0.2 * synthetic.rise(320.0, 2.1, 0.9)
+    assert found.distance == pytest.approx(453.15 - warm, abs=1e-9)
+
+
+def wavy(load, velocity, quantile=1.0):
+    return synthetic.rise(load, velocity, quantile) * (1 + 0.02 * np.sin(3 * velocity + load / 90))
+
+
+def test_the_error_of_interpolating_covers_most_places_of_a_bent_rise():
+    ds = synthetic.sweep(rise=wavy)
+    rng = np.random.default_rng(5)
+    places = zip(rng.uniform(210, 740, 60), rng.uniform(0.6, 3.9, 60), strict=True)
+    covered = []
+    for load, velocity in places:
+        found = margin(ds, load, velocity)
+        true = 298.15 + 0.1 * wavy(load, velocity, 0.9)
+        assert found.temperature_error < 3.0
+        covered.append(abs(found.decisive_temperature - true) <= found.temperature_error)
+    assert np.mean(covered) > 0.85
+
+
+def test_a_point_of_the_sweep_has_no_error_of_interpolating():
+    found = margin(synthetic.sweep(rise=wavy), 400.0, 2.25)
+    assert found.temperature_error == 0.0
+    assert found.is_certain
+
+
+def test_a_verdict_within_the_error_is_not_certain():
+    near = synthetic.critical_velocity(425.0, LIMIT) * 1.0001
+    assert margin(synthetic.sweep(rise=wavy), 425.0, near).is_certain is not None
+    tight = margin(synthetic.sweep(rise=wavy), 425.0, 2.1)
+    limit = {"critical_temperature": tight.decisive_temperature + 0.5 * tight.temperature_error}
+    assert margin(synthetic.sweep(rise=wavy), 425.0, 2.1, **limit).is_certain is False
+
+
+def test_where_the_sweep_does_not_cross_it_says_how_far_it_looked():
+    found = margin(synthetic.sweep(), 320.0, 1.1, critical_temperature="800 degC")
+    assert (found.velocity_outcome, found.load_outcome) == ("mild throughout", "mild throughout")
+    assert np.isnan(found.velocity_factor)
+    assert found.velocity_range == (0.5, 4.0)
+    hot = margin(synthetic.sweep(), 700.0, 3.9, friction=0.9)
+    assert hot.velocity_outcome == "severe throughout"
+
+
+def test_a_sweep_about_its_boundary_alone_is_continued_as_a_power_of_the_velocity():
+    places = {(load, v) for load in synthetic.LOADS for v in synthetic.VELOCITIES}
+    critical = {load: synthetic.critical_velocity(load, LIMIT) for load in synthetic.LOADS}
+    far = {at: PENDING for at in places if abs(np.log(at[1] / critical[at[0]])) > 0.3}
+    found = margin(synthetic.sweep(status=far), 425.0, 1.0)
+    warm = 298.15 + 0.1 * synthetic.rise(425.0, 1.0, 0.9)
+    assert found.decisive_temperature == pytest.approx(warm, rel=1e-9)
+    assert found.temperature_error is None
+
+
+@pytest.mark.parametrize(
+    ("load", "velocity", "told"),
+    [
+        (900.0, 2.0, "load is 900 N; the sweep has 200 to 750 N"),
+        (400.0, 0.1, "velocity is 0.1 m/s; the sweep has 0.5 to 4 m/s"),
+        (400.0, float("nan"), "velocity is nan"),
+    ],
+)
+def test_a_place_outside_the_sweep_is_refused(load, velocity, told):
+    with pytest.raises(InputError, match=told):
+        pipeline.margins(synthetic.sweep(), load, velocity)
+
+
+def test_without_friction_there_is_nothing_to_judge():
+    with pytest.raises(InputError, match="friction is 0"):
+        pipeline.margins(synthetic.sweep(), 400.0, 2.0, friction=0.0)
+
+
+def test_a_sweep_with_nothing_done_about_a_place_says_so():
+    status = {(load, v): PENDING for load in synthetic.LOADS for v in synthetic.VELOCITIES}
+    with pytest.raises(InputError, match="too few points about"):
+        pipeline.margins(synthetic.sweep(status=status), 400.0, 2.1)

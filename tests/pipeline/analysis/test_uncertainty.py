@@ -1,0 +1,275 @@
+"""Risk, sensitivity and inference, on a rise that is known in closed form."""
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+
+import pipeline
+from pipeline.analysis.ensemble import Ensemble
+from pipeline.analysis.risk import prior
+from pipeline.analysis.sobol import indices
+from pipeline.analysis.surrogate import fitted, terms
+from pipeline.sweep.criterion import Conditions
+from pipeline.sweep.unknown import Unknown, drawn
+from tribo import InputError
+
+LOADS, VELOCITIES = np.array([200.0, 400.0, 750.0]), np.geomspace(0.5, 6.0, 7)
+CRITICAL = Unknown("temperature.critical", "normal", (418.15, 8.0), "K")
+RATE = Unknown("wear.specific_wear_rate", "log-normal", (1.2e-15, 1.5), "m s2 kg-1")
+FRICTION = Unknown("friction.coefficient", "normal", (0.1, 0.005))
+LENGTH = Unknown("disk.roughness.correlation_length", "uniform", (3e-6, 6e-6), "m")
+ALL = (CRITICAL, RATE, FRICTION, LENGTH)
+EXPONENT = 0.7  # of the rise over the velocity
+
+
+def rise(inputs, load, velocity, unknown=ALL):
+    """Decisive rise at friction 1 [K]."""
+    found = 24.0 * load**0.58 * velocity**EXPONENT * np.ones(len(inputs))
+    for each, column in zip(unknown, inputs.T, strict=True):
+        if each.path == RATE.path:
+            found = found * (column / 1.2e-15) ** -0.12
+        if each.path == LENGTH.path:
+            found = found * (1 + 0.02e6 * (column - 4.5e-6))
+        if each.kind == "list":
+            found = found * np.where(column == 1.0, 1.03, 1.0)
+    return found
+
+
+def ensemble(unknown=ALL, count=64, measured=(), noise=0.0):
+    inputs = drawn(unknown, 0, count)
+    rises = np.array([[rise(inputs, F, V, unknown) for V in VELOCITIES] for F in LOADS])
+    rises = np.moveaxis(rises, -1, 0)
+    rises = rises * np.exp(noise * np.random.default_rng(0).standard_normal((count, 1, 1)))
+    return Ensemble(
+        title="Closed form",
+        unknown=unknown,
+        seed=0,
+        inputs=inputs,
+        conditions=Conditions(0.1, 298.15, 418.15),
+        loads=LOADS,
+        velocities=VELOCITIES,
+        rises=rises,
+        widths=np.full(rises.shape, 2e-4),
+        measured=tuple(measured),
+        missing=0,
+    )
+
+
+def limit(inputs):
+    return (inputs[:, 0] - 298.15) / inputs[:, 2]
+
+
+def critical_velocity(inputs, load):
+    return (limit(inputs) / rise(inputs, load, 1.0)) ** (1 / EXPONENT)
+
+
+# The polynomial in place of the simulation
+
+
+def test_the_error_is_that_of_leaving_out_each_sample():
+    inputs = drawn(ALL, 3, 30)
+    outputs = np.log(rise(inputs, 400.0, 2.0))[:, None] + 0.02 * np.sin(40 * inputs[:, :1])
+    found = fitted(ALL, inputs, outputs)
+    missed = []
+    for k in range(30):
+        others = np.delete(np.arange(30), k)
+        columns = terms(ALL, inputs, found.degree)
+        fit = np.linalg.lstsq(columns[others], outputs[others])[0]
+        missed.append(outputs[k, 0] - (columns[k] @ fit)[0])
+    assert found.error[0] == pytest.approx(np.sqrt(np.mean(np.square(missed))), rel=1e-6)
+
+
+def test_a_quadric_is_taken_where_it_errs_less():
+    inputs = drawn(ALL, 3, 64)
+    assert fitted(ALL, inputs, np.log(inputs[:, 1:2])).error[0] < 1e-9
+    bent = np.log(inputs[:, 1:2]) ** 2
+    assert fitted(ALL, inputs, bent).degree == 2
+
+
+def test_too_few_samples_say_how_many_it_takes():
+    with pytest.raises(InputError, match=r"4 samples are too few for 2 unknown.*at least 5"):
+        pipeline.risk(ensemble(count=4), 400.0, 2.0)
+
+
+# Risk
+
+
+@pytest.mark.parametrize("velocity", [1.6, 2.0, 2.4, 3.0])
+def test_the_probability_is_that_of_2000_direct_samples_within_its_error(velocity):
+    found = pipeline.risk(ensemble(noise=0.01), 400.0, velocity)
+    direct = drawn(ALL, 99, 2000)
+    noise = np.exp(0.01 * np.random.default_rng(1).standard_normal(2000))
+    severe = rise(direct, 400.0, velocity) * noise > limit(direct)
+    error = math.hypot(found.error, math.sqrt(severe.mean() * (1 - severe.mean()) / 2000))
+    assert abs(found.probability - severe.mean()) < 2.5 * error
+    assert found.error < 0.02
+
+
+def test_between_loads_the_probability_is_that_of_the_closed_form():
+    found = pipeline.risk(ensemble(), 300.0, 2.4)
+    direct = drawn(ALL, 99, 8192)
+    severe = rise(direct, 300.0, 2.4) > limit(direct)
+    assert found.probability == pytest.approx(severe.mean(), abs=0.012)
+
+
+def test_the_lines_of_the_plane_are_quantiles_of_the_boundary():
+    plane = pipeline.probabilities(ensemble(), loads=LOADS)
+    shares, lines = pipeline.risk_lines(plane)
+    direct = drawn(ALL, 99, 8192)
+    for load, row in zip(LOADS[1:], lines[1:], strict=True):
+        assert row == pytest.approx(np.quantile(critical_velocity(direct, load), shares), rel=0.02)
+
+
+def test_friction_and_temperatures_alone_rest_on_one_simulation():
+    whole = ensemble((CRITICAL, FRICTION), 64)
+    single = dataclasses.replace(whole, rises=whole.rises[:1], widths=whole.widths[:1])
+    one = pipeline.risk(single, 400.0, 2.0)
+    assert one.probability == pytest.approx(pipeline.risk(whole, 400.0, 2.0).probability, abs=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("load", "velocity", "told"), [(100.0, 2.0, "load is 100 N"), (400.0, 9.0, "velocity is 9 m/s")]
+)
+def test_a_place_outside_the_samples_is_refused(load, velocity, told):
+    with pytest.raises(InputError, match=told):
+        pipeline.risk(ensemble(), load, velocity)
+
+
+# Sensitivity
+
+
+def test_indices_of_ishigami_s_function():
+    angles = tuple(Unknown(f"x.{k}", "uniform", (-math.pi, math.pi)) for k in range(3))
+
+    def ishigami(x):
+        return (np.sin(x[:, 0]) * (1 + 0.1 * x[:, 2] ** 4) + 7 * np.sin(x[:, 1]) ** 2)[:, None]
+
+    first, total = indices(ishigami, angles, 2**13, seed=0)
+    assert first[0] == pytest.approx([0.3139, 0.4424, 0.0], abs=0.01)
+    assert total[0] == pytest.approx([0.5576, 0.4424, 0.2437], abs=0.01)
+
+
+def test_indices_of_the_g_function():
+    a = np.array([0.0, 1.0, 4.5, 9.0])
+    unit = tuple(Unknown(f"x.{k}", "uniform", (0.0, 1.0)) for k in range(4))
+
+    def g(x):
+        return np.prod((np.abs(4 * x - 2) + a) / (1 + a), axis=1)[:, None]
+
+    partial = 1 / (3 * (1 + a) ** 2)
+    variance = np.prod(1 + partial) - 1
+    others = np.array([np.prod(1 + np.delete(partial, k)) for k in range(4)])
+    first, total = indices(g, unit, 2**13, seed=0)
+    assert first[0] == pytest.approx(partial / variance, abs=0.01)
+    assert total[0] == pytest.approx(partial * others / variance, abs=0.01)
+
+
+def test_indices_of_the_boundary_are_those_of_the_closed_form():
+    found = pipeline.sensitivity(ensemble())
+    direct = drawn(ALL, 99, 2**14)
+    y = np.log(critical_velocity(direct, 400.0))
+    assert found.spread[1] == pytest.approx(y.std(), rel=0.05)
+    alone = []
+    for k in range(4):
+        x = np.tile(np.median(direct, axis=0), (len(direct), 1))
+        x[:, k] = direct[:, k]
+        alone.append(np.var(np.log(critical_velocity(x, 400.0))))
+    assert found.first[1] == pytest.approx(np.array(alone) / y.var(), abs=0.02)
+    assert (found.first_interval[0] <= found.first + 0.02).all()
+    assert (found.first_interval[1] >= found.first - 0.02).all()
+    assert min(found.explained) > 0.99
+
+
+def test_a_polynomial_that_is_not_good_enough_is_told():
+    bad = pipeline.sensitivity(ensemble(noise=0.3))
+    assert max(bad.explained) < 0.5
+
+
+# What measurements say
+
+
+def transitions(truth, scatter=0.05, seed=0, friction=None):
+    noise = np.exp(scatter * np.random.default_rng(seed).standard_normal(len(LOADS)))
+    return [
+        {
+            "normal_load": float(load),
+            "velocity": float(critical_velocity(truth[None], load)[0] * factor),
+            "friction": float(truth[2]) if friction else None,
+        }
+        for load, factor in zip(LOADS, noise, strict=True)
+    ]
+
+
+def test_without_data_what_is_assumed_comes_back():
+    found = pipeline.posterior(ensemble())
+    for row in found.summary():
+        assert row["posterior"] == row["prior"]
+    assert not list(found.hidden())
+
+
+def test_90_percent_intervals_hold_most_of_40_hidden_truths():
+    truths = drawn(ALL, 7, 40)
+    held = []
+    for number, truth in enumerate(truths):
+        measured = transitions(truth, seed=number, friction=True)
+        found = pipeline.posterior(ensemble(measured=measured))
+        inside = [
+            row["posterior"]["interval"][0] <= value <= row["posterior"]["interval"][1]
+            for row, value in zip(found.summary(), truth, strict=True)
+        ]
+        held.append(inside)
+    assert 0.8 <= np.mean(held) <= 1.0
+    assert (np.mean(held, axis=0) >= 0.75).all()
+
+
+def test_transitions_narrow_the_critical_temperature_and_hide_the_wear_rate_behind_it():
+    truth = np.array([425.0, 1.5e-15, 0.1, 4e-6])
+    found = pipeline.posterior(ensemble(measured=transitions(truth, 0.01, friction=True)), 0.02)
+    critical, *_ = found.summary()
+    assert critical["posterior"]["sd"] < 0.75 * critical["prior"]["sd"]
+    (pair, *_) = found.hidden()
+    assert set(pair[:2]) == {CRITICAL.path, RATE.path}
+    assert pair[2] < -0.6
+
+
+def test_a_measurement_that_nothing_allows_is_told():
+    wild = [{"normal_load": 400.0, "velocity": 0.55, "friction": 0.1}]
+    with pytest.raises(InputError, match=r"standard deviations a transition; widen"):
+        pipeline.posterior(ensemble(measured=wild), 0.01)
+
+
+def test_given_the_measurements_the_risk_is_sharper():
+    found = pipeline.posterior(
+        ensemble(measured=transitions(np.array([418.0, 1.2e-15, 0.1, 4.5e-6])))
+    )
+    before, after = (
+        pipeline.risk_lines(pipeline.probabilities(found.ensemble, draws, loads=LOADS))[1]
+        for draws in (prior(found.ensemble), found.draws)
+    )
+    assert (np.diff(np.log(after[1]))).sum() < 0.8 * np.diff(np.log(before[1])).sum()
+    indices = pipeline.sensitivity(found.ensemble, found.draws)
+    assert np.isnan(indices.total).all()
+    assert (indices.first < 1.0).all()
+
+
+def test_what_is_measured_next_is_what_narrows_the_boundary_most():
+    found = pipeline.posterior(ensemble((CRITICAL, FRICTION), 32))
+    ranked = pipeline.candidates(found)
+    spreads = [each.spread for each in ranked]
+    assert spreads == sorted(spreads)
+    by_name = {each.what.split(",")[0]: each for each in ranked}
+    transition = by_name["a transition at 400 N"]
+    expected = 1 / math.sqrt(1 + (transition.before / found.scatter) ** 2)
+    assert transition.spread / transition.before == pytest.approx(expected, rel=0.03)
+    # Of two inputs that act alike, knowing the wider one leaves the other.
+    assert by_name["temperature.critical"].spread < by_name["friction"].spread
+
+
+def test_a_list_has_no_scale_and_shifts_the_rise():
+    seed = Unknown("disk.roughness.seed", "list", (0.0, 1.0, 2.0, 3.0))
+    found = ensemble((*ALL, seed), 64)
+    fit = found.surrogate(400.0, [2.0])
+    assert fit.error[0] < 1e-3
+    assert fit.coefficients[3, 0] == pytest.approx(math.log(1.03), abs=2e-3)
