@@ -9,8 +9,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
-from pipeline.store.folder import ROOT, PathLike, StoreMismatchError, folder_of
-from pipeline.store.root import read_metadata
+from pipeline.store import ROOT, PathLike, StoreMismatchError, folder_of, locked, read_metadata
 from pipeline.sweep.criterion import rise_limit
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import step_count
@@ -18,8 +17,7 @@ from pipeline.sweep.selection import Selection, Trial
 from pipeline.tradeoff.probe import fitted, near_the_boundary, probe, some_loads
 from pipeline.tradeoff.yardstick import YARDSTICK, OwnError, measured, own_error
 from tribo import PRESETS, ConvergenceError, Fidelity, InputError
-
-__all__ = ["at_accuracy", "choose_fidelity", "stored_selection"]
+from tribo.simulation.warning import FEW_NODES
 
 _LOADS = 4
 # Errors scatter from load to load, since each one touches other summits. What holds for loads that
@@ -27,9 +25,11 @@ _LOADS = 4
 # mean with so many standard deviations. Between the velocities probed, a little more than the
 # largest.
 _MARGIN, _DEVIATIONS, _BETWEEN = 1.3, 2.5, 1.1
+_ONE = 0.1  # by how much more the staircase moves the yardstick itself, where but one touches
+_BETWEEN_FEW = 1.5  # where few elements touch, whose quantile is a staircase
 _MANY_NODES = 1000  # from which a loose contact errs no more than its tolerance lets it
 _TIGHT = 1e-3  # tolerance of the contact where fewer touch
-_PASSES = 3.5  # of the yardstick's steps at each load that a probe takes, trials included
+_PASSES = 6.0  # of the yardstick's steps at each load that a probe takes, trials included
 _WORTH = 0.5  # of the reference's steps in the whole sweep that a probe may take
 _OF_HEAT = 0.7  # of the accuracy, that the present heat alone may err
 _FEWEST_STEPS = 50  # to know the heat of all the past
@@ -67,18 +67,30 @@ def at_accuracy(
     sweep, accuracy, points, progress
         See `choose_fidelity`.
     store : str or path, optional
-        That the sweep goes on with. If its fidelity was picked for its accuracy, that one is
-        taken again, without another probe.
+        Store that the sweep goes on with. If its fidelity was picked for an accuracy, it is taken
+        again without another probe.
 
     Raises
     ------
     StoreMismatchError
-        If the fidelity of the store was picked for a lower accuracy, and does not keep this one.
+        If the fidelity of the store was not picked, or for a lower accuracy and does not keep this
+        one.
+    StoreError
+        If the store cannot be written.
     InputError
         See `choose_fidelity`.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> scene = pipeline.load_scene("workflows/first_try.toml")
+    >>> scene = pipeline.at_accuracy(scene, 0.05)  # doctest: +SKIP
+    >>> print(scene.selection)  # doctest: +SKIP
     """
     selection = None if store is None else stored_selection(store)
     if selection is None:
+        if store is not None:
+            _require_new(store)
         selection = choose_fidelity(sweep, accuracy, points, progress)
     elif selection.error > accuracy:
         raise StoreMismatchError(
@@ -96,6 +108,17 @@ def at_accuracy(
     )
 
 
+def _require_new(store: PathLike) -> None:
+    """Refuse a store that cannot be written to or gone on with, before the probe takes its time."""
+    if (folder_of(store) / ROOT).exists():
+        raise StoreMismatchError(
+            f"{store} was computed with a fidelity of the scene's own, not one picked for its "
+            "accuracy; leave out --accuracy to go on with it, or write to another store with -o"
+        )
+    with locked(store):
+        pass
+
+
 def stored_selection(path: PathLike) -> Selection | None:
     """Why a store has the fidelity that it has; None if it was not picked, or is not there.
 
@@ -103,6 +126,12 @@ def stored_selection(path: PathLike) -> Selection | None:
     ------
     StoreError
         If there is something else in its place.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> print(pipeline.stored_selection("results/first_try.zarr"))
+    None
     """
     folder = folder_of(path)
     if not (folder / ROOT).exists():
@@ -120,27 +149,34 @@ def choose_fidelity(
 ) -> Selection:
     """Find the cheapest numerical choice whose measured error is within a bound.
 
-    Ever dearer ones are tried on the boundary that nearly exact steps give, and compared with
-    these, until one is good enough. Where that would take about as long as the reference, as for
-    single points, the reference is taken. No time enters the choice, so that it is the same on
-    every machine.
+    Ever dearer choices are tried on the boundary that nearly exact steps give, and compared with
+    these, until one is good enough. Where trying would take about as long as the reference, as for
+    single points, the reference is taken. The choice does not depend on timings, so it is the same
+    on every machine.
 
     Parameters
     ----------
     sweep : Sweep
-        Of its fidelity only `pipeline.sweep.selection.KEPT_FIELDS` are kept.
+        Sweep to choose for; of its fidelity, only `pipeline.sweep.selection.KEPT_FIELDS` are kept.
     accuracy : float
         Largest relative error of the boundary velocity, such as 0.02.
     points : sequence of Point, optional
         Points to be accurate at; if not given, the boundary, which is looked at for four loads
         from the lowest to the highest.
     progress : callable, optional
-        Called with the name of each fidelity before it is tried.
+        Called with a line on what is tried next.
 
     Raises
     ------
     InputError
         If the accuracy is not between 0 and 1, or there is no friction heat.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> scene = pipeline.load_scene("workflows/first_try.toml")
+    >>> selection = pipeline.choose_fidelity(scene, accuracy=0.05)  # doctest: +SKIP
+    >>> print(selection)  # doctest: +SKIP
     """
     if not 0 < accuracy < 1:
         raise InputError(f"accuracy is {accuracy!r}; it must be between 0 and 1, such as 0.02")
@@ -152,7 +188,7 @@ def choose_fidelity(
     tell = progress or (lambda name: None)
     loads = some_loads(sweep, _LOADS)
     if points or _steps_to_probe(sweep, loads) > _WORTH * _steps_of_sweep(sweep):
-        tell("the reference")
+        tell("the error of the reference, which is taken since a probe would cost about as much")
         return _unprobed(sweep, accuracy, points, began)
     return _probed(sweep, accuracy, loads, began, tell)
 
@@ -165,19 +201,22 @@ def _probed(
     tell: Callable[[str], None],
 ) -> Selection:
     """Take the cheapest choice whose error against the yardstick is within the accuracy."""
-    tell("the yardstick")
-    yardstick = measured(sweep, loads)
+    yardstick = measured(sweep, loads, tell)
+    tell("the error of these steps themselves")
     own = own_error(sweep, yardstick.points[::2], yardstick.exponents[::2], yardstick.readings[::2])
     past = own.heat_model > _OF_HEAT * accuracy or sweep.remembers_heat
     trials, spent = [], yardstick.work + own.work
-    for name, fidelity in _ladder(sweep, yardstick.fewest_nodes, past):
-        tell(name)
+    rungs = list(_ladder(sweep, yardstick.fewest_nodes, past))
+    for number, (name, fidelity) in enumerate(rungs, 1):
+        tell(f"choice {number} of at most {len(rungs)}: {name}")
         try:
             found = probe(sweep, replace(fidelity, heat_model="elapsed"), yardstick.points)
         except ConvergenceError:
             continue
         of_all = len(loads) == len(sweep.loads)
-        error = _bound(yardstick.errors(found), of_all) + own.of(YARDSTICK.increments, not past)
+        against = replace(YARDSTICK, heat_model=fidelity.heat_model)
+        nodes = yardstick.fewest_nodes
+        error = _bound(yardstick.errors(found), of_all, nodes) + own.of(against) + _ONE / nodes
         spent += found.work
         trials.append(Trial(name, fidelity, error, found.work))
         if error <= accuracy:
@@ -200,7 +239,7 @@ def _probed(
 
 
 def _steps_to_probe(sweep: Sweep, loads: Sequence[float]) -> float:
-    """Steps that a probe takes on the scene's finest grid, about."""
+    """Approximate number of steps that a probe takes on the scene's finest grid."""
     scene = replace(sweep, fidelity=fitted(sweep, YARDSTICK))
     return _PASSES * sum(step_count(scene, load) for load in loads)
 
@@ -216,7 +255,7 @@ def _steps_of_sweep(sweep: Sweep) -> int:
 def _unprobed(
     sweep: Sweep, accuracy: float, points: Sequence[Point] | None, began: float
 ) -> Selection:
-    """Take the reference, where to find something cheaper would take about as long."""
+    """Take the reference, where finding something cheaper would take about as long."""
     loads = {point.load for point in points} if points else {sweep.loads[0], sweep.loads[-1]}
     places, exponents = near_the_boundary(sweep, sorted(loads), _TO_SEEK)
     if points:
@@ -242,32 +281,33 @@ def _unprobed(
 def _finest(sweep: Sweep, accuracy: float, own: OwnError, past: bool, work: float) -> list[Trial]:
     """The reference, and ever more steps of it until they are enough."""
     trials: list[Trial] = []
-    for times in (1, 2, 4, 8):
+    for times in (1, 2, 4):
         finer = replace(PRESETS["reference"], increments=PRESETS["reference"].increments * times)
         name = "reference" if times == 1 else f"reference, {times} times the steps"
         name += ", with all heat so far" if past else ""
-        error = own.of(finer.increments, not past)
-        steps = finer.increments / YARDSTICK.increments
-        trials.append(Trial(name, _of(sweep, finer, past), error, work * steps))
-        if error <= accuracy or not own.steps:
+        fidelity, steps = _of(sweep, finer, past), finer.increments / YARDSTICK.increments
+        trials.append(Trial(name, fidelity, own.of(fidelity), work * steps))
+        if trials[-1].error <= accuracy or not own.steps:
             break
     return trials
 
 
-def _bound(errors: Sequence[float], of_all_loads: bool) -> float:
+def _bound(errors: Sequence[float], of_all_loads: bool, nodes: int) -> float:
     """Largest error to expect at any load."""
     largest = max(map(abs, errors))
     if of_all_loads:
-        return _BETWEEN * largest
+        return (_BETWEEN if nodes >= FEW_NODES else _BETWEEN_FEW) * largest
     spread = statistics.stdev(errors) if len(errors) > 2 else 0.0
     return max(_MARGIN * largest, abs(statistics.mean(errors)) + _DEVIATIONS * spread)
 
 
 def _ladder(sweep: Sweep, nodes: int, past: bool) -> Iterator[tuple[str, Fidelity]]:
-    """Fidelities from cheap to dear, each once, as tightly solved as so few nodes need it."""
+    """Fidelities from cheap to dear, each once, solved as tightly as so few nodes require."""
     seen = set()
     for name, preset, changes in _ON_ONE_GRID if past else _RUNGS:
         fidelity = _of(sweep, replace(PRESETS[preset], **changes), past)
+        if nodes < FEW_NODES and fidelity.pixels_per_element == 1 < fidelity.history_coarsening:
+            continue  # which points of few elements do without, after they have tried
         touching = nodes / (fidelity.pixels_per_element * fidelity.history_coarsening) ** 2
         if touching < _MANY_NODES and fidelity.contact_tolerance > _TIGHT:
             fidelity = replace(fidelity, contact_tolerance=_TIGHT)
@@ -278,7 +318,7 @@ def _ladder(sweep: Sweep, nodes: int, past: bool) -> Iterator[tuple[str, Fidelit
 
 
 def _of(sweep: Sweep, fidelity: Fidelity, past: bool) -> Fidelity:
-    """A fidelity with what the scene asks to see, and its heat; of all the past if so asked."""
+    """A fidelity with what the scene asks to see and its own heat, or with that of all the past."""
     kept = replace(fidelity, temperature_interval=sweep.fidelity.temperature_interval)
     if past:  # which needs every step on one grid
         steps = max(kept.increments, _FEWEST_STEPS)

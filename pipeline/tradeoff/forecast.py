@@ -15,10 +15,8 @@ from pipeline.sweep.left_out import left_out
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.plan import step_count
 from pipeline.tradeoff.sample import sampled
-from tribo import QUANTILES, ConductingHalfSpace, Grid, partition_heat
-from tribo.thermal.partition import DIRECT_MEMORY
-
-__all__ = ["Estimate", "estimate", "worker_bytes"]
+from tribo import BULK_RATIOS, QUANTILES, ConductingHalfSpace, Grid, partition_heat
+from tribo.thermal import DIRECT_MEMORY
 
 _SECONDS_TO_START = 1.0  # of a cluster and its workers
 _SECONDS_TO_COMMIT = 0.005  # of scheduling a point and writing it
@@ -26,6 +24,7 @@ _WORKER_BYTES = 115e6  # interpreter and libraries
 _FIELDS_IN_MEMORY = 60  # arrays of the grid's size that a worker holds at a time
 _STORED_COLUMNS = 15  # numbers a step, besides the quantiles
 _NODES = 1280  # of the elimination that is timed
+_SPAN = 0.35  # logarithm of the ratio of two velocities that enclose a boundary
 _LONG = 10.0  # [s] for one temperature
 
 
@@ -42,11 +41,11 @@ class Estimate:
     seconds : float
         Wall time, as long as the machine stays as busy as it is [s].
     basis : str
-        What was measured to foretell the time.
+        Measurement from which the time is foretold.
     worker_bytes, disk_bytes : float
         Memory of each worker, and size of the store [B].
     warnings : tuple of str
-        What will fail, or take unreasonably long.
+        What will fail or take unreasonably long.
     left_out : tuple of str
         What the scene does not require, and why.
     """
@@ -74,19 +73,31 @@ def estimate(sweep: Sweep, workers: int | None = None) -> Estimate:
     ----------
     sweep : Sweep
     workers : int, optional
-        One for each core if not given.
+        Number of processes; one for each core if not given.
 
     Raises
     ------
     TriboError
         If the highest load has no solution.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> scene = pipeline.load_scene("workflows/first_try.toml")
+    >>> cost = pipeline.estimate(scene, workers=1)
+    >>> cost.points
+    24
     """
     workers = workers or os.cpu_count() or 1
-    surfaces = len(sweep.realizations) or 1
-    ramps = len(sweep.velocities) * surfaces
-    points = len(sweep.loads) * ramps
+    variants = len(sweep.axis[1]) if sweep.axis else 1
+    velocities = _searched(sweep) if sweep.samples else len(sweep.velocities)
+    ramps = velocities * variants
+    points = (min(2, velocities) if sweep.samples else velocities) * len(sweep.loads) * variants
     moving = sum(velocity != 0 for velocity in sweep.velocities) if sweep.friction_heat else 0
     steps = list(_steps_of_ramp(sweep))
+    if sweep.samples:  # each velocity is looked at for some of the loads alone
+        moving = min(moving, velocities)
+        steps = [step for step in steps if step[0] <= np.median(sweep.loads)]
     heats = sum(with_heat for _, with_heat in steps)
 
     busy, cores = busy_cores(), os.cpu_count() or 1
@@ -104,9 +115,9 @@ def estimate(sweep: Sweep, workers: int | None = None) -> Estimate:
     return Estimate(
         points=points,
         steps=len(steps) * ramps,
-        temperatures=heats * moving * surfaces,
+        temperatures=heats * moving * variants,
         workers=workers,
-        seconds=_SECONDS_TO_START + crowd * (sample.begin_seconds * surfaces + computing),
+        seconds=_SECONDS_TO_START + crowd * (sample.begin_seconds * variants + computing),
         basis=(
             f"from real steps at {len(sample.loads)} of {len(sweep.loads)} loads, timed just now: "
             f"{1e3 * sample.end(max(sweep.loads)):.3g} ms for one with a temperature at the "
@@ -143,7 +154,7 @@ def machine_bytes() -> float:
 
 
 def busy_cores() -> float:
-    """How many tasks had or wanted a core in the last minute; 0 where that is not known."""
+    """Number of tasks that had or wanted a core in the last minute; 0 where that is not known."""
     return os.getloadavg()[0] if hasattr(os, "getloadavg") else 0.0
 
 
@@ -157,8 +168,15 @@ def elimination_seconds(sweep: Sweep, nodes: int) -> float:
     return (time.perf_counter() - began) * (nodes / _NODES) ** 3
 
 
+def _searched(sweep: Sweep) -> int:
+    """How many velocities the search for a boundary takes at all loads together, about."""
+    moving = [velocity for velocity in sweep.velocities if velocity > 0]
+    spans = math.log(moving[-1] / moving[0]) / _SPAN if moving else 0.0
+    return min(2 * len(sweep.loads), math.ceil(spans) + 1)
+
+
 def _slower_by(busy: float, parallel: int) -> float:
-    """How many times longer workers take than the sample did, beside what else is running."""
+    """Factor by which workers take longer than the sample did, beside what else is running."""
     cores = os.cpu_count() or 1
     return max(1.0, (busy + parallel) / cores) / max(1.0, (busy + 1) / cores)
 
@@ -180,7 +198,7 @@ def _steps_of_ramp(sweep: Sweep) -> Iterator[tuple[float, bool]]:
 
 
 def _too_many_nodes(nodes: int, seconds: float) -> Iterator[str]:
-    """What a direct heat partition of so many nodes will fail of, or take unreasonably long for."""
+    """Why a direct heat partition of so many nodes will fail or take unreasonably long, if so."""
     if (matrix := 8.0 * nodes**2) > DIRECT_MEMORY:
         yield (
             f"direct partition of {nodes} nodes takes a matrix of {matrix / 2**30:.1f} GiB, "
@@ -196,10 +214,14 @@ def _too_many_nodes(nodes: int, seconds: float) -> Iterator[str]:
 
 def _disk_bytes(sweep: Sweep) -> float:
     """Size of the store, uncompressed [B]."""
-    points = len(sweep.loads) * len(sweep.velocities) * (len(sweep.realizations) or 1)
+    each = min(2, len(sweep.velocities)) if sweep.samples else len(sweep.velocities)
+    points = len(sweep.loads) * each * (len(sweep.axis[1]) if sweep.axis else 1)
     steps = max(step_count(sweep, load) for load in sweep.loads)
-    fields = 3 * math.prod(sweep.grid.shape) if sweep.store_fields else 0
-    return 8.0 * points * ((_STORED_COLUMNS + len(QUANTILES)) * steps + fields)
+    fields = 3 + sweep.unequal_bulks if sweep.store_fields else 0
+    columns = _STORED_COLUMNS + len(QUANTILES)
+    if sweep.unequal_bulks:
+        columns += 1 + len(BULK_RATIOS) * len(QUANTILES)
+    return 8.0 * points * (columns * steps + fields * math.prod(sweep.grid.shape))
 
 
 def _idle_rows(sweep: Sweep, contact_rows: int) -> Iterator[str]:

@@ -1,4 +1,4 @@
-"""What a numerical choice costs at a few points of a scene, and what it gives there."""
+"""Measures what a numerical choice costs at a few points of a scene, and what it gives there."""
 
 from __future__ import annotations
 
@@ -22,17 +22,7 @@ from tribo import (
     measures,
     simulate,
 )
-from tribo.simulation.steps import leads_to
-
-__all__ = [
-    "Probe",
-    "Reading",
-    "critical_velocity",
-    "fitted",
-    "near_the_boundary",
-    "probe",
-    "some_loads",
-]
+from tribo.simulation import leads_to
 
 _USUAL_EXPONENT, _FLATTEST = 0.6, 0.3  # of the rise over velocity; where few nodes touch, it jumps
 _STEPS_FOR_MEMORY = 3
@@ -41,7 +31,7 @@ _STEP = 0.05  # of the logarithm of velocity over which its exponent is taken
 
 @dataclass(frozen=True, slots=True)
 class Reading:
-    """What one point gives.
+    """Result of one point.
 
     Attributes
     ----------
@@ -53,12 +43,21 @@ class Reading:
         Distance between the outermost elements in contact along x [m].
     contact_nodes : int
         Number of elements in contact.
+    contact_fraction : float
+        Share of the window in contact.
+    mean_pressure : float
+        Mean pressure over the contact [Pa].
+    saturated_fraction : float
+        Share of the contact at the hardness.
     """
 
     rise: float
     failed_share: float
     contact_width: float
     contact_nodes: int
+    contact_fraction: float
+    mean_pressure: float
+    saturated_fraction: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,7 +69,7 @@ class Probe:
     fidelity : Fidelity
         Numerical choices that were tried.
     readings : tuple of Reading
-        What each point gives.
+        Result of each point.
     seconds : float
         Processor time [s]; where the memory is measured, without that of making the surface and
         the kernels of the contact.
@@ -101,7 +100,7 @@ def probe(
     sweep : Sweep
     fidelity : Fidelity
     points : sequence of Point
-        Those at one velocity share their ramp, as in a sweep.
+        Points to simulate; those at one velocity share their ramp, as in a sweep.
     with_memory : bool
         Whether to measure the memory too, with one more, cheaper point.
     """
@@ -129,7 +128,7 @@ def probe(
 
 
 def _peak_bytes(scene: Sweep, points: Sequence[Point]) -> int:
-    """Most memory for arrays of the heaviest point, which a few of its steps are enough to tell."""
+    """Most memory for arrays of the heaviest point, for which a few of its steps suffice."""
     fidelity = scene.fidelity
     if fidelity.heat_model == "elapsed" and fidelity.wear_scheme != "explicit":
         fidelity = replace(fidelity, increments=min(fidelity.increments, _STEPS_FOR_MEMORY))
@@ -152,7 +151,7 @@ class _Run:
 
 
 def _run(scene: Sweep, load: float, velocity: float, trunk: State | None = None) -> _Run:
-    """A point at its hottest under full load, what it took, and where a higher load goes on."""
+    """Simulate a point: its hottest state under full load, its cost, and the trunk it leaves."""
     convolutions = work = 0
     hot: list[tuple[float, State]] = []
     if trunk and not leads_to(scene, trunk, load):
@@ -164,7 +163,8 @@ def _run(scene: Sweep, load: float, velocity: float, trunk: State | None = None)
         if state.on_trunk:
             trunk = state.history or replace(state, heat=None)
         if state.heat is not None and state.normal_load >= load:
-            hot.append((decisive_rise(state.heat.rise_quantile, scene.conditions), state))
+            quantiles = state.heat.rise_quantile_at(scene.conditions.bulk_ratio)
+            hot.append((decisive_rise(quantiles, scene.conditions), state))
     hottest = max(hot, key=lambda found: found[0])[1] if hot else state
     return _Run(hottest, trunk, convolutions, work)
 
@@ -172,11 +172,16 @@ def _run(scene: Sweep, load: float, velocity: float, trunk: State | None = None)
 def _reading(sweep: Sweep, scene: Sweep, state: State) -> Reading:
     if state.heat is None:
         raise InputError("a point ended without a temperature")
+    quantiles = state.heat.rise_quantile_at(sweep.conditions.bulk_ratio)
+    found = measures(scene, state)
     return Reading(
-        decisive_rise(state.heat.rise_quantile, sweep.conditions),
-        failed_fraction(state.heat.rise_quantile, sweep.conditions),
-        measures(scene, state)["contact_width"],
-        int(np.count_nonzero(state.pressure)),
+        rise=decisive_rise(quantiles, sweep.conditions),
+        failed_share=failed_fraction(quantiles, sweep.conditions),
+        contact_width=found["contact_width"],
+        contact_nodes=int(np.count_nonzero(state.pressure)),
+        contact_fraction=found["contact_fraction"],
+        mean_pressure=found["mean_pressure"],
+        saturated_fraction=found["saturated_fraction"],
     )
 
 
@@ -199,7 +204,7 @@ def fitted(sweep: Sweep, fidelity: Fidelity) -> Fidelity:
 
 
 def some_loads(sweep: Sweep, number: int) -> tuple[float, ...]:
-    """So many of a sweep's loads, both ends among them.
+    """Some of a sweep's loads, as many as asked for, both ends among them.
 
     Examples
     --------
@@ -215,21 +220,21 @@ def some_loads(sweep: Sweep, number: int) -> tuple[float, ...]:
 def near_the_boundary(
     sweep: Sweep, loads: Sequence[float], fidelity: Fidelity | None = None
 ) -> tuple[tuple[Point, ...], tuple[float, ...]]:
-    """Where to look at a scene: at each load the velocity near which wear turns severe.
+    """Find, at each load, the velocity near which wear turns severe.
 
     Parameters
     ----------
     sweep : Sweep
     loads : sequence of float
-        [N].
+        Loads at which to look [N].
     fidelity : Fidelity, optional
-        To find it with; the preset ``draft`` if not given.
+        Fidelity to find it with; the preset ``draft`` if not given.
 
     Returns
     -------
     points : tuple of Point
-        Where a scene has no transition at any velocity between half its lowest and twice its
-        highest, the end that comes nearest.
+        Load and velocity at each; where there is no transition between half the scene's lowest and
+        twice its highest velocity, the end that comes nearest.
     exponents : tuple of float
         d ln(rise)/d ln(velocity) at each: an error of the rise divided by it is that of the
         boundary velocity.
@@ -267,12 +272,13 @@ def critical_velocity(
     Parameters
     ----------
     rise : callable
-        Of the velocity.
+        Called with a velocity; returns the rise there.
     limit : float
+        Value that the rise is to reach.
     lowest, highest : float
-        The nearer one is returned where the range has no crossing [m/s].
+        Ends of the range [m/s]; the nearer one is returned where it has no crossing.
     tolerance : float
-        Relative, on the rise.
+        Relative error of the rise.
 
     Examples
     --------

@@ -11,8 +11,6 @@ import numpy as np
 from pipeline.sweep.model import Sweep
 from tribo import State, advance, simulate, start
 
-__all__ = ["Sample", "sampled"]
-
 _BUDGET = 2.0  # [s] after which no further load is sampled
 _STEPS = 5  # that lead to a sampled load; the first two are not yet extrapolated from earlier ones
 
@@ -91,7 +89,7 @@ def sampled(sweep: Sweep) -> Sample:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Timed:
-    """Duration of a step without a temperature and with one [s]; the state in the end."""
+    """Duration of a step without a temperature and with one [s], and the last state."""
 
     step: float
     end: float

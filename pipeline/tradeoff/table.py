@@ -1,4 +1,4 @@
-"""What numerical choices cost and gain, side by side: values, and the table that prints them."""
+"""What numerical choices cost and gain, side by side: the values, and their printed table."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ class Choice:
     Attributes
     ----------
     name : str
-        A preset, or what is varied of one.
+        Name of a preset, or what is varied in it.
     varied : str or None
         Field of the fidelity that is varied; None if it is a preset as it is.
     fidelity : Fidelity
@@ -27,6 +27,9 @@ class Choice:
     velocity_error, rise_error, width_error, share_error : float
         Largest errors at any point, without sign: of the boundary velocity, the decisive rise and
         the contact width, relative; and of the failed share.
+    area_error, pressure_error, saturated_error : float
+        Largest errors, with their sign, of what the size of the elements decides: the contact
+        fraction and the mean pressure, relative; and the share of the contact at the hardness.
     seconds : float
         Processor time of the points [s].
     convolutions : int
@@ -36,7 +39,7 @@ class Choice:
     peak_bytes : int or None
         Most memory that arrays took at a point [B].
     speedup, saving : float
-        How many times less time, and less work, than the reference takes.
+        Factors by which the reference takes more time, and more work.
     """
 
     name: str
@@ -47,6 +50,9 @@ class Choice:
     rise_error: float
     width_error: float
     share_error: float
+    area_error: float
+    pressure_error: float
+    saturated_error: float
     seconds: float
     convolutions: int
     work: float
@@ -115,12 +121,12 @@ class Trade:
 
     @property
     def reference(self) -> Choice:
-        """What the others are compared with."""
+        """The choice that the others are compared with."""
         return self.choices[-1]
 
     @property
     def front(self) -> tuple[Choice, ...]:
-        """Choices that no other beats both in work and in error, the cheapest first."""
+        """Choices that no other one beats in both work and error, the cheapest first."""
         best, found = math.inf, []
         for choice in sorted(self.choices, key=lambda choice: (choice.work, choice.velocity_error)):
             if choice.velocity_error < best:
@@ -161,6 +167,10 @@ class Trade:
             "",
             *rows,
             "",
+            "Largest errors: of boundary velocity, decisive rise, contact width and failed share;",
+            "and of contact area, mean pressure and share of the contact at the hardness, which",
+            "the size of the elements decides.",
+            "",
             *(
                 f"cheapest within {100 * bound:g} %: {self.cheapest(bound).name}"
                 for bound in (0.05, 0.03, 0.02, 0.01, 0.005)
@@ -178,6 +188,7 @@ def shown(value: Any) -> str:
 
 _HEADER = (
     f"{'choice':38} {'velocity':>9} {'rise':>7} {'width':>7} {'share':>7} "
+    f"{'area':>8} {'mean p':>8} {'at H':>7} "
     f"{'time':>9} {'faster':>7} {'less work':>9} {'conv.':>6} {'memory':>7}"
 )
 
@@ -186,7 +197,9 @@ def _row(choice: Choice) -> str:
     memory = f"{choice.peak_bytes / 1e6:.0f} MB" if choice.peak_bytes else ""
     return (
         f"{choice.name:38} {_percent(choice.velocity_error):>9} {_percent(choice.rise_error):>7} "
-        f"{_percent(choice.width_error):>7} {choice.share_error:7.3f} {choice.seconds:7.3f} s "
+        f"{_percent(choice.width_error):>7} {choice.share_error:7.3f} "
+        f"{100 * choice.area_error:+6.1f} % {100 * choice.pressure_error:+6.1f} % "
+        f"{choice.saturated_error:+7.3f} {choice.seconds:7.3f} s "
         f"{choice.speedup:7.3g} {choice.saving:9.3g} {choice.convolutions:6d} {memory:>7}"
     )
 

@@ -19,14 +19,15 @@ import numpy as np
 from pipeline.analysis.interpolation import crossing
 from pipeline.sweep.criterion import boundary_velocity_error, rise_limit
 from pipeline.sweep.model import Point, Sweep
+from pipeline.sweep.stages import staged
 from pipeline.tradeoff.probe import (
     Probe,
     fitted,
-    near_the_boundary,
     probe,
     some_loads,
 )
 from pipeline.tradeoff.table import Choice, Finding, Trade, shown
+from pipeline.tradeoff.yardstick import measured
 from tribo import PRESETS, ConvergenceError, Fidelity, InputError
 
 _USUAL = ("draft", "standard", "fine")
@@ -59,7 +60,7 @@ def trade(
     diagram : bool
         Whether to compare small diagrams instead of single points.
     progress : callable, optional
-        Called with the name of each choice before it is computed.
+        Called before each choice with a line: which it is, of how many, and the time to go.
 
     Raises
     ------
@@ -67,6 +68,12 @@ def trade(
         If a preset is unknown, or the sweep has no friction heat.
     ConvergenceError
         If the reference does not converge.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> scene = pipeline.load_scene("workflows/first_try.toml")
+    >>> print(pipeline.trade(scene, presets=["draft"], base=None))  # doctest: +SKIP
     """
     for name in (*presets, *([base] if base else [])):
         if name not in PRESETS:
@@ -74,22 +81,28 @@ def trade(
     if not math.isfinite(rise_limit(sweep.conditions)):
         raise InputError("without friction there is no heat, and no boundary to be wrong about")
     asked = tuple(loads) if loads else some_loads(sweep, _LOADS)
-    boundary_points, exponents = near_the_boundary(sweep, asked)
-    places = _around(boundary_points) if diagram else boundary_points
-    tell = progress or (lambda name: None)
-
-    tell("reference")
-    reference = probe(sweep, fitted(sweep, PRESETS["reference"]), places, with_memory=True)
+    near = measured(sweep, asked, progress)
+    places = _around(near.boundary) if diagram else near.boundary
+    exponents = near.exponents[::2]
+    exact = fitted(sweep, PRESETS["reference"])
+    candidates = _candidates(sweep, presets, base)
+    stages = staged(
+        [("reference", None, exact), *candidates],
+        progress,
+        name=lambda stage: stage[0],
+        weight=lambda stage: _work(stage[2]),
+    )
+    next(stages)
+    reference = probe(sweep, exact, places, with_memory=True)
     compare = _Comparison(sweep, places, exponents, asked if diagram else None, reference)
     found, failed = [], []
-    for name, varied, fidelity in _candidates(sweep, presets, base):
-        tell(name)
+    for name, varied, fidelity in stages:
         try:
-            measured = probe(sweep, fidelity, places, with_memory=True)
+            tried = probe(sweep, fidelity, places, with_memory=True)
         except ConvergenceError as error:
             failed.append(f"{name}: {error}")
         else:
-            found.append(compare.choice(name, varied, measured))
+            found.append(compare.choice(name, varied, tried))
     found.append(compare.choice("reference", None, reference))
     return Trade(
         title=sweep.title,
@@ -99,6 +112,12 @@ def trade(
         wasted=_wasted(found, base, fitted(sweep, PRESETS[base])) if base else (),
         not_converged=tuple(failed),
     )
+
+
+def _work(fidelity: Fidelity) -> float:
+    """Steps times elements for each pixel, about."""
+    coarse = fidelity.increments / fidelity.history_coarsening**2
+    return (coarse + 1) / fidelity.pixels_per_element**2
 
 
 def _around(points: Sequence[Point]) -> tuple[Point, ...]:
@@ -143,7 +162,7 @@ def _variations(start: Fidelity) -> dict[str, tuple[Any, ...]]:
         "averaging": ("mean", "sample") if block > 1 else (),
         "history_coarsening": (max(1, coarsening // 2), 2 * coarsening, 4 * coarsening),
         "increments": (start.increments // 10, start.increments // 4, 2 * start.increments),
-        "wear_scheme": ("sdirk2",),
+        "wear_scheme": ("implicit", "sdirk2"),
         "contact_tolerance": (_round(start.contact_tolerance / 30), start.contact_tolerance * 10),
         "partition": ("uniform",),
         "heat_tolerance": (start.heat_tolerance / 100, start.heat_tolerance * 100),
@@ -177,6 +196,15 @@ class _Comparison:
             rise_error=max(abs(one.rise / true.rise - 1) for one, true in pairs),
             width_error=max(abs(one.contact_width / true.contact_width - 1) for one, true in pairs),
             share_error=max(abs(one.failed_share - true.failed_share) for one, true in pairs),
+            area_error=max(
+                (one.contact_fraction / true.contact_fraction - 1 for one, true in pairs), key=abs
+            ),
+            pressure_error=max(
+                (one.mean_pressure / true.mean_pressure - 1 for one, true in pairs), key=abs
+            ),
+            saturated_error=max(
+                (one.saturated_fraction - true.saturated_fraction for one, true in pairs), key=abs
+            ),
             seconds=measured.seconds,
             convolutions=measured.convolutions,
             work=measured.work,

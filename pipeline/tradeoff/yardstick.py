@@ -1,41 +1,41 @@
-"""Measures what nearly exact steps give at the boundary that they draw themselves."""
+"""The yardstick of accuracy: nearly exact steps, at the boundary that they give themselves."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from pipeline.sweep.criterion import boundary_velocity_error, rise_limit
 from pipeline.sweep.model import Point, Sweep
+from pipeline.sweep.stages import staged
 from pipeline.tradeoff.probe import Probe, Reading, fitted, near_the_boundary, probe
 from tribo import PRESETS, Fidelity
 
-__all__ = ["YARDSTICK", "OwnError", "Yardstick", "measured", "own_error"]
-
 YARDSTICK = replace(
-    PRESETS["reference"], increments=100, contact_tolerance=1e-3, heat_tolerance=1e-6
+    PRESETS["reference"], increments=25, contact_tolerance=1e-3, heat_tolerance=1e-6
 )
-"""Half the steps of the reference, looser tolerances: a third of its work."""
+"""A quarter of the steps of the reference, and looser tolerances."""
 
 _TOLERANCES = 2e-3  # the largest error seen that neither steps nor the heat model account for
 _APART = 0.05  # of the logarithms of the two velocities at a load from that of the boundary
 _MOVED, _ROUNDS = 0.1, 4  # how far the boundary may lie from where it was sought; how often to move
 _FLATTEST, _STEEPEST = 0.2, 2.0  # exponents of the rise over the velocity
 _HEAT_STEPS, _SMALL = 50, 2e4  # steps, and elements up to which they are the scene's own
+_LEFT = 0.5  # of what half the steps move is left to whole ones; a third, at second order
 _MARGIN = 1.2  # errors between the points are so much larger
 
 
 @dataclass(frozen=True, slots=True)
 class OwnError:
-    """Error that a fidelity has itself, relative, of the boundary velocity.
+    """Relative error that the yardstick itself makes in the boundary velocity.
 
     Attributes
     ----------
     steps : float
-        Error by its number of increments.
+        Error due to its number of increments.
     heat_model : float
-        Error by the heat model "elapsed", which the scene takes; 0 with "history".
+        Error due to the heat model "elapsed", if the scene takes it; 0 with "history".
     work : float
         Elements times convolutions that were spent on it.
     """
@@ -44,29 +44,33 @@ class OwnError:
     heat_model: float
     work: float
 
-    def of(self, increments: int, of_heat: bool) -> float:
-        """Error with so many increments in place of the yardstick's, tolerances included."""
-        steps = self.steps * YARDSTICK.increments / increments
-        return steps + _TOLERANCES + (self.heat_model if of_heat else 0.0)
+    def of(self, fidelity: Fidelity) -> float:
+        """Error of a fidelity that differs from the yardstick in its steps and heat model alone."""
+        steps = self.steps * YARDSTICK.increments / fidelity.increments
+        heat = self.heat_model if fidelity.heat_model == "elapsed" else 0.0
+        return steps + _TOLERANCES + heat
 
 
 @dataclass(frozen=True, slots=True)
 class Yardstick:
-    """What the yardstick gives about its own boundary.
+    """Results of the yardstick about its own boundary.
 
     Attributes
     ----------
+    boundary : tuple of Point
+        The velocity of the boundary at each load.
     points : tuple of Point
         Two velocities at each load, on either side of the boundary.
     exponents : tuple of float
         d ln(rise)/d ln(velocity) at each.
     readings : tuple of Reading
-        What the yardstick gives there.
+        Results of the yardstick at these points.
     work, own_work : float
-        Elements times convolutions that were spent, on the search too; and by the yardstick at
-        these points alone.
+        Elements times convolutions that were spent, the search included; and those of the yardstick
+        at these points alone.
     """
 
+    boundary: tuple[Point, ...]
     points: tuple[Point, ...]
     exponents: tuple[float, ...]
     readings: tuple[Reading, ...]
@@ -84,20 +88,29 @@ class Yardstick:
         return min(reading.contact_nodes for reading in self.readings)
 
 
-def measured(sweep: Sweep, loads: Sequence[float]) -> Yardstick:
-    """Find the boundary by the yardstick, and read it at two velocities about that at each load.
+def measured(
+    sweep: Sweep, loads: Sequence[float], tell: Callable[[str], None] | None = None
+) -> Yardstick:
+    """Find the yardstick's boundary, and take readings at two velocities about it at each load.
 
     It is sought from where the preset ``draft`` has it, first on larger elements, and again
-    wherever it has moved.
+    wherever it has moved. A line is told before each load.
     """
     exact = fitted(sweep, YARDSTICK)
     coarse = fitted(sweep, replace(YARDSTICK, pixels_per_element=2, averaging="sample"))
     searches, found = [], []
-    for start in near_the_boundary(sweep, loads)[0]:
+    starts = near_the_boundary(sweep, loads)[0]
+    for start in staged(
+        starts,
+        tell,
+        lambda at: f"the boundary by nearly exact steps, {at.load:g} N",
+        lambda at: at.load,
+    ):
         nearer = _followed(sweep, coarse, start)
         searches.append(nearer)
         found.append(_followed(sweep, exact, nearer.boundary))
     return Yardstick(
+        boundary=tuple(each.boundary for each in found),
         points=tuple(point for each in found for point in each.points),
         exponents=tuple(each.exponent for each in found for _ in each.points),
         readings=tuple(reading for each in found for reading in each.readings),
@@ -114,19 +127,18 @@ def own_error(
 ) -> OwnError:
     """Measure by how much the yardstick errs itself: by its steps and by the heat model.
 
-    Steps are halved, which at first order doubles the error of those that were left. By the heat
-    of all the past the last and the first of the loads differ most; how much, hardly depends on
-    the grid.
+    Steps are halved, which at second order makes four times the error. The heat of all the past
+    matters most at the first and the last of the loads; how much hardly depends on the grid.
 
     Parameters
     ----------
     sweep : Sweep
     points : sequence of Point
-        Near the boundary.
+        Points near the boundary.
     exponents : sequence of float
         d ln(rise)/d ln(velocity) at each.
     known : sequence of Reading, optional
-        Of the yardstick at each; read again if not given.
+        Readings of the yardstick at each; taken again if not given.
     """
     steps = heat_model = work = 0.0
     exact = fitted(sweep, YARDSTICK)
@@ -135,12 +147,17 @@ def own_error(
             full = probe(sweep, exact, points)
             known, work = full.readings, full.work
         halved = probe(sweep, replace(exact, increments=exact.increments // 2), points)
-        steps, work = _difference(known, halved.readings, exponents), work + halved.work
+        steps = _LEFT * _difference(known, halved.readings, exponents)
+        work += halved.work
     if sweep.fidelity.heat_model == "elapsed":
         size = 1 if math.prod(sweep.pixels.shape) <= _SMALL else 2
         at = sorted({0, len(points) - 1})
         present = replace(
-            exact, increments=_HEAT_STEPS, contact_tolerance=1e-2, pixels_per_element=size
+            exact,
+            wear_scheme="implicit",
+            increments=_HEAT_STEPS,
+            contact_tolerance=1e-2,
+            pixels_per_element=size,
         )
         present = fitted(sweep, present)
         ends = [points[k] for k in at]
@@ -165,7 +182,7 @@ def _difference(
 
 @dataclass(frozen=True, slots=True)
 class _Found:
-    """Readings on either side of the boundary at a load, and where that lies by them."""
+    """Readings on either side of the boundary at a load, and where it lies according to them."""
 
     points: tuple[Point, Point]
     readings: tuple[Reading, ...]
@@ -176,7 +193,7 @@ class _Found:
 
 
 def _followed(sweep: Sweep, fidelity: Fidelity, start: Point) -> _Found:
-    """Read two velocities about a boundary, and again about where they say that it lies."""
+    """Take readings at two velocities about a boundary, and again about where these place it."""
     moving = [abs(velocity) for velocity in sweep.velocities if velocity]
     limit, at, work = rise_limit(sweep.conditions), start.velocity, 0.0
     for _ in range(_ROUNDS):

@@ -1,94 +1,100 @@
 """Judge promises on random scenes, one after the other, until the time is up.
 
-Truth is the reference, twice as fine in everything; for `--accuracy` with the heat of all the past.
+Truth is nearly exact steps on the pixels; for `--accuracy` with the heat of all the past.
 
-What was found is kept in a file, a line for each scene, and the next run goes on from there.
+What was found is kept in a file, a line for each part of each scene, with the commit that it
+belongs to, and the next run goes on from there. The true boundaries hold as long as the physics
+does; what is judged against them can be judged anew.
 """
 
 import argparse
+import functools
 import json
 import math
+import subprocess
 import time
 from pathlib import Path
+from unittest import mock
 
-import numpy as np
-
-from pipeline.tradeoff.choose import choose_fidelity
-from tests.promises.judge import largest_error, true_boundary
+from pipeline.tradeoff import choose
+from tests.promises.judge import exponents, largest_error, true_boundary
+from tests.promises.report import ACCURACIES, PROMISED, report
 from tests.promises.scenes import random_sweep
 from tribo import PRESETS, TriboError
 
-ACCURACIES = (0.05, 0.02, 0.01)
-PROMISED = {"draft": 0.08, "standard": 0.03, "fine": 0.01}
+PARTS = ("truth", "presets", "accuracies")
 
 
-def judged(seed):
-    """True errors of the presets and of what is picked for each accuracy, on one scene."""
-    sweep, began = random_sweep(seed), time.perf_counter()
-    true, with_past = true_boundary(sweep)
-    row = {
-        "seed": seed,
+def truth(sweep, known):
+    """True boundaries, by the present heat and by all so far, and what kind of scene it is."""
+    present, by_all = true_boundary(sweep)
+    return {
         "wear": sweep.wear and [sweep.wear.pattern, sweep.wear.specific_wear_rate],
-        "velocities": [float(velocity) for velocity in true.values()],
         "columns": len(sweep.velocities),
-        "heat_model": max(abs(math.log(with_past[load] / true[load])) for load in true),
-        "presets": {},
-        "promises": {},
+        "present": [*present.values()],
+        "all": [*by_all.values()],
+        "heat_model": max(abs(math.log(by_all[load] / present[load])) for load in present),
     }
 
-    for name in PROMISED:
-        error, kinds = largest_error(sweep, PRESETS[name], true)
-        row["presets"][name] = {"error": error, "warnings": kinds}
-    row["seconds"] = time.perf_counter() - began
+
+def presets(sweep, known):
+    """True errors of the presets, and the kinds of their warnings."""
+    true = dict(zip(sweep.loads, known["truth"]["present"], strict=True))
+    slopes = exponents(sweep, true)
+    found = {name: largest_error(sweep, PRESETS[name], true, slopes) for name in PROMISED}
+    return {name: {"error": error, "warnings": kinds} for name, (error, kinds) in found.items()}
+
+
+def accuracies(sweep, known):
+    """What is picked for each accuracy, the error foretold, and the true one.
+
+    All accuracies are judged by one yardstick, as each would make the same.
+    """
+    true = dict(zip(sweep.loads, known["truth"]["all"], strict=True))
+    slopes = exponents(sweep, true)
+    error_of = functools.cache(lambda fidelity: largest_error(sweep, fidelity, true, slopes)[0])
+    found = {}
+    shared = "measured", "own_error", "probe", "near_the_boundary"
+    once = {name: _known_by_text(getattr(choose, name)) for name in shared}
+    with mock.patch.multiple(choose, **once):
+        for accuracy in ACCURACIES:
+            selection = choose.choose_fidelity(sweep, accuracy)
+            found[f"{accuracy:g}"] = {
+                "name": selection.name,
+                "heat_model": selection.fidelity.heat_model,
+                "error": error_of(selection.fidelity),
+                "foretold": selection.error,
+                "saving": selection.saving,
+            }
+    return found
+
+
+def _known_by_text(function):
+    """Give a function's results again for arguments that read the same."""
     known = {}
-    for accuracy in ACCURACIES:
-        began = time.perf_counter()
-        selection = choose_fidelity(sweep, accuracy)
-        took = time.perf_counter() - began
-        if selection.fidelity not in known:
-            error, _ = largest_error(sweep, selection.fidelity, with_past)
-            known[selection.fidelity] = error
-        row["promises"][f"{accuracy:g}"] = {
-            "name": selection.name,
-            "heat_model": selection.fidelity.heat_model,
-            "error": known[selection.fidelity],
-            "foretold": selection.error,
-            "saving": selection.saving,
-            "seconds": took,
-        }
-    return row
+
+    def again(*arguments):
+        key = repr(arguments)
+        if key not in known:
+            known[key] = function(*arguments)
+        return known[key]
+
+    return again
 
 
-def report(rows):
-    """How many promises were kept."""
-    good = [row for row in rows if "failed" not in row]
-    print(f"{len(good)} scenes judged, {len(rows) - len(good)} came to no result")
-    for name, bound in PROMISED.items():
-        found = [row["presets"][name] for row in good]
-        errors = np.array([each["error"] for each in found])
-        silent = sum(each["error"] > bound and not each["warnings"] for each in found)
-        print(
-            f"{name:10} {np.mean(errors <= bound):6.1%} within {bound:.0%}; median "
-            f"{np.median(errors):.2%}, 90 % below {np.quantile(errors, 0.9):.2%}, largest "
-            f"{errors.max():.1%}; {silent} beyond it without a warning"
-        )
-    for accuracy in ACCURACIES:
-        found = [row["promises"][f"{accuracy:g}"] for row in good]
-        errors = np.array([each["error"] for each in found])
-        foretold = np.array([each["foretold"] for each in found])
-        print(
-            f"{accuracy:.0%}: kept {np.sum(errors <= accuracy)} of {len(found)}, foretold error "
-            f"exceeds the true one in {np.mean(foretold >= errors):.1%}; largest error "
-            f"{errors.max():.2%}; missed: "
-            + (
-                ", ".join(
-                    f"scene {row['seed']} {error:.2%} ({each['name']})"
-                    for row, each, error in zip(good, found, errors, strict=True)
-                    if error > accuracy
-                )
-                or "none"
-            )
-        )
+def commit():
+    """What the working tree holds, as git names it."""
+    command = ["git", "describe", "--always", "--dirty"]
+    return subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()
+
+
+def read(path):
+    """What is known of each scene, by its seed and the part; later lines count."""
+    found = {}
+    for line in path.read_text().splitlines() if path.exists() else ():
+        row = json.loads(line)
+        found.setdefault(row["seed"], {})[row["part"]] = row
+    return found
 
 
 def main():
@@ -97,25 +103,31 @@ def main():
     parser.add_argument("--scenes", type=int, default=300)
     parser.add_argument("--minutes", type=float, default=60.0, help="begin no scene later")
     parser.add_argument("--file", type=Path, default=Path("results/promises.jsonl"))
+    parser.add_argument("--of", choices=PARTS[1:], help="judge these alone; both if not given")
+    parser.add_argument("--anew", action="store_true", help="what another commit has judged")
     options = parser.parse_args()
     options.file.parent.mkdir(parents=True, exist_ok=True)
-    rows = []
-    if options.file.exists():
-        rows = [json.loads(line) for line in options.file.read_text().splitlines()]
-    done, began = {row["seed"] for row in rows}, time.monotonic()
+    known, began, now = read(options.file), time.monotonic(), commit()
+    parts = ("truth", options.of) if options.of else PARTS
     for seed in range(options.scenes):
-        if seed in done:
-            continue
-        if time.monotonic() - began > 60 * options.minutes:
-            break
-        try:
-            row = judged(seed)
-        except TriboError as error:
-            row = {"seed": seed, "failed": f"{type(error).__name__}: {error}"}
-        rows.append(row)
-        with options.file.open("a") as file:
-            file.write(json.dumps(row) + "\n")
-    report(rows)
+        rows = known.setdefault(seed, {})
+        for part in parts:
+            stale = options.anew and part != "truth" and rows.get(part, {}).get("commit") != now
+            if part in rows and not stale:
+                continue
+            if time.monotonic() - began > 60 * options.minutes or "failed" in rows.get("truth", {}):
+                break
+            row = {"seed": seed, "part": part, "commit": now}
+            started = time.process_time()
+            try:
+                row |= globals()[part](random_sweep(seed), rows)
+            except TriboError as error:
+                row["failed"] = f"{type(error).__name__}: {error}"
+            row["seconds"] = time.process_time() - started
+            rows[part] = row
+            with options.file.open("a") as file:
+                file.write(json.dumps(row) + "\n")
+    report(known)
 
 
 if __name__ == "__main__":

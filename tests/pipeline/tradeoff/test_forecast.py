@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from pipeline.store.points import locked, prepare
+from pipeline.store import locked, prepare
 from pipeline.sweep.plan import chains, points, run_point
 from pipeline.tradeoff import forecast
 from pipeline.tradeoff.forecast import estimate
@@ -23,7 +23,7 @@ def counted(sweep):
         trunk = None
         for point in chain:
             new = slice(len(trunk.records) if trunk else 0, None)
-            result = run_point(sweep, *point, trunk)
+            result = run_point(sweep, *point, trunk=trunk)
             steps += len(result.columns["time"][new])
             temperatures += (result.columns["max_rise"][new] >= 0).sum()
             trunk = result.trunk

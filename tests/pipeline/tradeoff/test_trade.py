@@ -23,8 +23,10 @@ SCENE = SCENES["finer pixels"]
 def measured():
     said = []
     found = trade(SCENE, loads=LOADS, progress=said.append)
-    assert said[0] == "reference"
-    assert len(said) == len(found.choices)
+    assert said[0].startswith("1 of 2: the boundary by nearly exact steps, 200 N")
+    assert said[2] == f"1 of {len(found.choices)}: reference"
+    assert len(said) == 2 + len(found.choices)
+    assert said[-1].startswith("{0} of {0}: ".format(len(found.choices)))
     return found
 
 
@@ -35,17 +37,19 @@ def named(found, name):
 def test_errors_and_costs_go_opposite_ways_from_draft_to_reference(measured):
     presets = [named(measured, name) for name in ("draft", "standard", "fine", "reference")]
     errors = [choice.velocity_error for choice in presets]
-    # On the shipped scene all of them fall; this window is so small that the first two may not.
-    assert min(errors[:2]) > errors[2] > errors[3] == 0
-    work = [choice.work for choice in presets]
-    assert work == sorted(work)
-    assert presets[0].saving > 100
-    assert presets[1].saving > 20
-    assert presets[2].saving > 3
+    # This window is so small that its points take smaller elements than `draft` would.
+    assert all(error < bound for error, bound in zip(errors[:3], (0.08, 0.03, 0.01), strict=True))
+    assert min(errors[:3]) > errors[3] == 0
+    draft, standard, fine, reference = (choice.work for choice in presets)
+    assert draft < min(standard, fine) < max(standard, fine) < reference
+    assert presets[0].saving > 30
+    assert presets[1].saving > 5
+    assert presets[2].saving > 2
 
 
 def test_every_choice_says_what_it_costs_and_where_it_errs(measured):
     for choice in measured.choices:
+        assert choice.name == "reference" or (choice.area_error, choice.pressure_error) != (0, 0)
         assert choice.seconds > 0
         assert choice.convolutions > 0
         assert choice.peak_bytes > 1e5
@@ -173,14 +177,12 @@ def test_points_at_one_velocity_share_their_ramp():
 
 
 def test_memory_is_counted_whatever_was_computed_before():
-    points = (Point(500.0, 1.5),)
-    first, again = (
-        probe(PAPER, PRESETS["standard"], points, with_memory=True).peak_bytes for _ in range(2)
-    )
+    points, coarse = (Point(500.0, 1.5),), replace(PRESETS["standard"], fewest_elements=0)
+    first, again = (probe(PAPER, coarse, points, with_memory=True).peak_bytes for _ in range(2))
     assert again == pytest.approx(first, rel=0.05)
-    finer = replace(PRESETS["standard"], pixels_per_element=1)
+    finer = replace(coarse, pixels_per_element=1)
     # Four times as many elements.
-    assert 3 < probe(PAPER, finer, points, with_memory=True).peak_bytes / again < 5
+    assert 2.5 < probe(PAPER, finer, points, with_memory=True).peak_bytes / again < 5
 
 
 def test_a_diagram_without_a_transition_is_refused():
