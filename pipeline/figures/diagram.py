@@ -13,11 +13,18 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
+from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
+from pipeline.analysis.attributes import attributes_of
 from pipeline.analysis.band import BAND
-from pipeline.analysis.boundary import conditions_of, decisive_rise
-from pipeline.analysis.dataset import asked_points, by_surface, on_surface, ordered
+from pipeline.analysis.boundary import Bulk, conditions_of, decisive_rise
+from pipeline.analysis.dataset import asked_points, at_bulks, by_surface, on_surface, ordered
+from pipeline.analysis.ensemble import Ensemble
+from pipeline.analysis.interpolation import crossing
+from pipeline.analysis.risk import probabilities
 from pipeline.analysis.warned import has_warning
+from pipeline.figures.measured import at_own_friction, measured_transitions
+from pipeline.figures.overlays import film_lines, rival_lines
 from pipeline.figures.regions import name_regions
 from pipeline.figures.style import (
     BLACK,
@@ -26,13 +33,16 @@ from pipeline.figures.style import (
     GREY,
     TINTS,
     VERMILION,
+    Picture,
     criterion,
     heating,
     in_house_style,
     title_of,
 )
-from pipeline.store.variables import PENDING
+from pipeline.figures.uncertainty import draw_risk
+from pipeline.store import PENDING
 from pipeline.sweep.criterion import Conditions, rise_limit
+from tribo import InputError
 
 _RESOLUTION = 240
 
@@ -41,10 +51,12 @@ _RESOLUTION = 240
 def diagram(
     ds: xr.Dataset,
     friction: float | Sequence[float] | None = None,
-    bulk_temperature: float | str | None = None,
+    bulk_temperature: Bulk | None = None,
     critical_temperature: float | str | None = None,
-    share: float | None = None,
+    share: float | str | None = None,
     realization: int | None = None,
+    rivals: Sequence[str] = (),
+    log: bool = False,
 ) -> Figure:
     """Draw the transition diagram.
 
@@ -52,7 +64,8 @@ def diagram(
     between the tenth and the ninetieth of a hundred. The boundary is drawn on the plane
     interpolated between the computed points, on which `pipeline.boundary` lies for each load and
     each velocity. Where the sweep has a band of friction coefficients, the boundaries at its ends
-    enclose a shaded area; where it has measured transitions, they are marked.
+    enclose a shaded area; where it has measured transitions, they are marked; where its scene gives
+    an oil, lines show where mixed lubrication and the full film begin.
 
     Parameters
     ----------
@@ -63,8 +76,21 @@ def diagram(
         boundary is that of their median.
     realization : int, optional
         Seed of the only surface to draw; all of them if not given.
+    rivals : sequence of str, optional
+        Names of simpler criteria whose transition to draw beside the computed one, out of
+        `pipeline.sweep.rivals.RIVALS`.
+    log : bool
+        Whether both axes are logarithmic, as in the classical figures; without velocity 0.
     """
-    band = ds.attrs.get("friction_band")
+    if "sample" in ds.dims:
+        if any(each is not None for each in (friction, bulk_temperature, critical_temperature)):
+            raise InputError(
+                "the diagram of samples shows the probability of severe wear for the inputs as "
+                "they were drawn; leave the conditions out"
+            )
+        samples = Ensemble.of(ds)
+        return draw_risk(samples, probabilities(samples))
+    band = attributes_of(ds).get("friction_band")
     if isinstance(friction, Sequence):
         band = min(friction), max(friction)
         friction = float(np.median(friction))
@@ -72,34 +98,54 @@ def diagram(
     ds = ordered(ds)
     if realization is not None:
         ds = on_surface(ds, realization)
-    figure = Figure(figsize=(8.0, 6.4))
+    if log:
+        ds = ds.sel(velocity=ds["velocity"] > 0)
+    figure = Picture(figsize=(8.0, 6.4))
     axes = figure.add_subplot()
     legend: list[Artist] = []
-    if min(ds.sizes["load"], ds.sizes["velocity"]) > 1:
-        # A sweep that only follows the boundary knows the plane nowhere else.
-        along_boundary = ds.attrs.get("chosen") is not None
-        planes = decisive_rise(ds, conditions.failing_share, _RESOLUTION, along_boundary)
-        plane = planes
-        if "realization" in ds.dims:
-            planes = planes.dropna("realization", how="all")
-            plane = planes.quantile(0.5, "realization", skipna=False)
+    is_plane = min(ds.sizes["load"], ds.sizes["velocity"]) > 1
+    if is_plane:
+        planes = _planes(ds, conditions)
+        plane = _median(planes)
         _regions(axes, plane, rise_limit(conditions))
         legend += _boundary(axes, plane, conditions)
         if "realization" in ds.dims:
             legend += _surface_band(axes, planes, conditions)
-        legend += _band(axes, plane, conditions, band)
+        legend += _band(axes, ds, conditions, band)
+        legend += film_lines(axes, ds, conditions)
+        legend += rival_lines(axes, ds, conditions, rivals)
+    elif max(ds.sizes["load"], ds.sizes["velocity"]) > 1:
+        legend += _on_a_line(axes, ds, conditions)
     legend += _points(axes, ds, conditions)
     legend += _warnings(axes, ds)
-    measured = ds.attrs.get("measured") or []
-    legend += _measured(axes, measured)
-    _limits(axes, ds, measured)
-    if min(ds.sizes["load"], ds.sizes["velocity"]) > 1:
+    measured = attributes_of(ds).get("measured") or []
+    legend += measured_transitions(axes, measured)
+    if is_plane:
+        legend += at_own_friction(axes, plane, measured, conditions)
+    _scale(axes, ds, measured, log)
+    if is_plane:
         name_regions(axes, plane, rise_limit(conditions), ds["load"].values, measured)
 
-    axes.set_xlabel("sliding velocity [m/s]")
-    axes.set_ylabel("normal load [N]")
     surface = "" if realization is None else f", surface {realization}"
     axes.set_title(title_of(ds) + surface, pad=10)
+    _label(figure, axes, legend, conditions)
+    return figure
+
+
+def _scale(axes: Axes, ds: xr.Dataset, measured: Sequence[dict[str, Any]], log: bool) -> None:
+    """Set the scales of both axes and their limits."""
+    if log:
+        axes.set_xscale("log")
+        axes.set_yscale("log")
+    _limits(axes, ds, measured, log)
+    if log:
+        _plain_numbers(axes)
+
+
+def _label(figure: Figure, axes: Axes, legend: list[Artist], conditions: Conditions) -> None:
+    """Name the axes, and write the legend with the criterion of severe wear."""
+    axes.set_xlabel("sliding velocity [m/s]")
+    axes.set_ylabel("normal load [N]")
     figure.legend(
         handles=legend,
         loc="outside lower center",
@@ -107,7 +153,22 @@ def diagram(
         title=f"severe wear: {criterion(conditions)}; {heating(conditions)}",
         title_fontsize=9.5,
     )
-    return figure
+
+
+def _planes(ds: xr.Dataset, conditions: Conditions) -> xr.DataArray:
+    """Decisive rise over the plane, on each surface of which something is known."""
+    # A sweep that only follows the boundary knows the plane nowhere else.
+    along_boundary = attributes_of(ds).get("chosen") is not None
+    judged = at_bulks(ds, conditions)
+    planes = decisive_rise(judged, conditions.failing_share, _RESOLUTION, along_boundary)
+    return planes.dropna("realization", how="all") if "realization" in ds.dims else planes
+
+
+def _median(planes: xr.DataArray) -> xr.DataArray:
+    """The plane of the median surface."""
+    if "realization" not in planes.dims:
+        return planes
+    return planes.quantile(0.5, "realization", skipna=False)
 
 
 def _regions(axes: Axes, plane: xr.DataArray, limit: float) -> None:
@@ -132,32 +193,34 @@ def _boundary(axes: Axes, plane: xr.DataArray, conditions: Conditions) -> list[A
 
 
 def _band(
-    axes: Axes, plane: xr.DataArray, conditions: Conditions, band: Sequence[float] | None
+    axes: Axes, ds: xr.Dataset, conditions: Conditions, band: Sequence[float] | None
 ) -> list[Artist]:
     """Shade what lies between the boundaries at the ends of the band."""
-    if not band or not np.isfinite(plane.values).any():
+    if not band or min(band) == max(band):
         return []
-    limits = sorted(rise_limit(replace(conditions, friction=float(end))) for end in band)
-    low, high = np.minimum(limits, float(np.nanmax(plane)) + 1)
-    if not low < high:
+    ends = [replace(conditions, friction=float(end)) for end in (min(band), max(band))]
+    # In units of the limit; where the bulk temperatures differ, each friction has its own rise.
+    low, high = (_median(_planes(ds, end)) / rise_limit(end) for end in ends)
+    if not np.isfinite(high.values).any():
         return []
+    inside = np.minimum(high.values - 1, 1 - low.values)
     axes.contourf(
-        plane["velocity"],
-        plane["load"],
-        np.ma.masked_invalid(plane.values),
-        levels=[low, high],
+        high["velocity"],
+        high["load"],
+        np.ma.masked_invalid(inside),
+        levels=[0.0, max(1.0, float(np.nanmax(inside)) + 1)],
         colors=[TINTS["band"]],
         alpha=0.6,
         zorder=0.8,
     ).set_gid("friction band")
-    for end in limits:
-        _isoline(axes, plane, end, "band edge", colors=GREY, linewidths=0.8, linestyles="--")
+    for edge in (low, high):
+        _isoline(axes, edge, 1.0, "band edge", colors=GREY, linewidths=0.8, linestyles="--")
     text = f"transition at friction {min(band):g}–{max(band):g}"
     return [Patch(fc=TINTS["band"], ec=GREY, ls="--", lw=0.8, alpha=0.8, label=text)]
 
 
 def _surface_band(axes: Axes, planes: xr.DataArray, conditions: Conditions) -> list[Artist]:
-    """Shade where some surfaces are severe, but neither nearly none nor nearly all of them."""
+    """Shade where wear is severe on some surfaces, but neither on nearly none nor on nearly all."""
     if planes.sizes["realization"] < 2:
         return []
     limit = rise_limit(conditions)
@@ -172,8 +235,7 @@ def _surface_band(axes: Axes, planes: xr.DataArray, conditions: Conditions) -> l
         alpha=0.3, zorder=0.9,
     ).set_gid("surface band")  # fmt: skip
     text = (
-        f"{100 * BAND[0]:g} to {100 * BAND[-1]:g} % of {planes.sizes['realization']} surfaces; "
-        "line: their median"
+        f"{100 * BAND[0]:g}–{100 * BAND[-1]:g} % of {planes.sizes['realization']} surfaces, median"
     )
     return [Patch(fc=GREEN, ec=GREEN, lw=0.9, alpha=0.4, label=text)]
 
@@ -190,8 +252,8 @@ def _isoline(axes: Axes, plane: xr.DataArray, level: float, gid: str, **look: An
 
 
 def _points(axes: Axes, ds: xr.Dataset, conditions: Conditions) -> list[Artist]:
-    """Mark the points; where there are several surfaces, by what those say that are done."""
-    parts = by_surface(ds)
+    """Mark the points; over several surfaces, by those on which the point is done."""
+    parts = by_surface(at_bulks(ds, conditions))
     r = np.array([decisive_rise(part, conditions.failing_share).values for part in parts])
     status = np.array([part["status"].transpose("load", "velocity").values for part in parts])
     asked = np.array([asked_points(part).values for part in parts]).any(axis=0)
@@ -232,23 +294,47 @@ def _warnings(axes: Axes, ds: xr.Dataset) -> list[Artist]:
     return list(line)
 
 
-def _measured(axes: Axes, measured: Sequence[dict[str, Any]]) -> list[Artist]:
-    if not measured:
-        return []
-    line = axes.plot(
-        [point["velocity"] for point in measured],
-        [point["normal_load"] for point in measured],
-        ls="none", marker="D", ms=8, mfc=BLACK, mec="white", mew=1.3, zorder=4,
-        label="measured transition", gid="measured",
-    )  # fmt: skip
-    return list(line)
+def _on_a_line(axes: Axes, ds: xr.Dataset, conditions: Conditions) -> list[Artist]:
+    """Mark the transition of a sweep with a single load or velocity, or say why there is none."""
+    parts = by_surface(at_bulks(ds, conditions))
+    axis = "velocity" if ds.sizes["velocity"] > 1 else "load"
+    other = "load" if axis == "velocity" else "velocity"
+    rises = [decisive_rise(part, conditions.failing_share).isel({other: 0}) for part in parts]
+    limit = rise_limit(conditions)
+    found = [crossing(ds[axis].values, rise.values, limit) for rise in rises]
+    found = [value for value in found if np.isfinite(value)]
+    if not found:
+        known = np.concatenate([rise.values[np.isfinite(rise.values)] for rise in rises])
+        why = "no point is done" if not known.size else None
+        why = why or ("mild" if (known <= limit).all() else "severe") + " throughout"
+        return [Line2D([], [], ls="none", label=f"no transition: {why}")]
+    places = {axis: found, other: [float(ds[other][0])] * len(found)}
+    look: dict[str, Any] = {"ls": "none", "marker": "|" if axis == "velocity" else "_"}
+    look |= {"color": BLACK, "mew": 2.2}
+    axes.plot(places["velocity"], places["load"], ms=26, zorder=3.2, gid="boundary", **look)
+    unit = "m/s" if axis == "velocity" else "N"
+    at = f"{found[0]:.3g} {unit}" if len(found) == 1 else "by surface"
+    return [Line2D([], [], ms=9, label=f"computed transition, {at}", **look)]
 
 
-def _limits(axes: Axes, ds: xr.Dataset, measured: Sequence[dict[str, Any]]) -> None:
+def _limits(axes: Axes, ds: xr.Dataset, measured: Sequence[dict[str, Any]], log: bool) -> None:
     for values, key, set_limits in (
         (ds["velocity"].values, "velocity", axes.set_xlim),
         (ds["load"].values, "normal_load", axes.set_ylim),
     ):
         shown = np.append(values, [point[key] for point in measured])
-        margin = 0.04 * (np.ptp(shown) or shown[0] or 1.0)
-        set_limits(shown.min() - margin, shown.max() + margin)
+        if log:
+            shown = np.log(shown[shown > 0])
+        margin = 0.04 * (np.ptp(shown) or abs(shown[0]) or 1.0)
+        ends = np.array([shown.min() - margin, shown.max() + margin])
+        set_limits(*(np.exp(ends) if log else ends))
+
+
+def _plain_numbers(axes: Axes) -> None:
+    """Write plain numbers beside logarithmic axes, and enough of them."""
+    for axis in (axes.xaxis, axes.yaxis):
+        low, high = axis.get_view_interval()
+        subs = range(1, 10) if high < 10 * low else (1, 2, 5)
+        axis.set_major_locator(LogLocator(subs=tuple(map(float, subs))))
+        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        axis.set_minor_locator(NullLocator())

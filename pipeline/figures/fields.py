@@ -9,10 +9,10 @@ import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from pipeline.analysis.boundary import conditions_of
-from pipeline.analysis.dataset import on_surface, ordered
+from pipeline.analysis.boundary import Bulk, conditions_of
+from pipeline.analysis.dataset import at_bulks, on_surface, ordered
 from pipeline.figures.points import chosen_points, name_of
-from pipeline.figures.style import celsius, heating, in_house_style, title_of
+from pipeline.figures.style import Picture, celsius, heating, in_house_style, title_of
 from pipeline.sweep.criterion import contact_temperature
 from tribo import InputError
 from tribo.types import Array
@@ -21,13 +21,14 @@ from tribo.types import Array
 @in_house_style
 def fields(
     ds: xr.Dataset,
-    load: float | None = None,
-    velocity: float | None = None,
+    load: float | str | None = None,
+    velocity: float | str | None = None,
     friction: float | None = None,
-    bulk_temperature: float | str | None = None,
+    bulk_temperature: Bulk | None = None,
     critical_temperature: float | str | None = None,
-    share: float | None = None,
+    share: float | str | None = None,
     realization: int | None = None,
+    stacked: bool = False,
 ) -> Figure:
     """Draw pressure, temperature and wear depth over the contact at the end of one point.
 
@@ -35,14 +36,17 @@ def fields(
     ----------
     ds : Dataset
         Dataset of `pipeline.open_sweep`.
-    load : float, optional
-        Load of the point [N]; the highest if not given.
-    velocity : float, optional
-        Velocity of the point [m/s]; the one nearest to the transition at that load if not given.
+    load : float or str, optional
+        Load of the point [N], or text with a unit; the highest if not given.
+    velocity : float or str, optional
+        Velocity of the point [m/s], or text with a unit; the one nearest to the transition at that
+        load if not given.
     friction, bulk_temperature, critical_temperature, share
         See `pipeline.boundary`.
     realization : int, optional
         Seed of the surface to draw; the first if not given.
+    stacked : bool
+        Whether the three lie below each other, rather than side by side.
 
     Raises
     ------
@@ -50,7 +54,7 @@ def fields(
         If the sweep holds no fields.
     """
     conditions = conditions_of(ds, friction, bulk_temperature, critical_temperature, share)
-    ds = on_surface(ordered(ds), realization)
+    ds = on_surface(ordered(at_bulks(ds, conditions)), realization)
     if not {"pressure", "rise", "wear_depth"} <= set(ds.data_vars):
         raise InputError(
             "the sweep holds no fields; store them with 'fields = true' under [sweep] in the "
@@ -58,7 +62,10 @@ def fields(
         )
     (i, j) = point = chosen_points(ds, load, velocity, conditions)[0]
     here = ds.isel(load=i, velocity=j).transpose("x", "y", ...)
-    temperature = celsius(contact_temperature(here["rise"].values, conditions))
+    rise = here["rise"].values
+    if conditions.bulk_ratio:
+        rise = rise + conditions.bulk_ratio * here["bulk_response"].values
+    temperature = celsius(contact_temperature(rise, conditions))
     critical = conditions.critical_temperature
     limit = math.inf if critical is None else celsius(critical)
     outlined = temperature.min() < limit < temperature.max() and min(temperature.shape) > 1
@@ -72,14 +79,17 @@ def fields(
 
     x, y = _edges(1e6 * here["x"].values), _edges(1e6 * here["y"].values)
     height = 3.3 * np.ptp(y) / np.ptp(x)
-    figure = Figure(figsize=(11.0, 2.2 + float(np.clip(height, 1.0, 6.0))))
-    row = figure.subplots(1, 3, sharex=True, sharey=True)
+    panel = 1.4 + float(np.clip(height, 1.0, 6.0))
+    size = (4.6, 1.0 + 3 * panel) if stacked else (11.0, 0.8 + panel)
+    figure = Picture(figsize=size)
+    row = figure.subplots(*((3, 1) if stacked else (1, 3)), sharex=True, sharey=True)
     for axes, (label, values, colours, lowest) in zip(row, panels, strict=True):
         image = axes.pcolormesh(x, y, values.T, cmap=colours, vmin=lowest, rasterized=True)
         axes.set_aspect("equal" if 0.5 < height < 12 else "auto")
         axes.grid(visible=False)
         axes.xaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 2.5, 5, 10]))
-        axes.set_xlabel("x, along sliding [µm]")
+        if not stacked or axes is row[-1]:
+            axes.set_xlabel("x, along sliding [µm]")
         figure.colorbar(
             image, cax=axes.inset_axes((0, 1.04, 1, 0.035)), label=label, location="top"
         )

@@ -17,15 +17,32 @@ from matplotlib.figure import Figure
 from pipeline.analysis.dataset import open_sweep
 from pipeline.figures.diagram import diagram
 from pipeline.figures.fields import fields
+from pipeline.figures.fit import fitted
 from pipeline.figures.ramp import ramp
 from pipeline.figures.style import figure_path, save_figure
+from pipeline.figures.temperatures import histogram, temperature
+from pipeline.scene.units import to_si
 from tribo import InputError
 
-_KINDS: dict[str, Callable[..., Figure]] = {"diagram": diagram, "ramp": ramp, "fields": fields}
+_COLUMN = 0.12  # [m], below which panels lie below each other
+_DPI = (20, 2400)
+_KINDS: dict[str, Callable[..., Figure]] = {
+    "diagram": diagram,
+    "ramp": ramp,
+    "fields": fields,
+    "temperature": temperature,
+    "histogram": histogram,
+}
 
 
 def plot(
-    ds: xr.Dataset | str | Path, kind: str, out: str | Path | None = None, **options: Any
+    ds: xr.Dataset | str | Path,
+    kind: str,
+    out: str | Path | None = None,
+    width: float | str | None = None,
+    dpi: float | None = None,
+    with_title: bool = True,
+    **options: Any,
 ) -> Figure | Path:
     """Draw a figure of a sweep.
 
@@ -33,12 +50,19 @@ def plot(
     ----------
     ds : Dataset or path
         Dataset of `pipeline.open_sweep`, or folder or address of the store.
-    kind : {"diagram", "ramp", "fields"}
+    kind : {"diagram", "ramp", "fields", "temperature", "histogram"}
         Name of the figure.
     out : path, optional
         File to write; its suffix, one of .pdf, .png and .svg, decides the format.
+    width : float or str, optional
+        Width of the figure [m], or as text, such as "8.5 cm"; words stay readable. Its own if not
+        given.
+    dpi : float, optional
+        Dots per inch of a .png; 150 if not given.
+    with_title : bool
+        Whether the figure has its titles.
     **options
-        Options of the function of that name: `diagram`, `ramp` or `fields`.
+        Options of the function of that name.
 
     Returns
     -------
@@ -49,6 +73,13 @@ def plot(
     ------
     InputError
         If the kind, an option or the suffix is unknown, or the file cannot be written.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> figure = pipeline.plot("results/first_try.zarr", "diagram", friction=0.12)
+    >>> pipeline.plot("results/first_try.zarr", "ramp", "ramp.svg", load="600 N").name
+    'ramp.svg'
     """
     draw = _KINDS.get(kind)
     if draw is None:
@@ -58,5 +89,11 @@ def plot(
         if name not in allowed:
             raise InputError(f"{kind} has no option {name!r}; it has {', '.join(allowed)}")
     path = None if out is None else figure_path(out)
+    if dpi is not None and not _DPI[0] <= dpi <= _DPI[1]:
+        raise InputError(f"dpi is {dpi:g}; it must be from {_DPI[0]} to {_DPI[1]}")
+    metres = to_si(width, "1 m") if isinstance(width, str) else width
+    if kind == "fields" and metres is not None and metres < _COLUMN:
+        options = {"stacked": True} | options
     figure = draw(ds if isinstance(ds, xr.Dataset) else open_sweep(ds), **options)
-    return figure if path is None else save_figure(figure, path)
+    fitted(figure, metres, with_title)
+    return figure if path is None else save_figure(figure, path, dpi)

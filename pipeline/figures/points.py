@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 
 from pipeline.analysis.boundary import decisive_rise
+from pipeline.scene.quantities import in_si
 from pipeline.sweep.criterion import Conditions, rise_limit
 from pipeline.sweep.model import Point
 from tribo import InputError
@@ -16,8 +17,8 @@ from tribo import InputError
 
 def chosen_points(
     ds: xr.Dataset,
-    load: float | Iterable[float] | None,
-    velocity: float | Iterable[float] | None,
+    load: float | str | Iterable[float | str] | None,
+    velocity: float | str | Iterable[float | str] | None,
     conditions: Conditions,
 ) -> list[tuple[int, int]]:
     """Find the indices of the points asked for, or of the one nearest to the transition."""
@@ -25,8 +26,10 @@ def chosen_points(
     known = np.isfinite(r)
     if not known.any():
         raise InputError("no point of the sweep is done yet")
-    loads = [_index(ds, "load", "N", value) for value in _several(load)]
-    velocities = [_index(ds, "velocity", "m/s", value) for value in _several(velocity)]
+    loads = [_index(ds, "load", "N", value) for value in _several("load", load, "600 N")]
+    velocities = [
+        _index(ds, "velocity", "m/s", value) for value in _several("velocity", velocity, "1.5 m/s")
+    ]
     points = []
     for i in loads or [int(np.flatnonzero(known.any(axis=1))[-1])]:
         if not known[i].any():
@@ -42,10 +45,21 @@ def chosen_points(
     return points
 
 
-def _several(values: float | Iterable[float] | None) -> list[float]:
+def index_of_load(ds: xr.Dataset, load: float | str | None) -> int:
+    """Find the index of a load; of the highest if none is given."""
+    if load is None:
+        return int(ds.sizes["load"]) - 1
+    return _index(ds, "load", "N", in_si("load", load, "600 N"))
+
+
+def _several(
+    name: str, values: float | str | Iterable[float | str] | None, like: str
+) -> list[float]:
+    """Read one quantity or several."""
     if values is None:
         return []
-    return [float(value) for value in np.atleast_1d(np.asarray(values))]
+    several = np.atleast_1d(np.asarray(values, dtype=object)).tolist()
+    return [in_si(name, value, like) for value in several]
 
 
 def _index(ds: xr.Dataset, axis: str, unit: str, value: float) -> int:

@@ -12,19 +12,20 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from pipeline.analysis.boundary import conditions_of, rise_exceeded
-from pipeline.analysis.dataset import on_surface, ordered
+from pipeline.analysis.boundary import Bulk, conditions_of, rise_exceeded
+from pipeline.analysis.dataset import at_bulks, on_surface, ordered
 from pipeline.figures.points import chosen_points, name_of
 from pipeline.figures.style import (
     BLACK,
     GREY,
+    Picture,
     celsius,
     exceeding,
     heating,
     in_house_style,
     title_of,
 )
-from pipeline.store.variables import DONE
+from pipeline.store import DONE
 from pipeline.sweep.criterion import Conditions, contact_temperature
 from tribo.types import Array
 
@@ -32,12 +33,12 @@ from tribo.types import Array
 @in_house_style
 def ramp(
     ds: xr.Dataset,
-    load: float | Iterable[float] | None = None,
-    velocity: float | Iterable[float] | None = None,
+    load: float | str | Iterable[float | str] | None = None,
+    velocity: float | str | Iterable[float | str] | None = None,
     friction: float | None = None,
-    bulk_temperature: float | str | None = None,
+    bulk_temperature: Bulk | None = None,
     critical_temperature: float | str | None = None,
-    share: float | None = None,
+    share: float | str | None = None,
     realization: int | None = None,
 ) -> Figure:
     """Draw what happens while the load grows.
@@ -50,32 +51,36 @@ def ramp(
     ----------
     ds : Dataset
         Dataset of `pipeline.open_sweep`.
-    load : float or several, optional
-        Loads up to which to draw [N]; the highest if not given.
-    velocity : float or several, optional
-        Velocities of the ramps [m/s]; the one nearest to the transition at the load if not given.
+    load : float, str or several, optional
+        Loads up to which to draw [N], or text with a unit; the highest if not given.
+    velocity : float, str or several, optional
+        Velocities of the ramps [m/s], or text with a unit; the one nearest to the transition at
+        the load if not given.
     friction, bulk_temperature, critical_temperature, share
         See `pipeline.boundary`.
     realization : int, optional
         Seed of the surface to draw; the first if not given.
     """
     conditions = conditions_of(ds, friction, bulk_temperature, critical_temperature, share)
-    ds = on_surface(ordered(ds), realization).transpose("load", "velocity", "step", ...)
+    ds = on_surface(ordered(at_bulks(ds, conditions)), realization).transpose(
+        "load", "velocity", "step", ...
+    )
     points = chosen_points(ds, load, velocity, conditions)
 
     depth, volume = 1e6 * ds["wear_depth_max"].values, 1e9 * ds["wear_volume"].values
     is_worn = any(np.nanmax(volume[point]) > 0 for point in points)
-    figure = Figure(figsize=(7.2, 7.8 if is_worn else 5.8))
+    figure = Picture(figsize=(7.2, 7.8 if is_worn else 5.8))
     ratios = (1.4, 1, 1) if is_worn else (1.4, 1)
     temperature, contact, *wear = figure.subplots(len(ratios), sharex=True, height_ratios=ratios)
     _temperatures(temperature, ds, points, conditions)
     width, fraction = 1e6 * ds["contact_width"].values, 100 * ds["contact_fraction"].values
-    _pair(contact, ds, points, "contact width [µm]", width, "in contact [% of window]", fraction)
+    in_contact = ("contact width [µm]", width), ("in contact [% of window]", fraction)
+    _pair(contact, ds, points, *in_contact)
     for axes in wear:
         power = _power_of_thousand(max(np.nanmax(volume[point]) for point in points))
         unit = f"$10^{{{round(math.log10(power))}}}$ mm³" if power != 1 else "mm³"
-        worn = f"worn volume [{unit}]", volume / power
-        _pair(axes, ds, points, "greatest wear depth [µm]", depth, *worn)
+        worn = ("greatest wear depth [µm]", depth), (f"worn volume [{unit}]", volume / power)
+        _pair(axes, ds, points, *worn)
     lowest = [contact, *wear][-1]
     lowest.set_xlabel("time [s]")
     lowest.set_xlim(0, 1.01 * max(float(np.nanmax(ds["time"].values[point])) for point in points))
@@ -123,7 +128,7 @@ def _temperatures(
 
 
 def _held_from(ds: xr.Dataset, point: tuple[int, int]) -> float | None:
-    """When a point's load was reached, if it goes on after that [s]."""
+    """Time at which a point's load was reached, if the point goes on after that [s]."""
     time, load = ds["time"].values[point], ds["normal_load"].values[point]
     reached = time[load >= ds["load"].values[point[0]]]
     return float(reached[0]) if len(reached) > 1 else None
@@ -153,19 +158,14 @@ def _pair(
     left: Axes,
     ds: xr.Dataset,
     points: list[tuple[int, int]],
-    left_label: str,
-    left_values: Array,
-    right_label: str,
-    right_values: Array,
+    solid: tuple[str, Array],
+    dashed: tuple[str, Array],
 ) -> None:
-    """Draw two quantities against time, solid on the left axis and dashed on the right one."""
+    """Draw two labelled quantities against time: solid on the left axis, dashed on the right."""
     right = left.twinx()
     right.grid(visible=False)
     key = []
-    for axes, label, values, style in (
-        (left, left_label, left_values, "-"),
-        (right, right_label, right_values, "--"),
-    ):
+    for axes, (label, values), style in ((left, solid, "-"), (right, dashed, "--")):
         for number, point in enumerate(points):
             time, shown, marker = ds["time"].values[point], values[point], ""
             steps = np.isfinite(time)

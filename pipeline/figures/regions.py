@@ -21,17 +21,18 @@ def name_regions(
     axes: Axes, plane: xr.DataArray, limit: float, loads: Array, measured: Sequence[dict[str, Any]]
 ) -> None:
     """Name mild and severe wear where each has most room, between two rows of points."""
-    (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
-    x = (plane["velocity"].values - left) / (right - left)
-    y = (plane["load"].values - bottom) / (top - bottom)
-    rows = (np.convolve(loads, [0.5, 0.5], "valid") - bottom) / (top - bottom)
-    taken = [
-        (
-            (point["velocity"] - left) / (right - left),
-            (point["normal_load"] - bottom) / (top - bottom),
-        )
-        for point in measured
-    ]
+    scale = np.log if axes.get_xscale() == "log" else np.asarray
+    (left, right), (bottom, top) = scale(axes.get_xlim()), scale(axes.get_ylim())
+
+    def across(velocity: Any) -> Any:
+        return (scale(velocity) - left) / (right - left)
+
+    def up(load: Any) -> Any:
+        return (scale(load) - bottom) / (top - bottom)
+
+    x, y = across(plane["velocity"].values), up(plane["load"].values)
+    rows = up(np.convolve(loads, [0.5, 0.5], "valid"))
+    taken = [(across(point["velocity"]), up(point["normal_load"])) for point in measured]
     severe, mild = plane.values > limit, plane.values <= limit
     for inside, name, colour, tint in (
         (mild, "I/II\nmild wear", BLUE, TINTS["mild"]),
@@ -56,7 +57,7 @@ def _roomiest(
         if x[0] <= point[0] <= x[-1] and y[0] <= point[1] <= y[-1]:
             inside[np.abs(y - point[1]).argmin(), np.abs(x - point[0]).argmin()] = False
     width, height = _LABEL_SIZE
-    steps = ((y[1] - y[0]) / height, (x[1] - x[0]) / width)
+    steps = (np.ptp(y) / (len(y) - 1) / height, np.ptp(x) / (len(x) - 1) / width)
     room = distance_transform_edt(np.pad(inside, 1), sampling=steps)[1:-1, 1:-1]
     if room.max() < 0.4:
         return None

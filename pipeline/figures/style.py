@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import io
 import textwrap
 from collections.abc import Callable
 from pathlib import Path
@@ -10,9 +11,10 @@ from typing import Any, ParamSpec, TypeVar
 
 import xarray as xr
 from cycler import cycler
-from matplotlib import rc_context
+from matplotlib import rc_context, rcParams, rcParamsDefault
 from matplotlib.figure import Figure
 
+from pipeline.analysis.tables import writable_path
 from pipeline.sweep.criterion import Conditions
 from tribo import InputError
 
@@ -44,6 +46,7 @@ _HOUSE_STYLE: Any = {
     "lines.markersize": 4.5,
     "pdf.fonttype": 42,
     "savefig.dpi": 150,
+    "svg.fonttype": "none",  # words stay words
     "xtick.color": "#444444",
     "ytick.color": "#444444",
 }
@@ -54,15 +57,34 @@ P = ParamSpec("P")
 R = TypeVar("R")
 
 
+class Picture(Figure):
+    """A figure that shows itself in a notebook, whatever the backend of matplotlib is."""
+
+    def _repr_png_(self) -> bytes:
+        """Show the figure as a picture in a notebook, once: no backend knows of it."""
+        written = io.BytesIO()
+        self.savefig(written, format="png")
+        return written.getvalue()
+
+
 def in_house_style(draw: Callable[P, R]) -> Callable[P, R]:
-    """Draw in the house style, whatever the caller's settings of matplotlib are."""
+    """Draw in the house style, but for what the caller has set of matplotlib otherwise."""
 
     @functools.wraps(draw)
     def styled(*args: P.args, **kwargs: P.kwargs) -> R:
-        with rc_context(_HOUSE_STYLE):
+        with rc_context(_unchosen()):
             return draw(*args, **kwargs)
 
     return styled
+
+
+def _unchosen() -> Any:
+    """The house style as far as the user has not chosen otherwise, by a file or in Python."""
+    return {
+        name: value
+        for name, value in _HOUSE_STYLE.items()
+        if rcParams[name] == rcParamsDefault[name]
+    }
 
 
 def figure_path(out: str | Path) -> Path:
@@ -71,25 +93,41 @@ def figure_path(out: str | Path) -> Path:
     Raises
     ------
     InputError
-        If the suffix is none of .pdf, .png and .svg, which decides the format.
+        If the suffix is none of .pdf, .png and .svg, which decides the format; or if there is no
+        folder to write it to.
+
+    Examples
+    --------
+    >>> figure_path("diagram.svg").suffix
+    '.svg'
+    >>> figure_path("diagram.doc")
+    Traceback (most recent call last):
+        ...
+    tribo.errors.InputError: cannot write diagram.doc: the suffix must be one of .pdf, .png, .svg
     """
-    path = Path(out)
-    if path.suffix.lower() not in _SUFFIXES:
-        raise InputError(f"cannot write {out}: the suffix must be one of {', '.join(_SUFFIXES)}")
-    return path
+    return writable_path(out, _SUFFIXES)
 
 
 @in_house_style
-def save_figure(figure: Figure, out: Path) -> Path:
-    """Write a figure.
+def save_figure(figure: Figure, out: Path, dpi: float | None = None) -> Path:
+    """Write a figure, with so many dots per inch.
 
     Raises
     ------
     InputError
         If the file cannot be written.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from pathlib import Path
+    >>> from matplotlib.figure import Figure
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     save_figure(Figure(), Path(folder, "empty.png")).name
+    'empty.png'
     """
     try:
-        figure.savefig(out)
+        figure.savefig(out, dpi=rcParams["savefig.dpi"] if dpi is None else dpi)
     except OSError as error:
         raise InputError(f"cannot write {out}: {error.strerror or error}") from error
     return out
@@ -142,7 +180,10 @@ def heating(conditions: Conditions) -> str:
     >>> heating(Conditions(0.1, 298.15, 418.15, failing_share=0.1))
     'friction 0.1, bulk 25 °C'
     """
-    return f"friction {conditions.friction:g}, bulk {celsius(conditions.bulk_temperature):g} °C"
+    bulk = f"bulk {celsius(conditions.bulk_temperature):g} °C"
+    if conditions.disk_temperature is not None:
+        bulk += f" (pin) and {celsius(conditions.disk_temperature):g} °C (disk)"
+    return f"friction {conditions.friction:g}, {bulk}"
 
 
 def title_of(ds: xr.Dataset) -> str:

@@ -14,7 +14,7 @@ from matplotlib.text import Text
 from matplotlib.ticker import FuncFormatter, NullFormatter
 from matplotlib.transforms import Bbox
 
-from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION, as_text, in_house_style
+from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION, Picture, as_text, in_house_style
 from pipeline.tradeoff.table import Choice, Trade
 from tribo import PRESETS
 
@@ -41,8 +41,15 @@ def draw_trade(trade: Trade) -> Figure:
     ----------
     trade : Trade
         Result of `pipeline.trade`.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> scene = pipeline.load_scene("workflows/first_try.toml")
+    >>> figure = pipeline.draw_trade(pipeline.trade(scene))  # doctest: +SKIP
+    >>> figure.savefig("trade.png")  # doctest: +SKIP
     """
-    figure = Figure(figsize=(8.0, 5.6))
+    figure = Picture(figsize=(8.0, 5.6))
     axes = figure.add_subplot()
     shown = [
         choice

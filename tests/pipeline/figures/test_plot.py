@@ -12,7 +12,9 @@ from pipeline.figures.diagram import diagram
 from pipeline.figures.fields import fields
 from pipeline.figures.plot import plot
 from pipeline.figures.ramp import ramp
-from pipeline.store.variables import FAILED, PENDING
+from pipeline.store import FAILED, PENDING
+from pipeline.sweep.lubrication import Lubrication
+from pipeline.sweep.rivals import SmoothContact
 from tests.helpers import synthetic
 from tests.helpers.synthetic import LOADS, MEASURED, VELOCITIES
 from tribo import InputError
@@ -71,6 +73,7 @@ def test_diagram_says_its_conditions(sweep, drawn):
         "failed",
         "pending",
         "measured transition",
+        "computed at the friction measured",
     ]
     (legend,) = diagram(sweep, friction=0.2, bulk_temperature=373.15, share=0).legends
     assert legend.get_title().get_text() == (
@@ -107,7 +110,8 @@ def test_every_point_is_marked_as_what_it_is(sweep, drawn):
         velocity, load = found[name].T
         rise = synthetic.rise(load, velocity, 0.9)
         assert (sign * (rise - synthetic.limit()) > 0).all()
-    assert sum(map(len, found.values())) == sweep["status"].size + len(MEASURED)
+    marked = (name for name in found if "own friction" not in name)
+    assert sum(len(found[name]) for name in marked) == sweep["status"].size + len(MEASURED)
 
 
 def test_measured_points_are_shown_where_there_are_any(sweep, drawn):
@@ -336,7 +340,7 @@ def test_wrong_use_is_refused_with_what_is_allowed(sweep, tmp_path):
         plot(sweep, "diagram", load=750.0)
     with pytest.raises(InputError, match=r"suffix must be one of .pdf, .png, .svg"):
         plot(sweep, "diagram", tmp_path / "figure.gif")
-    with pytest.raises(InputError, match=r"cannot write .*No such file or directory"):
+    with pytest.raises(InputError, match=r"cannot write .*there is no folder"):
         plot(sweep, "diagram", tmp_path / "missing" / "figure.png")
     assert list(tmp_path.iterdir()) == []
 
@@ -348,3 +352,54 @@ def test_no_global_state_is_touched(sweep):
     assert dict(matplotlib.rcParams) == before
     code = "import sys, pipeline.figures.plot; sys.exit('matplotlib.pyplot' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+SCENE = {
+    "pin": {"type": "Cylinder", "radius": 2e-3, "length": 3.4e-3, "material": {
+        "type": "Material", "elastic_modulus": 210e9, "poisson_ratio": 0.3, "hardness": "inf",
+        "thermal_conductivity": 45.0, "density": 7800.0, "specific_heat": 470.0}},
+    "disk": {
+        "type": "Material", "elastic_modulus": 210e9, "poisson_ratio": 0.3, "hardness": 6.6e9,
+        "thermal_conductivity": 45.0, "density": 7800.0, "specific_heat": 470.0},
+}  # fmt: skip
+OILED = {
+    "oil": {"temperatures": [313.15, 373.15], "viscosities": [32e-6, 5e-6], "density": 866.0,
+            "pressure_coefficients": [20e-9, 20e-9]},
+    "radius": 2e-3, "length": 3.4e-3, "contact_modulus": 115.385e9, "rms_height": 0.2e-6,
+    "motion": None,
+}  # fmt: skip
+
+
+def test_a_rival_is_drawn_where_its_criterion_reaches_its_limit():
+    ds = synthetic.sweep(scene=SCENE, measured=MEASURED)
+    axes = diagram(ds, rivals=["blok", "power"]).axes[0]
+    contact = SmoothContact.stored(ds.attrs)
+    (line,) = contour(axes, "rival blok")
+    rises = [contact.flash_rise(load, velocity, 0.1) for velocity, load in line[::7]]
+    assert rises == pytest.approx([120.0] * len(rises), rel=1e-3)
+    (line,) = contour(axes, "rival power")
+    power = [0.103 * 750 * 1.25, 0.1 * 600 * 1.5, 0.091 * 400 * 2.25, 0.1 * 200 * 3.75]
+    level = np.prod(power) ** 0.25
+    assert [0.1 * np.prod(at) for at in line] == pytest.approx([level] * len(line), rel=1e-3)
+
+
+def test_rivals_that_cannot_be_drawn_are_told():
+    ds = synthetic.sweep(scene=SCENE, measured=[])
+    with pytest.raises(InputError, match="rival is 'blak'; allowed are blok, power"):
+        diagram(ds, rivals=["blak"])
+    with pytest.raises(InputError, match=r"give it a \[\[measured\]\]"):
+        diagram(ds, rivals=["pv"])
+    figure = diagram(ds, rivals=["blok"], critical_temperature=1000.0)
+    assert "Blok, smooth, 726.85 °C: not here" in labels(figure.legends[0])
+
+
+def test_the_film_parameter_is_drawn_only_with_an_oil(drawn):
+    assert not [line for line in drawn.collections if "Λ" in str(line.get_gid())]
+    ds = synthetic.sweep(lubrication=OILED)
+    axes = diagram(ds).axes[0]
+    (line,) = contour(axes, "Λ = 1, mixed beyond")
+    found = Lubrication.stored(ds.attrs).film_parameter(line[:, 1], line[:, 0], 298.15)
+    assert found == pytest.approx(np.ones(len(line)), rel=1e-3)
+    thick = diagram(synthetic.sweep(lubrication=OILED | {"rms_height": 2e-6}))
+    said = [text for text in labels(thick.legends[0]) if text.startswith("Λ")]
+    assert said[0].endswith(": boundary lubrication")

@@ -1,0 +1,71 @@
+"""Measured transitions, and what is computed at the friction that was measured there."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+import xarray as xr
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+
+from pipeline.analysis.interpolation import crossing
+from pipeline.figures.style import BLACK, GREY
+from pipeline.sweep.criterion import Conditions, rise_limit
+
+_NEAR = 0.02  # relative difference of friction that is not worth a mark of its own
+
+
+def measured_transitions(axes: Axes, measured: Sequence[Mapping[str, Any]]) -> list[Artist]:
+    """Mark the transitions that were measured."""
+    if not measured:
+        return []
+    line = axes.plot(
+        [point["velocity"] for point in measured],
+        [point["normal_load"] for point in measured],
+        ls="none", marker="D", ms=8, mfc=BLACK, mec="white", mew=1.3, zorder=4,
+        label="measured transition", gid="measured",
+    )  # fmt: skip
+    return list(line)
+
+
+def at_own_friction(
+    axes: Axes, plane: xr.DataArray, measured: Sequence[Mapping[str, Any]], conditions: Conditions
+) -> list[Artist]:
+    """Mark where the transition is computed at the friction of each measured one, and join both.
+
+    Parameters
+    ----------
+    axes : Axes
+        Axes of the diagram.
+    plane : DataArray, dims (load, velocity)
+        Decisive rise at friction 1 [K].
+    measured : sequence of mapping
+        Measured transitions: load, velocity, and friction if that was measured too.
+    conditions : Conditions
+        Conditions of the diagram; a transition at about its friction lies beside its line anyway.
+    """
+    found = []
+    for point in measured:
+        friction = point.get("friction")
+        if not friction or abs(friction / (conditions.friction or math.inf) - 1) < _NEAR:
+            continue
+        row = plane.sel(load=point["normal_load"], method="nearest")
+        limit = rise_limit(replace(conditions, friction=friction))
+        velocity = crossing(row["velocity"].values, row.values, limit)
+        if math.isfinite(velocity):
+            found.append((velocity, point))
+    for velocity, point in found:
+        ends = [velocity, point["velocity"]], [point["normal_load"]] * 2
+        axes.plot(*ends, color=GREY, lw=1.0, zorder=3.6, gid="to own friction")
+    if not found:
+        return []
+    line = axes.plot(
+        [velocity for velocity, _ in found],
+        [point["normal_load"] for _, point in found],
+        ls="none", marker="D", ms=5.5, mfc="white", mec=BLACK, mew=1.1, zorder=3.9,
+        label="computed at the friction measured", gid="at own friction",
+    )  # fmt: skip
+    return list(line)

@@ -1,0 +1,119 @@
+"""Lines over the diagram: where the film parts the bodies, and what simpler criteria say."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+
+from pipeline.analysis.attributes import attributes_of
+from pipeline.figures.style import BLACK, GREY, celsius
+from pipeline.sweep.criterion import Conditions
+from pipeline.sweep.lubrication import Lubrication
+from pipeline.sweep.rivals import RIVALS, SmoothContact
+from tribo import InputError, lubrication_regime
+from tribo.lubricant import BOUNDARY, FULL_FILM
+from tribo.types import Array
+
+_RESOLUTION = 60
+_DOTS = (0, (1, 2))
+_STYLES = ((0, (4, 2)), (0, (6, 2, 1, 2)), (0, (2, 1)), (0, (8, 3)))
+
+
+def film_lines(axes: Axes, ds: xr.Dataset, conditions: Conditions) -> list[Artist]:
+    """Draw where mixed lubrication and the full film begin, as far as that lies in the figure."""
+    lubrication = Lubrication.stored(attributes_of(ds))
+    if lubrication is None:
+        return []
+    loads, velocities = _plane(ds)
+    mesh = np.meshgrid(velocities, loads)
+    found = lubrication.film_parameter(mesh[1], mesh[0], conditions.mean_bulk_temperature)
+    legend: list[Artist] = []
+    for level, beyond in ((BOUNDARY, "mixed"), (FULL_FILM, "full film")):
+        label = f"Λ = {level:g}, {beyond} beyond"
+        if np.nanmin(found) < level < np.nanmax(found):
+            axes.contour(
+                velocities, loads, found, [level], colors=BLACK, linewidths=1.0,
+                linestyles=[_DOTS], zorder=2.5,
+            ).set_gid(label)  # fmt: skip
+            legend.append(Line2D([], [], color=BLACK, lw=1.0, ls=_DOTS, label=label))
+    if not legend:
+        regime = lubrication_regime(float(np.nanmean(found)))
+        span = f"{np.nanmin(found):.2f} to {np.nanmax(found):.2f}"
+        legend.append(Line2D([], [], ls="none", label=f"Λ {span}: {regime}"))
+    return legend
+
+
+def rival_lines(
+    axes: Axes, ds: xr.Dataset, conditions: Conditions, names: Sequence[str]
+) -> list[Artist]:
+    """Draw where simpler criteria put the transition.
+
+    The limit of Blok's flash temperature is the critical temperature; that of the others is the
+    geometric mean of their values at the measured transitions.
+
+    Raises
+    ------
+    InputError
+        If a name is unknown, or a limit is to be had from measured transitions and there are none.
+    """
+    if not names:
+        return []
+    loads, velocities = _plane(ds)
+    contact = SmoothContact.stored(attributes_of(ds))
+    legend: list[Artist] = []
+    for name, style in zip(dict.fromkeys(names), _STYLES * len(names), strict=False):
+        if name not in RIVALS:
+            raise InputError(f"rival is {name!r}; allowed are {', '.join(RIVALS)}")
+        rival = RIVALS[name]
+        value = rival.value
+        mu = conditions.friction
+        plane = np.array([[value(contact, F, V, mu) for V in velocities] for F in loads])
+        if name == "blok":
+            limit = conditions.known_critical_temperature() - conditions.mean_bulk_temperature
+            label = f"{rival.label}, {celsius(conditions.known_critical_temperature()):g} °C"
+        else:
+            limit = _calibrated(ds, name, contact, mu)
+            label = f"{rival.label} {rival.scale * limit:.3g} {rival.unit}"
+        if plane.min() < limit < plane.max():
+            axes.contour(
+                velocities, loads, plane, [limit], colors=GREY, linewidths=1.6,
+                linestyles=[style], zorder=2.8,
+            ).set_gid(f"rival {name}")  # fmt: skip
+        else:
+            label = f"{label}: not here"
+        legend.append(Line2D([], [], color=GREY, lw=1.6, ls=style, label=label))
+    return legend
+
+
+def _calibrated(ds: xr.Dataset, name: str, contact: SmoothContact, friction: float) -> float:
+    """Mean of a criterion's values at the measured transitions, in the logarithms."""
+    measured = attributes_of(ds).get("measured") or []
+    if not measured:
+        raise InputError(
+            f"rival is {name!r}, whose limit comes from measured transitions; the scene has none: "
+            "give it a [[measured]] with load and velocity, or take blok"
+        )
+    logarithms = [
+        math.log(
+            RIVALS[name].value(
+                contact, at["normal_load"], at["velocity"], at["friction"] or friction
+            )
+        )
+        for at in measured
+    ]
+    return math.exp(sum(logarithms) / len(logarithms))
+
+
+def _plane(ds: xr.Dataset) -> tuple[Array, Array]:
+    """Loads and velocities over the figure."""
+    loads, velocities = ds["load"].values, ds["velocity"].values
+    return (
+        np.linspace(loads.min(), loads.max(), _RESOLUTION),
+        np.linspace(velocities.min(), velocities.max(), _RESOLUTION),
+    )

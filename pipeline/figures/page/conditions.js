@@ -1,0 +1,175 @@
+// @ts-check
+"use strict";
+/* The conditions: sliders and fields, and what is wrong with what was typed. */
+
+/**
+ * @typedef {{name: keyof Conditions, label: string, low: number, high: number, step: number,
+ *   show: (value: number) => number, read: (shown: number) => number}} Control
+ */
+
+/** Whether the sweep was computed for bulk temperatures that may differ. */
+function hasTwoBulks() {
+  return content.bulk_ratios.length > 0;
+}
+
+/** @type {Control[]} */
+const CONTROLS = [
+  {
+    name: "friction",
+    label: "friction coefficient",
+    low: 0,
+    high: Math.max(0.3, Math.ceil(20 * content.conditions.friction) / 10),
+    step: 0.001,
+    show: (value) => value,
+    read: (value) => value,
+  },
+  ...[
+    {
+      name: /** @type {const} */ ("bulk_temperature"),
+      label: `bulk temperature${hasTwoBulks() ? " of the pin" : ""} [°C]`,
+      high: 200,
+    },
+    ...(hasTwoBulks()
+      ? [
+          {
+            name: /** @type {const} */ ("disk_temperature"),
+            label: "bulk temperature of the disk [°C]",
+            high: 200,
+          },
+        ]
+      : []),
+    {
+      name: /** @type {const} */ ("critical_temperature"),
+      label: "critical temperature [°C]",
+      high: 400,
+    },
+  ].map((each) => ({
+    ...each,
+    low: Math.min(0, 10 * Math.floor(((content.conditions[each.name] ?? 300) - 273.15) / 10)),
+    high: Math.max(each.high, Math.ceil(1.5 * ((content.conditions[each.name] ?? 0) - 273.15))),
+    step: 0.5,
+    show: (/** @type {number} */ value) => value - ZERO_CELSIUS,
+    read: (/** @type {number} */ value) => value + ZERO_CELSIUS,
+  })),
+  {
+    name: "failing_share",
+    label: "failing share of the contact [%]",
+    low: 0,
+    high: Math.max(50, Math.ceil(100 * content.conditions.failing_share)),
+    step: 0.5,
+    show: (value) => 100 * value,
+    read: (value) => value / 100,
+  },
+];
+
+/**
+ * What is wrong with conditions; empty if nothing.
+ * @param {Conditions} conditions @param {keyof Conditions} name of the one that was changed
+ */
+function faultOf(conditions, name) {
+  const { friction, bulk_temperature, critical_temperature, failing_share } = conditions;
+  const { disk_temperature = bulk_temperature } = conditions;
+  const value = conditions[name] ?? null;
+  if (value === null || !Number.isFinite(value)) return "give a number";
+  if (friction < 0) return "friction must be at least 0";
+  if (friction > 0 && !content.friction_heat) {
+    return "the sweep was computed without friction, and so without any heat";
+  }
+  for (const bulk of [bulk_temperature, disk_temperature]) {
+    if (bulk < 220 || bulk > 900) return "from −53.15 to 626.85 °C";
+  }
+  const warmest = Math.max(bulk_temperature, disk_temperature);
+  if (critical_temperature !== null && critical_temperature <= warmest) {
+    return "the critical temperature must lie above the bulk temperature";
+  }
+  if (failing_share < 0 || failing_share >= 1) return "from 0 (the maximum) to below 100 %";
+  return "";
+}
+
+function makeConditions() {
+  const form = element("conditions");
+  form.addEventListener("submit", (event) => event.preventDefault());
+  for (const control of CONTROLS) {
+    const { name, label, low, high, step } = control;
+    const range = { type: "range", id: `${name}-range`, min: `${low}`, max: `${high}` };
+    const slider = html("input", { ...range, step: `${step}`, "aria-label": label });
+    const field = html("input", { type: "number", id: name, step: "any" });
+    field.setAttribute("aria-describedby", `${name}-fault`);
+    form.append(
+      html(
+        "div",
+        { class: "control" },
+        html("label", { for: name }, label),
+        html("div", { class: "pair" }, slider, field),
+        html("p", { class: "fault", id: `${name}-fault`, role: "alert" }),
+      ),
+    );
+    for (const each of [slider, field]) {
+      each.addEventListener("input", () => change(control, /** @type {HTMLInputElement} */ (each)));
+    }
+  }
+  if (content.surfaces && sweep.surfaces > 1) form.append(...surfaceChoice());
+  element("reset").addEventListener("click", () => {
+    chosen.conditions = { ...content.conditions };
+    for (const control of CONTROLS) showControl(control, null);
+    update();
+  });
+  for (const control of CONTROLS) showControl(control, null);
+}
+
+/** @returns {HTMLElement[]} */
+function surfaceChoice() {
+  const all = content.surfaces?.axis === "sample" ? "samples" : "surfaces";
+  const select = html("select", { id: "surface" });
+  select.append(html("option", { value: "" }, `all ${sweep.surfaces} ${all}`));
+  for (let k = 0; k < sweep.surfaces; k++) {
+    select.append(html("option", { value: `${k}` }, surfaceName(k)));
+  }
+  select.addEventListener("change", () => {
+    const { value } = /** @type {HTMLSelectElement} */ (select);
+    chosen.surface = value === "" ? null : Number(value);
+    update();
+  });
+  return [html("label", { for: "surface" }, `${all}: `), select];
+}
+
+/** Take over what was typed or moved. @param {Control} control @param {HTMLInputElement} source */
+function change(control, source) {
+  const value = source.value.trim() === "" ? NaN : control.read(Number(source.value));
+  const conditions = { ...chosen.conditions, [control.name]: value };
+  const fault = faultOf(conditions, control.name);
+  element(`${control.name}-fault`).textContent = fault;
+  input(control.name).setAttribute("aria-invalid", fault ? "true" : "false");
+  if (fault) return;
+  chosen.conditions = conditions;
+  showControl(control, source);
+  update();
+}
+
+/** Show a condition in its slider and its field, but not where it comes from. */
+function showControl(
+  /** @type {Control} */ control,
+  /** @type {HTMLInputElement | null} */ source,
+) {
+  const value = chosen.conditions[control.name] ?? null;
+  const text = value === null ? "" : String(Number(control.show(value).toPrecision(9)));
+  for (const id of [control.name, `${control.name}-range`]) {
+    const each = input(id);
+    if (each !== source) each.value = text;
+  }
+  input(`${control.name}-range`).setAttribute("aria-valuetext", text);
+  if (source) return;
+  element(`${control.name}-fault`).textContent = "";
+  input(control.name).setAttribute("aria-invalid", "false");
+}
+
+function conditionsText() {
+  const { friction, bulk_temperature, critical_temperature, failing_share } = chosen.conditions;
+  const critical = critical_temperature === null ? "not known" : celsius(critical_temperature, 6);
+  const { disk_temperature } = chosen.conditions;
+  const disk = disk_temperature === undefined ? "" : ` (pin) and ${celsius(disk_temperature, 6)} (disk)`;
+  return (
+    `friction ${shown(friction, 6)}, bulk ${celsius(bulk_temperature, 6)}${disk}, ` +
+    `critical ${critical}, failing share ${shown(100 * failing_share, 6)} %`
+  );
+}

@@ -1,0 +1,190 @@
+"""What a page holds of a sweep: all that its boundary rests on, in full; the rest to look at.
+
+Numbers go in as base64 of little-endian arrays, in the order surface, load, velocity.
+"""
+
+from __future__ import annotations
+
+import base64
+import math
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from pipeline.analysis.attributes import attributes_of
+from pipeline.analysis.boundary import decisive_rise
+from pipeline.analysis.dataset import asked_points, at_bulks, end_of_point, ordered
+from pipeline.figures.page.fields import FIELDS, packed_fields
+from pipeline.store import DONE
+from pipeline.sweep.criterion import Conditions, rise_limit
+from tribo import WarningKind
+from tribo.types import Array, Mask
+
+MOST_FIELDS = 500
+"""Number of points whose fields a page holds unless told otherwise, some 5 MB."""
+
+_SHOWN = (
+    "time", "sliding_distance", "contact_fraction", "contact_width", "max_pressure",
+    "mean_pressure", "saturated_fraction", "wear_depth_max", "wear_volume", "pin_heat_share",
+)  # fmt: skip
+
+
+def content(ds: xr.Dataset, most_fields: int = MOST_FIELDS) -> dict[str, Any]:
+    """Collect what a page shows, as plain data.
+
+    Parameters
+    ----------
+    ds : Dataset
+        Dataset of `pipeline.open_sweep`.
+    most_fields : int
+        Number of points whose fields to take, those nearest to the transition.
+    """
+    ds = ordered(ds)
+    axis = next((name for name in ("realization", "sample") if name in ds.dims), None)
+    surfaces = [ds] if axis is None else [ds.isel({axis: at}) for at in range(ds.sizes[axis])]
+    parts = [_on_surface(part) for part in surfaces]
+    done = np.array([part["status"] == DONE for part in parts], dtype=bool)
+    attributes = attributes_of(ds)
+    conditions = Conditions(**attributes["conditions"])
+    chosen = _nearest(surfaces, done, conditions, most_fields) if _has_fields(ds) else []
+    return {
+        "title": attributes.get("title"),
+        "name": attributes.get("name"),
+        "conditions": _conditions(ds, conditions),
+        "friction_heat": attributes.get("scene", {}).get("friction_heat", True),
+        "measured": attributes.get("measured") or [],
+        "chosen": attributes.get("chosen") is not None,
+        "loads": ds["load"].values.tolist(),
+        "velocities": ds["velocity"].values.tolist(),
+        "quantiles": ds["quantile"].values.tolist(),
+        "surfaces": None if axis is None else _surfaces(ds, axis),
+        "done": int(done.sum()),
+        "status": _packed([part["status"] for part in parts], "i1"),
+        "asked": _packed([part["asked"] for part in parts], "u1"),
+        "moments": _packed([part["moments"] for part in parts], "<i4"),
+        "moment_times": _packed([part["times"] for part in parts], "<f4"),
+        "bulk_ratios": ds["bulk_ratio"].values.tolist() if "bulk_ratio" in ds.coords else [],
+        "bulk_rises": _packed([part["bulk_rises"] for part in parts], "<f8"),
+        "rises": _packed([part["rises"] for part in parts], "<f8"),
+        "numbers": {
+            name: _packed([part["numbers"][name] for part in parts], "<f4")
+            for name in parts[0]["numbers"]
+        },
+        "messages": _by_place([part["messages"] for part in parts]),
+        "warnings": _by_place([part["warnings"] for part in parts]),
+        "fields": packed_fields(surfaces, chosen) | {"stored": int(done.sum()) * _has_fields(ds)},
+        "record": {
+            name: attributes[name]
+            for name in ("scene", "scene_hash", "preset", "selection", "versions", "later_versions")
+            if attributes.get(name) is not None
+        },
+    }
+
+
+def _on_surface(ds: xr.Dataset) -> dict[str, Any]:
+    """What is known of each point on one surface."""
+    ds = ds.transpose("load", "velocity", "step", ...)
+    status = ds["status"].values
+    quantiles, times = ds["rise_quantile"].values, ds["time"].values
+    normal_load = ds["normal_load"].values
+    every = quantiles[..., None, :]
+    if "bulk_rise_quantile" in ds:
+        every = np.concatenate([every, ds["bulk_rise_quantile"].values], axis=-2)
+    moments = np.zeros(status.shape, dtype=int)
+    rises, at = [np.empty((0, *every.shape[-2:]))], [np.empty(0)]
+    for place in zip(*np.nonzero(status == DONE), strict=True):
+        rows = every[place].reshape(len(normal_load[place]), -1)
+        counts = _moments(rows, normal_load[place], float(ds["load"][place[0]]))
+        moments[place] = counts.size
+        rises.append(every[place][counts])
+        at.append(times[place][counts])
+    end = end_of_point(ds[[name for name in _SHOWN if name in ds]])
+    flags = ds["warning_flags"].values if "warning_flags" in ds else np.zeros(status.shape, int)
+    kinds = [[kind.label for kind in WarningKind if flag & kind] for flag in flags.ravel().tolist()]
+    return {
+        "status": status,
+        "asked": asked_points(ds).values,
+        "moments": moments,
+        "times": np.concatenate(at),
+        "rises": np.concatenate(rises)[:, 0].ravel(),
+        "bulk_rises": np.concatenate(rises)[:, 1:].ravel(),
+        "numbers": {
+            str(name): end[name].transpose("load", "velocity").values for name in end.data_vars
+        },
+        "messages": [str(message) for message in ds["message"].values.ravel()],
+        "warnings": kinds,
+    }
+
+
+def _moments(quantiles: Array, normal_load: Array, load: float) -> NDArray[np.intp]:
+    """Steps at which a point may be at its worst, for one share of the contact or another.
+
+    Those from when the load is reached on (`pipeline.sweep.criterion.worst_moment`), without such
+    as another is hotter than at every quantile.
+
+    Examples
+    --------
+    >>> hold = np.array([[0.0, 5.0], [1.0, 9.0], [1.0, 8.0], [2.0, 7.0], [np.nan, np.nan]])
+    >>> _moments(hold, np.array([500.0, 600.0, 600.0, 600.0, 600.0]), 600.0).tolist()
+    [1, 3]
+    """
+    known = np.isfinite(quantiles.sum(axis=-1))
+    counts = np.flatnonzero(known & (normal_load >= load))
+    if not counts.size and known[-1]:
+        counts = np.array([len(known) - 1])
+    kept: list[int] = []
+    for step in counts.tolist():
+        row = quantiles[step]
+        if not any((quantiles[other] >= row).all() for other in kept):
+            kept = [other for other in kept if not (row >= quantiles[other]).all()] + [step]
+    return np.array(kept, dtype=np.intp)
+
+
+def _surfaces(ds: xr.Dataset, axis: str) -> dict[str, Any]:
+    """Say what the surfaces or samples are called, and in what they differ."""
+    inputs = {
+        str(name): [value.item() for value in np.atleast_1d(coordinate.values)]
+        for name, coordinate in ds.coords.items()
+        if coordinate.dims == (axis,) and name != axis
+    }
+    return {"axis": axis, "names": ds[axis].values.tolist(), "inputs": inputs}
+
+
+def _conditions(ds: xr.Dataset, own: Conditions) -> dict[str, Any]:
+    """The conditions of the sweep; that of the disk's bulk where it may differ from the pin's."""
+    disk = own.bulk_temperature if own.disk_temperature is None else own.disk_temperature
+    return own.as_dict() | ({"disk_temperature": disk} if "bulk_rise_quantile" in ds else {})
+
+
+def _has_fields(ds: xr.Dataset) -> bool:
+    return set(FIELDS) <= set(ds.data_vars)
+
+
+def _nearest(
+    surfaces: list[xr.Dataset], done: Mask, conditions: Conditions, most: int
+) -> list[tuple[int, int, int]]:
+    """Choose the points whose fields to show: all, or those nearest to the transition."""
+    places = np.argwhere(done)
+    if len(places) > most:
+        at = [at_bulks(part, conditions) for part in surfaces]
+        rises = np.array([decisive_rise(part, conditions.failing_share) for part in at])
+        judged = conditions.critical_temperature is not None and conditions.rise_factor > 0
+        limit = rise_limit(conditions) if judged else math.inf
+        rise = np.nan_to_num(rises[done])
+        distance = np.abs(rise - min(limit, rise.max(initial=0.0)))
+        places = places[np.sort(np.argsort(distance, kind="stable")[:most])]
+    return [(int(surface), int(load), int(velocity)) for surface, load, velocity in places]
+
+
+def _by_place(texts: list[list[Any]]) -> dict[str, Any]:
+    """Give what is there by its place; most have none."""
+    entries = (entry for part in texts for entry in part)
+    return {str(place): entry for place, entry in enumerate(entries) if entry}
+
+
+def _packed(parts: list[Any], dtype: str) -> str:
+    """Arrays one after the other, as the base64 of their bytes."""
+    joined = b"".join(np.ascontiguousarray(part, dtype=dtype).tobytes() for part in parts)
+    return base64.b64encode(joined).decode()

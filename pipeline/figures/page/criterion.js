@@ -1,0 +1,45 @@
+// @ts-check
+"use strict";
+/* When wear is severe, as pipeline.sweep.criterion has it. */
+
+/**
+ * @typedef {{friction: number, bulk_temperature: number, disk_temperature?: number,
+ *   critical_temperature: number | null, failing_share: number}} Conditions temperatures in kelvin;
+ *   that of the disk's bulk only where it may differ from the pin's
+ */
+
+/** Bulk temperature of the disk less that of the pin [K]. @param {Conditions} conditions */
+function bulkDifference({ bulk_temperature, disk_temperature = bulk_temperature }) {
+  return disk_temperature - bulk_temperature;
+}
+
+/**
+ * What the rise at friction 1 is multiplied by: the friction. Without friction unequal bulk
+ * temperatures still warm one of the bodies; then it is so small that their ratio to it is the
+ * largest one that is kept.
+ * @param {Conditions} conditions
+ */
+function riseFactor(conditions) {
+  const largest = Math.max(...content.bulk_ratios, 1);
+  return Math.max(conditions.friction, Math.abs(bulkDifference(conditions)) / largest);
+}
+
+/**
+ * Difference of the bulk temperatures over what the rise is multiplied by [K].
+ * @param {Conditions} conditions
+ */
+function bulkRatio(conditions) {
+  const difference = bulkDifference(conditions);
+  return difference === 0 ? 0 : difference / riseFactor(conditions);
+}
+
+/**
+ * Rise at friction 1 above which wear is severe [K]; infinite without friction.
+ * @param {Conditions} conditions
+ */
+function riseLimit(conditions) {
+  const { bulk_temperature, critical_temperature } = conditions;
+  if (critical_temperature === null) return NaN;
+  const factor = riseFactor(conditions);
+  return factor === 0 ? Infinity : (critical_temperature - bulk_temperature) / factor;
+}

@@ -1,0 +1,136 @@
+// @ts-check
+"use strict";
+/* Measured transitions, and the margin of an operating point. */
+
+/** Velocity computed at the load and the friction of a measurement. @param {Measurement} at */
+function expectedVelocity(at) {
+  const conditions = { ...chosen.conditions, friction: at.friction ?? chosen.conditions.friction };
+  const limit = riseLimit(conditions);
+  const found = surfaces().map((surface) => {
+    const { across } = sweep.decisive(conditions);
+    const row = lineOf(sweep.velocities, across[surface].map((line) => valueAt(line, at.normal_load)));
+    const velocity = crossing(row, limit);
+    return beyond(velocity, outcomeOf(row, velocity, limit));
+  });
+  return quantileOf(found, 0.5);
+}
+
+function showMeasured() {
+  element("measured-section").hidden = !content.measured.length;
+  const rows = content.measured.map((at) => {
+    const expected = expectedVelocity(at);
+    const difference = 100 * (expected / at.velocity - 1);
+    const sign = difference > 0 ? "+" : "";
+    return [
+      shown(at.normal_load, 6),
+      at.friction === null ? `${shown(chosen.conditions.friction)} (set above)` : shown(at.friction),
+      shown(at.velocity),
+      shown(expected),
+      Number.isFinite(difference) ? `${sign}${difference.toFixed(1)} %` : "–",
+    ];
+  });
+  const heads = ["load [N]", "friction", "measured [m/s]", "computed [m/s]", "difference"];
+  const how = "computed at the friction that was measured, and the temperatures and share set above";
+  element("measured").replaceChildren(table(how, heads, rows));
+}
+
+/** Whether the operating point lies within the sweep. */
+function isInside() {
+  const within = (/** @type {number} */ value, /** @type {number[]} */ all) =>
+    value > 0 && value >= all[0] && value <= all[all.length - 1];
+  return within(chosen.load, sweep.loads) && within(chosen.velocity, sweep.velocities);
+}
+
+function makeOperating() {
+  const form = element("operating");
+  form.addEventListener("submit", (event) => event.preventDefault());
+  form.addEventListener("input", () => {
+    const read = (/** @type {string} */ id) => (input(id).value === "" ? NaN : Number(input(id).value));
+    chosen.load = read("at-load");
+    chosen.velocity = read("at-velocity");
+    form.classList.toggle("is-used", isInside());
+    update();
+  });
+}
+
+/** Distance of the operating point to the boundary, as irg margin gives it. */
+function showMargin() {
+  const { load, velocity, conditions } = chosen;
+  const box = element("margin");
+  const say = (/** @type {string} */ text) => box.replaceChildren(html("p", { class: "hint" }, text));
+  if (Number.isNaN(load) || Number.isNaN(velocity)) {
+    return say("Type a load and a velocity for the margin to severe wear.");
+  }
+  if (!isInside()) {
+    const [f, v] = [sweep.loads, sweep.velocities].map((all) => [all[0], all[all.length - 1]]);
+    return say(`Outside the sweep, which has ${f[0]} to ${f[1]} N and ${v[0]} to ${v[1]} m/s.`);
+  }
+  const limit = riseLimit(conditions);
+  const found = surfaces().map((surface) => {
+    const { rise, alongVelocity, alongLoad } = sweep.lines(surface, load, velocity, conditions);
+    return {
+      rise,
+      velocity: wayTo(alongVelocity, limit),
+      load: wayTo(alongLoad, limit),
+    };
+  });
+  const known = found.filter(({ rise }) => Number.isFinite(rise));
+  if (!known.length) return say("Too few points about this place are done to tell.");
+  const rises = known.map(({ rise }) => temperature(rise));
+  /** @type {[string, string][]} */
+  const rows = [["deciding temperature", banded(rises.map((x) => x - ZERO_CELSIUS), "°C")]];
+  const severe = known.filter(({ rise }) => rise > limit).length;
+  const verdict = known.length > 1 ? `severe on ${severe} of ${known.length}` : severe ? "severe" : "mild";
+  if (isJudged()) {
+    const critical = conditions.critical_temperature ?? NaN;
+    rows.unshift(["wear", verdict]);
+    rows.push(["distance to critical", banded(rises.map((x) => critical - x), "K", 3)]);
+    rows.push(["severe at this load", wayText(known.map((each) => each.velocity), velocity, "m/s")]);
+    rows.push(["severe at this velocity", wayText(known.map((each) => each.load), load, "N")]);
+  }
+  box.replaceChildren(pairs(rows));
+}
+
+/** Crossing of a line, or on which side beyond it lies. @param {Line} line @param {number} limit */
+function wayTo(line, limit) {
+  const found = crossing(line, limit);
+  return beyond(found, outcomeOf(line, found, limit));
+}
+
+/**
+ * Median, and what 80 % of the surfaces lie between.
+ * @param {number[]} values also infinite ones @param {string} unit @param {number} [digits]
+ */
+function banded(values, unit, digits = 4) {
+  const [low, middle, high] = BAND.map((share) => {
+    const value = quantileOf(values, share);
+    return Number.isFinite(value) ? shown(value, digits) : "beyond the sweep";
+  });
+  if (low === high) return `${middle} ${unit}`;
+  return `${middle} ${unit} (${low} to ${high})`;
+}
+
+/** Where wear turns severe, and how many times the present value that is. */
+function wayText(
+  /** @type {number[]} */ found,
+  /** @type {number} */ now,
+  /** @type {string} */ unit,
+) {
+  if (found.every((each) => each === Infinity)) return "nowhere in the sweep";
+  if (found.every((each) => each === -Infinity)) return "already from the lowest";
+  if (found.every(Number.isNaN)) return "not known";
+  const middle = quantileOf(found, 0.5);
+  const times = Number.isFinite(middle) ? `, ${shown(middle / now, 3)} times` : "";
+  return `${banded(found, unit)}${times}`;
+}
+
+/** Names and texts as a table without heads. @param {[string, string][]} rows */
+function pairs(rows) {
+  const looks = { mild: "verdict-mild", severe: "verdict-severe" };
+  const body = rows.map(([name, text]) => {
+    const cell = html("td", {}, text);
+    if (text in looks) cell.className = looks[/** @type {keyof typeof looks} */ (text)];
+    return html("tr", {}, html("th", { scope: "row" }, name), cell);
+  });
+  return html("table", {}, html("tbody", {}, ...body));
+}

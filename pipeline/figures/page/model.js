@@ -1,0 +1,297 @@
+// @ts-check
+"use strict";
+/* What pipeline.analysis and pipeline.sweep.criterion compute. Nothing here knows the page. */
+
+/**
+ * @typedef {{normal_load: number, velocity: number, friction: number | null}} Measurement
+ * @typedef {{axis: string, names: number[], inputs: Object<string, (number|string)[]>}} Surfaces
+ * @typedef {[number, number, number, number, number, number, string]} Packed
+ * @typedef {{points: Object<string, Packed>, stored: number, shape?: [number, number],
+ *   block?: [number, number], extent?: [number, (number | null)]}} Fields
+ * @typedef {{title: string, name: string, conditions: Conditions, friction_heat: boolean,
+ *   measured: Measurement[], chosen: boolean, loads: number[], velocities: number[],
+ *   quantiles: number[], bulk_ratios: number[], bulk_rises: string, surfaces: Surfaces | null,
+ *   done: number, status: string, asked: string,
+ *   moments: string, moment_times: string, rises: string, numbers: Object<string, string>,
+ *   messages: Object<string, string>, warnings: Object<string, string[]>, fields: Fields,
+ *   record: Object<string, any>}} Content what pipeline.figures.page.content gives
+ * @typedef {{at: number[], outcome: number[]}} Crossings
+ * @typedef {{velocity: Crossings, load: Crossings, missing: number}} Boundary
+ * @typedef {{rise: number, moment: number}} Worst
+ * @typedef {{rises: number[][][], along: Line[][], across: Line[][], fine: number[],
+ *   columns: Line[][], bands: Edge[]}} Decisive decisive rises, and lines through them by surface
+ * @typedef {{columns: Line[], rows: Line[]}} Edge by fine velocity, and by load
+ */
+
+const BAND = [0.1, 0.5, 0.9];
+const CROSSES = 0;
+const MILD = 1;
+const SEVERE = 2;
+const UNKNOWN = 3;
+const POINT_DONE = 1;
+const POINT_FAILED = 2;
+
+/**
+ * Value that a share of all stays below, linear between them; NaN if not between finite values.
+ * @param {number[]} values also infinite ones; NaN is left out @param {number} share
+ */
+function quantileOf(values, share) {
+  const ranked = values.filter((value) => !Number.isNaN(value)).sort((a, b) => a - b);
+  if (!ranked.length) return NaN;
+  const place = share * (ranked.length - 1);
+  const low = ranked[Math.floor(place)];
+  const high = ranked[Math.ceil(place)];
+  if (!Number.isFinite(low) || !Number.isFinite(high)) return NaN;
+  return low + (place - Math.floor(place)) * (high - low);
+}
+
+/** The sweep of a page. */
+class Sweep {
+  /** @param {Content} content */
+  constructor(content) {
+    const { loads, velocities } = content;
+    this.loads = loads;
+    this.velocities = velocities;
+    this.quantiles = content.quantiles;
+    this.continued = content.chosen;
+    /** Number of surfaces; each has a place for every load and velocity. */
+    this.surfaces = content.surfaces ? content.surfaces.names.length : 1;
+    this.plane = loads.length * velocities.length;
+    this.status = new Int8Array(bytes(content.status));
+    this.asked = new Uint8Array(bytes(content.asked));
+    this.moments = new Int32Array(bytes(content.moments));
+    this.times = new Float32Array(bytes(content.moment_times));
+    this.rises = new Float64Array(bytes(content.rises));
+    /** Ratios of the bulk temperatures' difference to friction, and rises at all but 0 of them. */
+    this.ratios = [...content.bulk_ratios, 0].sort((a, b) => a - b);
+    this.bulkRises = new Float64Array(bytes(content.bulk_rises));
+    /** @type {Object<string, Float32Array>} */
+    this.numbers = {};
+    for (const name in content.numbers) {
+      this.numbers[name] = new Float32Array(bytes(content.numbers[name]));
+    }
+    /** First moment of each place. */
+    this.begins = new Int32Array(this.moments.length);
+    for (let k = 1; k < this.moments.length; k++) {
+      this.begins[k] = this.begins[k - 1] + this.moments[k - 1];
+    }
+    /** What rests on share and bulk ratio alone. @type {Map<string, Decisive>} */
+    this.kept = new Map();
+  }
+
+  /** @param {number} surface @param {number} i of the load @param {number} j of the velocity */
+  place(surface, i, j) {
+    return surface * this.plane + i * this.velocities.length + j;
+  }
+
+  /**
+   * Quantiles of the rise of a point at one of its moments [K], linear between the bulk ratios.
+   * @param {number} moment @param {number} ratio
+   */
+  riseQuantiles(moment, ratio) {
+    if (ratio === 0) return this.riseAtRatio(moment, 0);
+    const { ratios } = this;
+    const high = Math.min(Math.max(above(ratios, ratio), 1), ratios.length - 1);
+    const weight = (ratio - ratios[high - 1]) / (ratios[high] - ratios[high - 1]);
+    const [low, next] = [high - 1, high].map((k) => this.riseAtRatio(moment, ratios[k]));
+    return low.map((rise, k) => (1 - weight) * rise + weight * next[k]);
+  }
+
+  /** Quantiles of the rise at one of the ratios kept. @param {number} moment @param {number} ratio */
+  riseAtRatio(moment, ratio) {
+    const n = this.quantiles.length;
+    if (ratio === 0) return this.rises.subarray(moment * n, (moment + 1) * n);
+    const others = this.ratios.length - 1;
+    const place = this.ratios.indexOf(ratio) - (ratio > 0 ? 1 : 0);
+    const begin = (moment * others + place) * n;
+    return this.bulkRises.subarray(begin, begin + n);
+  }
+
+  /**
+   * Decisive rise of a point [K] and the moment of it; NaN and −1 where it is not known.
+   * @param {number} place @param {Conditions} conditions @returns {Worst}
+   */
+  worst(place, conditions) {
+    const { quantiles } = this;
+    const wanted = 1 - conditions.failing_share;
+    const ratio = bulkRatio(conditions);
+    const last = quantiles.length - 1;
+    let high = quantiles.findIndex((quantile) => quantile >= wanted);
+    high = Math.min(Math.max(high < 0 ? last : high, 1), last);
+    const low = quantiles[high - 1];
+    const weight = (wanted - low) / (quantiles[high] - low);
+    let found = { rise: NaN, moment: -1 };
+    for (let k = 0; k < this.moments[place]; k++) {
+      const moment = this.begins[place] + k;
+      const row = this.riseQuantiles(moment, ratio);
+      const rise = (1 - weight) * row[high - 1] + weight * row[high];
+      if (!(rise <= found.rise)) found = { rise, moment };
+    }
+    return found;
+  }
+
+  /**
+   * Share of the contact area whose rise exceeds a limit.
+   * @param {ArrayLike<number>} row quantiles of the rise @param {number} limit of it [K]
+   */
+  failedShare(row, limit) {
+    const last = row.length - 1;
+    if (limit < row[0]) return 1;
+    if (limit >= row[last]) return 0;
+    const k = above(row, limit) - 1;
+    const weight = (limit - row[k]) / (row[k + 1] - row[k]);
+    return 1 - (this.quantiles[k] + weight * (this.quantiles[k + 1] - this.quantiles[k]));
+  }
+
+  /**
+   * Decisive rises, and the lines through them.
+   * @param {Conditions} conditions @returns {Decisive}
+   */
+  decisive(conditions) {
+    const key = `${conditions.failing_share} ${bulkRatio(conditions)}`;
+    const kept = this.kept.get(key);
+    if (kept) return kept;
+    const { loads, velocities } = this;
+    /** @type {number[][][]} */
+    const rises = [];
+    for (let surface = 0; surface < this.surfaces; surface++) {
+      rises.push(
+        loads.map((_load, i) =>
+          velocities.map((_velocity, j) => this.worst(this.place(surface, i, j), conditions).rise),
+        ),
+      );
+    }
+    const along = rises.map((rows) => rows.map((row) => lineOf(velocities, row)));
+    const across = rises.map((rows) =>
+      velocities.map((_, j) => lineOf(loads, rows.map((row) => row[j]))),
+    );
+    const fine = this.fineVelocities();
+    const planes = along.map((rows) =>
+      fine.map((at) => rows.map((row) => valueAt(row, at, this.continued))),
+    );
+    const columns = planes.map((plane) => plane.map((column) => lineOf(loads, column)));
+    const bands = this.surfaces > 1 ? BAND.map((part) => this.bandEdge(planes, rises, part)) : [];
+    const found = { rises, along, across, fine, columns, bands };
+    if (this.kept.size > 10) this.kept.clear();
+    this.kept.set(key, found);
+    return found;
+  }
+
+  /**
+   * Lines through the rises that a share of the surfaces stays below.
+   * @param {number[][][]} planes by surface, fine velocity and load
+   * @param {number[][][]} rises by surface, load and velocity @param {number} share @returns {Edge}
+   */
+  bandEdge(planes, rises, share) {
+    const known = planes.map((plane) => plane.some((column) => column.some(Number.isFinite)));
+    const over = (/** @type {number[][][]} */ each, /** @type {number} */ k, /** @type {number} */ l) => {
+      const values = each.filter((_, surface) => known[surface]).map((plane) => plane[k][l]);
+      return values.every(Number.isFinite) ? quantileOf(values, share) : NaN;
+    };
+    const columns = planes[0].map((column, k) =>
+      lineOf(this.loads, column.map((_, i) => over(planes, k, i))),
+    );
+    const rows = rises[0].map((row, i) =>
+      lineOf(this.velocities, row.map((_, j) => over(rises, i, j))),
+    );
+    return { columns, rows };
+  }
+
+  /** Velocities at which to draw the boundary: those of the sweep, and some between them. */
+  fineVelocities() {
+    const { velocities } = this;
+    const between = Math.max(2, Math.round(240 / velocities.length / Math.sqrt(this.surfaces)));
+    const fine = velocities.slice(0, 1);
+    for (let j = 1; j < velocities.length; j++) {
+      const [low, high] = [velocities[j - 1], velocities[j]];
+      for (let k = 1; k < between; k++) fine.push(low + ((high - low) * k) / between);
+      fine.push(high);
+    }
+    return fine;
+  }
+
+  /**
+   * Critical velocity by load and critical load by velocity, of one surface.
+   * @param {number} surface @param {Conditions} conditions @returns {Boundary}
+   */
+  boundary(surface, conditions) {
+    const limit = riseLimit(conditions);
+    const { along, across, rises } = this.decisive(conditions);
+    let missing = 0;
+    rises[surface].forEach((row, i) =>
+      row.forEach((rise, j) => {
+        if (Number.isNaN(rise) && this.asked[this.place(surface, i, j)]) missing++;
+      }),
+    );
+    return {
+      velocity: crossings(along[surface], limit),
+      load: crossings(across[surface], limit),
+      missing,
+    };
+  }
+
+  /**
+   * Boundaries to draw: critical load at each of the fine velocities and velocity at each load,
+   * infinite or NaN where there is none. Of one surface, or the edges and the median of the band.
+   * @param {number | null} surface @param {Conditions} conditions
+   */
+  drawn(surface, conditions) {
+    const { columns, along, bands } = this.decisive(conditions);
+    const edges = surface === null ? bands : [{ columns: columns[surface], rows: along[surface] }];
+    const limit = riseLimit(conditions);
+    return edges.map((edge) => {
+      const [loads, velocities] = [edge.columns, edge.rows].map((lines) => crossings(lines, limit));
+      return {
+        loads: loads.at.map((load, k) => beyond(load, loads.outcome[k])),
+        velocities: velocities.at,
+      };
+    });
+  }
+
+  /**
+   * Decisive rise at any load and velocity within the sweep [K], interpolated along the velocity
+   * at each load, and beyond its points by their power law, and then along the load; and the lines
+   * through that place.
+   * @param {number} surface @param {number} load @param {number} velocity
+   * @param {Conditions} conditions
+   */
+  lines(surface, load, velocity, conditions) {
+    const { along, across } = this.decisive(conditions);
+    const column = along[surface].map((line) => valueAt(line, velocity, true));
+    const row = across[surface].map((line) => valueAt(line, load));
+    const rise = valueAt(lineOf(this.loads, column), load);
+    return {
+      rise,
+      alongVelocity: withPoint(this.velocities, row, velocity, rise),
+      alongLoad: withPoint(this.loads, column, load, rise),
+    };
+  }
+}
+
+/** @param {Line[]} lines @param {number} limit @returns {Crossings} */
+function crossings(lines, limit) {
+  const at = lines.map((line) => crossing(line, limit));
+  return { at, outcome: at.map((value, k) => outcomeOf(lines[k], value, limit)) };
+}
+
+/** @param {Line} line @param {number} found @param {number} limit */
+function outcomeOf({ y }, found, limit) {
+  if (Number.isFinite(found)) return CROSSES;
+  if (!y.length || Number.isNaN(limit)) return UNKNOWN;
+  return y[0] > limit ? SEVERE : MILD;
+}
+
+/** A crossing, or on which side beyond the sweep it lies. @param {number} at @param {number} outcome */
+function beyond(at, outcome) {
+  if (outcome === MILD) return Infinity;
+  if (outcome === SEVERE) return -Infinity;
+  return at;
+}
+
+/** Bytes of base64. @param {string} text */
+function bytes(text) {
+  const letters = atob(text);
+  const found = new Uint8Array(letters.length);
+  for (let k = 0; k < letters.length; k++) found[k] = letters.charCodeAt(k);
+  return found.buffer;
+}

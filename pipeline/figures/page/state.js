@@ -1,0 +1,56 @@
+// @ts-check
+"use strict";
+/* What the page shows, and what its reader has set: in SI, with units on display only. */
+
+const ZERO_CELSIUS = 273.15;
+const NO_CROSSING = ["crosses", "mild throughout", "severe from the lowest", "not known"];
+
+/** @type {Content} */
+const content = JSON.parse(element("content").textContent ?? "");
+const sweep = new Sweep(content);
+/** What the reader has set. @type {{conditions: Conditions, surface: number | null,
+ *  point: {i: number, j: number} | null, load: number, velocity: number}} */
+const chosen = {
+  conditions: { ...content.conditions },
+  surface: sweep.surfaces > 1 ? null : 0,
+  point: null,
+  load: NaN,
+  velocity: NaN,
+};
+
+/** @param {string} id @returns {HTMLElement} */
+function element(id) {
+  return /** @type {HTMLElement} */ (document.getElementById(id));
+}
+
+/** @param {string} id @returns {HTMLInputElement} */
+function input(id) {
+  return /** @type {HTMLInputElement} */ (element(id));
+}
+
+/** Surfaces that count: the one that was picked, or all. */
+function surfaces() {
+  if (chosen.surface !== null) return [chosen.surface];
+  return Array.from({ length: sweep.surfaces }, (_, k) => k);
+}
+
+/** @param {number} surface */
+function surfaceName(surface) {
+  const word = content.surfaces?.axis === "sample" ? "sample" : "surface";
+  return `${word} ${content.surfaces?.names[surface]}`;
+}
+
+/** @param {number} kelvin @param {number} [digits] */
+function celsius(kelvin, digits = 4) {
+  return `${shown(kelvin - ZERO_CELSIUS, digits)} °C`;
+}
+
+/** @param {number} rise */
+function temperature(rise) {
+  return chosen.conditions.bulk_temperature + riseFactor(chosen.conditions) * rise;
+}
+
+/** Whether it is known what is severe. */
+function isJudged() {
+  return chosen.conditions.critical_temperature !== null;
+}

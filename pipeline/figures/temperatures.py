@@ -1,0 +1,182 @@
+"""Temperatures of the contact at any velocity: at the transition itself, between the points."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
+
+from pipeline.analysis.boundary import Bulk, conditions_of, decisive_rise
+from pipeline.analysis.dataset import at_bulks, end_of_point, on_surface, ordered
+from pipeline.analysis.interpolation import crossing, interpolated
+from pipeline.figures.points import index_of_load
+from pipeline.figures.style import (
+    BLUE,
+    GREY,
+    VERMILION,
+    Picture,
+    celsius,
+    exceeding,
+    heating,
+    in_house_style,
+    title_of,
+)
+from pipeline.scene.quantities import in_si
+from pipeline.sweep.criterion import Conditions, contact_temperature, rise_limit
+from tribo import InputError
+from tribo.types import Array
+
+_BINS = 40
+
+
+@in_house_style
+def temperature(
+    ds: xr.Dataset,
+    load: float | str | None = None,
+    friction: float | None = None,
+    bulk_temperature: Bulk | None = None,
+    critical_temperature: float | str | None = None,
+    share: float | str | None = None,
+    realization: int | None = None,
+) -> Figure:
+    """Draw how the temperatures of the contact grow with the velocity at one load.
+
+    Parameters
+    ----------
+    ds : Dataset
+        Dataset of `pipeline.open_sweep`.
+    load : float or str, optional
+        Load [N], or text with a unit; the highest if not given.
+    friction, bulk_temperature, critical_temperature, share
+        See `pipeline.boundary`.
+    realization : int, optional
+        Seed of the surface to draw; the first if not given.
+    """
+    conditions = conditions_of(ds, friction, bulk_temperature, critical_temperature, share)
+    ds = on_surface(ordered(at_bulks(ds, conditions)), realization)
+    row = ds.isel(load=[index_of_load(ds, load)])
+    velocities = row["velocity"].values
+    figure = Picture(figsize=(7.2, 5.0))
+    axes = figure.add_subplot()
+    shares: list[tuple[float, str, Any]] = [(0.0, "highest", {"ls": "--", "marker": "^"})]
+    if conditions.failing_share:
+        look = {"ls": "-", "marker": "o"}
+        shares.append((conditions.failing_share, exceeding(conditions), look))
+    for of, name, look in shares:
+        rises = decisive_rise(row, of).values[0]
+        known = velocities[np.isfinite(rises)]
+        if not known.size:
+            raise InputError(f"no point at {float(row['load'][0]):g} N is done")
+        between = np.linspace(known[0], known[-1], 200)
+        curve = celsius(contact_temperature(interpolated(velocities, rises, between), conditions))
+        axes.plot(between, curve, color=BLUE, ls=look["ls"])
+        axes.plot(
+            velocities, celsius(contact_temperature(rises, conditions)),
+            color=BLUE, ls="none", marker=look["marker"],
+        )  # fmt: skip
+        axes.plot([], [], color=BLUE, label=name, **look)
+    at = _transition(row, conditions)
+    if conditions.critical_temperature is not None:
+        critical = celsius(conditions.critical_temperature)
+        axes.axhline(critical, color=GREY, ls=":", label=f"critical, {critical:g} °C")
+    if np.isfinite(at):
+        axes.axvline(at, color=VERMILION, lw=1.2, label=f"transition, {at:.3g} m/s")
+    axes.set_xlabel("sliding velocity [m/s]")
+    axes.set_ylabel("contact temperature [°C]")
+    axes.set_title(f"{title_of(ds)}\n{float(row['load'][0]):g} N")
+    figure.legend(loc="outside lower center", ncols=4, title=heating(conditions))
+    return figure
+
+
+@in_house_style
+def histogram(
+    ds: xr.Dataset,
+    load: float | str | None = None,
+    velocity: float | str | None = None,
+    friction: float | None = None,
+    bulk_temperature: Bulk | None = None,
+    critical_temperature: float | str | None = None,
+    share: float | str | None = None,
+    realization: int | None = None,
+) -> Figure:
+    """Draw how the temperature is distributed over the contact at the end of a point.
+
+    Between the velocities of the sweep each quantile is interpolated.
+
+    Parameters
+    ----------
+    ds : Dataset
+        Dataset of `pipeline.open_sweep`.
+    load : float or str, optional
+        Load [N], or text with a unit; the highest if not given.
+    velocity : float or str, optional
+        Velocity [m/s], or text with a unit; that of the transition at the load if not given.
+    friction, bulk_temperature, critical_temperature, share
+        See `pipeline.boundary`.
+    realization : int, optional
+        Seed of the surface to draw; the first if not given.
+
+    Raises
+    ------
+    InputError
+        If the load has no transition and no velocity is given, or the points do not reach that far.
+    """
+    conditions = conditions_of(ds, friction, bulk_temperature, critical_temperature, share)
+    ds = on_surface(ordered(at_bulks(ds, conditions)), realization)
+    row = ds.isel(load=[index_of_load(ds, load)])
+    newtons = float(row["load"][0])
+    at = (
+        _transition(row, conditions) if velocity is None else in_si("velocity", velocity, "1.5 m/s")
+    )
+    if not np.isfinite(at):
+        raise InputError(f"there is no transition at {newtons:g} N; give a velocity")
+    quantiles = _quantiles_at(row, at)
+    if not np.isfinite(quantiles).all():
+        ends = row["velocity"].values[[0, -1]]
+        raise InputError(
+            f"velocity is {at:g} m/s; at {newtons:g} N points are done from {ends[0]:g} to "
+            f"{ends[1]:g} m/s at most"
+        )
+    temperatures = celsius(contact_temperature(quantiles, conditions))
+    edges = np.linspace(temperatures[0], temperatures[-1], _BINS + 1)
+    below = np.interp(edges, temperatures, ds["quantile"].values)
+    figure = Picture(figsize=(7.2, 5.0))
+    axes = figure.add_subplot()
+    centres, shares = (edges[1:] + edges[:-1]) / 2, 100 * np.diff(below)
+    width = edges[1] - edges[0]
+    if conditions.critical_temperature is None:
+        axes.bar(centres, shares, width, color=BLUE)
+    else:
+        critical = celsius(conditions.critical_temperature)
+        hot = centres > critical
+        failed = 100 * (1 - np.interp(critical, temperatures, ds["quantile"].values))
+        axes.bar(centres[~hot], shares[~hot], width, color=BLUE)
+        label = f"{failed:.3g} % above {critical:g} °C"
+        axes.bar(centres[hot], shares[hot], width, color=VERMILION, label=label)
+        axes.axvline(critical, color=GREY, ls=":", label=f"critical, {critical:g} °C")
+    axes.set_xlabel("contact temperature [°C]")
+    axes.set_ylabel(f"share of the contact, by {width:.2g} K [%]")
+    where = "at the transition, " if velocity is None else ""
+    axes.set_title(f"{title_of(ds)}\n{newtons:g} N, {where}{at:.3g} m/s")
+    figure.legend(loc="outside lower center", ncols=3, title=heating(conditions))
+    return figure
+
+
+def _transition(row: xr.Dataset, conditions: Conditions) -> float:
+    """Velocity at which wear turns severe at the load of a row; NaN if it does not [m/s]."""
+    if conditions.critical_temperature is None:
+        return float("nan")
+    rises = decisive_rise(row, conditions.failing_share).values[0]
+    return crossing(row["velocity"].values, rises, rise_limit(conditions))
+
+
+def _quantiles_at(row: xr.Dataset, velocity: float) -> Array:
+    """Rise that each share of the contact stays below, at any velocity between the points [K]."""
+    known = end_of_point(row)["rise_quantile"].isel(load=0).transpose("velocity", "quantile").values
+    columns = (
+        interpolated(row["velocity"].values, column, np.array([velocity])) for column in known.T
+    )
+    found: Array = np.maximum.accumulate(np.concatenate(list(columns)))
+    return found

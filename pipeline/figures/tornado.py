@@ -1,0 +1,97 @@
+"""What moves the boundary, one input at a time, as a tornado."""
+
+from __future__ import annotations
+
+import textwrap
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter
+
+from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION, Picture, as_text, in_house_style
+from pipeline.run.vary import Variation, Variations
+
+
+@in_house_style
+def draw_variations(found: Variations) -> Figure:
+    """Draw how far each input moves the critical velocity: the most important one on top.
+
+    Parameters
+    ----------
+    found : Variations
+        Result of `pipeline.vary`.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> own = pipeline.Variation("", "", critical_velocities=(2.17,))
+    >>> other = pipeline.Variation("friction.coefficient", "0.12", critical_velocities=(1.63,))
+    >>> found = pipeline.Variations("A scene", (400.0,), own, (other,), points=8)
+    >>> figure = pipeline.draw_variations(found)
+    """
+    keys = found.by_key()
+    figure = Picture(figsize=(7.2, 1.7 + 0.62 * len(keys)))
+    axes = figure.add_subplot()
+    ends = {0: BLUE, len(found.loads) - 1: VERMILION}  # the lowest and the highest load
+    height = 0.8 / len(ends)
+    for row, variations in enumerate(keys.values()):
+        for place, (load, colour) in enumerate(ends.items()):
+            at = row + (place - (len(ends) - 1) / 2) * height
+            _bar(axes, found, variations, load, at, 0.86 * height, colour)
+    axes.axvline(0.0, color=BLACK, lw=1.0)
+    axes.set_yticks(range(len(keys)), [as_text(key) for key in keys])
+    axes.set_ylim(len(keys) - 0.5, -0.5)
+    moved = [found.changes(each)[list(ends)] for each in found.others]
+    low, high = min(0.0, np.nanmin(moved)), max(0.0, np.nanmax(moved))
+    room = 0.45 * (high - low)  # for the values beside the bars
+    axes.set_xlim(low - room, high + room)
+    axes.grid(visible=False, axis="y")
+    axes.xaxis.set_major_formatter(
+        FuncFormatter(lambda value, _: f"{100 * value:+.3g} %" if value else "0 %")
+    )
+    axes.set_xlabel("change of the critical velocity")
+    for load, colour in ends.items():
+        own = found.own.critical_velocities[load]
+        axes.plot(
+            [], [], color=colour, lw=6, label=f"at {found.loads[load]:g} N, from {own:.3g} m/s"
+        )
+    figure.legend(loc="outside lower center", ncols=len(ends))
+    axes.set_title(textwrap.fill(as_text(found.title), 60), x=0.3)
+    return figure
+
+
+def _bar(
+    axes: Axes,
+    found: Variations,
+    variations: list[Variation],
+    load: int,
+    at: float,
+    height: float,
+    colour: str,
+) -> None:
+    """One bar from the least to the greatest change at a load, its ends named by the values."""
+    changes = np.array([found.changes(each)[load] for each in variations])
+    known = np.isfinite(changes)
+    if not known.any():
+        axes.text(0.0, at, " no transition", va="center", fontsize=7, color=GREY, style="italic")
+        return
+    low, high = min(0.0, np.nanmin(changes)), max(0.0, np.nanmax(changes))
+    axes.barh(at, high - low, left=low, height=height, color=colour, alpha=0.85)
+    for each, change in zip(variations, changes, strict=True):
+        if change in (low, high):
+            axes.annotate(
+                as_text(each.value), (change, at), (-4 if change < 0 else 4, 0),
+                textcoords="offset points", ha="right" if change < 0 else "left", va="center",
+                fontsize=8, color=GREY,
+            )  # fmt: skip
+    if not known.all():
+        told = "no transition at " + ", ".join(
+            each.value for each, is_known in zip(variations, known, strict=True) if not is_known
+        )
+        is_right = high == 0.0  # where no bar is
+        axes.annotate(
+            as_text(told), (high if is_right else low, at), (4 if is_right else -4, 0),
+            textcoords="offset points", ha="left" if is_right else "right", va="center",
+            fontsize=7, color=GREY, style="italic",
+        )  # fmt: skip

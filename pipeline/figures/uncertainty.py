@@ -1,0 +1,223 @@
+"""Figures of what is not known exactly: probability of severe wear, its causes, and its inputs."""
+
+from __future__ import annotations
+
+import math
+import textwrap
+from collections.abc import Mapping
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from pipeline.analysis.ensemble import Ensemble
+from pipeline.analysis.posterior import Posterior
+from pipeline.analysis.risk import QUANTILES, Draws
+from pipeline.analysis.sobol import Sensitivity
+from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION, as_text, in_house_style
+from tribo.types import Array
+
+_COLOURS = (VERMILION, BLUE, "#009E73", "#CC79A7", "#E69F00", "#56B4E9", GREY)
+_BINS = 40
+
+
+@in_house_style
+def draw_risk(
+    ensemble: Ensemble,
+    plane: xr.DataArray,
+    place: Mapping[str, float] | None = None,
+    posterior: Posterior | None = None,
+) -> Figure:
+    """Draw the probability of severe wear over the plane.
+
+    Parameters
+    ----------
+    ensemble : Ensemble
+        Samples of the sweep.
+    plane : DataArray, dims (load, velocity)
+        Result of `pipeline.probabilities`.
+    place : mapping, optional
+        ``load`` [N] and ``velocity`` [m/s] of an operating point to mark.
+    posterior : Posterior, optional
+        What measurements say, if the probability rests on them.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> ensemble = pipeline.Ensemble.of(pipeline.open_sweep("results/unknown.zarr"))
+    >>> figure = pipeline.draw_risk(ensemble, pipeline.probabilities(ensemble))
+    """
+    figure = Figure(figsize=(7.2, 5.4))
+    axes = figure.add_subplot()
+    x, y, p = plane["velocity"].values, plane["load"].values, plane.values
+    filled = axes.contourf(x, y, p, levels=np.linspace(0, 1, 21), cmap="RdYlBu_r", alpha=0.85)
+    lines = axes.contour(
+        x, y, p, levels=QUANTILES, colors=BLACK, linewidths=(1.0, 1.8, 1.0),
+        linestyles=("dashed", "solid", "dashed"),
+    )  # fmt: skip
+    axes.clabel(lines, fmt=lambda level: f"{100 * level:g} %", fontsize=9)
+    bar = figure.colorbar(filled, ax=axes, ticks=np.linspace(0, 1, 6))
+    bar.set_label("probability of severe wear")
+    if ensemble.measured:
+        axes.plot(
+            [entry["velocity"] for entry in ensemble.measured],
+            [entry["normal_load"] for entry in ensemble.measured],
+            ls="none", marker="D", ms=7, mfc="white", mec=BLACK, mew=1.4, clip_on=False, zorder=5,
+            label="measured transition",
+        )  # fmt: skip
+    if place:
+        axes.plot(
+            place["velocity"], place["load"], marker="*", ms=15, mfc=VERMILION, mec=BLACK,
+            ls="none", label="operating point",
+        )  # fmt: skip
+    axes.set_xlabel("sliding velocity [m/s]")
+    axes.set_ylabel("normal load [N]")
+    _limit(axes, p, x)
+    given = (
+        f"given {len(posterior.measured)} measured transitions"
+        if posterior
+        else "inputs as assumed, before any measurement"
+    )
+    axes.set_title(f"{textwrap.fill(as_text(ensemble.title), 60)}\n{given}")
+    if axes.get_legend_handles_labels()[0]:
+        figure.legend(loc="outside lower center", ncols=2)
+    return figure
+
+
+def _limit(axes: Axes, p: Array, x: Array) -> None:
+    """Show velocities at which anything is uncertain at some load, and a little more."""
+    (at,) = np.nonzero(((p > 0.002) & (p < 0.998)).any(axis=0))
+    if at.size:
+        axes.set_xlim(x[max(at[0] - 2, 0)], x[min(at[-1] + 2, len(x) - 1)])
+
+
+@in_house_style
+def draw_sensitivity(found: Sensitivity, title: str) -> Figure:
+    """Draw the Sobol' indices of the critical velocity by load.
+
+    Parameters
+    ----------
+    found : Sensitivity
+        Result of `pipeline.sensitivity`.
+    title : str
+        Title of the scene.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> ensemble = pipeline.Ensemble.of(pipeline.open_sweep("results/unknown.zarr"))
+    >>> figure = pipeline.draw_sensitivity(pipeline.sensitivity(ensemble), "A scene")
+    """
+    figure = Figure(figsize=(7.6, 1.6 + 0.55 * len(found.unknown) + 0.8))
+    axes = figure.add_subplot()
+    order = np.argsort(found.first.mean(axis=0))
+    number = len(found.loads)
+    height = 0.8 / number
+    for i, load in enumerate(found.loads):
+        at = np.arange(len(order)) + ((number - 1) / 2 - i) * height
+        values = found.first[i, order]
+        low, high = found.first_interval[:, i, order]
+        axes.barh(
+            at, values, 0.9 * height, color=_COLOURS[i % len(_COLOURS)], alpha=0.85,
+            label=f"{load:g} N, ± {100 * found.spread[i]:.2g} %",
+            xerr=np.maximum([values - low, high - values], 0.0),
+            error_kw={"ecolor": BLACK, "elinewidth": 0.8, "capsize": 2},
+        )  # fmt: skip
+        if np.isfinite(found.total).all():
+            axes.plot(found.total[i, order], at, ls="none", marker="|", ms=8, mew=1.4, color=BLACK)
+    axes.set_yticks(range(len(order)), [as_text(found.unknown[k].path) for k in order])
+    axes.grid(visible=False, axis="y")
+    axes.set_xlim(left=0.0)
+    has_total = np.isfinite(found.total).all()
+    bars = "bar: first index, with 90 % interval" + ("; tick: total index" if has_total else "")
+    axes.set_xlabel(f"share of the variance of the critical velocity\n{bars}")
+    figure.suptitle(textwrap.fill(as_text(title), 70))
+    figure.legend(
+        loc="outside lower center", ncols=min(number, 4), title="load, spread of velocity"
+    )
+    return figure
+
+
+@in_house_style
+def draw_posterior(found: Posterior) -> Figure:
+    """Draw the inputs before and after they were measured by, and measured beside computed.
+
+    Parameters
+    ----------
+    found : Posterior
+        Result of `pipeline.posterior`.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> ensemble = pipeline.Ensemble.of(pipeline.open_sweep("results/unknown.zarr"))
+    >>> figure = pipeline.draw_posterior(pipeline.posterior(ensemble))
+    """
+    unknown = found.ensemble.unknown
+    panels = len(unknown) + bool(found.measured)
+    columns = min(3, panels)
+    rows = -(-panels // columns)
+    figure = Figure(figsize=(3.4 * columns, 2.7 * rows + 0.9))
+    axes = np.atleast_1d(figure.subplots(rows, columns)).ravel()
+    for number, (each, panel) in enumerate(zip(unknown, axes, strict=False)):
+        values = each.shown.of(found.prior.inputs[:, number])
+        power = _power(values)
+        column = values / 10.0**power
+        low, high = found.prior.quantile(column, 0.001), found.prior.quantile(column, 0.999)
+        bins = np.linspace(low, high, _BINS)
+        if each.kind == "list":
+            listed = np.sort(each.shown.of(np.array(each.parameters))) / 10.0**power
+            bins = np.append(listed, listed[-1] + 1) - 0.5
+        for draws, colour, label in ((found.prior, GREY, "before"), (found.draws, BLUE, "after")):
+            _histogram(panel, column, draws, bins, colour, label)
+        panel.set_xlabel(as_text(each.path + _unit(each.shown.name, power)), fontsize=9)
+        panel.set_yticks([])
+        panel.grid(visible=False)
+    if found.measured:
+        _parity(axes[len(unknown)], found)
+    for panel in axes[panels:]:
+        panel.set_axis_off()
+    figure.suptitle(textwrap.fill(as_text(found.ensemble.title), 34 * columns))
+    handles, labels = axes[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=2)
+    return figure
+
+
+def _histogram(
+    axes: Axes, column: Array, draws: Draws, bins: Array, colour: str, label: str
+) -> None:
+    axes.hist(
+        column, bins.tolist(), weights=draws.weights, density=True, histtype="stepfilled",
+        color=colour, alpha=0.45, ec=colour, label=label,
+    )  # fmt: skip
+
+
+def _parity(axes: Axes, found: Posterior) -> None:
+    """Measured velocities beside those computed, with what 90 % of the draws give."""
+    measured = np.array([entry["velocity"] for entry in found.measured])
+    low, middle, high = np.array(found.computed).T
+    ends = np.array([0.9 * min(measured.min(), low.min()), 1.1 * max(measured.max(), high.max())])
+    axes.plot(ends, ends, color=GREY, lw=1.0)
+    axes.errorbar(
+        measured, middle, [middle - low, high - middle], found.scatter * measured, ls="none",
+        marker="D", ms=4.5, color=VERMILION, elinewidth=1.0,
+    )  # fmt: skip
+    for entry, at in zip(found.measured, middle, strict=True):
+        axes.annotate(
+            f"{entry['normal_load']:g} N", (entry["velocity"], at), (6, -10),
+            textcoords="offset points", fontsize=8, color=GREY,
+        )  # fmt: skip
+    axes.set_xlabel("measured velocity [m/s]", fontsize=9)
+    axes.set_ylabel("computed [m/s]", fontsize=9)
+
+
+def _power(values: Array) -> int:
+    """Power of ten to write values in, where they are small or large."""
+    power = math.floor(math.log10(max(np.abs(values).max(), 1e-300)))
+    return power if abs(power) > 2 else 0
+
+
+def _unit(unit: str, power: int) -> str:
+    shown = " ".join([*([f"1e{power}"] if power else []), *([unit] if unit != "1" else [])])
+    return f" [{shown}]" if shown else ""

@@ -1,0 +1,104 @@
+"""Sweeps of each kind that a page may be of, from closed forms that no power law fits exactly."""
+
+import numpy as np
+import xarray as xr
+
+from tests.helpers import synthetic
+from tribo import BULK_RATIOS, QUANTILES
+
+_VELOCITIES = np.array([0.5, 0.75, 1.0, 1.4, 1.8, 2.4, 3.0, 4.0])
+_LOADS = np.array([150.0, 200.0, 300.0, 450.0, 600.0, 750.0])
+
+
+def _uneven(seed):
+    """The closed form with a wave that differs from point to point, and from seed to seed."""
+    generator = np.random.default_rng(seed)
+    a, b, c = generator.uniform(0.5, 3.0, 3)
+
+    def rise(load, velocity, quantile=1.0):
+        wave = 0.06 * np.sin(a * velocity + b * np.asarray(load) / 100 + c)
+        tail = 0.1 * (np.asarray(quantile) ** 3 - np.asarray(quantile))
+        return synthetic.rise(load, velocity, quantile) * (1 + wave) * (1 + tail)
+
+    return rise
+
+
+def one(**changes):
+    """One surface, with points that are failed and pending."""
+    status = {(300.0, 1.4): 2, (600.0, 0.5): 0, (750.0, 4.0): 0}
+    options = {"status": status, "rise": _uneven(0)} | changes
+    return synthetic.sweep(_LOADS, _VELOCITIES, **options)
+
+
+def with_zero_velocity():
+    """From rest on, where nothing is heated."""
+    return synthetic.sweep(_LOADS, np.append(0.0, _VELOCITIES), rise=_uneven(1))
+
+
+def over_surfaces(axis="realization"):
+    """Five surfaces, some points of which are not done."""
+    parts = [one(rise=_uneven(seed), scene={"friction_heat": True}) for seed in range(5)]
+    return xr.concat(parts, xr.Variable(axis, np.arange(5)), combine_attrs="override")
+
+
+def held():
+    """The load is held for eight steps more; one part of the contact warms, another cools."""
+    ds = one()
+    last = ds.sizes["step"]
+    ds = ds.reindex(step=np.arange(last + 8))
+    ramp = ds["time"].notnull().sum("step")
+    quantile = xr.DataArray(np.array(QUANTILES), dims="quantile")
+    for k in range(8):
+        here = ds["step"] == ramp + k
+        rise = ds["rise_quantile"].isel(step=(ramp - 1).clip(min=0))
+        later = rise * (1 + 0.05 * np.sin(2 * k) + 0.02 * k * (quantile - 0.6))
+        done = ramp > 0
+        ds["rise_quantile"] = xr.where(here & done, later, ds["rise_quantile"])
+        ds["normal_load"] = xr.where(here & done, ds["load"], ds["normal_load"])
+        ds["time"] = xr.where(here & done, 10.0 + k, ds["time"])
+    return ds.assign_attrs(one().attrs)
+
+
+def along_boundary():
+    """Chosen points only, each load at velocities of its own, on both sides of the boundary."""
+    ds = one(status={})
+    severe = ds["rise_quantile"].isel(quantile=22).max("step") > synthetic.limit()
+    chosen = [
+        [float(load), float(velocity), None]
+        for i, load in enumerate(ds["load"].values)
+        for j, velocity in enumerate(ds["velocity"].values)
+        if (i + j) % 3 == 0
+        or bool(severe[i, j]) != bool(severe[i, max(j - 1, 0)])
+        or bool(severe[i, j]) != bool(severe[i, min(j + 1, len(_VELOCITIES) - 1)])
+    ]
+    status = {
+        (float(load), float(velocity)): 0
+        for load in ds["load"].values
+        for velocity in ds["velocity"].values
+        if [float(load), float(velocity), None] not in chosen
+    }
+    return one(status=status, chosen=chosen)
+
+
+def of_two_bulks():
+    """Bodies of unequal bulk temperatures, the disk the warmer one."""
+    ds = one()
+    ratio = xr.DataArray(np.array(BULK_RATIOS), dims="bulk_ratio")
+    quantile = xr.DataArray(np.array(QUANTILES), dims="quantile")
+    response = xr.where(ratio > 0, 0.3 + 0.4 * quantile, 0.7 - 0.4 * quantile**2)
+    at_ratio = (ds["rise_quantile"] + ratio * response).transpose(..., "bulk_ratio", "quantile")
+    ds = ds.assign_coords(bulk_ratio=ratio).assign(
+        bulk_rise_quantile=at_ratio, mean_bulk_response=0.5 + 0 * ds["mean_rise"]
+    )
+    conditions = synthetic.CONDITIONS | {"disk_temperature": 318.15}
+    return ds.assign_attrs(one().attrs | {"conditions": conditions})
+
+
+KINDS = {
+    "one surface": one,
+    "zero velocity": with_zero_velocity,
+    "several surfaces": over_surfaces,
+    "a hold": held,
+    "boundary only": along_boundary,
+    "two bulk temperatures": of_two_bulks,
+}

@@ -1,0 +1,295 @@
+"""The page in a browser: what it computes beside `irg boundary` and `irg margin`, and its use."""
+
+import csv
+import io
+import json
+import math
+from urllib.parse import unquote
+
+import numpy as np
+import pytest
+from selenium.webdriver.common.by import By
+from selenium.webdriver.common.keys import Keys
+
+import pipeline
+from pipeline.analysis.boundary import decisive_rise
+from pipeline.analysis.interpolation import crossing, interpolated
+from tests.helpers import synthetic
+from tests.helpers.browser import chromium
+from tests.pipeline.figures.page import sweeps
+
+BOUNDARY = """
+const [friction, bulk_temperature, critical_temperature, failing_share, disk] = arguments;
+chosen.conditions = { friction, bulk_temperature, critical_temperature, failing_share };
+if (disk !== undefined) chosen.conditions.disk_temperature = disk;
+update();
+return ["velocities", "loads"].map((id) => element(`${id}-csv`).href);
+"""
+
+
+@pytest.fixture(scope="module")
+def browser():
+    with chromium() as found:
+        yield found
+
+
+@pytest.fixture
+def page(browser, tmp_path):
+    """Open the page of a sweep; nothing is reported or asked for while a test uses it."""
+
+    def opened(ds, **options):
+        path = pipeline.explore(ds, tmp_path / "page.html", **options).path
+        browser.get_log("performance")
+        browser.get(path.as_uri())
+        return browser
+
+    yield opened
+    assert browser.get_log("browser") == []
+    messages = (json.loads(entry["message"]) for entry in browser.get_log("performance"))
+    sent = [
+        message["message"]["params"]["request"]["url"]
+        for message in messages
+        if message["message"]["method"] == "Network.requestWillBeSent"
+    ]
+    assert not [url for url in sent if url.startswith(("http:", "https:", "ws:", "wss:"))]
+
+
+def random_conditions(seed, count=20):
+    """Conditions of all kinds, the first those of the sweep."""
+    draw = np.random.default_rng(seed)
+    yield (0.1, 298.15, 418.15, 0.1)
+    yield (0.0, 298.15, 418.15, 0.1)
+    for _ in range(count - 2):
+        bulk = draw.uniform(250.0, 400.0)
+        yield (
+            round(draw.uniform(0.04, 0.25), 4),
+            bulk,
+            bulk + draw.uniform(20.0, 250.0),
+            draw.choice([0.0, 0.1, draw.uniform(0.0, 0.6)]),
+        )
+
+
+def rows(link):
+    text = unquote(link.removeprefix("data:text/csv;charset=utf-8,"))
+    return list(csv.DictReader(io.StringIO(text)))
+
+
+def column(table, name):
+    return np.array([float(row[name] or "nan") for row in table])
+
+
+def same(found, expected, rtol=1e-9):
+    np.testing.assert_allclose(found, expected, rtol=rtol, atol=0)
+
+
+@pytest.mark.parametrize("kind", sweeps.KINDS)
+def test_the_boundary_is_that_of_the_command(page, kind):
+    ds = sweeps.KINDS[kind]()
+    driver, crossings = page(ds), 0
+    for conditions in random_conditions(seed=len(kind)):
+        friction, bulk, *others = map(float, conditions)
+        disk = [bulk + 12.0 * math.sin(friction * 300)] if "bulk_ratio" in ds.coords else []
+        found = driver.execute_script(BOUNDARY, friction, bulk, *others, *disk)
+        tables = [rows(link) for link in found]
+        bulks = {"pin": bulk, "disk": disk[0]} if disk else bulk
+        expected = pipeline.boundary(ds, friction, bulks, *others)
+        for table, axis, name, unit in zip(
+            tables,
+            ("load", "velocity"),
+            ("critical_velocity", "critical_load"),
+            ("[m/s]", "[N]"),
+            strict=True,
+        ):
+            words = f"{name.replace('_', ' ')} {unit}"
+            if "realization" in ds.dims:
+                for k, part in enumerate(("10 %", "median", "90 %")):
+                    same(column(table, f"{words} {part}"), expected[f"{name}_quantile"][k])
+                same(column(table, "mean"), expected[f"{name}_mean"])
+                same(column(table, "spread"), expected[f"{name}_spread"], rtol=1e-6)
+                same(column(table, "crossing"), expected[f"crossing_at_{axis}"])
+                same(column(table, "known"), expected[f"known_at_{axis}"])
+                crossings += int(expected[f"crossing_at_{axis}"].sum())
+            else:
+                same(column(table, words), expected[name])
+                outcomes = [row["outcome"] for row in table]
+                meanings = ("crosses", "mild throughout", "severe from the lowest", "not known")
+                assert outcomes == [meanings[k] for k in expected[f"outcome_at_{axis}"].values]
+                crossings += int(np.isfinite(expected[name]).sum())
+            same(column(table, "bulk temperature [K]"), conditions[1], rtol=0)
+    assert crossings > 40
+
+
+@pytest.mark.parametrize(
+    "kind", ["one surface", "boundary only", "a hold", "two bulk temperatures"]
+)
+def test_the_margin_is_that_of_the_command(page, kind):
+    ds = sweeps.KINDS[kind]()
+    driver = page(ds)
+    margin = """
+    const [load, velocity] = arguments;
+    const { rise, alongVelocity, alongLoad } = sweep.lines(0, load, velocity, chosen.conditions);
+    return [temperature(rise), crossing(alongVelocity, riseLimit(chosen.conditions)),
+            crossing(alongLoad, riseLimit(chosen.conditions))];
+    """
+    draw = np.random.default_rng(3)
+    for _ in range(10):
+        place = float(draw.uniform(160, 740)), float(draw.uniform(0.6, 3.9))
+        found = driver.execute_script(margin, *place)
+        (expected,) = pipeline.margins(ds, *place)
+        values = expected.decisive_temperature, expected.critical_velocity, expected.critical_load
+        same([math.nan if value is None else value for value in found], values)
+
+
+def test_the_line_that_is_drawn_lies_on_the_plane_of_the_diagram(page):
+    ds = sweeps.one(status={})
+    drawn = """
+    const { conditions } = chosen;
+    return [sweep.decisive(conditions).fine, sweep.drawn(0, conditions)[0].loads];
+    """
+    fine, loads = page(ds).execute_script(drawn)
+    rise = decisive_rise(ds, 0.1)
+    at = np.array(fine)
+    columns = np.array([interpolated(ds["velocity"].values, row, at) for row in rise.values]).T
+    expected = [crossing(ds["load"].values, column, synthetic.limit()) for column in columns]
+    assert np.isfinite(expected).sum() > 50
+    same([load if load and math.isfinite(load) else math.nan for load in loads], expected)
+
+
+def test_a_page_begins_with_the_conditions_of_the_store(page):
+    conditions = {
+        "friction": 0.1012345678,
+        "bulk_temperature": 311.987654,
+        "critical_temperature": 421.123456,
+        "failing_share": 0.0987654,
+    }
+    ds = sweeps.one(conditions=conditions)
+    driver = page(ds)
+    assert driver.execute_script("return chosen.conditions") == conditions
+    link = driver.find_element(By.ID, "velocities-csv").get_attribute("href")
+    same(column(rows(link), "critical velocity [m/s]"), pipeline.boundary(ds)["critical_velocity"])
+
+
+def test_what_is_typed_or_moved_changes_the_boundary(page):
+    driver = page(synthetic.sweep())
+    field = driver.find_element(By.ID, "friction")
+    field.clear()
+    field.send_keys("0.12")
+    expected = synthetic.critical_velocity(750.0, synthetic.limit(friction=0.12))
+    shown = driver.find_elements(By.CSS_SELECTOR, "#velocities tbody tr")[-1].text
+    assert shown == f"750 {expected:.4g} crosses"
+    slider = driver.find_element(By.ID, "friction-range")
+    slider.send_keys(Keys.ARROW_RIGHT)
+    assert field.get_attribute("value") == "0.121"
+    driver.find_element(By.ID, "reset").click()
+    assert field.get_attribute("value") == "0.1"
+
+
+def test_conditions_that_cannot_be_are_told_and_not_taken(page):
+    driver = page(synthetic.sweep())
+    field = driver.find_element(By.ID, "critical_temperature")
+    before = driver.find_element(By.ID, "velocities").text
+    for text in ("20", ""):
+        field.clear()
+        field.send_keys(text)
+        assert field.get_attribute("aria-invalid") == "true"
+        assert driver.find_element(By.ID, "critical_temperature-fault").text
+    driver.find_element(By.ID, "reset").click()
+    assert field.get_attribute("aria-invalid") == "false"
+    assert driver.find_element(By.ID, "velocities").text == before
+
+
+def test_points_are_reached_and_kept_by_keyboard(page):
+    driver = page(synthetic.sweep(fields=True))
+    stops = driver.find_elements(By.CSS_SELECTOR, ".point-target[tabindex='0']")
+    assert len(stops) == 1
+    driver.execute_script("arguments[0].focus()", stops[0])
+    first = driver.switch_to.active_element.get_attribute("aria-label")
+    driver.switch_to.active_element.send_keys(Keys.ARROW_RIGHT, Keys.ARROW_UP)
+    focused = driver.switch_to.active_element
+    label = focused.get_attribute("aria-label")
+    assert label != first
+    assert driver.find_element(By.ID, "tip").text.startswith(label.split(":")[0])
+    focused.send_keys(Keys.ENTER)
+    assert driver.find_element(By.CSS_SELECTOR, "#point h3").text == label.split(":")[0]
+    assert "max" not in driver.find_element(By.ID, "distribution-caption").text
+    assert len(driver.find_elements(By.CSS_SELECTOR, "#distribution path.curve")) == 1
+
+
+def test_a_point_shows_the_fields_that_are_stored(page):
+    driver = page(synthetic.sweep(fields=True))
+    drawn = """
+    const done = arguments[arguments.length - 1];
+    choosePoint(4, 5);
+    setTimeout(() => done([...document.querySelectorAll("#fields canvas")].map((each) => {
+      const { data } = each.getContext("2d").getImageData(0, 0, each.width, each.height);
+      return [each.width, each.height, new Set(data).size];
+    })), 300);
+    """
+    found = driver.execute_async_script(drawn)
+    assert [size[:2] for size in found[::2]] == [[48, 36]] * 3
+    assert all(colours > 20 for *_, colours in found)
+
+
+def test_messages_are_told_as_text(page):
+    message = "<b>contact</b> touches </script> the edge & more"
+    ds = sweeps.one(status={})
+    ds["message"][2, 3] = message
+    driver = page(ds)
+    driver.execute_script("choosePoint(2, 3)")
+    assert message in driver.find_element(By.ID, "point").text
+    assert len(driver.find_elements(By.CSS_SELECTOR, "circle.ring")) == 2  # legend, diagram
+
+
+def test_a_sweep_without_a_critical_temperature_awaits_one(page):
+    conditions = synthetic.CONDITIONS | {"critical_temperature": None}
+    driver = page(synthetic.sweep(conditions=conditions))
+    assert not driver.find_elements(By.CSS_SELECTOR, ".boundary")
+    driver.find_element(By.ID, "critical_temperature").send_keys("145")
+    assert driver.find_elements(By.CSS_SELECTOR, "#diagram .boundary")
+
+
+def test_samples_are_said_to_be_judged_at_the_conditions_that_are_set(page):
+    ds = sweeps.over_surfaces("sample")
+    note = (By.ID, "samples-note")
+    assert not page(ds).find_element(*note).is_displayed()
+    drawn = ds.assign_coords({"friction.coefficient": ("sample", np.linspace(0.09, 0.11, 5))})
+    assert page(drawn).find_element(*note).is_displayed()
+
+
+def test_an_operating_point_gets_its_margin(page):
+    driver = page(synthetic.sweep())
+    driver.find_element(By.ID, "at-load").send_keys("425")
+    driver.find_element(By.ID, "at-velocity").send_keys("1.1")
+    (expected,) = pipeline.margins(synthetic.sweep(), 425.0, 1.1)
+    text = driver.find_element(By.ID, "margin").text
+    assert f"distance to critical {expected.distance:.3g} K" in text
+    assert f"{expected.critical_velocity:.4g} m/s, {expected.velocity_factor:.3g} times" in text
+    driver.find_element(By.ID, "at-load").send_keys("0")
+    assert "Outside the sweep" in driver.find_element(By.ID, "margin").text
+
+
+def test_each_measured_transition_is_judged_at_its_own_friction(page):
+    driver = page(synthetic.sweep())
+    driver.execute_script(BOUNDARY, 0.14, 298.15, 418.15, 0.1)
+    found = [row.text for row in driver.find_elements(By.CSS_SELECTOR, "#measured tbody tr")]
+    for text, at in zip(found, synthetic.MEASURED, strict=True):
+        limit = synthetic.limit(friction=at["friction"] or 0.14)
+        assert f" {synthetic.critical_velocity(at['normal_load'], limit):.4g} " in f" {text} "
+
+
+def test_twelve_loads_thirty_velocities_and_eight_surfaces_are_redrawn_in_time(page):
+    import xarray as xr
+
+    part = synthetic.sweep(np.linspace(200, 750, 12), np.linspace(0.3, 6, 30))
+    ds = xr.concat([part] * 8, xr.Variable("realization", np.arange(8)), combine_attrs="override")
+    redraw = """
+    const times = [];
+    for (let k = 0; k < 15; k++) {
+      const begun = performance.now();
+      chosen.conditions.friction = 0.09 + 0.002 * k;
+      update();
+      times.push(performance.now() - begun);
+    }
+    return Math.min(...times);
+    """
+    assert page(ds).execute_script(redraw) < 50  # [ms], promised to the reader

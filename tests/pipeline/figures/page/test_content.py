@@ -1,0 +1,128 @@
+"""What a page holds, and that it is one file which asks for nothing."""
+
+import base64
+import hashlib
+import json
+import re
+import zlib
+
+import numpy as np
+import pytest
+
+import pipeline
+from pipeline.analysis.boundary import decisive_rise
+from pipeline.cli import main
+from pipeline.figures.page.content import content
+from pipeline.figures.page.fields import packed_point
+from tests.helpers import synthetic
+from tests.pipeline.figures.page import sweeps
+from tribo import InputError
+
+
+def unpacked(text, dtype):
+    return np.frombuffer(base64.b64decode(text), dtype)
+
+
+def test_a_page_is_one_file_that_names_no_address(tmp_path):
+    page = pipeline.explore(synthetic.sweep(), tmp_path / "page.html")
+    text = page.path.read_text()
+    assert re.findall(r"https?://[^\"'\s]*", text) == ["http://www.w3.org/2000/svg"]
+    assert not re.search(r"\b(src|href)=", text)
+    assert not re.search(r"@import|url\(|fetch\(|XMLHttpRequest|import\(", text)
+    assert page.size == page.path.stat().st_size
+
+
+def test_the_policy_of_a_page_allows_its_own_script_and_style_alone(tmp_path):
+    text = pipeline.explore(synthetic.sweep(), tmp_path / "page.html").path.read_text()
+    (policy,) = re.findall(r'Content-Security-Policy" content="([^"]*)"', text)
+    for name in ("script", "style"):
+        (own,) = re.findall(rf"<{name}>(.*?)</{name}>", text, re.DOTALL)
+        digest = base64.b64encode(hashlib.sha256(own.encode()).digest()).decode()
+        assert f"{name}-src 'sha256-{digest}'" in policy
+    assert policy.startswith("default-src 'none'")
+
+
+def test_no_text_of_a_sweep_ends_the_element_that_holds_it(tmp_path):
+    title = '</script><script>alert("1")</script><!-- & é @@data@@ \u2028'
+    ds = synthetic.sweep(title=title)
+    text = pipeline.explore(ds, tmp_path / "page.html").path.read_text()
+    (held,) = re.findall(r'id="content">(.*?)</script>', text, re.DOTALL)
+    assert "<" not in held
+    assert json.loads(held)["title"] == title
+    assert len(re.findall("<script", text)) == 2
+
+
+def test_moments_left_out_decide_for_no_share():
+    held = sweeps.held()
+    found = content(held)
+    moments = unpacked(found["moments"], "<i4")
+    rises = unpacked(found["rises"], "<f8").reshape(-1, held.sizes["quantile"])
+    counts = (held["normal_load"] >= held["load"]) & held["rise_quantile"].notnull().all("quantile")
+    assert 1 < moments.max() < int(counts.sum("step").max())
+    done = moments > 0
+    begins = (np.cumsum(moments) - moments)[done]
+    for share in (0.0, 0.1, 0.37, 0.9):
+        exceeded = np.array([np.interp(1 - share, held["quantile"], row) for row in rises])
+        worst = np.maximum.reduceat(exceeded, begins)
+        expected = decisive_rise(held, share).values.ravel()
+        np.testing.assert_allclose(worst, expected[done], rtol=1e-12)
+        assert np.isnan(expected[~done]).all()
+
+
+@pytest.mark.parametrize("axis", ["realization", "sample"])
+def test_points_are_asked_for_on_their_own_surface_or_sample(axis):
+    place = {"realization": [1, None], "sample": [None, 1]}[axis]
+    ds = sweeps.over_surfaces(axis).assign_attrs(chosen=[[200.0, 1.8, *place]])
+    found = content(ds)
+    asked = unpacked(found["asked"], "u1").reshape(5, ds.sizes["load"], ds.sizes["velocity"])
+    assert np.argwhere(asked).tolist() == [[1, 1, 4]]
+    assert found["surfaces"] == {"axis": axis, "names": [0, 1, 2, 3, 4], "inputs": {}}
+
+
+def test_fields_count_what_is_in_contact_alone():
+    pressure = np.zeros((240, 4))
+    pressure[100, 1] = 8e9
+    rise = np.full((240, 4), 5000.0)
+    rise[100, 1] = 1200.0
+    shape, (highest, low, high, depth, *_, packed) = packed_point(pressure, rise, np.ones((240, 4)))
+    levels = np.frombuffer(zlib.decompress(base64.b64decode(packed)), np.uint8)
+    p, warm, worn = levels.reshape(3, *shape)
+    assert shape == (120, 4)
+    assert (highest, low, high, depth) == (4e9, 1200.0, 1200.0, 1.0)
+    assert np.argwhere(p).tolist() == np.argwhere(warm).tolist() == [[50, 1]]
+    assert (worn == 255).all()
+
+
+def test_fields_of_the_points_nearest_to_the_transition_are_held(tmp_path):
+    ds = synthetic.sweep(fields=True)
+    page = pipeline.explore(ds, tmp_path / "page.html", most_fields=5)
+    assert (page.points_with_fields, page.stored_fields) == (5, page.points)
+    assert "fields of 5 of 180, those nearest to the transition" in str(page)
+    chosen = [divmod(int(at), ds.sizes["velocity"]) for at in content(ds, 5)["fields"]["points"]]
+    rise = decisive_rise(ds, 0.1).values
+    distance = np.abs(rise - synthetic.limit())
+    assert sorted(distance[place] for place in chosen) == sorted(distance.ravel())[:5]
+
+
+@pytest.mark.parametrize(
+    ("out", "options", "words"),
+    [
+        ("page.pdf", {}, "the suffix must be one of .html"),
+        ("no/such/page.html", {}, "cannot write"),
+        ("page.html", {"most_fields": -1}, "most_fields is -1"),
+    ],
+)
+def test_what_cannot_be_written_is_refused(tmp_path, out, options, words):
+    with pytest.raises(InputError, match=words):
+        pipeline.explore(synthetic.sweep(), tmp_path / out, **options)
+
+
+def test_the_command_writes_beside_the_store_and_says_what(alone, tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "a.zarr").symlink_to(alone)
+    assert main(["explore", "a.zarr"]) == 0
+    assert re.match(r"a\.html: 9 points, fields of 9 of 9, \d+ kB", capsys.readouterr().out)
+    assert main(["explore", "a.zarr", "-o", "b.html", "--no-fields", "--json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert (document["path"], document["points_with_fields"]) == ("b.html", 0)
+    assert document["size"] == (tmp_path / "b.html").stat().st_size
