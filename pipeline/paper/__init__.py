@@ -19,13 +19,16 @@ from pipeline.paper.load_record import fig8
 from pipeline.paper.measured import inverse
 from pipeline.paper.report import Finding, Report, Table
 from pipeline.paper.resolution import fig6
+from pipeline.paper.rivals import rivals
 from pipeline.paper.sensitivity import sensitivity
-from pipeline.paper.study import WORKFLOWS, Study
+from pipeline.paper.study import Study
 from pipeline.paper.surface_band import band
 from pipeline.paper.table_4 import table4
 from pipeline.paper.table_6 import table6
 from pipeline.paper.transition_diagram import fig10
-from pipeline.scene.schema import did_you_mean
+from pipeline.scene.entries import did_you_mean
+from pipeline.scene.shipped import WORKFLOWS
+from pipeline.sweep.stages import staged
 from tribo import PRESETS, InputError
 
 __all__ = ["RESULTS", "Finding", "Report", "Study", "Table", "reproduce", "write_gallery"]
@@ -39,7 +42,11 @@ _MAKERS: dict[str, tuple[Callable[[Study], Report], str]] = {
     "band": (band, "the transition over several surfaces, and within the measured friction"),
     "table4": (table4, "contact width, failed share and temperatures at the transitions"),
     "table6": (table6, "temperatures at the transitions of oil A, at 25 and 100 °C"),
-    "sensitivity": (sensitivity, "to correlation length, lay and Hurst exponent of the roughness"),
+    "rivals": (rivals, "simpler criteria at the transitions: Blok, power, PV, and the film"),
+    "sensitivity": (
+        sensitivity,
+        "to correlation length, lay, Hurst exponent and Ra of the roughness",
+    ),
     "inverse": (inverse, "critical temperature, wear rate and rig heating from measurements"),
 }
 
@@ -82,10 +89,15 @@ def reproduce(
     InputError
         If the name, the preset, the number of surfaces or the suffix cannot be, or a scene is
         missing; besides what the simulation raises.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> print(pipeline.reproduce("fig4"))  # doctest: +SKIP
     """
     if name not in _MAKERS:
         raise InputError(
-            f"{name!r} is no figure or table{did_you_mean(name, _MAKERS)}; "
+            f"{name!r} is not a figure or table{did_you_mean(name, _MAKERS)}; "
             f"there are {', '.join(_MAKERS)}"
         )
     if preset is not None and preset not in PRESETS:
@@ -131,16 +143,19 @@ def write_gallery(
         Names of the results to write, all if not given.
     preset, surfaces, workers, scenes, results, progress
         See `reproduce`.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> pipeline.write_gallery("gallery", ["fig4", "table4"])  # doctest: +SKIP
     """
     folder = Path(folder)
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise InputError(f"cannot write to {folder}: {error.strerror or error}") from error
-    tell = progress or (lambda line: None)
     reports = []
-    for name in names:
-        tell(f"{name}: {RESULTS.get(name, '')}")
+    for name in staged(names, progress, lambda name: f"{name}: {RESULTS.get(name, '')}"):
         report = reproduce(
             name,
             folder / f"{name}.png",

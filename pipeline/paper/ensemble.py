@@ -18,12 +18,17 @@ from tribo import InputError
 WearPattern = Literal["swept", "local"]
 PATTERNS: tuple[WearPattern, ...] = get_args(WearPattern)
 Values = list[list[float]]
-"""By transition and surface."""
+"""Values by transition and surface."""
 Variants = dict[str, list[list[End]]]
-"""By kind of wear, transition and surface."""
+"""Ends of points by kind of wear, transition and surface."""
 
 _SURFACES = 8
-_LOOKS = {"swept": (BLUE, "o"), "local": (VERMILION, "s"), "unworn": (GREEN, "^")}
+_LOOKS = {
+    "swept": (BLUE, "o"),
+    "local": (VERMILION, "s"),
+    "unworn": (GREEN, "^"),
+    "swept, bulk 25 °C": (GREEN, "o"),
+}
 
 
 def matching(sweep: Sweep, loads: Sequence[float]) -> list[Measurement]:
@@ -44,10 +49,9 @@ def with_wear(sweep: Sweep, pattern: WearPattern) -> Sweep:
 def over_surfaces(
     study: Study, sweep: Sweep, measured: Sequence[Measurement], what: str
 ) -> list[list[End]]:
-    """The ends of points by transition and surface."""
+    """Simulate the measured transitions on each surface; their ends by transition and surface."""
     found: list[list[End]] = [[] for _ in measured]
-    for seed in study.seeds(_SURFACES):
-        study.tell(f"{what}: surface {seed + 1} of {len(study.seeds(_SURFACES))}")
+    for seed in study.each(study.seeds(_SURFACES), lambda seed: f"{what}, surface {seed}"):
         surface = sweep.on_surface(seed)
         for column, entry in zip(found, measured, strict=True):
             column.append(end_of(surface, entry.normal_load, entry.velocity))
@@ -55,7 +59,7 @@ def over_surfaces(
 
 
 def name_of(entry: Measurement) -> str:
-    """Load and velocity."""
+    """Load and velocity, in words."""
     return f"{entry.normal_load:g} N, {entry.velocity:g} m/s"
 
 
@@ -65,7 +69,7 @@ def means(values: Values) -> list[float]:
 
 
 def range_of(values: Sequence[float], digits: int = 0) -> str:
-    """Lowest and highest."""
+    """Lowest and highest value, in words."""
     return f"{min(values):.{digits}f} to {max(values):.{digits}f}"
 
 

@@ -25,9 +25,9 @@ Verdicts are computed, not written: `agrees` and `differs` follow from the numbe
 paper prints few of its curves as numbers; where it does not, its sentences about them are put to
 the test. Temperatures over several random surfaces are means ± one standard deviation.
 
-One thing stands behind many of the numbers: the lateral structure of the disk's roughness is not
-published. The correlation length of 4 µm is our choice; [sensitivity](#sensitivity) shows what
-hangs on it. And one thing is ours instead of the paper's: wear is *swept*, since the disk moves,
+Many of the numbers rest on one assumption: the lateral structure of the disk's roughness is not
+published, and the correlation length of 4 µm is our choice; [sensitivity](#sensitivity) shows how
+much depends on it. In one thing we depart from the paper: wear is *swept*, since the disk moves,
 where the paper wears the pin by the pressure of one and the same patch; [table4](#table4) has both.
 """
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -23,76 +23,71 @@ _LOOKS = {
 }
 
 
+@dataclass(frozen=True, slots=True)
+class _Computed:
+    """Highest temperatures through the ramp and the hold, by the kind of wear."""
+
+    load: float  # [N]
+    velocity: float  # [m/s]
+    conditions: Conditions
+    full: float  # time at which the load is reached [s]
+    curves: Mapping[str, tuple[Array, Array]]  # times [s] and temperatures [°C]
+
+    @property
+    def times(self) -> tuple[float, float, float]:
+        """Times of the table: half the load, full load, end of the hold [s]."""
+        time, _ = self.curves["no wear"]
+        return self.full / 2, self.full, float(time[-1])
+
+    def at_times(self, name: str) -> list[float]:
+        """Temperatures at the times of the table [°C]."""
+        return [float(np.interp(time, *self.curves[name])) for time in self.times]
+
+    def change_in_hold(self, name: str) -> float:
+        """Change of the temperature while the load is held [K]."""
+        _, at_full, at_end = self.at_times(name)
+        return at_end - at_full
+
+    def pace(self, name: str) -> float:
+        """Pace at which the temperature rises in the second half of the ramp [K/s]."""
+        at_half, at_full, _ = self.at_times(name)
+        return 2 * (at_full - at_half) / self.full
+
+
 def fig5(study: Study) -> Report:
     """Highest temperature against time at 600 N and 1.25 m/s."""
-    sweep = study.scene("fig5")
+    found = _computed(study)
+    return Report(
+        name="fig5",
+        title=f"highest contact temperature at {found.load:g} N, {found.velocity:g} m/s, through "
+        "ramp and hold",
+        table=_table(found),
+        findings=(_on_level(found), _on_hold(found), _on_pace(found)),
+        notes=(
+            f"{heating(found.conditions)}; one surface, its correlation length our choice.",
+            "The paper prints no numbers of the curves; the comparison is with what its text says.",
+        ),
+        data={
+            name: {"time": list(map(float, time)), "max_celsius": list(map(float, value))}
+            for name, (time, value) in found.curves.items()
+        },
+        figure=_draw(found),
+    )
+
+
+def _computed(study: Study) -> _Computed:
+    sweep = study.scene_with_history("fig5")
     wear = sweep.wear
     if wear is None or not isinstance(sweep.loading, Ramp):
         raise TypeError("Fig. 5 is about wear, through a ramp and a hold")
     load, velocity = sweep.loads[-1], sweep.velocities[-1]
-    full = load / sweep.loading.rate
-    if study.preset is not None:  # a preset asks for the temperature at the end only
-        interval = max(1, sweep.fidelity.increments // 10)
-        sweep = replace(sweep, fidelity=replace(sweep.fidelity, temperature_interval=interval))
-    curves = {}
-    for name, variant in (
-        ("no wear", replace(sweep, wear=None)),
-        ("swept wear", replace(sweep, wear=replace(wear, pattern="swept"))),
-        ("local wear", replace(sweep, wear=replace(wear, pattern="local"))),
-    ):
-        study.tell(f"{name}, {load:g} N at {velocity:g} m/s")
-        curves[name] = _highest(variant, load, velocity)
-
-    at = {
-        name: tuple(float(np.interp(t, *curve)) for t in (full / 2, full, curve[0][-1]))
-        for name, curve in curves.items()
+    variants = {
+        "no wear": replace(sweep, wear=None),
+        "swept wear": replace(sweep, wear=replace(wear, pattern="swept")),
+        "local wear": replace(sweep, wear=replace(wear, pattern="local")),
     }
-    end = float(curves["no wear"][0][-1])
-    table = Table(
-        ("highest temperature [°C]", f"{full / 2:g} s", f"{full:g} s", f"{end:g} s", "in the hold"),
-        tuple(
-            (name, *(f"{value:.1f}" for value in values), f"{values[2] - values[1]:+.1f}")
-            for name, values in at.items()
-        ),
-    )
-    cooler = [at["no wear"][1] - at[name][1] for name in ("swept wear", "local wear")]
-    falling = [at[name][2] - at[name][1] for name in ("swept wear", "local wear")]
-    rising = {name: 2 * (values[1] - values[0]) / full for name, values in at.items()}
-    findings = (
-        Finding(
-            "with wear the temperature is lower",
-            f"by {cooler[0]:.0f} K if swept, {cooler[1]:.0f} K if local, at full load",
-            min(cooler) > 0,
-        ),
-        Finding(
-            "with wear it decreases while the load is constant",
-            f"{falling[0]:+.1f} K if swept, {falling[1]:+.1f} K if local; "
-            f"{at['no wear'][2] - at['no wear'][1]:+.1f} K without wear",
-            max(falling) < 0,
-            "Wear goes on widening the contact, which spreads the same heat.",
-        ),
-        Finding(
-            "with wear it rises more gradually",
-            f"in the second half of the ramp by {rising['swept wear']:.0f} K/s if swept, "
-            f"{rising['local wear']:.0f} K/s if local, {rising['no wear']:.0f} K/s without wear",
-            max(rising["swept wear"], rising["local wear"]) < rising["no wear"],
-        ),
-    )
-    return Report(
-        name="fig5",
-        title=f"highest contact temperature at {load:g} N, {velocity:g} m/s, through ramp and hold",
-        table=table,
-        findings=findings,
-        notes=(
-            f"{heating(sweep.conditions)}; one surface, its correlation length our choice.",
-            "The curves of the figure are not printed as numbers; compared is what the text says.",
-        ),
-        data={
-            name: {"time": list(map(float, time)), "max_celsius": list(map(float, value))}
-            for name, (time, value) in curves.items()
-        },
-        figure=_draw(curves, full, sweep.conditions),
-    )
+    curves = {name: _highest(variants[name], load, velocity) for name in study.each(variants)}
+    return _Computed(load, velocity, sweep.conditions, load / sweep.loading.rate, curves)
 
 
 def _highest(scene: Sweep, load: float, velocity: float) -> tuple[Array, Array]:
@@ -106,20 +101,64 @@ def _highest(scene: Sweep, load: float, velocity: float) -> tuple[Array, Array]:
     return time, celsius(temperature)
 
 
+def _table(found: _Computed) -> Table:
+    return Table(
+        ("highest temperature [°C]", *(f"{time:g} s" for time in found.times), "in the hold"),
+        tuple(
+            (
+                name,
+                *(f"{value:.1f}" for value in found.at_times(name)),
+                f"{found.change_in_hold(name):+.1f}",
+            )
+            for name in found.curves
+        ),
+    )
+
+
+def _on_level(found: _Computed) -> Finding:
+    _, unworn, _ = found.at_times("no wear")
+    swept, local = (unworn - found.at_times(f"{name} wear")[1] for name in ("swept", "local"))
+    return Finding(
+        "with wear the temperature is lower",
+        f"by {swept:.0f} K if swept, {local:.0f} K if local, at full load",
+        min(swept, local) > 0,
+    )
+
+
+def _on_hold(found: _Computed) -> Finding:
+    unworn, swept, local = map(found.change_in_hold, ("no wear", "swept wear", "local wear"))
+    return Finding(
+        "with wear it decreases while the load is constant",
+        f"{swept:+.1f} K if swept, {local:+.1f} K if local; {unworn:+.1f} K without wear",
+        max(swept, local) < 0,
+        "Wear goes on widening the contact, which spreads the same heat.",
+    )
+
+
+def _on_pace(found: _Computed) -> Finding:
+    unworn, swept, local = map(found.pace, ("no wear", "swept wear", "local wear"))
+    return Finding(
+        "with wear it rises more gradually",
+        f"in the second half of the ramp by {swept:.0f} K/s if swept, "
+        f"{local:.0f} K/s if local, {unworn:.0f} K/s without wear",
+        max(swept, local) < unworn,
+    )
+
+
 @in_house_style
-def _draw(curves: Mapping[str, tuple[Array, Array]], full: float, conditions: Conditions) -> Figure:
+def _draw(found: _Computed) -> Figure:
     figure = Figure(figsize=(7.4, 4.6))
     axes = figure.subplots()
-    for name, (time, temperature) in curves.items():
+    for name, (time, temperature) in found.curves.items():
         colour, style = _LOOKS[name]
         axes.plot(time, temperature, color=colour, ls=style, label=name)
-    axes.axvline(full, color=GREY, lw=0.9)
+    axes.axvline(found.full, color=GREY, lw=0.9)
     bottom, top = axes.get_ylim()
     axes.set_ylim(bottom, top + 0.06 * (top - bottom))
     for side, text in (("right", "ramp "), ("left", " load held")):
-        axes.text(full, bottom + 2, text, ha=side, va="bottom", color=GREY)
+        axes.text(found.full, bottom + 2, text, ha=side, va="bottom", color=GREY)
     axes.set_xlim(0, None)
     axes.set_xlabel("time [s]")
     axes.set_ylabel("highest contact temperature [°C]")
-    axes.legend(loc="lower right", title=heating(conditions))
+    axes.legend(loc="lower right", title=heating(found.conditions))
     return figure

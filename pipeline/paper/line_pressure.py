@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 from matplotlib import colormaps
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION, in_house_style
@@ -18,18 +19,85 @@ from tribo import Cylinder, Grid, contact_modulus, simulate
 from tribo.analytic import hertz_line_half_width, hertz_line_peak_pressure, hertz_pressure
 from tribo.types import Array
 
+_UM = 1e6  # in a metre
+
+
+@dataclass(frozen=True, slots=True)
+class _Computed:
+    """Pressures [Pa] by element along x and y, and what Hertz gives for an endless cylinder."""
+
+    load: float  # on the cylinder [N]
+    length: float  # of the cylinder [m]
+    peak: float  # by Hertz [Pa]
+    half_width: float  # by Hertz [m]
+    x: Array  # of the elements' centres [m]
+    y: Array  # of the elements' centres [m]
+    free: Array  # with free ends
+    nearest: Array  # with the nearest images
+    exact: Array  # with all images
+
+    @property
+    def load_per_length(self) -> float:
+        """Load per length of the cylinder [N/m]."""
+        return self.load / self.length
+
+    @property
+    def centre(self) -> tuple[int, int]:
+        """Indices of the element in the middle."""
+        return len(self.x) // 2, len(self.y) // 2
+
+    @property
+    def free_end(self) -> float:
+        """Highest pressure at a free end [Pa]."""
+        return float(self.free[:, 0].max())
+
+    @property
+    def free_centre(self) -> float:
+        """Pressure in the middle of the patch with free ends [Pa]."""
+        return float(self.free[self.centre])
+
+    def excess(self, pressure: Array) -> float:
+        """Highest pressure above that of Hertz, relative."""
+        return float(pressure.max() / self.peak - 1)
+
 
 def fig4(study: Study) -> Report:
     """Pressure of a cylinder on a patch with free ends, with its nearest images, with all."""
-    sweep = study.scene("fig4")
+    found = _computed(study.scene("fig4"))
+    return Report(
+        name="fig4",
+        title="pressure under a cylinder of radius 8 mm, on a patch of 0.456 mm",
+        table=_table(found),
+        findings=(_on_hertz(found), _on_ends(found), _on_compensation(found)),
+        notes=(
+            f"The load is not printed for this figure. Taken is the highest of the tests on the "
+            f"length of their pin, {found.load:g} N on {1e3 * found.length:g} mm; with it the "
+            "printed numbers are those of Hertz, rounded.",
+        ),
+        data={
+            "hertz_peak_pressure": found.peak,
+            "hertz_half_width": found.half_width,
+            "peak_pressure": {
+                "free": float(found.free.max()),
+                "nearest_image": float(found.nearest.max()),
+                "periodic": float(found.exact.max()),
+            },
+            "centre_pressure_free": found.free_centre,
+            "overestimate": {
+                "nearest_image": found.excess(found.nearest),
+                "periodic": found.excess(found.exact),
+            },
+        },
+        figure=_draw(found),
+    )
+
+
+def _computed(sweep: Sweep) -> _Computed:
     if not isinstance(sweep.pin, Cylinder):
         raise TypeError("Fig. 4 is about a cylinder")
     load = sweep.loads[-1]
     per_length = load / sweep.pin.length
     modulus = contact_modulus(sweep.pin.material, sweep.disk)
-    peak = hertz_line_peak_pressure(per_length, sweep.pin.radius, modulus)
-    half_width = hertz_line_half_width(per_length, sweep.pin.radius, modulus)
-
     grid = sweep.grid
     rows = sweep.pixels.shape[1] // sweep.fidelity.pixels_per_element
     x = grid.coordinates(0)
@@ -38,68 +106,16 @@ def fig4(study: Study) -> Report:
         np.broadcast_to(_pressure(_variant(sweep, *variant), load), (len(x), rows))
         for variant in ((False, "periodic"), (True, "nearest-image"), (True, "periodic"))
     )
-    middle, centre = rows // 2, len(x) // 2
-    end, inside = float(free[:, 0].max()), float(free[centre, middle])
-    over, short = float(nearest.max() / peak - 1), float(exact.max() / peak - 1)
-
-    def of(field: Array) -> tuple[str, str, str]:
-        return (
-            f"{field[centre, middle] / 1e9:.4f}",
-            f"{field.max() / 1e9:.4f}",
-            f"{100 * (field[centre, middle] / peak - 1):+.3f} %",
-        )
-
-    table = Table(
-        ("", "p at the centre [GPa]", "highest p [GPa]", "centre against Hertz"),
-        (
-            ("printed (Hertz)", f"{CYLINDER_PEAK_PRESSURE / 1e9:.2f}", "", ""),
-            ("Hertz", f"{peak / 1e9:.4f}", f"{peak / 1e9:.4f}", ""),
-            ("a: free ends", *of(free)),
-            ("b: nearest images", *of(nearest)),
-            ("all images", *of(exact)),
-        ),
-    )
-    findings = (
-        Finding(
-            f"p0 of {CYLINDER_PEAK_PRESSURE / 1e9:.2f} GPa and half-width of "
-            f"{CYLINDER_HALF_WIDTH * 1e3:.2f} mm",
-            f"{peak / 1e9:.4f} GPa and {half_width * 1e3:.4f} mm by Hertz at "
-            f"{per_length / 1e3:.1f} N/mm",
-            abs(peak - CYLINDER_PEAK_PRESSURE) < 0.005e9
-            and abs(half_width - CYLINDER_HALF_WIDTH) < 0.005e-3,
-        ),
-        Finding(
-            "punch peaks at both ends without compensation",
-            f"{end / 1e9:.2f} GPa there, {end / inside:.1f} times that in the middle",
-            end > 1.5 * inside,
-            "The peak is singular: its height is that of the element, and grows on finer ones.",
-        ),
-        Finding(
-            "with compensation in good agreement with Hertz",
-            f"p0 is {100 * over:+.2f} %",
-            abs(over) < 0.02,
-            "The images farther away, which it leaves out, press the middle of the contact down "
-            f"more than its edges; with all of them p0 is {100 * short:+.3f} %.",
-        ),
-    )
-    return Report(
-        name="fig4",
-        title="pressure under a cylinder of radius 8 mm, on a patch of 0.456 mm",
-        table=table,
-        findings=findings,
-        notes=("The load is not printed; 222.2 N/mm gives the printed 1.01 GPa.",),
-        data={
-            "hertz_peak_pressure": peak,
-            "hertz_half_width": half_width,
-            "peak_pressure": {
-                "free": float(free.max()),
-                "nearest_image": float(nearest.max()),
-                "periodic": float(exact.max()),
-            },
-            "centre_pressure_free": inside,
-            "overestimate": {"nearest_image": over, "periodic": short},
-        },
-        figure=_draw(x, y, free, nearest, exact, peak, half_width),
+    return _Computed(
+        load=load,
+        length=sweep.pin.length,
+        peak=hertz_line_peak_pressure(per_length, sweep.pin.radius, modulus),
+        half_width=hertz_line_half_width(per_length, sweep.pin.radius, modulus),
+        x=x,
+        y=y,
+        free=free,
+        nearest=nearest,
+        exact=exact,
     )
 
 
@@ -116,38 +132,102 @@ def _pressure(scene: Sweep, load: float) -> Array:
     return state.pressure
 
 
+def _table(found: _Computed) -> Table:
+    def of(pressure: Array) -> tuple[str, str, str]:
+        centre = pressure[found.centre]
+        return (
+            f"{centre / 1e9:.4f}",
+            f"{pressure.max() / 1e9:.4f}",
+            f"{100 * (centre / found.peak - 1):+.3f} %",
+        )
+
+    hertz = f"{found.peak / 1e9:.4f}"
+    return Table(
+        ("", "p at the centre [GPa]", "highest p [GPa]", "centre against Hertz"),
+        (
+            ("printed (Hertz)", f"{CYLINDER_PEAK_PRESSURE / 1e9:.2f}", "", ""),
+            ("Hertz", hertz, hertz, ""),
+            ("a: free ends", *of(found.free)),
+            ("b: nearest images", *of(found.nearest)),
+            ("all images", *of(found.exact)),
+        ),
+    )
+
+
+def _on_hertz(found: _Computed) -> Finding:
+    return Finding(
+        f"p0 of {CYLINDER_PEAK_PRESSURE / 1e9:.2f} GPa and half-width of "
+        f"{CYLINDER_HALF_WIDTH * 1e3:.2f} mm",
+        f"{found.peak / 1e9:.3f} GPa and {found.half_width * 1e3:.4f} mm by Hertz at "
+        f"{found.load_per_length / 1e3:.1f} N/mm",
+        abs(found.peak - CYLINDER_PEAK_PRESSURE) < 0.005e9
+        and abs(found.half_width - CYLINDER_HALF_WIDTH) < 0.005e-3,
+    )
+
+
+def _on_ends(found: _Computed) -> Finding:
+    end, inside = found.free_end, found.free_centre
+    return Finding(
+        "punch peaks at both ends without compensation",
+        f"{end / 1e9:.2f} GPa there, {end / inside:.1f} times that in the middle",
+        end > 1.5 * inside,
+        "The peak is singular: its height is that of the element, and grows on finer ones.",
+    )
+
+
+def _on_compensation(found: _Computed) -> Finding:
+    nearest, exact = found.excess(found.nearest), found.excess(found.exact)
+    return Finding(
+        "with compensation in good agreement with Hertz",
+        f"p0 is {100 * nearest:+.2f} %",
+        abs(nearest) < 0.02,
+        "The images farther away, which it leaves out, press the middle of the contact down "
+        f"more than its edges; with all of them p0 is {100 * exact:+.3f} %.",
+    )
+
+
 @in_house_style
-def _draw(
-    x: Array, y: Array, free: Array, nearest: Array, exact: Array, peak: float, half_width: float
-) -> Figure:
+def _draw(found: _Computed) -> Figure:
     figure = Figure(figsize=(8.4, 6.6))
-    (left, right), (across, along) = figure.subplots(2, 2, height_ratios=(1.15, 1))
-    um = 1e6
+    fields, (across, along) = figure.subplots(2, 2, height_ratios=(1.15, 1))
+    _draw_fields(figure, list(fields), found)
+    _draw_sections(across, along, found)
+    return figure
+
+
+def _draw_fields(figure: Figure, row: list[Axes], found: _Computed) -> None:
+    """Draw the pressure on the patch, on one scale."""
     colours = colormaps["viridis_r"].resampled(32)
-    for axes, field, title in (
-        (left, free, "a  free ends"),
-        (right, nearest, "b  compensated by the nearest images"),
+    for axes, field, title in zip(
+        row,
+        (found.free, found.nearest),
+        ("a  free ends", "b  compensated by the nearest images"),
+        strict=True,
     ):
         image = axes.pcolormesh(
-            um * x, um * y, field.T / 1e9, cmap=colours, vmin=0, vmax=1.6, rasterized=True
-        )
+            _UM * found.x, _UM * found.y, field.T / 1e9,
+            cmap=colours, vmin=0, vmax=1.6, rasterized=True,
+        )  # fmt: skip
         axes.set_title(title, loc="left")
         axes.set_xlabel("x, along sliding [µm]")
         axes.set_ylabel("y [µm]")
         axes.grid(visible=False)
-    figure.colorbar(image, ax=[left, right], label="pressure [GPa]", extend="max", pad=0.02)
+    figure.colorbar(image, ax=row, label="pressure [GPa]", extend="max", pad=0.02)
 
-    hertz = hertz_pressure(x, half_width, peak) / 1e9
-    middle, centre = len(y) // 2, len(x) // 2
-    for field, colour, style, name in (
-        (free, VERMILION, "-", "free ends"),
-        (nearest, BLUE, "-", "nearest images"),
-        (exact, BLACK, "-", "all images"),
+
+def _draw_sections(across: Axes, along: Axes, found: _Computed) -> None:
+    """Draw the pressure across the contact and along the cylinder beside that of Hertz."""
+    hertz = hertz_pressure(found.x, found.half_width, found.peak) / 1e9
+    centre, middle = found.centre
+    for field, colour, name in (
+        (found.free, VERMILION, "free ends"),
+        (found.nearest, BLUE, "nearest images"),
+        (found.exact, BLACK, "all images"),
     ):
-        across.plot(um * x, field[:, middle] / 1e9, color=colour, ls=style, label=name)
-        along.plot(um * y, field[centre] / 1e9, color=colour, ls=style)
-    across.plot(um * x, hertz, color=GREY, ls=":", lw=2.6, label="Hertz")
-    along.axhline(peak / 1e9, color=GREY, ls=":", lw=2.6)
+        across.plot(_UM * found.x, field[:, middle] / 1e9, color=colour, ls="-", label=name)
+        along.plot(_UM * found.y, field[centre] / 1e9, color=colour, ls="-")
+    across.plot(_UM * found.x, hertz, color=GREY, ls=":", lw=2.6, label="Hertz")
+    along.axhline(found.peak / 1e9, color=GREY, ls=":", lw=2.6)
     across.set_title("across the contact, in the middle", loc="left")
     across.set_xlabel("x [µm]")
     across.set_ylabel("pressure [GPa]")
@@ -156,4 +236,3 @@ def _draw(
     along.set_title("along the cylinder, at x = 0", loc="left")
     along.set_xlabel("y [µm]")
     along.set_ylim(0.8, 1.6)
-    return figure

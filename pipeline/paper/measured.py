@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -12,7 +11,15 @@ from matplotlib.figure import Figure
 
 from pipeline.analysis.inference import critical_temperatures
 from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, VERMILION, celsius, in_house_style
-from pipeline.paper.printed import RIG_HEATING, SPECIFIC_WEAR_RATE, TABLE_4, TABLE_6
+from pipeline.paper.printed import (
+    RIG_HEATING,
+    ROOM_CELSIUS,
+    SPECIFIC_WEAR_RATE,
+    TABLE_4,
+    TABLE_6,
+    Row4,
+    Row6,
+)
 from pipeline.paper.report import Finding, Report, Table, mean_and_spread, statistics
 from pipeline.paper.study import Study, end_of
 from pipeline.sweep.model import Sweep
@@ -36,6 +43,7 @@ class _Inferred:
     oils: dict[str, tuple[Sweep, ...]]
     critical: dict[str, list[list[float]]]  # by oil, transition and surface [°C]
     rates: dict[float, list[float]]  # by load and duration of the test [m²/N]
+    rates_of_a: list[float]  # of oil A, by transition, for the duration shown [m²/N]
     widening: float  # of a worn contact by the roughness, relative
     heating: dict[float, float]  # of the rig, by friction [K]
 
@@ -63,7 +71,12 @@ def inverse(study: Study) -> Report:
         name="inverse",
         title="what the measurements say about what was not measured",
         table=Table(("", "printed", "computed"), tuple(_rows(found))),
-        findings=(*_on_critical(found), _on_wear_rate(found), _on_heating(found)),
+        findings=(
+            *_on_critical(found),
+            _on_wear_rate(found),
+            _on_rates_of_a(found),
+            _on_heating(found),
+        ),
         notes=(
             f"Critical temperatures over {len(found.of_surfaces)} surfaces (mean ± spread), by the "
             "temperature exceeded on 10 % of the contact. They rest on the correlation length "
@@ -75,6 +88,7 @@ def inverse(study: Study) -> Report:
         data={
             "critical_celsius": found.critical,
             "wear_rate": {f"{load:g}": row for load, row in found.rates.items()},
+            "wear_rate_of_oil_a": found.rates_of_a,
             "durations": list(_DURATIONS),
             "duration_for_printed_rate": {f"{load:g}": s for load, s in found.durations.items()},
             "widening_by_roughness": found.widening,
@@ -92,10 +106,17 @@ def _inferred(study: Study) -> _Inferred:
     }
     critical = {name: _critical(study, scenes) for name, scenes in oils.items()}
     study.tell("specific wear rate")
-    rates, widening = _wear_rates(white), _widening(white)
+    rates = _wear_rates(white, TABLE_4, _DURATIONS)
+    rates_of_a = [
+        rate
+        for scene in oils["oil A"]
+        for row in _wear_rates(scene, _rows_of(scene), (_DURATIONS[_CHOSEN],)).values()
+        for rate in row
+    ]
+    widening = _widening(white)
     study.tell("friction heating of the rig")
     heating = {friction: rig_heating(friction) for friction in _FRICTIONS}
-    return _Inferred(oils, critical, rates, widening, heating)
+    return _Inferred(oils, critical, rates, rates_of_a, widening, heating)
 
 
 def _rows(found: _Inferred) -> Iterator[tuple[str, ...]]:
@@ -111,7 +132,10 @@ def _rows(found: _Inferred) -> Iterator[tuple[str, ...]]:
             )
     yield (f"specific wear rate [1e-6 mm³/(N m)], if the test lasts {_DURATIONS[_CHOSEN]:g} s",)
     for load, row in found.rates.items():
-        yield f"  {load:g} N", f"{SPECIFIC_WEAR_RATE * 1e15:g}", f"{row[_CHOSEN] * 1e15:.2f}"
+        printed = f"{SPECIFIC_WEAR_RATE * 1e15:g}"
+        yield f"  white oil, {load:g} N", printed, f"{row[_CHOSEN] * 1e15:.2f}"
+    for at, rate in zip(TABLE_6, found.rates_of_a, strict=True):
+        yield f"  oil A, {at.normal_load:g} N, {at.bulk_celsius:g} °C", "", f"{rate * 1e15:.2f}"
     yield ("duration of the test that gives the printed wear rate [s]",)
     for load, seconds in found.durations.items():
         yield f"  {load:g} N", "", f"{seconds:.1f}"
@@ -157,6 +181,30 @@ def _on_wear_rate(found: _Inferred) -> Finding:
     )
 
 
+def _on_rates_of_a(found: _Inferred) -> Finding:
+    cold, hot = (
+        [
+            rate
+            for at, rate in zip(TABLE_6, found.rates_of_a, strict=True)
+            if (at.bulk_celsius == ROOM_CELSIUS) is is_cold
+        ]
+        for is_cold in (True, False)
+    )
+    means = [math.sqrt(math.prod(pair)) for pair in (cold, hot)]
+    scenes = [scene.wear.specific_wear_rate for scene in found.oils["oil A"] if scene.wear]
+    return Finding(
+        "the specific wear rate belongs to the system",
+        f"oil A has {', '.join(f'{rate * 1e15:.2f}' for rate in cold)} at {ROOM_CELSIUS:g} °C and "
+        f"{', '.join(f'{rate * 1e15:.2f}' for rate in hot)}e-6 mm³/(N m) at "
+        f"{TABLE_6[-1].bulk_celsius:g} °C, by its widths and the same duration",
+        all(max(pair) < 1.4 * min(pair) for pair in (cold, hot))
+        and max(means) < min(SPECIFIC_WEAR_RATE, *(row[_CHOSEN] for row in found.rates.values())),
+        f"Its scenes have {' and '.join(f'{rate * 1e15:.2f}' for rate in scenes)}, within "
+        f"{100 * max(abs(s / m - 1) for s, m in zip(scenes, means, strict=True)):.1f} % of the "
+        "mean of each pair.",
+    )
+
+
 def _on_heating(found: _Inferred) -> Finding:
     return Finding(
         f"friction heats the rig by at most {RIG_HEATING:g} °C",
@@ -178,30 +226,32 @@ def _critical(study: Study, scenes: Sequence[Sweep]) -> list[list[float]]:
     return found
 
 
-def _wear_rates(sweep: Sweep) -> dict[float, list[float]]:
-    """Wear rate [m²/N] that gives each width of Table 4, by duration of the test."""
+def _rows_of(scene: Sweep) -> list[Row6]:
+    """The columns of Table 6 at the bulk temperature of a scene."""
+    bulk = float(celsius(scene.conditions.bulk_temperature))
+    return [row for row in TABLE_6 if math.isclose(row.bulk_celsius, bulk)]
+
+
+def _wear_rates(
+    sweep: Sweep, rows: Sequence[Row4 | Row6], durations: Sequence[float]
+) -> dict[float, list[float]]:
+    """Wear rate [m²/N] that gives each measured width, by load and duration of the test."""
     loading = sweep.loading
     if not isinstance(loading, Ramp):
-        raise InputError("the wear rate of Table 4 needs a scene with a ramp")
+        raise InputError("the wear rate of a width needs a scene with a ramp")
     smooth = replace(
         sweep,
         roughness=None,
         fidelity=replace(sweep.fidelity, averaging="mean", temperature_interval=0),
     )
-    velocities = {entry.normal_load: entry.velocity for entry in sweep.measured}
 
-    @functools.cache
-    def rate(load: float, width: float, duration: float) -> float:
-        hold = duration - load / loading.rate
+    def rate(row: Row4 | Row6, duration: float) -> float:
+        hold = duration - row.normal_load / loading.rate
         held = replace(smooth, loading=replace(loading, hold=hold, hold_steps=50))
-        return specific_wear_rate(held, width, load, velocities[load]).value
+        found = specific_wear_rate(held, row.measured_width, row.normal_load, row.velocity)
+        return found.value
 
-    return {
-        row.normal_load: [
-            rate(row.normal_load, row.measured_width, duration) for duration in _DURATIONS
-        ]
-        for row in TABLE_4
-    }
+    return {row.normal_load: [rate(row, duration) for duration in durations] for row in rows}
 
 
 def _widening(sweep: Sweep) -> float:

@@ -1,6 +1,6 @@
 """What the paper of Bosman & de Rooij prints, as far as it is compared with here.
 
-Every number is the paper's own: of its tables, its text, or what its figures show in words.
+Every number is the paper's own, from its tables, its text or its figures.
 """
 
 from __future__ import annotations
@@ -10,15 +10,17 @@ from typing import NamedTuple
 PAPER = "Bosman & de Rooij, On the transition from mild to severe wear of lubricated contacts"
 
 CYLINDER_PEAK_PRESSURE = 1.01e9
-"""Of the example of Fig. 4 [Pa]."""
+"""Peak pressure in the example of Fig. 4 [Pa]."""
 CYLINDER_HALF_WIDTH = 0.14e-3
-"""Of the example of Fig. 4 [m]."""
+"""Half-width of the contact in the example of Fig. 4 [m]."""
+LOADING_RATE = 150.0
+"""Rate at which the load grows [N/s]."""
 ROOM_CELSIUS = 25.0
 """Bulk temperature of Table 4 [°C]."""
 RIG_HEATING = 15.0
-"""Friction heating of the critical-temperature rig, at most [K]."""
+"""Highest friction heating of the critical-temperature rig [K]."""
 SPECIFIC_WEAR_RATE = 1.2e-15
-"""From the measured contact widths [m²/N]."""
+"""Specific wear rate from the measured contact widths [m²/N]."""
 
 
 class Row4(NamedTuple):

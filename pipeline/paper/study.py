@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+import time
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 
 from pipeline.figures.style import celsius
+from pipeline.run.sweep import Outcome, Progress, run_sweep
 from pipeline.scene.scenefile import load_scene
+from pipeline.scene.shipped import WORKFLOWS
 from pipeline.sweep.criterion import (
     Conditions,
     contact_temperature,
@@ -17,6 +21,7 @@ from pipeline.sweep.criterion import (
     failed_fraction,
 )
 from pipeline.sweep.model import Sweep
+from pipeline.sweep.stages import duration, staged
 from tribo import (
     InputError,
     Scene,
@@ -26,8 +31,9 @@ from tribo import (
 )
 from tribo.types import Array
 
-WORKFLOWS = Path(__file__).parents[2] / "workflows"
-"""The scenes that come with the source."""
+T = TypeVar("T")
+
+_BETWEEN_LINES = 10.0  # [s]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -62,10 +68,44 @@ class Study:
         path = self.scenes / f"{name}.toml"
         if not path.exists():
             raise InputError(
-                f"{path} is missing: the paper's scenes lie in the folder workflows/ of the "
-                "source; say where it is"
+                f"{path} is missing; give the folder of the paper's scenes, which is workflows/ "
+                "of the source"
             )
         return load_scene(path, preset=self.preset or usual_preset)
+
+    def scene_with_history(self, name: str) -> Sweep:
+        """The scene of this name, with temperatures on the way also where a preset asks for none.
+
+        A scene of its own asks for those that it wants to show; a preset for that at the end only.
+        """
+        sweep = self.scene(name)
+        if self.preset is None:
+            return sweep
+        interval = max(1, sweep.fidelity.increments // 10)
+        return replace(sweep, fidelity=replace(sweep.fidelity, temperature_interval=interval))
+
+    def each(
+        self,
+        items: Iterable[T],
+        name: Callable[[T], str] = str,
+        weight: Callable[[T], float] = lambda item: 1.0,
+    ) -> Iterator[T]:
+        """Go through what is computed one after the other, and tell; see `staged`."""
+        return staged(items, self.tell, name, weight)
+
+    def sweep(self, sweep: Sweep, store: Path) -> Outcome:
+        """Run or resume a sweep, and tell how far it is every ten seconds."""
+        self.tell(f"the sweep in {store}, including what is there already")
+        last = time.monotonic()
+
+        def progress(found: Progress) -> None:
+            nonlocal last
+            if found.time_to_go and time.monotonic() - last >= _BETWEEN_LINES:
+                last = time.monotonic()
+                to_go = duration(found.time_to_go)
+                self.tell(f"{found.done} of {found.total} points done, {to_go} to go")
+
+        return run_sweep(sweep, store, workers=self.workers, progress=progress)
 
     def seeds(self, usual: int) -> range:
         """Seeds of the random surfaces."""

@@ -12,7 +12,6 @@ from pipeline.analysis.dataset import open_sweep
 from pipeline.figures.diagram import diagram
 from pipeline.paper.report import Finding, Report, Table
 from pipeline.paper.study import Study
-from pipeline.run.sweep import run_sweep
 from pipeline.sweep.model import Measurement
 from tribo import InputError
 
@@ -46,8 +45,7 @@ def band(study: Study) -> Report:
         scene, loads=_LOADS, velocities=_VELOCITIES, realizations=seeds, store_fields=False
     )
     store = study.results / f"{sweep.name}_surfaces_{sweep.preset}.zarr"
-    study.tell(f"the sweep in {store}, what is there already included")
-    run_sweep(sweep, store, workers=study.workers)
+    study.sweep(sweep, store)
     ds = open_sweep(store).sel(realization=list(seeds))
     found = boundary(ds)
     ends = boundary(ds, friction=(most, least))

@@ -21,12 +21,16 @@ from pipeline.paper.ensemble import (
     with_wear,
 )
 from pipeline.paper.printed import TABLE_4
-from pipeline.paper.report import Finding, Report, Table, mean_and_spread, statistics
+from pipeline.paper.report import Finding, Report, Table, mean_and_spread
 from pipeline.paper.study import End, Study
-from pipeline.sweep.criterion import Conditions
+from pipeline.sweep.criterion import Conditions, rise_limit
 from pipeline.sweep.model import Measurement
+from tribo import Grid
 
 _BAND = 10.0  # K: within which the paper's highest temperatures lie
+_GOOD = 0.05  # relative, of a friction coefficient
+_LONGER = 4  # patches of the disk in a row, to see what hangs on the length of the patch
+_FEW = 4  # surfaces for that
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,14 +39,15 @@ class _Computed:
 
     measured: Sequence[Measurement]
     conditions: Conditions
-    mean_friction: float
+    needed: Values  # friction with which swept wear gives the printed share
     width: Values  # unworn, between the outermost elements in contact [µm]
     bearing: Values  # unworn, between the rows that bear load [µm]
     worn_width: Values  # with swept wear [µm]
     failed: dict[str, Values]  # share of the contact [%]
-    level: Values  # the same with swept wear, at the mean friction [%]
+    level: Values  # the same with swept wear, at the scene's friction [%]
     highest: dict[str, Values]  # [°C]
     exceeded: dict[str, Values]  # on the failing share [°C]
+    longer: list[float]  # highest at the lowest load, on a longer patch [°C]
 
     @property
     def critical(self) -> float:
@@ -69,7 +74,9 @@ def table4(study: Study) -> Report:
             "unworn_width_um": found.width,
             "bearing_width_um": found.bearing,
             "failed_percent": found.failed,
-            "failed_percent_at_mean_friction": found.level,
+            "failed_percent_at_scene_friction": found.level,
+            "friction_for_printed_share": found.needed,
+            "max_celsius_on_longer_patch": found.longer,
             "max_celsius": found.highest,
             "exceeded_celsius": found.exceeded,
             "worn_width_um": found.worn_width,
@@ -87,8 +94,10 @@ def _computed(study: Study) -> _Computed:
         name: over_surfaces(study, scene, measured, name) for name, scene in kinds.items()
     }
     own = [sweep.conditions.changed(friction=entry.friction) for entry in measured]
-    mean_friction = sum(at.friction for at in own) / len(own)
-    alike = sweep.conditions.changed(friction=mean_friction)
+    limit = rise_limit(sweep.conditions.changed(friction=1.0))
+    longer = replace(with_wear(sweep, "swept"), pixels=_longer(sweep.pixels))
+    few = replace(study, surfaces=min(_FEW, len(study.seeds(_FEW))))
+    (highest_on_longer,) = over_surfaces(few, longer, measured[-1:], "swept, longer patch")
 
     def of(name: str, quantity: Callable[[End, Conditions], float]) -> Values:
         return [
@@ -99,15 +108,27 @@ def _computed(study: Study) -> _Computed:
     return _Computed(
         measured=measured,
         conditions=sweep.conditions,
-        mean_friction=mean_friction,
+        needed=[
+            [
+                limit / end.decisive_rise(sweep.conditions.changed(share=row.failed_share))
+                for end in column
+            ]
+            for row, column in zip(TABLE_4, ends["swept"], strict=True)
+        ],
         width=of("unworn", lambda end, _: 1e6 * end.contact_width),
         bearing=of("unworn", lambda end, _: 1e6 * end.bearing_width),
         worn_width=of("swept", lambda end, _: 1e6 * end.contact_width),
         failed={n: of(n, lambda end, at: 100 * end.failed_fraction(at)) for n in ends},
-        level=of("swept", lambda end, _: 100 * end.failed_fraction(alike)),
+        level=of("swept", lambda end, _: 100 * end.failed_fraction(sweep.conditions)),
         highest={name: of(name, End.highest) for name in ends},
         exceeded={name: of(name, End.exceeded) for name in ends},
+        longer=[end.highest(own[-1]) for end in highest_on_longer],
     )
+
+
+def _longer(patch: Grid) -> Grid:
+    """The same patch several times as long across the sliding direction."""
+    return replace(patch, shape=(patch.shape[0], _LONGER * patch.shape[1]))
 
 
 def _table(found: _Computed) -> Table:
@@ -129,7 +150,10 @@ def _table(found: _Computed) -> Table:
             (f"share of the contact above {found.critical:g} °C [%]",),
             printed((100 * row.failed_share for row in TABLE_4), 1),
             *(computed(name, found.failed[name], 1) for name in names),
-            computed(f"swept, friction {found.mean_friction:.3g} at each", found.level, 1),
+            computed(f"swept, friction {found.conditions.friction:g} at each", found.level, 1),
+            ("friction coefficient",),
+            ("  measured", *(f"{row.friction:.3f}" for row in TABLE_4)),
+            computed("that gives the printed share, swept", found.needed, 4),
             ("highest temperature [°C]",),
             printed(row.max_celsius for row in TABLE_4),
             *(computed(name, found.highest[name]) for name in names),
@@ -149,7 +173,7 @@ def _findings(found: _Computed) -> tuple[Finding, ...]:
     return (
         _on_width(found),
         _on_share(found),
-        *_on_highest(found),
+        _on_highest(found),
         _on_local_wear(found),
     )
 
@@ -173,53 +197,50 @@ def _on_width(found: _Computed) -> Finding:
 
 
 def _on_share(found: _Computed) -> Finding:
-    shares, tenths = means(found.failed["swept"]), means(found.exceeded["swept"])
-    steep = (max(shares) - min(shares)) / max(max(tenths) - min(tenths), 1e-9)
-
-    def inside(columns: Values) -> int:
-        return sum(
-            abs(statistics(column)[0] - 100 * row.failed_share) <= 2 * statistics(column)[1]
-            for row, column in zip(TABLE_4, columns, strict=True)
-        )
-
+    friction, needed = found.conditions.friction, means(found.needed)
+    own, alike = means(found.failed["swept"]), means(found.level)
+    steep = [
+        _GOOD * found.conditions.friction * (share - other) / (mu - friction)
+        for share, other, mu in zip(own, alike, (row.friction for row in TABLE_4), strict=True)
+        if mu != friction
+    ]
     return Finding(
         "a failed share of about 10 % at every transition, 8.7 to 12.1 %",
-        f"{range_of(shares, 1)} % with swept wear, {sum(shares) / len(shares):.1f} % on "
-        f"average; {inside(found.failed['swept'])} of {len(TABLE_4)} printed values lie within two "
-        "spreads of ours",
-        inside(found.failed["swept"]) == len(TABLE_4),
-        f"It hangs on the single friction coefficients: with their mean, "
-        f"{found.mean_friction:.3g}, at each transition it is "
-        f"{', '.join(f'{value:.1f}' for value in means(found.level))} %, and "
-        f"{inside(found.level)} of {len(TABLE_4)} printed values lie within two spreads. In "
-        f"temperature the two are closer: exceeded on 10 % is {range_of(tenths)} °C, "
-        f"on average {sum(tenths) / len(tenths) - found.critical:+.1f} K off "
-        f"{found.critical:g} °C, and a kelvin there moves the share by {steep:.1f} points.",
+        f"swept wear gives the printed shares with a friction of {_listed(needed, 4)}, where "
+        f"{friction:g} is used for prediction; with that it gives {_listed(alike, 1)} %",
+        max(abs(mu / friction - 1) for mu in needed) < _GOOD,
+        f"With the measured frictions, by which the paper says to have calculated them, it gives "
+        f"{_listed(own, 1)} %: {100 * _GOOD:g} % of friction are {range_of(steep)} points, and "
+        "the measured ones scatter by more. The printed shares look like those of "
+        f"{friction:g} at every transition.",
     )
 
 
-def _on_highest(found: _Computed) -> tuple[Finding, Finding]:
-    maxima = means(found.highest["swept"])
+def _listed(values: Sequence[float], digits: int) -> str:
+    return ", ".join(f"{value:.{digits}f}" for value in values)
+
+
+def _on_highest(found: _Computed) -> Finding:
+    """The one disagreement on the highest temperatures, which is not counted again elsewhere."""
+    maxima, tenths = means(found.highest["swept"]), means(found.exceeded["swept"])
     apart = [m - row.max_celsius for m, row in zip(maxima, TABLE_4, strict=True)]
-    above = sum(maxima) / len(maxima) / found.critical - 1
-    is_near = 0.05 < above < 0.15
-    return (
-        Finding(
-            "highest temperatures of 153 to 162 °C, all within 10 °C",
-            f"{range_of(maxima)} °C with swept wear, {min(apart):+.0f} to {max(apart):+.0f} K "
-            f"against the printed ones, {max(maxima) - min(maxima):.0f} K apart",
-            max(map(abs, apart)) < _BAND and max(maxima) - min(maxima) <= _BAND,
-            "The highest temperature is that of one element in the whole contact; it hangs on the "
-            "short waves of the roughness, which the paper does not publish.",
-        ),
-        Finding(
-            "the highest temperature is about 10 % above the critical one",
-            f"{100 * above:.0f} % above, in °C",
-            is_near,
-            "Both are in the hands of a few elements."
-            if is_near
-            else "It goes with the highest temperature itself.",
-        ),
+    bulk = float(celsius(found.conditions.bulk_temperature))
+    ratios = [(t - bulk) / (m - bulk) for t, m in zip(tenths, maxima, strict=True)]
+    printed = [(found.critical - bulk) / (row.max_celsius - bulk) for row in TABLE_4]
+    last = found.measured[-1]
+    return Finding(
+        "highest temperatures of 153 to 162 °C, all within 10 °C, about 10 % above the critical "
+        "one",
+        f"{range_of(maxima)} °C with swept wear, {min(apart):+.0f} to {max(apart):+.0f} K "
+        f"against the printed ones, {max(maxima) - min(maxima):.0f} K apart, "
+        f"{100 * (sum(maxima) / len(maxima) / found.critical - 1):.0f} % above",
+        max(map(abs, apart)) < _BAND and max(maxima) - min(maxima) <= _BAND,
+        f"Beside the shares this remains unexplained: if a tenth of the contact is at "
+        f"{found.critical:g} °C, the printed highest rises leave it {range_of(printed, 2)} of "
+        f"themselves, ours {range_of(ratios, 2)}. The highest temperature is that of one element, "
+        "and grows with the number of them: on a patch "
+        f"{_LONGER} times as long it is {sum(found.longer) / len(found.longer):.0f} °C at "
+        f"{last.normal_load:g} N, on this one {maxima[-1]:.0f} °C.",
     )
 
 
