@@ -8,6 +8,7 @@ scene, 130 interrupted.
 from __future__ import annotations
 
 import atexit
+import errno
 import gc
 import io
 import sys
@@ -15,7 +16,7 @@ import warnings
 from collections.abc import Sequence
 
 import pipeline
-from pipeline.cli.output import DONE, INTERRUPTED, OTHER_SCENE, WRONG_USE, tell
+from pipeline.cli.output import DONE, INTERRUPTED, OTHER_SCENE, WRONG_USE, complain, hushed, tell
 from pipeline.cli.parser import function_of, parse
 from tribo import TriboError
 
@@ -30,21 +31,34 @@ def main(arguments: Sequence[str] | None = None) -> int:
             stream.reconfigure(errors="backslashreplace")  # rather than to fail in ASCII
     options = parse(arguments)
     try:
-        with warnings.catch_warnings():
+        with hushed(options.quiet), warnings.catch_warnings():
             warnings.showwarning = lambda message, *_: tell(f"note: {message}")
             return int(function_of(options)(options))
     except KeyboardInterrupt:
-        tell("interrupted; finished points are safe: run the same command again to go on")
+        complain("interrupted; finished points are safe: run the same command again to go on")
         return INTERRUPTED
     except pipeline.StoreMismatchError as error:
-        tell(str(error))
+        complain(str(error))
         return OTHER_SCENE
     except TriboError as error:
-        tell(str(error))
-        return WRONG_USE
-    except MemoryError:
-        tell("out of memory; finished points are safe: take fewer workers or a coarser grid")
+        complain(str(error))
         return WRONG_USE
     except BrokenPipeError:
         sys.stderr.close()
         return DONE
+    except (MemoryError, OSError, RuntimeError, ImportError) as error:
+        if not _is_lack_of_memory(error):
+            raise
+        complain(
+            "out of memory, or of the threads and processes that this user may start (ulimit -a); "
+            "finished points are safe: take fewer workers or a coarser grid"
+        )
+        return WRONG_USE
+
+
+def _is_lack_of_memory(error: BaseException) -> bool:
+    """Whether an error is one by which Python reports that memory has run out."""
+    if isinstance(error, OSError):
+        return error.errno in (errno.ENOMEM, errno.EAGAIN)
+    said = ("start new thread", "failed to map segment", "annot allocate memory")
+    return isinstance(error, MemoryError) or any(words in str(error) for words in said)

@@ -7,6 +7,8 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 import pipeline
+from tribo import lubrication_regime
+from tribo.lubricant import BOUNDARY, FULL_FILM
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -19,17 +21,21 @@ _BOUNDARIES = (
 )
 
 
+_KINDS = {"realization": "surfaces", "sample": "samples"}
+
+
 def document_of(found: xr.Dataset) -> dict[str, Any]:
     """Plain data of `pipeline.boundary`."""
-    conditions = ("bulk_temperature", "critical_temperature", "failing_share")
+    conditions = ["bulk_temperature", "critical_temperature", "failing_share"]
+    conditions += [name for name in ("disk_temperature",) if name in found.attrs]
     frictions = _frictions(found)
     shown = ["load", "critical_velocity", "velocity", "critical_load"]
-    if "realization" in found.dims:
-        shown += ["realization", "quantile"]
+    if variant := _variant(found):
+        shown += [variant, "quantile"]
         for name, axis, _ in _BOUNDARIES:
             shown += [f"{name}_{kind}" for kind in ("mean", "spread", "quantile")]
             shown += [f"crossing_at_{axis}", f"known_at_{axis}"]
-    return (
+    document = (
         {
             "conditions": {"friction": frictions if "friction" in found.dims else frictions[0]}
             | {name: found.attrs[name] for name in conditions},
@@ -41,6 +47,23 @@ def document_of(found: xr.Dataset) -> dict[str, Any]:
             for name, axis, _ in _BOUNDARIES
         }
     )
+    for name, axis, _ in _BOUNDARIES:
+        if f"film_parameter_at_{axis}" in found:
+            values = found[f"film_parameter_at_{axis}"].values.tolist()
+            document |= {f"{name}_film_parameter": values, f"{name}_regime": _regimes(values)}
+    return document
+
+
+def _regimes(values: Any) -> Any:
+    """Regimes of lubrication in words, in lists as deep as those of the film parameters."""
+    if isinstance(values, list):
+        return [_regimes(value) for value in values]
+    return lubrication_regime(values) if math.isfinite(values) else "no crossing"
+
+
+def _variant(found: xr.Dataset) -> str | None:
+    """Dimension of the surfaces or samples, if there are several."""
+    return next((name for name in _KINDS if name in found.dims), None)
 
 
 def _worded(outcomes: Any) -> Any:
@@ -50,25 +73,83 @@ def _worded(outcomes: Any) -> Any:
     return _OUTCOMES[outcomes]
 
 
+def rows_of(found: xr.Dataset) -> Iterator[dict[str, Any]]:
+    """Rows of a table on `pipeline.boundary`: one for each load and velocity, at each friction."""
+    judged = {
+        "bulk [°C]": found.attrs["bulk_temperature"] - 273.15,
+        **(
+            {"disk bulk [°C]": found.attrs["disk_temperature"] - 273.15}
+            if "disk_temperature" in found.attrs
+            else {}
+        ),
+        "critical [°C]": found.attrs["critical_temperature"] - 273.15,
+        "failing share": found.attrs["failing_share"],
+    }
+    units = {"load": "load [N]", "velocity": "velocity [m/s]"}
+    for name, axis, _ in _BOUNDARIES:
+        other = units[name.removeprefix("critical_")]
+        for friction, (_, part) in zip(_frictions(found), _by_friction(found), strict=True):
+            for place in range(found.sizes[axis]):
+                at = part.isel({axis: place})
+                row = {"at each": axis, "friction": friction, units[axis]: float(at[axis])}
+                yield row | _crossing(at, name, axis, other) | judged
+
+
+def _crossing(at: xr.Dataset, name: str, axis: str, other: str) -> dict[str, Any]:
+    """Where it crosses at one load or velocity, or the surfaces do."""
+    film = at.get(f"film_parameter_at_{axis}")
+    found: dict[str, Any] = {}
+    if variant := _variant(at):
+        kind_of = _KINDS[variant]
+        outcomes = at[f"outcome_at_{axis}"].values.tolist()
+        shares = [f"{100 * share:g} %" for share in at["quantile"].values]
+        found = dict(zip(shares, map(float, at[f"{name}_quantile"].values), strict=True))
+        found |= {kind: float(at[f"{name}_{kind}"]) for kind in ("mean", "spread")}
+        found |= {f"{kind_of} that cross": outcomes.count(0), kind_of: len(outcomes)}
+        found = {other: float(at[f"{name}_quantile"].sel(quantile=0.5))} | found
+    else:
+        found = {other: float(at[name]), "outcome": _OUTCOMES[int(at[f"outcome_at_{axis}"])]}
+    if film is not None:
+        found["film parameter"] = float(film.median(skipna=True)) if film.notnull().any() else None
+    return found
+
+
 def text_of(found: xr.Dataset) -> Iterator[str]:
     """Lines of text on `pipeline.boundary`; a column or block for each friction."""
     frictions = ", ".join(f"{value:g}" for value in _frictions(found))
+    if "sample" in found.dims:
+        yield "each sample under its own inputs as drawn, the others as here:"
     yield (
         f"friction {frictions}, "
-        f"bulk {pipeline.display(found.attrs['bulk_temperature'], '°C')}, "
+        f"bulk {_bulk(found)}, "
         f"critical {pipeline.display(found.attrs['critical_temperature'], '°C')}, "
         f"failing share {found.attrs['failing_share']:g}"
     )
-    several = "realization" in found.dims
+    several = _variant(found) is not None
     parts = _by_friction(found) if several else [("", found)]
     for name, axis, heading in _BOUNDARIES:
         for friction, part in parts:
             yield ""
             yield heading + friction
             yield from (_band if several else _columns)(part, name, axis)
+    if "film_parameter_at_load" in found:
+        yield ""
+        yield (
+            "Λ is the minimum film over Rq, at the bulk temperature and the unworn radius: below "
+            f"{BOUNDARY:g} boundary lubrication; from {FULL_FILM:g} on a full film, which the "
+            "model does not have"
+        )
     if missing := found.attrs["missing_points"]:
         yield ""
         yield f"{missing} points are pending or failed and were left out"
+
+
+def _bulk(found: xr.Dataset) -> str:
+    """The bulk temperature, or that of each body."""
+    pin = pipeline.display(found.attrs["bulk_temperature"], "°C")
+    if "disk_temperature" not in found.attrs:
+        return pin
+    return f"{pin} (pin) and {pipeline.display(found.attrs['disk_temperature'], '°C')} (disk)"
 
 
 def _frictions(found: xr.Dataset) -> list[float]:
@@ -94,7 +175,7 @@ def _columns(found: xr.Dataset, name: str, axis: str) -> Iterator[str]:
         for _, part in _by_friction(found):
             at = part.isel({axis: place})
             why = int(at[f"outcome_at_{axis}"])
-            cells.append(_NO_CROSSING.get(why, f"{float(at[name]):.4g}"))
+            cells.append(_NO_CROSSING.get(why, f"{float(at[name]):.4g}{_film(at, axis)}"))
         row = "".join(f"{cell:<24}" for cell in cells)
         yield f"{float(found[axis][place]):10g}   {row}".rstrip()
 
@@ -103,7 +184,7 @@ def _band(found: xr.Dataset, name: str, axis: str) -> Iterator[str]:
     """Median, lower and upper end of the band, mean and spread, and how many surfaces cross."""
     ends = [f"{100 * share:g} %" for share in found["quantile"].values]
     heads = ("median", ends[0], ends[-1], "mean", "spread")
-    yield f"{'':10}   {' '.join(f'{head:>8}' for head in heads)}   surfaces"
+    yield f"{'':10}   {' '.join(f'{head:>8}' for head in heads)}   {_KINDS[str(_variant(found))]}"
     for place in range(found.sizes[axis]):
         at = found.isel({axis: place})
         low, middle, high = at[f"{name}_quantile"].values
@@ -117,4 +198,13 @@ def _band(found: xr.Dataset, name: str, axis: str) -> Iterator[str]:
             if why in outcomes
         ]
         row = " ".join(f"{cell:>8}" for cell in cells)
-        yield f"{float(at[axis]):10g}   {row}   {', '.join(counts)}"
+        yield f"{float(at[axis]):10g}   {row}   {', '.join(counts)}{_film(at, axis)}"
+
+
+def _film(at: xr.Dataset, axis: str) -> str:
+    """Film parameter and regime at a crossing, the median over surfaces; empty without an oil."""
+    found = at.get(f"film_parameter_at_{axis}")
+    if found is None or not found.notnull().any():
+        return ""
+    middle = float(found.median(skipna=True))
+    return f"  Λ {middle:.2f} {lubrication_regime(middle).split(' lubrication')[0].split(',')[0]}"

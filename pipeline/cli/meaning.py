@@ -4,8 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from pipeline.sweep.facts import Facts, Span, SurfaceFacts
+import numpy as np
+
+from pipeline.sweep.facts import Facts, Span
+from pipeline.sweep.lubrication import Lubrication
 from pipeline.sweep.model import Sweep
+from pipeline.sweep.surface import SurfaceFacts
+from tribo import Crowned, lubrication_regime
 
 
 def meaning(sweep: Sweep, facts: Facts) -> Iterator[str]:
@@ -22,15 +27,58 @@ def meaning(sweep: Sweep, facts: Facts) -> Iterator[str]:
     yield f"  surface  {_surface(facts.surface) if facts.surface else 'smooth'}"
     yield (
         f"  motion   {_text(facts.duration)} s and {_text(facts.sliding_distance)} m until the end"
+        f"{_both_moving(facts)}"
     )
+    yield from _film(sweep)
+    u = "V" if facts.disk_velocity is None else "of the disk u"
     depth = f"{_text(facts.wear_depth, 1e6)} µm deep at the end" if facts.wear_depth else "none"
     yield f"  wear     {depth}"
     yield (
-        f"  heat     Péclet number {_text(facts.peclet_number)}: V a/(2 κ), a the half-width of "
+        f"  heat     Péclet number {_text(facts.peclet_number)}: {u} a/(2 κ), a the half-width of "
         "Hertz"
         if sweep.friction_heat
         else "  heat     none, since there is no friction"
     )
+
+
+def _both_moving(facts: Facts) -> str:
+    """Say how fast both bodies move; nothing where the pin is at rest."""
+    if facts.pin_velocity is None or facts.disk_velocity is None or facts.pin_turns is None:
+        return ""
+    return (
+        f"; the pin rolls at {_text(facts.pin_velocity)} m/s, {_text(facts.pin_turns)} turns, the "
+        f"disk at {_text(facts.disk_velocity)} m/s"
+    )
+
+
+def _film(sweep: Sweep) -> Iterator[str]:
+    """Say which film the oil would build, or what is missing to tell; nothing without an oil."""
+    if sweep.oil is None:
+        return
+    bulk = sweep.conditions.mean_bulk_temperature
+    yield f"  oil      {1e3 * sweep.oil.viscosity(bulk):.3g} mPa s at the bulk temperature"
+    lubrication = Lubrication.of(sweep)
+    if lubrication is None:
+        missing = "a rough disk" if sweep.roughness is None else "pressure_viscosity_coefficient"
+        if isinstance(sweep.pin, Crowned):
+            missing = "a cylinder or a ball as pin"
+        yield f"  film     not known without {missing}"
+        return
+    corners = np.meshgrid(sweep.loads, sweep.velocities)
+    span = Span.of(lubrication.film_parameter(*corners, bulk))
+    regimes = dict.fromkeys(lubrication_regime(value) for value in span)
+    yield f"  film     Λ {_text(span)}: {' to '.join(regimes)}"
+
+
+def library_lines(sweep: Sweep) -> Iterator[str]:
+    """Say what was taken from the library, a line for each table and source."""
+    taken: dict[tuple[str, str], list[str]] = {}
+    for key, value, source in sweep.library:
+        table, _, name = key.rpartition(".")
+        taken.setdefault((table, source), []).append(f"{name.replace('_', ' ')} {value}")
+    for (table, source), values in taken.items():
+        yield f"  library  {table}: {', '.join(values)}"
+        yield f"           from {source}"
 
 
 def _share(facts: Facts) -> str:

@@ -7,66 +7,87 @@ import json
 import math
 import re
 import sys
-from collections.abc import Callable, Iterable
+import threading
+import time
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import asdict
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pipeline
+from pipeline.analysis.tables import TABLES, is_table, writable_path, write_table
+from pipeline.sweep.stages import duration
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from pipeline.run.sweep import Progress
-    from pipeline.store.progress import FailedPoint
-    from pipeline.store.verify import Damage
+    from pipeline.store import Damage, FailedPoint
 
 DONE, SOME_FAILED, WRONG_USE, OTHER_SCENE, INTERRUPTED = 0, 1, 2, 3, 130
 """Exit codes."""
 
 _CONTROLS = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f]")
 _LONGEST = 2000  # characters of a line
-_YEAR = 365.25 * 24 * 3600  # [s]
+_QUIET = threading.Event()
+_BETWEEN_LINES = 10.0  # [s], where stderr is no terminal
 
 
 class ProgressLine:
-    """The state of a run on one line of stderr, from the first report on."""
+    """The state of a run: one line of a terminal, or else a line of stderr now and then."""
 
     def __init__(self) -> None:
         self._bar: Any = None
+        self._latest: Progress | None = None
+        self._told, self._told_at = "", -math.inf
 
     def __enter__(self) -> Callable[[Progress], None]:
         return self._show
 
     def _show(self, progress: Progress) -> None:
+        if _QUIET.is_set():
+            return
+        self._latest = progress
+        if sys.stderr.isatty():
+            self._draw(progress)
+        elif time.monotonic() - self._told_at >= _BETWEEN_LINES:
+            self._tell(progress)
+
+    def _tell(self, progress: Progress) -> None:
+        line = f"{progress.done} of {progress.total} points done{_details(progress)}"
+        if line != self._told:
+            tell(line)
+        self._told, self._told_at = line, time.monotonic()
+
+    def _draw(self, progress: Progress) -> None:
         if self._bar is None:
             from tqdm import tqdm
 
             self._bar = tqdm(
                 total=progress.total,
-                mininterval=0.1 if sys.stderr.isatty() else 10.0,
+                mininterval=0.1,
                 bar_format="{n_fmt} of {total_fmt} points done{postfix} |{bar:20}|",
                 postfix="",
             )
         self._bar.total = progress.total
         self._bar.n = progress.done
-        parts = [f"{progress.failed} failed", f"{duration(progress.elapsed)} so far"]
-        if progress.time_to_go is not None:
-            parts.append(f"{duration(progress.time_to_go)} to go")
-        self._bar.set_postfix_str(", ".join(parts), refresh=False)
+        self._bar.set_postfix_str(_details(progress).removeprefix(", "), refresh=False)
         self._bar.update(0)
 
     def __exit__(self, *_: object) -> None:
         if self._bar is not None:
             self._bar.refresh()
             self._bar.close()
+        elif self._latest is not None:
+            self._tell(self._latest)
 
 
-def duration(seconds: float) -> str:
-    """Write a duration in the unit that suits it."""
-    if not seconds < 100 * _YEAR:
-        return "more than 100 years"
-    if seconds < 60:
-        return f"{seconds:.0f} s"
-    minutes = round(seconds / 60)
-    return f"{minutes} min" if minutes < 120 else f"{minutes / 60:.1f} h"
+def _details(progress: Progress) -> str:
+    parts = [f"{progress.failed} failed", f"{duration(progress.elapsed)} so far"]
+    if progress.time_to_go:
+        parts.append(f"{duration(progress.time_to_go)} to go")
+    return "".join(f", {part}" for part in parts)
 
 
 def counted(number: int, one: str, several: str) -> str:
@@ -102,8 +123,60 @@ def show(options: argparse.Namespace, document: dict[str, Any], text: Iterable[s
         print("\n".join(_shown(line) for part in text for line in part.split("\n")))
 
 
+@contextmanager
+def hushed(is_quiet: bool) -> Iterator[None]:
+    """Show no progress and no notes meanwhile, if the user asked for that."""
+    if is_quiet:
+        _QUIET.set()
+    try:
+        yield
+    finally:
+        _QUIET.clear()
+
+
+def table_path(options: argparse.Namespace) -> Path | None:
+    """Give the path of the table that the user asked for, if any, before the work."""
+    return None if options.output is None else writable_path(options.output, TABLES)
+
+
+def written(
+    out: Path | None, rows: Iterable[Mapping[str, Any]], document: dict[str, Any]
+) -> list[str]:
+    """Write a table if it was asked for; note it in the document, and return a line on it."""
+    if out is None:
+        return []
+    document["table"] = str(write_table(rows, out))
+    return [f"table: {out}"]
+
+
+def output_path(options: argparse.Namespace) -> Path | None:
+    """Give the path of the figure or table that the user asked for, if any, before the work."""
+    if options.output is None or is_table(options.output):
+        return table_path(options)
+    return pipeline.figure_path(options.output)
+
+
+def drawn_or_written(
+    out: Path | None,
+    draw: Callable[[], Figure],
+    rows: Iterable[Mapping[str, Any]],
+    document: dict[str, Any],
+) -> list[str]:
+    """Draw a figure or write a table, as `out` asks; note it in the document, and say so."""
+    if out is None or is_table(out):
+        return written(out, rows, document)
+    document["file"] = str(pipeline.save_figure(draw(), out))
+    return [str(out)]
+
+
 def tell(message: str) -> None:
-    """Print a message that is not a result."""
+    """Print a note: neither a result nor an error."""
+    if not _QUIET.is_set():
+        complain(message)
+
+
+def complain(message: str) -> None:
+    """Print an error."""
     from tqdm import tqdm
 
     lines = "\n".join(map(_shown, f"irg: {message}".split("\n")))
@@ -117,7 +190,7 @@ def _shown(line: str) -> str:
 
 
 def _without_nan(value: Any) -> Any:
-    """The same with null where a number is missing, which JSON cannot hold."""
+    """A document with null in place of NaN, which JSON cannot hold."""
     if isinstance(value, dict):
         return {key: _without_nan(entry) for key, entry in value.items()}
     if isinstance(value, list | tuple):

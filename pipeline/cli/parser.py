@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 import pkgutil
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -19,13 +20,22 @@ def parse(arguments: Sequence[str] | None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(
         prog="irg",
         description="Predict where a lubricated sliding contact goes from mild to severe wear.",
+        epilog="Begin with: irg new scene.toml. What a command takes: irg COMMAND --help. "
+        'Completion in bash and zsh: eval "$(register-python-argcomplete irg)".',
+    )
+    parser.add_argument(
+        "--version", action=values.Version, nargs=0, help="print the version and exit"
     )
     commands = _Commands(parser.add_subparsers(metavar="COMMAND", required=True))
     for add in (
-        _run, _check, _status, _verify, _compact, _boundary, _point, _infer, _trade, _reproduce,
-        _plot,
+        _new, _run, _check, _status, _verify, _compact, _boundary, _margin, _vary, _point,
+        _infer, _risk, _sensitivity, _trade, _reproduce, _plot, _explore,
     ):  # fmt: skip
         add(commands)
+    if "_ARGCOMPLETE" in os.environ:  # a shell asks what may follow
+        import argcomplete
+
+        argcomplete.autocomplete(parser)
     options, unknown = parser.parse_known_args(arguments)
     if unknown:  # told by the command, whose usage shows what it takes
         options.parser.error(f"unknown option or argument: {' '.join(unknown)}")
@@ -48,10 +58,13 @@ class _Commands(NamedTuple):
             name,
             help=what,
             description=f"{what[0].upper()}{what[1:]}.",
-            epilog=f"example: irg {name} {example}",
+            epilog=f"example: irg {name} {example.replace('%', '%%')}",
         )
         added.set_defaults(command=function, parser=added)
         added.add_argument("--json", action="store_true", help="print one JSON document")
+        added.add_argument(
+            "-q", "--quiet", action="store_true", help="show no progress and no notes, only errors"
+        )
         return added
 
     def on_scene(
@@ -83,6 +96,16 @@ class _Commands(NamedTuple):
             "store", metavar="OUT.zarr", type=values.store, help="a store that irg run has made"
         )
         return added
+
+
+def _new(commands: _Commands) -> None:
+    what = "write a commented scene to start from: all tables, keys, units and defaults"
+    parser = commands.add("new", "begin:new", what, "scene.toml --from twin_disc")
+    parser.add_argument("file", metavar="FILE.toml", type=Path, nargs="?", help="file to write")
+    parser.add_argument(
+        "--from", metavar="NAME", dest="like", help="shipped scene to begin with; see --list"
+    )
+    parser.add_argument("--list", action="store_true", help="list the shipped scenes")
 
 
 def _run(commands: _Commands) -> None:
@@ -142,7 +165,38 @@ def _boundary(commands: _Commands) -> None:
     parser = commands.on_store(
         "boundary", "results:boundary", what, "--friction 0.09 --friction 0.103"
     )
+    _add_output(parser, "TABLE.csv", "write the table to a file, .csv or .md")
     _add_conditions(parser)
+
+
+def _margin(commands: _Commands) -> None:
+    parser = commands.on_store(
+        "margin",
+        "margins:margin",
+        "tell how far an operating point lies from severe wear",
+        '--load "500 N" --velocity "2 m/s"',
+    )
+    _add_place(parser, required=True, surface=False)
+    _add_conditions(parser, several=False)
+
+
+def _vary(commands: _Commands) -> None:
+    parser = commands.on_scene(
+        "vary",
+        "variations:vary",
+        "find the boundary for each value of some inputs, one input at a time",
+        "--over friction.coefficient=0.08,0.12 --over wear.specific_wear_rate=-20%,+20%",
+    )
+    parser.add_argument(
+        "--over",
+        metavar="KEY=VALUE,VALUE",
+        type=values.settings,
+        action="append",
+        required=True,
+        help="an entry of the scene, and the values to give it; such as -20%%,+20%% of the "
+        "scene's own; may be repeated",
+    )
+    _add_output(parser, "FILE.png", "draw a figure; or write a table, to .csv or .md")
 
 
 def _point(commands: _Commands) -> None:
@@ -158,8 +212,15 @@ def _infer(commands: _Commands) -> None:
     parser = commands.on_scene(
         "infer",
         "results:infer",
-        "find the critical temperature from measured transitions, or a wear rate from a width",
+        "find the critical temperature from measured transitions, or a wear rate from a width; of "
+        "a store of samples, what the transitions say of all its unknown inputs",
     )
+    parser.add_argument(
+        "--next",
+        action="store_true",
+        help="of a store of samples: rank what to measure next",
+    )
+    _add_scatter(parser)
     parser.add_argument(
         "--contact-width",
         metavar="W",
@@ -167,7 +228,54 @@ def _infer(commands: _Commands) -> None:
         help='width measured at --load and --velocity, like "348 um": find the specific wear '
         "rate instead",
     )
+    _add_bulk(parser)
+    _add_output(
+        parser,
+        "TABLE.csv",
+        "write the table to .csv or .md; of samples, or draw a figure",
+    )
     _add_place(parser)
+
+
+def _risk(commands: _Commands) -> None:
+    parser = commands.on_store(
+        "risk",
+        "unknowns:risk",
+        "find the probability of severe wear, where inputs are not known exactly",
+        '--load "400 N" --velocity "2 m/s"',
+    )
+    _add_place(parser, surface=False)
+    _add_output(parser, "FILE.png", "draw a figure; or write a table, to .csv or .md")
+    _add_measured(parser)
+
+
+def _sensitivity(commands: _Commands) -> None:
+    parser = commands.on_store(
+        "sensitivity",
+        "unknowns:sensitivity",
+        "tell which unknown input moves the boundary how much (Sobol' indices)",
+        "-o sensitivity.png",
+    )
+    _add_output(parser, "FILE.png", "draw a figure; or write a table, to .csv or .md")
+    _add_measured(parser)
+
+
+def _add_measured(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--given-measured",
+        action="store_true",
+        help="let the measured transitions of the scene say what they do of the inputs",
+    )
+    _add_scatter(parser)
+
+
+def _add_scatter(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--scatter",
+        metavar="SHARE",
+        type=values.share,
+        help="relative standard deviation of the measured velocities; default: 5%%",
+    )
 
 
 def _trade(commands: _Commands) -> None:
@@ -178,7 +286,7 @@ def _trade(commands: _Commands) -> None:
         "--base", metavar="NAME", default="fine", help="preset to vary choice by choice"
     )
     parser.add_argument("--diagram", action="store_true", help="compare whole small diagrams")
-    parser.add_argument("-o", "--output", metavar="FILE.png", type=Path, help="draw a figure")
+    _add_output(parser, "FILE.png", "draw a figure; or write a table, to .csv or .md")
 
 
 def _reproduce(commands: _Commands) -> None:
@@ -207,7 +315,10 @@ def _reproduce(commands: _Commands) -> None:
 def _plot(commands: _Commands) -> None:
     parser = commands.on_store("plot", "results:plot", "draw a figure of a store", "--kind ramp")
     parser.add_argument(
-        "--kind", default="diagram", choices=("diagram", "ramp", "fields"), help="default: diagram"
+        "--kind",
+        default="diagram",
+        choices=("diagram", "ramp", "fields", "temperature", "histogram"),
+        help="default: diagram; temperature is over the velocity, histogram over the contact",
     )
     parser.add_argument(
         "-o",
@@ -216,8 +327,52 @@ def _plot(commands: _Commands) -> None:
         type=Path,
         help="where to write it; default: beside the store",
     )
+    parser.add_argument(
+        "--width",
+        metavar="W",
+        type=values.quantity("8.5 cm"),
+        help='width of the figure, like "8.5 cm"; words stay readable',
+    )
+    parser.add_argument("--dpi", metavar="N", type=values.count, help="dots per inch of a .png")
+    parser.add_argument("--no-title", action="store_true", help="leave the title to the caption")
+    parser.add_argument(
+        "--log", action="store_true", help="scale both axes of the diagram by the logarithm"
+    )
+    parser.add_argument(
+        "--rival",
+        metavar="NAME",
+        dest="rivals",
+        action="append",
+        help="draw what a simpler criterion says into the diagram: blok, power, power-density or "
+        "pv; may be repeated",
+    )
     _add_conditions(parser)
     _add_place(parser)
+
+
+def _explore(commands: _Commands) -> None:
+    parser = commands.on_store(
+        "explore", "results:explore", "write a page to explore a store in a browser", "-o page.html"
+    )
+    parser.add_argument(
+        "-o",
+        "--output",
+        metavar="PAGE.html",
+        type=Path,
+        help="where to write it; default: beside the store",
+    )
+    parser.add_argument(
+        "--most-fields",
+        metavar="N",
+        type=values.count,
+        help="number of points whose fields the page holds, those nearest to the transition, about "
+        "10 kB each; default: 500",
+    )
+    parser.add_argument("--no-fields", action="store_true", help="leave all fields out")
+
+
+def _add_output(parser: argparse.ArgumentParser, name: str, what: str) -> None:
+    parser.add_argument("-o", "--output", metavar=name, type=Path, help=what)
 
 
 def _add_workers(parser: Any) -> None:
@@ -253,9 +408,7 @@ def _add_conditions(parser: argparse.ArgumentParser, several: bool = True) -> No
         group.add_argument(
             "--friction", metavar="MU", type=values.friction, help="coefficient of friction"
         )
-    group.add_argument(
-        "--bulk-temperature", metavar="T", type=values.quantity("25 degC"), help='like "25 degC"'
-    )
+    _add_bulk(group)
     group.add_argument(
         "--critical-temperature",
         metavar="T",
@@ -270,7 +423,18 @@ def _add_conditions(parser: argparse.ArgumentParser, several: bool = True) -> No
     )
 
 
-def _add_place(parser: argparse.ArgumentParser, required: bool = False) -> None:
+def _add_bulk(group: Any) -> None:
+    group.add_argument(
+        "--bulk-temperature",
+        metavar="T",
+        type=values.bulk,
+        help='like "25 degC"; "pin=60 degC, disk=25 degC" in a sweep of unequal ones',
+    )
+
+
+def _add_place(
+    parser: argparse.ArgumentParser, required: bool = False, surface: bool = True
+) -> None:
     """Options for a point of the plane."""
     parser.add_argument(
         "--load",
@@ -286,9 +450,10 @@ def _add_place(parser: argparse.ArgumentParser, required: bool = False) -> None:
         required=required,
         help='sliding velocity, like "1.25 m/s"',
     )
-    parser.add_argument(
-        "--realization",
-        metavar="SEED",
-        type=values.seed,
-        help="seed of one of several random surfaces",
-    )
+    if surface:
+        parser.add_argument(
+            "--realization",
+            metavar="SEED",
+            type=values.seed,
+            help="seed of one of several random surfaces",
+        )

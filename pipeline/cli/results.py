@@ -7,23 +7,30 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import pipeline
-from pipeline.cli.crossings import document_of, text_of
-from pipeline.cli.output import DONE, micrometres, show, tell
+from pipeline.cli.crossings import document_of, rows_of, text_of
+from pipeline.cli.output import DONE, micrometres, show, table_path, tell, written
 from pipeline.cli.scenes import CONDITIONS, PLACE, given, scene_of, selected
+from pipeline.cli.unknowns import posterior
 from pipeline.sweep.criterion import Verdict
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import PointResult
 from tribo import InputError, measures, specific_wear_rate
 
+if TYPE_CHECKING:
+    from pipeline.analysis.inference import CriticalTemperatures
+
 
 def boundary(options: argparse.Namespace) -> int:
     """Print critical velocities and loads."""
+    out = table_path(options)
     ds, conditions = pipeline.open_sweep(options.store), given(options, *CONDITIONS)
     found, warned = pipeline.boundary(ds, **conditions), pipeline.warned(ds, **conditions)
     document = document_of(found) | {"warnings": warned.as_dict()}
-    show(options, document, [*text_of(found), *warned.lines()])
+    told = written(out, rows_of(found), document)
+    show(options, document, [*text_of(found), *warned.lines(), *told])
     return DONE
 
 
@@ -32,11 +39,24 @@ def plot(options: argparse.Namespace) -> int:
     ds = pipeline.open_sweep(options.store)
     store = Path(options.store if isinstance(options.store, Path) else Path(options.store).name)
     out = options.output or store.with_name(f"{store.stem}_{options.kind}.png")
-    place, conditions = given(options, *PLACE), given(options, *CONDITIONS)
-    written = pipeline.plot(ds, options.kind, out, **place, **conditions)
+    shown = given(options, *PLACE, "rivals", "width", "dpi") | {"with_title": not options.no_title}
+    shown |= {"log": True} if options.log else {}
+    conditions = given(options, *CONDITIONS)
+    written = pipeline.plot(ds, options.kind, out, **shown, **conditions)
     warned = pipeline.warned(ds, **conditions)
     document = {"kind": options.kind, "file": str(written), "warnings": warned.as_dict()}
     show(options, document, [f"{written}", *warned.lines()])
+    return DONE
+
+
+def explore(options: argparse.Namespace) -> int:
+    """Write a page to explore a store in a browser."""
+    ds, store = pipeline.open_sweep(options.store), str(options.store).rstrip("/")
+    out = options.output or Path(Path(store).name if "://" in store else store).with_suffix(".html")
+    fields = {"most_fields": 0} if options.no_fields else given(options, "most_fields")
+    page = pipeline.explore(ds, out, **fields)
+    warned = pipeline.warned(ds)
+    show(options, page.as_dict() | {"warnings": warned.as_dict()}, [str(page), *warned.lines()])
     return DONE
 
 
@@ -62,10 +82,24 @@ def point(options: argparse.Namespace) -> int:
     return DONE
 
 
+def _of_elements(sweep: Sweep, result: PointResult) -> Iterator[str]:
+    """What the size of the elements decides, where a rough surface touches on larger ones."""
+    block = sweep.pixels.shape[0] // len(result.state.pressure)
+    if block > 1 and sweep.roughness is not None:
+        yield (
+            f"                    area and average by elements of {block} × {block} pixels: in the "
+            "paper's system those of"
+        )
+        yield (
+            "                    2 × 2 touch on 14 to 17 % more than the pixels, those of 4 × 4 on "
+            "40 to 50 %"
+        )
+
+
 def _on_point(
     sweep: Sweep, result: PointResult, verdict: Verdict, found: Mapping[str, float]
 ) -> Iterator[str]:
-    load, velocity, _ = result.point
+    load, velocity = result.point[:2]
     conditions = sweep.conditions
     at_worst = f" at its worst, after {verdict.time:.3g} s" if verdict.time < found["time"] else ""
     wear = "severe wear" if verdict.is_severe else "mild wear"
@@ -98,20 +132,40 @@ def _on_point(
         f"  pressure          {found['mean_pressure'] / 1e9:.3f} GPa on average, "
         f"{found['max_pressure'] / 1e9:.3f} GPa at most"
     )
+    yield from _of_elements(sweep, result)
     yield (
         f"  wear              {micrometres(found['wear_depth_max'])} deep, "
         f"{found['wear_volume'] * 1e9:.3g} mm³"
     )
     yield f"  computed in       {result.wall_time:.2f} s"
+    if velocity < 0:
+        yield "  note: the velocity is negative, so the disk slides towards −x"
     yield from (f"  note: {note}" for note in sweep.notes)
     yield from (f"  warning: {text}" for _, text in result.warnings)
 
 
 def infer(options: argparse.Namespace) -> int:
     """Find what was not measured from what was."""
-    sweep = scene_of(options).on_surface(options.realization)
+    if options.scene.is_dir():
+        return posterior(options, options.scene)
+    sweep = scene_of(options)
+    if sweep.samples and options.contact_width is None:
+        store = Path("results") / f"{options.scene.stem}.zarr"
+        if not store.exists():
+            raise InputError(
+                f"the samples of {options.scene} are computed first: irg run {options.scene}; then "
+                "irg infer OUT.zarr with what that wrote"
+            )
+        return posterior(options, store)
+    if options.next or options.scatter is not None:
+        raise InputError(
+            "--next and --scatter need samples of what is not known: give [unknown] and "
+            "sweep.samples in the scene"
+        )
+    sweep = sweep.on_surface(options.realization)
+    out = table_path(options)
     if options.contact_width is not None:
-        return _wear_rate(options, sweep)
+        return _wear_rate(options, sweep, out)
     if options.load is not None or options.velocity is not None:
         raise InputError("--load and --velocity belong to --contact-width, which is not given")
     found = pipeline.critical_temperatures(sweep, progress=tell)
@@ -128,11 +182,27 @@ def infer(options: argparse.Namespace) -> int:
         f"on average {pipeline.display(found.mean, '°C', 4)}"
         + (f", {found.spread:.1f} K apart (standard deviation)" if found.spread else ""),
     ]
-    show(options, found.as_dict(), text)
+    document = found.as_dict()
+    text += written(out, _transitions(found), document)
+    show(options, document, text)
     return DONE
 
 
-def _wear_rate(options: argparse.Namespace, sweep: Sweep) -> int:
+def _transitions(found: CriticalTemperatures) -> Iterator[dict[str, Any]]:
+    """Rows of a table, one for each measured transition."""
+    rows = zip(found.transitions, found.temperatures, found.means, found.spreads, strict=True)
+    for at, temperatures, mean, spread in rows:
+        each = zip(found.surfaces, temperatures, strict=True)
+        yield {
+            "load [N]": at.normal_load,
+            "velocity [m/s]": at.velocity,
+            "friction": at.friction,
+            "critical temperature [°C]": mean - 273.15,
+            "spread [K]": spread,
+        } | {f"surface {seed} [°C]": value - 273.15 for seed, value in each if found.spreads[0]}
+
+
+def _wear_rate(options: argparse.Namespace, sweep: Sweep, out: Path | None) -> int:
     if options.load is None or options.velocity is None:
         raise InputError("--contact-width needs --load and --velocity: where it was measured")
     found = specific_wear_rate(sweep, options.contact_width, options.load, options.velocity)
@@ -141,5 +211,7 @@ def _wear_rate(options: argparse.Namespace, sweep: Sweep) -> int:
         f"specific wear rate {value:.3g} mm³/(N m), from {lowest:.3g} to {highest:.3g} within half "
         "an element of the width"
     )
-    show(options, asdict(found), [text])
+    document = asdict(found)
+    row = {f"{name} [mm³/(N m)]": 1e9 * rate for name, rate in document.items()}
+    show(options, document, [text, *written(out, [row], document)])
     return DONE

@@ -40,7 +40,12 @@ def scene_of(
     if conditions := given(options, *CONDITIONS):
         changed = sweep.conditions.changed(**conditions)
         has_heat = sweep.friction_heat or changed.friction > 0
-        sweep = replace(sweep, conditions=changed, friction_heat=has_heat)
+        sweep = replace(
+            sweep,
+            conditions=changed,
+            friction_heat=has_heat,
+            unequal_bulks=changed.disk_temperature is not None,
+        )
     if getattr(options, "accuracy", None) is not None:
         sweep = _accurate(options, sweep, points, store)
     return sweep
@@ -56,7 +61,7 @@ def _accurate(
             f"--accuracy picks the numerical choices itself; leave out {', '.join(chosen)}"
         )
     sweep = pipeline.at_accuracy(
-        sweep, options.accuracy, points, store, lambda name: tell(f"probing {name}")
+        sweep, options.accuracy, points, store, lambda line: tell(f"probing: {line}")
     )
     tell(str(sweep.selection))
     return sweep

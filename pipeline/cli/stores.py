@@ -7,11 +7,12 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 import pipeline
-from pipeline.cli.output import DONE, SOME_FAILED, duration, failed_points, show
+from pipeline.cli.output import DONE, SOME_FAILED, failed_points, show
+from pipeline.sweep.stages import duration
 from pipeline.sweep.warned import NO_WARNING
 
 if TYPE_CHECKING:
-    from pipeline.store.progress import Summary
+    from pipeline.store import Summary
 
 
 def status(options: argparse.Namespace) -> int:

@@ -8,23 +8,24 @@ from pathlib import Path
 from typing import Any
 
 import pipeline
-from pipeline.cli.meaning import meaning
+from pipeline.cli.meaning import library_lines, meaning
 from pipeline.cli.output import (
     DONE,
     SOME_FAILED,
     ProgressLine,
     counted,
-    duration,
     failed_points,
     show,
     tell,
 )
-from pipeline.cli.scenes import scene_of, selected
+from pipeline.cli.scenes import given, scene_of, selected
 from pipeline.run import forkserver
 from pipeline.sweep.doubts import doubts
 from pipeline.sweep.facts import facts_of, require_bearable_loads
 from pipeline.sweep.left_out import left_out
 from pipeline.sweep.model import Sweep
+from pipeline.sweep.stages import duration
+from pipeline.sweep.warned import NO_WARNING, Warned
 from pipeline.tradeoff.forecast import Estimate, machine_bytes, worker_bytes
 
 
@@ -44,10 +45,11 @@ def run(options: argparse.Namespace) -> int:
             "retry_failed": options.retry_failed,
             "tell": tell,
         }
-        if options.boundary_only is None:
+        if options.boundary_only is None and sweep.samples is None:
             outcome = pipeline.run_sweep(sweep, out, **cluster, fill_fields=options.fill_fields)
         else:
-            outcome = pipeline.follow_boundary(sweep, out, options.boundary_only, **cluster)
+            asked = given(options, "boundary_only")
+            outcome = pipeline.follow_boundary(sweep, out, *asked.values(), **cluster)
     document = {
         "store": str(out),
         "points": outcome.total,
@@ -55,7 +57,7 @@ def run(options: argparse.Namespace) -> int:
         "done": outcome.done,
         "failed": failed_points(outcome.failed),
         "wall_time": outcome.wall_time,
-        "warnings": (found := pipeline.warned(pipeline.open_sweep(out))).as_dict(),
+        "warnings": (found := _warned(out)).as_dict(),
         **selected(sweep),
     }
     text = [
@@ -68,6 +70,13 @@ def run(options: argparse.Namespace) -> int:
     text += found.lines()
     show(options, document, text)
     return SOME_FAILED if outcome.failed else DONE
+
+
+def _warned(store: Path) -> Warned:
+    """Warnings of a store; only if it has any, it is opened as a dataset, which takes a second."""
+    if not pipeline.summary(store).warned:
+        return NO_WARNING
+    return pipeline.warned(pipeline.open_sweep(store))
 
 
 def check(options: argparse.Namespace) -> int:
@@ -87,14 +96,18 @@ def check(options: argparse.Namespace) -> int:
         "title": sweep.title,
         "notes": sweep.notes,
         "meaning": facts.as_dict(),
+        "library": [entry._asdict() for entry in sweep.library],
         "left_out": reasons,
         "worker_bytes": memory,
+        **_unknown(sweep),
         "warnings": doubted,
     }
     text = [
         f"{sweep.title}",
         *meaning(sweep, facts),
+        *library_lines(sweep),
         *(f"  left out {reason}" for reason in reasons),
+        *_on_unknown(sweep),
         *(f"  note     {note}" for note in sweep.notes),
         *(f"  warning  {doubt}" for doubt in doubted),
         f"  grid     {nx} × {ny} elements",
@@ -111,13 +124,47 @@ def check(options: argparse.Namespace) -> int:
     return DONE
 
 
+def _unknown(sweep: Sweep) -> dict[str, Any]:
+    """What is not known exactly, as plain data; nothing where all is."""
+    if sweep.samples is None:
+        return {}
+    simulated = sweep.samples.simulated
+    return {
+        "unknown": [
+            each.as_dict() | {"simulated": each.path in simulated} for each in sweep.samples.unknown
+        ],
+        "samples": len(sweep.samples),
+        "sample_seed": sweep.samples.seed,
+    }
+
+
+def _on_unknown(sweep: Sweep) -> Iterator[str]:
+    """Say what is not known exactly, and how samples are drawn of it."""
+    if sweep.samples is None:
+        return
+    for each in sweep.samples.unknown:
+        free = "" if each.path in sweep.samples.simulated else "; applied afterwards, at no cost"
+        yield f"  unknown  {each}{free}"
+    yield (
+        f"  samples  {len(sweep.samples)} of a scrambled Sobol' sequence, seed "
+        f"{sweep.samples.seed}; more of them go on from these"
+    )
+    if not sweep.axis:
+        yield "           all of one simulation, since nothing unknown acts before it ends"
+
+
 def _cost(sweep: Sweep, found: Estimate, said: Collection[str]) -> Iterator[str]:
     """Say what a sweep would cost, and what is left out besides what was said."""
-    surfaces = f", {len(sweep.realizations)} surfaces" if sweep.realizations else ""
-    yield (
-        f"  points   {found.points}: {counted(len(sweep.loads), 'load', 'loads')}, "
-        f"{counted(len(sweep.velocities), 'velocity', 'velocities')}{surfaces}"
-    )
+    loads = counted(len(sweep.loads), "load", "loads")
+    velocities = counted(len(sweep.velocities), "velocity", "velocities")
+    if sweep.samples:
+        sought = f"the boundary is sought between {sweep.velocities[0]:g} and "
+        sought += f"{sweep.velocities[-1]:g} m/s, {loads}"
+        variants = f", {len(sweep.samples)} samples" if sweep.axis else ""
+        yield f"  points   about {found.points}: {sought}{variants}"
+    else:
+        surfaces = f", {len(sweep.realizations)} surfaces" if sweep.realizations else ""
+        yield f"  points   {found.points}: {loads}, {velocities}{surfaces}"
     yield f"  steps    {found.steps} contacts and {found.temperatures} temperatures to solve"
     workers = counted(found.workers, "worker", "workers")
     yield f"  time     about {duration(found.seconds)} on {workers}"

@@ -10,8 +10,11 @@ from pathlib import Path
 from typing import Any
 
 import pipeline
+from pipeline.scene.quantities import share_of
+from tribo import InputError
 
 _DECIMAL_POINT = re.compile(r"\s*[+-]?(\d+\.\d*|\.\d+)(e[+-]?\d+)?\s*", re.IGNORECASE)
+_EACH_BULK = re.compile(r"\s*pin\s*=(?P<pin>[^=]+),\s*disk\s*=(?P<disk>[^=]+)")
 _DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d+")
 
 
@@ -25,6 +28,25 @@ def quantity(like: str) -> Callable[[str], float]:
             raise argparse.ArgumentTypeError(f'{error}; give one like "{like}"') from error
 
     return read
+
+
+def bulk(text: str) -> float | dict[str, float]:
+    """Read a bulk temperature, or that of pin and disk.
+
+    Examples
+    --------
+    >>> bulk("25 degC"), bulk("pin=60 degC, disk=25 degC")
+    (298.15, {'pin': 333.15, 'disk': 298.15})
+    """
+    read = quantity("25 degC")
+    if "=" not in text:
+        return read(text)
+    match = _EACH_BULK.fullmatch(text)
+    if match is None:
+        raise argparse.ArgumentTypeError(
+            f'"{text}": give one like "25 degC", or "pin=60 degC, disk=25 degC"'
+        )
+    return {"pin": read(match["pin"]), "disk": read(match["disk"])}
 
 
 def store(text: str) -> Path | str:
@@ -91,6 +113,26 @@ class Several(argparse.Action):
         setattr(namespace, self.dest, found if len(found) > 1 else found[0])
 
 
+class Version(argparse.Action):
+    """Print the version of the program, and exit."""
+
+    def __call__(
+        self,
+        parser: argparse.ArgumentParser,
+        namespace: argparse.Namespace,
+        values: Any,
+        option_string: str | None = None,
+    ) -> None:
+        """Look the version up only now, since that takes longer than reading all options."""
+        from importlib.metadata import PackageNotFoundError, version
+
+        try:
+            print(parser.prog, version("irg-transition"))
+        except PackageNotFoundError:
+            print(parser.prog, "of unknown version, since it is not installed")
+        parser.exit()
+
+
 def share(text: str) -> float:
     """Read a share such as 2% or 0.02."""
     try:
@@ -111,9 +153,27 @@ def failing_share(text: str) -> float:
     (0.1, 0.1, 0.0)
     """
     try:
-        return float(text[:-1]) / 100 if text.endswith("%") else float(text)
-    except ValueError:
-        raise argparse.ArgumentTypeError(f'"{text}": give a share such as 10% or 0.1') from None
+        return share_of(text)
+    except InputError as error:
+        raise argparse.ArgumentTypeError(str(error)) from None
+
+
+def settings(text: str) -> tuple[str, list[Any]]:
+    """Read ``KEY=VALUE,VALUE``, the values as in `setting`.
+
+    Examples
+    --------
+    >>> settings("friction.coefficient=0.08,0.12")
+    ('friction.coefficient', [0.08, 0.12])
+    >>> settings("pin.radius=2 mm,+20%")
+    ('pin.radius', ['2 mm', '+20%'])
+    """
+    key, separator, values = text.partition("=")
+    if not (separator and key and values):
+        raise argparse.ArgumentTypeError(
+            f'"{text}" gives no values; give them like friction.coefficient=0.08,0.12'
+        )
+    return key, [setting(f"{key}={value.strip()}")[1] for value in values.split(",")]
 
 
 def setting(text: str) -> tuple[str, Any]:

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from pipeline.store.points import locked, prepare
+from pipeline.store import locked, prepare
 from pipeline.sweep.plan import points, run_point
 from tests.helpers import tiny
 

@@ -10,12 +10,11 @@ import pytest
 
 import tribo
 from pipeline.cli import main
-from pipeline.cli.output import duration
 from pipeline.figures.style import as_text
 from pipeline.scene import surfaces
 from pipeline.scene.surfaces import read_surface
-from pipeline.store.points import prepare
-from pipeline.store.progress import summary
+from pipeline.store import prepare, summary
+from pipeline.sweep.stages import duration
 from tests.helpers import tiny
 
 

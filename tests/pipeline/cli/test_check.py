@@ -69,3 +69,25 @@ def test_a_scene_larger_than_the_machine_is_not_tried(capsys):
     said = capsys.readouterr().out
     assert "MB a worker" in said
     assert "less than a worker needs" in said
+
+
+def test_what_comes_from_the_library_is_printed_with_its_source(tmp_path, capsys):
+    scene = tmp_path / "scene.toml"
+    scene.write_text(
+        f'extends = "{SCENE}"\nwithout = ["materials"]\noil = "medicinal white oil"\n'
+        '[pin]\nmaterial = "AISI 52100"\n[disk]\nmaterial = "alumina"\n'
+        '[sweep]\nloads = ["200 N"]\nvelocities = ["1 m/s"]\n',
+        encoding="utf-8",
+    )
+    assert main(["check", str(scene)]) == 0
+    said = capsys.readouterr().out
+    for words in (
+        'materials."AISI 52100": elastic modulus 210 GPa',
+        "from Bosman & de Rooij, Table 3",
+        "materials.alumina: elastic modulus 416 GPa",
+        "from Munro, J. Am. Ceram. Soc. 80 (1997) 1919",
+        "oil      150 mPa s at the bulk temperature",
+        "film     Λ 0.8",
+        ": boundary lubrication",
+    ):
+        assert words in said

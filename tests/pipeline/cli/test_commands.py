@@ -358,6 +358,8 @@ def test_what_is_not_there_is_refused(tmp_path, capsys):
         (["point", "scene.toml", "--load", "5 kg", "--velocity", "1 m/s"], "750 N"),
         (["point", "scene.toml", "--load", "5", "--velocity", "1 m/s"], "750 N"),
         (["plot", "out.zarr", "--kind", "portrait"], "diagram"),
+        (["boundary", "out.zarr", "--bulk-temperature", "60 C"], "write 60 degC"),
+        (["boundary", "out.zarr", "--bulk-temperature", "60,5 degC"], 'a point: "60.5 degC"'),
         (["run", "scene.toml", "--workers", "2", "--scheduler", "tcp://a:1"], "not allowed"),
         (["status", "out.zarr", "--friction", "0.1"], "usage: irg status"),
         (["status", "out.zarr", "--friction", "0.1"], "unknown option or argument: --friction 0.1"),
@@ -374,4 +376,32 @@ def test_conditions_out_of_range_are_refused(swept, capsys):
     assert run("boundary", swept / "small.zarr", "--share", "1.5") == 2
     assert "share" in capsys.readouterr().err
     assert run("boundary", swept / "small.zarr", "--critical-temperature", "10 degC") == 2
-    assert "critical_temperature" in capsys.readouterr().err
+    assert "critical_temperature is 10 °C" in capsys.readouterr().err
+    assert run("boundary", swept / "small.zarr", "--bulk-temperature", "-300 degC") == 2
+    assert "bulk_temperature is -300 °C" in capsys.readouterr().err
+
+
+def test_margin_says_how_far_an_operating_point_is_from_severe_wear(swept, capsys):
+    place = ("--load", "300 N", "--velocity", "1.5 m/s")
+    assert run("margin", swept / "small.zarr", *place, "--json") == 0
+    document = json.loads(capsys.readouterr().out)
+    left = document["critical_temperature"] - document["decisive_temperature"]
+    assert document["distance"] == pytest.approx(left)
+    assert run("margin", swept / "small.zarr", *place) == 0
+    out = capsys.readouterr().out
+    assert f"{abs(left):.1f} K" in out
+    assert "in velocity" in out
+    assert "in load" in out
+
+
+def test_a_scene_in_place_of_a_store_and_a_store_in_place_of_a_scene_are_told_apart(swept, capsys):
+    assert run("boundary", swept / "small.toml") == 2
+    assert "small.toml is a file, not a store" in capsys.readouterr().err
+    assert run("check", swept / "small.zarr") == 2
+    assert "cannot be read: a store; give a scene file" in capsys.readouterr().err
+
+
+def test_a_negative_velocity_is_remarked_on(swept, capsys):
+    place = ("--load", "200 N", "--velocity", "-1 m/s", "--set", "increments=1")
+    assert run("point", swept / "small.toml", *place, "--set", "window.pixels=[64, 16]") == 0
+    assert "the velocity is negative, so the disk slides towards −x" in capsys.readouterr().out

@@ -11,10 +11,9 @@ import xarray as xr
 
 import pipeline
 from pipeline.cli import main
+from pipeline.store import DONE, Store, locked, prepare, summary
 from pipeline.store.pace import pace
-from pipeline.store.points import Store, locked, prepare
-from pipeline.store.progress import summary
-from pipeline.store.variables import COLUMNS, DONE, FIELDS
+from pipeline.store.variables import COLUMNS, FIELDS
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import points, run_point
 from tests.helpers import tiny

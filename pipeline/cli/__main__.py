@@ -1,7 +1,0 @@
-"""``python -m pipeline.cli``: the command ``irg``."""
-
-import sys
-
-from pipeline.cli import main
-
-sys.exit(main())

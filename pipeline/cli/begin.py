@@ -1,0 +1,29 @@
+"""The command that a user begins with: a scene to start from."""
+
+from __future__ import annotations
+
+import argparse
+
+import pipeline
+from pipeline.cli.output import DONE, show
+from pipeline.scene.shipped import shipped_scenes
+from tribo import InputError
+
+
+def new(options: argparse.Namespace) -> int:
+    """Write a scene to start from, or list those that are shipped."""
+    if options.list:
+        titles = {name: pipeline.load_scene(path).title for name, path in shipped_scenes().items()}
+        show(options, titles, [f"{name:16} {title}" for name, title in titles.items()])
+        return DONE
+    if options.file is None:
+        raise InputError("give the name of the file to write, such as: irg new scene.toml")
+    scene, *copies = pipeline.new_scene(options.file, options.like)
+    document = {"file": str(scene), "copies": [str(copy) for copy in copies]}
+    text = [
+        f"{scene} is written" + "".join(f", {copy} copied" for copy in copies),
+        f"what it means: irg check {scene}",
+        f"its points: irg run {scene}",
+    ]
+    show(options, document, text)
+    return DONE

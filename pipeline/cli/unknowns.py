@@ -1,0 +1,241 @@
+"""The commands on inputs that are not known exactly: risk, sensitivity, what measurements say."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+import pipeline
+from pipeline.cli.output import DONE, drawn_or_written, output_path, show
+from pipeline.cli.scenes import given
+from tribo import InputError
+
+if TYPE_CHECKING:
+    from pipeline.analysis.ensemble import Ensemble
+    from pipeline.analysis.posterior import Posterior
+    from pipeline.analysis.sobol import Sensitivity
+
+
+def risk(options: argparse.Namespace) -> int:
+    """Print the probability of severe wear at a point, or draw it over the plane."""
+    if (options.load is None) != (options.velocity is None):
+        raise InputError("give --load and --velocity, or neither for the whole plane")
+    out, ds = output_path(options), pipeline.open_sweep(options.store)
+    ensemble, found = _ensemble(options, ds)
+    draws = found.draws if found else None
+    document: dict[str, Any] = {"given_measured": found is not None, **_about(ensemble)}
+    text = list(_notes(ensemble, found))
+    if options.load is not None:
+        at = pipeline.risk(ensemble, options.load, options.velocity, draws)
+        document |= at.as_dict()
+        text = [
+            f"{at.load:g} N at {at.velocity:g} m/s: severe wear with a probability of "
+            f"{at.probability:.3g} ± {at.error:.2g}",
+            *text,
+            f"  the polynomial through {at.samples} samples errs by "
+            f"{100 * at.surrogate_error:.2g} % of the rise",
+        ]
+    if options.load is None or out:
+        plane = pipeline.probabilities(ensemble, draws)
+        place = given(options, "load", "velocity")
+        at_loads = pipeline.probabilities(ensemble, draws, loads=ensemble.loads)
+        document |= _lines(at_loads)
+        text += [] if place else _table(at_loads)
+        text += drawn_or_written(
+            out or _beside(options.store, "risk"),
+            lambda: pipeline.draw_risk(ensemble, plane, place, found),
+            _cells(plane),
+            document,
+        )
+    warned = pipeline.warned(ds)
+    show(options, document | {"warnings": warned.as_dict()}, [*text, *warned.lines()])
+    return DONE
+
+
+def sensitivity(options: argparse.Namespace) -> int:
+    """Print and draw which input moves the boundary how much."""
+    out, ds = output_path(options), pipeline.open_sweep(options.store)
+    ensemble, found = _ensemble(options, ds)
+    indices = pipeline.sensitivity(ensemble, found.draws if found else None)
+    document: dict[str, Any] = {"given_measured": found is not None, **_about(ensemble)}
+    document |= indices.as_dict()
+    text = [*_notes(ensemble, found), *_indices(indices)]
+    text += drawn_or_written(
+        out,
+        lambda: pipeline.draw_sensitivity(indices, ensemble.title),
+        _index_rows(indices),
+        document,
+    )
+    warned = pipeline.warned(ds)
+    show(options, document | {"warnings": warned.as_dict()}, [*text, *warned.lines()])
+    return DONE
+
+
+def posterior(options: argparse.Namespace, store: Path | str) -> int:
+    """Print and draw what the measured transitions say of the unknown inputs."""
+    out, ensemble = output_path(options), pipeline.Ensemble.of(pipeline.open_sweep(store))
+    found = pipeline.posterior(ensemble, **given(options, "scatter"))
+    document: dict[str, Any] = found.as_dict()
+    text = [*_on_inputs(found)]
+    if options.next:
+        ranked = pipeline.candidates(found)
+        document["next"] = [
+            {"what": each.what, "spread": each.spread, "narrows": each.narrows} for each in ranked
+        ]
+        text += [
+            "what to measure next, and by how much it is expected to narrow the boundary, now "
+            f"± {100 * ranked[0].before:.2g} % in velocity",
+            *(
+                f"  to ± {100 * each.spread:<5.2g}% (by {100 * each.narrows:.0f} %)  {each.what}"
+                for each in ranked
+            ),
+        ]
+    rows = (_flat(row) for row in found.summary())
+    text += drawn_or_written(out, lambda: pipeline.draw_posterior(found), rows, document)
+    show(options, document, text)
+    return DONE
+
+
+def _ensemble(options: argparse.Namespace, ds: Any) -> tuple[Ensemble, Posterior | None]:
+    """The samples of a sweep, and what measurements say of them if that is to count."""
+    ensemble = pipeline.Ensemble.of(ds)
+    if not options.given_measured:
+        return ensemble, None
+    if not ensemble.measured:
+        raise InputError("--given-measured: the scene has no [[measured]] transition")
+    return ensemble, pipeline.posterior(ensemble, **given(options, "scatter"))
+
+
+def _about(ensemble: Ensemble) -> dict[str, Any]:
+    return {
+        "samples": len(ensemble.inputs),
+        "samples_left_out": ensemble.missing,
+        "unknown": [each.as_dict() for each in ensemble.unknown],
+    }
+
+
+def _notes(ensemble: Ensemble, found: Posterior | None) -> Iterator[str]:
+    """Say on what the numbers rest."""
+    what = "as the scene assumes them"
+    if found:
+        what = f"given {len(found.measured)} measured transitions, their velocities scattered by "
+        what += f"{100 * found.scatter:g} %"
+    yield f"  {len(ensemble.unknown)} unknown inputs, {what}"
+    if ensemble.missing:
+        yield f"  {ensemble.missing} samples are left out: not done at every load"
+
+
+def _beside(store: Path | str, kind: str) -> Path:
+    """Where a figure goes if that is not said."""
+    path = store if isinstance(store, Path) else Path(Path(store).name)
+    return path.with_name(f"{path.stem}_{kind}.png")
+
+
+def _cells(plane: Any) -> Iterator[dict[str, Any]]:
+    """Rows of a table with the probability over the plane."""
+    for load, row in zip(plane["load"].values.tolist(), plane.values.tolist(), strict=True):
+        for velocity, probability in zip(plane["velocity"].values.tolist(), row, strict=True):
+            yield {"load [N]": load, "velocity [m/s]": velocity, "probability": probability}
+
+
+def _index_rows(found: Sensitivity) -> Iterator[dict[str, Any]]:
+    """Rows of a table with Sobol' indices."""
+    for i, load in enumerate(found.loads):
+        for k, each in enumerate(found.unknown):
+            yield {
+                "load [N]": load,
+                "input": each.path,
+                "first": float(found.first[i, k]),
+                "total": float(found.total[i, k]),
+            }
+
+
+def _flat(row: dict[str, Any]) -> dict[str, Any]:
+    """A row on one input, before and after."""
+    return {"input": row["path"], "unit": row["unit"]} | {
+        f"{word} {what}": row[name][what]
+        for name, word in (("prior", "before"), ("posterior", "after"))
+        for what in ("mean", "sd")
+    }
+
+
+def _lines(plane: Any) -> dict[str, Any]:
+    """Velocities of some probabilities by load, as plain data."""
+    shares, rows = pipeline.risk_lines(plane)
+    return {
+        "load": plane["load"].values.tolist(),
+        "velocity_of_probability": dict(zip(map(str, shares), rows.T.tolist(), strict=True)),
+    }
+
+
+def _table(plane: Any) -> Iterator[str]:
+    shares, rows = pipeline.risk_lines(plane)
+    heads = " ".join(f"{f'{100 * share:g} %':>8}" for share in shares)
+    yield "velocity [m/s] at which wear is severe with a probability of"
+    yield f"{'load [N]':>10} {heads}"
+    for load, row in zip(plane["load"].values, rows, strict=True):
+        cells = " ".join(f"{f'{v:.3g}' if np.isfinite(v) else '-':>8}" for v in row)
+        yield f"{load:10g} {cells}"
+
+
+def _indices(found: Sensitivity) -> Iterator[str]:
+    """A table for each kind of index: an input a row, a load a column."""
+    heads = " ".join(f"{f'{load:g} N':>18}" for load in found.loads)
+    width = max(len(each.path) for each in found.unknown) + 2
+    tables = [("first index", found.first, found.first_interval)]
+    if np.isfinite(found.total).all():
+        tables.append(("total index", found.total, found.total_interval))
+    for name, values, (low, high) in tables:
+        yield f"{name:{width}} {heads}"
+        for i in np.argsort(-values.mean(axis=0)):
+            cells = " ".join(
+                f"{f'{v:.2f} ({a:.2f}–{b:.2f})':>18}"
+                for v, a, b in zip(values[:, i], low[:, i], high[:, i], strict=True)
+            )
+            yield f"{found.unknown[i].path:{width}} {cells}"
+    if len(tables) == 1:
+        yield "no total index: given the measurements the inputs depend on one another"
+    spreads = " ".join(f"{f'± {100 * each:.2g} %':>18}" for each in found.spread)
+    yield f"{'spread of velocity':{width}} {spreads}"
+    errors = " ".join(f"{f'{100 * each:.2g} %':>18}" for each in found.surrogate_error)
+    yield f"{'polynomial errs by':{width}} {errors}"
+    from pipeline.analysis.sobol import GOOD  # with its libraries, which only this command needs
+
+    yield from (
+        f"warning: at {load:g} N the polynomial explains only {100 * share:.0f} % of the variance "
+        "of the rise; run more samples"
+        for load, share in zip(found.loads, found.explained, strict=True)
+        if share < GOOD
+    )
+
+
+def _on_inputs(found: Posterior) -> Iterator[str]:
+    """Say what is known of each input, before and after."""
+    yield (
+        f"{len(found.measured)} measured transitions, velocities scattered by "
+        f"{100 * found.scatter:g} %; {len(found.ensemble.inputs)} samples"
+    )
+    rows = list(found.summary())
+    width = max(len(row["path"]) for row in rows) + 2
+    yield f"{'':{width}} {'before':>24}   {'after':>24}   {'90 % within':>22}"
+    for row, each in zip(rows, found.ensemble.unknown, strict=True):
+        shown, spread = each.shown, each.spread
+        before, after = (
+            f"{shown.of(row[name]['mean']):.4g} ± {spread.of(row[name]['sd']):.3g}"
+            for name in ("prior", "posterior")
+        )
+        within = " to ".join(f"{shown.of(value):.4g}" for value in row["posterior"]["interval"])
+        unit = shown.suffix if spread == shown else f"{shown.suffix}, ± in{spread.suffix}"
+        yield f"{each.path:{width}} {before:>24}   {after:>24}   {within:>22}{unit}"
+    yield from (
+        f"{a} and {b} hide behind each other: correlation {c:+.2f}" for a, b, c in found.hidden()
+    )
+    for entry, (low, middle, high) in zip(found.measured, found.computed, strict=True):
+        yield (
+            f"at {entry['normal_load']:g} N measured {entry['velocity']:g} m/s, computed "
+            f"{middle:.3g} ({low:.3g} to {high:.3g})"
+        )

@@ -1,0 +1,111 @@
+"""The command that changes one input at a time."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import re
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+import pipeline
+from pipeline.analysis.tables import is_table
+from pipeline.cli.output import DONE, show, table_path, tell, written
+from pipeline.cli.scenes import scene_of
+from tribo import InputError
+
+if TYPE_CHECKING:
+    from pipeline.run.vary import Variations
+
+_RELATIVE = re.compile(r"([+-]\d+(?:\.\d+)?)\s*%")
+_QUANTITY = re.compile(r"\s*([+-]?[\d.]+(?:[eE][+-]?\d+)?)\s*(.*)")
+
+
+def vary(options: argparse.Namespace) -> int:
+    """Print and draw the boundary for each value of some entries."""
+    table = table_path(options) if is_table(options.output) else None
+    out = options.output and not table and pipeline.figure_path(options.output)
+    others = {
+        (key, str(value)): scene_of(_with(options, key, value))
+        for key, values in options.over
+        for value in _absolute(options, key, values)
+    }
+    found = pipeline.vary(scene_of(options), others, tell=tell)
+    if out:
+        pipeline.save_figure(pipeline.draw_variations(found), out)
+    document = found.as_dict() | ({"file": str(out)} if out else {})
+    told = written(table, _rows(found), document)
+    show(options, document, [*_text(found, out), *told])
+    return DONE
+
+
+def _rows(found: Variations) -> Iterator[dict[str, Any]]:
+    """Rows of a table, one for each value and load."""
+    for each in (found.own, *found.others):
+        changes = found.changes(each) if each.key else [None] * len(found.loads)
+        for load, velocity, change in zip(
+            found.loads, each.critical_velocities, changes, strict=True
+        ):
+            yield {
+                "entry": each.key or "as it is",
+                "value": each.value,
+                "load [N]": load,
+                "critical velocity [m/s]": velocity,
+                "change": change,
+            }
+
+
+def _with(options: argparse.Namespace, key: str, value: Any) -> argparse.Namespace:
+    """The options with one entry more that is set."""
+    return argparse.Namespace(**{**vars(options), "set": [*options.set, (key, value)]})
+
+
+def _absolute(options: argparse.Namespace, key: str, values: list[Any]) -> Iterator[Any]:
+    """Values of an entry; of those such as +20%, what they make of the scene's own."""
+    for value in values:
+        relative = _RELATIVE.fullmatch(value) if isinstance(value, str) else None
+        if relative is None:
+            yield value
+            continue
+        own = pipeline.scene_entry(options.scene, key, dict(options.set))
+        factor = 1 + float(relative[1]) / 100
+        if isinstance(own, int | float) and not isinstance(own, bool):
+            yield float(f"{own * factor:.12g}")
+        elif isinstance(own, str) and (parts := _QUANTITY.fullmatch(own)):
+            if parts[2].startswith(("deg", "°", "C")):
+                raise InputError(
+                    f"--over {key}={value}: the scene gives {own}, a temperature, of which there "
+                    'are no percent; give one such as "150 degC"'
+                )
+            yield f"{float(parts[1]) * factor:.12g} {parts[2]}"
+        else:
+            raise InputError(
+                f"--over {key}={value}: the scene gives no number there to change; give a value"
+            )
+
+
+def _text(found: Variations, out: Any) -> Iterator[str]:
+    """A table of critical velocities, a row for each value."""
+    heads = " ".join(f"{f'{load:g} N':>14}" for load in found.loads)
+    width = max([18, *(len(each.value) + 4 for each in found.others)])
+    yield f"{'critical velocity [m/s]':{width}} {heads}"
+    own = " ".join(f"{_number(v):>14}" for v in found.own.critical_velocities)
+    yield f"{'as it is':{width}} {own}"
+    for key, variations in found.by_key().items():
+        yield key
+        for each in variations:
+            cells = " ".join(
+                f"{_number(v):>5} {_percent(change):>8}"
+                for v, change in zip(each.critical_velocities, found.changes(each), strict=True)
+            )
+            yield f"    {each.value:{width - 4}} {cells}"
+    if out:
+        yield str(out)
+
+
+def _number(value: float) -> str:
+    return f"{value:.3g}" if math.isfinite(value) else "none"
+
+
+def _percent(change: float) -> str:
+    return f"{100 * change:+.1f} %" if math.isfinite(change) else ""

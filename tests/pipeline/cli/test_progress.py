@@ -1,0 +1,89 @@
+"""Progress on stderr, and what cannot succeed: told before the work."""
+
+import sys
+
+import pytest
+
+from pipeline.cli import main, output
+from pipeline.run.sweep import Progress
+from pipeline.sweep.stages import staged
+from tests.pipeline.cli.test_commands import MEASURED, SCENE
+
+
+@pytest.fixture
+def small(tmp_path):
+    (tmp_path / "small.toml").write_text(SCENE + MEASURED)
+    return tmp_path
+
+
+def test_without_a_terminal_progress_comes_in_plain_lines(capsys, monkeypatch):
+    monkeypatch.setattr(output.time, "monotonic", iter(range(0, 1000, 4)).__next__)
+    with output.ProgressLine() as show:
+        for done in range(8):
+            show(Progress(done, 0, 8, 4.0 * done, 4.0 * (8 - done)))
+        show(Progress(8, 0, 8, 32.0, 0.0))
+    said = capsys.readouterr().err
+    assert "\r" not in said
+    assert said.splitlines()[0] == "irg: 0 of 8 points done, 0 failed, 0 s so far, 32 s to go"
+    assert said.splitlines()[-1] == "irg: 8 of 8 points done, 0 failed, 32 s so far"
+    assert 3 <= len(said.splitlines()) <= 6
+
+
+def test_on_a_terminal_progress_stays_on_one_line(capsys, monkeypatch):
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
+    with output.ProgressLine() as show:
+        show(Progress(3, 1, 8, 4.0, 9.0))
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1
+    assert "3 of 8 points done, 1 failed, 4 s so far, 9 s to go" in said
+
+
+def test_stages_say_which_of_how_many_and_the_time_to_go():
+    said = []
+    times = iter([0.0, 0.0, 10.0, 30.0])
+    stages = ("draft", 1.0), ("standard", 2.0), ("fine", 9.0)
+    named = {"name": lambda stage: stage[0], "weight": lambda stage: stage[1]}
+    assert list(staged(stages, said.append, **named, clock=lambda: next(times))) == list(stages)
+    assert said == [
+        "1 of 3: draft",
+        "2 of 3: standard (about 2 min to go)",
+        "3 of 3: fine (about 90 s to go)".replace("90 s", "2 min"),
+    ]
+
+
+def test_infer_says_where_it_is(small, capsys):
+    (small / "two.toml").write_text(SCENE + MEASURED + MEASURED.replace("400 N", "200 N"))
+    assert main(["infer", str(small / "two.toml"), "--preset", "draft"]) == 0
+    said = capsys.readouterr().err
+    assert "1 of 2: two, 400 N at 2 m/s" in said
+    assert "2 of 2: two, 200 N at 2 m/s" in said
+
+
+def fail(*_, **__):
+    raise AssertionError("work was begun that cannot succeed")
+
+
+@pytest.mark.parametrize("command", ["trade", "reproduce"])
+@pytest.mark.parametrize("name", ["nowhere/figure.png", "figure.xyz", "taken.png"])
+def test_a_figure_that_cannot_be_written_is_refused_first(
+    command, name, small, capsys, monkeypatch
+):
+    (small / "taken.png").mkdir()
+    monkeypatch.setattr("tribo.simulation.steps.advance", fail)
+    what = str(small / "small.toml") if command == "trade" else "fig4"
+    assert main([command, what, "-o", str(small / name)]) == 2
+    assert f"cannot write {small / name}" in capsys.readouterr().err
+
+
+def test_a_store_that_does_not_keep_an_accuracy_is_refused_before_the_probe(
+    small, capsys, monkeypatch
+):
+    arguments = ["run", str(small / "small.toml"), "--workers", "1"]
+    fast = ["--set", "increments=1", "--set", "sweep.loads=['200 N']", "-o", str(small / "a.zarr")]
+    assert main([*arguments, *fast, "--set", "sweep.velocities=['1 m/s']"]) == 0
+    monkeypatch.setattr("pipeline.tradeoff.choose.choose_fidelity", fail)
+    assert main([*arguments, "--accuracy", "5%", "-o", str(small / "a.zarr")]) == 3
+    assert "leave out --accuracy" in capsys.readouterr().err
+    (small / "file").touch()
+    assert main([*arguments, "--accuracy", "5%", "-o", str(small / "file" / "a.zarr")]) == 2
+    assert "cannot be written" in capsys.readouterr().err

@@ -1,0 +1,82 @@
+"""What the command says of itself, and what it keeps quiet about."""
+
+import errno
+import os
+import subprocess
+import sys
+from importlib.metadata import version
+
+import pytest
+
+import pipeline
+from pipeline.cli import main
+from tests.pipeline.cli.test_commands import SCENE
+
+
+def test_the_version_is_that_of_the_package(capsys):
+    with pytest.raises(SystemExit) as caught:
+        main(["--version"])
+    assert caught.value.code == 0
+    assert capsys.readouterr().out == f"irg {version('irg-transition')}\n"
+
+
+def test_the_package_runs_as_a_module():
+    done = subprocess.run(
+        [sys.executable, "-m", "pipeline", "status", "nothing.zarr"],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 2
+    assert "nothing.zarr does not exist" in done.stderr
+
+
+def test_quiet_leaves_results_and_errors_alone(tmp_path, capsys):
+    (tmp_path / "small.toml").write_text(SCENE)
+    arguments = [str(tmp_path / "small.toml"), "--set", "increments=2", "--workers", "1"]
+    arguments += ["-o", str(tmp_path / "small.zarr")]
+    assert main(["run", *arguments, "--quiet"]) == 0
+    shown = capsys.readouterr()
+    assert "9 of 9 points done" in shown.out
+    assert shown.err == ""
+    assert main(["boundary", str(tmp_path / "small.zarr"), "-q", "--share", "3"]) == 2
+    assert "share is 3" in capsys.readouterr().err
+    assert main(["run", *arguments]) == 0
+    assert "9 of 9 points done" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("line", "offered"), [("irg plo", "plot "), ("irg plot a.zarr --kind f", "fields ")]
+)
+def test_a_shell_is_told_what_may_follow(line, offered, tmp_path):
+    environment = os.environ | {
+        "_ARGCOMPLETE": "1",
+        "_ARGCOMPLETE_STDOUT_FILENAME": str(tmp_path / "offered"),
+        "COMP_LINE": line,
+        "COMP_POINT": str(len(line)),
+    }
+    program = "import sys; sys.argv[0] = 'irg'; from pipeline.cli import main; main()"
+    subprocess.run([sys.executable, "-c", program], env=environment, check=True)
+    assert (tmp_path / "offered").read_text() == offered
+
+
+@pytest.mark.parametrize(
+    "error",
+    [MemoryError(), RuntimeError("can't start new thread"), OSError(errno.ENOMEM, "fork")],
+)
+def test_a_lack_of_memory_is_said_in_a_line(error, monkeypatch, capsys):
+    def fails(_):
+        raise error
+
+    monkeypatch.setattr(pipeline, "summary", fails)
+    assert main(["status", "any.zarr"]) == 2
+    assert "out of memory, or of the threads" in capsys.readouterr().err
+
+
+def test_other_errors_are_not_taken_for_a_lack_of_memory(monkeypatch):
+    def fails(_):
+        raise RuntimeError("a mistake in this program")
+
+    monkeypatch.setattr(pipeline, "summary", fails)
+    with pytest.raises(RuntimeError, match="a mistake"):
+        main(["status", "any.zarr"])

@@ -1,0 +1,58 @@
+"""What is shown where a scene, a point or a figure is looked at, as in a notebook."""
+
+import io
+import sys
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from matplotlib import image
+
+import pipeline
+from pipeline.run.notebook import reported
+from pipeline.run.sweep import Progress
+from tests.helpers import synthetic, tiny
+from tribo import MeasuredRoughness
+
+
+def test_a_scene_shows_itself_in_a_few_lines():
+    heights = np.zeros((32, 16))
+    for scene in (tiny.sweep(), tiny.sweep(roughness=MeasuredRoughness(heights))):
+        lines = repr(scene).splitlines()
+        assert lines[0] == "tiny: A tiny sweep"
+        assert len(lines) < 14
+        assert max(map(len, lines)) < 90
+        assert "  sweep     3 loads from 150 to 600 N, 3 velocities from 0.5 to 1.5 m/s" in lines
+    html = replace(tiny.sweep(), title="<b>")._repr_html_()
+    assert "<caption>tiny: &lt;b&gt;</caption>" in html
+    assert "3 loads from 150 to 600 N" in html
+
+
+def test_a_point_shows_itself_in_a_few_lines():
+    point = pipeline.run_point(tiny.sweep(), "250 N", "1 m/s")
+    lines = repr(point).splitlines()
+    assert lines[0] == "250 N, 1 m/s"
+    assert f"{1e-9 * point.columns['max_pressure'][-1]:.3g} GPa at most" in lines[2]
+    assert len(lines) == 5 + len(point.warnings)
+    assert point._repr_html_().count("<tr>") == len(lines) - 1
+
+
+@pytest.mark.parametrize("kind", ["diagram", "ramp", "fields"])
+def test_a_figure_shows_itself_as_a_picture(kind):
+    figure = pipeline.plot(synthetic.sweep(fields=True), kind)
+    pixels = image.imread(io.BytesIO(figure._repr_png_()))
+    assert min(pixels.shape[:2]) > 300
+    assert np.unique(pixels[..., :3].reshape(-1, 3), axis=0).shape[0] > 20
+
+
+def test_a_notebook_shows_the_progress_that_nobody_asked_for(capsys, monkeypatch):
+    with reported(None) as report:
+        assert report is None
+    monkeypatch.setitem(sys.modules, "ipykernel", sys)
+    with reported(print) as report:
+        assert report is print
+    with reported(None) as report:
+        report(Progress(done=3, failed=1, total=9, elapsed=65.0, time_to_go=130.0))
+    shown = capsys.readouterr().err
+    assert "3 of 9 points done, 65 s so far" in shown or "3 of 9 points done, 1 min so far" in shown
+    assert "1 failed, 2 min to go" in shown

@@ -1,0 +1,61 @@
+"""Where there is no POSIX, as on Windows: what reads works, what writes says what it needs."""
+
+import os
+import subprocess
+import sys
+
+import pytest
+
+from tests.pipeline.cli.test_commands import SCENE
+
+WITHOUT_POSIX = """
+import multiprocessing, os, signal, sys
+import locket, psutil  # which have a part of their own for each system
+sys.modules["fcntl"] = None
+del os.getuid, os.sysconf, os.O_NONBLOCK, signal.pthread_sigmask
+os.O_BINARY = 0
+multiprocessing.get_all_start_methods = lambda: ["spawn"]
+from pipeline.cli import main
+sys.exit(main(sys.argv[1:]))
+"""
+
+
+def run(*arguments):
+    return subprocess.run(
+        [sys.executable, "-c", WITHOUT_POSIX, *map(str, arguments)],
+        capture_output=True,
+        text=True,
+        check=False,
+        env=os.environ | {"OMP_NUM_THREADS": "1"},
+    )
+
+
+PLACE = ("--load", "200 N", "--velocity", "1 m/s")
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        ("check", "small.toml"),
+        ("point", "small.toml", *PLACE, "--set", "increments=1"),
+        ("status", "tiny.zarr"),
+        ("boundary", "tiny.zarr"),
+        ("plot", "tiny.zarr", "-o", "figure.png"),
+    ],
+    ids=lambda command: command[0],
+)
+def test_what_only_reads_works(command, alone, tmp_path):
+    (tmp_path / "small.toml").write_text(SCENE)
+    places = {"small.toml": tmp_path / "small.toml", "tiny.zarr": alone}
+    places["figure.png"] = tmp_path / "figure.png"
+    done = run(*(places.get(word, word) for word in command))
+    assert done.returncode == 0, done.stderr
+    assert done.stderr == ""
+
+
+def test_a_run_says_what_it_needs(tmp_path):
+    (tmp_path / "small.toml").write_text(SCENE)
+    done = run("run", tmp_path / "small.toml", "-o", tmp_path / "out.zarr")
+    assert done.returncode == 2
+    assert "no locks on files, which runs need; run on Linux or macOS" in done.stderr
+    assert done.stderr.count("\n") == 1

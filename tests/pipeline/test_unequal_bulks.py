@@ -1,0 +1,266 @@
+"""Bodies of unequal bulk temperature, from the scene file to the figures."""
+
+import json
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import pipeline
+from pipeline.cli import main
+from pipeline.store import Store
+from pipeline.sweep.criterion import Conditions
+from tests.helpers import tiny
+from tribo import InputError
+
+BOTH = {"pin": 333.15, "disk": 298.15}
+CONDITIONS = Conditions(0.07, 333.15, 373.15, disk_temperature=298.15)
+
+
+def warm(**changes):
+    """A tiny sweep with Δ/µ = −500 K, at which quantiles are kept."""
+    return tiny.full(conditions=CONDITIONS, unequal_bulks=True, **changes)
+
+
+@pytest.fixture(scope="module")
+def stores(tmp_path_factory):
+    """The sweep with unequal bulk temperatures, and the same with equal ones."""
+    folder = tmp_path_factory.mktemp("bulks")
+    for name, sweep in (("unequal", warm()), ("equal", tiny.full())):
+        assert not pipeline.run_sweep(sweep, folder / f"{name}.zarr", workers=1).failed
+    return folder
+
+
+@pytest.fixture
+def unequal(stores):
+    return pipeline.open_sweep(stores / "unequal.zarr")
+
+
+@pytest.fixture
+def equal(stores):
+    return pipeline.open_sweep(stores / "equal.zarr")
+
+
+def test_only_unequal_bulk_temperatures_are_stored_with_both_parts(unequal, equal):
+    further = {"bulk_ratio", "mean_bulk_response", "bulk_rise_quantile", "bulk_response"}
+    assert set(unequal.variables) - set(equal.variables) == further
+    assert "disk_temperature" not in equal.attrs["conditions"]
+    assert "unequal_bulks" not in equal.attrs["scene"]
+    for name in ("rise_quantile", "rise", "max_rise", "pressure"):
+        assert np.array_equal(unequal[name], equal[name], equal_nan=True)
+
+
+def test_a_store_with_both_parts_is_verified_compacted_and_gone_on_with(stores, unequal):
+    out = stores / "unequal.zarr"
+    assert all(Store(out).is_intact(point) for point in pipeline.sweep.plan.points(warm()))
+    pipeline.compact_store(out)
+    again = pipeline.run_sweep(warm(), out, workers=1)
+    assert (again.computed, again.done) == (0, 9)
+    compacted = pipeline.open_sweep(out)
+    assert np.array_equal(
+        compacted["bulk_rise_quantile"], unequal["bulk_rise_quantile"], equal_nan=True
+    )
+
+
+def test_temperatures_are_those_of_the_fields(unequal):
+    last = unequal.sel(load=600.0, velocity=1.0)
+    contact = last["pressure"].values > 0
+    rise = 0.07 * last["rise"].values - 35.0 * last["bulk_response"].values
+    temperature = 333.15 + rise[contact]
+    at_end = last.isel(step=-1) if np.isfinite(last["time"][-1]) else last.dropna("step", how="all")
+    assert float(at_end["max_temperature"]) == pytest.approx(temperature.max(), rel=1e-9)
+    assert float(at_end["mean_temperature"]) == pytest.approx(temperature.mean(), rel=1e-9)
+    hot = at_end["temperature_quantile"].sel(quantile=0.9)
+    assert float(hot) == pytest.approx(np.quantile(temperature, 0.9), rel=1e-9)
+    share = float(at_end["failed_fraction"])
+    assert share == pytest.approx((temperature > 373.15).mean(), abs=0.05)
+
+
+def test_a_point_alone_is_judged_as_in_the_sweep(unequal):
+    found = pipeline.run_point(warm(), 600.0, 1.5).verdict(CONDITIONS)
+    swept = pipeline.decisive_temperature(unequal).sel(load=600.0, velocity=1.5)
+    assert float(swept) == pytest.approx(found.decisive_temperature, rel=1e-12)
+    assert found.is_severe == (found.decisive_temperature > 373.15)
+
+
+def test_the_conditions_stay_free_after_the_run(unequal, equal):
+    for friction, bulk in ((0.1, 298.15), (0.07, "40 degC")):
+        given = {"friction": friction, "bulk_temperature": bulk, "critical_temperature": 400.0}
+        assert pipeline.boundary(unequal, **given).equals(pipeline.boundary(equal, **given))
+    colder_disk, warmer_disk = (
+        pipeline.decisive_temperature(unequal, bulk_temperature={"pin": "60 degC", "disk": disk})
+        for disk in ("20 degC", 353.15)
+    )
+    assert (colder_disk < warmer_disk).all()
+    # A contact without friction lies between its bodies.
+    still = pipeline.decisive_temperature(unequal, friction=0.0, bulk_temperature=BOTH)
+    assert ((still > 298.15) & (still < 333.15)).all()
+
+
+def test_exchanging_the_temperatures_moves_the_boundary(unequal):
+    given = {"critical_temperature": 372.0, "friction": 0.07}
+    own = pipeline.boundary(unequal, bulk_temperature=BOTH, **given)
+    swapped = {"pin": BOTH["disk"], "disk": BOTH["pin"]}
+    other = pipeline.boundary(unequal, bulk_temperature=swapped, **given)
+    # The disk, which moves, decides: with a warm one wear is severe from lower velocities on.
+    assert (own["outcome_at_load"] < 2).any()
+    assert (other["outcome_at_load"] == 2).sum() >= (own["outcome_at_load"] == 2).sum()
+    assert own.attrs["disk_temperature"] == 298.15
+    warmer = pipeline.decisive_temperature(unequal, bulk_temperature=swapped)
+    assert (warmer > pipeline.decisive_temperature(unequal, bulk_temperature=BOTH)).all()
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ({"pin": 300.0}, "names pin; give one temperature for both bodies"),
+        ({"pin": 300.0, "disc": 300.0}, "names pin, disc"),
+        ({"pin": 300.0, "disk": "80 C"}, "bulk_temperature"),
+        ({"pin": 300.0, "disk": 25.0}, "at which no oil works"),
+        ({"pin": 300.0, "disk": 390.0}, "critical_temperature is 100 °C"),
+    ],
+)
+def test_bulk_temperatures_that_cannot_be_are_refused(unequal, given, said):
+    with pytest.raises(InputError, match=said):
+        pipeline.boundary(unequal, bulk_temperature=given)
+
+
+def test_a_sweep_of_equal_ones_cannot_tell_what_unequal_ones_would_do(stores, equal, capsys):
+    with pytest.raises(InputError, match="for bodies of one bulk temperature"):
+        pipeline.boundary(equal, bulk_temperature=BOTH)
+    option = ("--bulk-temperature", "pin=60 degC,disk=25 degC")
+    assert main(["boundary", str(stores / "equal.zarr"), *option]) == 2
+    error = capsys.readouterr().err
+    assert error.count("\n") == 1
+    assert "bulk = { pin = ..., disk = ... }" in error
+
+
+def test_every_figure_takes_both(stores, unequal, tmp_path):
+    conditions = {"bulk_temperature": {"pin": "60 degC", "disk": "30 degC"}}
+    for kind in ("diagram", "ramp", "fields"):
+        out = tmp_path / f"{kind}.png"
+        pipeline.plot(unequal, kind, out, **conditions)
+        assert out.stat().st_size > 10_000
+
+
+def test_the_friction_band_of_a_diagram_follows_each_friction(unequal):
+    from pipeline.figures.diagram import _median, _planes
+
+    for friction in (0.05, 0.09):
+        conditions = replace(CONDITIONS, friction=friction)
+        plane = _median(_planes(unequal, conditions))
+        corner = pipeline.decisive_temperature(unequal, friction).isel(load=-1, velocity=-1)
+        assert 333.15 + friction * float(plane[-1, -1]) == pytest.approx(float(corner), rel=1e-6)
+
+
+SCENE = """
+extends = "{paper}"
+without = ["measured", "friction.band"]
+
+[window]
+pixels = [48, 48]
+pixel_size = ["8 um", "9.5 um"]
+
+[fidelity]
+preset = "draft"
+increments = 5
+
+[sweep]
+loads = ["300 N", "600 N"]
+velocities = ["1 m/s", "4 m/s"]
+
+[temperature]
+bulk = {{ pin = "60 degC", disk = "25 degC" }}
+
+[[measured]]
+load = "600 N"
+velocity = "1 m/s"
+"""
+
+
+@pytest.fixture
+def scene(tmp_path, request):
+    path = tmp_path / "warm_pin.toml"
+    paper = request.config.rootpath / "workflows" / "irg_transition.toml"
+    path.write_text(SCENE.format(paper=paper))
+    return path
+
+
+def test_the_scene_file_gives_one_temperature_or_two(scene):
+    both = pipeline.load_scene(scene)
+    assert both.unequal_bulks
+    assert both.conditions == Conditions(0.1, 333.15, 418.15, 0.1, disk_temperature=298.15)
+    for same in ("25 degC", {"pin": "25 degC", "disk": "25 degC"}):
+        one = pipeline.load_scene(scene, overrides={"temperature.bulk": same})
+        assert not one.unequal_bulks
+        assert one.conditions == Conditions(0.1, 298.15, 418.15, 0.1)
+
+
+@pytest.mark.parametrize(
+    ("bulk", "fault"),
+    [
+        ({"pin": "25 degC"}, "temperature.bulk.disk: missing; give a temperature above 0"),
+        ({"pin": "25 degC", "disk": 25}, "temperature.bulk.disk: 25 has no unit"),
+        ({"pin": "25 degC", "disk": "25 degC", "oil": 1}, "temperature.bulk.oil: unknown key"),
+        ({"pin": "25 degC", "disk": "150 degC"}, "temperature.critical: 145 °C is not above"),
+        (25, "temperature.bulk: 25 has no unit"),
+    ],
+)
+def test_a_faulty_bulk_temperature_is_one_fault(request, bulk, fault):
+    paper = request.config.rootpath / "workflows" / "irg_transition.toml"
+    with pytest.raises(pipeline.SceneFileError) as caught:
+        pipeline.load_scene(paper, overrides={"temperature.bulk": bulk})
+    (only,) = caught.value.faults
+    assert only.startswith(fault)
+
+
+def test_two_bulk_temperatures_do_not_go_with_unknown_inputs(scene):
+    unknown = '\n[unknown]\n"friction.coefficient" = { mean = 0.1, sd = 0.01 }\n'
+    scene.write_text(scene.read_text().replace("[sweep]", "[sweep]\nsamples = 4") + unknown)
+    with pytest.raises(pipeline.SceneFileError) as caught:
+        pipeline.load_scene(scene)
+    (only,) = caught.value.faults
+    assert only.startswith("temperature.bulk: two temperatures do not go with [unknown]")
+
+
+def test_an_input_is_varied_between_bodies_of_unequal_temperatures(scene, capsys):
+    """Friction moves the ratio of both parts: as in boundaries of its own."""
+    wide = ("--set", 'sweep.velocities=["1 m/s", "1.5 m/s", "2 m/s", "3 m/s", "4 m/s", "6 m/s"]')
+    over = ("--over", "friction.coefficient=0.08,0.12")
+    assert main(["vary", str(scene), *over, *wide, "--json"]) == 0
+    varied = json.loads(capsys.readouterr().out)
+    out = scene.with_suffix(".zarr")
+    assert main(["run", str(scene), *wide, "-o", str(out), "--workers", "1"]) == 0
+    for friction, found in zip((0.08, 0.12), varied["variations"], strict=True):
+        expected = pipeline.boundary(pipeline.open_sweep(out), friction)["critical_velocity"]
+        velocities = [math.nan if at is None else at for at in found["critical_velocity"]]
+        # On few elements the rise is a rough function of the velocity.
+        assert velocities == pytest.approx(expected.values.tolist(), rel=0.1, nan_ok=True)
+
+
+def test_the_commands_take_both(scene, capsys):
+    out = scene.with_suffix(".zarr")
+    assert main(["run", str(scene), "-o", str(out), "--workers", "1"]) == 0
+    assert main(["check", str(scene)]) == 0
+    capsys.readouterr()
+    assert main(["boundary", str(out)]) == 0
+    assert "bulk 60 °C (pin) and 25 °C (disk)" in capsys.readouterr().out
+    option = ("--bulk-temperature", "pin=40 degC, disk=50 degC")
+    assert main(["boundary", str(out), *option, "--json"]) == 0
+    conditions = json.loads(capsys.readouterr().out)["conditions"]
+    assert (conditions["bulk_temperature"], conditions["disk_temperature"]) == (313.15, 323.15)
+    place = ("--load", "600 N", "--velocity", "1 m/s")
+    temperatures = []
+    for given in ((), option, ("--bulk-temperature", "25 degC")):
+        assert main(["point", str(scene), *place, *given, "--json"]) == 0
+        temperatures.append(json.loads(capsys.readouterr().out)["decisive_temperature"])
+    assert temperatures[2] < temperatures[0] < temperatures[1]
+    for given, expected in zip(((), option), temperatures, strict=False):
+        assert main(["infer", str(scene), *given, "--json"]) == 0
+        inferred = json.loads(capsys.readouterr().out)["mean"]
+        assert inferred == pytest.approx(expected, rel=1e-9)
+    assert main(["plot", str(out), *option, "-o", str(scene.with_suffix(".png"))]) == 0
+    with pytest.raises(SystemExit, match="2"):
+        main(["boundary", str(out), "--bulk-temperature", "pin=40 degC"])
+    assert 'give one like "25 degC", or "pin=60 degC, disk=25 degC"' in capsys.readouterr().err
