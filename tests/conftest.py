@@ -4,6 +4,11 @@ import pytest
 collect_ignore_glob = ["**/references/*"]  # scripts that made the references, not tests
 
 
+# By default a difference of 1e-12 passes, whatever is compared: more than all of a volume in m³ or
+# a wear rate in m²/N. So a tolerance is relative, unless the test says what it may be at 0.
+type(pytest.approx(0.0)).DEFAULT_ABSOLUTE_TOLERANCE = 0.0
+
+
 def pytest_configure(config):
     config.addinivalue_line("markers", "slow: takes minutes; runs with -m slow only")
 

@@ -3,12 +3,16 @@
 import os
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
-from pipeline.store.points import prepare
+from pipeline import load_scene, run_point
+from pipeline.store import prepare
+from pipeline.sweep.plan import points
 from tests.helpers import tiny
+from tests.pipeline.cli.test_commands import SCENE
 
 ROOT = Path(__file__).parents[1]
 HEAVY = {
@@ -65,6 +69,18 @@ def test_the_state_of_a_sweep_without_warnings_needs_no_dataset(tmp_path):
     prepare(tmp_path / "tiny.zarr", tiny.sweep())
     status = f"import pipeline.cli as cli; cli.main(['status', {str(tmp_path / 'tiny.zarr')!r}])"
     assert loaded_by(status) <= {"pipeline", "tribo", "zarr"}
+
+
+def test_a_run_that_ends_without_warnings_needs_no_dataset(tmp_path):
+    scene, path = tmp_path / "small.toml", tmp_path / "small.zarr"
+    scene.write_text(SCENE)
+    sweep = load_scene(scene, overrides={"increments": 2})
+    result = replace(run_point(sweep, *points(sweep)[0]), warnings=())
+    store = prepare(path, sweep)
+    for point in points(sweep):
+        store.commit(replace(result, point=point))
+    arguments = ["run", str(scene), "--set", "increments=2", "-o", str(path)]
+    assert not loaded_by(f"import pipeline.cli as cli; cli.main({arguments!r})") & {"xarray"}
 
 
 def test_every_public_name_is_there():

@@ -4,9 +4,11 @@ import re
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import pipeline
+import tribo
 from pipeline.cli import main
 from pipeline.sweep.doubts import doubts
 from pipeline.sweep.facts import facts_of
@@ -15,7 +17,7 @@ ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 BLOCKS = re.findall(r"```python\n(.*?)```", README, flags=re.DOTALL)
 SCENES = re.findall(r"```toml\n(.*?)```", README, flags=re.DOTALL)
-PAGES = ["README.md", *(f"workflows/{name}.md" for name in ("README", "CHOOSING", "MEASURED"))]
+PAGES = ["README.md", *(f"workflows/{path.name}" for path in (ROOT / "workflows").glob("*.md"))]
 
 
 @pytest.fixture(scope="module")
@@ -51,6 +53,30 @@ def test_scenes_load_and_raise_no_doubts(scene, folder):
     path.write_text(scene, encoding="utf-8")
     sweep = pipeline.load_scene(path)
     assert doubts(sweep, facts_of(sweep)) == ()
+
+
+WALK = (ROOT / "workflows" / "YOUR_SYSTEM.md").read_text(encoding="utf-8")
+
+
+def test_the_walk_from_a_scan_to_a_scene_leads_there(folder, monkeypatch):
+    monkeypatch.chdir(folder)
+    rng = np.random.default_rng(0)
+    depths = rng.normal(scale=0.3, size=(520, 400)) + np.linspace(0, 5, 400)  # tilted along x
+    np.savetxt("scan.csv", depths, delimiter=",", fmt="%.4f")
+    (turn,) = re.findall(r"```python\n(.*?)```", WALK, flags=re.DOTALL)
+    exec(compile(turn, "YOUR_SYSTEM.md", "exec"), {})
+    holed = np.load("disk.npy")
+    holed[3, 50] = np.nan
+    np.save("disk.npy", holed)
+    own, measured = re.findall(r"```toml\n(.*?)```", WALK, flags=re.DOTALL)
+    (folder / "rig.toml").write_text(own, encoding="utf-8")
+    sweep = pipeline.load_scene("rig.toml")
+    assert isinstance(sweep.pin, tribo.Ball)
+    assert doubts(sweep, facts_of(sweep)) == ()
+    (folder / "measured.toml").write_text(measured, encoding="utf-8")
+    surface = facts_of(pipeline.load_scene("measured.toml")).surface
+    assert surface.measured
+    assert np.abs(surface.rise).max() < 1e-7  # levelled: before, 5 µm
 
 
 @pytest.mark.parametrize("page", PAGES)

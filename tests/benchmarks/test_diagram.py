@@ -38,7 +38,7 @@ def scene(tmp_path_factory):
 @pytest.mark.parametrize("mode", MODES)
 def test_whole_diagram(benchmark, scene, tmp_path, mode):
     out = tmp_path / "out.zarr"
-    command = [sys.executable, "-m", "pipeline.cli", "run", str(scene), "-o", str(out)]
+    command = [sys.executable, "-m", "pipeline", "run", str(scene), "-o", str(out)]
 
     def run():
         began = time.perf_counter()

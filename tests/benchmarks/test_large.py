@@ -13,9 +13,7 @@ import pytest
 
 from pipeline.analysis.dataset import open_sweep
 from pipeline.run import sweep as execute
-from pipeline.store.compact import compact_store
-from pipeline.store.points import locked, prepare
-from pipeline.store.progress import summary
+from pipeline.store import compact_store, locked, prepare, summary
 from pipeline.sweep.plan import chains, points, run_point
 from tests.helpers import tiny
 

@@ -21,10 +21,8 @@ from pathlib import Path
 
 import xarray as xr
 
-from pipeline.store.points import StoreError
-from pipeline.store.progress import summary
+from pipeline.store import StoreError, summary, verify_store
 from pipeline.store.variables import COLUMNS
-from pipeline.store.verify import verify_store
 
 ROOT = Path(__file__).parents[2]
 SCENE = """
@@ -60,7 +58,7 @@ def started(scene, out, crash=None, site=None):
         environment["PYTHONPATH"] = f"{site}{os.pathsep}{ROOT}"
         environment["IRG_CRASH"] = f"{out.parent}:{crash}"
     return subprocess.Popen(
-        [sys.executable, "-m", "pipeline.cli", "run", scene, "-o", out, "--workers", "2"],
+        [sys.executable, "-m", "pipeline", "run", scene, "-o", out, "--workers", "2"],
         env=environment,
         stdout=subprocess.DEVNULL,
         stderr=subprocess.PIPE,

@@ -1,9 +1,9 @@
 """Damage each file of a store, and see what every command makes of it.
 
-A bit is flipped, the file is cut, emptied or deleted, or a FIFO is in its place. No
-command may end with a traceback or hang; numbers that are printed are those of the store as it was,
-unless points are missing and counted as such; what is damaged is named, and in the end `irg verify
---repair` and a run bring back what was there. Prints a JSON document.
+A bit is flipped, the file is cut, emptied or deleted, or a FIFO, a folder or an endless device is
+in its place. No command may end with a traceback or hang; numbers that are printed are those of the
+store as it was, unless points are missing and counted as such; what is damaged is named, and in the
+end `irg verify --repair` and a run bring back what was there. Prints a JSON document.
 """
 
 import argparse
@@ -23,8 +23,7 @@ import numpy as np
 
 from pipeline.cli import main as irg
 from pipeline.run import sweep as execute
-from pipeline.store.compact import compact_store
-from pipeline.store.points import locked, prepare
+from pipeline.store import compact_store, locked, prepare
 from pipeline.sweep.plan import points, run_point
 from tests.crash import scenario
 from tests.helpers import tiny
@@ -57,7 +56,17 @@ def fifo(file, chance):
     os.mkfifo(file)
 
 
-DAMAGE = (flipped, cut, emptied, deleted, fifo)
+def folder(file, chance):
+    file.unlink()
+    file.mkdir()
+
+
+def device(file, chance):
+    file.unlink()
+    file.symlink_to("/dev/zero")
+
+
+DAMAGE = (flipped, cut, emptied, deleted, fifo, folder, device)
 
 
 def called(*arguments):

@@ -24,9 +24,7 @@ import numpy as np
 
 from pipeline.run import schedule
 from pipeline.run.sweep import ExecutionError, run_sweep
-from pipeline.store.points import DONE, Store, StoreError
-from pipeline.store.progress import summary
-from pipeline.store.verify import verify_store
+from pipeline.store import DONE, Store, StoreError, summary, verify_store
 from pipeline.sweep.plan import points, run_point
 from tests.helpers import tiny
 

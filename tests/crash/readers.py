@@ -17,11 +17,17 @@ import numpy as np
 
 from pipeline.analysis.boundary import boundary
 from pipeline.analysis.dataset import open_sweep
-from pipeline.store.compact import lay_out
-from pipeline.store.points import StoreError, locked, prepare
-from pipeline.store.progress import summary
-from pipeline.store.variables import BY_POINT, COLUMNS, COMPACT
-from pipeline.store.verify import verify_store
+from pipeline.store import (
+    BY_POINT,
+    COMPACT,
+    StoreError,
+    lay_out,
+    locked,
+    prepare,
+    summary,
+    verify_store,
+)
+from pipeline.store.variables import COLUMNS
 from pipeline.sweep.plan import points, run_point
 from tests.helpers import tiny
 

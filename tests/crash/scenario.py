@@ -12,11 +12,8 @@ import xarray as xr
 import tribo
 from pipeline.run import sweep as execute
 from pipeline.run import work
-from pipeline.store import files
-from pipeline.store.compact import compact_store
-from pipeline.store.points import Store
-from pipeline.store.variables import COLUMNS, DONE, FAILED, FIELDS
-from pipeline.store.verify import verify_store
+from pipeline.store import DONE, FAILED, Store, compact_store, files, verify_store
+from pipeline.store.variables import COLUMNS, FIELDS
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import points, run_point
 from tests.helpers import tiny
@@ -61,8 +58,8 @@ def resume(path):
 def computing(failing=frozenset()):
     """Let points be computed here, one after the other, from what is known."""
 
-    def known(sweep, load, velocity, realization, trunk=None):
-        point = Point(load, velocity, realization)
+    def known(sweep, *at, trunk=None):
+        point = Point(*at)
         if point in failing:
             raise tribo.ConvergenceError("the contact did not converge", solution=None)
         return results()[point]
@@ -164,6 +161,6 @@ def differing(stored, point):
 def content(path):
     """All that a finished store holds, whatever the order of its axes on the disk."""
     with xr.open_zarr(path, chunks=None) as ds:
-        ds = ds.sortby(list(Point._fields)).load()
-        names = (*COLUMNS, *FIELDS, "status", "message", "checksum", *Point._fields)
+        ds = ds.sortby(list(_AXES)).load()
+        names = (*COLUMNS, *FIELDS, "status", "message", "checksum", *_AXES)
         return {name: ds[name].values.tolist().__repr__() for name in names}

@@ -19,8 +19,7 @@ from pathlib import Path
 import numpy as np
 
 from pipeline.run.sweep import run_sweep
-from pipeline.store.points import Store
-from pipeline.store.progress import summary
+from pipeline.store import Store, summary
 from pipeline.sweep.plan import points, run_point
 from tests.crash.kills import workers_of
 from tests.helpers import tiny

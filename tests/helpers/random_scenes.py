@@ -22,7 +22,7 @@ from tribo import (
     contact_modulus,
     simulate,
 )
-from tribo.loading.record import MeasuredLoad
+from tribo.loading import MeasuredLoad
 
 EPSILON = np.finfo(float).eps
 

@@ -3,7 +3,7 @@
 import numpy as np
 import xarray as xr
 
-from pipeline.store.variables import DONE, FAILED
+from pipeline.store import DONE, FAILED
 from tribo import QUANTILES
 
 FACTOR, LOAD_EXPONENT, VELOCITY_EXPONENT = 24.0, 0.58, 0.7
@@ -155,7 +155,7 @@ _VARIABLES = {
     "mean_pressure": "Pa",
     "saturated_fraction": "1",
     "wear_depth_max": "m",
-    "wear_volume": "m3",
+    "wear_volume": "m^3",
     "iterations": "1",
     "residual": "1",
     "max_rise": "K",

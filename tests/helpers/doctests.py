@@ -1,0 +1,58 @@
+"""What examples in docstrings find beside them: the shipped scenes, and the results of one.
+
+A plugin of pytest, so that it reaches the packages: their folders hold no tests of their own.
+"""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from _pytest.doctest import DoctestItem
+
+ROOT = Path(__file__).parents[2]
+UNKNOWN = """
+extends = "workflows/first_try.toml"
+[unknown]
+"friction.coefficient" = { mean = 0.1, sd = 0.005 }
+"temperature.critical" = { mean = "145 degC", sd = "8 K" }
+[sweep]
+samples = 64
+"""
+
+
+@pytest.fixture(autouse=True)
+def _beside_scenes_and_results(request, monkeypatch):
+    if isinstance(request.node, DoctestItem):
+        sources = "".join(example.source for example in request.node.dtest.examples)
+        if "results/" in sources:
+            monkeypatch.chdir(request.getfixturevalue("folder_with_results"))
+
+
+@pytest.fixture(scope="session")
+def folder_with_results(tmp_path_factory):
+    """A folder with ``workflows`` and two stores under ``results``, in which an example may write.
+
+    Both are of `workflows/first_try.toml`, ``unknown.zarr`` with two unknown inputs.
+    """
+    folder = tmp_path_factory.mktemp("examples")
+    (folder / "workflows").symlink_to(ROOT / "workflows")
+    (folder / "results").mkdir()
+    (folder / "unknown.toml").write_text(UNKNOWN)
+    for scene in (folder / "workflows/first_try.toml", folder / "unknown.toml"):
+        _compute(scene, folder / f"results/{scene.stem}.zarr")
+    return folder
+
+
+def _compute(scene, path):
+    """Compute a scene here, without a cluster."""
+    import pipeline
+    from pipeline.store import locked, prepare
+    from pipeline.sweep.plan import points, run_point
+
+    sweep = pipeline.load_scene(scene)
+    with locked(path), np.errstate(all="raise", under="ignore"):
+        store, trunk, velocity = prepare(path, sweep), None, None
+        for point in points(sweep):
+            found = run_point(sweep, *point, trunk=trunk if point.velocity == velocity else None)
+            store.commit(found)
+            trunk, velocity = found.trunk, point.velocity

@@ -1,0 +1,40 @@
+"""Every public function and class has an example, which the suite runs."""
+
+import doctest
+import inspect
+
+import pytest
+
+import pipeline
+import tribo
+
+# These take minutes, or a cluster of their own.
+LONG = {
+    "at_accuracy",
+    "choose_fidelity",
+    "draw_trade",
+    "follow_boundary",
+    "reproduce",
+    "trade",
+    "vary",
+    "write_gallery",
+}
+PUBLIC = [
+    (module.__name__, name)
+    for module in (pipeline, tribo)
+    for name in module.__all__
+    if callable(getattr(module, name))
+]
+
+
+@pytest.mark.parametrize(("module", "name"), PUBLIC)
+def test_a_public_name_has_an_example_that_runs(module, name):
+    documented = inspect.getdoc(getattr({"pipeline": pipeline, "tribo": tribo}[module], name))
+    examples = doctest.DocTestParser().get_examples(documented)
+    runs = [example for example in examples if doctest.SKIP not in example.options]
+    assert examples
+    assert runs or name in LONG
+
+
+def test_nothing_is_called_long_that_is_not_public():
+    assert set(pipeline.__all__) >= LONG

@@ -1,0 +1,72 @@
+"""What is built for others: a wheel that works alone, and a source archive without stray files."""
+
+import os
+import re
+import subprocess
+import sys
+import tarfile
+import zipfile
+from pathlib import Path
+
+import pytest
+from hatchling.builders.sdist import SdistBuilder
+from hatchling.builders.wheel import WheelBuilder
+
+ROOT = Path(__file__).parents[1]
+
+
+@pytest.fixture(scope="module")
+def installed(tmp_path_factory):
+    """A folder with what the wheel holds, and nothing of the source beside it."""
+    folder = tmp_path_factory.mktemp("wheel")
+    wheel = next(WheelBuilder(str(ROOT)).build(directory=str(folder), versions=["standard"]))
+    zipfile.ZipFile(wheel).extractall(folder / "site")
+    return folder / "site"
+
+
+def run(installed, tmp_path, *command):
+    done = subprocess.run(
+        [sys.executable, *command],
+        cwd=tmp_path,
+        env=os.environ | {"PYTHONPATH": str(installed)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def test_the_shipped_scenes_come_with_the_wheel(installed, tmp_path):
+    where = "from pipeline.scene.shipped import WORKFLOWS; print(WORKFLOWS)"
+    assert run(installed, tmp_path, "-c", where).strip() == str(installed / "pipeline/workflows")
+    known = {path.name for path in (ROOT / "workflows").glob("*.toml")}
+    assert {path.name for path in (installed / "pipeline/workflows").glob("*.toml")} == known
+    run(installed, tmp_path, "-m", "pipeline", "new", "record.toml", "--from", "fig8")
+    assert (tmp_path / "fig8_load_record.csv").exists()
+
+
+def test_the_page_of_a_package_index_has_no_link_that_leads_nowhere(installed):
+    (metadata,) = installed.glob("*.dist-info/METADATA")
+    text = metadata.read_text(encoding="utf-8")
+    assert "# IRG transition diagrams, computed" in text
+    assert not re.findall(r"\]\((?!https?:)[^)]*\)", text)
+
+
+@pytest.mark.slow
+def test_a_result_of_the_paper_is_recomputed_from_the_wheel(installed, tmp_path):
+    found = run(installed, tmp_path, "-m", "pipeline", "reproduce", "fig4", "--preset", "draft")
+    assert "Hertz" in found
+
+
+def test_untracked_files_do_not_travel_along(tmp_path):
+    stray = ROOT / "stray.dat"
+    stray.touch()
+    try:
+        archive = next(SdistBuilder(str(ROOT)).build(directory=str(tmp_path)))
+    finally:
+        stray.unlink()
+    with tarfile.open(archive) as file:
+        names = {name.partition("/")[2] for name in file.getnames()}
+    assert "stray.dat" not in names
+    assert names >= {"pyproject.toml", "README.md", "tests/test_wheel.py", "workflows/fig10.png"}

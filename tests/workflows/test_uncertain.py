@@ -1,0 +1,37 @@
+"""The page UNCERTAIN.md: its commands, on fewer samples."""
+
+import re
+import shlex
+from pathlib import Path
+
+import pipeline
+from pipeline.cli import main
+
+WORKFLOWS = Path(__file__).parents[2] / "workflows"
+FEW = ["--set", "sweep.samples=24", "--set", 'sweep.loads=["200 N", "400 N", "750 N"]', "-q"]
+
+
+def test_the_commands_of_the_page_lead_to_a_probability_and_the_next_test(
+    tmp_path, monkeypatch, capsys
+):
+    page = (WORKFLOWS / "UNCERTAIN.md").read_text(encoding="utf-8")
+    commands = re.findall(r"^irg .*$", page, flags=re.MULTILINE)
+    assert len(commands) == 8
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "results").mkdir()
+    scene = str(WORKFLOWS / "uncertain.toml")
+    printed = []
+    for command in commands[1:]:  # the first foretells the cost alone
+        arguments = shlex.split(command.replace("workflows/uncertain.toml", scene))[1:]
+        few = [*FEW, "--workers", "2"] if arguments[0] == "run" else []
+        if "posterior.png" in command or "given-measured" in command:
+            arguments += ["--scatter", "10%"]
+        assert main([*arguments, *few]) == 0
+        printed.append(capsys.readouterr().out)
+    assert "severe wear with a probability of" in printed[1]
+    assert "what to measure next" in "".join(printed)
+    assert len(list((tmp_path / "results").glob("*.png"))) == 3
+    ensemble = pipeline.Ensemble.of(pipeline.open_sweep(tmp_path / "results" / "uncertain.zarr"))
+    near = pipeline.risk(ensemble, 400.0, 2.0).probability
+    # The page's 0.38, as far as 24 samples tell.
+    assert abs(near - 0.38) < 0.1
