@@ -4,7 +4,7 @@ BIN := .venv/bin
 MEASURE := OMP_NUM_THREADS=1 $(BIN)/python -m pytest --benchmark-only --benchmark-disable-gc \
 	--benchmark-columns=min,rounds -s
 
-.PHONY: help diagram gallery test slow promises mutants crash bench bench-peers clean
+.PHONY: help diagram gallery reference test lowest javascript slow promises mutants crash bench bench-peers clean
 help:     ## what there is to make
 	@grep -E '^[a-z-]+: ' Makefile | sed -E 's/:[^#]*## /\t/' | expand -t 16
 
@@ -25,12 +25,27 @@ diagram: .venv/run    ## compute and draw the transition diagram of the paper's 
 gallery: .venv/run    ## recompute every figure and table of the paper, and their page
 	$(BIN)/irg reproduce all -o workflows
 
+reference: .venv/run  ## write the reference of the scene file anew from the format
+	$(BIN)/python -m pipeline.scene.reference > workflows/SCENE.md
+
 test: .venv/test      ## style, types, import rules and the test suite
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
-	$(BIN)/python -m pytest --durations=10
+	$(BIN)/python -m pytest --numprocesses 2 --dist loadfile --durations=10
+
+javascript:           ## what checks the scripts of the page that irg explore writes; needs npm
+	mkdir -p .venv/javascript
+	cp tests/pipeline/figures/page/javascript/package.json .venv/javascript
+	npm install --silent --no-audit --no-fund --prefix .venv/javascript
+
+lowest:               ## install the lowest versions that are declared, and run the test suite
+	test -x .venv-lowest/bin/python || $(PYTHON) -m venv .venv-lowest
+	.venv-lowest/bin/python -m pip install --quiet uv
+	.venv-lowest/bin/uv pip install --quiet --python .venv-lowest/bin/python \
+	    --resolution lowest-direct --editable '.[test]'
+	OMP_NUM_THREADS=1 .venv-lowest/bin/python -m pytest -W ignore::DeprecationWarning
 
 slow: .venv/test      ## the long checks: random scenes, large capped contacts, promised accuracies
 	$(BIN)/python -m pytest tests -m slow
@@ -59,4 +74,4 @@ bench-peers: .venv/test    ## measure the contact solver beside others, which it
 	$(MEASURE) tests/benchmarks/test_contact.py
 
 clean:                ## remove what was made, results included
-	rm -rf .venv results
+	rm -rf .venv .venv-lowest results
