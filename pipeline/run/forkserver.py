@@ -63,11 +63,13 @@ def start() -> None:
 
 
 def wake() -> None:
-    """Let the process go on if it was stopped, since whoever waits for workers waits for it."""
+    """Let the process go on if it was stopped, since whoever waits for workers waits for it.
+
+    It is not asked first whether it is stopped: it says so only some time after it was told to.
+    """
     for child in psutil.Process().children():
         with suppress(psutil.NoSuchProcess):
-            is_stopped = child.status() == psutil.STATUS_STOPPED
-            if is_stopped and any("multiprocessing.forkserver" in word for word in child.cmdline()):
+            if any("multiprocessing.forkserver" in word for word in child.cmdline()):
                 child.resume()
 
 

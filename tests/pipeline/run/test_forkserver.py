@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import psutil
@@ -46,20 +47,41 @@ def test_the_settings_of_workers_are_not_those_of_this_process(monkeypatch):
     assert found["OMP_NUM_THREADS"] == "1"
 
 
+def server():
+    forkserver.start()
+    (found,) = (
+        each for each in psutil.Process().children() if "forkserver" in " ".join(each.cmdline())
+    )
+    return found
+
+
 @pytest.mark.skipif(forkserver.METHOD != "forkserver", reason="workers are not forked here")
 def test_a_forkserver_that_was_stopped_is_waited_for_by_nobody():
-    def stop():
-        (server,) = (
-            each for each in psutil.Process().children() if "forkserver" in " ".join(each.cmdline())
-        )
-        server.suspend()
-
-    forkserver.start()
-    stop()  # before workers start, and again before they end
+    server().suspend()  # before workers start, and again before they end
     with connected(1, None, 30.0) as client:
         (worker,) = client.run(os.getpid).values()
-        stop()
+        server().suspend()
     assert not psutil.pid_exists(worker)
+
+
+@pytest.mark.skipif(forkserver.METHOD != "forkserver", reason="workers are not forked here")
+@pytest.mark.skipif(not hasattr(os, "sched_setaffinity"), reason="processes choose their processor")
+def test_a_forkserver_wakes_that_was_told_to_stop_and_has_not_come_to_it_yet():
+    """As one that shares its processor with whoever wakes it."""
+    before, stopped = os.sched_getaffinity(0), server()
+    one = {min(before)}
+    try:
+        os.sched_setaffinity(0, one)
+        os.sched_setaffinity(stopped.pid, one)
+        for _ in range(20):
+            stopped.suspend()
+            forkserver.wake()
+            time.sleep(0.01)
+            assert stopped.status() != psutil.STATUS_STOPPED
+    finally:
+        stopped.resume()
+        os.sched_setaffinity(0, before)
+        os.sched_setaffinity(stopped.pid, before)
 
 
 def test_what_workers_import_is_not_frozen_elsewhere():
