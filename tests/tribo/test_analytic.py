@@ -1,4 +1,4 @@
-"""Closed forms (tribo/analytic.py) against the integrals and balances that they solve."""
+"""Closed forms (tribo/analytic/) against the integrals and balances that they solve."""
 
 import itertools
 import math

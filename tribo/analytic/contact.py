@@ -1,0 +1,251 @@
+"""Pressure and width of contacts between smooth bodies.
+
+Johnson, *Contact Mechanics*, 1985; E* is `tribo.contact_modulus`.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+import scipy
+from numpy.typing import ArrayLike
+
+from tribo.errors import require_positive
+from tribo.types import Array
+
+
+def hertz_line_half_width(load_per_length: float, radius: float, contact_modulus: float) -> float:
+    """Half-width a of the contact between a cylinder and a plane [m].
+
+    a = √(4PR/(πE*)) with the load per length P [N/m] and the radius R [m] (Johnson, Eq. 4.43).
+
+    Examples
+    --------
+    >>> f"{hertz_line_half_width(750 / 3.4e-3, 2e-3, 115.385e9):.4e} m"
+    '6.9773e-05 m'
+    """
+    P, R, E = load_per_length, radius, contact_modulus
+    return math.sqrt(4 * P * R / (math.pi * E))
+
+
+def hertz_line_peak_pressure(
+    load_per_length: float, radius: float, contact_modulus: float
+) -> float:
+    """Highest pressure p₀ between a cylinder and a plane [Pa].
+
+    p₀ = √(PE*/(πR)) (Johnson, Eq. 4.45). With P [N/m] and R [m].
+
+    Examples
+    --------
+    It carries the load: P = πap₀/2.
+
+    >>> P, R, E = 750 / 3.4e-3, 2e-3, 115.385e9
+    >>> p0 = hertz_line_peak_pressure(P, R, E)
+    >>> f"{p0:.4e} Pa, {math.pi / 2 * hertz_line_half_width(P, R, E) * p0 / P:.6f}"
+    '2.0127e+09 Pa, 1.000000'
+    """
+    P, R, E = load_per_length, radius, contact_modulus
+    return math.sqrt(P * E / (math.pi * R))
+
+
+def hertz_point_radius(normal_load: float, radius: float, contact_modulus: float) -> float:
+    """Radius a of the contact between a sphere and a plane [m].
+
+    a = (3FR/(4E*))^⅓ with the load F [N] and the sphere's radius R [m] (Johnson, Eq. 4.22).
+
+    Examples
+    --------
+    >>> f"{hertz_point_radius(10.0, 10e-3, 115.385e9):.4e} m"
+    '8.6624e-05 m'
+    """
+    F, R, E = normal_load, radius, contact_modulus
+    return float(np.cbrt(3 * F * R / (4 * E)))
+
+
+def hertz_point_peak_pressure(normal_load: float, radius: float, contact_modulus: float) -> float:
+    """Highest pressure p₀ between a sphere and a plane [Pa].
+
+    p₀ = (6FE*²/(π³R²))^⅓ (Johnson, Eq. 4.24). With F [N] and R [m].
+
+    Examples
+    --------
+    It carries the load: F = 2πa²p₀/3.
+
+    >>> p0 = hertz_point_peak_pressure(10.0, 10e-3, 115.385e9)
+    >>> a = hertz_point_radius(10.0, 10e-3, 115.385e9)
+    >>> f"{p0:.4e} Pa, {2 * math.pi / 3 * a**2 * p0:.6f} N"
+    '6.3631e+08 Pa, 10.000000 N'
+    """
+    F, R, E = normal_load, radius, contact_modulus
+    return float(np.cbrt(6 * F * E**2 / (math.pi**3 * R**2)))
+
+
+def hertz_point_approach(normal_load: float, radius: float, contact_modulus: float) -> float:
+    """Approach α of distant points of a sphere and a plane [m].
+
+    α = a²/R = (9F²/(16RE*²))^⅓ (Johnson, Eq. 4.23). With F [N] and R [m].
+
+    Examples
+    --------
+    >>> f"{hertz_point_approach(10.0, 10e-3, 115.385e9):.4e} m"
+    '7.5037e-07 m'
+    """
+    F, R, E = normal_load, radius, contact_modulus
+    return float(np.cbrt(9 * F**2 / (16 * R * E**2)))
+
+
+class HertzEllipse(NamedTuple):
+    """Elastic contact of a body of two radii and a plane.
+
+    Attributes
+    ----------
+    half_x, half_y : float
+        Semi-axes along x and y [m].
+    peak_pressure : float
+        Highest pressure, p₀ [Pa].
+    approach : float
+        Approach of distant points, α [m].
+    """
+
+    half_x: float
+    half_y: float
+    peak_pressure: float
+    approach: float
+
+
+def hertz_ellipse(
+    normal_load: float, radius_x: float, radius_y: float, contact_modulus: float
+) -> HertzEllipse:
+    """Elliptical contact between a body of two principal radii and a plane.
+
+    With the semi-axes a ≥ b, κ = b/a, and Carlson's integral R_D, which joins the complete elliptic
+    integrals without their cancellation near a circle (Johnson, Eqs. 4.26 to 4.31):
+
+        1/(2R_a) = p₀b/(3E*a²) R_D(0, κ², 1),   1/(2R_b) = p₀b/(3E*a²) R_D(0, 1, κ²),
+        F = 2πp₀ab/3,   α = p₀b K(e)/E*,   e² = 1 − κ².
+
+    Parameters
+    ----------
+    normal_load : float
+        F [N].
+    radius_x, radius_y : float
+        Radii of curvature along x and y [m]; the semi-axis is the longer one along the larger.
+    contact_modulus : float
+        E* [Pa].
+
+    Examples
+    --------
+    Equal radii make a circle:
+
+    >>> print("{:.4e} {:.4e} {:.4e} {:.4e}".format(*hertz_ellipse(10.0, 10e-3, 10e-3, 115.385e9)))
+    8.6624e-05 8.6624e-05 6.3631e+08 7.5037e-07
+    """
+    require_positive(normal_load=normal_load, radius_x=radius_x, radius_y=radius_y)
+    F, E = normal_load, contact_modulus
+    long, short = max(radius_x, radius_y), min(radius_x, radius_y)
+    elliprd = scipy.special.elliprd
+
+    def excess(log_ratio: float) -> float:
+        """Logarithm of the ratio of curvatures of an ellipse of this b/a, less the one given."""
+        square = math.exp(2 * log_ratio)
+        ratio = elliprd(0.0, 1.0, square) / elliprd(0.0, square, 1.0)
+        return float(np.log(ratio)) - math.log(long / short)
+
+    # b/a lies between the inverse of the ratio of the radii and 1.
+    flattest = -math.log(long / short)
+    log_ratio = scipy.optimize.brentq(excess, flattest, 0.0, xtol=1e-15) if flattest else 0.0
+    k = math.exp(log_ratio)
+    a = float(np.cbrt(F * elliprd(0.0, k**2, 1.0) * long / (math.pi * E)))
+    p0 = 3 * F / (2 * math.pi * k * a**2)
+    approach = p0 * k * a * float(scipy.special.ellipkm1(k**2)) / E
+    half_x, half_y = (a, k * a) if radius_x >= radius_y else (k * a, a)
+    return HertzEllipse(half_x, half_y, p0, approach)
+
+
+def hertz_pressure(distance: ArrayLike, contact_radius: float, peak_pressure: float) -> Array:
+    """Pressure of a Hertzian line or point contact [Pa], of the shape of `distance`.
+
+    p = p₀√(1 − r²/a²) for r < a, else 0 (Johnson, §4.2), with the distance r [m]
+    from the line of symmetry or from the centre.
+
+    Examples
+    --------
+    >>> hertz_pressure([0.0, 0.6, 1.0, 2.0], contact_radius=1.0, peak_pressure=10.0)
+    array([10.,  8.,  0.,  0.])
+    """
+    r, a, p0 = np.asarray(distance, dtype=float), contact_radius, peak_pressure
+    return p0 * np.sqrt(np.maximum(1 - (r / a) ** 2, 0.0))
+
+
+def westergaard_full_contact_pressure(
+    amplitude: float, wavelength: float, contact_modulus: float
+) -> float:
+    """Mean pressure p* that just flattens a wave z = Δ(1 − cos(2πx/λ)) [Pa].
+
+    p* = πE*Δ/λ with the amplitude Δ and the wavelength λ [m] (Johnson, §13.2).
+
+    Examples
+    --------
+    >>> f"{westergaard_full_contact_pressure(0.1e-6, 50e-6, 115.385e9):.4e} Pa"
+    '7.2499e+08 Pa'
+    """
+    return math.pi * contact_modulus * amplitude / wavelength
+
+
+def westergaard_half_width(
+    mean_pressure: float, full_contact_pressure: float, wavelength: float
+) -> float:
+    """Half-width a of each contact on a sinusoidal wave [m]; λ/2 once contact is full.
+
+    p̄ = p* sin²(πa/λ) (Westergaard 1939; Johnson, §13.2), solved for a.
+
+    Examples
+    --------
+    >>> f"{westergaard_half_width(0.5, full_contact_pressure=1.0, wavelength=8.0):.6f} m"
+    '2.000000 m'
+    """
+    share = min(mean_pressure / full_contact_pressure, 1.0)
+    return wavelength / math.pi * math.asin(math.sqrt(share))
+
+
+def westergaard_mean_pressure(
+    half_width: float, full_contact_pressure: float, wavelength: float
+) -> float:
+    """Mean pressure p̄ = p* sin²(πa/λ) at which contacts on a wave are 2a wide [Pa].
+
+    Examples
+    --------
+    >>> mean = westergaard_mean_pressure(half_width=1.0, full_contact_pressure=4.0, wavelength=6.0)
+    >>> f"{mean:.6f} Pa"
+    '1.000000 Pa'
+    """
+    return full_contact_pressure * math.sin(math.pi * half_width / wavelength) ** 2
+
+
+def westergaard_pressure(
+    position: ArrayLike, mean_pressure: float, full_contact_pressure: float, wavelength: float
+) -> Array:
+    """Pressure on a sinusoidal wave with its crests at x = 0, ±λ, … [Pa], shaped as `position`.
+
+    p = 2p* cos ψ √(sin² ψ_a − sin² ψ), ψ = πx/λ, ψ_a = πa/λ, in contact, else 0;
+    p = p̄ + p* cos 2ψ in full contact, p̄ ≥ p* (Westergaard 1939; Johnson, §13.2).
+
+    Examples
+    --------
+    Both agree where contact becomes full, and the mean is the one given:
+
+    >>> x = np.linspace(0.0, 1.0, 400, endpoint=False)
+    >>> full = westergaard_pressure(x, 2.0, full_contact_pressure=2.0, wavelength=1.0)
+    >>> bool(np.allclose(full, 2.0 + 2.0 * np.cos(2 * np.pi * x)))
+    True
+    >>> f"{westergaard_pressure(x, 0.5, full_contact_pressure=2.0, wavelength=1.0).mean():.4f}"
+    '0.5000'
+    """
+    p_mean, p_full = mean_pressure, full_contact_pressure
+    psi = math.pi * np.asarray(position, dtype=float) / wavelength
+    if p_mean >= p_full:
+        return p_mean + p_full * np.cos(2 * psi)
+    inside = np.maximum(p_mean / p_full - np.sin(psi) ** 2, 0.0)
+    return 2 * p_full * np.abs(np.cos(psi)) * np.sqrt(inside)
