@@ -80,8 +80,9 @@ def heated_since(scene: Scene, before: State, state: State, velocity: float) -> 
             spectrum_of=heat_spectrum,
         )
 
-    split, heat_history = since(before.heat_history, abs(velocity) * state.pressure, 0.0)
-    _check_split(scene, state, velocity, contact, split)
+    friction = _friction_heat(scene, state, velocity)
+    split, heat_history = since(before.heat_history, friction, 0.0)
+    _check_split(scene, friction, contact, split)
     summary = _summary(scene, split, contact) if contact.any() else None
     state = replace(state, heat=summary, heat_history=heat_history)
     if not scene.unequal_bulks:
@@ -134,32 +135,31 @@ def _response(scene: Scene, state: State, velocity: float, contact: Mask) -> Hea
 
 
 def _partition(scene: Scene, state: State, velocity: float, contact: Mask) -> HeatPartition:
-    grid = scene.grid
-    if velocity == 0 or not scene.friction_heat:
+    grid, friction = scene.grid, _friction_heat(scene, state, velocity)
+    if not friction.any():
         return HeatPartition(np.zeros(grid.shape), np.zeros(grid.shape), np.nan, 0, 0.0)
     pin, disk = (_conductor(grid, body, state.time) for body in _bodies(scene, velocity))
     split = partition_heat(
         pin,
         disk,
-        abs(velocity) * state.pressure,
+        friction,
         contact,
         method=scene.fidelity.partition,
         tolerance=scene.fidelity.heat_tolerance,
     )
-    _check_split(scene, state, velocity, contact, split)
+    _check_split(scene, friction, contact, split)
     return split
 
 
-def _check_split(
-    scene: Scene,
-    state: State,
-    velocity: float,
-    contact: Mask,
-    split: HeatPartition,
-) -> None:
+def _friction_heat(scene: Scene, state: State, velocity: float) -> Array:
+    """Heat made at friction coefficient 1 [W/m²]; 0 in a scene without friction heat."""
+    return abs(velocity) * state.pressure * scene.friction_heat
+
+
+def _check_split(scene: Scene, friction: Array, contact: Mask, split: HeatPartition) -> None:
     local = scene.fidelity.partition == "local"
     tolerance = scene.fidelity.heat_tolerance if local else np.inf
-    check_heat(abs(velocity) * state.pressure, contact, split, tolerance)
+    check_heat(friction, contact, split, tolerance)
 
 
 def _bodies(scene: Scene, velocity: float) -> tuple[Conductor, Conductor]:

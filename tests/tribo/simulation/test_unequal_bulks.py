@@ -66,7 +66,8 @@ def test_fast_bodies_meet_at_the_temperature_of_two_half_spaces(conductivity):
         body.thermal_effusivity * math.sqrt(u) for body, u in zip((slow, STEEL), at, strict=True)
     )
     inside = state.heat.bulk_response[state.pressure > 0]
-    assert inside == pytest.approx(disk / (pin + disk), abs=0.01)
+    # At the leading edge some heat is conducted ahead.
+    assert inside == pytest.approx(disk / (pin + disk), abs=2e-3)
     assert state.heat.mean_bulk_response == pytest.approx(inside.mean())
 
 
@@ -138,9 +139,11 @@ def test_what_was_remembered_of_both_is_affine():
     assert affine[inside] == pytest.approx(split.rise[inside], rel=1e-7)
 
 
-def test_without_motion_or_friction_the_difference_alone_warms():
+@pytest.mark.parametrize("heat_model", ["elapsed", "history"])
+def test_without_motion_or_friction_the_difference_alone_warms(heat_model):
     for velocity, friction_heat in ((0.0, True), (1.25, False)):
-        scene = replace(small_scene(wear=False), friction_heat=friction_heat, unequal_bulks=True)
+        scene = small_scene(wear=False, heat_model=heat_model)
+        scene = replace(scene, friction_heat=friction_heat, unequal_bulks=True)
         heat = end(scene, velocity).heat
         assert not heat.rise.any()
         assert 0.3 < heat.mean_bulk_response < 1.0
