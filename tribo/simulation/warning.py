@@ -163,7 +163,8 @@ def _unstable_wear(scene: Scene, state: State) -> list[PointWarning]:
     found = []
     for holding, name in ((False, "increments"), (True, "steps of the hold")):
         lengths = _step_lengths(scene, state, holding)
-        stiffness = wear.stiffness(solid, velocity * max(lengths, default=0.0))
+        distance = velocity * max(lengths, default=0.0) / scene.positions
+        stiffness = wear.stiffness(solid, distance)
         if stiffness >= EXPLICIT_LIMIT:
             count = len(lengths) if holding else fidelity.increments
             text = (
