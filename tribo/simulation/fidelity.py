@@ -56,9 +56,9 @@ class Fidelity:
         ``"elapsed"``: the present friction heat is taken to have acted since time 0 (Bosman & de
         Rooij). ``"history"``: all heat since then acts at its own time, linear between the steps;
         every step then needs its temperature, and has it in the result if `fewest_elements` is 0.
-        A contact that grows makes the former too warm: in
-        the paper's system at 600 N by 0.2, 0.8, 1.5 and 2.4 % of the rise at 1.25, 0.1, 0.01 and
-        0.001 m/s, and by 0.6, 2.1, 4.2 and 8.3 % with the heat kernel ``"endless"``.
+        A contact that grows makes the former too warm: in the paper's system at 600 N by 0.2, 0.8,
+        1.5 and 2.4 % of the rise at 1.25, 0.1, 0.01 and 0.001 m/s, and by 0.6, 2.1, 4.2 and 8.3 %
+        with the heat kernel ``"endless"``.
     heat_kernel : {"pin", "endless", "nearest-image"}
         How far the heated contact reaches along a periodic y, for the heat in both bodies.
         ``"pin"``: as far as the pin, the patch in its middle, where it is hottest; the mean over

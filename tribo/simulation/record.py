@@ -31,9 +31,9 @@ def measures(scene: Scene, state: State) -> dict[str, float]:
         (of the contact, at the hardness), ``wear_depth_max`` [m], ``wear_volume`` (of the whole
         pin) [m³], ``iterations`` and ``residual`` of the contact; ``max_rise``, ``mean_rise`` [K]
         and ``pin_heat_share``, NaN where the temperature was not asked for; with unequal bulk
-        temperatures ``mean_bulk_response`` likewise. What the size of the
-        elements decides, ``contact_fraction`` to ``saturated_fraction``, is NaN at the steps that
-        are taken on the coarser grid of the history; see `Fidelity.history_coarsening`.
+        temperatures ``mean_bulk_response`` likewise. What the size of the elements decides,
+        ``contact_fraction`` to ``saturated_fraction``, is NaN at the steps that are taken on the
+        coarser grid of the history; see `Fidelity.history_coarsening`.
 
     Notes
     -----

@@ -110,7 +110,7 @@ def _refined(
     levels: tuple[Scene, ...], before: State, after: State, station: Station, velocity: float
 ) -> State:
     """Repeat the step from `before` to `after` on ever finer grids, each begun with the last."""
-    if levels[-1].sweeps_over and after.pressure.shape != levels[-1].grid.shape:
+    if levels[-1].sweeps_over and len(levels) > 1:
         return _observed(levels[-1], after)
     state = after
     for scene in levels[1:]:
