@@ -1,6 +1,7 @@
 """Balls and crowned pins: contact, heat, and wear swept along a free y (simulation/passes.py)."""
 
 import math
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -28,6 +29,7 @@ from tribo import (
     measures,
     simulate,
     solve_contact,
+    warnings,
 )
 from tribo.analytic import hertz_ellipse, moving_ellipse_rise, resting_ellipse_rise
 from tribo.simulation.passes import spread
@@ -188,8 +190,17 @@ def test_over_a_smooth_disk_swept_and_local_are_one():
     swept, local = (
         end(replace(ball(pattern=pattern), roughness=None)) for pattern in ("swept", "local")
     )
-    assert hot(swept) == pytest.approx(hot(local), rel=0.02)  # `local` has no coarse history
+    assert hot(swept) == pytest.approx(hot(local), rel=1e-12)  # few touch, so both on one grid
     assert not replace(ball(), roughness=None).sweeps_over
+
+
+def test_explicit_wear_counts_each_position_as_a_step():
+    stiffness = []
+    for pattern in ("swept", "local"):
+        scene = ball(pattern=pattern, wear_scheme="explicit", history_coarsening=1, increments=3)
+        warning, *_ = warnings(scene, next(iter(simulate(scene, 200.0, 1.0))))
+        stiffness.append(float(re.search(r"k·dS is (\S+) times", warning.text)[1]))
+    assert stiffness[0] * ball().positions == pytest.approx(stiffness[1], rel=1e-2)  # in print
 
 
 def test_a_cylinder_with_free_ends_is_swept_over_too():
@@ -210,7 +221,8 @@ def test_a_ball_that_rolls_is_swept_over_and_wears_around():
 def test_all_heat_so_far_is_remembered_under_a_ball_too():
     scene = ball(pixels=96, side=7e-6, increments=4, heat_model="history", history_coarsening=1)
     elapsed = replace(scene, fidelity=replace(scene.fidelity, heat_model="elapsed"))
-    assert 0.9 < hot(end(scene)) / hot(end(elapsed)) < 1.0
+    # A contact this short has its steady temperature soon, so that its past is nearly forgotten.
+    assert 0.995 < hot(end(scene)) / hot(end(elapsed)) < 0.999
 
 
 def test_spread_wear_keeps_its_volume_and_planes():

@@ -104,7 +104,7 @@ def test_the_highest_rise_of_a_twin_disc_is_blok_s(ratio):
     at = scene.velocities_at(40.0)
     width, load = 2 * HALF_WIDTH, LOAD / LENGTH
     expected = rolling_sliding_rise(1.0, load, width, at, STEEL.thermal_effusivity)
-    assert end(scene, 40.0).heat.max_rise == pytest.approx(expected, rel=4e-3)
+    assert end(scene, 40.0).heat.max_rise == pytest.approx(expected, rel=2e-4)
 
 
 def test_under_a_uniform_pressure_the_highest_rise_is_blok_s():
@@ -134,8 +134,8 @@ def test_bodies_that_roll_alone_get_no_warmer_and_do_not_wear():
     assert not state.heat.rise.any()
     assert not state.heat.rise_quantile.any()
     assert not state.wear_depth.any()
-    nearly = end(scene, 1e-9)
-    assert 0 < nearly.heat.max_rise < 1e-5
+    slowly, less_so = (end(scene, velocity).heat.max_rise for velocity in (1e-9, 1e-7))
+    assert less_so == pytest.approx(100 * slowly, rel=1e-6)
 
 
 def test_a_slide_roll_ratio_of_2_is_a_pin_at_rest_bit_for_bit():
