@@ -254,7 +254,7 @@ def test_stiffness_is_that_of_the_shapes_that_wear():
     local, swept = (
         Wear(1.2e-15, pattern).stiffness(solid, 0.0625) for pattern in ("local", "swept")
     )
-    # PHYSICS 3: the smallest eigenvalues are 8.80e-18 and 1.05e-17 m/Pa, to three digits.
+    # The smallest eigenvalues of this grid are 8.80e-18 and 1.05e-17 m/Pa, to three digits.
     assert local == pytest.approx(1.2e-15 * 0.0625 / 8.80e-18, rel=1e-3)
     assert swept == pytest.approx(1.2e-15 * 0.0625 / 1.05e-17, rel=2e-3)
 

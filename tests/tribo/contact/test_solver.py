@@ -305,7 +305,7 @@ def figure_4(periodic, kernel="periodic"):
 
 
 def test_one_image_alone_overestimates_the_peak_of_figure_4_by_a_hundredth():
-    # 1.1 % (PHYSICS 1: 1 %); with all images, the grid alone errs by less than 0.1 %.
+    # 1.1 %; with all images, the grid alone errs by less than 0.1 %.
     assert figure_4((False, True), "nearest-image").max() == pytest.approx(1.011, abs=5e-4)
     assert figure_4((False, True)).max() == pytest.approx(1.0, abs=1e-3)
 

@@ -1,4 +1,4 @@
-"""Extremes of PHYSICS 8: each ends soon, in a result that is proven or an error that says why.
+"""Extremes: each ends soon, in a result that is proven or an error that says why.
 
 The table of all cases is EXTREMES.md; ``python -m tests.tribo.simulation.test_extremes`` writes it.
 """

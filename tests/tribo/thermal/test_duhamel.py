@@ -141,7 +141,7 @@ def test_a_spectrum_keeps_only_the_columns_that_have_not_faded():
 @pytest.mark.parametrize(
     ("heat_kernel", "velocity", "lowest", "highest"),
     [
-        # PHYSICS 5: without ends 0.7 % too warm, and 4 to 6 %.
+        # Without ends 0.7 % too warm, and 4 to 6 %.
         ("endless", 1.25, 1.001, 1.01),
         ("endless", 0.01, 1.04, 1.06),
         # A pin of 3.4 mm forgets in 0.2 s, of the 4 s that the ramp takes.

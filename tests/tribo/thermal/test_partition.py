@@ -140,7 +140,7 @@ def test_the_split_is_linear_in_flux_and_bulk_difference(method):
 
 
 def test_friction_and_bulk_difference_superpose():
-    # So that one sweep answers for any friction and bulk temperature (PHYSICS 5).
+    # So that one sweep answers for any friction and bulk temperature.
     grid = grid_of(n=32)
     flux = rough_contact(grid)
     friction, exchange, both = (
