@@ -82,6 +82,13 @@ class SlowRamp(FaultyRamp):
         return tribo.Ramp.stations(self, normal_load, increments, after)
 
 
+class EndlessRamp(FaultyRamp):
+    """Its points at one load do not end before whoever waits for them gives up."""
+
+    def fault(self):
+        time.sleep(600)
+
+
 class FillingRamp(FaultyRamp):
     """From here on, files of more than a few bytes find no room."""
 
