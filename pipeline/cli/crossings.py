@@ -19,8 +19,6 @@ _BOUNDARIES = (
     ("critical_velocity", "load", "  load [N]   critical velocity [m/s]"),
     ("critical_load", "velocity", "  velocity [m/s]   critical load [N]"),
 )
-
-
 _KINDS = {"realization": "surfaces", "sample": "samples"}
 
 

@@ -8,8 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pipeline
-from pipeline.analysis.tables import is_table
-from pipeline.cli.output import DONE, show, table_path, tell, written
+from pipeline.cli.output import DONE, drawn_or_written, output_path, show, tell
 from pipeline.cli.scenes import given, scene_of
 
 if TYPE_CHECKING:
@@ -18,19 +17,13 @@ if TYPE_CHECKING:
 
 def trade(options: argparse.Namespace) -> int:
     """Measure speed against accuracy on a scene."""
-    wants_table = is_table(options.output)
-    table = table_path(options) if wants_table else None
-    out = pipeline.figure_path(options.output) if options.output and not wants_table else None
+    out = output_path(options)
     found = pipeline.trade(
         scene_of(options), base=options.base, diagram=options.diagram, progress=tell
     )
-    document, text = found.as_dict(), [str(found)]
-    if out:
-        pipeline.save_figure(pipeline.draw_trade(found), out)
-        document["figure"] = str(out)
-        text.append(f"figure: {out}")
-    text += written(table, _choices(found), document)
-    show(options, document, text)
+    document = found.as_dict()
+    told = drawn_or_written(out, lambda: pipeline.draw_trade(found), _choices(found), document)
+    show(options, document, [str(found), *told])
     return DONE
 
 

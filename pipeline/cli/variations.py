@@ -9,8 +9,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 import pipeline
-from pipeline.analysis.tables import is_table
-from pipeline.cli.output import DONE, show, table_path, tell, written
+from pipeline.cli.output import DONE, drawn_or_written, output_path, show, tell
 from pipeline.cli.scenes import scene_of
 from tribo import InputError
 
@@ -23,19 +22,16 @@ _QUANTITY = re.compile(r"\s*([+-]?[\d.]+(?:[eE][+-]?\d+)?)\s*(.*)")
 
 def vary(options: argparse.Namespace) -> int:
     """Print and draw the boundary for each value of some entries."""
-    table = table_path(options) if is_table(options.output) else None
-    out = options.output and not table and pipeline.figure_path(options.output)
+    out = output_path(options)
     others = {
         (key, str(value)): scene_of(_with(options, key, value))
         for key, values in options.over
         for value in _absolute(options, key, values)
     }
     found = pipeline.vary(scene_of(options), others, tell=tell)
-    if out:
-        pipeline.save_figure(pipeline.draw_variations(found), out)
-    document = found.as_dict() | ({"file": str(out)} if out else {})
-    told = written(table, _rows(found), document)
-    show(options, document, [*_text(found, out), *told])
+    document = found.as_dict()
+    told = drawn_or_written(out, lambda: pipeline.draw_variations(found), _rows(found), document)
+    show(options, document, [*_text(found), *told])
     return DONE
 
 
@@ -84,7 +80,7 @@ def _absolute(options: argparse.Namespace, key: str, values: list[Any]) -> Itera
             )
 
 
-def _text(found: Variations, out: Any) -> Iterator[str]:
+def _text(found: Variations) -> Iterator[str]:
     """A table of critical velocities, a row for each value."""
     heads = " ".join(f"{f'{load:g} N':>14}" for load in found.loads)
     width = max([18, *(len(each.value) + 4 for each in found.others)])
@@ -99,8 +95,6 @@ def _text(found: Variations, out: Any) -> Iterator[str]:
                 for v, change in zip(each.critical_velocities, found.changes(each), strict=True)
             )
             yield f"    {each.value:{width - 4}} {cells}"
-    if out:
-        yield str(out)
 
 
 def _number(value: float) -> str:

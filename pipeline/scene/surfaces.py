@@ -21,8 +21,8 @@ from tribo.files import require_file
 from tribo.types import Array
 
 PLAIN = (".csv", ".npy")
-_MOST_BYTES = 2**30  # that an archive may unpack to
 """Endings of plain arrays, which give neither a unit nor the size of a pixel."""
+_MOST_BYTES = 2**30  # that an archive may unpack to
 
 
 @dataclass(frozen=True, slots=True)

@@ -166,7 +166,6 @@ class Sweep(Scene):
             raise InputError(
                 "realizations are seeds of a random roughness; that of the scene is not random"
             )
-
         if self.realizations and self.samples:
             raise InputError(
                 "sweep.realizations and sweep.samples exclude each other; make the surface an "

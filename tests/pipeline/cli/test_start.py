@@ -2,6 +2,7 @@
 
 import errno
 import os
+import shlex
 import subprocess
 import sys
 from importlib.metadata import version
@@ -10,6 +11,7 @@ import pytest
 
 import pipeline
 from pipeline.cli import main
+from pipeline.cli.parser import COMMANDS, function_of, parse
 from tests.pipeline.cli.test_commands import SCENE
 
 
@@ -43,6 +45,18 @@ def test_quiet_leaves_results_and_errors_alone(tmp_path, capsys):
     assert "share is 3" in capsys.readouterr().err
     assert main(["run", *arguments]) == 0
     assert "9 of 9 points done" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("command", COMMANDS, ids=[command.name for command in COMMANDS])
+def test_the_example_in_a_commands_help_can_be_typed_as_it_stands(command, capsys):
+    with pytest.raises(SystemExit):
+        main([command.name, "--help"])
+    program, *words = shlex.split(capsys.readouterr().out.splitlines()[-1])
+    assert program == "irg"
+    options = parse(words)
+    assert callable(function_of(options))
+    assert parse([*words, "--json"]).json
+    assert not options.json
 
 
 @pytest.mark.parametrize(

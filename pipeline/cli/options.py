@@ -1,0 +1,211 @@
+"""Options of the commands of ``irg``: each of them once, whichever commands take it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from pipeline.cli import values
+from tribo import PRESETS
+
+_PRESETS = ", ".join(PRESETS)
+
+
+class Option(NamedTuple):
+    """An option or a positional argument: what `argparse` is told of it."""
+
+    names: tuple[str, ...]
+    settings: dict[str, Any]
+
+    def but(self, **settings: Any) -> Option:
+        """The option with other settings in place of its own."""
+        return Option(self.names, self.settings | settings)
+
+
+class Group(NamedTuple):
+    """Options below a title of their own; or, without a title, of which one may be given."""
+
+    title: str
+    options: tuple[Option, ...]
+
+
+def _option(*names: str, **settings: Any) -> Option:
+    return Option(names, settings)
+
+
+def _flag(*names: str, **settings: Any) -> Option:
+    return Option(names, {"action": "store_true", **settings})
+
+
+def output(name: str, what: str) -> Option:
+    """Where to write what a command makes."""
+    return _option("-o", "--output", metavar=name, type=Path, help=what)
+
+
+OF_ALL = (
+    _flag("--json", help="print one JSON document"),
+    _flag("-q", "--quiet", help="show no progress and no notes, only errors"),
+)
+
+SCENE = _option("scene", metavar="SCENE.toml", type=Path, help="the scene file")
+PRESET = _option("--preset", metavar="NAME", help=f"fidelity: {_PRESETS}")
+SET = _option(
+    "--set",
+    metavar="KEY=VALUE",
+    type=values.setting,
+    action="append",
+    default=[],
+    help="another numerical choice, such as increments=50, or another entry of the scene, such as "
+    "wear.pattern=local; may be repeated",
+)
+OF_SCENE = (SCENE, PRESET.but(help=f"fidelity in place of the scene's own: {_PRESETS}"), SET)
+STORE = _option(
+    "store", metavar="OUT.zarr", type=values.store, help="a store that irg run has made"
+)
+
+NEW_FILE = _option("file", metavar="FILE.toml", type=Path, nargs="?", help="file to write")
+FROM = _option(
+    "--from", metavar="NAME", dest="like", help="shipped scene to begin with; see --list"
+)
+LIST = _flag("--list")
+
+WORKERS = _option(
+    "--workers",
+    metavar="N",
+    type=values.count,
+    help="number of workers; default: one for each core",
+)
+SCHEDULER = _option("--scheduler", metavar="ADDRESS", help="a running Dask scheduler to use")
+FILL_FIELDS = _flag(
+    "--fill-fields",
+    help="compute points again that were finished before the scene asked for fields",
+)
+RETRY_FAILED = _flag("--retry-failed", help="compute failed points again")
+BOUNDARY_ONLY = _option(
+    "--boundary-only",
+    metavar="TOLERANCE",
+    nargs="?",
+    const=0.01,
+    type=values.share,
+    help="choose velocities until the boundary is known to this tolerance; default: 1%%",
+)
+ACCURACY = _option(
+    "--accuracy",
+    metavar="BOUND",
+    type=values.share,
+    help="pick the cheapest fidelity whose boundary is within a bound, such as 2%%",
+)
+REPAIR = _flag("--repair", help="set damaged points to be computed again")
+
+LOAD = _option(
+    "--load", metavar="F", type=values.quantity("750 N"), help='normal load, like "750 N"'
+)
+VELOCITY = _option(
+    "--velocity",
+    metavar="V",
+    type=values.quantity("1.25 m/s"),
+    help='sliding velocity, like "1.25 m/s"',
+)
+REALIZATION = _option(
+    "--realization",
+    metavar="SEED",
+    type=values.seed,
+    help="seed of one of several random surfaces",
+)
+PLACE = (LOAD, VELOCITY)
+NEEDED_PLACE = tuple(each.but(required=True) for each in PLACE)
+
+FRICTION = _option("--friction", metavar="MU", type=values.friction, help="coefficient of friction")
+FRICTIONS = FRICTION.but(
+    type=values.frictions, action=values.Several, help="coefficient of friction; may be repeated"
+)
+BULK = _option(
+    "--bulk-temperature",
+    metavar="T",
+    type=values.bulk,
+    help='bulk temperature, like "25 degC"; "pin=60 degC, disk=25 degC" in a sweep of unequal ones',
+)
+CRITICAL = _option(
+    "--critical-temperature",
+    metavar="T",
+    type=values.quantity("145 degC"),
+    help='temperature above which the lubricant fails, like "145 degC"',
+)
+SHARE = _option(
+    "--share",
+    type=values.failing_share,
+    help="share of the contact above the critical temperature beyond which wear is severe, like "
+    "10%% or 0.1; 0 for the maximum temperature",
+)
+_INSTEAD = "conditions, in place of the scene's own"
+CONDITIONS = Group(_INSTEAD, (FRICTION, BULK, CRITICAL, SHARE))
+CONDITIONS_AT_FRICTIONS = Group(_INSTEAD, (FRICTIONS, BULK, CRITICAL, SHARE))
+
+OVER = _option(
+    "--over",
+    metavar="KEY=VALUE,VALUE",
+    type=values.settings,
+    action="append",
+    required=True,
+    help="an entry of the scene, and the values to give it, such as 0.08,0.12; or -20%%,+20%% of "
+    "what the scene gives; may be repeated",
+)
+NEXT = _flag("--next", help="of a store of samples: rank what to measure next")
+SCATTER = _option(
+    "--scatter",
+    metavar="SHARE",
+    type=values.share,
+    help="relative standard deviation of the measured velocities; default: 5%%",
+)
+GIVEN_MEASURED = _flag(
+    "--given-measured",
+    help="let the scene's measured transitions narrow down the unknown inputs",
+)
+CONTACT_WIDTH = _option(
+    "--contact-width",
+    metavar="W",
+    type=values.quantity("348 um"),
+    help='width measured at --load and --velocity, like "348 um": find the specific wear rate '
+    "instead",
+)
+BASE = _option("--base", metavar="NAME", default="fine", help="preset to vary choice by choice")
+DIAGRAM = _flag("--diagram", help="compare whole small diagrams")
+RESULT = _option("name", metavar="NAME", nargs="?", help="one of --list, or all")
+SURFACES = _option("--surfaces", metavar="N", type=values.count, help="number of random surfaces")
+FIGURE_OR_TABLE = output("FILE.png", "draw a figure; or write a table, to .csv or .md")
+
+KIND = _option(
+    "--kind",
+    default="diagram",
+    choices=("diagram", "ramp", "fields", "temperature", "histogram"),
+    help="default: diagram; temperature is over the velocity, histogram over the contact",
+)
+LOOK = (
+    _option(
+        "--width",
+        metavar="W",
+        type=values.quantity("8.5 cm"),
+        help='width of the figure, like "8.5 cm"; words stay readable',
+    ),
+    _option("--dpi", metavar="N", type=values.count, help="dots per inch of a .png"),
+    _flag("--no-title", help="draw no title, where a caption gives it"),
+    _flag("--log", help="scale both axes of the diagram by the logarithm"),
+)
+RIVAL = _option(
+    "--rival",
+    metavar="NAME",
+    dest="rivals",
+    action="append",
+    help="draw what a simpler criterion says into the diagram: blok, power, power-density or pv; "
+    "may be repeated",
+)
+FIELDS = (
+    _option(
+        "--most-fields",
+        metavar="N",
+        type=values.count,
+        help="number of points whose fields the page holds, those nearest to the transition, about "
+        "10 kB each; default: 500",
+    ),
+    _flag("--no-fields", help="leave all fields out"),
+)
