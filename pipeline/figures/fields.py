@@ -13,12 +13,11 @@ from pipeline.analysis.boundary import Bulk, conditions_of
 from pipeline.analysis.dataset import at_bulks, on_surface, ordered
 from pipeline.figures.points import chosen_points, name_of
 from pipeline.figures.style import Picture, celsius, heating, in_house_style, title_of
-from pipeline.sweep.criterion import contact_temperature
+from pipeline.sweep.criterion import Conditions, contact_temperature
 from tribo import InputError
 from tribo.types import Array
 
 
-@in_house_style
 def fields(
     ds: xr.Dataset,
     load: float | str | None = None,
@@ -54,37 +53,99 @@ def fields(
         If the sweep holds no fields.
     """
     conditions = conditions_of(ds, friction, bulk_temperature, critical_temperature, share)
+    ds = with_fields(ds, conditions, realization)
+    point = chosen_points(ds, load, velocity, conditions)[0]
+    return contact(ds, point, conditions, stacked)
+
+
+def with_fields(ds: xr.Dataset, conditions: Conditions, realization: int | None) -> xr.Dataset:
+    """The sweep on one surface, at the bulk temperatures to judge by.
+
+    Raises
+    ------
+    InputError
+        If it holds no fields.
+    """
     ds = on_surface(ordered(at_bulks(ds, conditions)), realization)
     if not {"pressure", "rise", "wear_depth"} <= set(ds.data_vars):
         raise InputError(
             "the sweep holds no fields; store them with 'fields = true' under [sweep] in the "
             "scene, and run it into a new store"
         )
-    (i, j) = point = chosen_points(ds, load, velocity, conditions)[0]
-    here = ds.isel(load=i, velocity=j).transpose("x", "y", ...)
+    return ds
+
+
+def shown(ds: xr.Dataset, point: tuple[int, int], conditions: Conditions) -> tuple[Array, ...]:
+    """Pressure [GPa], temperature [°C] and wear depth [µm] at the end of a point, by x and y."""
+    here = ds.isel(load=point[0], velocity=point[1]).transpose("x", "y", ...)
     rise = here["rise"].values
     if conditions.bulk_ratio:
         rise = rise + conditions.bulk_ratio * here["bulk_response"].values
-    temperature = celsius(contact_temperature(rise, conditions))
-    critical = conditions.critical_temperature
-    limit = math.inf if critical is None else celsius(critical)
-    outlined = temperature.min() < limit < temperature.max() and min(temperature.shape) > 1
-    white = f", outlined at {limit:g}" if outlined else ""
-    pressure = here["pressure"].values / 1e9
-    panels = (
-        ("contact pressure [GPa]", np.ma.masked_equal(pressure, 0.0), "viridis_r", 0.0),
-        (f"contact temperature{white} [°C]", temperature, "inferno", None),
-        ("wear depth of the pin [µm]", 1e6 * here["wear_depth"].values, "cividis", 0.0),
+    return (
+        here["pressure"].values / 1e9,
+        celsius(contact_temperature(rise, conditions)),
+        1e6 * here["wear_depth"].values,
     )
 
-    x, y = _edges(1e6 * here["x"].values), _edges(1e6 * here["y"].values)
+
+def scales(values: tuple[Array, ...]) -> Array:
+    """Lowest and highest value of the scale of each panel; only temperatures do not begin at 0."""
+    pressure, temperature, wear_depth = values
+    return np.array(
+        [
+            (0.0, pressure.max()),
+            (temperature.min(), temperature.max()),
+            (0.0, wear_depth.max()),
+        ]
+    )
+
+
+@in_house_style
+def contact(
+    ds: xr.Dataset,
+    point: tuple[int, int],
+    conditions: Conditions,
+    stacked: bool = False,
+    ends: Array | None = None,
+) -> Figure:
+    """Draw the contact at the end of a point of a sweep `with_fields`.
+
+    Parameters
+    ----------
+    ds : Dataset
+        The sweep on one surface.
+    point : tuple of int
+        Indices of the point's load and velocity.
+    conditions : Conditions
+        Friction and temperatures to draw.
+    stacked : bool
+        Whether the panels lie below each other, rather than side by side.
+    ends : ndarray, shape (3, 2), optional
+        Ends of the scale of each panel; the point's own `scales` if not given.
+    """
+    values = shown(ds, point, conditions)
+    ends = scales(values) if ends is None else ends
+    temperature = values[1]
+    critical = conditions.critical_temperature
+    limit = math.inf if critical is None else celsius(critical)
+    outlined = ends[1][0] < limit < ends[1][1] and min(temperature.shape) > 1
+    labels = (
+        "contact pressure [GPa]",
+        f"contact temperature{f', outlined at {limit:g}' if outlined else ''} [°C]",
+        "wear depth of the pin [µm]",
+    )
+    centres = 1e6 * ds["x"].values, 1e6 * ds["y"].values
+    x, y = (_edges(each) for each in centres)
     height = 3.3 * np.ptp(y) / np.ptp(x)
     panel = 1.4 + float(np.clip(height, 1.0, 6.0))
     size = (4.6, 1.0 + 3 * panel) if stacked else (11.0, 0.8 + panel)
     figure = Picture(figsize=size)
     row = figure.subplots(*((3, 1) if stacked else (1, 3)), sharex=True, sharey=True)
-    for axes, (label, values, colours, lowest) in zip(row, panels, strict=True):
-        image = axes.pcolormesh(x, y, values.T, cmap=colours, vmin=lowest, rasterized=True)
+    touching = np.ma.masked_equal(values[0], 0.0), *values[1:]
+    for axes, label, each, colours, (low, high) in zip(
+        row, labels, touching, ("viridis_r", "inferno", "cividis"), ends, strict=True
+    ):
+        image = axes.pcolormesh(x, y, each.T, cmap=colours, vmin=low, vmax=high, rasterized=True)
         axes.set_aspect("equal" if 0.5 < height < 12 else "auto")
         axes.grid(visible=False)
         axes.xaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 2.5, 5, 10]))
@@ -93,12 +154,11 @@ def fields(
         figure.colorbar(
             image, cax=axes.inset_axes((0, 1.04, 1, 0.035)), label=label, location="top"
         )
-    if len(here["y"]) > 1:
+    if len(ds["y"]) > 1:
         row[0].set_ylabel("y [µm]")
     else:
         row[0].set_yticks([])
-    if outlined:
-        centres = 1e6 * here["x"].values, 1e6 * here["y"].values
+    if outlined and temperature.min() < limit < temperature.max():
         row[1].contour(*centres, temperature.T, [limit], colors="white", linewidths=0.8)
     figure.suptitle(f"{title_of(ds)}\n{name_of(ds, point)}, {heating(conditions)}")
     return figure

@@ -15,6 +15,8 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from pipeline.analysis.dataset import open_sweep
+from pipeline.analysis.tables import writable_path
+from pipeline.figures.animation import SUFFIXES, animation, save_animation
 from pipeline.figures.diagram import diagram
 from pipeline.figures.fields import fields
 from pipeline.figures.fit import fitted
@@ -26,12 +28,13 @@ from tribo import InputError
 
 _COLUMN = 0.12  # [m], below which panels lie below each other
 _DPI = (20, 2400)
-_KINDS: dict[str, Callable[..., Figure]] = {
+_KINDS: dict[str, Callable[..., Figure | list[Figure]]] = {
     "diagram": diagram,
     "ramp": ramp,
     "fields": fields,
     "temperature": temperature,
     "histogram": histogram,
+    "animation": animation,
 }
 
 
@@ -43,22 +46,23 @@ def plot(
     dpi: float | None = None,
     with_title: bool = True,
     **options: Any,
-) -> Figure | Path:
+) -> Figure | list[Figure] | Path:
     """Draw a figure of a sweep.
 
     Parameters
     ----------
     ds : Dataset or path
         Dataset of `pipeline.open_sweep`, or folder or address of the store.
-    kind : {"diagram", "ramp", "fields", "temperature", "histogram"}
-        Name of the figure.
+    kind : {"diagram", "ramp", "fields", "temperature", "histogram", "animation"}
+        Name of the figure; the animation shows the fields while the load grows.
     out : path, optional
-        File to write; its suffix, one of .pdf, .png and .svg, decides the format.
+        File to write; its suffix, one of .pdf, .png and .svg, decides the format. That of an
+        animation is .gif.
     width : float or str, optional
         Width of the figure [m], or as text, such as "8.5 cm"; words stay readable. Its own if not
         given.
     dpi : float, optional
-        Dots per inch of a .png; 150 if not given.
+        Dots per inch of a .png, 150 if not given, or of a .gif, 100 if not given.
     with_title : bool
         Whether the figure has its titles.
     **options
@@ -66,8 +70,8 @@ def plot(
 
     Returns
     -------
-    Figure or Path
-        The figure, or the file it was written to if `out` is given.
+    Figure, list of Figure or Path
+        The figure, or those of an animation; the file they were written to if `out` is given.
 
     Raises
     ------
@@ -88,12 +92,19 @@ def plot(
     for name in options:
         if name not in allowed:
             raise InputError(f"{kind} has no option {name!r}; it has {', '.join(allowed)}")
-    path = None if out is None else figure_path(out)
+    path = None
+    if out is not None:
+        path = writable_path(out, SUFFIXES) if kind == "animation" else figure_path(out)
     if dpi is not None and not _DPI[0] <= dpi <= _DPI[1]:
         raise InputError(f"dpi is {dpi:g}; it must be from {_DPI[0]} to {_DPI[1]}")
     metres = to_si(width, "1 m") if isinstance(width, str) else width
-    if kind == "fields" and metres is not None and metres < _COLUMN:
+    if "stacked" in allowed and metres is not None and metres < _COLUMN:
         options = {"stacked": True} | options
-    figure = draw(ds if isinstance(ds, xr.Dataset) else open_sweep(ds), **options)
-    fitted(figure, metres, with_title)
-    return figure if path is None else save_figure(figure, path, dpi)
+    drawn = draw(ds if isinstance(ds, xr.Dataset) else open_sweep(ds), **options)
+    for figure in drawn if isinstance(drawn, list) else [drawn]:
+        fitted(figure, metres, with_title)
+    if path is None:
+        return drawn
+    if isinstance(drawn, list):
+        return save_animation(drawn, path, dpi)
+    return save_figure(drawn, path, dpi)

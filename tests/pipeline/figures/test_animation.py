@@ -1,0 +1,72 @@
+"""The contact while the load grows (pipeline/figures/animation.py)."""
+
+import itertools
+
+import numpy as np
+import pytest
+from PIL import Image, ImageChops
+
+from pipeline.figures.plot import plot
+from pipeline.store import PENDING
+from tests.helpers import synthetic
+from tribo import InputError
+
+LOADS = (200.0, 400.0, 600.0, 750.0)
+
+
+@pytest.fixture(scope="module")
+def sweep():
+    status = {(400.0, 2.0): PENDING}
+    return synthetic.sweep(loads=LOADS, velocities=(1.0, 2.0), status=status, fields=True)
+
+
+def meshes(figure):
+    return [axes.collections[0] for axes in figure.axes[:3]]
+
+
+def test_each_load_that_is_done_has_a_picture_of_its_own_fields(sweep):
+    figures = plot(sweep, "animation", velocity=2.0)
+    for figure, load in zip(figures, (200.0, 600.0, 750.0), strict=True):
+        assert f"{load:g} N, 2 m/s" in figure.get_suptitle()
+        here = sweep.sel(load=load, velocity=2.0)
+        shown = meshes(figure)[1].get_array()
+        np.testing.assert_allclose(shown, (25.0 + 0.1 * here["rise"]).T)
+
+
+def test_all_pictures_have_the_same_scales_which_hold_all_values(sweep):
+    figures = plot(sweep, "animation", load=600.0, velocity=1.0)
+    assert len(figures) == 3
+    (first, *others) = ([mesh.get_clim() for mesh in meshes(figure)] for figure in figures)
+    assert all(other == first for other in others)
+    rises = sweep["rise"].sel(velocity=1.0, load=[200.0, 400.0, 600.0]).values
+    assert first[1] == pytest.approx((25.0 + 0.1 * rises.min(), 25.0 + 0.1 * rises.max()))
+
+
+def test_only_pictures_that_cross_the_critical_temperature_have_an_outline(sweep):
+    figures = plot(sweep, "animation", velocity=1.0)
+    hottest = [float(mesh.get_array().max()) for mesh in (meshes(f)[1] for f in figures)]
+    critical = 273.15 + (hottest[1] + hottest[2]) / 2
+    figures = plot(sweep, "animation", velocity=1.0, critical_temperature=critical)
+    assert [len(figure.axes[1].collections) for figure in figures] == [1, 1, 2, 2]
+    assert len({figure.axes[1].child_axes[0].get_xlabel() for figure in figures}) == 1
+
+
+def test_the_file_shows_one_picture_after_the_other_at_the_width_asked_for(sweep, tmp_path):
+    out = plot(sweep, "animation", tmp_path / "ramp.gif", width="8.5 cm", velocity=1.0)
+    with Image.open(out) as film:
+        frames = []
+        for number in range(film.n_frames):
+            film.seek(number)
+            frames.append(film.convert("RGB"))
+        assert film.width == int(8.5 / 2.54 * 100)
+        assert film.info["loop"] == 0
+    assert len(frames) >= len(LOADS)
+    for one, other in itertools.pairwise(frames[: len(LOADS)]):
+        assert ImageChops.difference(one, other).getbbox() is not None
+
+
+def test_an_animation_is_a_gif_of_stored_fields(sweep, tmp_path):
+    with pytest.raises(InputError, match=r"the suffix must be one of \.gif"):
+        plot(sweep, "animation", tmp_path / "ramp.png")
+    with pytest.raises(InputError, match="holds no fields"):
+        plot(synthetic.sweep(), "animation", tmp_path / "ramp.gif")
