@@ -6,15 +6,24 @@ import argparse
 
 import pipeline
 from pipeline.cli.output import DONE, show
+from pipeline.scene.editors import write_schema
 from pipeline.scene.shipped import shipped_scenes
 from tribo import InputError
 
 
 def new(options: argparse.Namespace) -> int:
-    """Write a scene to start from, or list those that are shipped."""
+    """Write a scene to start from or the schema of scenes, or list those that are shipped."""
     if options.list:
         titles = {name: pipeline.load_scene(path).title for name, path in shipped_scenes().items()}
         show(options, titles, [f"{name:16} {title}" for name, title in titles.items()])
+        return DONE
+    if options.schema is not None:
+        schema = write_schema(options.schema)
+        text = [
+            f"{schema} is written",
+            f"editors that know TOML go by it in a scene with the first line: #:schema {schema}",
+        ]
+        show(options, {"file": str(schema)}, text)
         return DONE
     if options.file is None:
         raise InputError("give the name of the file to write, such as: irg new scene.toml")

@@ -67,6 +67,13 @@ NEW_FILE = _option("file", metavar="FILE.toml", type=Path, nargs="?", help="file
 FROM = _option(
     "--from", metavar="NAME", dest="like", help="shipped scene to begin with; see --list"
 )
+SCHEMA = _option(
+    "--schema",
+    metavar="FILE.json",
+    type=Path,
+    help="write the format as a JSON schema instead, by which an editor completes and explains "
+    "scenes",
+)
 LIST = _flag("--list")
 
 WORKERS = _option(
@@ -177,8 +184,9 @@ FIGURE_OR_TABLE = output("FILE.png", "draw a figure; or write a table, to .csv o
 KIND = _option(
     "--kind",
     default="diagram",
-    choices=("diagram", "ramp", "fields", "temperature", "histogram"),
-    help="default: diagram; temperature is over the velocity, histogram over the contact",
+    choices=("diagram", "ramp", "fields", "temperature", "histogram", "animation"),
+    help="default: diagram; temperature is over the velocity, histogram over the contact, "
+    "animation of the fields while the load grows",
 )
 LOOK = (
     _option(
@@ -187,7 +195,7 @@ LOOK = (
         type=values.quantity("8.5 cm"),
         help='width of the figure, like "8.5 cm"; words stay readable',
     ),
-    _option("--dpi", metavar="N", type=values.count, help="dots per inch of a .png"),
+    _option("--dpi", metavar="N", type=values.count, help="dots per inch of a .png or .gif"),
     _flag("--no-title", help="draw no title, where a caption gives it"),
     _flag("--log", help="scale both axes of the diagram by the logarithm"),
 )

@@ -44,7 +44,7 @@ COMMANDS = (
         "new", "begin:new",
         "write a commented scene to start from: all tables, keys, units and defaults",
         "scene.toml --from twin_disc",
-        (o.NEW_FILE, o.FROM, o.LIST.but(help="list the shipped scenes")),
+        (o.NEW_FILE, o.FROM, o.LIST.but(help="list the shipped scenes"), o.SCHEMA),
     ),
     Command(
         "run", "sweeps:run", "run or resume the sweep of a scene", "scene.toml --accuracy 2%",

@@ -38,7 +38,8 @@ def plot(options: argparse.Namespace) -> int:
     """Draw a figure of a store."""
     ds = pipeline.open_sweep(options.store)
     store = Path(options.store if isinstance(options.store, Path) else Path(options.store).name)
-    out = options.output or store.with_name(f"{store.stem}_{options.kind}.png")
+    suffix = "gif" if options.kind == "animation" else "png"
+    out = options.output or store.with_name(f"{store.stem}_{options.kind}.{suffix}")
     shown = given(options, *PLACE, "rivals", "width", "dpi") | {"with_title": not options.no_title}
     shown |= {"log": True} if options.log else {}
     conditions = given(options, *CONDITIONS)

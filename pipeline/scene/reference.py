@@ -22,7 +22,8 @@ Every table and key of a scene, made from the format itself by `make reference`.
 A scene is a TOML file in UTF-8. Quantities are text with a unit, such as `"750 N"`, in any unit of
 the right dimension; decimals have a point; a bare number where a unit is due is a fault.
 `irg new scene.toml` writes a scene that holds all of this as comments, and `irg check scene.toml`
-names every fault at once.
+names every fault at once. `irg new --schema scene.schema.json` writes a JSON schema, by which
+editors complete and explain the entries of a scene that begins with `#:schema scene.schema.json`.
 """
 
 
@@ -57,7 +58,7 @@ class Section:
         found = {}
         for form, table in enumerate(self.forms):
             for key, entry in table.keys.items():
-                if forms_of(_kind(entry)) or key in found:
+                if forms_of(kind_of(entry)) or key in found:
                     continue
                 everywhere = all(key in other.keys for other in self.forms)
                 found[key] = entry, "" if everywhere else VARIANTS[self.path][form]
@@ -75,9 +76,9 @@ def sections(kind: Kind = FORMAT, path: str = "", is_needed: bool = True) -> Ite
         path += ".NAME"
     yield Section(path, forms, is_needed, isinstance(kind, List))
     for key, entry in {key: entry for form in forms for key, entry in form.keys.items()}.items():
-        if forms_of(_kind(entry)):
+        if forms_of(kind_of(entry)):
             inner = f"{path}.{key}" if path else key
-            yield from sections(_kind(entry), inner, not isinstance(entry, Optional))
+            yield from sections(kind_of(entry), inner, not isinstance(entry, Optional))
 
 
 def forms_of(kind: Kind) -> tuple[Table, ...]:
@@ -100,7 +101,7 @@ def page() -> str:
         need = "" if section.is_needed else " May be left out."
         parts.append(f"## {title}\n\n{TABLES[section.path]}{need}\n")
         rows = [
-            f"| `{key}` | {_cell(_kind(entry))} | {_default_cell(section, entry, form)} | "
+            f"| `{key}` | {_cell(kind_of(entry))} | {_default_cell(section, entry, form)} | "
             f"{MEANINGS[section.path_of(key)]} |"
             for key, (entry, form) in section.keys().items()
         ]
@@ -148,7 +149,8 @@ def _cell(kind: Kind) -> str:
     return str(kind).replace("|", "\\|")
 
 
-def _kind(entry: Kind | Optional) -> Kind:
+def kind_of(entry: Kind | Optional) -> Kind:
+    """The kind of a key's value, which may be left out or not."""
     return entry.kind if isinstance(entry, Optional) else entry
 
 

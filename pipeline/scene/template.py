@@ -15,7 +15,7 @@ from pipeline.scene.document import read_document
 from pipeline.scene.entries import did_you_mean, entry_at
 from pipeline.scene.kinds import Choice, Flag, Kind, Number, Quantity, Unit, Whole
 from pipeline.scene.meanings import MEANINGS, TABLES, VARIANTS
-from pipeline.scene.reference import Section, sections, written
+from pipeline.scene.reference import Section, kind_of, sections, written
 from pipeline.scene.schema import Distributions, Either, List, Optional
 from pipeline.scene.shipped import shipped_scenes
 from tribo import InputError
@@ -166,7 +166,7 @@ def _key(
     section: Section, key: str, entry: Kind | Optional, given: Mapping[str, Any], comment: bool
 ) -> Iterator[str]:
     """Lines of one key: what it means and what is allowed, and its value or an example."""
-    kind = entry.kind if isinstance(entry, Optional) else entry
+    kind = kind_of(entry)
     default = entry.default if isinstance(entry, Optional) else None
     path = section.path_of(key)
     if section.path == "fidelity" and key != "preset":
