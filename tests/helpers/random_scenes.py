@@ -217,7 +217,7 @@ def assert_complementary(scene, before, state):
     p = state.pressure
     modulus = contact_modulus(scene.pin.material, scene.disk)
     solid = ElasticHalfSpace(scene.grid, modulus, scene.fidelity.kernel)
-    separation = scene.separation()
+    separation = scene.separation(scene.heights())
     z = separation + worn
     heights = np.abs(separation[p > 0]).max() + np.abs(z[p > 0]).max()
     z = z - z[p > 0].mean()

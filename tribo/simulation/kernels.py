@@ -86,6 +86,7 @@ class ElasticBodies(NamedTuple):
 
 
 _bodies = Kept[ElasticBodies](size_of=lambda _: 1, limit=_MOST_BODIES)
+_heights = Kept[Array | None](size_of=lambda _: 1, limit=1)  # of all the grids of a scene
 _spectra = Kept[Spectrum](size_of=lambda spectrum: spectrum.nbytes, limit=_MOST_BYTES)
 
 
@@ -112,6 +113,7 @@ def forget_kernels() -> None:
     >>> tribo.forget_kernels()
     """
     _bodies.clear()
+    _heights.clear()
     _spectra.clear()
     forget_buffers()
 
@@ -121,4 +123,5 @@ def _elastic_bodies(scene: Scene) -> ElasticBodies:
     solid = ElasticHalfSpace(scene.grid, modulus, scene.fidelity.kernel)
     if scene.fidelity.precision == "single":
         solid = solid.in_single_precision()
-    return ElasticBodies(solid, scene.separation())
+    heights = _heights.get((scene.roughness, scene.pixels), scene.heights)
+    return ElasticBodies(solid, scene.separation(heights))

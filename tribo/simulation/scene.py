@@ -109,7 +109,7 @@ class Scene:
                 "along y; use 'pin'"
             )
         if isinstance(self.roughness, MeasuredRoughness):
-            self.roughness.heights(self.pixels)
+            self.heights()
         if self.unequal_bulks and self.fidelity.partition == "uniform":
             raise InputError(
                 "the partition 'uniform' divides frictional heat alone, and the bulk temperatures "
@@ -217,14 +217,23 @@ class Scene:
             return self.pin.length
         return math.inf
 
-    def separation(self) -> Array:
-        """Distance of the unworn, undeformed surfaces [m], shape ``grid.shape``."""
+    def heights(self) -> Array | None:
+        """Heights of the disk on the pixels [m], shape ``pixels.shape``; None if it is smooth."""
+        return self.roughness.heights(self.pixels) if self.roughness else None
+
+    def separation(self, heights: Array | None) -> Array:
+        """Distance of the unworn, undeformed surfaces [m], shape ``grid.shape``.
+
+        Parameters
+        ----------
+        heights : ndarray, shape ``pixels.shape``, or None
+            Those of `heights`, which are the same for all fidelities.
+        """
         profile = self.pin.profile(self.grid)
-        if self.roughness is None:
+        if heights is None:
             return profile.copy()
-        heights, block = self.roughness.heights(self.pixels), self.fidelity.pixels_per_element
         coarsened = block_sample if self.fidelity.averaging == "sample" else block_average
-        return profile - coarsened(heights, block)
+        return profile - coarsened(heights, self.fidelity.pixels_per_element)
 
     def stations(self, normal_load: float, after: float = 0.0) -> Iterator[Station]:
         """Steps that lead to a load and through its hold, as many as the physics needs.

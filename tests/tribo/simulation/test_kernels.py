@@ -2,12 +2,13 @@
 
 import threading
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from tests.helpers.scenes import small_scene
-from tribo import forget_kernels, simulate
+from tribo import SelfAffineRoughness, forget_kernels, simulate
 from tribo.simulation import kernels
 from tribo.simulation.kernels import Kept
 
@@ -85,3 +86,20 @@ def test_a_scene_on_the_same_grid_has_its_bodies_made_once():
     assert kernels.elastic_bodies(small_scene(roughness=False)) is not first
     forget_kernels()
     assert kernels.elastic_bodies(small_scene()) is not first
+
+
+def test_the_grids_of_a_scene_have_its_surface_made_once(monkeypatch):
+    made, heights = [], SelfAffineRoughness.heights
+
+    def counted(roughness, pixels):
+        made.append(roughness)
+        return heights(roughness, pixels)
+
+    monkeypatch.setattr(SelfAffineRoughness, "heights", counted)
+    forget_kernels()
+    scene = small_scene(history_coarsening=2, increments=4)
+    assert len(list(scene.levels())) == 2
+    *_, _ = simulate(scene, 600.0, 1.0)
+    assert len(made) == 1
+    *_, _ = simulate(replace(scene, roughness=replace(scene.roughness, seed=1)), 600.0, 1.0)
+    assert [roughness.seed for roughness in made] == [0, 1]
