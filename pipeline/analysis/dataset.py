@@ -10,6 +10,7 @@ import xarray as xr
 
 from pipeline.analysis.attributes import attributes_of, portable
 from pipeline.store import Committed, PathLike, as_needed, folder_of
+from pipeline.store.identity import simulated_inputs
 from pipeline.store.variables import LEADING, VARIABLES
 from pipeline.sweep.criterion import (
     Conditions,
@@ -18,6 +19,7 @@ from pipeline.sweep.criterion import (
     require_bulks,
 )
 from pipeline.sweep.model import Point
+from pipeline.sweep.unknown import first_alike
 from tribo import InputError
 from tribo.thermal import at_bulk_ratio
 from tribo.types import Array
@@ -72,7 +74,7 @@ def open_sweep(path: PathLike) -> xr.Dataset:
     >>> end["max_temperature"].sel(load=600, velocity=1.6).round().item()
     436.0
     """
-    ds = ordered(xr.open_dataset(str(folder_of(path)), engine=Committed))
+    ds = _shared(ordered(xr.open_dataset(str(folder_of(path)), engine=Committed)))
     for name in ds.variables:  # as they are written today, in old stores too
         if name in VARIABLES and (units := VARIABLES[str(name)].units):
             ds[name].attrs["units"] = units
@@ -88,6 +90,21 @@ def open_sweep(path: PathLike) -> xr.Dataset:
 def ordered(ds: xr.Dataset) -> xr.Dataset:
     """Sort the axes of a sweep, which a store keeps in the order in which they grew."""
     return ds.sortby([name for name in (*LEADING, "load", "velocity") if name in ds.dims])
+
+
+def _shared(ds: xr.Dataset) -> xr.Dataset:
+    """Give each sample the simulation that it shares with another, if it has none of its own.
+
+    The coordinate ``simulation`` is the number of the sample that was simulated.
+    """
+    if "sample" not in ds.dims:
+        return ds
+    columns = [ds[path].values.tolist() for path in simulated_inputs(ds.attrs)]
+    first = first_alike(ds.sizes["sample"], columns)
+    if first == tuple(range(len(first))):
+        return ds
+    own = {name: entry for name, entry in ds.coords.items() if "sample" in entry.dims}
+    return ds.isel(sample=list(first)).assign_coords(own | {"simulation": ("sample", list(first))})
 
 
 def leading(ds: xr.Dataset) -> str | None:
@@ -131,7 +148,8 @@ def asked_points(ds: xr.Dataset) -> xr.DataArray:
     asked = xr.ones_like(ds["status"], dtype=bool)
     chosen = attributes_of(ds).get("chosen")
     if chosen is not None:
-        place = tuple(int(ds[name]) if name in ds.coords else None for name in LEADING)
+        names = ("realization", "simulation" if "simulation" in ds.coords else "sample")
+        place = tuple(int(ds[name]) if name in ds.coords else None for name in names)
         wanted = {point[:2] for point in (Point(*entry) for entry in chosen) if point[2:] == place}
         loads, velocities = ds["load"].values.tolist(), ds["velocity"].values.tolist()
         rows = [[(load, velocity) in wanted for velocity in velocities] for load in loads]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any
@@ -107,13 +107,14 @@ class _Variant:
         Surface and sample of its points.
     conditions : tuple of Conditions
         Conditions under each of which to find the boundary.
-    inputs : tuple of float
-        Values drawn, on scales on which the boundary is about linear; none but for samples.
+    inputs : tuple of tuple of float
+        Values drawn for each of the conditions, on scales on which the boundary is about linear;
+        none but for samples.
     """
 
     place: _Place
     conditions: tuple[Conditions, ...]
-    inputs: tuple[float, ...] = ()
+    inputs: tuple[tuple[float, ...], ...] = ()
 
 
 def _variants(sweep: Sweep) -> list[_Variant]:
@@ -124,9 +125,16 @@ def _variants(sweep: Sweep) -> list[_Variant]:
     conditions = [sweep.variant(sample=number).conditions for number in range(len(samples))]
     if not samples.are_simulated:
         return [_Variant((None, None), tuple(conditions))]
+    alike: dict[int, list[int]] = {}
+    for number, first in enumerate(samples.simulations):
+        alike.setdefault(first, []).append(number)
     return [
-        _Variant((None, number), (conditions[number],), samples.scaled(number))
-        for number in range(len(samples))
+        _Variant(
+            (None, first),
+            tuple(conditions[number] for number in each),
+            tuple(samples.scaled(number) for number in each),
+        )
+        for first, each in alike.items()
     ]
 
 
@@ -146,7 +154,7 @@ class _Search:
         self._search, self._out = search, out
         self._rises: dict[_Place, dict[Point, Array]] = {}
         self._failed: dict[_Place, set[Point]] = {}
-        self._expect: Callable[[_Variant], Mapping[float, float]] = lambda _: {}
+        self._fits: dict[float, Array] = {}  # coefficients of planes, by load
 
     def look(self, variants: Sequence[_Variant]) -> None:
         """Read from the store what was not known yet."""
@@ -172,46 +180,45 @@ class _Search:
         for variant in variants:
             known = self._rises.get(variant.place, {})
             failed = self._failed.get(variant.place, set())
-            expected = None if known else self._expect(variant)
             for number, conditions in enumerate(variant.conditions):
                 search = replace(self._search, limit=rise_limit(conditions))
                 own = {at: float(rises[number]) for at, rises in known.items()}
-                asked = search.wanted(own, failed, expected)
+                expected = self._expected(variant.inputs[number]) if self._fits else None
+                asked = search.wanted(own, failed, None if own else expected)
                 found |= {Point(*at[:2], *variant.place) for at in asked}
         return found
 
     def learn(self, variants: Sequence[_Variant]) -> None:
         """Expect the boundary of further samples from that of those that were searched."""
-        inputs = np.array([each.inputs for each in variants])
-        found = np.log(
-            [[self._critical(each, load) for load in self._search.loads] for each in variants]
-        )
-        fits = {}
+        inputs = np.array([row for each in variants for row in each.inputs])
+        found = np.log([row for each in variants for row in self._critical(each)])
         for load, column in zip(self._search.loads, found.T, strict=True):
             at = np.isfinite(column)
             if np.count_nonzero(at) > inputs.shape[1] + 1:
-                fits[load] = _plane(inputs[at], column[at])
-        lowest, highest = self._search.lowest, self._search.highest
+                self._fits[load] = _plane(inputs[at], column[at])
 
-        def expect(variant: _Variant) -> Mapping[float, float]:
-            at = np.array([1.0, *variant.inputs])
-            return {
-                load: min(max(math.exp(float(at @ fit)), lowest), highest)
-                for load, fit in fits.items()
-            }
+    def _expected(self, inputs: tuple[float, ...]) -> dict[float, float]:
+        """Where the critical velocity of a sample is to be expected, by load."""
+        at, lowest, highest = np.array([1.0, *inputs]), self._search.lowest, self._search.highest
+        return {
+            load: min(max(math.exp(float(at @ fit)), lowest), highest)
+            for load, fit in self._fits.items()
+        }
 
-        self._expect = expect
-
-    def _critical(self, variant: _Variant, load: float) -> float:
-        """Critical velocity of a sample at a load; NaN where it does not cross."""
+    def _critical(self, variant: _Variant) -> Array:
+        """Critical velocity under each of its conditions, by load; NaN where it does not cross."""
+        found = np.full((len(variant.conditions), len(self._search.loads)), math.nan)
         known = self._rises.get(variant.place, {})
-        row = sorted(
-            (at.velocity, float(rises[0])) for at, rises in known.items() if at.load == load
-        )
-        if len(row) < 2:
-            return math.nan
-        velocities, rises = np.array(row).T
-        return crossing(velocities, rises, rise_limit(variant.conditions[0]))
+        for column, load in enumerate(self._search.loads):
+            row = sorted((at.velocity, at) for at in known if at.load == load)
+            if len(row) < 2:
+                continue
+            velocities = np.array([velocity for velocity, _ in row])
+            rises = np.array([known[at] for _, at in row])
+            for number, conditions in enumerate(variant.conditions):
+                limit = rise_limit(conditions)
+                found[number, column] = crossing(velocities, rises[:, number], limit)
+        return found
 
 
 def _plane(inputs: Array, values: Array) -> Array:

@@ -1,9 +1,10 @@
 """Computes chains of points on the threads of a cluster.
 
 A task computes points of one chain for about a second, and the next task of the chain depends on
-the trunk that it leaves. Dask decides what runs where, and runs a task again if its trunk was lost.
-What is left to do is read from the store when a task has ended, whatever became of the task; what
-is still missing is submitted anew.
+the trunk that it leaves. Chains of one sample may share a task, since they share a surface. Dask
+decides what runs where, and runs a task again if its trunk was lost. What is left to do is read
+from the store when a task has ended, whatever became of the task; what is still missing is
+submitted anew.
 """
 
 from __future__ import annotations
@@ -131,6 +132,7 @@ class _Run:
         self.waiting = deque(waiting)
         self.running: list[_Task] = []
         self.suspects = Suspects()
+        self._joins = sweep.samples is not None and not sweep.independent
 
     def submit(self, workers: Counter[str]) -> None:
         """Give the workers a task for each thread; in the end, give each one suspect alone.
@@ -151,11 +153,27 @@ class _Run:
     def _next(self, threads: int) -> _Chain:
         """Take the next chain: the first, so that few trunks are kept; near the end the longest."""
         if len(self.waiting) + len(self.running) >= 2 * threads:
-            return self.waiting.popleft()
+            return self._joined(self.waiting.popleft())
         longest = max(range(len(self.waiting)), key=lambda i: len(self.waiting[i].points))
         chain = self.waiting[longest]
         del self.waiting[longest]
         return chain
+
+    def _joined(self, chain: _Chain) -> _Chain:
+        """A chain with those of the same sample that wait behind it."""
+        place, points = chain.points[0][2:], list(chain.points)
+        while self._joins and self.waiting and self.waiting[0].points[0][2:] == place:
+            if self.waiting[0].trunk is not None:
+                break
+            points += self.waiting.popleft().points
+        return _Chain(tuple(points), chain.trunk)
+
+    def _put_back(self, left: Iterable[Point], trunk: Future | None = None) -> None:
+        """Let points wait again, each ramp as a chain; the first one has a trunk."""
+        ramps = itertools.groupby(left, key=lambda point: point[1:])
+        found = [tuple(points) for _, points in ramps]
+        self.waiting.extendleft(_Chain(points) for points in reversed(found[1:]))
+        self.waiting.extendleft(_Chain(points, trunk) for points in found[:1])
 
     def _start(self, chain: _Chain, worker: str | None = None) -> None:
         if self._parcel.status in ("error", "cancelled"):  # all who had it died
@@ -186,7 +204,7 @@ class _Run:
         if left and (died or error):
             self._recover(task, left, error)
         elif left:
-            self.waiting.appendleft(_Chain(left, task.trunk))
+            self._put_back(left, task.trunk)
         return True
 
     def _settle(self, flags: Mapping[Point, int]) -> None:
@@ -202,11 +220,10 @@ class _Run:
         if isinstance(error, KilledWorker) and error.task != task.trunk.key:
             # What it depends on was lost too often; it goes on without.
             if not alone:
-                self.waiting.appendleft(_Chain(left))
+                self._put_back(left)
             return
         self.suspects = self.suspects.after_loss(left[0], alone)
-        if len(left) > 1:
-            self.waiting.appendleft(_Chain(left[1:]))
+        self._put_back(left[1:])
         for point in self.suspects.failed:
             self._store.fail(point, _KILLED if killed else f"{type(error).__name__}: {error}")
             self._settle({point: self._store.flag(point)})

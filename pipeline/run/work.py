@@ -24,26 +24,27 @@ _one_at_a_time = threading.Lock()
 
 @dataclass(frozen=True, eq=False)
 class Kept:
-    """A trunk, kept as it is for the next point on the same worker.
+    """A trunk and its ramp, kept as they are for the next point on the same worker.
 
     On its way to another it is bytes: arrays that Dask rebuilds from its own messages may lie at
     odd addresses, and NumPy sums such arrays in another order.
     """
 
     trunk: Trunk | None
+    ramp: tuple[Any, ...] | None
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _kept, (pickle.dumps(self.trunk),)
+        return _kept, (pickle.dumps((self.trunk, self.ramp)),)
 
 
-def _kept(trunk: bytes) -> Kept:
-    return Kept(pickle.loads(trunk))
+def _kept(parts: bytes) -> Kept:
+    return Kept(*pickle.loads(parts))
 
 
 def compute_points(
     parcel: bytes, points: tuple[Point, ...], kept: Kept | None, seconds: float
 ) -> Kept:
-    """Compute points of a chain, at least one, until the time is up.
+    """Compute points of one or more chains, at least one, until the time is up.
 
     A point that fails is recorded, and the next one goes on from the same trunk. What is done
     already is passed by: then Dask runs the task again for the sake of its trunk, and no more is
@@ -54,7 +55,7 @@ def compute_points(
     parcel : bytes
         The pickled sweep and its store, which a scheduler elsewhere may not see.
     points : tuple of Point
-        Points of one chain, in the order of their loads.
+        Points, those of a chain in the order of their loads.
     kept : Kept or None
         The trunk to go on from.
     seconds : float
@@ -70,10 +71,13 @@ def compute_points(
     StoreError
         If a point cannot be recorded, or the store is not seen here as it is by the driver.
     """
-    (sweep, store), trunk = _unpacked(parcel), kept.trunk if kept else None
+    sweep, store = _unpacked(parcel)
+    trunk, ramp = (kept.trunk, kept.ramp) if kept else (None, None)
     end = time.monotonic() + seconds
     restoring = False
     for point in points:
+        if point[1:] != ramp:
+            trunk, ramp = None, point[1:]
         with _one_at_a_time:
             if store.is_done(point):
                 trunk, restoring = advance_trunk(sweep, *point, trunk=trunk), True
@@ -89,7 +93,7 @@ def compute_points(
         trunk = result.trunk
         if time.monotonic() > end:
             break
-    return Kept(trunk)
+    return Kept(trunk, ramp)
 
 
 @functools.lru_cache(maxsize=1)

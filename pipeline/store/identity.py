@@ -51,6 +51,17 @@ def stored_scene(attributes: Mapping[str, Any]) -> dict[str, Any]:
     return {"friction_heat": True} | scene
 
 
+def simulated_inputs(attributes: Mapping[str, Any]) -> tuple[str, ...]:
+    """Paths of the unknown inputs on which the simulations of a store depend.
+
+    Examples
+    --------
+    >>> simulated_inputs({"scene": {"unknown": {"pin.radius": {"kind": "normal"}, "seed": 0}}})
+    ('pin.radius',)
+    """
+    return tuple(path for path in attributes["scene"].get("unknown", ()) if path != "seed")
+
+
 def scene_hash(description: Mapping[str, Any]) -> str:
     """SHA-256 of what `describe` gives."""
     return hashlib.sha256(json.dumps(description, sort_keys=True).encode()).hexdigest()

@@ -20,6 +20,7 @@ import numpy as np
 from pipeline.store.chunks import ChunkedArray, Place, keys_at, picked, values_at
 from pipeline.store.files import RemoteFiles, files_in
 from pipeline.store.folder import DAMAGED, UNREADABLE, PathLike, StoreError, folder_of
+from pipeline.store.identity import simulated_inputs
 from pipeline.store.root import hash_of, read_metadata
 from pipeline.store.variables import (
     BULK_COLUMNS,
@@ -36,6 +37,7 @@ from pipeline.store.variables import (
     is_coordinate,
 )
 from pipeline.sweep.model import Point
+from pipeline.sweep.unknown import first_alike
 from tribo.types import Array
 
 _T = TypeVar("_T")
@@ -124,11 +126,18 @@ class Snapshot:
         if chosen is not None:
             return [Point(*point) for point in chosen]
         name, _ = self._leading
-        samples = range(self.attributes.get("samples", 0))
-        variants = samples if name == "sample" else self.attributes.get("realizations") or [None]
+        variants = self.attributes.get("realizations") or [None]
+        if name == "sample":
+            variants = list(dict.fromkeys(self._simulations()))
         loads, velocities = self.attributes["loads"], self.attributes["velocities"]
         places = itertools.product(variants, velocities, loads)
         return [Point(load, velocity, **{name: each}) for each, velocity, load in places]
+
+    def _simulations(self) -> tuple[int, ...]:
+        """See `Samples.simulations`."""
+        count = self.attributes["samples"]
+        paths = simulated_inputs(self.attributes)
+        return first_alike(count, [self.axes[path][:count] for path in paths])
 
     def places(self) -> list[Point]:
         """Every point that the store has room for."""

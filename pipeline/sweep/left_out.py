@@ -12,7 +12,7 @@ from pipeline.sweep.plan import step_count
 def left_out(sweep: Sweep) -> Iterator[str]:
     """What would be computed or stored for another scene, and why not for this one; a line each."""
     nx, ny = sweep.grid.shape
-    surfaces = len(sweep.axis[1]) if sweep.axis else 1
+    surfaces = len(sweep.simulated)
     steps = max(step_count(sweep, load) for load in sweep.loads)
     if sweep.is_plane:
         yield (

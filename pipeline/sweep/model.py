@@ -199,6 +199,16 @@ class Sweep(Scene):
             return "sample", tuple(range(len(self.samples)))
         return None
 
+    @property
+    def simulated(self) -> tuple[int | None, ...]:
+        """What of the axis has a simulation of its own; None if there is no axis.
+
+        Samples that differ in friction and temperatures alone share that of the first of them.
+        """
+        if self.samples and self.axis:
+            return tuple(dict.fromkeys(self.samples.simulations))
+        return self.axis[1] if self.axis else (None,)
+
     def variant(self, realization: int | None = None, sample: int | None = None) -> Self:
         """The sweep on one random surface, or with the inputs of one sample; itself if neither."""
         if sample is None:

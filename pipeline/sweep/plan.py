@@ -124,8 +124,8 @@ def points(sweep: Sweep) -> tuple[Point, ...]:
     """Every point of a sweep, variant by variant, velocity by velocity, loads ascending."""
     if sweep.chosen is not None:
         return tuple(sorted(sweep.chosen, key=_order))
-    name, variants = sweep.axis or ("realization", (None,))
-    places = itertools.product(variants, sweep.velocities, sweep.loads)
+    name = sweep.axis[0] if sweep.axis else "realization"
+    places = itertools.product(sweep.simulated, sweep.velocities, sweep.loads)
     return tuple(Point(load, velocity, **{name: each}) for each, velocity, load in places)
 
 

@@ -8,8 +8,9 @@ drawn of an input does not depend on those that stand after it.
 from __future__ import annotations
 
 import functools
+import itertools
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Any, Literal, get_args
 
@@ -24,7 +25,6 @@ MOST = 32
 """Number of inputs that may be unknown."""
 MOST_SAMPLES = 1_000_000
 """Number of samples that may be drawn."""
-_CONDITIONS = ("friction", "temperature")
 
 
 @dataclass(frozen=True, slots=True)
@@ -229,6 +229,12 @@ class Samples:
         """Whether any sample needs a simulation of its own."""
         return bool(self.simulated)
 
+    @property
+    def simulations(self) -> tuple[int, ...]:
+        """For each sample the first with the same simulated inputs, which is simulated for it."""
+        columns = self.columns
+        return first_alike(len(self), [columns[path] for path in self.simulated])
+
     def scaled(self, number: int) -> tuple[float, ...]:
         """Values of a sample on scales on which a power law is straight."""
         row = zip(self.unknown, self.values[number], strict=True)
@@ -241,6 +247,27 @@ class Samples:
         return {
             each.path: column.tolist() for each, column in zip(self.unknown, columns, strict=True)
         }
+
+
+def first_alike(count: int, columns: Iterable[Sequence[float]]) -> tuple[int, ...]:
+    """Find for each sample the first one whose values are all the same.
+
+    Parameters
+    ----------
+    count : int
+        Number of samples.
+    columns : iterable of sequence of float
+        Values of each input that counts, by sample.
+
+    Examples
+    --------
+    >>> first_alike(4, [[0.0, 1.0, 0.0, 1.0], [5.0, 5.0, 5.0, 6.0]])
+    (0, 1, 0, 3)
+    """
+    each = list(columns)
+    rows = zip(*each, strict=True) if each else itertools.repeat((), count)
+    first: dict[tuple[float, ...], int] = {}
+    return tuple(first.setdefault(row, number) for number, row in enumerate(rows))
 
 
 def drawn(unknown: tuple[Unknown, ...], seed: int, count: int) -> Array:

@@ -89,7 +89,7 @@ def estimate(sweep: Sweep, workers: int | None = None) -> Estimate:
     24
     """
     workers = workers or os.cpu_count() or 1
-    variants = len(sweep.axis[1]) if sweep.axis else 1
+    variants = len(sweep.simulated)
     velocities = _searched(sweep) if sweep.samples else len(sweep.velocities)
     ramps = velocities * variants
     points = (min(2, velocities) if sweep.samples else velocities) * len(sweep.loads) * variants
@@ -215,7 +215,7 @@ def _too_many_nodes(nodes: int, seconds: float) -> Iterator[str]:
 def _disk_bytes(sweep: Sweep) -> float:
     """Size of the store, uncompressed [B]."""
     each = min(2, len(sweep.velocities)) if sweep.samples else len(sweep.velocities)
-    points = len(sweep.loads) * each * (len(sweep.axis[1]) if sweep.axis else 1)
+    points = len(sweep.loads) * each * len(sweep.simulated)
     steps = max(step_count(sweep, load) for load in sweep.loads)
     fields = 3 + sweep.unequal_bulks if sweep.store_fields else 0
     columns = _STORED_COLUMNS + len(QUANTILES)

@@ -2,6 +2,7 @@
 
 import dataclasses
 import json
+import pickle
 
 import numpy as np
 import pytest
@@ -11,9 +12,10 @@ import pipeline
 from pipeline.analysis.interpolation import crossing
 from pipeline.cli import main
 from pipeline.run.follow import follow_boundary
-from pipeline.store import DONE, Store, StoreMismatchError, verify_store
+from pipeline.run.work import compute_points
+from pipeline.store import DONE, Store, StoreMismatchError, locked, prepare, verify_store
 from pipeline.sweep.criterion import rise_limit
-from pipeline.sweep.plan import run_point
+from pipeline.sweep.plan import points, run_point
 from tests.pipeline.cli.test_commands import MEASURED, SCENE
 
 UNKNOWN = """
@@ -176,6 +178,54 @@ def test_friction_and_temperatures_alone_share_one_simulation(tmp_path):
     assert ds.attrs["samples"] == 20
     follow_boundary(plain, tmp_path / "out.zarr", workers=1)
     assert "unknown" not in pipeline.open_sweep(tmp_path / "out.zarr").attrs
+
+
+def test_samples_that_are_simulated_alike_share_one_simulation(tmp_path):
+    surfaces = UNKNOWN.replace("wear.specific_wear_rate", "disk.roughness.seed").replace(
+        '{ median = "1.2e-6 mm^3/(N m)", factor = 1.5 }', "[3, 5]"
+    )
+    sweep = load(tmp_path, unknown=surfaces)
+    outcome = follow_boundary(sweep, tmp_path / "out.zarr", workers=1)
+    seeds = [row[0] for row in sweep.samples.values]
+    firsts = [seeds.index(seed) for seed in seeds]
+    done = [at for at, flag in Store(tmp_path / "out.zarr").status().items() if flag == DONE]
+    assert {point.sample for point in done} == set(firsts) == {0, seeds.index(8 - seeds[0])}
+    assert outcome.done == outcome.total == len(done) < 3 * 20
+    ds = pipeline.open_sweep(tmp_path / "out.zarr")
+    assert ds["simulation"].values.tolist() == firsts
+    assert ds["disk.roughness.seed"].values.tolist() == seeds
+    assert pipeline.boundary(ds)["critical_velocity"].sel(load=200.0).notnull().all()
+    assert pipeline.Ensemble.of(ds).missing == 0
+    alone = sweep.variant(sample=19)
+    point = next(point for point in done if point.sample == firsts[19])
+    rise = ds["max_rise"].sel(sample=19, load=point.load, velocity=point.velocity)
+    expected = run_point(alone, *point[:2]).columns["max_rise"]
+    assert np.array_equal(rise.values[: len(expected)], expected, equal_nan=True)
+
+
+def test_the_plane_of_samples_that_are_simulated_alike_is_asked_for_once(tmp_path):
+    surfaces = UNKNOWN.replace("wear.specific_wear_rate", "disk.roughness.seed").replace(
+        '{ median = "1.2e-6 mm^3/(N m)", factor = 1.5 }', "[3, 5]"
+    )
+    sweep = load(tmp_path, unknown=surfaces)
+    with locked(tmp_path / "out.zarr"):
+        store = prepare(tmp_path / "out.zarr", sweep)
+    assert len(points(sweep)) == 2 * len(sweep.loads) * len(sweep.velocities)
+    assert set(store.asked()) == set(points(sweep))
+
+
+def test_points_of_a_sample_share_a_task_in_which_each_ramp_starts_anew(tmp_path):
+    sweep = dataclasses.replace(load(tmp_path), velocities=(1.0, 2.0))
+    with locked(tmp_path / "out.zarr"):
+        store = prepare(tmp_path / "out.zarr", sweep)
+        own = tuple(point for point in points(sweep) if point.sample == 3)
+        ends = own[:1] + own[-1:]  # the lowest load of one ramp, the highest of another
+        kept = compute_points(pickle.dumps((sweep, store)), ends, None, 1e9)
+    assert kept.ramp == own[-1][1:]
+    for point in ends:
+        expected = run_point(sweep, *point).columns["max_rise"]
+        found = store.at(point, ["max_rise"])["max_rise"][: len(expected)]
+        assert np.array_equal(found, expected, equal_nan=True)
 
 
 def test_the_commands_tell_risk_causes_and_what_to_measure_next(sampled, tmp_path, capsys):
