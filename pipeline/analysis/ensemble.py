@@ -15,10 +15,9 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from scipy.interpolate import PchipInterpolator
 
 from pipeline.analysis.attributes import attributes_of
-from pipeline.analysis.interpolation import interpolated
+from pipeline.analysis.interpolation import cubic, interpolated
 from pipeline.analysis.surrogate import Surrogate, fitted
 from pipeline.sweep.criterion import Conditions, worst_moment
 from pipeline.sweep.unknown import Unknown, drawn
@@ -200,9 +199,8 @@ class Ensemble:
         elif len(self.loads) < 2:
             raise InputError(f"load is {load:g} N; the sweep has {self.loads[0]:g} N alone")
         else:
-            row = PchipInterpolator(np.log(self.loads), values, axis=1)(math.log(load))
-        found: Array = PchipInterpolator(self._axis, row, axis=1)(np.log(velocities))
-        return found
+            row = cubic(np.log(self.loads), np.swapaxes(values, 1, 2), math.log(load))
+        return cubic(self._axis, row, np.log(velocities))
 
     def require_within(self, load: float, *velocities: float) -> None:
         """Raise an `InputError` for what lies outside the sweep."""

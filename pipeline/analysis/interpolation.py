@@ -84,6 +84,32 @@ def interpolated(x: Array, y: Array, at: Array, continued: bool = False) -> Arra
     return result
 
 
+def cubic(x: Array, y: Array, at: Array | float) -> Array:
+    """Interpolate rows of values by the cubic that is monotone between the points.
+
+    Parameters
+    ----------
+    x : ndarray, shape (n,)
+        Abscissae, ascending; two at least.
+    y : ndarray, shape (..., n)
+        Values at the abscissae.
+    at : ndarray, shape (m,), or float
+        Abscissae to interpolate at; beyond the outermost points their cubics go on.
+
+    Returns
+    -------
+    ndarray, shape (..., m), or (...) for a single abscissa
+        Values at them.
+
+    Examples
+    --------
+    >>> rows = np.array([[0.0, 1.0, 2.0], [0.0, 1.0, 4.0]])
+    >>> cubic(np.array([0.0, 1.0, 2.0]), rows, 0.5)
+    array([0.5   , 0.3125])
+    """
+    return _Cubic.through(x, y)(at)
+
+
 def _interpolant(x: Array, y: Array) -> _Interpolant:
     if (x > 0).all() and (y > 0).all():
         return _Logarithmic(_Cubic.through(np.log(x), np.log(y)))
@@ -106,6 +132,8 @@ class _Interpolant(Protocol):
 class _Cubic:
     """A cubic between each two points; neighbours share their slope at the point between them.
 
+    Values and slopes have the points as their last axis.
+
     By Fritsch and Butland (1984): where y goes on to rise or fall, the slope at a point is the
     harmonic mean of those to either side, weighted by their lengths, else 0.
     """
@@ -117,21 +145,23 @@ class _Cubic:
     @classmethod
     def through(cls, x: Array, y: Array) -> _Cubic:
         widths, secants = np.diff(x), np.diff(y) / np.diff(x)
-        slopes = np.repeat(secants[:1], len(x))
+        slopes = np.repeat(secants[..., :1], len(x), axis=-1)
         if len(x) > 2:
             before, after = 2 * widths[1:] + widths[:-1], widths[1:] + 2 * widths[:-1]
-            goes_on = secants[:-1] * secants[1:] > 0
-            left, right = (np.where(goes_on, part, 1.0) for part in (secants[:-1], secants[1:]))
+            lower, upper = secants[..., :-1], secants[..., 1:]
+            goes_on = lower * upper > 0
+            left, right = np.where(goes_on, lower, 1.0), np.where(goes_on, upper, 1.0)
             mean = (before + after) / (before / left + after / right)
-            slopes[1:-1] = np.where(goes_on, mean, 0.0)
-            slopes[0] = _slope_at_end(*widths[:2], *secants[:2])
-            slopes[-1] = _slope_at_end(*widths[:-3:-1], *secants[:-3:-1])
+            slopes[..., 1:-1] = np.where(goes_on, mean, 0.0)
+            slopes[..., 0] = _slope_at_end(widths[:2], secants[..., :2])
+            slopes[..., -1] = _slope_at_end(widths[:-3:-1], secants[..., :-3:-1])
         return cls(x, y, slopes)
 
-    def __call__(self, at: Array) -> Array:
+    def __call__(self, at: Array | float) -> Array:
         i = np.clip(np.searchsorted(self.x, at, side="right") - 1, 0, len(self.x) - 2)
         width = self.x[i + 1] - self.x[i]
-        ends = self.y[i], self.y[i + 1], width * self.slopes[i], width * self.slopes[i + 1]
+        rises = width * self.slopes[..., i], width * self.slopes[..., i + 1]
+        ends = self.y[..., i], self.y[..., i + 1], *rises
         found: Array = _hermite((at - self.x[i]) / width, *ends)
         return found
 
@@ -155,14 +185,13 @@ def _hermite(t: Any, y0: Any, y1: Any, rise0: Any, rise1: Any) -> Any:
     return y0 + t * (y1 - y0) + t * (1 - t) * rest
 
 
-def _slope_at_end(near: float, far: float, secant: float, next_secant: float) -> float:
+def _slope_at_end(widths: Array, secants: Array) -> Array:
     """Slope of the parabola through three points at the first, kept from changing the order."""
-    slope = ((2 * near + far) * secant - near * next_secant) / (near + far)
-    if slope * secant <= 0:
-        return 0.0
-    if secant * next_secant < 0 and abs(slope) > 3 * abs(secant):
-        return 3 * secant
-    return slope
+    (near, far), first, second = widths, secants[..., 0], secants[..., 1]
+    slope = ((2 * near + far) * first - near * second) / (near + far)
+    turns = (first * second < 0) & (np.abs(slope) > 3 * np.abs(first))
+    kept: Array = np.where(slope * first <= 0, 0.0, np.where(turns, 3 * first, slope))
+    return kept
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.interpolate import PchipInterpolator
 
-from pipeline.analysis.interpolation import crossing, interpolated
+from pipeline.analysis.interpolation import crossing, cubic, interpolated
 
 
 @given(seed=st.integers(0, 2**32 - 1), size=st.integers(2, 12), rising=st.booleans())
@@ -23,12 +23,23 @@ def test_values_are_those_of_scipy(seed, size, rising):
 
 
 @given(seed=st.integers(0, 2**32 - 1), size=st.integers(2, 12))
+def test_rows_are_those_of_scipy(seed, size):
+    rng = np.random.default_rng(seed)
+    x = np.cumsum(rng.uniform(0.05, 2.0, size))
+    y = rng.normal(size=(2, 3, size))
+    at = rng.uniform(x[0], x[-1], 20)
+    expected = PchipInterpolator(x, y, axis=-1)(at)
+    assert cubic(x, y, at) == pytest.approx(expected, rel=1e-12, abs=1e-12)
+    assert cubic(x, y, float(at[0])) == pytest.approx(expected[..., 0], rel=1e-12, abs=1e-12)
+
+
+@given(seed=st.integers(0, 2**32 - 1), size=st.integers(2, 12))
 def test_a_crossing_is_where_the_logarithms_of_scipy_reach_the_limit(seed, size):
     rng = np.random.default_rng(seed)
     x = np.cumsum(rng.uniform(0.05, 2.0, size))
     y = np.exp(np.cumsum(rng.uniform(0.01, 2.0, size)))
     limit = rng.uniform(y[0], y[-1])
     found = crossing(x, y, limit)
-    cubic = PchipInterpolator(np.log(x), np.log(y))
-    slope = cubic(np.log(found), nu=1)
-    assert abs(cubic(np.log(found)) - np.log(limit)) <= 1e-14 * (10 + np.log(limit) + slope)
+    scipys = PchipInterpolator(np.log(x), np.log(y))
+    slope = scipys(np.log(found), nu=1)
+    assert abs(scipys(np.log(found)) - np.log(limit)) <= 1e-14 * (10 + np.log(limit) + slope)
