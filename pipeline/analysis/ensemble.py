@@ -30,6 +30,8 @@ FRICTION, BULK, CRITICAL, SHARE = (
     "friction.coefficient", "temperature.bulk", "temperature.critical", "temperature.failing_share",
 )  # fmt: skip
 _EXACT = (FRICTION, BULK, CRITICAL)
+# For the few draws of a wide distribution that cross what is possible, such as a negative friction.
+_LEAST_RISE, _LEAST = 1.0, 1e-3  # [K], friction
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,6 +111,8 @@ class Ensemble:
             ds = ds.sel(sample=slice(0, count - 1))
             values = np.stack([ds[each.path].values for each in unknown], axis=1)
         shares = _column(unknown, values, SHARE, about["conditions"]["failing_share"])
+        if "sample" not in ds.dims and SHARE not in [each.path for each in unknown]:
+            shares = shares[:1]  # one simulation, and one rise of it, serves all
         rises, widths = _read(ds, shares)
         known = np.isfinite(rises).sum(axis=2).min(axis=1) >= 2
         if not known.any():
@@ -130,7 +134,7 @@ class Ensemble:
     @property
     def simulated(self) -> tuple[int, ...]:
         """Numbers of the unknown inputs that the rise depends on."""
-        if len(self.rises) != len(self.inputs):  # one simulation serves all
+        if len(self.rises) < len(self.inputs):  # one simulation serves all
             return ()
         return tuple(i for i, each in enumerate(self.unknown) if each.path not in _EXACT)
 
@@ -146,7 +150,7 @@ class Ensemble:
         critical = _column(self.unknown, inputs, CRITICAL, given.critical_temperature or math.nan)
         if not np.isfinite(critical).all():
             given.known_critical_temperature()
-        found: Array = np.log((critical - bulk) / mu)
+        found: Array = np.log(np.maximum(critical - bulk, _LEAST_RISE) / np.maximum(mu, _LEAST))
         return found
 
     @functools.cached_property
@@ -251,19 +255,36 @@ def _column(unknown: Sequence[Unknown], inputs: Array, path: str, otherwise: flo
 
 def _read(ds: xr.Dataset, shares: Array) -> tuple[Array, Array]:
     """Decisive rise [K] and width of the contact [m] by sample, load and velocity."""
-    if "sample" not in ds.dims:
-        ds, shares = ds.expand_dims("sample"), shares[:1]
-    rises, widths = [], []
-    for begin in range(0, ds.sizes["sample"], _CHUNK):
-        part = ds.isel(sample=slice(begin, begin + _CHUNK))
-        part = part.transpose("sample", "load", "velocity", "step", ...)
-        loads, normal = part["load"].values[:, None, None], part["normal_load"].values
-        quantiles, width = part["rise_quantile"].values, part["contact_width"].values
-        steps = np.isfinite(part["time"].values).sum(axis=-1, keepdims=True)
-        for number, share in enumerate(shares[begin : begin + _CHUNK]):
-            each = rise_exceeded(quantiles[number], float(share))
-            worst = worst_moment(each, normal[number], loads)
-            rises.append(np.take_along_axis(each, worst[..., None], -1)[..., 0])
-            last = np.maximum(steps[number] - 1, 0)
-            widths.append(np.take_along_axis(width[number], last, -1)[..., 0])
+    loads = ds["load"].values[:, None, None]
+    found = []
+    if "sample" in ds.dims:
+        for begin in range(0, ds.sizes["sample"], _CHUNK):
+            rows = slice(begin, begin + _CHUNK)
+            columns = zip(*_columns(ds.isel(sample=rows)), strict=True)
+            found += [
+                _decisive(loads, share, each)
+                for share, each in zip(shares[rows], columns, strict=True)
+            ]
+    else:
+        one = _columns(ds)
+        found += [_decisive(loads, share, one) for share in shares]
+    rises, widths = zip(*found, strict=True)
     return np.array(rises), np.array(widths)
+
+
+def _columns(ds: xr.Dataset) -> list[Array]:
+    """What is read of some samples, or of one, by load, velocity and step."""
+    ds = ds.transpose(..., "load", "velocity", "step", "quantile", missing_dims="ignore")
+    return [ds[name].values for name in ("time", "normal_load", "rise_quantile", "contact_width")]
+
+
+def _decisive(loads: Array, share: float, columns: Sequence[Array]) -> tuple[Array, Array]:
+    """Decisive rise [K] and width of the contact at the end [m], by load and velocity."""
+    time, normal_load, quantiles, width = columns
+    rises = rise_exceeded(quantiles, float(share))
+    worst = worst_moment(rises, normal_load, loads)
+    last = np.maximum(np.isfinite(time).sum(axis=-1, keepdims=True) - 1, 0)
+    return (
+        np.take_along_axis(rises, worst[..., None], -1)[..., 0],
+        np.take_along_axis(width, last, -1)[..., 0],
+    )

@@ -12,12 +12,12 @@ import xarray as xr
 from scipy.special import ndtr
 
 from pipeline.analysis.ensemble import Ensemble
-from pipeline.analysis.surrogate import Surrogate, refitted
+from pipeline.analysis.surrogate import Surrogate, redrawn
 from pipeline.sweep.unknown import drawn
 from tribo.types import Array
 
 _DRAWS = 2**13
-_RESAMPLES = 60  # of the samples, to see what their number leaves open
+_RESAMPLES = 60  # fits, to see what the number of samples leaves open
 QUANTILES = (0.05, 0.5, 0.95)
 """Probabilities of severe wear of which the lines are drawn."""
 
@@ -219,13 +219,9 @@ def risk_lines(plane: xr.DataArray) -> tuple[tuple[float, ...], Array]:
 
 
 def resampled(ensemble: Ensemble, fit: Surrogate, outputs: Array) -> list[Surrogate]:
-    """Fits of samples drawn anew from those that there are, with replacement."""
+    """Fits that as many other samples could have given."""
     _, inputs = ensemble.simulated_inputs()
-    if not inputs.size:
-        return [fit]
-    rng = np.random.default_rng(ensemble.seed)
-    picks = rng.integers(len(inputs), size=(_RESAMPLES, len(inputs)))
-    return [refitted(fit, inputs[pick], outputs[pick]) for pick in picks]
+    return redrawn(fit, inputs, outputs, _RESAMPLES, ensemble.seed)
 
 
 def _severe(ensemble: Ensemble, fit: Surrogate, draws: Draws) -> Array:

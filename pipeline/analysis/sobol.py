@@ -11,9 +11,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pipeline.analysis.ensemble import Ensemble
-from pipeline.analysis.risk import Draws, resampled
+from pipeline.analysis.risk import Draws, prior, resampled
 from pipeline.analysis.surrogate import Surrogate
 from pipeline.sweep.unknown import Unknown
 from tribo.types import Array
@@ -157,11 +158,9 @@ def sensitivity(ensemble: Ensemble, posterior: Draws | None = None) -> Sensitivi
         *(resampled(ensemble, fit, y) for fit, y in zip(fits, outputs, strict=True)), strict=True
     )
     first, total = both(fits, _POINTS)
-    spans = np.array([both(each, _FEW) for each in others])
-    ends = np.quantile(spans, (0.05, 0.95), axis=0)
-    draws = posterior or Draws(
-        ensemble.inputs, np.full(len(ensemble.inputs), 1 / len(ensemble.inputs))
-    )
+    off = np.array([both(each, _FEW) for each in others]) - np.array(both(fits, _FEW))
+    ends = np.maximum(np.array([first, total]) + np.quantile(off, (0.05, 0.95), axis=0), 0.0)
+    draws = posterior or prior(ensemble)
     values = logs(draws.inputs, fits)
     variance = draws.mean((values - draws.mean(values)) ** 2)
     middle = [int(np.argmin(np.abs(np.log(velocities) - at))) for at in draws.mean(values)]
@@ -179,21 +178,39 @@ def sensitivity(ensemble: Ensemble, posterior: Draws | None = None) -> Sensitivi
 
 
 def _first_of(draws: Draws, values: Array) -> Array:
-    """First indices from weighted draws: the variance of the mean over parts of each input."""
-    whole = draws.mean(values)
-    variance = draws.mean((values - whole) ** 2)
+    """First indices from weighted draws: the variance of the mean over parts of each input.
+
+    The mean over a part scatters for want of draws, which would count as variance; as much as that
+    is taken off.
+    """
+    weights = draws.weights
+    y = values - draws.mean(values)
+    by_chance = np.sum((weights[:, None] * y) ** 2, axis=0)  # variance of the mean of all
     found = []
     for column in draws.inputs.T:
-        order = np.argsort(column, kind="stable")
-        below = np.cumsum(draws.weights[order]) - 0.5 * draws.weights[order]
-        part = np.empty(len(order), int)
-        part[order] = np.minimum((below * _BINS).astype(int), _BINS - 1)
-        if len(distinct := np.unique(column)) <= _BINS:
-            part = np.searchsorted(distinct, column)
-        weight = np.bincount(part, draws.weights, minlength=_BINS)
-        means = np.stack([
-            np.bincount(part, draws.weights * y, minlength=_BINS) / np.maximum(weight, 1e-300)
-            for y in values.T
-        ])  # fmt: skip
-        found.append(np.sum(weight * (means - whole[:, None]) ** 2, axis=1) / variance)
-    return np.array(found).T
+        part = _parts(draws, column)
+
+        def summed(each: Array, part: NDArray[np.intp] = part) -> Array:
+            total: Array = np.stack([np.bincount(part, row, minlength=_BINS) for row in each.T], 1)
+            return total
+
+        weight = np.maximum(summed(weights[:, None]), 1e-150)
+        means = summed(weights[:, None] * y) / weight
+        scatter = summed((weights[:, None] * (y - means[part])) ** 2) / weight
+        alone = 1 - summed(weights[:, None] ** 2) / weight**2  # 0 for a part with a single draw
+        scatter = np.where(alone > 1e-9, scatter / np.maximum(alone, 1e-9), weight * means**2)
+        found.append(np.sum(weight * means**2 - scatter, axis=0) + by_chance)
+    first: Array = np.maximum(found, 0.0).T / (draws.mean(y**2) + by_chance)[:, None]
+    return first
+
+
+def _parts(draws: Draws, column: Array) -> NDArray[np.intp]:
+    """Number of the part of its distribution in which each value of an input lies."""
+    distinct = np.unique(column)
+    if len(distinct) <= _BINS:
+        return np.searchsorted(distinct, column)
+    order = np.argsort(column, kind="stable")
+    below = np.cumsum(draws.weights[order]) - 0.5 * draws.weights[order]
+    part = np.empty(len(order), np.intp)
+    part[order] = np.minimum((below * _BINS).astype(int), _BINS - 1)
+    return part

@@ -8,7 +8,7 @@ one of a list has no scale; each of its values shifts the whole.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations_with_replacement
 
 import numpy as np
@@ -91,13 +91,21 @@ def fitted(unknown: Sequence[Unknown], inputs: Array, outputs: Array) -> Surroga
     return min(fits, key=lambda fit: float(np.mean(fit.error**2)))
 
 
-def refitted(surrogate: Surrogate, inputs: Array, outputs: Array) -> Surrogate:
-    """Fit other samples by a polynomial of the same degree, without judging it."""
+def redrawn(
+    surrogate: Surrogate, inputs: Array, outputs: Array, count: int, seed: int
+) -> list[Surrogate]:
+    """Fits that other samples could have given: coefficients drawn about those of the fit.
+
+    Each sample's part in them is scaled by a normal number times what the fit misses it by if it
+    leaves it out (the wild bootstrap with residuals of the kind HC3, which errs to the safe side
+    where samples are few).
+    """
     columns = terms(surrogate.unknown, inputs, surrogate.degree)
-    coefficients: Array = np.linalg.lstsq(columns, outputs)[0].astype(float)
-    return Surrogate(
-        surrogate.unknown, surrogate.degree, coefficients, surrogate.error, surrogate.explained
-    )
+    _, missed = _solved(columns, outputs)
+    inverse, rng = np.linalg.pinv(columns), np.random.default_rng(seed)
+    numbers = rng.standard_normal((count, len(columns), 1))
+    coefficients = surrogate.coefficients + inverse @ (numbers * missed)
+    return [replace(surrogate, coefficients=each) for each in coefficients]
 
 
 def terms(unknown: Sequence[Unknown], inputs: Array, degree: int) -> Array:
@@ -126,16 +134,21 @@ def _fit(
     columns = terms(unknown, inputs, degree)
     if degree and len(inputs) < _SPARE * columns.shape[1]:
         return None
-    basis, _, _ = np.linalg.svd(columns, full_matrices=False)
-    solution = np.linalg.lstsq(columns, outputs)
-    coefficients: Array = solution[0].astype(float)
-    rank = int(solution[2])
-    leverage = np.sum(basis[:, :rank] ** 2, axis=1)[:, None]
-    missed = (outputs - columns @ coefficients) / np.maximum(1 - leverage, 1e-12)
-    if len(inputs) == 1:
-        missed = np.zeros_like(outputs)
+    coefficients, missed = _solved(columns, outputs)
     error = np.sqrt(np.mean(missed**2, axis=0))
     variance = np.var(outputs, axis=0)
     # What is constant to rounding is explained.
     explained = 1 - error**2 / np.where(variance > 1e-24, variance, np.inf)
     return Surrogate(unknown, degree, coefficients, error, explained)
+
+
+def _solved(columns: Array, outputs: Array) -> tuple[Array, Array]:
+    """Coefficients by least squares, and what each sample misses if the fit leaves it out."""
+    solution = np.linalg.lstsq(columns, outputs)
+    coefficients: Array = solution[0].astype(float)
+    if len(columns) == 1:
+        return coefficients, np.zeros_like(outputs)
+    basis, _, _ = np.linalg.svd(columns, full_matrices=False)
+    leverage = np.sum(basis[:, : int(solution[2])] ** 2, axis=1)[:, None]
+    missed: Array = (outputs - columns @ coefficients) / np.maximum(1 - leverage, 1e-12)
+    return coefficients, missed

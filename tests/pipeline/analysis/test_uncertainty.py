@@ -8,11 +8,12 @@ import pytest
 
 import pipeline
 from pipeline.analysis.ensemble import Ensemble
-from pipeline.analysis.risk import prior
+from pipeline.analysis.risk import Draws, prior
 from pipeline.analysis.sobol import indices
-from pipeline.analysis.surrogate import fitted, terms
+from pipeline.analysis.surrogate import fitted, redrawn, terms
 from pipeline.sweep.criterion import Conditions
 from pipeline.sweep.unknown import Unknown, drawn
+from tests.helpers import synthetic
 from tribo import InputError
 
 LOADS, VELOCITIES = np.array([200.0, 400.0, 750.0]), np.geomspace(0.5, 6.0, 7)
@@ -93,6 +94,25 @@ def test_too_few_samples_say_how_many_it_takes():
         pipeline.risk(ensemble(count=4), 400.0, 2.0)
 
 
+def test_fits_drawn_anew_scatter_as_those_of_other_samples_do():
+    def fit(seed):
+        inputs = drawn(ALL, seed, 24)
+        noise = 0.02 * np.random.default_rng(seed).standard_normal((24, 1))
+        return inputs, np.log(rise(inputs, 400.0, 2.0))[:, None] + noise
+
+    at = drawn(ALL, 99, 200)
+    others = np.array([fitted(ALL, *fit(seed))(at) for seed in range(60)])
+    stated = []
+    for seed in range(20):
+        one = fitted(ALL, *fit(seed))
+        fits = redrawn(one, *fit(seed), 60, seed)
+        stated.append(np.std([each(at) for each in fits], axis=0))
+    ratio = np.sqrt(np.mean(np.square(stated)) / others.var(axis=0).mean())
+    # Leaving each sample out overstates the variance by 1 / (1 - 5 / 24), 5 terms to 24 samples;
+    # 60 fits tell a standard deviation to 9 %.
+    assert ratio == pytest.approx(1.12, abs=0.15)
+
+
 # Risk
 
 
@@ -127,6 +147,30 @@ def test_friction_and_temperatures_alone_rest_on_one_simulation():
     single = dataclasses.replace(whole, rises=whole.rises[:1], widths=whole.widths[:1])
     one = pipeline.risk(single, 400.0, 2.0)
     assert one.probability == pytest.approx(pipeline.risk(whole, 400.0, 2.0).probability, abs=1e-3)
+
+
+def test_draws_that_no_contact_allows_do_no_harm():
+    wide = Unknown("friction.coefficient", "normal", (0.1, 0.05))  # 1 of 44 draws is negative
+    found = ensemble((CRITICAL, wide), 64)
+    direct = drawn((CRITICAL, wide), 99, 8192)
+    friction = np.maximum(direct[:, 1], 1e-9)
+    severe = rise(direct, 400.0, 2.0, (CRITICAL, wide)) > (direct[:, 0] - 298.15) / friction
+    told = pipeline.risk(found, 400.0, 2.0)
+    assert told.probability == pytest.approx(severe.mean(), abs=0.012)
+    assert np.isfinite(pipeline.posterior(found).draws.weights).all()
+    assert np.isfinite(pipeline.sensitivity(found).first).all()
+
+
+def test_of_one_simulation_any_failing_share_is_judged():
+    share = Unknown("temperature.failing_share", "uniform", (0.05, 0.15))
+    about = {"unknown": [share.as_dict()], "samples": 64, "sample_seed": 0}
+    found = Ensemble.of(synthetic.sweep(**about))
+    hot = synthetic.critical_velocity(400.0, synthetic.limit(), share=np.array([0.05, 0.15]))
+    for velocity in np.linspace(*hot, 5)[1:-1]:
+        edge = 1 - synthetic.limit() / synthetic.rise(400.0, velocity)
+        expected = (edge / 0.7 - 0.05) / 0.1  # the share that just fails, of all that may be
+        told = pipeline.risk(found, 400.0, velocity)
+        assert told.probability == pytest.approx(expected, abs=0.02)
 
 
 @pytest.mark.parametrize(
@@ -180,6 +224,30 @@ def test_indices_of_the_boundary_are_those_of_the_closed_form():
     assert (found.first_interval[0] <= found.first + 0.02).all()
     assert (found.first_interval[1] >= found.first - 0.02).all()
     assert min(found.explained) > 0.99
+
+
+def test_intervals_of_indices_stay_narrow_where_few_samples_suffice():
+    seed = Unknown("disk.roughness.seed", "list", tuple(map(float, range(6))))
+    found = pipeline.sensitivity(ensemble((*ALL, seed), 16))
+    assert (found.first_interval[1] - found.first_interval[0] < 0.15).all()
+    assert (found.first_interval[0] <= found.first).all()
+    assert (found.first <= found.first_interval[1]).all()
+
+
+def test_weighted_draws_give_the_same_first_indices_and_none_by_chance():
+    found = ensemble()
+    draws = prior(found, 4096)
+    weights = np.random.default_rng(0).exponential(size=4096) ** 2  # 680 of equal weight
+    few = pipeline.sensitivity(found, Draws(draws.inputs, weights / weights.sum()))
+    # A share of variance from N draws is known to about 2 / sqrt(N).
+    assert few.first == pytest.approx(pipeline.sensitivity(found).first, abs=0.07)
+    # Nothing but chance in an input that does not matter: 0.035 if that were left in.
+    idle = Unknown("disk.roughness.seed", "uniform", (0.0, 1.0))
+    others = [
+        pipeline.sensitivity(ensemble((CRITICAL, idle)), Draws(inputs, weights / weights.sum()))
+        for inputs in (drawn((CRITICAL, idle), seed, 4096) for seed in range(5))
+    ]
+    assert np.mean([each.first[:, 1] for each in others]) < 0.015
 
 
 def test_a_polynomial_that_is_not_good_enough_is_told():
