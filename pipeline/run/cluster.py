@@ -9,6 +9,7 @@
 from __future__ import annotations
 
 import logging
+import multiprocessing
 import os
 import time
 import warnings
@@ -58,6 +59,9 @@ _LOCAL: dict[str, object] = {
 _THREADS = 2  # of a worker: while one waits for the disk, the other computes
 _WORD = 10.0  # [s] without a worker, after which the user is told
 _ATTEMPTS = 3  # to start workers, or to reach one, which may be killed meanwhile
+_START = 120.0  # [s] that a worker may take to start, after which its nanny is given up
+_END = 60.0  # [s] that the cluster may take to end, after which its processes are killed
+_UNSTARTED = "the worker processes do not start"
 PATIENCE = 30.0
 """Time to wait for a scheduler, and for workers if there are none [s]."""
 
@@ -103,9 +107,18 @@ def connected(workers: int, scheduler: str | None, patience: float) -> Iterator[
                 yield client
         finally:
             if cluster is not None:
-                forkserver.wake()
                 with interrupts_put_off():
-                    cluster.close()
+                    _end(cluster)
+
+
+def _end(cluster: LocalCluster) -> None:
+    forkserver.wake()
+    try:
+        cluster.close(timeout=_END)
+    except TimeoutError:
+        forkserver.wake()  # or Python itself waits for these processes in the end
+        for process in multiprocessing.active_children():
+            process.kill()
 
 
 @contextmanager
@@ -141,6 +154,7 @@ def _local_cluster(workers: int) -> LocalCluster:
                 protocol="tls",
                 security=private_security(),
                 threads_per_worker=_THREADS,
+                death_timeout=_START,
                 # As it is now, and not as it was when the forkserver started.
                 env={**os.environ, **WORKER_ENVIRONMENT},
                 memory_limit=1 / workers,  # of all there is; by default it goes by the threads
@@ -149,21 +163,33 @@ def _local_cluster(workers: int) -> LocalCluster:
                 scheduler_kwargs={"dashboard": False},
                 silence_logs=logging.CRITICAL,
             )
+        except (TimeoutError, AssertionError):  # the latter if one does not even begin
+            raise ExecutionError(f"{_UNSTARTED}: there is none after {_START:g} s") from None
         except (OSError, RuntimeError) as error:
             if forkserver.script_starts_sweeps():
                 raise ExecutionError(UNGUARDED) from None
             attempts -= 1
             if not attempts:
                 raise ExecutionError(
-                    f"the worker processes do not start: {error}; memory, threads or processes "
+                    f"{_UNSTARTED}: {error}; memory, threads or processes "
                     "may be limited (ulimit -a), and fewer workers take less of each"
                 ) from error
 
 
-def dashboard_of(client: Client) -> str | None:
-    """Address of the cluster's dashboard, if it has one."""
-    has_one = "dashboard" in client.scheduler_info(n_workers=0)["services"]
-    return str(client.dashboard_link) if has_one and client.cluster is None else None
+def dashboard_of(client: Client, patience: float) -> str | None:
+    """Address of the dashboard of a cluster that was given, if it has one.
+
+    Raises
+    ------
+    ExecutionError
+        If the scheduler is lost or does not answer.
+    """
+    if client.cluster is not None:
+        return None
+    with _losses_told():
+        # As client.scheduler_info(), which may wait for ever.
+        found = client.sync(client.scheduler.identity, callback_timeout=patience)
+    return str(client.dashboard_link) if "dashboard" in found["services"] else None
 
 
 def share(client: Client, content: bytes, patience: float) -> Future:
@@ -178,7 +204,6 @@ def share(client: Client, content: bytes, patience: float) -> Future:
     """
     for _ in range(_ATTEMPTS):
         try:
-            client.wait_for_workers(1, timeout=patience)
             shared = client.submit(_same, content, pure=False)
             error = shared.exception(timeout=patience)
         except TimeoutError:

@@ -39,6 +39,7 @@ PRELOADING = "IRG_PRELOADING"
 
 UNGUARDED = 'in a script, call run_sweep under if __name__ == "__main__":, since workers import it'
 _UNGUARDED = 71  # exit code of a worker that was about to run a sweep
+_IMPORT = 60.0  # [s] that a script may take until it is about to
 
 
 def start() -> None:
@@ -85,7 +86,7 @@ def script_starts_sweeps() -> bool:
     context: Any = multiprocessing.get_context(METHOD)
     process = context.Process(target=_nothing)
     process.start()
-    process.join()
+    process.join(_IMPORT)
     return bool(process.exitcode == _UNGUARDED)
 
 

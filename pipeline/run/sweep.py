@@ -173,7 +173,7 @@ def run_sweep(
                 # Points that come later may have more chains than those that wait now.
                 most = len(first.waiting) if further is None else CPU_COUNT
                 with connected(min(workers or CPU_COUNT, most), scheduler, patience) as client:
-                    if tell and (dashboard := dashboard_of(client)):
+                    if tell and (dashboard := dashboard_of(client, patience)):
                         tell(f"the cluster's dashboard is at {dashboard}")
                     for each in itertools.chain([first], rounds):
                         store = Store(out)

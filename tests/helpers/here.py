@@ -45,9 +45,6 @@ class Here:
     def processing(self):
         return dict.fromkeys(self.nthreads(), ())
 
-    def wait_for_workers(self, *_, **__):
-        pass
-
     def submit(self, function, *arguments, workers=None, **_):
         ended = Ended()
         ended.key = f"{function.__name__}-{len(self.tasks)}"

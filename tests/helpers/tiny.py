@@ -5,6 +5,7 @@ import multiprocessing
 import os
 import resource
 import signal
+import sys
 import time
 from dataclasses import dataclass
 
@@ -51,6 +52,11 @@ def full(**changes):
     return sweep(temperature_interval=2, store_fields=True, **changes)
 
 
+def _on_a_worker():
+    """Whether this process was started by Dask, from here or by the command of a worker."""
+    return multiprocessing.parent_process() is not None or "dask_worker" in sys.argv[0]
+
+
 @dataclass(frozen=True, slots=True)
 class FaultyRamp(tribo.Ramp):
     """A ramp with a fault at one load; only where it is simulated, not where it is planned."""
@@ -58,7 +64,7 @@ class FaultyRamp(tribo.Ramp):
     at: float = math.nan
 
     def stations(self, normal_load, increments, after=0.0):
-        if normal_load == self.at and multiprocessing.parent_process() is not None:
+        if normal_load == self.at and _on_a_worker():
             self.fault()
         return tribo.Ramp.stations(self, normal_load, increments, after)
 
@@ -77,7 +83,7 @@ class SlowRamp(FaultyRamp):
     """Takes its time at every load, as a large scene does."""
 
     def stations(self, normal_load, increments, after=0.0):
-        if multiprocessing.parent_process() is not None:
+        if _on_a_worker():
             time.sleep(0.2)
         return tribo.Ramp.stations(self, normal_load, increments, after)
 

@@ -6,16 +6,20 @@ import signal
 import subprocess
 import sys
 import time
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from pathlib import Path
 from types import SimpleNamespace
 
+import psutil
 import pytest
 from distributed import Client
 from distributed.scheduler import KilledWorker
 
 from pipeline.cli import main
+from pipeline.run import cluster as cluster_module
+from pipeline.run import forkserver
 from pipeline.run.cluster import connected, share, threads_of
+from pipeline.run.forkserver import METHOD
 from pipeline.run.sweep import ExecutionError, run_sweep
 from pipeline.store import summary
 from tests.helpers import tiny
@@ -24,6 +28,9 @@ from tests.pipeline.run.test_sweep import content
 
 ROOT = Path(__file__).parents[3]
 SWEEP = tiny.full()
+SLOW = tiny.sweep(
+    loading=tiny.SlowRamp(150.0, 750.0), velocities=tuple(0.5 + 0.1 * n for n in range(12))
+)
 
 
 class Cluster:
@@ -37,7 +44,9 @@ class Cluster:
             self._start("worker", f"--scheduler-file={file}", "--no-nanny", f"--nthreads={threads}")
             for threads in (1, 3)
         ]
+        end = time.monotonic() + 60.0
         while not file.exists() or not file.read_text():
+            assert time.monotonic() < end, "the scheduler does not start"
             time.sleep(0.05)
         self.address = json.loads(file.read_text())["address"]
         with Client(self.address, security=security, set_as_default=False) as client:
@@ -85,7 +94,6 @@ def test_workers_elsewhere_compute_the_same_and_may_be_killed(cluster, tmp_path,
 
 
 def test_a_scheduler_that_is_lost_and_workers_that_are_gone_are_errors(cluster, tmp_path):
-    slow = tiny.sweep(loading=tiny.SlowRamp(150.0, 750.0))
 
     def lose(*processes):
         def report(progress):
@@ -98,15 +106,15 @@ def test_a_scheduler_that_is_lost_and_workers_that_are_gone_are_errors(cluster, 
     first, second = tmp_path / "first.zarr", tmp_path / "second.zarr"
     given = {"scheduler": cluster.address, "patience": 4.0}
     with pytest.raises(ExecutionError, match="no Dask worker is left"):
-        run_sweep(slow, first, progress=lose(*cluster.workers), **given)
+        run_sweep(SLOW, first, progress=lose(*cluster.workers), **given)
     assert summary(first).done >= 2
     assert summary(first).failed == ()
     with pytest.raises(ExecutionError, match="no Dask worker is ready within 4 s"):
-        run_sweep(slow, second, **given)
+        run_sweep(SLOW, second, **given)
     cluster.scheduler.kill()
-    cluster.scheduler.wait()
+    cluster.scheduler.wait(60)
     with pytest.raises(ExecutionError, match=f"no Dask scheduler answers at {cluster.address}"):
-        run_sweep(slow, second, **given)
+        run_sweep(SLOW, second, **given)
 
 
 @pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGSTOP])
@@ -115,10 +123,9 @@ def test_a_scheduler_that_is_lost_or_frozen_on_the_way_is_an_error(cluster, tmp_
         if progress.done == 2:
             cluster.scheduler.send_signal(how)
 
-    slow = tiny.sweep(loading=tiny.SlowRamp(150.0, 750.0))
     path = tmp_path / "tiny.zarr"
     with pytest.raises(ExecutionError, match="scheduler is lost; finished points are safe"):
-        run_sweep(slow, path, scheduler=cluster.address, progress=lose, patience=5.0)
+        run_sweep(SLOW, path, scheduler=cluster.address, progress=lose, patience=5.0)
     assert summary(path).done >= 2
 
 
@@ -127,9 +134,6 @@ class Deadly:
 
     def __init__(self, deaths):
         self._deaths, self.submitted = deaths, 0
-
-    def wait_for_workers(self, number, timeout):
-        pass
 
     def submit(self, *_, **__):
         self.submitted += 1
@@ -154,6 +158,49 @@ def test_a_worker_that_its_nanny_gives_up_is_replaced():
         assert threads_of(client, patience=30.0).total() > 0
 
 
+@pytest.mark.skipif(METHOD != "forkserver", reason="workers are not forked here")
+def test_workers_that_do_not_start_are_an_error_and_not_waited_for(monkeypatch):
+    forkserver.start()
+    monkeypatch.setattr(forkserver, "wake", lambda: None)
+    monkeypatch.setattr(cluster_module, "_START", 0.5)
+    (server,) = (
+        each for each in psutil.Process().children() if "forkserver" in str(each.cmdline())
+    )
+    server.suspend()
+    try:
+        with (
+            pytest.raises(ExecutionError, match="do not start: there is none after"),
+            connected(workers=1, scheduler=None, patience=30.0),
+        ):
+            pass
+    finally:
+        server.resume()
+
+
+@pytest.mark.skipif(METHOD != "forkserver", reason="workers are not forked here")
+def test_workers_that_do_not_end_are_killed(monkeypatch):
+    forkserver.start()
+    wake, calls = forkserver.wake, []
+
+    def second_call_only():
+        calls.append(1)
+        if len(calls) > 1:
+            wake()
+
+    (server,) = (
+        each for each in psutil.Process().children() if "forkserver" in str(each.cmdline())
+    )
+    monkeypatch.setattr(cluster_module, "_END", 1.0)
+    with connected(workers=1, scheduler=None, patience=30.0) as client:
+        (worker,) = client.run(os.getpid).values()
+        monkeypatch.setattr(forkserver, "wake", second_call_only)
+        server.suspend()
+    assert len(calls) == 2
+    with suppress(psutil.NoSuchProcess):
+        psutil.Process(worker).wait(10)
+    assert not psutil.pid_exists(worker)
+
+
 def test_the_recipe_for_batch_systems_runs(tmp_path, alone):
     """With the jobs of dask-jobqueue's local cluster, which are processes on this machine."""
     (tmp_path / "small.toml").write_text(SCENE)
@@ -167,6 +214,7 @@ def test_the_recipe_for_batch_systems_runs(tmp_path, alone):
         capture_output=True,
         text=True,
         check=False,
+        timeout=120,
     )
     assert done.returncode == 0, done.stderr
     assert "9 of 9 points done" in done.stdout
