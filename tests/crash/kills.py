@@ -34,6 +34,7 @@ SWEEP = tiny.full(
 )
 TARGETS = ("worker", "everything", "client", "worker", "forkserver")
 GIVEN_UP = 3
+PATIENCE = 180.0  # [s] for a run that takes less than 20
 
 
 def forked_from(parent):
@@ -100,6 +101,7 @@ class Sweeps:
         return self._folder / f"{self.finished}.zarr"
 
     def start(self):
+        self.end = time.monotonic() + PATIENCE
         return subprocess.Popen(
             [sys.executable, "-m", __spec__.name, "--drive", self.path],
             start_new_session=True,
@@ -157,10 +159,11 @@ def main():
                 if driver.poll() is None and targets and workers_of(driver.pid):
                     kills[targets[0]] += 1
                     kill(driver, targets.pop(0))
-                if kills.total() == options.kills:
-                    driver.wait()
                 with suppress(subprocess.TimeoutExpired):
                     driver.wait(0.1)
+                if driver.poll() is None and time.monotonic() > sweeps.end:
+                    sweeps.faults.append(f"a sweep has not ended within {PATIENCE:g} s")
+                    break
                 if driver.poll() is None:
                     sweeps.look()
                     continue

@@ -92,7 +92,10 @@ def main():
             reads[what] += 1
             if found != expected[what]:
                 faults.append(f"{what} differs: {found!r:.200}")
-        writer.join()
+        writer.join(60.0)
+        if writer.exitcode is None:
+            writer.kill()
+            writer.join()
     print(json.dumps({"reads": reads, "refused": words, "faults": faults[:10]}, indent=1))
     return 1 if faults or writer.exitcode else 0
 

@@ -17,6 +17,7 @@ def reported(module, *options):
         stdout=subprocess.PIPE,
         text=True,
         check=False,
+        timeout=300,
     )
     return json.loads(done.stdout)
 

@@ -91,6 +91,7 @@ def test_what_workers_import_is_not_frozen_elsewhere():
         capture_output=True,
         text=True,
         check=True,
+        timeout=60,
     )
     assert done.stdout == "0\n"
 
@@ -113,6 +114,7 @@ def test_a_script_that_calls_it_unguarded_is_told_so_once(tmp_path):
         capture_output=True,
         text=True,
         check=False,
+        timeout=60,
     )
     assert done.returncode == 1
     assert done.stderr.count("Traceback") == done.stderr.count("ExecutionError: in a script, ") == 1

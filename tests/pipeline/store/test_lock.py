@@ -81,7 +81,7 @@ def test_without_locks_of_the_file_system_it_runs_and_says_so(path):
 @pytest.mark.usefixtures("_without_flock")
 def test_without_locks_a_dead_process_does_not_count_and_another_machine_does(path):
     dead = subprocess.Popen([sys.executable, "-c", ""])
-    dead.wait()
+    dead.wait(60)
     file = path.with_name("tiny.zarr.lock")
     file.write_text(f"process {dead.pid} on {os.uname().nodename}\n")
     assert user(path) is None

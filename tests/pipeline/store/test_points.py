@@ -96,7 +96,7 @@ def test_the_store_opens_in_plain_xarray_without_a_warning(alone):
             without = "status", "message", "warning_flags", "checksum"
             assert "units" in variable.attrs or name in without, name
     """
-    subprocess.run([sys.executable, "-c", command], check=True, cwd="/")
+    subprocess.run([sys.executable, "-c", command], check=True, cwd="/", timeout=60)
 
 
 def test_axes_have_the_exact_loads_and_velocities(tmp_path):
@@ -580,7 +580,7 @@ def holder(path):
     assert process.stdout.readline() == b"held\n"
     yield process
     process.kill()
-    process.wait()
+    process.wait(60)
     process.stdout.close()
 
 
@@ -588,7 +588,7 @@ def test_one_driver_at_a_time_and_a_dead_one_does_not_count(path, holder):
     with pytest.raises(StoreError, match=f"in use by process {holder.pid} on .*; wait for it"):
         locked(path).__enter__()
     holder.kill()
-    holder.wait()
+    holder.wait(60)
     with locked(path), pytest.raises(StoreError, match=f"in use by process {os.getpid()} on"):
         locked(path).__enter__()
     assert list(path.parent.iterdir()) == []

@@ -143,7 +143,9 @@ def test_a_driver_that_was_killed_does_not_count_and_one_elsewhere_does(address)
         os._exit(1)
     """
     environment = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}
-    subprocess.run([sys.executable, "-c", killed, address], env=environment, check=False)
+    subprocess.run(
+        [sys.executable, "-c", killed, address], env=environment, check=False, timeout=120
+    )
     assert keys(f"{address}.lock")
     assert folder.user(address) is None
     with locked(address):
