@@ -5,7 +5,7 @@ import math
 
 import numpy as np
 import pytest
-from scipy import integrate, special
+from scipy import integrate, optimize, special
 
 from tribo import analytic
 from tribo.errors import InputError
@@ -208,3 +208,60 @@ def test_heat_of_a_fast_band_stays_in_the_wake():
     rise = analytic.moving_band_rise(x, q, half_width, velocity, K, KAPPA)
     # next order: (l/x)²/8 and κ/(4Vx)
     assert rise == pytest.approx(plane, rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("half_x", "half_y", "peclet"), [(1e-4, 1e-4, 1.0), (1e-4, 4e-4, 3.0), (4e-4, 1e-4, 10.0)]
+)
+def test_a_moving_ellipse_is_the_sum_of_its_points(half_x, half_y, peclet):
+    """Row by row: on each the sources q exp(−V(r − x + x')/(2κ))/(2πKr), r their distance."""
+    velocity = peclet * 2 * KAPPA / half_x
+
+    def rise(x):
+        def of_row(y):
+            reach = half_x * math.sqrt(1 - (y / half_y) ** 2)
+
+            def of_point(s):
+                r = math.hypot(x - s, y)
+                flux = math.sqrt(max(1 - (s / half_x) ** 2 - (y / half_y) ** 2, 0.0))
+                return flux * math.exp(-velocity * (r - x + s) / (2 * KAPPA)) / r
+
+            near = [p for p in (x - 10 * y, x - y, x, x + y, x + 10 * y) if -reach < p < reach]
+            return integrate.quad(of_point, -reach, reach, points=near, limit=200)[0]
+
+        # y = half_y·u³, since the rows next to the point are warm as −ln y.
+        rows = integrate.quad(
+            lambda u: of_row(half_y * u**3) * 3 * half_y * u**2, 0, 1, epsrel=1e-7
+        )[0]
+        return 2 * rows / (2 * math.pi * K)
+
+    highest = optimize.minimize_scalar(
+        lambda x: -rise(x), bounds=(0, half_x), method="bounded", options={"xatol": 1e-3 * half_x}
+    )
+    found = analytic.moving_ellipse_rise(1.0, half_x, half_y, velocity, K, KAPPA)
+    assert found == pytest.approx(-highest.fun, rel=1e-5)
+
+
+@pytest.mark.parametrize(("half_x", "half_y"), [(1e-4, 1e-4), (1e-4, 2e-3), (2e-3, 1e-4)])
+def test_a_moving_ellipse_is_between_one_at_rest_and_a_fast_band(half_x, half_y):
+    def rise(velocity):
+        return analytic.moving_ellipse_rise(1e9, half_x, half_y, velocity, K, KAPPA)
+
+    at_rest = analytic.resting_ellipse_rise(1e9, half_x, half_y, K)
+    assert rise(0.0) == at_rest
+    assert rise(1e-8) == pytest.approx(at_rest, rel=1e-4)
+    velocity = 1e7
+    load = math.pi / 2 * 1e9 * half_x  # of the middle row: friction 1 at 1 m/s
+    fast = (
+        analytic.rolling_sliding_rise(1.0, load, 2 * half_x, (0.0, velocity), EFFUSIVITY) / velocity
+    )
+    assert rise(velocity) == pytest.approx(fast, rel=1e-3)
+    assert rise(-3.0) == rise(3.0)
+
+
+@pytest.mark.parametrize("peclet", [0.1, 1.0, 3.0, 10.0, 100.0])
+def test_a_moving_circle_is_that_of_tian_and_kennedy(peclet):
+    velocity = peclet * 2 * KAPPA / 1e-4
+    fit = 2.32 * 1e9 * 1e-4 / (K * math.sqrt(math.pi * (1.234 + peclet)))
+    rise = analytic.moving_ellipse_rise(1.5e9, 1e-4, 1e-4, velocity, K, KAPPA)
+    assert rise == pytest.approx(fit, rel=0.012)  # of the fit, between its two ends

@@ -6,7 +6,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy import integrate
 
 from tests.helpers.scenes import STEEL
 from tribo import (
@@ -17,6 +16,7 @@ from tribo import (
     Crowned,
     Cylinder,
     ElasticHalfSpace,
+    Fidelity,
     Grid,
     InputError,
     MeasuredLoad,
@@ -84,53 +84,37 @@ def test_a_crowned_contact_is_the_ellipse_of_hertz(radii):
         assert math.sqrt(5 * np.sum(square * p) / p.sum()) == pytest.approx(half, rel=1e-3)
 
 
-@pytest.mark.parametrize(("half_x", "half_y"), [(1e-4, 1e-4), (1e-4, 4e-4), (4e-4, 1e-4)])
-def test_the_flash_temperature_of_an_ellipse_is_exact_at_rest_and_fast(half_x, half_y):
+@pytest.mark.parametrize("peclet_number", [0.0, 0.1, 1.0, 3.0, 10.0, 100.0, 3000.0])
+@pytest.mark.parametrize(
+    ("half_x", "half_y"), [(1e-4, 1e-4), (1e-4, 4e-4), (4e-4, 1e-4), (1e-4, 1e-3), (1e-3, 1e-4)]
+)
+def test_the_flash_temperature_of_an_ellipse_is_exact(half_x, half_y, peclet_number):
     grid, shape = ellipse(half_x, half_y)
-    for peclet_number, tolerance in ((0.0, 2e-3), (3000.0, 5e-3)):
-        velocity = peclet_number * 2 * KAPPA / half_x
-        found = ConductingHalfSpace(grid, STEEL, velocity, 1e4)(1e9 * shape).max()
-        expected = moving_ellipse_rise(1e9, half_x, half_y, velocity, K, KAPPA)
-        assert found == pytest.approx(expected, rel=tolerance)
+    velocity = peclet_number * 2 * KAPPA / half_x
+    found = ConductingHalfSpace(grid, STEEL, velocity, 1e4)(1e9 * shape).max()
+    expected = moving_ellipse_rise(1e9, half_x, half_y, velocity, K, KAPPA)
+    assert found == pytest.approx(expected, rel=5e-4)  # 100 elements an axis: 3e-4
 
 
-@pytest.mark.parametrize("peclet_number", [0.1, 1.0, 3.0, 10.0, 100.0])
-def test_the_flash_temperature_of_a_circle_is_that_of_tian_and_kennedy(peclet_number):
-    grid, shape = ellipse(1e-4, 1e-4)
-    velocity = peclet_number * 2 * KAPPA / 1e-4
-    found = ConductingHalfSpace(grid, STEEL, velocity, 1e4)(1.5e9 * shape).max()
-    fit = 2.32 * 1e9 * 1e-4 / (K * math.sqrt(math.pi * (1.234 + peclet_number)))
-    assert found == pytest.approx(fit, rel=0.02)
-    assert moving_ellipse_rise(1.5e9, 1e-4, 1e-4, velocity, K, KAPPA) == pytest.approx(
-        fit, rel=2e-3
+@pytest.mark.parametrize("radii", [(5e-3, 5e-3), (5e-3, 40e-3), (40e-3, 5e-3)])
+@pytest.mark.parametrize("peclet_number", [0.5, 5.0, 50.0])
+def test_a_smooth_pin_that_takes_no_heat_leaves_the_disk_that_of_its_ellipse(radii, peclet_number):
+    hertz = hertz_ellipse(50.0, *radii, E_STAR)
+    grid, _ = ellipse(hertz.half_x, hertz.half_y, elements=80)
+    insulator = replace(STEEL, thermal_conductivity=1e-9, hardness=math.inf)
+    scene = Scene(
+        pin=Crowned(*radii, insulator),
+        disk=replace(STEEL, hardness=math.inf),
+        pixels=grid,
+        loading=Ramp(1.0, 50.0),
+        fidelity=Fidelity(
+            pixels_per_element=1, increments=1, contact_tolerance=1e-5, heat_tolerance=1e-8
+        ),
     )
-
-
-@pytest.mark.parametrize(("half_x", "half_y"), [(1e-4, 3e-4), (3e-4, 1e-4)])
-def test_a_moving_ellipse_is_as_warm_as_the_sum_of_its_points(half_x, half_y):
-    """θ = 1/(2πK) ∫∫ q exp(−V r (1 − cos φ)/(2κ)) dr dφ, around the point that is asked for."""
-    velocity = 5.0 * 2 * KAPPA / half_x
-    at = 0.6 * half_x
-
-    def along(angle):
-        towards = math.cos(angle) / half_x, math.sin(angle) / half_y
-        # The source at distance r lies at (at − r cos φ, −r sin φ).
-        square, product = towards[0] ** 2 + towards[1] ** 2, at / half_x * towards[0]
-        left = 1 - (at / half_x) ** 2
-        reach = (product + math.sqrt(product**2 + square * left)) / square
-        decay = velocity * (1 - math.cos(angle)) / (2 * KAPPA)
-
-        def flux(r):
-            inside = left + 2 * product * r - square * r**2
-            return math.sqrt(max(inside, 0.0)) * math.exp(-decay * r)
-
-        return integrate.quad(flux, 0.0, reach)[0]
-
-    total = 2 * integrate.quad(along, 0.0, math.pi, limit=200, epsrel=1e-6)[0]
-    expected = 1e9 * total / (2 * math.pi * K)
-    grid, shape = ellipse(half_x, half_y, elements=121)
-    rise = ConductingHalfSpace(grid, STEEL, velocity, 1e4)(1e9 * shape)[:, 60]
-    assert np.interp(at, grid.coordinates(0), rise) == pytest.approx(expected, rel=2e-3)
+    velocity = peclet_number * 2 * KAPPA / hertz.half_x
+    flux = velocity * hertz.peak_pressure
+    expected = moving_ellipse_rise(flux, hertz.half_x, hertz.half_y, velocity, K, KAPPA)
+    assert end(scene, 50.0, velocity).heat.max_rise == pytest.approx(expected, rel=2e-3)
 
 
 def test_the_rise_at_rest_is_that_of_the_elastic_ellipse():
