@@ -1,4 +1,4 @@
-"""What the command shows: results on stdout, progress and messages on stderr."""
+"""What the command shows: results on stdout, notes and errors on stderr."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ import math
 import re
 import sys
 import threading
-import time
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import asdict
@@ -17,12 +16,10 @@ from typing import TYPE_CHECKING, Any
 
 import pipeline
 from pipeline.analysis.tables import TABLES, is_table, writable_path, write_table
-from pipeline.sweep.stages import duration
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from pipeline.run.sweep import Progress
     from pipeline.store import Damage, FailedPoint
 
 DONE, SOME_FAILED, WRONG_USE, OTHER_SCENE, INTERRUPTED = 0, 1, 2, 3, 130
@@ -31,63 +28,6 @@ DONE, SOME_FAILED, WRONG_USE, OTHER_SCENE, INTERRUPTED = 0, 1, 2, 3, 130
 _CONTROLS = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f]")
 _LONGEST = 2000  # characters of a line
 _QUIET = threading.Event()
-_BETWEEN_LINES = 10.0  # [s], where stderr is no terminal
-
-
-class ProgressLine:
-    """The state of a run: one line of a terminal, or else a line of stderr now and then."""
-
-    def __init__(self) -> None:
-        self._bar: Any = None
-        self._latest: Progress | None = None
-        self._told, self._told_at = "", -math.inf
-
-    def __enter__(self) -> Callable[[Progress], None]:
-        return self._show
-
-    def _show(self, progress: Progress) -> None:
-        if _QUIET.is_set():
-            return
-        self._latest = progress
-        if sys.stderr.isatty():
-            self._draw(progress)
-        elif time.monotonic() - self._told_at >= _BETWEEN_LINES:
-            self._tell(progress)
-
-    def _tell(self, progress: Progress) -> None:
-        line = f"{progress.done} of {progress.total} points done{_details(progress)}"
-        if line != self._told:
-            tell(line)
-        self._told, self._told_at = line, time.monotonic()
-
-    def _draw(self, progress: Progress) -> None:
-        if self._bar is None:
-            from tqdm import tqdm
-
-            self._bar = tqdm(
-                total=progress.total,
-                mininterval=0.1,
-                bar_format="{n_fmt} of {total_fmt} points done{postfix} |{bar:20}|",
-                postfix="",
-            )
-        self._bar.total = progress.total
-        self._bar.n = progress.done
-        self._bar.set_postfix_str(_details(progress).removeprefix(", "), refresh=False)
-        self._bar.update(0)
-
-    def __exit__(self, *_: object) -> None:
-        if self._bar is not None:
-            self._bar.refresh()
-            self._bar.close()
-        elif self._latest is not None:
-            self._tell(self._latest)
-
-
-def _details(progress: Progress) -> str:
-    parts = [f"{progress.failed} failed", f"{duration(progress.elapsed)} so far"]
-    if progress.time_to_go:
-        parts.append(f"{duration(progress.time_to_go)} to go")
-    return "".join(f", {part}" for part in parts)
 
 
 def counted(number: int, one: str, several: str) -> str:
@@ -134,6 +74,11 @@ def hushed(is_quiet: bool) -> Iterator[None]:
         _QUIET.clear()
 
 
+def is_hushed() -> bool:
+    """Whether the user asked for no progress and no notes."""
+    return _QUIET.is_set()
+
+
 def table_path(options: argparse.Namespace) -> Path | None:
     """Give the path of the table that the user asked for, if any, before the work."""
     return None if options.output is None else writable_path(options.output, TABLES)
@@ -171,7 +116,7 @@ def drawn_or_written(
 
 def tell(message: str) -> None:
     """Print a note: neither a result nor an error."""
-    if not _QUIET.is_set():
+    if not is_hushed():
         complain(message)
 
 

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import pipeline
 from pipeline.cli.crossings import document_of, rows_of, text_of
 from pipeline.cli.output import DONE, micrometres, show, table_path, tell, written
+from pipeline.cli.progress import working
 from pipeline.cli.scenes import CONDITIONS, PLACE, given, scene_of, selected
 from pipeline.cli.unknowns import posterior
 from pipeline.sweep.criterion import Verdict
@@ -55,7 +56,8 @@ def explore(options: argparse.Namespace) -> int:
     ds, store = pipeline.open_sweep(options.store), str(options.store).rstrip("/")
     out = options.output or Path(Path(store).name if "://" in store else store).with_suffix(".html")
     fields = {"most_fields": 0} if options.no_fields else given(options, "most_fields")
-    page = pipeline.explore(ds, out, **fields)
+    with working("writing the page"):
+        page = pipeline.explore(ds, out, **fields)
     warned = pipeline.warned(ds)
     show(options, page.as_dict() | {"warnings": warned.as_dict()}, [str(page), *warned.lines()])
     return DONE
@@ -65,7 +67,8 @@ def point(options: argparse.Namespace) -> int:
     """Simulate one point."""
     sweep = scene_of(options, points=[Point(options.load, options.velocity)])
     sweep = sweep.on_surface(options.realization)
-    result = pipeline.run_point(sweep, options.load, options.velocity)
+    with working("simulating") as progress:
+        result = pipeline.run_point(sweep, options.load, options.velocity, progress=progress)
     found, verdict = measures(sweep, result.state), result.verdict(sweep.conditions)
     document = found | {
         "velocity": options.velocity,
@@ -206,7 +209,8 @@ def _transitions(found: CriticalTemperatures) -> Iterator[dict[str, Any]]:
 def _wear_rate(options: argparse.Namespace, sweep: Sweep, out: Path | None) -> int:
     if options.load is None or options.velocity is None:
         raise InputError("--contact-width needs --load and --velocity: where it was measured")
-    found = specific_wear_rate(sweep, options.contact_width, options.load, options.velocity)
+    with working("seeking the wear rate, one simulation after the other"):
+        found = specific_wear_rate(sweep, options.contact_width, options.load, options.velocity)
     value, lowest, highest = (1e9 * rate for rate in (found.value, found.lowest, found.highest))
     text = (
         f"specific wear rate {value:.3g} mm³/(N m), from {lowest:.3g} to {highest:.3g} within half "

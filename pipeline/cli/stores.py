@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import pipeline
 from pipeline.cli.output import DONE, SOME_FAILED, failed_points, show
+from pipeline.cli.progress import working
 from pipeline.sweep.stages import duration
 from pipeline.sweep.warned import NO_WARNING
 
@@ -58,7 +59,8 @@ def _pace_text(found: Summary) -> Iterable[str]:
 
 def verify(options: argparse.Namespace) -> int:
     """Read everything and name what is damaged."""
-    found = pipeline.verify_store(options.store, repair=options.repair)
+    with working("reading points") as progress:
+        found = pipeline.verify_store(options.store, options.repair, progress)
     document = {
         "done": found.done,
         "damaged": failed_points(found.damaged),
@@ -98,7 +100,8 @@ def verify(options: argparse.Namespace) -> int:
 
 def compact(options: argparse.Namespace) -> int:
     """Rewrite a store in large chunks."""
-    pipeline.compact_store(options.store)
+    with working("rewriting the store"):
+        pipeline.compact_store(options.store)
     show(options, {"store": str(options.store)}, [f"{options.store} is compact"])
     return DONE
 

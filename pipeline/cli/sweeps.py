@@ -12,12 +12,12 @@ from pipeline.cli.meaning import library_lines, meaning
 from pipeline.cli.output import (
     DONE,
     SOME_FAILED,
-    ProgressLine,
     counted,
     failed_points,
     show,
     tell,
 )
+from pipeline.cli.progress import ProgressLine
 from pipeline.cli.scenes import given, scene_of, selected
 from pipeline.run import forkserver
 from pipeline.sweep.doubts import doubts

@@ -13,6 +13,7 @@ from pipeline.run.boundary_search import BoundarySearch
 from pipeline.sweep.criterion import Conditions, at_bulks, rise_limit, worst_moment
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import chains, run_point
+from pipeline.sweep.stages import staged
 from tribo import InputError, Scene
 from tribo.thermal import rise_exceeded
 from tribo.types import Array
@@ -138,7 +139,7 @@ def vary(
     tolerance : float
         Relative error of the critical velocity, besides that of the scene's fidelity.
     tell : callable, optional
-        Called with a line before each scene.
+        Called with a line before each scene: which, of how many, and the time to go.
 
     Raises
     ------
@@ -155,17 +156,18 @@ def vary(
     planes: dict[Scene, _Plane] = {}
 
     def boundary(key: str, value: str, scene: Sweep) -> Variation:
-        if tell:
-            tell(f"{key} = {value}" if key else "the scene as it is")
         plain = replace(scene, samples=None, realizations=())
         alike = replace(plain, **{name: getattr(sweep, name) for name in _APART})
         plane = planes.setdefault(alike, _Plane(plain))
         return Variation(key, value, plane.boundary(sweep, scene.conditions, tolerance))
 
-    own = boundary("", "", sweep)
-    found = tuple(boundary(*name, scene) for name, scene in others.items())
+    def named(scene: tuple[str, str, Sweep]) -> str:
+        return f"{scene[0]} = {scene[1]}" if scene[0] else "the scene as it is"
+
+    scenes = [("", "", sweep), *((*name, scene) for name, scene in others.items())]
+    own, *found = (boundary(*scene) for scene in staged(scenes, tell, named))
     count = sum(len(plane.known) for plane in planes.values())
-    return Variations(sweep.title, sweep.loads, own, found, count)
+    return Variations(sweep.title, sweep.loads, own, tuple(found), count)
 
 
 class _Plane:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from pipeline.scene.quantities import in_si
@@ -18,6 +19,7 @@ def run_point(
     realization: int | None = None,
     sample: int | None = None,
     trunk: plan.Trunk | None = None,
+    progress: Callable[[int, int], None] | None = None,
 ) -> plan.PointResult:
     """Simulate one point.
 
@@ -37,6 +39,8 @@ def run_point(
     trunk : Trunk, optional
         Trunk of a lower load at the same velocity on the same surface, to continue; the start of
         the ramp if not given. The result is the same.
+    progress : callable, optional
+        Called after each step with how many of the point's steps are done, and how many there are.
 
     Raises
     ------
@@ -53,4 +57,4 @@ def run_point(
     (False, '158 °C')
     """
     at = in_si("load", load, "600 N"), in_si("velocity", velocity, "1.5 m/s")
-    return plan.run_point(sweep, *at, realization, sample, trunk)
+    return plan.run_point(sweep, *at, realization, sample, trunk, progress)

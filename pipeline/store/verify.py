@@ -8,7 +8,7 @@ run computes it again; coordinates and metadata are restored from the root of th
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass
 from typing import Any
@@ -91,7 +91,9 @@ class Verification:
         return not (self.damaged or self.shared)
 
 
-def verify_store(path: PathLike, repair: bool = False) -> Verification:
+def verify_store(
+    path: PathLike, repair: bool = False, progress: Callable[[int, int], None] | None = None
+) -> Verification:
     """Read everything in a store and name what is damaged.
 
     Parameters
@@ -100,6 +102,8 @@ def verify_store(path: PathLike, repair: bool = False) -> Verification:
         Path of the store, which may be in use unless it is to be repaired.
     repair : bool
         Whether to make damaged points pending, and to restore what is shared.
+    progress : callable, optional
+        Called after each point with how many are read, and how many there are.
 
     Raises
     ------
@@ -124,20 +128,29 @@ def verify_store(path: PathLike, repair: bool = False) -> Verification:
             return Verification(0, (), tuple(shared), (), repaired=False)
         try:
             if repair:
-                return _examined(Store(path), shared, repair)
-            return read_whole(path, lambda store: _examined(store, shared, repair), Store)[1]
+                return _examined(Store(path), shared, repair, progress)
+
+            def examined(store: Store) -> Verification:
+                return _examined(store, shared, repair, progress)
+
+            return read_whole(path, examined, Store)[1]
         except OSError as error:
             raise StoreError(f"{folder} cannot be repaired: {error}") from error
 
 
-def _examined(store: Store, shared: list[str], repair: bool) -> Verification:
+def _examined(
+    store: Store,
+    shared: list[str],
+    repair: bool,
+    progress: Callable[[int, int], None] | None = None,
+) -> Verification:
     """Examine a store whose root has these faults."""
     shared = [*shared, *_shared_faults(store, repair)]
     found = tuple(store.lost())
     if repair:
         store.heal()
     status = store.status()
-    damaged = _damaged(store, store.places(), status)
+    damaged = _damaged(store, store.places(), status, progress)
     if damaged and not repair:  # a run may just be writing these anew
         time.sleep(A_COMMIT)
         again = [each.point for each in damaged]
@@ -150,14 +163,21 @@ def _examined(store: Store, shared: list[str], repair: bool) -> Verification:
     return Verification(done, tuple(damaged), tuple(shared), found, repair, is_protected)
 
 
-def _damaged(store: Store, points: Iterable[Point], status: Mapping[Point, int]) -> list[Damage]:
+def _damaged(
+    store: Store,
+    points: Iterable[Point],
+    status: Mapping[Point, int],
+    progress: Callable[[int, int], None] | None = None,
+) -> list[Damage]:
     """Points at which something is wrong."""
-    reasons = ((point, _reason(store, point, status[point])) for point in points)
-    return [
-        Damage(point.load, point.velocity, reason, *point[2:])
-        for point, reason in reasons
-        if reason is not None
-    ]
+    damaged = []
+    for number, point in enumerate(points, 1):
+        reason = _reason(store, point, status[point])
+        if reason is not None:
+            damaged.append(Damage(point.load, point.velocity, reason, *point[2:]))
+        if progress:
+            progress(number, len(status))
+    return damaged
 
 
 _CHANGING = ("shape", "chunk_grid", "chunk_key_encoding")

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import itertools
 import time
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -169,15 +169,19 @@ def run_point(
     realization: int | None = None,
     sample: int | None = None,
     trunk: Trunk | None = None,
+    progress: Callable[[int, int], None] | None = None,
 ) -> PointResult:
     """Simulate one point; see `pipeline.run_point`, which takes text, too."""
     began = time.perf_counter()
     sweep = sweep.variant(realization, sample)
     trunk = _leading_to(sweep, load, trunk)
     records = list(trunk.records)
+    steps = step_count(sweep, load) if progress else 0
     for state in simulate(sweep, load, velocity, trunk.state):
         records.append(_record(sweep, state))
         trunk = _extended(sweep, trunk, state, load, records[-1])
+        if progress:
+            progress(len(records), steps)
     return PointResult(
         point=Point(load, velocity, realization, sample),
         columns={name: np.array([record[name] for record in records]) for name in records[0]},

@@ -1,10 +1,13 @@
 """Progress on stderr, and what cannot succeed: told before the work."""
 
 import sys
+import threading
+import time
 
 import pytest
 
-from pipeline.cli import main, output
+import pipeline
+from pipeline.cli import main, progress
 from pipeline.run.sweep import Progress
 from pipeline.sweep.stages import staged
 from tests.pipeline.cli.test_commands import MEASURED, SCENE
@@ -17,8 +20,8 @@ def small(tmp_path):
 
 
 def test_without_a_terminal_progress_comes_in_plain_lines(capsys, monkeypatch):
-    monkeypatch.setattr(output.time, "monotonic", iter(range(0, 1000, 4)).__next__)
-    with output.ProgressLine() as show:
+    monkeypatch.setattr(progress.time, "monotonic", iter(range(0, 1000, 4)).__next__)
+    with progress.ProgressLine() as show:
         for done in range(8):
             show(Progress(done, 0, 8, 4.0 * done, 4.0 * (8 - done)))
         show(Progress(8, 0, 8, 32.0, 0.0))
@@ -31,7 +34,7 @@ def test_without_a_terminal_progress_comes_in_plain_lines(capsys, monkeypatch):
 
 def test_on_a_terminal_progress_stays_on_one_line(capsys, monkeypatch):
     monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
-    with output.ProgressLine() as show:
+    with progress.ProgressLine() as show:
         show(Progress(3, 1, 8, 4.0, 9.0))
     said = capsys.readouterr().err
     assert said.count("\n") == 1
@@ -49,6 +52,56 @@ def test_stages_say_which_of_how_many_and_the_time_to_go():
         "2 of 3: standard (about 2 min to go)",
         "3 of 3: fine (about 90 s to go)".replace("90 s", "2 min"),
     ]
+
+
+@pytest.mark.parametrize("is_terminal", [False, True])
+def test_a_command_that_takes_long_says_how_far_it_is(is_terminal, capsys, monkeypatch):
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: is_terminal)
+    monkeypatch.setattr(progress, "_SOON", 0.0)
+    monkeypatch.setattr(progress, "_BETWEEN_LINES", 0.01)
+    monkeypatch.setattr(progress, "_BETWEEN_LOOKS", 0.01)
+    said = ""
+    with progress.working("reading points") as count:
+        count(3, 9)
+        for _ in range(1000):
+            said += capsys.readouterr().err
+            if "reading points: 3 of 9 done" in said:
+                break
+            time.sleep(0.01)
+    assert "reading points: 3 of 9 done" in said
+    running = threading.active_count()
+    with progress.working("reading points"):
+        assert threading.active_count() == running + 1
+    assert threading.active_count() == running
+
+
+def test_a_command_that_fails_stops_saying_so(capsys, monkeypatch):
+    running = threading.active_count()
+    with pytest.raises(ValueError, match="mistake"), progress.working("reading"):
+        raise ValueError("a mistake")
+    assert threading.active_count() == running
+    assert capsys.readouterr().err == ""
+
+
+def test_steps_of_a_point_and_points_of_a_store_are_counted(small):
+    counted = []
+    scene = pipeline.load_scene(small / "small.toml", overrides={"increments": 4})
+    point = pipeline.run_point(scene, 400.0, 2.0, progress=lambda *at: counted.append(at))
+    assert counted == [(1, 3), (2, 3), (3, 3)]
+    assert len(point.columns["time"]) == 3
+    arguments = [str(small / "small.toml"), "-o", str(small / "a.zarr"), "--workers", "1"]
+    assert main(["run", *arguments, "--set", "increments=2", "-q"]) == 0
+    counted.clear()
+    pipeline.verify_store(small / "a.zarr", progress=lambda *counts: counted.append(counts))
+    assert counted == [(number, 9) for number in range(1, 10)]
+
+
+def test_vary_says_which_scene_begins_of_how_many(small, capsys):
+    arguments = ["--over", "friction.coefficient=0.12,0.13", "--set", "increments=2"]
+    assert main(["vary", str(small / "small.toml"), *arguments]) == 0
+    said = capsys.readouterr().err
+    assert "1 of 3: the scene as it is" in said
+    assert "3 of 3: friction.coefficient = 0.13" in said
 
 
 def test_infer_says_where_it_is(small, capsys):
