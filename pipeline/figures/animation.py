@@ -79,6 +79,10 @@ def save_animation(figures: Sequence[Figure], out: Path, dpi: float | None = Non
     InputError
         If the file cannot be written.
     """
+    for figure in figures:  # places settle as they are drawn, and are to stay from then on
+        figure.draw_without_rendering()
+        figure.draw_without_rendering()
+        figure.set_layout_engine("none")
     writer = PillowWriter(fps=_PACE)
     try:
         with writer.saving(figures[0], str(out), _DPI if dpi is None else dpi):

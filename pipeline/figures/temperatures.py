@@ -157,7 +157,7 @@ def histogram(
         axes.bar(centres[hot], shares[hot], width, color=VERMILION, label=label)
         axes.axvline(critical, color=GREY, ls=":", label=f"critical, {critical:g} °C")
     axes.set_xlabel("contact temperature [°C]")
-    axes.set_ylabel(f"share of the contact, by {width:.2g} K [%]")
+    axes.set_ylabel(f"share of the contact per {width:.2g} K [%]")
     where = "at the transition, " if velocity is None else ""
     axes.set_title(f"{title_of(ds)}\n{newtons:g} N, {where}{at:.3g} m/s")
     figure.legend(loc="outside lower center", ncols=3, title=heating(conditions))

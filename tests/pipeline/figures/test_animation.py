@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from PIL import Image, ImageChops
 
+from pipeline.figures.animation import save_animation
 from pipeline.figures.plot import plot
 from pipeline.store import PENDING
 from tests.helpers import synthetic
@@ -49,6 +50,16 @@ def test_only_pictures_that_cross_the_critical_temperature_have_an_outline(sweep
     figures = plot(sweep, "animation", velocity=1.0, critical_temperature=critical)
     assert [len(figure.axes[1].collections) for figure in figures] == [1, 1, 2, 2]
     assert len({figure.axes[1].child_axes[0].get_xlabel() for figure in figures}) == 1
+
+
+def test_panels_stay_where_they_are(sweep, tmp_path):
+    figures = plot(sweep, "animation", width=0.085, velocity=1.0)
+    save_animation(figures, tmp_path / "ramp.gif")
+    first, *others = (
+        [axes.get_position().bounds for axes in figure.axes[:3]] for figure in figures
+    )
+    for other in others:
+        np.testing.assert_allclose(other, first, atol=0.002)  # of the figure: under a pixel
 
 
 def test_the_file_shows_one_picture_after_the_other_at_the_width_asked_for(sweep, tmp_path):
