@@ -124,7 +124,8 @@ WEAR_SCHEMES: dict[WearScheme, RungeKutta] = {
 ``"implicit"``, backward Euler: of first order, stable for any step. ``"explicit"``, the loop of
 Bosman & de Rooij (Fig. 2): of first order, stable while k·dS is below `EXPLICIT_LIMIT` times the
 smallest compliance. ``"sdirk2"`` (Alexander, SIAM J. Numer. Anal. 14, 1977): of second order,
-stable for any step, at twice the cost.
+stable for any step, at twice the cost; where much comes into contact within a step, its pressure
+needs a short implicit end, see `tribo.simulation.ending`.
 """
 
 

@@ -228,16 +228,17 @@ def _extended(sweep: Sweep, trunk: Trunk, state: State, load: float, record: Rec
     """Return the trunk with one more state of a point, if higher loads pass through it."""
     if not state.on_trunk:
         return trunk
-    onwards = replace(state.history or state, heat=None)
+    passed = state.history or state
+    onwards = replace(passed, heat=None)
     if not _is_same_for_higher_loads(sweep, state, load):
-        record = _record(sweep, onwards)
+        at_every_step = sweep.remembers_heat and not sweep.fidelity.fewest_elements
+        record = _record(sweep, passed if at_every_step else onwards)
     return Trunk(onwards, (*trunk.records, record))
 
 
 def _is_same_for_higher_loads(sweep: Sweep, state: State, load: float) -> bool:
-    """Whether a state has its temperature on the finest grid also where it ends no point."""
-    at_every_step = sweep.remembers_heat and not sweep.fidelity.fewest_elements
-    if state.normal_load < load or at_every_step:
+    """Whether a state has its temperature, as it is shown, also where it ends no point."""
+    if state.normal_load < load:
         return True
     (station,) = (at for at in sweep.stations(load) if at.on_trunk and at.normal_load == load)
     interval = sweep.fidelity.temperature_interval

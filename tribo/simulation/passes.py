@@ -24,7 +24,7 @@ from tribo.simulation.kernels import elastic_bodies
 from tribo.simulation.scene import Scene
 from tribo.simulation.state import State
 from tribo.types import Array
-from tribo.wear import WEAR_SCHEMES, Stage
+from tribo.wear import WEAR_SCHEMES, Stage, WearScheme
 
 _PLASTIC = 1.32471795724474602596  # the root of x³ = x + 1, whose powers fill a square evenly
 _STEPS = 1 / _PLASTIC, 1 / _PLASTIC**2
@@ -46,7 +46,12 @@ class Pass(NamedTuple):
 
 
 def passes(
-    scene: Scene, state: State, station: Station, distance: float, observed: bool
+    scene: Scene,
+    state: State,
+    station: Station,
+    distance: float,
+    observed: bool,
+    scheme: WearScheme | None = None,
 ) -> Iterator[Pass]:
     """Contacts that the step from `state` to `station` has to solve.
 
@@ -62,15 +67,17 @@ def passes(
         Slid in the step [m].
     observed : bool
         Whether the contact at the disk's own position is asked for, if others pass.
+    scheme : str, optional
+        Scheme of the wear, in place of that of the fidelity.
     """
     if not scene.wear:
         yield Pass(Stage(station.normal_load, 0.0, 0.0))
         return
-    scheme = WEAR_SCHEMES[scene.fidelity.wear_scheme]
+    runge_kutta = WEAR_SCHEMES[scheme or scene.fidelity.wear_scheme]
     loads = state.normal_load, station.normal_load
     mean_load = max(0.0, (station.impulse - state.impulse) / (station.time - state.time))
     if not scene.sweeps_over:
-        yield from map(Pass, scheme.stages(loads, mean_load, distance))
+        yield from map(Pass, runge_kutta.stages(loads, mean_load, distance))
         return
     count = scene.positions
     ends = np.linspace(*loads, count + 1)
@@ -80,7 +87,7 @@ def passes(
         begin, end = float(ends[part]), float(ends[part + 1])
         mean = count * mean_load * (begin + end) / 2 / known if known else mean_load
         shift = _position(scene, count * station.index + part)
-        for stage in scheme.stages((begin, end), mean, distance / count):
+        for stage in runge_kutta.stages((begin, end), mean, distance / count):
             yield Pass(stage, shift)
     if observed:
         yield Pass(Stage(station.normal_load, 0.0, 0.0))

@@ -109,8 +109,9 @@ class State:
     heat : Heat or None
         Temperature of the contact, where it was asked for.
     history : State or None
-        State at the same moment on the coarser grid of the history, from which the ramp goes on;
-        None without such a grid.
+        State at the same moment from which the ramp goes on, where that is another one: on the
+        coarser grid of the history, or of a last step without a short end; see
+        `tribo.simulation.ending`.
     heat_history : HeatHistory or None
         Heat that has flowed so far, where the temperature depends on it.
     response_history : HeatHistory or None

@@ -14,7 +14,7 @@ from tribo.simulation.scene import Scene
 from tribo.simulation.state import State
 from tribo.thermal import HeatHistory
 from tribo.types import Array
-from tribo.wear import Wear
+from tribo.wear import Wear, WearScheme
 
 _FARTHEST = 2.0  # steps of the load over which its last step is extrapolated
 
@@ -55,6 +55,7 @@ def advance(
     velocity: float,
     guess: Array | None = None,
     observed: bool = True,
+    scheme: WearScheme | None = None,
 ) -> State:
     """Slide and load until `station`, wearing the pin by the scheme of the fidelity.
 
@@ -73,6 +74,8 @@ def advance(
     observed : bool, optional
         Whether the contact at the disk's own position is solved, too, where others pass the pin.
         If not, the pressure is that of the last one that has passed.
+    scheme : str, optional
+        Scheme of the wear, in place of that of the fidelity.
 
     Returns
     -------
@@ -92,7 +95,7 @@ def advance(
     distance = abs(velocity) * (station.time - state.time)
     wear = scene.wear_at(velocity)
     passed = state.pressure
-    for stage, shift in passes(scene, state, station, distance, observed):
+    for stage, shift in passes(scene, state, station, distance, observed, scheme):
         near = guess if shift is None else passed if passed.any() else None
         contact, displacement = solved(scene, state, Pass(stage, shift), wear, wear_depth, near)
         iterations, residual = iterations + contact.iterations, max(residual, contact.residual)

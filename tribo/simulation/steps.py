@@ -10,6 +10,7 @@ import numpy as np
 
 from tribo.errors import InputError, require_positive
 from tribo.loading import Station
+from tribo.simulation.ending import ended
 from tribo.simulation.fidelity import Fidelity
 from tribo.simulation.heating import heat
 from tribo.simulation.passes import Pass, spread
@@ -69,7 +70,7 @@ def simulate(
             f"normal_load is {normal_load:g} N; the window carries at most "
             f"{scene.greatest_load:g} N, its area times the hardness of {scene.hardness:g} Pa"
         )
-    state = start(scene) if trunk is None else trunk
+    state = start(scene) if trunk is None else trunk.history or trunk
     if not leads_to(scene, state, normal_load):
         raise InputError(
             f"cannot go on to {normal_load:g} N from the state at {state.normal_load:g} N; "
@@ -89,8 +90,7 @@ def simulate(
         asked = reached or station is stations[-1] or (interval and station.index % interval == 0)
         shown = state
         if asked and state.pressure.any():
-            if state.heat is None:
-                shown = _refined(levels, before, state, station, velocity)
+            shown = _refined(levels, before, state, station, velocity)
             shown = closer.instead_of(shown)
             if shown.heat is None:
                 shown = replace(shown, heat=heat(scene, shown, velocity))
@@ -112,13 +112,14 @@ def _refined(
     """Repeat the step from `before` to `after` on ever finer grids, each begun with the last."""
     if levels[-1].sweeps_over and len(levels) > 1:
         return _observed(levels[-1], after)
-    state = after
+    state, on_grid = after, before
     for scene in levels[1:]:
         on_grid = replace(
             before,
             pressure=_prolonged(before.pressure, scene.grid.shape),
             wear_depth=_prolonged_along_x(before.wear_depth, scene.grid.shape),
             previous_pressure=_prolonged(before.previous_pressure, scene.grid.shape),
+            displacement=None,
         )
         guess = _prolonged(state.pressure, scene.grid.shape)
         finer = advance(scene, on_grid, station, velocity, guess)
@@ -128,7 +129,7 @@ def _refined(
             work=state.work + finer.work,
             history=after,
         )
-    return state
+    return ended(levels[-1], on_grid, state, station, velocity)
 
 
 def _observed(scene: Scene, after: State) -> State:
@@ -196,7 +197,7 @@ class _Closer:
         if sizes and nodes < fewest:
             enough = [size for size in sizes if nodes * (block / size) ** 2 >= fewest]
             block = max(enough, default=1)
-        elif not (state.history and self._scene.wear and nodes < max(fewest, FEW_NODES)):
+        elif not self._scene.wear or self._scene.coarsening == 1 or nodes >= max(fewest, FEW_NODES):
             return None
         changed = replace(fidelity, pixels_per_element=block, history_coarsening=1)
         return replace(self._scene, fidelity=changed)

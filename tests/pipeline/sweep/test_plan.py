@@ -66,6 +66,7 @@ WIDE = tribo.Grid((48, 16), (9e-6, 15e-6))
 RAMP = tribo.Ramp(rate=150.0, reference_load=750.0, hold=1.0, hold_steps=2)
 RECORD = tribo.MeasuredLoad(np.array([0.0, 1.0, 3.0, 5.0]), np.array([0.0, 300.0, 250.0, 750.0]))
 SMALLER = {"pixels_per_element": 2, "history_coarsening": 2, "fewest_elements": 100}
+SECOND_ORDER, HEAVY = {"wear_scheme": "sdirk2"}, tribo.Wear(1e-14)
 PHYSICS = {
     "plain": {},
     "hold": {"loading": RAMP},
@@ -84,6 +85,11 @@ PHYSICS = {
         "loading": RAMP,
     },
     "heat of the past": {"fidelity": {"heat_model": "history"}, "loading": RAMP},
+    "steps with a short end": {"fidelity": SECOND_ORDER, "wear": HEAVY, "loading": RAMP},
+    "steps with a short end and heat of the past": {
+        "fidelity": SECOND_ORDER | {"heat_model": "history"},
+        "wear": HEAVY,
+    },
 }
 
 

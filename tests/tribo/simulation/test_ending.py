@@ -1,0 +1,85 @@
+"""The short implicit end of a step in which much has come into contact (simulation/ending.py)."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tests.helpers.scenes import small_scene
+from tribo import Grid, MeasuredLoad, Wear, simulate
+from tribo.simulation import ending
+
+VELOCITY, LOADS = 2.0, (300.0, 500.0, 600.0)
+
+
+def worn_scene(specific_wear_rate=2e-14, **changes):
+    """A smooth pin that wears so fast that rows of elements come into contact one by one."""
+    choices = {"wear_scheme": "sdirk2", "increments": 10} | changes
+    return replace(
+        small_scene(roughness=False, **choices),
+        pixels=Grid((128, 16), (8e-6, 8e-6), (False, True)),
+        wear=Wear(specific_wear_rate, "swept"),
+    )
+
+
+def last(scene, load):
+    *_, state = simulate(scene, load, VELOCITY)
+    return state
+
+
+def test_the_rise_under_heavy_wear_is_known_in_ten_steps():
+    for load in LOADS:
+        few, many = (last(worn_scene(increments=n), load).heat for n in (10, 400))
+        assert few.mean_rise == pytest.approx(many.mean_rise, rel=0.02), load
+        assert few.rise_quantile[-3] == pytest.approx(many.rise_quantile[-3], rel=0.02), load
+
+
+def test_without_the_short_end_it_would_be_off_by_several_percent(monkeypatch):
+    exact = [last(worn_scene(increments=400), load).heat.rise_quantile[-3] for load in LOADS]
+    monkeypatch.setattr(ending, "_NEW", 1.0)
+    found = [last(worn_scene(), load).heat.rise_quantile[-3] for load in LOADS]
+    assert np.max(np.abs(np.divide(found, exact) - 1)) > 0.05
+
+
+@pytest.mark.parametrize("heat_model", ["elapsed", "history"])
+def test_higher_loads_do_not_pass_through_it(heat_model):
+    scene = worn_scene(heat_model=heat_model)
+    passed = last(scene, 375.0)  # the fifth of the ten stations
+    assert passed.on_trunk
+    assert passed.history is not None
+    assert not np.array_equal(passed.pressure, passed.history.pressure)
+    *_, alone = simulate(scene, 600.0, VELOCITY)
+    *_, gone_on = simulate(scene, 600.0, VELOCITY, trunk=passed)
+    assert np.array_equal(gone_on.heat.rise, alone.heat.rise)
+
+
+@pytest.mark.parametrize("pattern", ["swept", "local"])
+def test_the_worn_volume_stays_that_of_the_load_on_its_way(pattern):
+    # A record that rises unevenly: between stations its mean load is not that of both ends.
+    record = MeasuredLoad(np.array([0.0, 1.0, 1.1, 4.0]), np.array([0.0, 600.0, 300.0, 750.0]))
+    scene = replace(worn_scene(), loading=record, wear=Wear(1e-14, pattern))
+    state = last(scene, 750.0)
+    assert state.history is not None
+    *_, station = scene.stations(750.0)
+    worn = state.wear_depth.mean() * scene.nominal_area
+    assert worn == pytest.approx(1e-14 * VELOCITY * station.impulse, rel=1e-10)
+
+
+def test_the_cost_of_all_three_steps_is_counted():
+    scene = worn_scene()
+    state = last(scene, 300.0)
+    assert state.iterations > state.history.iterations
+    assert state.work == state.iterations * state.pressure.size
+
+
+@pytest.mark.parametrize(
+    "scene",
+    [
+        worn_scene(wear_scheme="implicit"),
+        worn_scene(specific_wear_rate=0.0, increments=100),
+        small_scene(wear_scheme="sdirk2", increments=100),
+    ],
+    ids=["implicit", "no wear", "rough"],
+)
+def test_it_is_not_taken_where_it_is_not_needed(scene):
+    assert last(scene, 750.0).history is None

@@ -1,0 +1,85 @@
+"""A step once more with a short implicit end, where its own stages do not know its last pressure.
+
+Heavy wear makes the pressure follow the shape at once: an element that has touched all along
+carries what wears it as fast as its neighbours. One that comes into contact between the stages of
+a step of second order, though, has to lose in the last stage what it did not lose in the first:
+there it carries up to (1 − γ)/γ = 2.4 times as much, whatever the number of steps. The worn shape
+is right all the same, since the next stages make up for it; but where whole rows of elements come
+into contact at a time, the rise at the end of a point was off by up to 4 %.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from tribo.loading import Station
+from tribo.simulation.scene import Scene
+from tribo.simulation.state import State
+from tribo.simulation.step import advance
+from tribo.types import Mask
+from tribo.wear import WEAR_SCHEMES
+
+_END = 1 / 6  # of the step, taken implicitly
+_NEW = 0.01  # of the load, that may lie where nothing has touched a step before
+
+
+def ended(scene: Scene, before: State, after: State, station: Station, velocity: float) -> State:
+    """The state after a step, or after the same with a short end where much has come into contact.
+
+    Parameters
+    ----------
+    scene : Scene
+        System to simulate.
+    before, after : State
+        States at the beginning and at the end of the step, on one grid.
+    station : Station
+        Time and load at the end of the step.
+    velocity : float
+        Sliding velocity [m/s].
+    """
+    if not _comes_into_contact(scene, before, after):
+        return after
+    near = after.pressure
+    middle = advance(scene, before, _between(before, station), velocity, near)
+    end = advance(scene, middle, station, velocity, near, scheme="implicit")
+    each = (after, middle, end)
+    return replace(
+        end,
+        iterations=sum(state.iterations for state in each),
+        work=sum(state.work for state in each),
+        residual=max(state.residual for state in each),
+        history=after.history or after,
+    )
+
+
+def _comes_into_contact(scene: Scene, before: State, after: State) -> bool:
+    """Whether a step has more than one stage, and much of its load is where nothing was worn."""
+    wears = scene.wear is not None and scene.wear.specific_wear_rate > 0
+    stages = len(WEAR_SCHEMES[scene.fidelity.wear_scheme].weights)
+    if not wears or stages == 1 or scene.sweeps_over or scene.motion:
+        return False
+    new = _worn(scene, after) & ~_worn(scene, before)
+    return float(after.pressure[new].sum()) > _NEW * float(after.pressure.sum())
+
+
+def _worn(scene: Scene, state: State) -> Mask:
+    """Where the pressure wears the pin: at its elements, or on all of a row that is swept."""
+    touched: Mask = state.pressure > 0
+    if scene.wear and scene.wear.pattern == "swept":
+        touched = touched | touched.any(axis=1, keepdims=True)
+    return touched
+
+
+def _between(before: State, station: Station) -> Station:
+    """Where the end begins; the load has its share of the impulse as if it changed linearly."""
+    share = 1 - _END
+    begin, end = before.normal_load, station.normal_load
+    load = begin + share * (end - begin)
+    impulse = share * (begin + load) / (begin + end) * (station.impulse - before.impulse)
+    return replace(
+        station,
+        normal_load=load,
+        time=before.time + share * (station.time - before.time),
+        on_trunk=False,
+        impulse=before.impulse + impulse,
+    )
