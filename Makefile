@@ -4,7 +4,7 @@ BIN := .venv/bin
 MEASURE := OMP_NUM_THREADS=1 $(BIN)/python -m pytest --benchmark-only --benchmark-disable-gc \
 	--benchmark-columns=min,rounds -s
 
-.PHONY: help diagram gallery reference test lowest javascript slow promises mutants crash bench bench-peers clean
+.PHONY: help diagram gallery reference test lowest javascript slow promises samples mutants crash bench bench-peers clean
 help:     ## what there is to make
 	@grep -E '^[a-z-]+: ' Makefile | sed -E 's/:[^#]*## /\t/' | expand -t 16
 
@@ -52,6 +52,10 @@ slow: .venv/test      ## the long checks: random scenes, large capped contacts, 
 
 promises: .venv/test  ## judge --accuracy and the presets on random scenes, for an hour at most
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises
+
+samples: .venv/test   ## judge irg risk by 2000 simulations; kill 1000 samples, and resume them
+	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.risk
+	$(BIN)/python -m tests.crash.samples
 
 mutants: .venv/test   ## change the code at random, and see whether a test notices, for an hour
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.mutants

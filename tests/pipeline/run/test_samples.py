@@ -17,6 +17,7 @@ from pipeline.store import DONE, Store, StoreMismatchError, locked, prepare, ver
 from pipeline.sweep.criterion import rise_limit
 from pipeline.sweep.plan import points, run_point
 from tests.pipeline.cli.test_commands import MEASURED, SCENE
+from tests.promises import risk
 
 UNKNOWN = """
 [unknown]
@@ -253,6 +254,19 @@ def test_the_commands_tell_risk_causes_and_what_to_measure_next(sampled, tmp_pat
     assert all(path.stat().st_size > 10_000 for path in tmp_path.glob("*.png"))
     assert len(list(tmp_path.glob("*.png"))) == 3
     load(folder)
+
+
+def test_the_risk_is_that_of_direct_simulations(sampled):
+    folder, _, _ = sampled
+    follow_boundary(load(folder), folder / "out.zarr", workers=1)
+    ds = pipeline.open_sweep(folder / "out.zarr")
+    middle = float(pipeline.boundary(ds)["critical_velocity"].sel(load=200.0).median())
+    place = (200.0, middle)
+    found = risk.judged(pipeline.Ensemble.of(ds), folder / "scene.toml", 32, {}, place)
+    assert 0.2 < found["direct"] < 0.8  # where chance tells most
+    assert abs(found["standard_errors_apart"]) < risk.LIMIT
+    assert abs(found["surrogate_bias"]) < found["surrogate_error"] < 0.02
+    assert found["surrogate_spread"] < 2 * found["surrogate_error"]
 
 
 @pytest.mark.parametrize(
