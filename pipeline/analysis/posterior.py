@@ -46,7 +46,7 @@ class Posterior:
         Critical velocity at each transition that 5, 50 and 95 % stay below, given all of them
         [m/s].
     scatter : float
-        Relative standard deviation of the measured velocities.
+        Relative standard deviation of measured velocities that do not give their own.
 
     Examples
     --------
@@ -126,7 +126,7 @@ def posterior(ensemble: Ensemble, scatter: float = SCATTER) -> Posterior:
     ensemble : Ensemble
         Samples of a sweep.
     scatter : float
-        Relative standard deviation of the measured velocities.
+        Relative standard deviation of measured velocities that do not give their own.
 
     Raises
     ------
@@ -178,8 +178,8 @@ class _Term:
     def of(cls, ensemble: Ensemble, entry: dict[str, Any], scatter: float) -> _Term:
         load, velocity = entry["normal_load"], entry["velocity"]
         fit = ensemble.surrogate(load, [velocity])
-        variance = (_exponent(ensemble, load, velocity) * scatter) ** 2 + float(fit.error[0]) ** 2
-        return cls(fit, load, velocity, entry["friction"], variance)
+        errors = [float(fit.error[0]), *_scatters(ensemble, entry, scatter)]
+        return cls(fit, load, velocity, entry["friction"], sum(error**2 for error in errors))
 
     def misfit(self, ensemble: Ensemble, inputs: Array) -> Array:
         """Squares of the distances from the transition, over their variance."""
@@ -193,6 +193,33 @@ class _Term:
         at = self.velocity * np.exp(-excess / slope)
         low, middle, high = (draws.quantile(at, share) for share in (0.05, 0.5, 0.95))
         return low, middle, high
+
+
+def _scatters(ensemble: Ensemble, entry: dict[str, Any], scatter: float) -> Iterator[float]:
+    """What the scatter of a transition makes of the logarithm of rise over limit there.
+
+    The rise is proportional to friction, and about a power of the velocity and of the load.
+    """
+    load, velocity, friction = (entry[name] for name in ("normal_load", "velocity", "friction"))
+    known = {name: entry.get(f"{name}_scatter") for name in ("load", "velocity", "friction")}
+    share = scatter if known["velocity"] is None else known["velocity"] / velocity
+    yield _exponent(ensemble, load, velocity) * share
+    if known["load"] is not None:
+        yield _exponent_of_load(ensemble, load, velocity) * known["load"] / load
+    if known["friction"] is not None:
+        yield known["friction"] / friction
+
+
+def _exponent_of_load(ensemble: Ensemble, load: float, velocity: float) -> float:
+    """Exponent of the rise over the load, the mean over the samples."""
+    ends = np.clip([load / _SLOPE_SPAN, load * _SLOPE_SPAN], *ensemble.loads[[0, -1]])
+    if ends[0] == ends[1]:
+        raise InputError(
+            f"a load of {load:g} N is said to scatter, which takes samples at other loads to judge "
+            "by; give more sweep.loads, or leave out load_scatter"
+        )
+    low, high = (ensemble.outputs(at, [velocity]).mean() for at in ends)
+    return float((high - low) / math.log(ends[1] / ends[0]))
 
 
 def _exponent(ensemble: Ensemble, load: float, velocity: float) -> float:

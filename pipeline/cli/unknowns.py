@@ -122,8 +122,7 @@ def _notes(ensemble: Ensemble, found: Posterior | None) -> Iterator[str]:
     """Say on what the numbers rest."""
     what = "as the scene assumes them"
     if found:
-        what = f"given {len(found.measured)} measured transitions, their velocities scattered by "
-        what += f"{100 * found.scatter:g} %"
+        what = f"given {len(found.measured)} measured transitions, {_scattered(found)}"
     yield f"  {len(ensemble.unknown)} unknown inputs, {what}"
     if ensemble.missing:
         yield f"  {ensemble.missing} samples are left out: not done at every load"
@@ -213,11 +212,20 @@ def _indices(found: Sensitivity) -> Iterator[str]:
     )
 
 
+def _scattered(found: Posterior) -> str:
+    """How far the measured velocities are taken to scatter."""
+    own = sum("velocity_scatter" in entry for entry in found.measured)
+    if found.measured and own == len(found.measured):
+        return "velocities scattered as the scene says of each"
+    others = f", {own} as the scene says" if own else ""
+    return f"velocities scattered by {100 * found.scatter:g} %{others}"
+
+
 def _on_inputs(found: Posterior) -> Iterator[str]:
     """Say what is known of each input, before and after."""
     yield (
-        f"{len(found.measured)} measured transitions, velocities scattered by "
-        f"{100 * found.scatter:g} %; {len(found.ensemble.inputs)} samples"
+        f"{len(found.measured)} measured transitions, {_scattered(found)}; "
+        f"{len(found.ensemble.inputs)} samples"
     )
     rows = list(found.summary())
     width = max(len(row["path"]) for row in rows) + 2

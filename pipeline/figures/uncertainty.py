@@ -196,11 +196,14 @@ def _histogram(
 def _parity(axes: Axes, found: Posterior) -> None:
     """Measured velocities beside those computed, with what 90 % of the draws give."""
     measured = np.array([entry["velocity"] for entry in found.measured])
+    scatter = [
+        entry.get("velocity_scatter", found.scatter * entry["velocity"]) for entry in found.measured
+    ]
     low, middle, high = np.array(found.computed).T
     ends = np.array([0.9 * min(measured.min(), low.min()), 1.1 * max(measured.max(), high.max())])
     axes.plot(ends, ends, color=GREY, lw=1.0)
     axes.errorbar(
-        measured, middle, [middle - low, high - middle], found.scatter * measured, ls="none",
+        measured, middle, [middle - low, high - middle], scatter, ls="none",
         marker="D", ms=4.5, color=VERMILION, elinewidth=1.0,
     )  # fmt: skip
     for entry, at in zip(found.measured, middle, strict=True):

@@ -38,6 +38,7 @@ def check_tables(
     _check_pin(found, faults)
     _check_motion(found, faults)
     _check_conditions(found, faults)
+    _check_measured(found, faults)
 
 
 def _check_materials(found: dict[str, Any], faults: list[Fault]) -> None:
@@ -143,3 +144,10 @@ def _check_conditions(found: dict[str, Any], faults: list[Fault]) -> None:
     if band and band[0] > band[1]:
         problem = f"{quoted(list(band))} falls; give the lower one first"
         faults.append(Fault("friction.band", problem))
+
+
+def _check_measured(found: dict[str, Any], faults: list[Fault]) -> None:
+    for number, entry in enumerate(found["measured"] or ()):
+        if entry and entry["friction_scatter"] is not None and not entry["friction"]:
+            problem = f"{entry['friction_scatter']:g} needs a measured friction; give it above 0"
+            faults.append(Fault(f"measured[{number}].friction_scatter", problem))

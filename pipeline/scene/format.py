@@ -50,7 +50,10 @@ DURATION = Quantity("a duration", "4 s", zero=True)
 VELOCITY = Quantity("a velocity", "1.25 m/s", zero=True)
 TEMPERATURE = Quantity("a temperature", "25 degC")
 PER_PRESSURE = Quantity("a pressure coefficient", "20 1/GPa")
+VELOCITY_SCATTER = Quantity("a velocity", "0.1 m/s")
+LOAD_SCATTER = Quantity("a load", "10 N")
 FRICTION = Number(at_least=0)
+FRICTION_SCATTER = Number(above=0)
 SEED = Whole(at_least=0)
 SURFACES = Whole(at_least=1, at_most=100_000)
 SHAPE = Choice(("cylinder", "ball", "crowned"))
@@ -173,6 +176,16 @@ FORMAT = Table({
     }),
     "unknown": Optional(UNKNOWN),  # by the paths of entries
     "measured": Optional(
-        List(Table({"load": LOAD, "velocity": VELOCITY, "friction": Optional(FRICTION)})), ()
+        List(
+            Table({
+                "load": LOAD,
+                "load_scatter": Optional(LOAD_SCATTER),
+                "velocity": VELOCITY,
+                "velocity_scatter": Optional(VELOCITY_SCATTER),
+                "friction": Optional(FRICTION),
+                "friction_scatter": Optional(FRICTION_SCATTER),
+            })
+        ),
+        (),
     ),
 })  # fmt: skip

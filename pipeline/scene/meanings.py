@@ -133,8 +133,13 @@ _ENTRIES = {
     "sweep.independent": "Whether each point is simulated from the start instead of on from the "
     "next lower load; takes longer.",
     "measured.load": "Load at which wear turned severe.",
+    "measured.load_scatter": "Standard deviation of the load in repeated tests, which "
+    "`irg infer` of samples counts with; none by default.",
     "measured.velocity": "Sliding velocity there.",
+    "measured.velocity_scatter": "Standard deviation of the velocity; by default what `--scatter` "
+    "gives, 5 % of the velocity.",
     "measured.friction": "Coefficient of friction measured there; by default the scene's.",
+    "measured.friction_scatter": "Standard deviation of the measured friction; none by default.",
 }
 
 

@@ -24,7 +24,7 @@ from pipeline.scene.roughness import realizations_of, roughness_of
 from pipeline.scene.schema import Table
 from pipeline.scene.unknown import samples_of
 from pipeline.sweep.criterion import Conditions, of_bulks
-from pipeline.sweep.model import Measurement, Sweep
+from pipeline.sweep.model import SCATTERS, Measurement, Sweep
 
 _PATHS = ("wear.pattern", "loading.hold", "temperature.failing_share", "sweep.realizations")
 
@@ -246,7 +246,12 @@ def _entries(name: str, found: dict[str, Any]) -> dict[str, Any]:
         ),
         "friction_band": friction["band"],
         "measured": tuple(
-            Measurement(entry["load"], entry["velocity"], entry["friction"])
+            Measurement(
+                entry["load"],
+                entry["velocity"],
+                entry["friction"],
+                **{name: entry[name] for name in SCATTERS},
+            )
             for entry in found["measured"]
         ),
         "store_fields": sweep["fields"],

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping
-from dataclasses import asdict
 from datetime import UTC, datetime
 from importlib import metadata
 from typing import Any, NamedTuple
@@ -239,7 +238,7 @@ def present_attributes(sweep: Sweep) -> dict[str, Any]:
             "preset": sweep.preset,
             "conditions": sweep.conditions.as_dict(),
             "friction_band": list(sweep.friction_band) if sweep.friction_band else None,
-            "measured": [asdict(measurement) for measurement in sweep.measured],
+            "measured": [measurement.as_dict() for measurement in sweep.measured],
             "loads": list(sweep.loads),
             "velocities": list(sweep.velocities),
             "realizations": list(sweep.realizations),

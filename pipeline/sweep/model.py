@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from typing import Any, NamedTuple, Self
 
 from pipeline.sweep.criterion import Conditions
@@ -10,6 +10,9 @@ from pipeline.sweep.selection import Selection
 from pipeline.sweep.shown import as_html, as_lines, on_conditions, on_plane, on_scene
 from pipeline.sweep.unknown import Samples
 from tribo import InputError, Oil, Scene, SelfAffineRoughness
+
+SCATTERS = ("load_scatter", "velocity_scatter", "friction_scatter")
+"""What a measured transition may say of its own scatter."""
 
 
 class Point(NamedTuple):
@@ -55,16 +58,26 @@ class Measurement:
         Sliding velocity [m/s].
     friction : float or None
         Friction coefficient, if it was measured.
+    load_scatter, velocity_scatter, friction_scatter : float or None
+        Standard deviations of the three, if they are known [N, m/s, 1].
 
     Examples
     --------
-    >>> Measurement(normal_load=600.0, velocity=1.5, friction=0.1)
-    Measurement(normal_load=600.0, velocity=1.5, friction=0.1)
+    >>> Measurement(normal_load=600.0, velocity=1.5, friction=0.1).as_dict()
+    {'normal_load': 600.0, 'velocity': 1.5, 'friction': 0.1}
     """
 
     normal_load: float
     velocity: float
     friction: float | None = None
+    load_scatter: float | None = None
+    velocity_scatter: float | None = None
+    friction_scatter: float | None = None
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return all fields as plain data, without scatters that are not known."""
+        data = asdict(self)
+        return {k: v for k, v in data.items() if v is not None or k not in SCATTERS}
 
 
 class FromLibrary(NamedTuple):

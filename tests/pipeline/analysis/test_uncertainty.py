@@ -322,6 +322,40 @@ def test_given_the_measurements_the_risk_is_sharper():
     assert (indices.first < 1.0).all()
 
 
+@pytest.mark.parametrize(
+    ("scatters", "share"),
+    [
+        ({"velocity_scatter": 0.06}, EXPONENT * 0.03),
+        ({"load_scatter": 16.0}, math.hypot(EXPONENT * 0.01, 0.58 * 0.04)),
+        ({"friction_scatter": 0.004}, math.hypot(EXPONENT * 0.01, 0.04)),
+        (
+            {"velocity_scatter": 0.04, "load_scatter": 8.0, "friction_scatter": 0.002},
+            math.hypot(EXPONENT * 0.02, 0.58 * 0.02, 0.02),
+        ),
+    ],
+)
+def test_a_transition_counts_as_much_as_its_own_scatter_allows(scatters, share):
+    # All is about linear: the precisions of what was assumed and of what was measured add up.
+    limit_there = rise(np.zeros((1, 0)), 400.0, 2.0, ())[0] * 0.1
+    critical = Unknown(CRITICAL.path, "normal", (298.15 + limit_there, 8.0), "K")
+    entry = {"normal_load": 400.0, "velocity": 2.0, "friction": 0.1} | scatters
+    found = pipeline.posterior(ensemble((critical, LENGTH), measured=[entry]), 0.01)
+    (own, _) = found.summary()
+    of_length = 0.02 * 3 / math.sqrt(12)  # what the correlation length, uniform, adds
+    expected = (8.0**-2 + (limit_there * math.hypot(share, of_length)) ** -2) ** -0.5
+    assert own["posterior"]["sd"] == pytest.approx(expected, rel=0.04)
+
+
+def test_a_load_scatters_only_where_other_loads_tell_what_that_makes():
+    entry = {"normal_load": 400.0, "velocity": 2.0, "friction": 0.1, "load_scatter": 5.0}
+    found = ensemble(measured=[entry])
+    alone = dataclasses.replace(
+        found, loads=LOADS[1:2], rises=found.rises[:, 1:2], widths=found.widths[:, 1:2]
+    )
+    with pytest.raises(InputError, match=r"400 N is said to scatter.*give more sweep\.loads"):
+        pipeline.posterior(alone)
+
+
 def test_what_is_measured_next_is_what_narrows_the_boundary_most():
     found = pipeline.posterior(ensemble((CRITICAL, FRICTION), 32))
     ranked = pipeline.candidates(found)

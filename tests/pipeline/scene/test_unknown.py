@@ -172,6 +172,34 @@ def test_an_input_that_changes_nothing_is_told(tmp_path):
     assert "changes nothing in this scene; leave it out" in told
 
 
+def test_a_measured_transition_may_say_how_it_scatters(tmp_path):
+    entry = '[[measured]]\nload = "400 N"\nvelocity = "2 m/s"\nfriction = 0.1\n'
+    own = 'load_scatter = "8 N"\nvelocity_scatter = "10 cm/s"\nfriction_scatter = 0.004\n'
+    (plain,) = pipeline.load_scene(scene(tmp_path, UNKNOWN + entry)).measured
+    assert plain.as_dict() == {"normal_load": 400.0, "velocity": 2.0, "friction": 0.1}
+    (known,) = pipeline.load_scene(scene(tmp_path, UNKNOWN + entry + own)).measured
+    assert known.as_dict() == plain.as_dict() | {
+        "load_scatter": 8.0,
+        "velocity_scatter": 0.1,
+        "friction_scatter": 0.004,
+    }
+
+
+@pytest.mark.parametrize(
+    ("lines", "told"),
+    [
+        ("friction_scatter = 0.004", "measured[0].friction_scatter: 0.004 needs a measured"),
+        ("friction = 0.1\nfriction_scatter = 0", "measured[0].friction_scatter: 0 is out of range"),
+        ('load_scatter = "5 m/s"', "measured[0].load_scatter"),
+        ('velocity_scatter = "-1 m/s"', "measured[0].velocity_scatter"),
+    ],
+)
+def test_a_scatter_that_cannot_be_is_told(tmp_path, lines, told):
+    entry = f'[[measured]]\nload = "400 N"\nvelocity = "2 m/s"\n{lines}\n'
+    (found,) = faults(scene(tmp_path, UNKNOWN + entry))
+    assert told in found
+
+
 def test_samples_of_a_scene_in_which_all_is_known_are_refused(tmp_path):
     assert "give [unknown], too" in faults(scene(tmp_path, ""))[0]
 
