@@ -261,3 +261,7 @@ def _each(act: Callable[[Any], None], items: Iterable[Any]) -> None:
 @functools.cache
 def _disk() -> ThreadPoolExecutor:
     return ThreadPoolExecutor(_THREADS, thread_name_prefix="disk")
+
+
+if hasattr(os, "register_at_fork"):  # a forked process has none of the threads
+    os.register_at_fork(after_in_child=_disk.cache_clear)

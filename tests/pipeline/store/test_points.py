@@ -3,6 +3,7 @@
 import dataclasses
 import errno
 import json
+import multiprocessing
 import os
 import pickle
 import shutil
@@ -568,6 +569,20 @@ HOLDER = """if True:
         print("held", flush=True)
         time.sleep(60)
 """
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="processes are not forked here")
+@pytest.mark.filterwarnings("ignore:This process .* is multi-threaded:DeprecationWarning")
+def test_a_process_forked_after_a_commit_commits_as_well(store):
+    """Though it has none of the threads that wait for the disk."""
+    second = run_point(SWEEP, 600.0, 1.0)
+    child = multiprocessing.get_context("fork").Process(target=store.commit, args=(second,))
+    child.start()
+    child.join(60)
+    ended = child.exitcode
+    child.kill()
+    assert ended == 0
+    assert store.is_done(second.point)
 
 
 @pytest.fixture
