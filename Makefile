@@ -60,13 +60,14 @@ samples: .venv/test   ## judge irg risk by 2000 simulations; kill 1000 samples, 
 mutants: .venv/test   ## change the code at random, and see whether a test notices, for an hour
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.mutants
 
-crash: .venv/test     ## kill sweeps, cut their power, damage their files, read beside writers
-	OMP_NUM_THREADS=1 $(BIN)/python -m tests.crash
-	$(BIN)/python -m tests.crash.kills
-	OMP_NUM_THREADS=1 $(BIN)/python -m tests.crash.workers --busy
-	$(BIN)/python -m tests.crash.command --seconds 120
-	OMP_NUM_THREADS=1 $(BIN)/python -m tests.crash.replay --every 5
-	OMP_NUM_THREADS=1 $(BIN)/python -m tests.crash.damage --every 5
+crash: .venv/test     ## kill sweeps, cut their power, damage their files, read beside writers, for 40 minutes
+	OMP_NUM_THREADS=1 $(BIN)/python -m tests.crash --seconds 300
+	$(BIN)/python -m tests.crash.kills --seconds 300
+	OMP_NUM_THREADS=1 $(BIN)/python -m tests.crash.workers --busy --seconds 300
+	$(BIN)/python -m tests.crash.command --seconds 240
+	OMP_NUM_THREADS=1 $(BIN)/python -m tests.crash.replay --seconds 300
+	OMP_NUM_THREADS=1 $(BIN)/python -m tests.crash.power --seconds 600
+	OMP_NUM_THREADS=1 $(BIN)/python -m tests.crash.damage --seconds 300
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.crash.readers --seconds 60
 
 bench: .venv/test     ## measure speed, as ratios within one run

@@ -19,6 +19,7 @@ import numpy as np
 import pint  # noqa: F401  xarray would import it in every process
 
 from tests.crash import scenario
+from tests.crash.bounded import add_seconds, until
 from tests.crash.countdown import Countdown
 
 _MEMORY = Path("/dev/shm")  # where an fsync takes no time
@@ -80,6 +81,7 @@ def main():
     parser.add_argument("--every", type=int, default=1, help="crash points to go on by")
     parser.add_argument("--status-first", action="store_true", help="make the mistake to find")
     parser.add_argument("--until-fault", action="store_true", help="stop at the first fault")
+    add_seconds(parser)
     options = parser.parse_args()
     warnings.simplefilter("error")
     np.seterr(all="raise", under="ignore")
@@ -91,7 +93,8 @@ def main():
         expected = forked(scenario.content, folder / "store" / "out.zarr")
         faults = {}
         crashes = 0
-        for last in range((options.every + 1) // 2, changes + 1, options.every):
+        points = range((options.every + 1) // 2, changes + 1, options.every)
+        for last in until(options.seconds, points):
             crashes += 1
             shutil.rmtree(folder / "store")
             (folder / "store").mkdir()
@@ -102,7 +105,8 @@ def main():
             if faults and options.until_fault:
                 break
             if sys.stderr.isatty():
-                print(f"\r{last} of {changes}, {len(faults)} faulty", end="", file=sys.stderr)
+                told = f"\r{crashes} of {len(points)}, {len(faults)} faulty"
+                print(told, end="", file=sys.stderr)
     print(json.dumps({"changes": changes, "crashes": crashes, "faults": faults}, indent=1))
     return 1 if faults else 0
 

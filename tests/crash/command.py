@@ -15,7 +15,6 @@ import signal
 import subprocess
 import sys
 import tempfile
-import time
 from contextlib import suppress
 from pathlib import Path
 
@@ -23,8 +22,10 @@ import xarray as xr
 
 from pipeline.store import StoreError, summary, verify_store
 from pipeline.store.variables import COLUMNS
+from tests.crash.bounded import add_seconds, until
 
 ROOT = Path(__file__).parents[2]
+PATIENCE = 120.0  # [s] for a run that takes less than 10
 SCENE = """
 extends = "{shipped}"
 [fidelity]
@@ -67,6 +68,15 @@ def started(scene, out, crash=None, site=None):
     )
 
 
+def told_by(run):
+    """What a run says until it ends; it is killed if it does not."""
+    try:
+        return run.communicate(timeout=PATIENCE)[1]
+    except subprocess.TimeoutExpired:
+        os.killpg(run.pid, signal.SIGKILL)
+        return f"Traceback: it has not ended within {PATIENCE:g} s\n{run.communicate()[1]}"
+
+
 def content(path):
     with xr.open_zarr(path, chunks=None) as ds:
         ds = ds.load()
@@ -77,9 +87,7 @@ def crashed(scene, folder, site, last, expected):
     """Faults after a crash, and whether there was one."""
     out = folder / "out.zarr"
     run = started(scene, out, last, site)
-    _, told = run.communicate(timeout=120)
-    with suppress(ProcessLookupError):
-        os.killpg(run.pid, signal.SIGKILL)
+    told = told_by(run)
     faults = []
     if "Traceback" in told:
         faults.append(f"crash {last}: {told[-300:]}")
@@ -90,7 +98,7 @@ def crashed(scene, folder, site, last, expected):
             faults += [f"crash {last}: {each}" for each in (*found.damaged, *found.shared)]
             if found.done != done:
                 faults.append(f"crash {last}: {done} done, {found.done} intact")
-    _, told = (again := started(scene, out)).communicate(timeout=120)
+    told = told_by(again := started(scene, out))
     if again.returncode or content(out) != expected:
         faults.append(f"crash {last}: gone on with it ends with {again.returncode}: {told[-300:]}")
     if any(out.rglob("*.partial")):
@@ -110,29 +118,27 @@ def paths_to(out):
     yield Path(os.path.relpath(out))
 
 
-def together(scene, folder):
-    """Faults of two runs at once, by each pair of paths."""
-    for number, (one, other) in enumerate(itertools.combinations(range(5), 2)):
-        (own := folder / str(number)).mkdir()
-        paths = list(paths_to(own / "out.zarr"))
-        runs = [started(scene, paths[one]), started(scene, paths[other])]
-        told = [run.communicate(timeout=120)[1] for run in runs]
-        codes = sorted(run.returncode for run in runs)
-        in_use = sum("is in use by process" in each for each in told)
-        if (codes, in_use) not in (([0, 2], 1), ([0, 0], 0)):  # or one after the other
-            yield f"{paths[one]} and {paths[other]}: {codes}, {told}"
-        if not verify_store(own / "out.zarr").is_clean:
-            yield f"{paths[one]} and {paths[other]}: the store is damaged"
+def together(scene, folder, one, other):
+    """Faults of two runs at once, by two of the paths to a store."""
+    paths = list(paths_to(folder / "out.zarr"))
+    runs = [started(scene, paths[one]), started(scene, paths[other])]
+    told = [told_by(run) for run in runs]
+    codes = sorted(run.returncode for run in runs)
+    in_use = sum("is in use by process" in each for each in told)
+    if (codes, in_use) not in (([0, 2], 1), ([0, 0], 0)):  # or one after the other
+        yield f"{paths[one]} and {paths[other]}: {codes}, {told}"
+    if not verify_store(folder / "out.zarr").is_clean:
+        yield f"{paths[one]} and {paths[other]}: the store is damaged"
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--crashes", type=int, default=20)
-    parser.add_argument("--seconds", type=float, default=300.0, help="for crashes")
+    add_seconds(parser)
     parser.add_argument("--seed", type=int, default=0)
     options = parser.parse_args()
     chance = random.Random(options.seed)
-    report = {"runs": 0, "crashes": 0, "pairs": 10, "faults": []}
+    report = {"runs": 0, "crashes": 0, "pairs": 0, "faults": []}
     with tempfile.TemporaryDirectory() as temporary:
         folder = Path(temporary)
         scene = folder / "scene.toml"
@@ -141,11 +147,14 @@ def main():
         (site := folder / "site").mkdir()
         (site / "sitecustomize.py").write_text(SITE.format(root=str(ROOT)))
         whole = folder / "whole.zarr"
-        started(scene, whole).communicate()
+        told_by(started(scene, whole))
         expected = content(whole)
-        report["faults"] += together(scene, folder)
-        end = time.monotonic() + options.seconds
-        while report["runs"] < options.crashes and time.monotonic() < end:
+        pairs = list(itertools.combinations(range(5), 2))
+        for one, other in until(options.seconds / 2, pairs, options.seed):
+            (own := folder / f"{one} and {other}").mkdir()
+            report["pairs"] += 1
+            report["faults"] += together(scene, own, one, other)
+        for _ in until(options.seconds / 2, range(options.crashes)):
             (own := folder / f"crash {report['runs']}").mkdir()
             faults, was_killed = crashed(scene, own, site, chance.randint(1, 700), expected)
             report["runs"] += 1

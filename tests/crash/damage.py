@@ -26,6 +26,7 @@ from pipeline.run import sweep as execute
 from pipeline.store import compact_store, locked, prepare
 from pipeline.sweep.plan import points, run_point
 from tests.crash import scenario
+from tests.crash.bounded import add_seconds, until
 from tests.helpers import tiny
 
 SWEEP = tiny.full(loads=(150.0, 600.0), velocities=(0.5, 1.0, 4.0))
@@ -91,14 +92,37 @@ def content(path):
         return {name: ds[name].values.tolist().__repr__() for name in names}
 
 
-def faults_of(path, what, expected, known):
+class Whole:
+    """A finished store to damage copies of."""
+
+    def __init__(self, folder, results):
+        folder.mkdir()
+        self.path = folder / "whole.zarr"
+        with locked(self.path):
+            store = prepare(self.path, SWEEP)
+            for result in results.values():
+                store.commit(result)
+        if folder.name == "compact":
+            compact_store(self.path)
+        found = sorted(file for file in self.path.rglob("*") if file.is_file())
+        self.files = [file.relative_to(self.path) for file in found]
+        self.content = content(self.path)
+        self.boundary = called("boundary", self.path, "--json")[1]
+
+    def copy(self):
+        path = self.path.with_name("out.zarr")
+        shutil.rmtree(path, ignore_errors=True)
+        return shutil.copytree(self.path, path)
+
+
+def faults_of(path, what, whole):
     """What is wrong with the answers of the commands to a damaged store."""
     for command in COMMANDS:
         further = ["--kind", "diagram", "-o", path.parent / "a.png"] if command == "plot" else []
         code, out, err = called(command, path, *further, *(["--json"] if not further else []))
         if code is None:
             yield f"{what}: {command}: {err}"
-        elif command == "boundary" and code == 0 and out != known["boundary"]:
+        elif command == "boundary" and code == 0 and out != whole.boundary:
             pending = json.loads(called("status", path, "--json")[1])["pending"]
             if not pending:
                 yield f"{what}: the boundary is another, and nothing says why: {out}"
@@ -116,7 +140,7 @@ def faults_of(path, what, expected, known):
     except Exception:
         yield f"{what}: run: {traceback.format_exc()[-300:]}"
         return
-    if content(path) != expected:
+    if content(path) != whole.content:
         yield f"{what}: not as it was after a repair and a run"
     if called("verify", path)[0] != 0:
         yield f"{what}: not clean after a repair and a run: {called('verify', path)[1]}"
@@ -126,6 +150,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--every", type=int, default=1, help="files to go on by")
     parser.add_argument("--seed", type=int, default=0)
+    add_seconds(parser)
     options = parser.parse_args()
     np.seterr(all="raise", under="ignore")
     chance = random.Random(options.seed)
@@ -133,27 +158,20 @@ def main():
     scenario.results = lambda: results
     tried, faults = Counter(), []
     with tempfile.TemporaryDirectory() as temporary:
-        for layout in ("by point", "compact"):
-            whole = Path(temporary) / layout / "whole.zarr"
-            whole.parent.mkdir()
-            with locked(whole):
-                store = prepare(whole, SWEEP)
-                for result in results.values():
-                    store.commit(result)
-            if layout == "compact":
-                compact_store(whole)
-            expected = content(whole)
-            known = {"boundary": called("boundary", whole, "--json")[1]}
-            files = sorted(file.relative_to(whole) for file in whole.rglob("*") if file.is_file())
-            cases = [(file, damage) for file in files for damage in DAMAGE]
-            for file, damage in cases[chance.randrange(options.every) :: options.every]:
-                path = whole.with_name("out.zarr")
-                shutil.rmtree(path, ignore_errors=True)
-                shutil.copytree(whole, path)
-                damage(path / file, chance)
-                tried[damage.__name__] += 1
-                faults += faults_of(path, f"{layout}, {file} {damage.__name__}", expected, known)
-    print(json.dumps({"tried": tried, "faults": faults}, indent=1))
+        stores = {kind: Whole(Path(temporary) / kind, results) for kind in ("by point", "compact")}
+        cases = [
+            (kind, file, damage)
+            for kind, store in stores.items()
+            for file in store.files
+            for damage in DAMAGE
+        ]
+        cases = cases[chance.randrange(options.every) :: options.every]
+        for kind, file, damage in until(options.seconds, cases, options.seed):
+            path = stores[kind].copy()
+            damage(path / file, chance)
+            tried[damage.__name__] += 1
+            faults += faults_of(path, f"{kind}, {file} {damage.__name__}", stores[kind])
+    print(json.dumps({"tried": tried, "of": len(cases), "faults": faults}, indent=1))
     return 1 if faults else 0
 
 

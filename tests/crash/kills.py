@@ -26,6 +26,7 @@ from pipeline.run import schedule
 from pipeline.run.sweep import ExecutionError, run_sweep
 from pipeline.store import DONE, Store, StoreError, summary, verify_store
 from pipeline.sweep.plan import points, run_point
+from tests.crash.bounded import add_seconds
 from tests.helpers import tiny
 
 SWEEP = tiny.full(
@@ -141,6 +142,7 @@ def main():
     parser.add_argument("--kills", type=int, default=100)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--drive", metavar="OUT.zarr", help=argparse.SUPPRESS)
+    add_seconds(parser)
     options = parser.parse_args()
     np.seterr(all="raise", under="ignore")
     if options.drive:
@@ -148,12 +150,14 @@ def main():
     random.seed(options.seed)
     targets = list(itertools.islice(itertools.cycle(TARGETS), options.kills))
     random.shuffle(targets)
-    kills, given_up = Counter(), 0
+    kills, given_up, end = Counter(), 0, time.monotonic() + options.seconds
     with tempfile.TemporaryDirectory() as temporary:
         sweeps = Sweeps(Path(temporary))
         driver = sweeps.start()
         try:
-            while kills.total() < options.kills or driver.poll() is None:
+            while targets or driver.poll() is None:
+                if time.monotonic() > end:
+                    targets.clear()
                 with suppress(subprocess.TimeoutExpired):
                     driver.wait(random.uniform(0.5, 4.0))
                 if driver.poll() is None and targets and workers_of(driver.pid):
@@ -177,7 +181,7 @@ def main():
                 elif driver.returncode > 0:
                     sweeps.faults.append(f"the driver ended with {driver.returncode}")
                 sweeps.look()
-                if kills.total() < options.kills or driver.returncode:
+                if targets or driver.returncode:
                     driver = sweeps.start()
         finally:
             if driver.poll() is None:

@@ -12,6 +12,7 @@ The store that is left must open, and what was acknowledged must be there. Print
 
 import argparse
 import io
+import itertools
 import json
 import os
 import random
@@ -27,6 +28,7 @@ from unittest import mock
 import numpy as np
 
 from tests.crash import scenario
+from tests.crash.bounded import add_seconds, until
 
 RULES = ("ext4", "xfs", "posix")
 
@@ -208,6 +210,7 @@ def main():
     parser.add_argument("--every", type=int, default=1, help="operations to go on by")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--rename-first", action="store_true", help="make the mistake to find")
+    add_seconds(parser)
     options = parser.parse_args()
     warnings.simplefilter("error")
     np.seterr(all="raise", under="ignore")
@@ -224,16 +227,16 @@ def main():
         done = recorder.done
         if options.rename_first:
             done = renamed_first(done)
-        for end in range(1 + options.every // 2, len(done) + 1, options.every):
+        ends = range(1 + options.every // 2, len(done) + 1, options.every)
+        for end, rule in until(options.seconds, itertools.product(ends, RULES)):
             told = [each[1:] for each in done[:end] if each[0] == "told"]
-            for rule in RULES:
-                laid(left(done[:end], rule, chance), root, target)
-                tried[rule] += 1
-                try:
-                    found = scenario.check(target / "out.zarr", told)
-                except Exception as error:
-                    found = [f"{type(error).__name__}: {error}"]
-                faults += [f"{rule}, cut after {end} of {len(done)}: {fault}" for fault in found]
+            laid(left(done[:end], rule, chance), root, target)
+            tried[rule] += 1
+            try:
+                found = scenario.check(target / "out.zarr", told)
+            except Exception as error:
+                found = [f"{type(error).__name__}: {error}"]
+            faults += [f"{rule}, cut after {end} of {len(done)}: {fault}" for fault in found]
     report = {"operations": len(done), "cuts": tried, "lost": len(faults), "faults": faults[:20]}
     print(json.dumps(report, indent=1))
     return 1 if faults else 0

@@ -5,6 +5,7 @@ points are done and what they should be, bit for bit. Prints a JSON document.
 """
 
 import argparse
+import itertools
 import json
 import os
 import random
@@ -21,6 +22,7 @@ import numpy as np
 from pipeline.run.sweep import run_sweep
 from pipeline.store import Store, summary
 from pipeline.sweep.plan import points, run_point
+from tests.crash.bounded import add_seconds, until
 from tests.crash.kills import workers_of
 from tests.helpers import tiny
 
@@ -86,6 +88,7 @@ def main():
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--workers", type=int, help=argparse.SUPPRESS)
     parser.add_argument("--drive", metavar="OUT.zarr", help=argparse.SUPPRESS)
+    add_seconds(parser)
     options = parser.parse_args()
     kinds = options.kind or ["deadly", "random"]
     np.seterr(all="raise", under="ignore")
@@ -101,16 +104,16 @@ def main():
             loop = subprocess.Popen([sys.executable, "-c", "while True: pass"])
             stack.callback(loop.wait)
             stack.callback(loop.kill)
-        for number in range(options.sweeps):
-            for kind in kinds:
-                folder = stack.enter_context(tempfile.TemporaryDirectory())
-                path = Path(folder) / "out.zarr"
-                killed = driven(kind, options.velocities, path, 2 - number % 2)
-                report["sweeps"] += 1
-                report["hung"] += killed is None
-                report["kills"] += killed or 0
-                sweep = sweep_of(kind, options.velocities)
-                report["faults"] += faults_of(path, sweep, known.__getitem__)
+        cases = itertools.product(range(options.sweeps), kinds)
+        for number, kind in until(options.seconds, cases, options.seed):
+            folder = stack.enter_context(tempfile.TemporaryDirectory())
+            path = Path(folder) / "out.zarr"
+            killed = driven(kind, options.velocities, path, 2 - number % 2)
+            report["sweeps"] += 1
+            report["hung"] += killed is None
+            report["kills"] += killed or 0
+            sweep = sweep_of(kind, options.velocities)
+            report["faults"] += faults_of(path, sweep, known.__getitem__)
     print(json.dumps(report, indent=1))
     return 1 if report["hung"] or report["faults"] else 0
 

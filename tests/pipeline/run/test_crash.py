@@ -6,6 +6,10 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
+from tests.crash.power import can_cut
+
 ROOT = Path(__file__).parents[3]
 
 
@@ -55,6 +59,21 @@ def test_when_the_power_fails_nothing_is_lost_by_the_rules_of_any_file_system():
 
 def test_a_name_given_before_its_content_is_synced_would_be_noticed():
     assert reported("crash.replay", "--every", "331", "--rename-first")["lost"] > 0
+
+
+needs_disks = pytest.mark.skipif(not can_cut(), reason="no disk can be made and mounted here")
+
+
+@needs_disks
+def test_when_the_power_of_a_disk_fails_nothing_is_lost():
+    found = reported("crash.power", "--cuts", "3")
+    assert (found["cuts"], found["faults"]) == (3, [])
+    assert found["acknowledged"] > 0
+
+
+@needs_disks
+def test_content_that_is_not_synced_would_be_noticed():
+    assert reported("crash.power", "--cuts", "2", "--unsynced")["faults"]
 
 
 def test_damage_to_any_file_is_named_or_harmless_and_healed():
