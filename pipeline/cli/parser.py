@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import os
 import pkgutil
+import sys
 import textwrap
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
@@ -179,7 +180,8 @@ def parse(arguments: Sequence[str] | None) -> argparse.Namespace:
         formatter_class=_Help,
     )
     parser.add_argument("--version", action=Version, nargs=0, help="print the version and exit")
-    parsers = parser.add_subparsers(metavar="COMMAND", required=True)
+    parser.set_defaults(parser=parser)
+    parsers = parser.add_subparsers(metavar="COMMAND")
     for command in COMMANDS:
         _add(parsers, command)
     if "_ARGCOMPLETE" in os.environ:  # a shell asks what may follow
@@ -189,6 +191,9 @@ def parse(arguments: Sequence[str] | None) -> argparse.Namespace:
     options, unknown = parser.parse_known_args(arguments)
     if unknown:  # told by the command, whose usage shows what it takes
         options.parser.error(f"unknown option or argument: {' '.join(unknown)}")
+    if options.parser is parser:
+        parser.print_help(sys.stderr)
+        parser.exit(2, "irg: give a command\n")
     return options
 
 

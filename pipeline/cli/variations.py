@@ -70,8 +70,8 @@ def _absolute(options: argparse.Namespace, key: str, values: list[Any]) -> Itera
         elif isinstance(own, str) and (parts := _QUANTITY.fullmatch(own)):
             if parts[2].startswith(("deg", "°", "C")):
                 raise InputError(
-                    f"--over {key}={value}: the scene gives {own}, a temperature, of which there "
-                    'are no percent; give one such as "150 degC"'
+                    f"--over {key}={value}: the scene gives {own}, and what a percentage of a "
+                    "temperature is depends on its scale; give a value such as 150 degC"
                 )
             yield f"{float(parts[1]) * factor:.12g} {parts[2]}"
         else:

@@ -58,6 +58,7 @@ SEED = Whole(at_least=0)
 SURFACES = Whole(at_least=1, at_most=100_000)
 SHAPE = Choice(("cylinder", "ball", "crowned"))
 PRESET = Choice(tuple(tribo.PRESETS))
+USUAL_PRESET = "standard"
 FIDELITY = {name: Optional(_kind(hint)) for name, hint in get_type_hints(tribo.Fidelity).items()}
 
 SAMPLES = Whole(at_least=1, at_most=MOST_SAMPLES)
@@ -164,7 +165,7 @@ FORMAT = Table({
         "critical": Optional(TEMPERATURE),  # needed where wear is judged
         "failing_share": Optional(Number(at_least=0, below=1), 0.1),
     }),
-    "fidelity": Optional(Table({"preset": Optional(PRESET), **FIDELITY})),
+    "fidelity": Optional(Table({"preset": Optional(PRESET, USUAL_PRESET), **FIDELITY})),
     "sweep": Table({
         "loads": Either(List(LOAD, distinct=True), Range(LOAD), when=_is_table),
         "velocities": Either(List(VELOCITY, distinct=True), Range(VELOCITY), when=_is_table),

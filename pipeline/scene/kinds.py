@@ -84,7 +84,8 @@ class Choice(Kind):
     options: tuple[str, ...]
 
     def __str__(self) -> str:
-        return " or ".join(map(quoted, self.options))
+        *others, last = map(quoted, self.options)
+        return f"{', '.join(others)} or {last}"
 
     def _read(self, value: Any, at: str, faults: list[Fault]) -> str:
         if not isinstance(value, str):

@@ -39,7 +39,7 @@ TABLES = {
 """Sentence on each table, by its path."""
 
 VARIANTS = {
-    "pin": ("cylinder", "ball or crowned"),
+    "pin": ("cylinder", "ball or crowned pin"),
     "disk.roughness": ("random surface", "measured surface"),
     "loading": ("ramp", "record"),
 }
@@ -58,7 +58,8 @@ _ENTRIES = {
     "materials.NAME.elastic_modulus": "Young's modulus.",
     "materials.NAME.poisson_ratio": "Poisson's ratio.",
     "materials.NAME.hardness": "Highest pressure that it bears, or a hardness such as "
-    '"62 HRC", "750 HV" or "250 HB"; the softer body\'s counts.',
+    '"62 HRC", "750 HV" or "250 HB"; the softer body\'s counts, and a body without one stays '
+    "elastic.",
     "materials.NAME.thermal_conductivity": "Thermal conductivity.",
     "materials.NAME.density": "Density.",
     "materials.NAME.specific_heat": "Specific heat capacity.",

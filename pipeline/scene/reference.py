@@ -129,7 +129,8 @@ def _default_cell(section: Section, entry: Kind | Optional, form: str) -> str:
     elif section.path == "fidelity" and entry.default is None:
         words = "the preset's"
     else:
-        words = "–" if entry.default is None else f"`{written(entry.default, entry.kind)}`"
+        is_said = entry.default not in (None, math.inf)
+        words = f"`{written(entry.default, entry.kind)}`" if is_said else "–"
     return f"{words} ({form})" if form else words
 
 
@@ -140,8 +141,6 @@ def written(value: Any, kind: Kind | None = None) -> str:
             return f"[{', '.join(written(item, of) for item in value)}]"
         case Quantity(example=example) if "degC" in example:
             return f'"{value - 273.15:g} degC"'
-    if value == math.inf:
-        return "inf"
     return f"{value:g}" if isinstance(value, float) else quoted(value)
 
 

@@ -17,7 +17,7 @@ from pipeline.scene.consistency import check_tables
 from pipeline.scene.document import Document, read_document, with_entries
 from pipeline.scene.entries import did_you_mean, entry_at
 from pipeline.scene.faults import Fault, SceneFileError
-from pipeline.scene.format import FIDELITY, FORMAT, PRESET
+from pipeline.scene.format import FIDELITY, FORMAT, PRESET, USUAL_PRESET
 from pipeline.scene.library import with_library, without_consequences
 from pipeline.scene.oil import oil_of
 from pipeline.scene.roughness import realizations_of, roughness_of
@@ -151,7 +151,7 @@ def _fidelity(
 ) -> tuple[tribo.Fidelity, str | None]:
     """Choose the fidelity; name its preset if it equals that."""
     wanted = PRESET.read(preset, "preset", faults) if preset is not None else None
-    name = wanted or table.get("preset") or "standard"
+    name = wanted or table.get("preset") or USUAL_PRESET
     fidelity = tribo.PRESETS[name]
     entries = {key: value for key, value in table.items() if key != "preset"}
     for key in set(overrides) - set(FIDELITY):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import re
 import shutil
 import textwrap
@@ -13,6 +14,7 @@ from typing import Any
 import tribo
 from pipeline.scene.document import read_document
 from pipeline.scene.entries import did_you_mean, entry_at
+from pipeline.scene.format import USUAL_PRESET
 from pipeline.scene.kinds import Choice, Flag, Kind, Number, Quantity, Unit, Whole
 from pipeline.scene.meanings import MEANINGS, TABLES, VARIANTS
 from pipeline.scene.reference import Section, kind_of, sections, written
@@ -85,7 +87,7 @@ def new_scene(path: str | Path, like: str | None = None) -> list[Path]:
     entries = read_document(source, []).entries()
     if like is None:
         head = _HEAD
-        entries |= {"title": "My system", "fidelity": {"preset": "standard"}}
+        entries |= {"title": "My system", "fidelity": {"preset": USUAL_PRESET}}
         del entries["measured"]
     else:
         head = "".join(_header_of(source))
@@ -159,7 +161,7 @@ def _form(section: Section, given: Mapping[str, Any]) -> str:
         return ""
     usual, other = VARIANTS[section.path]
     is_other = any(form == other for key, (_, form) in section.keys().items() if key in given)
-    return other if is_other or given.get("shape") in other.split(" or ") else usual
+    return other if is_other or str(given.get("shape")) in other else usual
 
 
 def _key(
@@ -170,10 +172,11 @@ def _key(
     default = entry.default if isinstance(entry, Optional) else None
     path = section.path_of(key)
     if section.path == "fidelity" and key != "preset":
-        preset = given.get("preset", "standard")
+        preset = given.get("preset", USUAL_PRESET)
         default = getattr(tribo.PRESETS[preset], key)
     if comment:
-        known = f"; default {written(default, kind)}" if default not in (None, ()) else ""
+        is_said = default not in (None, (), math.inf)
+        known = f"; default {written(default, kind)}" if is_said else ""
         yield from _wrapped(f"{_plain(MEANINGS[path])} Give {kind}{known}.")
     if key in given:
         yield f"{key} = {_toml(given[key])}"

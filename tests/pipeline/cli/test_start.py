@@ -22,6 +22,15 @@ def test_the_version_is_that_of_the_package(capsys):
     assert capsys.readouterr().out == f"irg {version('irg-transition')}\n"
 
 
+def test_without_a_command_there_is_help(capsys):
+    with pytest.raises(SystemExit) as caught:
+        main([])
+    assert caught.value.code == 2
+    said = capsys.readouterr().err
+    assert "write a commented scene to start from" in said
+    assert said.endswith("irg: give a command\n")
+
+
 def test_the_package_runs_as_a_module():
     done = subprocess.run(
         [sys.executable, "-m", "pipeline", "status", "nothing.zarr"],

@@ -80,7 +80,7 @@ def test_the_command_takes_percent_of_the_scene_s_own(folder, capsys):
 @pytest.mark.parametrize(
     ("over", "told"),
     [
-        ("temperature.critical=+20%", "of which there are no percent"),
+        ("temperature.critical=+20%", "depends on its scale"),
         ("wear.pattern=+20%", "no number there to change"),
         ("pin.radius=-2 mm", "out of range"),
         ("pin.radis=1 mm", "unknown key"),
