@@ -8,23 +8,48 @@ let diagram = null;
 /** Ends of an axis that holds some values, with room about them. */
 function ends(/** @type {number[]} */ values) {
   const [low, high] = [Math.min(...values), Math.max(...values)];
+  if (chosen.isLog) {
+    const factor = (high > low ? high / low : 2) ** 0.04;
+    return { low: low / factor, high: high * factor, isLog: true };
+  }
   const room = 0.04 * (high - low || low || 1);
   return { low: low - room, high: high + room };
+}
+
+/** Velocities and loads that the diagram is to hold. */
+function extent() {
+  return {
+    velocities: [...sweep.velocities, ...content.measured.map((at) => at.velocity)],
+    loads: [...sweep.loads, ...content.measured.map((at) => at.normal_load)],
+  };
+}
+
+/** Offer logarithmic axes, where all values have a logarithm. */
+function makeScaleChoice() {
+  const { velocities, loads } = extent();
+  element("log-choice").hidden = Math.min(...velocities, ...loads) <= 0;
+  input("log").checked = chosen.isLog;
+  input("log").addEventListener("change", () => {
+    chosen.isLog = input("log").checked;
+    makeDiagram();
+    update();
+  });
 }
 
 /** Draw what does not follow the conditions: axes, and a target for each point. */
 function makeDiagram() {
   const room = element("diagram");
   const width = Math.max(room.clientWidth, 280);
+  const { velocities, loads } = extent();
   const { root, inside, frame } = axes(
     width,
     Math.round(Math.min(Math.max(0.72 * width, 300), 560)),
     {
-      ...ends([...sweep.velocities, ...content.measured.map((at) => at.velocity)]),
+      ...ends(velocities),
       label: "sliding velocity [m/s]",
     },
     {
-      ...ends([...sweep.loads, ...content.measured.map((at) => at.normal_load)]),
+      ...ends(loads),
       label: "normal load [N]",
     },
   );

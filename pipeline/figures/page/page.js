@@ -53,6 +53,7 @@ function update() {
 function begin() {
   makeConditions();
   makeOperating();
+  makeScaleChoice();
   makeDiagram();
   showRecord();
   update();

@@ -7,7 +7,7 @@ const SVG = "http://www.w3.org/2000/svg";
 /**
  * @typedef {{x: (value: number) => number, y: (value: number) => number, left: number,
  *   right: number, top: number, bottom: number}} Frame where values lie [px]
- * @typedef {{low: number, high: number, label: string}} Axis
+ * @typedef {{low: number, high: number, label: string, isLog?: boolean}} Axis
  */
 
 /**
@@ -50,6 +50,28 @@ function ticks(low, high, count) {
 }
 
 /**
+ * Round values on a logarithmic axis: 1, 2 and 5 times powers of ten, if there are enough of them.
+ * @param {number} low @param {number} high @param {number} count
+ */
+function logTicks(low, high, count) {
+  const found = [];
+  for (let power = Math.floor(Math.log10(low)); power <= Math.log10(high); power++) {
+    found.push(...[1, 2, 5].map((each) => Number((each * 10 ** power).toPrecision(12))));
+  }
+  const inside = found.filter((each) => each >= low && each <= high);
+  return inside.length < 3 ? ticks(low, high, count) : inside;
+}
+
+/**
+ * Where values of an axis lie [px].
+ * @param {Axis} axis @param {number} from @param {number} to @returns {(value: number) => number}
+ */
+function scale({ low, high, isLog }, from, to) {
+  const of = isLog ? Math.log : (/** @type {number} */ value) => value;
+  return (value) => from + ((of(value) - of(low)) / (of(high) - of(low))) * (to - from);
+}
+
+/**
  * A number as people read it. @param {number} value @param {number} [digits]
  */
 function shown(value, digits = 4) {
@@ -65,20 +87,11 @@ function shown(value, digits = 4) {
  * @returns {{root: SVGElement, inside: SVGElement, frame: Frame}}
  */
 function axes(width, height, x, y) {
-  const frame = {
-    left: 56,
-    right: width - 12,
-    top: 10,
-    bottom: height - 42,
-    x: (/** @type {number} */ value) =>
-      frame.left + ((value - x.low) / (x.high - x.low)) * (frame.right - frame.left),
-    y: (/** @type {number} */ value) =>
-      frame.bottom - ((value - y.low) / (y.high - y.low)) * (frame.bottom - frame.top),
-  };
+  const [left, right, top, bottom] = [56, width - 12, 10, height - 42];
+  const frame = { left, right, top, bottom, x: scale(x, left, right), y: scale(y, bottom, top) };
   const grid = svg("g", { class: "grid", "aria-hidden": "true" });
   const outline = svg("g", { class: "axis", "aria-hidden": "true" });
-  const { left, right, top, bottom } = frame;
-  for (const value of ticks(x.low, x.high, (right - left) / 70)) {
+  for (const value of (x.isLog ? logTicks : ticks)(x.low, x.high, (right - left) / 70)) {
     const at = frame.x(value);
     grid.append(svg("line", { x1: at, x2: at, y1: top, y2: bottom }));
     outline.append(
@@ -86,7 +99,7 @@ function axes(width, height, x, y) {
       svg("text", { x: at, y: bottom + 17, "text-anchor": "middle" }, shown(value)),
     );
   }
-  for (const value of ticks(y.low, y.high, (bottom - top) / 40)) {
+  for (const value of (y.isLog ? logTicks : ticks)(y.low, y.high, (bottom - top) / 40)) {
     const at = frame.y(value);
     grid.append(svg("line", { x1: left, x2: right, y1: at, y2: at }));
     outline.append(

@@ -9,13 +9,14 @@ const NO_CROSSING = ["crosses", "mild throughout", "severe from the lowest", "no
 const content = JSON.parse(element("content").textContent ?? "");
 const sweep = new Sweep(content);
 /** What the reader has set. @type {{conditions: Conditions, surface: number | null,
- *  point: {i: number, j: number} | null, load: number, velocity: number}} */
+ *  point: {i: number, j: number} | null, load: number, velocity: number, isLog: boolean}} */
 const chosen = {
   conditions: { ...content.conditions },
   surface: sweep.surfaces > 1 ? null : 0,
   point: null,
   load: NaN,
   velocity: NaN,
+  isLog: false,
 };
 
 /** @param {string} id @returns {HTMLElement} */

@@ -293,3 +293,28 @@ def test_twelve_loads_thirty_velocities_and_eight_surfaces_are_redrawn_in_time(p
     return Math.min(...times);
     """
     assert page(ds).execute_script(redraw) < 50  # [ms], promised to the reader
+
+
+def test_axes_are_logarithmic_on_request(page):
+    ds = synthetic.sweep(loads=(100.0, 200.0, 400.0, 800.0), velocities=(0.5, 1.0, 2.0, 4.0))
+    driver = page(ds)
+    places = """
+    const { frame } = diagram;
+    return [[0.5, 1, 2, 4].map(frame.x), [100, 200, 400, 800].map(frame.y),
+            [...document.querySelectorAll("#diagram .axis text")].map((each) => each.textContent)];
+    """
+    linear = driver.execute_script(places)[0]
+    assert np.diff(linear)[2] == pytest.approx(4 * np.diff(linear)[0])
+    driver.find_element(By.ID, "log").click()
+    x, y, words = driver.execute_script(places)
+    np.testing.assert_allclose(np.diff(x), np.diff(x)[0])
+    np.testing.assert_allclose(np.diff(y), np.diff(y)[0])
+    assert {"0.5", "1", "2", "100", "200", "500"} <= set(words)
+    assert len(driver.find_elements(By.CSS_SELECTOR, "#diagram path.boundary")) == 1
+    driver.find_element(By.ID, "log").click()
+    assert driver.execute_script(places)[0] == linear
+
+
+def test_logarithmic_axes_are_not_offered_where_something_is_zero(page):
+    assert page(sweeps.one()).find_element(By.ID, "log").is_displayed()
+    assert not page(sweeps.with_zero_velocity()).find_element(By.ID, "log").is_displayed()
