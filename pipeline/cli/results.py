@@ -24,6 +24,10 @@ if TYPE_CHECKING:
     from pipeline.analysis.inference import CriticalTemperatures
 
 
+_MORE_AREA = {2: "14 to 17", 4: "40 to 50"}
+"""By how much more elements of so many pixels touch than the pixels do [%]."""
+
+
 def boundary(options: argparse.Namespace) -> int:
     """Print critical velocities and loads."""
     out = table_path(options)
@@ -90,14 +94,10 @@ def _of_elements(sweep: Sweep, result: PointResult) -> Iterator[str]:
     """What the size of the elements decides, where a rough surface touches on larger ones."""
     block = sweep.pixels.shape[0] // len(result.state.pressure)
     if block > 1 and sweep.roughness is not None:
-        yield (
-            f"                    area and average by elements of {block} × {block} pixels: in the "
-            "paper's system those of"
-        )
-        yield (
-            "                    2 × 2 touch on 14 to 17 % more than the pixels, those of 4 × 4 on "
-            "40 to 50 %"
-        )
+        room = " " * 20
+        yield f"{room}area and pressure are those of elements of {block} × {block} pixels"
+        if more := _MORE_AREA.get(block):
+            yield f"{room}(in the paper's system these touch on {more} % more than pixels)"
 
 
 def _on_point(
