@@ -1,6 +1,7 @@
 """What the README shows is what happens."""
 
 import re
+import shlex
 from dataclasses import replace
 from pathlib import Path
 
@@ -58,7 +59,7 @@ def test_scenes_load_and_raise_no_doubts(scene, folder):
 WALK = (ROOT / "workflows" / "YOUR_SYSTEM.md").read_text(encoding="utf-8")
 
 
-def test_the_walk_from_a_scan_to_a_scene_leads_there(folder, monkeypatch):
+def test_the_walk_from_a_scan_to_a_boundary_leads_there(folder, monkeypatch, capsys):
     monkeypatch.chdir(folder)
     rng = np.random.default_rng(0)
     depths = rng.normal(scale=0.3, size=(520, 400)) + np.linspace(0, 5, 400)  # tilted along x
@@ -77,6 +78,16 @@ def test_the_walk_from_a_scan_to_a_scene_leads_there(folder, monkeypatch):
     surface = facts_of(pipeline.load_scene("measured.toml")).surface
     assert surface.measured
     assert np.abs(surface.rise).max() < 1e-7  # levelled: before, 5 µm
+    section = WALK[WALK.index("## Your measured surface") :]
+    commands = re.findall(r"^irg .*measured.*$", section, flags=re.MULTILINE)
+    assert len(commands) == 4
+    capsys.readouterr()
+    for command in commands:
+        few = ["--set", 'sweep.loads=["400 N"]', "--workers", "1"] if " run " in command else []
+        assert main([*shlex.split(command)[1:], *few]) == 0
+    printed = capsys.readouterr().out
+    assert "surface  measured" in printed
+    assert "400 N" in printed
 
 
 @pytest.mark.parametrize("page", PAGES)
