@@ -15,7 +15,7 @@ from pipeline.analysis.ensemble import Ensemble
 from pipeline.analysis.posterior import Posterior
 from pipeline.analysis.risk import QUANTILES, Draws
 from pipeline.analysis.sobol import Sensitivity
-from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION, as_text, in_house_style
+from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION, Picture, as_text, in_house_style
 from tribo.types import Array
 
 _COLOURS = (VERMILION, BLUE, "#009E73", "#CC79A7", "#E69F00", "#56B4E9", GREY)
@@ -48,7 +48,7 @@ def draw_risk(
     >>> ensemble = pipeline.Ensemble.of(pipeline.open_sweep("results/unknown.zarr"))
     >>> figure = pipeline.draw_risk(ensemble, pipeline.probabilities(ensemble))
     """
-    figure = Figure(figsize=(7.2, 5.4))
+    figure = Picture(figsize=(7.2, 5.4))
     axes = figure.add_subplot()
     x, y, p = plane["velocity"].values, plane["load"].values, plane.values
     filled = axes.contourf(x, y, p, levels=np.linspace(0, 1, 21), cmap="RdYlBu_r", alpha=0.85)
@@ -109,7 +109,7 @@ def draw_sensitivity(found: Sensitivity, title: str) -> Figure:
     >>> ensemble = pipeline.Ensemble.of(pipeline.open_sweep("results/unknown.zarr"))
     >>> figure = pipeline.draw_sensitivity(pipeline.sensitivity(ensemble), "A scene")
     """
-    figure = Figure(figsize=(7.6, 1.6 + 0.55 * len(found.unknown) + 0.8))
+    figure = Picture(figsize=(7.6, 1.6 + 0.55 * len(found.unknown) + 0.8))
     axes = figure.add_subplot()
     order = np.argsort(found.first.mean(axis=0))
     number = len(found.loads)
@@ -158,7 +158,7 @@ def draw_posterior(found: Posterior) -> Figure:
     panels = len(unknown) + bool(found.measured)
     columns = min(3, panels)
     rows = -(-panels // columns)
-    figure = Figure(figsize=(3.4 * columns, 2.7 * rows + 0.9))
+    figure = Picture(figsize=(3.4 * columns, 2.7 * rows + 0.9))
     axes = np.atleast_1d(figure.subplots(rows, columns)).ravel()
     for number, (each, panel) in enumerate(zip(unknown, axes, strict=False)):
         values = each.shown.of(found.prior.inputs[:, number])

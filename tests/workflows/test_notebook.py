@@ -1,0 +1,42 @@
+"""The notebook uncertain.ipynb: runs to its end, on fewer samples, and is kept without output."""
+
+import json
+import shutil
+from pathlib import Path
+
+import pytest
+
+import pipeline
+
+nbclient = pytest.importorskip("nbclient")
+nbformat = pytest.importorskip("nbformat")
+WORKFLOWS = Path(__file__).parents[2] / "workflows"
+NOTEBOOK = WORKFLOWS / "uncertain.ipynb"
+
+
+def test_the_notebook_is_kept_without_what_it_printed():
+    cells = json.loads(NOTEBOOK.read_text(encoding="utf-8"))["cells"]
+    code = [cell for cell in cells if cell["cell_type"] == "code"]
+    assert len(code) > 5
+    assert all(cell["outputs"] == [] and cell["execution_count"] is None for cell in code)
+
+
+def test_the_notebook_leads_from_transitions_to_a_map_and_the_next_test(tmp_path):
+    shutil.copytree(WORKFLOWS, tmp_path / "workflows", ignore=shutil.ignore_patterns("*.png"))
+    notebook = nbformat.read(NOTEBOOK, as_version=4)
+    first = next(cell for cell in notebook.cells if cell.cell_type == "code")
+    assert "SAMPLES = 128" in first.source
+    first.source = first.source.replace("SAMPLES = 128", "SAMPLES = 24")
+    folder = {"metadata": {"path": str(tmp_path / "workflows")}}
+    nbclient.NotebookClient(notebook, timeout=200, startup_timeout=60, resources=folder).execute()
+    shown = [output for cell in notebook.cells for output in cell.get("outputs", [])]
+    printed = "".join(each.text for each in shown if each.output_type == "stream")
+    figures = [each for each in shown if "image/png" in each.get("data", {})]
+    assert len(figures) == 4
+    ensemble = pipeline.Ensemble.of(pipeline.open_sweep(tmp_path / "results" / "uncertain.zarr"))
+    at = pipeline.risk(ensemble, 400.0, 2.0)
+    assert f"{at.probability:.2f} ± {at.error:.2f}\n" in printed
+    given = pipeline.risk(ensemble, 400.0, 2.0, pipeline.posterior(ensemble).draws)
+    told = f"{given.probability:.2f} ± {given.error:.2f} instead of {at.probability:.2f}\n"
+    assert told in printed
+    assert printed.count("% instead of ±") == 6
