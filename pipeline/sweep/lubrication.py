@@ -7,6 +7,7 @@ disk. A pin that has worn flat is closer to the disk's shape, and builds another
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import Any, Self
@@ -105,7 +106,9 @@ class Lubrication:
         return minimum_line_film(*oil, load / self.length, self.radius, self.contact_modulus)
 
     def film_parameter(self, load: ArrayLike, velocity: ArrayLike, temperature: float) -> Array:
-        """Film parameter Λ of loads [N] and velocities [m/s], broadcast; NaN where either is.
+        """Film parameter Λ of loads [N] and velocities [m/s], broadcast.
+
+        The sign of a velocity makes no difference. NaN where either is, and without a load.
 
         Examples
         --------
@@ -118,6 +121,6 @@ class Lubrication:
         found = np.full(loads.shape, np.nan)
         for index in np.ndindex(loads.shape):
             at = float(loads[index]), float(velocities[index])
-            if at[0] > 0 and at[1] >= 0:
+            if at[0] > 0 and math.isfinite(at[1]):
                 found[index] = self.film_thickness(*at, temperature) / self.rms_height
         return found

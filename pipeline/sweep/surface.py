@@ -103,7 +103,10 @@ def _level(heights: Array) -> tuple[Array, tuple[float, float]]:
 
 
 def _lay(heights: Array, spacing: tuple[float, float]) -> float | None:
-    """Angle from the x axis of the direction in which heights change least [°]; None if any."""
+    """Angle from the x axis of the direction in which heights change least [°].
+
+    None if they change about as much in all directions.
+    """
     if min(heights.shape) < 2:
         return None
     along_x, along_y = np.gradient(heights, *spacing)

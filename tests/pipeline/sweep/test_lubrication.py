@@ -33,7 +33,9 @@ def test_the_film_grows_with_speed_and_shrinks_with_heat_and_load(sweep):
     assert of(750, 2.5, 298.15) / of(750, 1.25, 298.15) == pytest.approx(2**0.7)
     assert of(1500, 1.25, 298.15) / of(750, 1.25, 298.15) == pytest.approx(2**-0.13)
     assert of(750, 1.25, 373.15) < 0.2 * of(750, 1.25, 298.15)
-    assert np.isnan(of(np.nan, 1.0, 298.15))
+    assert of(750, -1.25, 298.15) == of(750, 1.25, 298.15)
+    assert of(750, 0.0, 298.15) == 0.0
+    assert np.isnan(of([np.nan, 0.0, 750.0], [1.0, 1.0, np.nan], 298.15)).all()
 
 
 def test_rolling_draws_in_more_oil_than_sliding(sweep):
