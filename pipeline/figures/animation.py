@@ -11,7 +11,7 @@ from matplotlib.animation import PillowWriter
 from matplotlib.figure import Figure
 
 from pipeline.analysis.boundary import Bulk, conditions_of
-from pipeline.figures.fields import contact, scales, shown, with_fields
+from pipeline.figures.fields import contact, has_fields, require_fields, scales, shown, with_fields
 from pipeline.figures.points import chosen_points
 from pipeline.store import DONE
 from tribo import InputError
@@ -54,18 +54,19 @@ def animation(
     Returns
     -------
     list of Figure
-        A figure for each load whose point is done, ascending.
+        A figure for each load whose point is done and has fields, ascending.
 
     Raises
     ------
     InputError
-        If the sweep holds no fields.
+        If the sweep holds no fields, or was run without them at the last point.
     """
     conditions = conditions_of(ds, friction, bulk_temperature, critical_temperature, share)
     ds = with_fields(ds, conditions, realization)
     last, at = chosen_points(ds, load, velocity, conditions)[0]
+    require_fields(ds, (last, at))
     done = np.flatnonzero(ds["status"].transpose("load", "velocity").values[: last + 1, at] == DONE)
-    points = [(int(i), at) for i in done]
+    points = [(int(i), at) for i in done if has_fields(ds, (int(i), at))]
     each = np.array([scales(shown(ds, point, conditions)) for point in points])
     ends = np.stack([each[:, :, 0].min(axis=0), each[:, :, 1].max(axis=0)], axis=1)
     return [contact(ds, point, conditions, stacked, ends) for point in points]

@@ -50,11 +50,12 @@ def fields(
     Raises
     ------
     InputError
-        If the sweep holds no fields.
+        If the sweep holds no fields, or was run without them at this point.
     """
     conditions = conditions_of(ds, friction, bulk_temperature, critical_temperature, share)
     ds = with_fields(ds, conditions, realization)
     point = chosen_points(ds, load, velocity, conditions)[0]
+    require_fields(ds, point)
     return contact(ds, point, conditions, stacked)
 
 
@@ -70,9 +71,23 @@ def with_fields(ds: xr.Dataset, conditions: Conditions, realization: int | None)
     if not {"pressure", "rise", "wear_depth"} <= set(ds.data_vars):
         raise InputError(
             "the sweep holds no fields; store them with 'fields = true' under [sweep] in the "
-            "scene, and run it into a new store"
+            "scene, and run it with --fill-fields"
         )
     return ds
+
+
+def has_fields(ds: xr.Dataset, point: tuple[int, int]) -> bool:
+    """Whether a point was computed with fields, and not before the scene asked for them."""
+    return bool(ds["pressure"].isel(load=point[0], velocity=point[1]).notnull().any())
+
+
+def require_fields(ds: xr.Dataset, point: tuple[int, int]) -> None:
+    """Refuse a point that was finished before the scene asked for fields."""
+    if not has_fields(ds, point):
+        raise InputError(
+            f"{name_of(ds, point)}: this point was finished before the scene asked for fields; "
+            "compute it again with: irg run --fill-fields"
+        )
 
 
 def shown(ds: xr.Dataset, point: tuple[int, int], conditions: Conditions) -> tuple[Array, ...]:
