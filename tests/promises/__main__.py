@@ -17,7 +17,7 @@ from pathlib import Path
 from unittest import mock
 
 from pipeline.tradeoff import choose
-from tests.promises.judge import exponents, largest_error, true_boundary
+from tests.promises.judge import boundaries, exponents, largest_error, true_boundary
 from tests.promises.report import ACCURACIES, PROMISED, report
 from tests.promises.scenes import random_sweep
 from tribo import PRESETS, TriboError
@@ -38,11 +38,19 @@ def truth(sweep, known):
 
 
 def presets(sweep, known):
-    """True errors of the presets, and the kinds of their warnings."""
-    true = dict(zip(sweep.loads, known["truth"]["present"], strict=True))
-    slopes = exponents(sweep, true)
-    found = {name: largest_error(sweep, PRESETS[name], true, slopes) for name in PROMISED}
-    return {name: {"error": error, "warnings": kinds} for name, (error, kinds) in found.items()}
+    """True errors of the presets, with the present heat and all so far; the kinds of warnings."""
+    present, by_all = (
+        dict(zip(sweep.loads, known["truth"][heat], strict=True)) for heat in ("present", "all")
+    )
+    slopes, rows = exponents(sweep, present), {}
+    for name in PROMISED:
+        found, kinds = boundaries(sweep, PRESETS[name], present, slopes)
+        rows[name] = {
+            "error": largest_error(found, present),
+            "with_past": largest_error(found, by_all),
+            "warnings": kinds,
+        }
+    return rows
 
 
 def accuracies(sweep, known):
@@ -52,7 +60,11 @@ def accuracies(sweep, known):
     """
     true = dict(zip(sweep.loads, known["truth"]["all"], strict=True))
     slopes = exponents(sweep, true)
-    error_of = functools.cache(lambda fidelity: largest_error(sweep, fidelity, true, slopes)[0])
+
+    @functools.cache
+    def error_of(fidelity):
+        return largest_error(boundaries(sweep, fidelity, true, slopes)[0], true)
+
     found = {}
     shared = "measured", "own_error", "probe", "near_the_boundary"
     once = {name: _known_by_text(getattr(choose, name)) for name in shared}

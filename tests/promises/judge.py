@@ -89,12 +89,19 @@ def exponents(sweep, true):
     return {load: exponent_at(sweep, PRESETS["draft"], load, true[load]) for load in true}
 
 
-def largest_error(sweep, fidelity, true, known=None):
-    """Largest relative error at any load, and the kinds of warnings there.
+def boundaries(sweep, fidelity, true, known=None):
+    """Velocity at each load by a fidelity, sought from the true one; and the kinds of warnings.
 
     Fewer points are looked at where the exponents are known.
     """
     known = known or {}
-    found = [boundary_velocity(sweep, fidelity, at, true[at], 1.0, known.get(at)) for at in true]
-    off = [abs(math.log(one / of)) for (one, _), of in zip(found, true.values(), strict=True)]
-    return max(off), sorted({kind for _, kinds in found for kind in kinds})
+    found = {
+        at: boundary_velocity(sweep, fidelity, at, true[at], 1.0, known.get(at)) for at in true
+    }
+    kinds = {kind for _, each in found.values() for kind in each}
+    return {at: velocity for at, (velocity, _) in found.items()}, sorted(kinds)
+
+
+def largest_error(found, true):
+    """Largest relative error of a boundary at any load."""
+    return max(abs(math.log(found[load] / velocity)) for load, velocity in true.items())

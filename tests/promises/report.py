@@ -27,7 +27,8 @@ def _presets(rows):
             f"{np.median(errors):.2%}, 90 % below {np.quantile(errors, 0.9):.2%}, largest "
             f"{errors.max():.1%}; beyond it without a warning: {np.sum(~within & ~warned)}, within "
             f"it with one: {np.sum(within & warned)}; largest without one "
-            f"{errors[~warned].max(initial=0):.2%}"
+            f"{errors[~warned].max(initial=0):.2%}; with the heat of the past in the truth "
+            f"{sum(row[name]['with_past'] <= bound for row in rows)} within"
         )
 
 

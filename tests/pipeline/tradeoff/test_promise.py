@@ -10,7 +10,7 @@ import pytest
 import pipeline
 from pipeline.tradeoff.choose import choose_fidelity
 from tests.helpers.kept import ALUMINA, SCENES
-from tests.promises.judge import largest_error, true_boundary
+from tests.promises.judge import boundaries, largest_error, true_boundary
 from tribo import Cylinder, Grid, SelfAffineRoughness
 
 SHIPPED = pipeline.load_scene(Path(__file__).parents[3] / "workflows" / "irg_transition.toml")
@@ -44,8 +44,8 @@ def truth(name):
 
 @functools.cache
 def true_error(name, fidelity):
-    error, _ = largest_error(ALL[name], fidelity, truth(name))
-    return error
+    found, _ = boundaries(ALL[name], fidelity, truth(name))
+    return largest_error(found, truth(name))
 
 
 def kept(name, accuracy):
