@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
 from pipeline.sweep.model import Point
 from tribo import Fidelity
+
+_BOUNDS = (0.05, 0.03, 0.02, 0.01, 0.005)  # of the error, for each of which the cheapest is named
 
 
 @dataclass(frozen=True, slots=True)
@@ -146,24 +149,14 @@ class Trade:
         return asdict(self) | {
             "points": [{"load": at.load, "velocity": at.velocity} for at in self.points],
             "front": [choice.name for choice in self.front],
-            "cheapest_within": {
-                f"{bound:g}": self.cheapest(bound).name for bound in (0.05, 0.03, 0.02, 0.01, 0.005)
-            },
+            "cheapest_within": {f"{bound:g}": self.cheapest(bound).name for bound in _BOUNDS},
         }
 
     def __str__(self) -> str:
-        places = ", ".join(f"{at.load:g} N {at.velocity:.3g} m/s" for at in self.points)
-        loads = sorted({at.load for at in self.points})
-        velocities = sorted({at.velocity for at in self.points})
-        if len(velocities) < len(self.points):  # a diagram
-            places = (
-                f"{', '.join(f'{load:g}' for load in loads)} N, "
-                f"{', '.join(f'{velocity:.3g}' for velocity in velocities)} m/s"
-            )
         rows = [_HEADER, *map(_row, self.choices)]
         lines = [
             f"{self.title}: speed against accuracy at",
-            f"  {places}",
+            f"  {_places(self.points)}",
             "",
             *rows,
             "",
@@ -173,12 +166,24 @@ class Trade:
             "",
             *(
                 f"cheapest within {100 * bound:g} %: {self.cheapest(bound).name}"
-                for bound in (0.05, 0.03, 0.02, 0.01, 0.005)
+                for bound in _BOUNDS
             ),
             *(f"wasted: {finding}" for finding in self.wasted),
             *(f"no result: {reason}" for reason in self.not_converged),
         ]
         return "\n".join(lines)
+
+
+def _places(points: Sequence[Point]) -> str:
+    """Loads and velocities of single points, or the axes of a diagram."""
+    loads = sorted({at.load for at in points})
+    velocities = sorted({at.velocity for at in points})
+    if len(velocities) == len(points):
+        return ", ".join(f"{at.load:g} N {at.velocity:.3g} m/s" for at in points)
+    return (
+        f"{', '.join(f'{load:g}' for load in loads)} N, "
+        f"{', '.join(f'{velocity:.3g}' for velocity in velocities)} m/s"
+    )
 
 
 def shown(value: Any) -> str:

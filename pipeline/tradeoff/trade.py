@@ -20,12 +20,7 @@ from pipeline.analysis.interpolation import crossing
 from pipeline.sweep.criterion import boundary_velocity_error, rise_limit
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.stages import staged
-from pipeline.tradeoff.probe import (
-    Probe,
-    fitted,
-    probe,
-    some_loads,
-)
+from pipeline.tradeoff.probe import Probe, fitted, probe, some_loads
 from pipeline.tradeoff.table import Choice, Finding, Trade, shown
 from pipeline.tradeoff.yardstick import measured
 from tribo import PRESETS, ConvergenceError, Fidelity, InputError
