@@ -38,7 +38,11 @@ ROOMS = {
     "store": (["pipeline/store"], ["pipeline/store", "tests/pipeline/store"]),
     "schedule": (
         ["pipeline/run"],
-        ["tests/pipeline/run/test_schedule.py", "tests/pipeline/run/test_sweep.py"],
+        [
+            "tests/pipeline/run/test_blame.py",
+            "tests/pipeline/run/test_schedule.py",
+            "tests/pipeline/run/test_sweep.py",
+        ],
     ),
 }
 # Annotations are the only place where most modules write `|`; decorators and the like keep results.
