@@ -151,11 +151,12 @@ def main():
     targets = list(itertools.islice(itertools.cycle(TARGETS), options.kills))
     random.shuffle(targets)
     kills, given_up, end = Counter(), 0, time.monotonic() + options.seconds
+    complete = False
     with tempfile.TemporaryDirectory() as temporary:
         sweeps = Sweeps(Path(temporary))
         driver = sweeps.start()
         try:
-            while targets or driver.poll() is None:
+            while targets or not complete:
                 if time.monotonic() > end:
                     targets.clear()
                 with suppress(subprocess.TimeoutExpired):
@@ -174,15 +175,18 @@ def main():
                 if not is_gone(driver.pid):
                     sweeps.faults.append("processes are left over")
                     os.killpg(driver.pid, signal.SIGKILL)
-                if driver.returncode == 0:
+                complete = driver.returncode == 0
+                if complete:
                     sweeps.finish()
                 elif driver.returncode == GIVEN_UP:
                     given_up += 1
                 elif driver.returncode > 0:
                     sweeps.faults.append(f"the driver ended with {driver.returncode}")
                 sweeps.look()
-                if targets or driver.returncode:
-                    driver = sweeps.start()
+                if sweeps.faults:
+                    break
+                if targets or not complete:
+                    complete, driver = False, sweeps.start()
         finally:
             if driver.poll() is None:
                 os.killpg(driver.pid, signal.SIGKILL)

@@ -3,7 +3,7 @@
 import itertools
 import json
 import threading
-import time
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -89,9 +89,15 @@ def test_commands_read_a_store_while_it_is_written(growing, tmp_path, capsys):
     assert main(["verify", str(growing)]) == 0
 
 
+def finished_at(monkeypatch, times):
+    """Let points be finished at these times [s]; other threads have their own clock."""
+    clock = SimpleNamespace(time=iter(times).__next__)
+    monkeypatch.setattr("pipeline.store.points.time", clock)
+
+
 def test_the_rate_and_the_time_to_go_are_known_from_the_store(tmp_path, monkeypatch, results):
-    path, clock = tmp_path / "tiny.zarr", iter([100.0, 7000.0, 7002.0, 7004.0])
-    monkeypatch.setattr(time, "time", lambda: next(clock))
+    path = tmp_path / "tiny.zarr"
+    finished_at(monkeypatch, [100.0, 7000.0, 7002.0, 7004.0])
     store = prepare(path, LONGER)
     assert summary(path).rate is None
     for point in points(LONGER)[:4]:
@@ -105,8 +111,7 @@ def test_the_rate_and_the_time_to_go_are_known_from_the_store(tmp_path, monkeypa
 
 
 def test_status_says_how_long_it_takes(tmp_path, monkeypatch, capsys, results):
-    clock = itertools.count(0.0, 40.0)
-    monkeypatch.setattr(time, "time", lambda: next(clock))
+    finished_at(monkeypatch, itertools.count(0.0, 40.0))
     store = prepare(tmp_path / "tiny.zarr", LONGER)
     for point in points(LONGER)[:3]:
         store.commit(results[point])
