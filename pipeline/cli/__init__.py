@@ -20,6 +20,13 @@ from pipeline.cli.output import DONE, INTERRUPTED, OTHER_SCENE, WRONG_USE, compl
 from pipeline.cli.parser import function_of, parse
 from tribo import TriboError
 
+try:
+    import resource
+except ImportError:  # not a POSIX system
+    resource = None  # type: ignore[assignment]
+
+_LEAST_MEMORY = 450 * 2**20  # [bytes] of addresses, with which the packages can be loaded
+
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; return its exit code."""
@@ -30,6 +37,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")  # rather than to fail in ASCII
     options = parse(arguments)
+    if (reason := _too_little_memory()) is not None:
+        complain(reason)
+        return WRONG_USE
     try:
         with hushed(options.quiet), warnings.catch_warnings():
             warnings.showwarning = lambda message, *_: tell(f"note: {message}")
@@ -54,6 +64,22 @@ def main(arguments: Sequence[str] | None = None) -> int:
             "finished points are safe: take fewer workers or a coarser grid"
         )
         return WRONG_USE
+
+
+def _too_little_memory() -> str | None:
+    """Why not to begin, where this process may take too little memory.
+
+    With less, OpenBLAS tries for ever to get some when it is loaded.
+    """
+    if resource is None:
+        return None
+    limit = resource.getrlimit(resource.RLIMIT_AS)[0]
+    if limit == resource.RLIM_INFINITY or limit >= _LEAST_MEMORY:
+        return None
+    return (
+        f"this process may take {limit / 2**20:.0f} MB of memory (ulimit -v), and needs "
+        f"{_LEAST_MEMORY / 2**20:.0f} MB at least: raise that"
+    )
 
 
 def _is_lack_of_memory(error: BaseException) -> bool:

@@ -121,11 +121,14 @@ def tell(message: str) -> None:
 
 
 def complain(message: str) -> None:
-    """Print an error."""
+    """Print an error, beside a progress line if there is one."""
+    lines = "\n".join(map(_shown, f"irg: {message}".split("\n")))
+    if "tqdm" not in sys.modules:  # nor is there memory to import it where that is the error
+        print(lines, file=sys.stderr)
+        return
     from tqdm import tqdm
 
-    lines = "\n".join(map(_shown, f"irg: {message}".split("\n")))
-    tqdm.write(lines, file=sys.stderr)  # beside a progress line, if there is one
+    tqdm.write(lines, file=sys.stderr)
 
 
 def _shown(line: str) -> str:

@@ -2,8 +2,11 @@
 
 import io
 import os
+import resource
+import subprocess
 import sys
 import zipfile
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,6 +19,8 @@ from pipeline.scene.surfaces import read_surface
 from pipeline.store import prepare, summary
 from pipeline.sweep.stages import duration
 from tests.helpers import tiny
+
+ROOT = Path(__file__).parents[2]
 
 
 @pytest.fixture
@@ -91,3 +96,25 @@ def test_an_ascii_terminal_gets_what_it_can_show(alone, monkeypatch):
 @pytest.mark.parametrize("seconds", [1e13, 1e280, np.inf, np.nan])
 def test_a_time_to_go_has_an_end(seconds):
     assert duration(seconds) == "more than 100 years"
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="addresses are limited so on Linux")
+@pytest.mark.parametrize("megabytes", [300, 460])
+@pytest.mark.parametrize("command", [["plot", "-o", "a.png"], ["explore", "-o", "a.html"]])
+def test_where_memory_is_short_a_line_says_so(alone, tmp_path, command, megabytes):
+    """At 300 MB OpenBLAS would wait for ever; at 460 there may be enough."""
+    done = subprocess.run(
+        [sys.executable, "-m", "pipeline", command[0], alone, *command[1:]],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": str(ROOT), "OPENBLAS_NUM_THREADS": "2"},
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (megabytes * 2**20,) * 2),
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+    )
+    assert "Traceback" not in done.stderr
+    assert done.returncode == (0 if (tmp_path / command[-1]).exists() else 2)
+    if done.returncode:
+        assert "of memory" in done.stderr
+        assert done.stderr.count("\n") == 1
