@@ -5,6 +5,8 @@ from .analysis.dataset import open_sweep as open_sweep
 from .analysis.ensemble import Ensemble as Ensemble
 from .analysis.inference import CriticalTemperatures as CriticalTemperatures
 from .analysis.inference import critical_temperatures as critical_temperatures
+from .analysis.intervals import MarginIntervals as MarginIntervals
+from .analysis.intervals import margin_intervals as margin_intervals
 from .analysis.margin import Margin as Margin
 from .analysis.margin import margins as margins
 from .analysis.posterior import Candidate as Candidate

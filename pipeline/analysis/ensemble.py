@@ -138,18 +138,26 @@ class Ensemble:
             return ()
         return tuple(i for i, each in enumerate(self.unknown) if each.path not in _EXACT)
 
+    def conditions_at(self, inputs: Array) -> tuple[Array, Array, Array]:
+        """Friction, bulk and critical temperature [K] of some inputs, each of shape (n,).
+
+        Raises
+        ------
+        InputError
+            If no critical temperature is given.
+        """
+        given = self.conditions
+        if CRITICAL not in [each.path for each in self.unknown]:
+            given.known_critical_temperature()
+        friction = _column(self.unknown, inputs, FRICTION, given.friction)
+        bulk = _column(self.unknown, inputs, BULK, given.bulk_temperature)
+        critical = given.critical_temperature or math.nan
+        return friction, bulk, _column(self.unknown, inputs, CRITICAL, critical)
+
     def log_limit(self, inputs: Array, friction: float | None = None) -> Array:
         """Logarithm of the rise at friction 1 above which wear is severe, shape (n,)."""
-        given = self.conditions
-        mu = (
-            _column(self.unknown, inputs, FRICTION, given.friction)
-            if friction is None
-            else friction
-        )
-        bulk = _column(self.unknown, inputs, BULK, given.bulk_temperature)
-        critical = _column(self.unknown, inputs, CRITICAL, given.critical_temperature or math.nan)
-        if not np.isfinite(critical).all():
-            given.known_critical_temperature()
+        own, bulk, critical = self.conditions_at(inputs)
+        mu = own if friction is None else friction
         found: Array = np.log(np.maximum(critical - bulk, _LEAST_RISE) / np.maximum(mu, _LEAST))
         return found
 
@@ -178,6 +186,11 @@ class Ensemble:
     def surrogate(self, load: float, velocities: Sequence[float] | Array) -> Surrogate:
         """Fit the logarithm of the rise at one load and some velocities."""
         return self._fitted(self._log_rises, load, velocities)
+
+    def surrogate_over_loads(self, loads: Sequence[float] | Array, velocity: float) -> Surrogate:
+        """Fit the logarithm of the rise at some loads and one velocity."""
+        columns = [self.outputs(float(load), [velocity]) for load in loads]
+        return fitted(*self.simulated_inputs(), np.hstack(columns))
 
     def width_surrogate(self, load: float, velocities: Sequence[float] | Array) -> Surrogate:
         """Fit the logarithm of the contact's width at one load and some velocities."""
@@ -223,20 +236,25 @@ class Ensemble:
         rise = surrogate(inputs[:, list(self.simulated)])
         return rise - self.log_limit(inputs, friction)[:, None]
 
-    def critical_velocities(self, surrogate: Surrogate, velocities: Array, inputs: Array) -> Array:
-        """Logarithm of the critical velocity of samples at one load, shape (n,).
+    def crossings(
+        self, surrogate: Surrogate, axis: Array, inputs: Array, chance: Array | float = 0.0
+    ) -> Array:
+        """Logarithm of the critical velocity at one load, or of the critical load, shape (n,).
 
         Parameters
         ----------
         surrogate : Surrogate
-            Surrogate of the load, at `velocities`.
-        velocities : ndarray
-            Ascending [m/s]. Beyond them the rise goes on as a power of the velocity.
+            Surrogate of one load at the velocities of `axis`, or of one velocity at its loads.
+        axis : ndarray
+            Velocities [m/s] or loads [N], ascending. Beyond them the rise goes on as a power.
         inputs : ndarray, shape (n, n_unknown)
             Values of the unknown inputs [SI].
+        chance : ndarray, shape (n,), optional
+            What the surrogate is off by, over its error.
         """
-        excess = np.maximum.accumulate(self.excess(surrogate, inputs), axis=1)
-        x = np.log(velocities)
+        off = np.multiply.outer(chance, surrogate.error)
+        excess = np.maximum.accumulate(self.excess(surrogate, inputs) + off, axis=1)
+        x = np.log(axis)
         at = np.clip(np.sum(excess < 0, axis=1), 1, len(x) - 1)
         rows = np.arange(len(inputs))
         low, high = excess[rows, at - 1], excess[rows, at]

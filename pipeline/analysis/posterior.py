@@ -23,7 +23,7 @@ SCATTER = 0.05
 """Relative standard deviation of measured velocities, where a scene does not give it."""
 WIDTH_SCATTER = 0.03
 """Relative standard deviation of a measured width."""
-_ENOUGH = 400  # effective draws
+_ENOUGH = 400  # draws of equal weight, that tell either end of 90 % to 6 % of the half-width
 _MOST = 2**18
 _SLOPE_SPAN = 1.05  # ratio of velocities and of loads between which a slope is taken
 _HIDDEN = 0.5  # correlation from which two inputs are said to hide behind each other
@@ -65,11 +65,18 @@ class Posterior:
     scatter: float
 
     def summary(self) -> Iterator[dict[str, Any]]:
-        """Mean, spread and 90 % interval of each input, before and after [SI]."""
+        """Mean, spread and 90 % interval of each input, before and after [SI].
+
+        Of an input that is one of a list, the probability of each of its values instead.
+        """
         for number, each in enumerate(self.ensemble.unknown):
             found: dict[str, Any] = {"path": each.path, "unit": each.unit}
             for name, draws in (("prior", self.prior), ("posterior", self.draws)):
                 column = draws.inputs[:, number]
+                if each.kind == "list":
+                    odds = {f"{v:g}": float(draws.mean(column == v)) for v in each.parameters}
+                    found[name] = {"probability": odds}
+                    continue
                 mean = float(draws.mean(column))
                 found[name] = {
                     "mean": mean,
@@ -77,6 +84,11 @@ class Posterior:
                     "interval": [draws.quantile(column, share) for share in (0.05, 0.95)],
                 }
             yield found
+
+    @property
+    def is_thin(self) -> bool:
+        """Whether so few draws decide that intervals are not to be relied on."""
+        return self.draws.effective < _ENOUGH
 
     @property
     def correlations(self) -> Array:
@@ -112,7 +124,9 @@ class Posterior:
             ],
             "scatter": self.scatter,
             "samples": len(self.ensemble.inputs),
+            "draws": len(self.draws.weights),
             "effective_draws": self.draws.effective,
+            "too_few_draws": self.is_thin,
         }
 
 
@@ -164,6 +178,30 @@ def posterior(ensemble: Ensemble, scatter: float = SCATTER) -> Posterior:
     return Posterior(ensemble, before, draws, ensemble.measured, computed, scatter)
 
 
+def posterior_if_given(
+    ensemble: Ensemble, given_measured: bool, scatter: float | None = None
+) -> Posterior | None:
+    """What the measured transitions say, if they are to count; None if not.
+
+    Raises
+    ------
+    InputError
+        As `posterior` does, or if they are to count and there are none.
+    """
+    if not given_measured:
+        if scatter is not None:
+            raise InputError(
+                f"scatter is {scatter:g}, that of measured velocities, which are not to count; "
+                "leave it out, or ask for what is given by the measured transitions"
+            )
+        return None
+    if not ensemble.measured:
+        raise InputError(
+            "the scene has no measured transition; give it a [[measured]] with load and velocity"
+        )
+    return posterior(ensemble, SCATTER if scatter is None else scatter)
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class _Term:
     """One measured transition."""
@@ -177,7 +215,11 @@ class _Term:
     @classmethod
     def of(cls, ensemble: Ensemble, entry: dict[str, Any], scatter: float) -> _Term:
         load, velocity = entry["normal_load"], entry["velocity"]
-        fit = ensemble.surrogate(load, [velocity])
+        try:
+            fit = ensemble.surrogate(load, [velocity])
+        except InputError as error:
+            place = f"the transition measured at {load:g} N and {velocity:g} m/s"
+            raise InputError(f"{place}: {error}") from error
         errors = [float(fit.error[0]), *_scatters(ensemble, entry, scatter)]
         return cls(fit, load, velocity, entry["friction"], sum(error**2 for error in errors))
 
@@ -286,9 +328,7 @@ def candidates(found: Posterior) -> tuple[Candidate, ...]:
     velocities = np.geomspace(ensemble.velocities[0], ensemble.velocities[-1], 41)
     loads = ensemble.loads.tolist()
     fits = [ensemble.surrogate(load, velocities) for load in loads]
-    boundary = np.stack(
-        [ensemble.critical_velocities(fit, velocities, draws.inputs) for fit in fits], axis=1
-    )
+    boundary = np.stack([ensemble.crossings(fit, velocities, draws.inputs) for fit in fits], axis=1)
 
     def centred(values: Array) -> Array:
         off: Array = values - draws.mean(values)

@@ -129,7 +129,7 @@ def risk(ensemble: Ensemble, load: float, velocity: float, draws: Draws | None =
     draws = draws or prior(ensemble)
     fit = ensemble.surrogate(load, [velocity])
     each = _severe(ensemble, fit, draws)[:, 0]
-    probability = float(draws.mean(each))
+    probability = float(np.clip(draws.mean(each), 0.0, 1.0))
     by_draws = math.sqrt(float(np.sum((draws.weights * (each - probability)) ** 2)))
     by_samples = float(np.std([
         draws.mean(_severe(ensemble, other, draws))[0]
@@ -178,7 +178,8 @@ def probabilities(
     rows = []
     for load in loads:
         fit = ensemble.surrogate(float(load), np.asarray(velocities))
-        rows.append(draws.mean(_severe(ensemble, fit, draws)))
+        # By rounding, weights may add up to a little more than 1.
+        rows.append(np.clip(draws.mean(_severe(ensemble, fit, draws)), 0.0, 1.0))
     return xr.DataArray(
         np.array(rows),
         {

@@ -144,7 +144,7 @@ def sensitivity(ensemble: Ensemble, posterior: Draws | None = None) -> Sensitivi
     shape = len(ensemble.loads), len(ensemble.unknown)
 
     def logs(inputs: Array, each: Sequence[Surrogate]) -> Array:
-        rows = [ensemble.critical_velocities(fit, velocities, inputs) for fit in each]
+        rows = [ensemble.crossings(fit, velocities, inputs) for fit in each]
         found: Array = np.stack(rows, axis=1)
         return found
 

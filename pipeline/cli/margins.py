@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator, Sequence
+import itertools
+from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 import pipeline
+from pipeline.analysis.attributes import attributes_of
 from pipeline.cli.output import DONE, show
 from pipeline.cli.scenes import CONDITIONS, given
+from pipeline.cli.unknowns import notes, samples_of
+from tribo import InputError
 
 if TYPE_CHECKING:
+    from pipeline.analysis.intervals import MarginIntervals
     from pipeline.analysis.margin import Margin
 
 _BAND = (0.1, 0.5, 0.9)  # shares of the surfaces that lie lower
@@ -23,10 +28,51 @@ def margin(options: argparse.Namespace) -> int:
     ds, conditions = pipeline.open_sweep(options.store), given(options, *CONDITIONS)
     found = pipeline.margins(ds, options.load, options.velocity, **conditions)
     warned = pipeline.warned(ds, **conditions)
-    judged = found[0].as_dict() if len(found) == 1 else _document(found)
+    document = found[0].as_dict() if len(found) == 1 else _document(found)
     text = _on_one(found[0]) if len(found) == 1 else _on_several(found)
-    show(options, judged | {"warnings": warned.as_dict()}, [*text, *warned.lines()])
+    if attributes_of(ds).get("samples") and not conditions:
+        ensemble, measured = samples_of(options, ds)
+        draws = measured.draws if measured else None
+        intervals = pipeline.margin_intervals(ensemble, options.load, options.velocity, draws)
+        document |= {"given_measured": measured is not None, "intervals": intervals.as_dict()}
+        text = itertools.chain(_on_intervals(intervals), notes(ensemble, measured))
+    elif options.given_measured or options.scatter is not None:
+        raise InputError(
+            "--given-measured and --scatter need samples of what is not known, and the conditions "
+            "as they were drawn: give [unknown] and sweep.samples in the scene, and no conditions"
+        )
+    show(options, document | {"warnings": warned.as_dict()}, [*text, *warned.lines()])
     return DONE
+
+
+def _on_intervals(found: MarginIntervals) -> Iterator[str]:
+    """Say how an operating point stands where inputs are not known exactly."""
+    at = found.risk
+    yield (
+        f"{at.load:g} N at {at.velocity:g} m/s: severe wear with a probability of "
+        f"{at.probability:.3g} ± {at.error:.2g}"
+    )
+    yield f"{'':24}{'in the middle':>16}   in 90 % of cases"
+    at_velocity, at_load = found.velocity_range, found.load_range
+    for name, unit, interval, told in (
+        ("deciding temperature", "°C", found.decisive_temperature, lambda v: f"{v - 273.15:.4g}"),
+        ("below the critical one", "K", found.distance, lambda v: f"{v:.1f}"),
+        ("in velocity", "times", found.critical_velocity, _factor(at.velocity, at_velocity)),
+        ("in load", "times", found.critical_load, _factor(at.load, at_load)),
+    ):
+        if interval is not None:
+            low, middle, high = map(told, (interval.low, interval.middle, interval.high))
+            yield f"  {name:22}{middle:>16}   {low} to {high} {unit}"
+
+
+def _factor(own: float, ends: tuple[float, float]) -> Callable[[float], str]:
+    """Writes what a critical value is of one's own; at an end of the sweep it may lie beyond."""
+
+    def told(value: float) -> str:
+        beyond = "≤ " if value <= ends[0] else "≥ " if value >= ends[1] else ""
+        return f"{beyond}{value / own:.3g}"
+
+    return told
 
 
 def _on_one(found: Margin) -> Iterator[str]:
@@ -96,7 +142,10 @@ def _on_several(found: Sequence[Margin]) -> Iterator[str]:
     if len(criticals) == 1:
         critical = pipeline.display(criticals.pop(), "°C", 4)
     low, middle, high = np.quantile([each.distance for each in found], _BAND)
-    yield f"  distance              {middle:.1f} K below {critical}, {low:.1f} to {high:.1f} K"
+    yield (
+        f"  distance              {middle:.1f} K below {critical}, on 80 % of them {low:.1f} to "
+        f"{high:.1f} K"
+    )
     for name, factors, outcomes in (
         ("velocity", [m.velocity_factor for m in found], [m.velocity_outcome for m in found]),
         ("load", [m.load_factor for m in found], [m.load_outcome for m in found]),
@@ -106,5 +155,8 @@ def _on_several(found: Sequence[Margin]) -> Iterator[str]:
             yield f"  in {name:<19}{middle:.3g} times, {low:.3g} to {high:.3g}"
         else:
             counts = {what: outcomes.count(what) for what in sorted(set(outcomes))}
-            told = ", ".join(f"{number} {what}" for what, number in counts.items())
+            told = ", ".join(
+                f"{number} {'cross' if what == 'crosses' else what}"
+                for what, number in counts.items()
+            )
             yield f"  in {name:<19}of {len(found)} {_kind(found)} {told}"

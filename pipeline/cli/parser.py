@@ -90,7 +90,7 @@ COMMANDS = (
     Command(
         "margin", "margins:margin", "tell how far an operating point lies from severe wear",
         f"results/scene.zarr {_AT}",
-        (o.STORE, *o.NEEDED_PLACE, o.CONDITIONS),
+        (o.STORE, *o.NEEDED_PLACE, o.GIVEN_MEASURED, o.SCATTER, o.CONDITIONS),
     ),
     Command(
         "vary", "variations:vary",
@@ -146,7 +146,8 @@ COMMANDS = (
         f"results/scene.zarr --kind ramp {_AT}",
         (
             o.STORE, o.KIND, o.output("FILE.png", "where to write it; default: beside the store"),
-            *o.LOOK, o.RIVAL, o.CONDITIONS_AT_FRICTIONS, *o.PLACE, o.REALIZATION,
+            *o.LOOK, o.RIVAL, o.GIVEN_MEASURED, o.SCATTER, o.CONDITIONS_AT_FRICTIONS, *o.PLACE,
+            o.REALIZATION,
         ),
     ),
     Command(

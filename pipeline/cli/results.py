@@ -45,8 +45,10 @@ def plot(options: argparse.Namespace) -> int:
     store = Path(options.store if isinstance(options.store, Path) else Path(options.store).name)
     suffix = "gif" if options.kind == "animation" else "png"
     out = options.output or store.with_name(f"{store.stem}_{options.kind}.{suffix}")
-    shown = given(options, *PLACE, "rivals", "width", "dpi") | {"with_title": not options.no_title}
-    shown |= {"log": True} if options.log else {}
+    shown = given(options, *PLACE, "rivals", "scatter", "width", "dpi") | {
+        "with_title": not options.no_title
+    }
+    shown |= {name: True for name in ("log", "given_measured") if getattr(options, name)}
     conditions = given(options, *CONDITIONS)
     written = pipeline.plot(ds, options.kind, out, **shown, **conditions)
     warned = pipeline.warned(ds, **conditions)

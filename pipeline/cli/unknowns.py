@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import pipeline
-from pipeline.cli.output import DONE, drawn_or_written, output_path, show
+from pipeline.cli.output import DONE, counted, drawn_or_written, output_path, show
 from pipeline.cli.scenes import given
 from tribo import InputError
 
@@ -25,10 +25,10 @@ def risk(options: argparse.Namespace) -> int:
     if (options.load is None) != (options.velocity is None):
         raise InputError("give --load and --velocity, or neither for the whole plane")
     out, ds = output_path(options), pipeline.open_sweep(options.store)
-    ensemble, found = _ensemble(options, ds)
+    ensemble, found = samples_of(options, ds)
     draws = found.draws if found else None
     document: dict[str, Any] = {"given_measured": found is not None, **_about(ensemble)}
-    text = list(_notes(ensemble, found))
+    text = list(notes(ensemble, found))
     if options.load is not None:
         at = pipeline.risk(ensemble, options.load, options.velocity, draws)
         document |= at.as_dict()
@@ -59,11 +59,11 @@ def risk(options: argparse.Namespace) -> int:
 def sensitivity(options: argparse.Namespace) -> int:
     """Print and draw which input moves the boundary how much."""
     out, ds = output_path(options), pipeline.open_sweep(options.store)
-    ensemble, found = _ensemble(options, ds)
+    ensemble, found = samples_of(options, ds)
     indices = pipeline.sensitivity(ensemble, found.draws if found else None)
     document: dict[str, Any] = {"given_measured": found is not None, **_about(ensemble)}
     document |= indices.as_dict()
-    text = [*_notes(ensemble, found), *_indices(indices)]
+    text = [*notes(ensemble, found), *_indices(indices)]
     text += drawn_or_written(
         out,
         lambda: pipeline.draw_sensitivity(indices, ensemble.title),
@@ -100,14 +100,12 @@ def posterior(options: argparse.Namespace, store: Path | str) -> int:
     return DONE
 
 
-def _ensemble(options: argparse.Namespace, ds: Any) -> tuple[Ensemble, Posterior | None]:
+def samples_of(options: argparse.Namespace, ds: Any) -> tuple[Ensemble, Posterior | None]:
     """The samples of a sweep, and what measurements say of them if that is to count."""
+    from pipeline.analysis.posterior import posterior_if_given  # with its libraries
+
     ensemble = pipeline.Ensemble.of(ds)
-    if not options.given_measured:
-        return ensemble, None
-    if not ensemble.measured:
-        raise InputError("--given-measured: the scene has no [[measured]] transition")
-    return ensemble, pipeline.posterior(ensemble, **given(options, "scatter"))
+    return ensemble, posterior_if_given(ensemble, options.given_measured, options.scatter)
 
 
 def _about(ensemble: Ensemble) -> dict[str, Any]:
@@ -118,14 +116,28 @@ def _about(ensemble: Ensemble) -> dict[str, Any]:
     }
 
 
-def _notes(ensemble: Ensemble, found: Posterior | None) -> Iterator[str]:
+def notes(ensemble: Ensemble, found: Posterior | None) -> Iterator[str]:
     """Say on what the numbers rest."""
     what = "as the scene assumes them"
     if found:
-        what = f"given {len(found.measured)} measured transitions, {_scattered(found)}"
-    yield f"  {len(ensemble.unknown)} unknown inputs, {what}"
+        count = counted(len(found.measured), "measured transition", "measured transitions")
+        what = f"given {count}, {_scattered(found)}"
+    yield f"  {counted(len(ensemble.unknown), 'unknown input', 'unknown inputs')}, {what}"
+    if found:
+        yield from on_draws(found)
     if ensemble.missing:
         yield f"  {ensemble.missing} samples are left out: not done at every load"
+
+
+def on_draws(found: Posterior) -> Iterator[str]:
+    """Say how many draws the numbers rest on, and where those are too few."""
+    effective, count = found.draws.effective, len(found.draws.weights)
+    yield f"  {count} draws, weighed: as much as {effective:.0f} of equal weight"
+    if found.is_thin:
+        yield (
+            "warning: too few draws decide to rely on intervals; what was measured lies at the "
+            "edge of what [unknown] allows, or is taken as more exact than it is (--scatter)"
+        )
 
 
 def _beside(store: Path | str, kind: str) -> Path:
@@ -156,7 +168,7 @@ def _index_rows(found: Sensitivity) -> Iterator[dict[str, Any]]:
 def _flat(row: dict[str, Any]) -> dict[str, Any]:
     """A row on one input, before and after."""
     return {"input": row["path"], "unit": row["unit"]} | {
-        f"{word} {what}": row[name][what]
+        f"{word} {what}": row[name].get(what)
         for name, word in (("prior", "before"), ("posterior", "after"))
         for what in ("mean", "sd")
     }
@@ -224,13 +236,21 @@ def _scattered(found: Posterior) -> str:
 def _on_inputs(found: Posterior) -> Iterator[str]:
     """Say what is known of each input, before and after."""
     yield (
-        f"{len(found.measured)} measured transitions, {_scattered(found)}; "
-        f"{len(found.ensemble.inputs)} samples"
+        f"{counted(len(found.measured), 'measured transition', 'measured transitions')}, "
+        f"{_scattered(found)}; {len(found.ensemble.inputs)} samples"
     )
+    yield from on_draws(found)
     rows = list(found.summary())
     width = max(len(row["path"]) for row in rows) + 2
     yield f"{'':{width}} {'before':>24}   {'after':>24}   {'90 % within':>22}"
     for row, each in zip(rows, found.ensemble.unknown, strict=True):
+        if each.kind == "list":
+            odds = row["posterior"]["probability"]
+            best = max(odds, key=odds.__getitem__)
+            value = f"{each.shown.of(float(best)):g}{each.shown.suffix}"
+            likeliest = f"{value} likeliest, {odds[best]:.2f}"
+            yield f"{each.path:{width}} {f'one of {len(odds)}':>24}   {likeliest:>24}"
+            continue
         shown, spread = each.shown, each.spread
         before, after = (
             f"{shown.of(row[name]['mean']):.4g} ± {spread.of(row[name]['sd']):.3g}"

@@ -13,7 +13,6 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
-from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
 from pipeline.analysis.attributes import attributes_of
 from pipeline.analysis.band import BAND
@@ -21,6 +20,7 @@ from pipeline.analysis.boundary import Bulk, conditions_of, decisive_rise
 from pipeline.analysis.dataset import asked_points, at_bulks, by_surface, on_surface, ordered
 from pipeline.analysis.ensemble import Ensemble
 from pipeline.analysis.interpolation import crossing
+from pipeline.analysis.posterior import posterior_if_given
 from pipeline.analysis.risk import probabilities
 from pipeline.analysis.warned import has_warning
 from pipeline.figures.measured import at_own_friction, measured_transitions
@@ -37,6 +37,7 @@ from pipeline.figures.style import (
     criterion,
     heating,
     in_house_style,
+    plain_numbers,
     title_of,
 )
 from pipeline.figures.uncertainty import draw_risk
@@ -57,8 +58,10 @@ def diagram(
     realization: int | None = None,
     rivals: Sequence[str] = (),
     log: bool = False,
+    given_measured: bool = False,
+    scatter: float | None = None,
 ) -> Figure:
-    """Draw the transition diagram.
+    """Draw the transition diagram; of samples, the probability of severe wear.
 
     Over several surfaces the boundary is that of the median surface, and a band holds what lies
     between the tenth and the ninetieth of a hundred. The boundary is drawn on the plane
@@ -81,15 +84,19 @@ def diagram(
         `pipeline.sweep.rivals.RIVALS`.
     log : bool
         Whether both axes are logarithmic, as in the classical figures; without velocity 0.
+    given_measured : bool
+        Of samples of what is not known: whether the measured transitions narrow it down.
+    scatter : float, optional
+        Relative standard deviation of the measured velocities; see `pipeline.posterior`.
     """
-    if "sample" in ds.dims:
-        if any(each is not None for each in (friction, bulk_temperature, critical_temperature)):
+    if "sample" in ds.dims or given_measured or scatter is not None:
+        told = (friction, bulk_temperature, critical_temperature, share, realization)
+        if rivals or any(each is not None for each in told):
             raise InputError(
                 "the diagram of samples shows the probability of severe wear for the inputs as "
-                "they were drawn; leave the conditions out"
+                "they were drawn; leave out conditions, surface and rivals"
             )
-        samples = Ensemble.of(ds)
-        return draw_risk(samples, probabilities(samples))
+        return _probability(ds, given_measured, scatter, log)
     band = attributes_of(ds).get("friction_band")
     if isinstance(friction, Sequence):
         band = min(friction), max(friction)
@@ -132,6 +139,14 @@ def diagram(
     return figure
 
 
+def _probability(ds: xr.Dataset, given_measured: bool, scatter: float | None, log: bool) -> Figure:
+    """Draw the probability of severe wear of a sweep with samples."""
+    samples = Ensemble.of(ds)
+    found = posterior_if_given(samples, given_measured, scatter)
+    plane = probabilities(samples, found.draws if found else None)
+    return draw_risk(samples, plane, posterior=found, log=log)
+
+
 def _scale(axes: Axes, ds: xr.Dataset, measured: Sequence[dict[str, Any]], log: bool) -> None:
     """Set the scales of both axes and their limits."""
     if log:
@@ -139,7 +154,7 @@ def _scale(axes: Axes, ds: xr.Dataset, measured: Sequence[dict[str, Any]], log: 
         axes.set_yscale("log")
     _limits(axes, ds, measured, log)
     if log:
-        _plain_numbers(axes)
+        plain_numbers(axes)
 
 
 def _label(figure: Figure, axes: Axes, legend: list[Artist], conditions: Conditions) -> None:
@@ -328,13 +343,3 @@ def _limits(axes: Axes, ds: xr.Dataset, measured: Sequence[dict[str, Any]], log:
         margin = 0.04 * (np.ptp(shown) or abs(shown[0]) or 1.0)
         ends = np.array([shown.min() - margin, shown.max() + margin])
         set_limits(*(np.exp(ends) if log else ends))
-
-
-def _plain_numbers(axes: Axes) -> None:
-    """Write plain numbers beside logarithmic axes, and enough of them."""
-    for axis in (axes.xaxis, axes.yaxis):
-        low, high = axis.get_view_interval()
-        subs = range(1, 10) if high < 10 * low else (1, 2, 5)
-        axis.set_major_locator(LogLocator(subs=tuple(map(float, subs))))
-        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-        axis.set_minor_locator(NullLocator())

@@ -76,6 +76,7 @@ def _resize(artist: Artist, text: float, line: float) -> None:
     elif isinstance(artist, Line2D):
         artist.set_linewidth(artist.get_linewidth() * line)
         artist.set_markersize(artist.get_markersize() * line)
+        artist.set_markeredgewidth(artist.get_markeredgewidth() * line)
     elif isinstance(artist, Collection):
         artist.set_linewidth([line * width for width in artist.get_linewidth()])  # type: ignore[union-attr]
 

@@ -12,7 +12,9 @@ from typing import Any, ParamSpec, TypeVar
 import xarray as xr
 from cycler import cycler
 from matplotlib import rc_context, rcParams, rcParamsDefault
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
 from pipeline.analysis.tables import writable_path
 from pipeline.sweep.criterion import Conditions
@@ -184,6 +186,16 @@ def heating(conditions: Conditions) -> str:
     if conditions.disk_temperature is not None:
         bulk += f" (pin) and {celsius(conditions.disk_temperature):g} °C (disk)"
     return f"friction {conditions.friction:g}, {bulk}"
+
+
+def plain_numbers(axes: Axes) -> None:
+    """Write plain numbers beside logarithmic axes, and enough of them."""
+    for axis in (axes.xaxis, axes.yaxis):
+        low, high = axis.get_view_interval()
+        subs = range(1, 10) if high < 10 * low else (1, 2, 5)
+        axis.set_major_locator(LogLocator(subs=tuple(map(float, subs))))
+        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        axis.set_minor_locator(NullLocator())
 
 
 def title_of(ds: xr.Dataset) -> str:

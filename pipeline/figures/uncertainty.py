@@ -15,11 +15,26 @@ from pipeline.analysis.ensemble import Ensemble
 from pipeline.analysis.posterior import Posterior
 from pipeline.analysis.risk import QUANTILES, Draws
 from pipeline.analysis.sobol import Sensitivity
-from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION, Picture, as_text, in_house_style
+from pipeline.figures.measured import measured_transitions
+from pipeline.figures.style import (
+    BLACK,
+    BLUE,
+    GREEN,
+    GREY,
+    ORANGE,
+    PURPLE,
+    SKY,
+    VERMILION,
+    Picture,
+    as_text,
+    in_house_style,
+    plain_numbers,
+)
 from tribo.types import Array
 
-_COLOURS = (VERMILION, BLUE, "#009E73", "#CC79A7", "#E69F00", "#56B4E9", GREY)
+_COLOURS = (VERMILION, BLUE, GREEN, PURPLE, ORANGE, SKY, GREY)
 _BINS = 40
+_PALE = -0.15, 1.15  # ends of the colours, so that words on them can be read
 
 
 @in_house_style
@@ -28,6 +43,7 @@ def draw_risk(
     plane: xr.DataArray,
     place: Mapping[str, float] | None = None,
     posterior: Posterior | None = None,
+    log: bool = False,
 ) -> Figure:
     """Draw the probability of severe wear over the plane.
 
@@ -41,6 +57,8 @@ def draw_risk(
         ``load`` [N] and ``velocity`` [m/s] of an operating point to mark.
     posterior : Posterior, optional
         What measurements say, if the probability rests on them.
+    log : bool
+        Whether both axes are logarithmic.
 
     Examples
     --------
@@ -51,7 +69,10 @@ def draw_risk(
     figure = Picture(figsize=(7.2, 5.4))
     axes = figure.add_subplot()
     x, y, p = plane["velocity"].values, plane["load"].values, plane.values
-    filled = axes.contourf(x, y, p, levels=np.linspace(0, 1, 21), cmap="RdYlBu_r", alpha=0.85)
+    filled = axes.contourf(
+        x, y, p, levels=np.linspace(0, 1, 21), cmap="RdYlBu_r", vmin=_PALE[0], vmax=_PALE[1]
+    )
+    axes.grid(visible=False)
     lines = axes.contour(
         x, y, p, levels=QUANTILES, colors=BLACK, linewidths=(1.0, 1.8, 1.0),
         linestyles=("dashed", "solid", "dashed"),
@@ -59,13 +80,8 @@ def draw_risk(
     axes.clabel(lines, fmt=lambda level: f"{100 * level:g} %", fontsize=9)
     bar = figure.colorbar(filled, ax=axes, ticks=np.linspace(0, 1, 6))
     bar.set_label("probability of severe wear")
-    if ensemble.measured:
-        axes.plot(
-            [entry["velocity"] for entry in ensemble.measured],
-            [entry["normal_load"] for entry in ensemble.measured],
-            ls="none", marker="D", ms=7, mfc="white", mec=BLACK, mew=1.4, clip_on=False, zorder=5,
-            label="measured transition",
-        )  # fmt: skip
+    for marks in measured_transitions(axes, ensemble.measured):
+        marks.set_clip_on(False)
     if place:
         axes.plot(
             place["velocity"], place["load"], marker="*", ms=15, mfc=VERMILION, mec=BLACK,
@@ -74,12 +90,17 @@ def draw_risk(
     axes.set_xlabel("sliding velocity [m/s]")
     axes.set_ylabel("normal load [N]")
     _limit(axes, p, x)
+    if log:
+        axes.set_xscale("log")
+        axes.set_yscale("log")
+        plain_numbers(axes)
+    number = len(posterior.measured) if posterior else 0
     given = (
-        f"given {len(posterior.measured)} measured transitions"
+        f"given {number} measured transition{'s' if number > 1 else ''}"
         if posterior
         else "inputs as assumed, before any measurement"
     )
-    axes.set_title(f"{textwrap.fill(as_text(ensemble.title), 60)}\n{given}")
+    axes.set_title(f"{textwrap.fill(as_text(ensemble.title), 70)}\n{given}")
     if axes.get_legend_handles_labels()[0]:
         figure.legend(loc="outside lower center", ncols=2)
     return figure
@@ -109,9 +130,10 @@ def draw_sensitivity(found: Sensitivity, title: str) -> Figure:
     >>> ensemble = pipeline.Ensemble.of(pipeline.open_sweep("results/unknown.zarr"))
     >>> figure = pipeline.draw_sensitivity(pipeline.sensitivity(ensemble), "A scene")
     """
-    figure = Picture(figsize=(7.6, 1.6 + 0.55 * len(found.unknown) + 0.8))
+    figure = Picture(figsize=(7.6, 2.8 + 0.55 * len(found.unknown)))
     axes = figure.add_subplot()
     order = np.argsort(found.first.mean(axis=0))
+    has_total = np.isfinite(found.total).all()
     number = len(found.loads)
     height = 0.8 / number
     for i, load in enumerate(found.loads):
@@ -124,14 +146,15 @@ def draw_sensitivity(found: Sensitivity, title: str) -> Figure:
             xerr=np.maximum([values - low, high - values], 0.0),
             error_kw={"ecolor": BLACK, "elinewidth": 0.8, "capsize": 2},
         )  # fmt: skip
-        if np.isfinite(found.total).all():
+        if has_total:
             axes.plot(found.total[i, order], at, ls="none", marker="|", ms=8, mew=1.4, color=BLACK)
-    axes.set_yticks(range(len(order)), [as_text(found.unknown[k].path) for k in order])
+    axes.set_yticks(range(len(order)), [_broken(found.unknown[k].path) for k in order])
     axes.grid(visible=False, axis="y")
     axes.set_xlim(left=0.0)
-    has_total = np.isfinite(found.total).all()
-    bars = "bar: first index, with 90 % interval" + ("; tick: total index" if has_total else "")
-    axes.set_xlabel(f"share of the variance of the critical velocity\n{bars}")
+    what = "share of the variance\nof the critical velocity"
+    what += "" if has_total else ",\ngiven the measured transitions"
+    bars = "bar: first index, 90 % interval" + ("\ntick: total index" if has_total else "")
+    axes.set_xlabel(f"{what}\n{bars}")
     figure.suptitle(textwrap.fill(as_text(title), 70))
     figure.legend(
         loc="outside lower center", ncols=min(number, 4), title="load, spread of velocity"
@@ -158,7 +181,7 @@ def draw_posterior(found: Posterior) -> Figure:
     panels = len(unknown) + bool(found.measured)
     columns = min(3, panels)
     rows = -(-panels // columns)
-    figure = Picture(figsize=(3.4 * columns, 2.7 * rows + 0.9))
+    figure = Picture(figsize=(3.4 * columns, 3.0 * rows + 0.9))
     axes = np.atleast_1d(figure.subplots(rows, columns)).ravel()
     for number, (each, panel) in enumerate(zip(unknown, axes, strict=False)):
         values = each.shown.of(found.prior.inputs[:, number])
@@ -171,7 +194,7 @@ def draw_posterior(found: Posterior) -> Figure:
             bins = np.append(listed, listed[-1] + 1) - 0.5
         for draws, colour, label in ((found.prior, GREY, "before"), (found.draws, BLUE, "after")):
             _histogram(panel, column, draws, bins, colour, label)
-        panel.set_xlabel(as_text(each.path + _unit(each.shown.name, power)), fontsize=9)
+        panel.set_xlabel(_broken(each.path) + _unit(each.shown.name, power), fontsize=9)
         panel.set_yticks([])
         panel.grid(visible=False)
     if found.measured:
@@ -222,5 +245,14 @@ def _power(values: Array) -> int:
 
 
 def _unit(unit: str, power: int) -> str:
-    shown = " ".join([*([f"1e{power}"] if power else []), *([unit] if unit != "1" else [])])
-    return f" [{shown}]" if shown else ""
+    """A unit below the name of an input, and the power of ten taken out of its values."""
+    shown = [f"$10^{{{power}}}$"] if power else []
+    if unit != "1":
+        shown.append(as_text(unit).replace("^2", "²").replace("^3", "³"))
+    return f"\n[{' '.join(shown)}]" if shown else ""
+
+
+def _broken(path: str) -> str:
+    """The path of an input in two lines."""
+    table, _, name = path.rpartition(".")
+    return as_text(table) + ".\n" + as_text(name)

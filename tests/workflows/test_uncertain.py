@@ -16,7 +16,7 @@ def test_the_commands_of_the_page_lead_to_a_probability_and_the_next_test(
 ):
     page = (WORKFLOWS / "UNCERTAIN.md").read_text(encoding="utf-8")
     commands = re.findall(r"^irg .*$", page, flags=re.MULTILINE)
-    assert len(commands) == 8
+    assert len(commands) == 10
     monkeypatch.chdir(tmp_path)
     (tmp_path / "results").mkdir()
     scene = str(WORKFLOWS / "uncertain.toml")
@@ -30,7 +30,10 @@ def test_the_commands_of_the_page_lead_to_a_probability_and_the_next_test(
         printed.append(capsys.readouterr().out)
     assert "severe wear with a probability of" in printed[1]
     assert "what to measure next" in "".join(printed)
-    assert len(list((tmp_path / "results").glob("*.png"))) == 3
+    assert re.search(r"hide behind each other: correlation -0\.[5-9]", "".join(printed))
+    assert re.search(r"draws, weighed: as much as \d+ of equal weight", "".join(printed))
+    assert re.search(r"in velocity +1\.\d+ +0\.\d+ to 1\.\d+ times", printed[2])
+    assert len(list((tmp_path / "results").glob("*.png"))) == 4
     ensemble = pipeline.Ensemble.of(pipeline.open_sweep(tmp_path / "results" / "uncertain.zarr"))
     near = pipeline.risk(ensemble, 400.0, 2.0).probability
     # The page's 0.38, as far as 24 samples tell.

@@ -11,60 +11,22 @@ from pipeline.analysis.ensemble import Ensemble
 from pipeline.analysis.risk import Draws, prior
 from pipeline.analysis.sobol import indices
 from pipeline.analysis.surrogate import fitted, redrawn, terms
-from pipeline.sweep.criterion import Conditions
 from pipeline.sweep.unknown import Unknown, drawn
 from tests.helpers import synthetic
+from tests.helpers.samples import (
+    ALL,
+    CRITICAL,
+    EXPONENT,
+    FRICTION,
+    LENGTH,
+    LOADS,
+    RATE,
+    critical_velocity,
+    ensemble,
+    limit,
+    rise,
+)
 from tribo import InputError
-
-LOADS, VELOCITIES = np.array([200.0, 400.0, 750.0]), np.geomspace(0.5, 6.0, 7)
-CRITICAL = Unknown("temperature.critical", "normal", (418.15, 8.0), "K")
-RATE = Unknown("wear.specific_wear_rate", "log-normal", (1.2e-15, 1.5), "m s2 kg-1")
-FRICTION = Unknown("friction.coefficient", "normal", (0.1, 0.005))
-LENGTH = Unknown("disk.roughness.correlation_length", "uniform", (3e-6, 6e-6), "m")
-ALL = (CRITICAL, RATE, FRICTION, LENGTH)
-EXPONENT = 0.7  # of the rise over the velocity
-
-
-def rise(inputs, load, velocity, unknown=ALL):
-    """Decisive rise at friction 1 [K]."""
-    found = 24.0 * load**0.58 * velocity**EXPONENT * np.ones(len(inputs))
-    for each, column in zip(unknown, inputs.T, strict=True):
-        if each.path == RATE.path:
-            found = found * (column / 1.2e-15) ** -0.12
-        if each.path == LENGTH.path:
-            found = found * (1 + 0.02e6 * (column - 4.5e-6))
-        if each.kind == "list":
-            found = found * np.where(column == 1.0, 1.03, 1.0)
-    return found
-
-
-def ensemble(unknown=ALL, count=64, measured=(), noise=0.0):
-    inputs = drawn(unknown, 0, count)
-    rises = np.array([[rise(inputs, F, V, unknown) for V in VELOCITIES] for F in LOADS])
-    rises = np.moveaxis(rises, -1, 0)
-    rises = rises * np.exp(noise * np.random.default_rng(0).standard_normal((count, 1, 1)))
-    return Ensemble(
-        title="Closed form",
-        unknown=unknown,
-        seed=0,
-        inputs=inputs,
-        conditions=Conditions(0.1, 298.15, 418.15),
-        loads=LOADS,
-        velocities=VELOCITIES,
-        rises=rises,
-        widths=np.full(rises.shape, 2e-4),
-        measured=tuple(measured),
-        missing=0,
-    )
-
-
-def limit(inputs):
-    return (inputs[:, 0] - 298.15) / inputs[:, 2]
-
-
-def critical_velocity(inputs, load):
-    return (limit(inputs) / rise(inputs, load, 1.0)) ** (1 / EXPONENT)
-
 
 # The polynomial in place of the simulation
 
@@ -302,6 +264,22 @@ def test_transitions_narrow_the_critical_temperature_and_hide_the_wear_rate_behi
     assert pair[2] < -0.6
 
 
+def test_few_draws_that_decide_are_told():
+    truth = np.array([425.0, 1.5e-15, 0.1, 4e-6])
+    measured = transitions(truth, 0.01, friction=True)
+    assert not pipeline.posterior(ensemble(measured=measured), 0.05).is_thin
+    sharp = pipeline.posterior(ensemble((CRITICAL,), measured=measured[:1]), 2.5e-5)
+    assert sharp.is_thin
+    assert sharp.draws.effective < 400
+
+
+def test_a_transition_measured_outside_the_samples_is_named():
+    away = [{"normal_load": 900.0, "velocity": 1.1, "friction": None}]
+    told = r"transition measured at 900 N and 1.1 m/s: load is 900 N; the samples have 200 to 750"
+    with pytest.raises(InputError, match=told):
+        pipeline.posterior(ensemble(measured=away))
+
+
 def test_a_measurement_that_nothing_allows_is_told():
     wild = [{"normal_load": 400.0, "velocity": 0.55, "friction": 0.1}]
     with pytest.raises(InputError, match=r"standard deviations a transition; widen"):
@@ -316,6 +294,7 @@ def test_given_the_measurements_the_risk_is_sharper():
         pipeline.risk_lines(pipeline.probabilities(found.ensemble, draws, loads=LOADS))[1]
         for draws in (prior(found.ensemble), found.draws)
     )
+    assert pipeline.probabilities(found.ensemble, found.draws).max() == 1.0
     assert (np.diff(np.log(after[1]))).sum() < 0.8 * np.diff(np.log(before[1])).sum()
     indices = pipeline.sensitivity(found.ensemble, found.draws)
     assert np.isnan(indices.total).all()

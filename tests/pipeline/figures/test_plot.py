@@ -7,6 +7,9 @@ import matplotlib
 import numpy as np
 import pytest
 
+from pipeline.analysis.ensemble import Ensemble
+from pipeline.analysis.posterior import posterior
+from pipeline.analysis.risk import probabilities, risk_lines
 from pipeline.figures import plot as figures
 from pipeline.figures.diagram import diagram
 from pipeline.figures.fields import fields
@@ -15,6 +18,7 @@ from pipeline.figures.ramp import ramp
 from pipeline.store import FAILED, PENDING
 from pipeline.sweep.lubrication import Lubrication
 from pipeline.sweep.rivals import SmoothContact
+from pipeline.sweep.unknown import Unknown
 from tests.helpers import synthetic
 from tests.helpers.synthetic import LOADS, MEASURED, VELOCITIES
 from tribo import InputError
@@ -403,3 +407,53 @@ def test_the_film_parameter_is_drawn_only_with_an_oil(drawn):
     thick = diagram(synthetic.sweep(lubrication=OILED | {"rms_height": 2e-6}))
     said = [text for text in labels(thick.legends[0]) if text.startswith("Λ")]
     assert said[0].endswith(": boundary lubrication")
+
+
+# Samples of what is not known exactly
+
+
+@pytest.fixture(scope="module")
+def unknown():
+    critical = Unknown("temperature.critical", "normal", (418.15, 8.0), "K")
+    return synthetic.sweep(unknown=[critical.as_dict()], samples=64, sample_seed=0)
+
+
+def test_given_the_measurements_the_diagram_is_that_of_their_probability(unknown):
+    axes = diagram(unknown, given_measured=True, scatter=0.1).axes[0]
+    assert axes.get_title().endswith("given 4 measured transitions")
+    assert lines(axes)["measured"][:, 1].tolist() == [each["normal_load"] for each in MEASURED]
+    samples = Ensemble.of(unknown)
+    draws = posterior(samples, 0.1).draws
+    _, expected = risk_lines(probabilities(samples, draws, loads=[400.0]))
+    # The three lines of 5, 50 and 95 %, where they pass 400 N.
+    drawn = next(each for each in axes.collections if len(each.get_linewidth()) == 3)
+    passed = [path.vertices for path in drawn.get_paths()]
+    found = [np.interp(-400.0, -line[:, 1], line[:, 0]) for line in map(_upwards, passed)]
+    assert sorted(found) == pytest.approx(expected[0], rel=0.01)
+
+
+def _upwards(line):
+    return line if line[0, 1] > line[-1, 1] else line[::-1]
+
+
+def test_logarithmic_axes_serve_samples_too(unknown):
+    axes = diagram(unknown, given_measured=True, log=True).axes[0]
+    assert (axes.get_xscale(), axes.get_yscale()) == ("log", "log")
+
+
+@pytest.mark.parametrize(
+    ("options", "told"),
+    [
+        ({"given_measured": True, "friction": 0.09}, "leave out conditions, surface and rivals"),
+        ({"given_measured": True, "rivals": ["blok"]}, "leave out conditions, surface and rivals"),
+        ({"scatter": 0.03}, "scatter is 0.03, that of measured velocities"),
+    ],
+)
+def test_what_does_not_go_with_samples_is_refused(unknown, options, told):
+    with pytest.raises(InputError, match=told):
+        diagram(unknown, **options)
+
+
+def test_without_samples_nothing_is_to_be_narrowed(sweep):
+    with pytest.raises(InputError, match="the sweep has no samples"):
+        diagram(sweep, given_measured=True)

@@ -1,0 +1,56 @@
+"""Samples of a sweep whose rise is known in closed form."""
+
+import numpy as np
+
+from pipeline.analysis.ensemble import Ensemble
+from pipeline.sweep.criterion import Conditions
+from pipeline.sweep.unknown import Unknown, drawn
+
+LOADS, VELOCITIES = np.array([200.0, 400.0, 750.0]), np.geomspace(0.5, 6.0, 7)
+CRITICAL = Unknown("temperature.critical", "normal", (418.15, 8.0), "K")
+RATE = Unknown("wear.specific_wear_rate", "log-normal", (1.2e-15, 1.5), "m s2 kg-1")
+FRICTION = Unknown("friction.coefficient", "normal", (0.1, 0.005))
+LENGTH = Unknown("disk.roughness.correlation_length", "uniform", (3e-6, 6e-6), "m")
+ALL = (CRITICAL, RATE, FRICTION, LENGTH)
+EXPONENT = 0.7  # of the rise over the velocity
+
+
+def rise(inputs, load, velocity, unknown=ALL):
+    """Decisive rise at friction 1 [K]."""
+    found = 24.0 * load**0.58 * velocity**EXPONENT * np.ones(len(inputs))
+    for each, column in zip(unknown, inputs.T, strict=True):
+        if each.path == RATE.path:
+            found = found * (column / 1.2e-15) ** -0.12
+        if each.path == LENGTH.path:
+            found = found * (1 + 0.02e6 * (column - 4.5e-6))
+        if each.kind == "list":
+            found = found * np.where(column == 1.0, 1.03, 1.0)
+    return found
+
+
+def ensemble(unknown=ALL, count=64, measured=(), noise=0.0):
+    inputs = drawn(unknown, 0, count)
+    rises = np.array([[rise(inputs, F, V, unknown) for V in VELOCITIES] for F in LOADS])
+    rises = np.moveaxis(rises, -1, 0)
+    rises = rises * np.exp(noise * np.random.default_rng(0).standard_normal((count, 1, 1)))
+    return Ensemble(
+        title="Closed form",
+        unknown=unknown,
+        seed=0,
+        inputs=inputs,
+        conditions=Conditions(0.1, 298.15, 418.15),
+        loads=LOADS,
+        velocities=VELOCITIES,
+        rises=rises,
+        widths=np.full(rises.shape, 2e-4),
+        measured=tuple(measured),
+        missing=0,
+    )
+
+
+def limit(inputs):
+    return (inputs[:, 0] - 298.15) / inputs[:, 2]
+
+
+def critical_velocity(inputs, load):
+    return (limit(inputs) / rise(inputs, load, 1.0)) ** (1 / EXPONENT)
