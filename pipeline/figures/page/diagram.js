@@ -6,9 +6,9 @@
 let diagram = null;
 
 /** Ends of an axis that holds some values, with room about them. */
-function ends(/** @type {number[]} */ values) {
+function ends(/** @type {number[]} */ values, isLog = false) {
   const [low, high] = [Math.min(...values), Math.max(...values)];
-  if (chosen.isLog) {
+  if (isLog) {
     const factor = (high > low ? high / low : 2) ** 0.04;
     return { low: low / factor, high: high * factor, isLog: true };
   }
@@ -45,11 +45,11 @@ function makeDiagram() {
     width,
     Math.round(Math.min(Math.max(0.72 * width, 300), 560)),
     {
-      ...ends(velocities),
+      ...ends(velocities, chosen.isLog),
       label: "sliding velocity [m/s]",
     },
     {
-      ...ends(loads),
+      ...ends(loads, chosen.isLog),
       label: "normal load [N]",
     },
   );

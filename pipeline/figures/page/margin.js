@@ -104,10 +104,10 @@ function wayTo(line, limit) {
 function banded(values, unit, digits = 4) {
   const [low, middle, high] = BAND.map((share) => {
     const value = quantileOf(values, share);
-    return Number.isFinite(value) ? shown(value, digits) : "beyond the sweep";
+    return Number.isFinite(value) ? `${shown(value, digits)} ${unit}` : "beyond the sweep";
   });
-  if (low === high) return `${middle} ${unit}`;
-  return `${middle} ${unit} (${low} to ${high})`;
+  if (low === high) return middle;
+  return `${middle} (${low} to ${high})`;
 }
 
 /** Where wear turns severe, and how many times the present value that is. */

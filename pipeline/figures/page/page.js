@@ -18,7 +18,8 @@ function showRecord() {
   const inputs = flat(content.surfaces?.inputs ?? {});
   const rows = [...flat({ conditions: own, ...content.record }), ...inputs];
   const sizes = `${sweep.loads.length} loads, ${sweep.velocities.length} velocities`;
-  const several = content.surfaces ? `, ${sweep.surfaces} of ${content.surfaces.axis}` : "";
+  const what = content.surfaces?.axis === "sample" ? "samples" : "surfaces";
+  const several = content.surfaces ? `, ${sweep.surfaces} ${what}` : "";
   element("record").replaceChildren(
     table(`The scene as it was stored, in SI: ${sizes}${several}, ${content.done} points done.`,
       ["entry", "value"], rows, 2),

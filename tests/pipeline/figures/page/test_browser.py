@@ -315,6 +315,33 @@ def test_axes_are_logarithmic_on_request(page):
     assert driver.execute_script(places)[0] == linear
 
 
+def test_temperatures_stay_on_an_even_scale_beside_logarithmic_axes(page):
+    driver = page(sweeps.one())
+    driver.find_element(By.CSS_SELECTOR, "#diagram .point-target").send_keys(Keys.ENTER)
+    ticks = """
+    return [...document.querySelectorAll("#distribution .axis text[y='" +
+            document.querySelector("#distribution .axis text").getAttribute("y") + "']")]
+      .map((each) => [Number(each.textContent), Number(each.getAttribute("x"))]);
+    """
+    linear = driver.execute_script(ticks)
+    assert len(linear) >= 3
+    driver.find_element(By.ID, "log").click()
+    assert driver.execute_script(ticks) == linear
+
+
+def test_beyond_the_sweep_there_is_no_unit(page):
+    driver = page(sweeps.over_surfaces())
+    driver.find_element(By.ID, "at-load").send_keys("250")
+    driver.find_element(By.ID, "at-velocity").send_keys("3")
+    friction = driver.find_element(By.ID, "friction")
+    friction.clear()
+    friction.send_keys("0.08", Keys.TAB)
+    text = driver.find_element(By.ID, "margin").text
+    assert "beyond the sweep" in text
+    assert "beyond the sweep m/s" not in text
+    assert "5 surfaces" in driver.find_element(By.ID, "record").text
+
+
 def test_logarithmic_axes_are_not_offered_where_something_is_zero(page):
     assert page(sweeps.one()).find_element(By.ID, "log").is_displayed()
     assert not page(sweeps.with_zero_velocity()).find_element(By.ID, "log").is_displayed()
