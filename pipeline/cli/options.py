@@ -100,7 +100,7 @@ ACCURACY = _option(
     "--accuracy",
     metavar="BOUND",
     type=values.share,
-    help="pick the cheapest fidelity whose boundary is within a bound, such as 2%%",
+    help="pick the cheapest fidelity whose boundary errs by no more than this, such as 2%%",
 )
 REPAIR = _flag("--repair", help="set damaged points to be computed again")
 

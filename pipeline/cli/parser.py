@@ -137,7 +137,7 @@ COMMANDS = (
         "recompute a figure or table of the paper, beside what it prints", "table4",
         (
             o.RESULT, o.LIST.but(help="list the figures and tables"),
-            o.output("FILE.png", "figure; for all, the folder of the page that shows them"),
+            o.output("FILE.png", "figure to draw; for all, the folder of their common page"),
             o.PRESET, o.SURFACES, o.WORKERS.but(help="workers for the diagram"),
         ),
     ),

@@ -122,9 +122,8 @@ def with_entries(document: Document, overrides: Mapping[str, Any], faults: list[
     for key, value in overrides.items():
         *tables, last = key.split(".")
         if _table(top, *tables) is None or _table(entries, *tables) is None:
-            faults.append(
-                Fault(f"overrides.{key}", f"{'.'.join(tables)} is not a table; give its own key")
-            )
+            problem = f"{'.'.join(tables)} is not a table; give its own key"
+            faults.append(Fault(key, problem))
             continue
         nested = reduce(lambda inner, name: {name: inner}, reversed(tables), {last: value})
         top = _merged(top, nested)

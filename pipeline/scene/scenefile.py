@@ -15,7 +15,7 @@ from typing import Any
 import tribo
 from pipeline.scene.consistency import check_tables
 from pipeline.scene.document import Document, read_document, with_entries
-from pipeline.scene.entries import did_you_mean, entry_at
+from pipeline.scene.entries import did_you_mean, entry_at, joined
 from pipeline.scene.faults import Fault, SceneFileError
 from pipeline.scene.format import FIDELITY, FORMAT, PRESET, USUAL_PRESET
 from pipeline.scene.library import with_library, without_consequences
@@ -159,20 +159,17 @@ def _fidelity(
             f"unknown key{did_you_mean(key, [*FIDELITY, *_PATHS])}; give one of "
             f"{', '.join(FIDELITY)}; or a path such as {' or '.join(_PATHS[:2])}"
         )
-        faults.append(Fault(f"overrides.{key}", problem))
+        faults.append(Fault(key, problem))
     known = {key: value for key, value in overrides.items() if key in FIDELITY}
-    last = Table(FIDELITY).read(known, "overrides", faults)
-    for where, values, counts in (
-        ("fidelity", entries, preset is None),
-        ("overrides", last, True),
-    ):
+    last = Table(FIDELITY).read(known, "", faults)
+    for where, values, counts in (("fidelity", entries, preset is None), ("", last, True)):
         for key, value in values.items():
             if value is None:
                 continue
             try:
                 changed = replace(fidelity, **{key: value})
             except tribo.InputError as error:
-                faults.append(Fault(f"{where}.{key}", str(error)))
+                faults.append(Fault(joined(where, key), str(error)))
             else:
                 fidelity = changed if counts else fidelity
     return fidelity, name if fidelity == tribo.PRESETS[name] else None

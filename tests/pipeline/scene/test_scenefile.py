@@ -329,9 +329,9 @@ def test_any_entry_may_be_given_in_place_of_the_files(read, faults):
         }
     )
     assert sorted(line.split(": ")[0] for line in found) == [
-        "overrides.incremnts",
-        "overrides.realizations",
-        "overrides.title.long",
+        "incremnts",
+        "realizations",
+        "title.long",
         "waer",
         "wear.pattern",
     ]
@@ -550,10 +550,10 @@ def test_all_faults_are_named_at_once(read, faults):
     assert sorted(line.split(":")[0] for line in found) == [
         "disk.material",
         "disk.roughness.ra",
+        "increment",
+        "increments",
         "materials.steel.specific_haet",
         "materials.steel.specific_heat",
-        "overrides.increment",
-        "overrides.increments",
         "preset",
         "sweep.loads[3]",
         "sweep.realizations",
