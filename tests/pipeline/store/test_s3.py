@@ -42,7 +42,8 @@ def server():
 
 @pytest.fixture
 def address(server, request):
-    return f"s3://irg/{request.node.name}/tiny.zarr"
+    """One that no other run of these tests has: the lock of an address holds on the machine."""
+    return f"s3://irg/{request.node.name}_{os.getpid()}/tiny.zarr"
 
 
 def put(address, content):
