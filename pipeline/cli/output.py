@@ -60,7 +60,12 @@ def show(options: argparse.Namespace, document: dict[str, Any], text: Iterable[s
         written = json.dumps(_without_nan(document), indent=2, ensure_ascii=False, allow_nan=False)
         print(_CONTROLS.sub(lambda found: f"\\u{ord(found[0]):04x}", written))
     else:
-        print("\n".join(_shown(line) for part in text for line in part.split("\n")))
+        show_text(text)
+
+
+def show_text(text: Iterable[str]) -> None:
+    """Print text as a terminal can show it, at once."""
+    print("\n".join(_shown(line) for part in text for line in part.split("\n")), flush=True)
 
 
 @contextmanager

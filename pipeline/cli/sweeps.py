@@ -15,6 +15,7 @@ from pipeline.cli.output import (
     counted,
     failed_points,
     show,
+    show_text,
     tell,
 )
 from pipeline.cli.progress import ProgressLine
@@ -117,7 +118,7 @@ def check(options: argparse.Namespace) -> int:
         show(options, document, text)
         return DONE
     if not options.json:
-        print("\n".join(text), flush=True)
+        show_text(text)
     found = pipeline.estimate(sweep, workers=options.workers)
     document |= found.as_dict() | {"warnings": [*doubted, *found.warnings]}
     show(options, document, _cost(sweep, found, reasons))

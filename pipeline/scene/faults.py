@@ -7,6 +7,8 @@ from typing import NamedTuple
 
 from tribo import TriboError
 
+_SHOWN = 100  # faults, at most, where there are thousands
+
 
 class Fault(NamedTuple):
     """One thing that is wrong with a scene.
@@ -55,4 +57,7 @@ class SceneFileError(TriboError):
     def __str__(self) -> str:
         if len(self.faults) == 1:
             return f"{self.path}: {self.faults[0]}"
-        return "\n  ".join([f"{self.path}: {len(self.faults)} faults", *self.faults])
+        shown = self.faults[:_SHOWN]
+        if more := len(self.faults) - len(shown):
+            shown = [*shown, f"and {more} more"]
+        return "\n  ".join([f"{self.path}: {len(self.faults)} faults", *shown])

@@ -108,6 +108,8 @@ def _lock_of(folder: Place) -> Place:
     """The lock of a store, the same by whatever path it is reached."""
     if isinstance(folder, Path):
         folder = Path(os.path.realpath(folder))
+        if not folder.name:
+            raise StoreError(f"{folder} cannot be a store; give a folder below it")
     return folder.with_name(folder.name + ".lock")
 
 

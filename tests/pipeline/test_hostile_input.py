@@ -80,6 +80,32 @@ def test_any_title_is_shown_and_drawn(tmp_path, alone, capsys, title):
     assert store.attributes["title"] == title
 
 
+def test_a_scene_is_checked_without_a_word_to_the_terminal(tmp_path, capsys):
+    scene = tmp_path / "a.toml"
+    title = "\\u001b[31m red" + "A" * 5_000_000
+    scene.write_text(f'extends = "{ROOT}/workflows/first_try.toml"\ntitle = "{title}"\n')
+    assert main(["check", str(scene)]) == 0
+    shown = capsys.readouterr().out
+    assert "\x1b" not in shown
+    assert len(shown) < 10_000
+
+
+def test_of_thousands_of_faults_some_are_shown(tmp_path, capsys):
+    scene = tmp_path / "a.toml"
+    scene.write_text("".join(f'k{number} = "1 N"\n' for number in range(10_000)))
+    assert main(["check", str(scene)]) == 2
+    shown = capsys.readouterr().err
+    assert shown.startswith(f"irg: {scene}: 10")
+    assert shown.count("\n") < 200
+    assert shown.rstrip().endswith(" more")
+
+
+def test_the_root_of_all_files_is_no_store(capsys):
+    for command in (["run", str(ROOT / "workflows" / "first_try.toml"), "-o"], ["status"]):
+        assert main([*command, "/"]) == 2
+        assert "Traceback" not in capsys.readouterr().err
+
+
 def test_words_of_a_title_are_no_formula():
     assert as_text(r"$\frac$") == r"\$\frac\$"
     assert len(as_text("a " * 10**6)) <= 240
