@@ -146,7 +146,8 @@ class WearRate:
     value : float
         Specific wear rate, the geometric mean of its bounds [m²/N].
     lowest, highest : float
-        Specific wear rates with which the width is half an element less or more than measured.
+        Specific wear rates with which the width is half a step less or more than measured, a step
+        being that by which widths grow on the grid.
 
     Examples
     --------
@@ -165,8 +166,9 @@ def specific_wear_rate(
     """Specific wear rate of the pin from the width of its contact after a loading.
 
     Wear flattens the pin, and so the contact is the wider the more it has worn. Widths are whole
-    numbers of elements, so that a measured one belongs to a range of wear rates. Its two ends are
-    bracketed by powers of ten and then halved.
+    numbers of elements, and grow by two at a time where both bodies are smooth, so that a measured
+    one belongs to a range of wear rates. Its two ends are bracketed by powers of ten and then
+    halved.
 
     Parameters
     ----------
@@ -203,7 +205,7 @@ def specific_wear_rate(
             "the scene's motion makes the pin roll: it wears all around its track, which makes its "
             "contact no wider, so that a width does not tell a wear rate"
         )
-    half = grid.spacing[0] / 2
+    half = grid.spacing[0] * (0.5 if scene.roughness else 1.0)  # a smooth contact is symmetric
     pattern: WearPattern = "swept" if grid.periodic[1] else "local"
     fidelity = replace(scene.fidelity, heat_model="elapsed", history_coarsening=1)
 

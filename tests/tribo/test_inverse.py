@@ -107,6 +107,13 @@ def test_wear_rate_comes_back_from_the_width_that_it_makes(rate, rough):
         assert found.value == pytest.approx(rate, rel=0.1)
 
 
+@pytest.mark.parametrize("elements", [48.0, 48.9, 49.2, 50.0])
+def test_a_smooth_contact_tells_a_range_of_wear_rates_whatever_its_width(elements):
+    rig = critical_temperature_rig()
+    found = specific_wear_rate(rig, elements * rig.grid.spacing[0], 10.0, 0.065)
+    assert found.lowest < 0.8 * found.highest  # it grows by two elements at a time
+
+
 def test_sliding_on_at_full_load_makes_the_same_width_by_less_wear():
     scene = small_scene()
     held = replace(scene, loading=replace(scene.loading, hold=5.0))
