@@ -12,6 +12,8 @@ from collections import OrderedDict
 from collections.abc import Callable, Hashable
 from typing import Generic, NamedTuple, TypeVar
 
+import numpy as np
+
 from tribo.contact import ElasticHalfSpace
 from tribo.convolution import forget_buffers
 from tribo.grid import Grid
@@ -79,10 +81,16 @@ class ElasticBodies(NamedTuple):
         The map from pressure [Pa] to displacement [m].
     separation : ndarray, shape (nx, ny)
         Distance of the unworn, undeformed surfaces [m].
+    heights : ndarray, shape (nx, ny), or None
+        Heights of the disk about their mean, where they are swept past along x and y [m].
+    yielding : float
+        Σ u·z of the displacement u by a pressure of z · 1 Pa/m, of these heights z [m²].
     """
 
     solid: ElasticHalfSpace
     separation: Array
+    heights: Array | None = None
+    yielding: float = 0.0
 
 
 _bodies = Kept[ElasticBodies](size_of=lambda _: 1, limit=_MOST_BODIES)
@@ -124,4 +132,9 @@ def _elastic_bodies(scene: Scene) -> ElasticBodies:
     if scene.fidelity.precision == "single":
         solid = solid.in_single_precision()
     heights = _heights.get((scene.roughness, scene.pixels), scene.heights)
-    return ElasticBodies(solid, scene.separation(heights))
+    separation = scene.separation(heights)
+    if not scene.sweeps_over:
+        return ElasticBodies(solid, separation)
+    swept = scene.pin.profile(scene.grid) - separation
+    swept -= swept.mean()
+    return ElasticBodies(solid, separation, swept, float(np.sum(solid(swept) * swept)))

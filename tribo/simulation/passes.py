@@ -2,11 +2,12 @@
 
 Along a periodic y swept wear averages over y, which is exact. Where y is free, as under a ball, the
 pin's shape varies along both axes, and the roughness that is swept past must be moved itself: the
-pin wears by the pressure averaged over positions of the disk. A step is cut into as many parts as
-the scene has positions, and in each part the disk lies elsewhere, by numbers that fill the patch
-evenly (Roberts' sequence), so that no position comes twice. Each part wears the pin by its own
-pressure, implicitly. So the average is taken along the way, and all that is left of a single
-position is what one part has worn.
+pin wears by the pressure averaged over positions of the disk. A step is cut into parts, and in each
+stage of each part the disk lies elsewhere, by numbers that fill the patch evenly (Roberts'
+sequence), so that no position comes twice. Each wears the pin by its own pressure, implicitly. So
+the average is taken along the way, and all that is left of a single position is what one part has
+worn: the imprint of its waves, which makes the contact rougher and too hot. `parts` has few of them
+where the wear is mild.
 
 What is looked at, pressure and temperature, is the contact at the scene's own position of the disk,
 which has worn nothing yet. The patch is taken to repeat itself along both axes.
@@ -14,6 +15,7 @@ which has worn nothing yet. The patch is taken to repeat itself along both axes.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from typing import NamedTuple
 
@@ -24,8 +26,13 @@ from tribo.simulation.kernels import elastic_bodies
 from tribo.simulation.scene import Scene
 from tribo.simulation.state import State
 from tribo.types import Array
-from tribo.wear import WEAR_SCHEMES, Stage, WearScheme
+from tribo.wear import WEAR_SCHEMES, Stage, Wear, WearScheme
 
+# Under balls and crowned pins of 2 to 40 mm whose wear is 9 to 64 times the roughness, with
+# correlation lengths of 8 to 30 µm, the rise exceeded by 10 % of the contact is by these within
+# 0.9 % of that of 48 parts, in the 25 steps of `standard`; by two parts it is up to 5.2 % too high.
+_MOST_PARTS = 8
+_IMPRINT = 0.25  # of a part, beyond which a step has more of them, up to that number
 _PLASTIC = 1.32471795724474602596  # the root of x³ = x + 1, whose powers fill a square evenly
 _STEPS = 1 / _PLASTIC, 1 / _PLASTIC**2
 
@@ -45,10 +52,34 @@ class Pass(NamedTuple):
     shift: tuple[int, int] | None = None
 
 
+def parts(scene: Scene, wear: Wear, distance: float) -> int:
+    """Parts into which a step of wear is cut, with the disk elsewhere in each.
+
+    As many as leave the imprint of each below a limit. Of a wave of the roughness that is an
+    amplitude of kS/λ for small ones: the wear along the distance S by the pressure that flattens
+    it, λ the compliance of the half-space to it. Here it is the mean over the waves.
+
+    Parameters
+    ----------
+    scene : Scene
+        System to simulate.
+    wear : Wear
+        How the pin wears at the velocity of the step.
+    distance : float
+        Slid in the step [m].
+    """
+    heights, yielding = elastic_bodies(scene).heights, elastic_bodies(scene).yielding
+    if heights is None or not yielding > 0:
+        return 1
+    imprint = float(np.sum(wear.depth(heights, distance) * heights)) / yielding
+    return math.ceil(min(max(imprint / _IMPRINT, 1.0), _MOST_PARTS))
+
+
 def passes(
     scene: Scene,
     state: State,
     station: Station,
+    wear: Wear | None,
     distance: float,
     observed: bool,
     scheme: WearScheme | None = None,
@@ -63,6 +94,8 @@ def passes(
         State at the beginning of the step.
     station : Station
         Time and load at its end.
+    wear : Wear or None
+        How the pin wears at the velocity of the step.
     distance : float
         Slid in the step [m].
     observed : bool
@@ -70,7 +103,7 @@ def passes(
     scheme : str, optional
         Scheme of the wear, in place of that of the fidelity.
     """
-    if not scene.wear:
+    if not wear:
         yield Pass(Stage(station.normal_load, 0.0, 0.0))
         return
     runge_kutta = WEAR_SCHEMES[scheme or scene.fidelity.wear_scheme]
@@ -79,28 +112,26 @@ def passes(
     if not scene.sweeps_over:
         yield from map(Pass, runge_kutta.stages(loads, mean_load, distance))
         return
-    count = scene.positions
+    count = parts(scene, wear, distance)
     ends = np.linspace(*loads, count + 1)
     # Each part has the share of the impulse that it would have if the load changed linearly.
     known = float(ends.sum() - (ends[0] + ends[-1]) / 2)
     for part in range(count):
         begin, end = float(ends[part]), float(ends[part + 1])
         mean = count * mean_load * (begin + end) / 2 / known if known else mean_load
-        shift = _position(scene, count * station.index + part)
-        for stage in runge_kutta.stages((begin, end), mean, distance / count):
-            yield Pass(stage, shift)
+        stages = list(runge_kutta.stages((begin, end), mean, distance / count))
+        for place, stage in enumerate(stages, len(stages) * (_MOST_PARTS * station.index + part)):
+            yield Pass(stage, _position(scene, place))
     if observed:
         yield Pass(Stage(station.normal_load, 0.0, 0.0))
 
 
 def separation_at(scene: Scene, shift: tuple[int, int] | None) -> Array:
     """Distance of the unworn, undeformed surfaces where the disk has moved [m]."""
-    separation = elastic_bodies(scene).separation
-    if shift is None:
+    _, separation, heights, _ = elastic_bodies(scene)
+    if shift is None or heights is None:
         return separation
-    profile = scene.pin.profile(scene.grid)
-    moved: Array = profile + np.roll(separation - profile, shift, axis=(0, 1))
-    return moved
+    return separation + heights - np.roll(heights, shift, axis=(0, 1))
 
 
 def spread(wear_depth: Array, shape: tuple[int, int]) -> Array:

@@ -21,11 +21,6 @@ from tribo.wear import RollingWear, Wear
 
 # Elements along x with which the shape of the wear is still known well.
 _FEWEST_ELEMENTS = 24
-# Positions of the disk in a step of swept wear along a free y. Under a ball of 5 mm at 200 N and
-# 1 m/s the rise exceeded by 10 % of the contact is 0.2 % too high in 50 steps of 2, and 0.8 % in
-# 10, beside 800 positions; where the wear is 40 Ra deep, 1.3 and 3.3 % beside 1280. Longer steps of
-# more positions, as many in all, give the same.
-_POSITIONS = 2
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -140,8 +135,8 @@ class Scene:
     def wear_at(self, sliding: float) -> Wear | None:
         """How the pin wears at a sliding velocity [m/s]; None if it does not.
 
-        Along a free y each position of the disk wears the pin by its own pressure; `positions`
-        tells how many of them there are.
+        Along a free y each position of the disk wears the pin by its own pressure; see
+        `tribo.simulation.passes`.
         """
         if self.wear is None:
             return None
@@ -156,11 +151,6 @@ class Scene:
         """Whether ever new patches of the disk pass the pin, along x and y."""
         swept = self.wear is not None and self.wear.pattern == "swept"
         return swept and not self.pixels.periodic[1] and self.roughness is not None
-
-    @property
-    def positions(self) -> int:
-        """Positions of the disk that pass the pin in a step."""
-        return _POSITIONS if self.sweeps_over else 1
 
     @property
     def grid(self) -> Grid:

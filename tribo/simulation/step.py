@@ -95,7 +95,7 @@ def advance(
     distance = abs(velocity) * (station.time - state.time)
     wear = scene.wear_at(velocity)
     passed = state.pressure
-    for stage, shift in passes(scene, state, station, distance, observed, scheme):
+    for stage, shift in passes(scene, state, station, wear, distance, observed, scheme):
         near = guess if shift is None else passed if passed.any() else None
         contact, displacement = solved(scene, state, Pass(stage, shift), wear, wear_depth, near)
         iterations, residual = iterations + contact.iterations, max(residual, contact.residual)

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from tribo.simulation.kernels import elastic_bodies
+from tribo.simulation.passes import parts
 from tribo.simulation.scene import Scene
 from tribo.simulation.state import State
 from tribo.wear import EXPLICIT_LIMIT, WEAR_SCHEMES
@@ -157,14 +158,14 @@ def _unstable_wear(scene: Scene, state: State) -> list[PointWarning]:
     fidelity = scene.fidelity
     if not scene.wear or fidelity.wear_scheme != "explicit" or not state.normal_load:
         return []
-    solid, _ = elastic_bodies(scene)
+    solid = elastic_bodies(scene).solid
     velocity = state.sliding_distance / state.time
     wear = scene.wear_at(velocity) or scene.wear
     found = []
     for holding, name in ((False, "increments"), (True, "steps of the hold")):
         lengths = _step_lengths(scene, state, holding)
-        distance = velocity * max(lengths, default=0.0) / scene.positions
-        stiffness = wear.stiffness(solid, distance)
+        distance = velocity * max(lengths, default=0.0)
+        stiffness = wear.stiffness(solid, distance / parts(scene, wear, distance))
         if stiffness >= EXPLICIT_LIMIT:
             count = len(lengths) if holding else fidelity.increments
             text = (

@@ -20,6 +20,7 @@ from tribo import (
     Grid,
     InputError,
     MeasuredLoad,
+    MeasuredRoughness,
     Motion,
     Ramp,
     Scene,
@@ -32,7 +33,9 @@ from tribo import (
     warnings,
 )
 from tribo.analytic import hertz_ellipse, moving_ellipse_rise, resting_ellipse_rise
+from tribo.simulation import passes
 from tribo.simulation.passes import spread
+from tribo.wear import RollingWear
 
 E_STAR = contact_modulus(STEEL, STEEL)
 K, KAPPA = STEEL.thermal_conductivity, STEEL.thermal_diffusivity
@@ -148,6 +151,39 @@ def test_a_ball_swept_over_is_hotter_than_one_that_fits_its_patch():
     assert fitted["contact_fraction"] > 1.6 * worn["contact_fraction"]
 
 
+def test_heavy_wear_is_averaged_to_a_hundredth(monkeypatch):
+    """The pin wears by 35 times the roughness, against three times as many positions."""
+    scene = replace(
+        ball("standard", pixels=240, side=1e-3 / 240),
+        wear=Wear(1.2e-14),
+        roughness=SelfAffineRoughness(0.27e-6, 0.8, (16e-6, 16e-6), 3),
+    )
+    found = hot(end(scene))
+    monkeypatch.setattr(passes, "_IMPRINT", 1e-9)
+    monkeypatch.setattr(passes, "_MOST_PARTS", 24)
+    assert found == pytest.approx(hot(end(scene)), rel=0.01)
+
+
+def test_a_step_has_more_parts_the_more_it_wears():
+    counts = [passes.parts(ball(), Wear(rate, "local"), 0.05) for rate in (1e-17, 2e-15, 1e-12)]
+    assert counts[0] == 1 < counts[1] < counts[2] == passes._MOST_PARTS
+    assert passes.parts(ball(), RollingWear(2e-15, "local", 0.1), 0.05) == 1  # its track is long
+    assert passes.parts(ball(pattern="local"), Wear(1e-12, "local"), 0.05) == 1
+
+
+def test_the_imprint_of_a_wave_is_its_wear_by_the_pressure_that_flattens_it(monkeypatch):
+    """A wave of length λ under the patch yields by λ/(πE*) for each pascal of its pressure."""
+    side, length = 4e-6, 32e-6
+    wave = 1e-8 * np.sin(2 * np.pi / length * side * np.arange(160))[:, None] * np.ones((1, 160))
+    scene = replace(ball(history_coarsening=1), roughness=MeasuredRoughness(wave), wear=Wear(1e-15))
+    scene = replace(scene, fidelity=replace(scene.fidelity, pixels_per_element=1))
+    monkeypatch.setattr(passes, "_IMPRINT", 1e-3)
+    monkeypatch.setattr(passes, "_MOST_PARTS", 10**4)
+    expected = 1e-15 * 0.05 * math.pi * E_STAR / length
+    found = 1e-3 * passes.parts(scene, Wear(1e-15, "local"), 0.05)
+    assert found == pytest.approx(expected, rel=0.02)  # elements of an eighth of the wave
+
+
 def test_the_wear_has_no_memory_of_a_patch():
     """Its roughness is well below that of one that has worn into a single patch."""
     worn, fitted = (
@@ -178,13 +214,17 @@ def test_over_a_smooth_disk_swept_and_local_are_one():
     assert not replace(ball(), roughness=None).sweeps_over
 
 
-def test_explicit_wear_counts_each_position_as_a_step():
+def test_explicit_wear_counts_each_part_of_a_step():
     stiffness = []
     for pattern in ("swept", "local"):
-        scene = ball(pattern=pattern, wear_scheme="explicit", history_coarsening=1, increments=3)
-        warning, *_ = warnings(scene, next(iter(simulate(scene, 200.0, 1.0))))
+        scene = ball(wear_scheme="explicit", history_coarsening=1, increments=3)
+        scene = replace(scene, wear=Wear(1e-14, pattern))
+        state = next(iter(simulate(scene, 200.0, 1.0)))
+        warning, *_ = warnings(scene, state)
         stiffness.append(float(re.search(r"k·dS is (\S+) times", warning.text)[1]))
-    assert stiffness[0] * ball().positions == pytest.approx(stiffness[1], rel=1e-2)  # in print
+    count = passes.parts(ball(), Wear(1e-14, "local"), state.sliding_distance)
+    assert count > 1
+    assert stiffness[0] * count == pytest.approx(stiffness[1], rel=1e-2)  # in print
 
 
 def test_a_cylinder_with_free_ends_is_swept_over_too():
