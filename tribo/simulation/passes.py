@@ -32,7 +32,7 @@ from tribo.wear import WEAR_SCHEMES, Stage, Wear, WearScheme
 # correlation lengths of 8 to 30 µm, the rise exceeded by 10 % of the contact is by these within
 # 0.9 % of that of 48 parts, in the 25 steps of `standard`; by two parts it is up to 5.2 % too high.
 _MOST_PARTS = 8
-_IMPRINT = 0.25  # of a part, beyond which a step has more of them, up to that number
+_IMPRINT = 0.3  # of a part, beyond which a step has more of them, up to that number
 _PLASTIC = 1.32471795724474602596  # the root of x³ = x + 1, whose powers fill a square evenly
 _STEPS = 1 / _PLASTIC, 1 / _PLASTIC**2
 
