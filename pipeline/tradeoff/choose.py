@@ -249,7 +249,7 @@ def _steps_of_sweep(sweep: Sweep) -> int:
     scene = replace(sweep, fidelity=fitted(sweep, PRESETS["reference"]))
     ends = [step_count(scene, load) for load in sweep.loads]
     each = sum(ends) if sweep.independent or ends[0] == ends[-1] else ends[-1] + len(ends)
-    return each * len(sweep.velocities) * (len(sweep.realizations) or 1)
+    return each * len(sweep.velocities) * len(sweep.simulated)
 
 
 def _unprobed(

@@ -17,6 +17,7 @@ from pipeline.tradeoff.choose import (
     _bound,
     _finest,
     _ladder,
+    _steps_of_sweep,
     at_accuracy,
     choose_fidelity,
     stored_selection,
@@ -72,6 +73,14 @@ def test_where_a_probe_would_cost_as_much_the_reference_is_taken(sweep, points):
     assert "to find a cheaper choice would take about as long" in str(selection)
     if points:
         assert selection.points == ((300.0, 1.5),)
+
+
+def test_every_surface_and_sample_is_a_sweep_that_a_cheaper_choice_saves_on():
+    one = _steps_of_sweep(UNWORN)
+    assert _steps_of_sweep(replace(UNWORN, realizations=(3, 4, 5))) == 3 * one
+    uncertain = pipeline.load_scene("workflows/uncertain.toml")
+    alone = _steps_of_sweep(replace(uncertain, samples=None))
+    assert _steps_of_sweep(uncertain) == len(uncertain.simulated) * alone > alone
 
 
 @pytest.mark.parametrize("away", [0.3, 1.0, 3.0])
