@@ -12,6 +12,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
+
 from tribo.loading import Station
 from tribo.simulation.scene import Scene
 from tribo.simulation.state import State
@@ -20,7 +22,10 @@ from tribo.types import Mask
 from tribo.wear import WEAR_SCHEMES
 
 _END = 1 / 6  # of the step, taken implicitly
-_NEW = 0.01  # of the load, that may lie where nothing has touched a step before
+# The load that may lie where nothing has touched a step before, in that of the whole contact; and
+# the mean pressure there, in that of the whole, below which the new is but a rough contact's rim.
+# Of 28 points below it the short end moved the rise of one by 1.5 %, of the others by 0.6 % at most.
+_NEW, _RIM = 0.01, 0.75
 
 
 def ended(scene: Scene, before: State, after: State, station: Station, velocity: float) -> State:
@@ -53,13 +58,15 @@ def ended(scene: Scene, before: State, after: State, station: Station, velocity:
 
 
 def _comes_into_contact(scene: Scene, before: State, after: State) -> bool:
-    """Whether a step has more than one stage, and much of its load is where nothing was worn."""
+    """Whether a step of several stages ends with much of its load where nothing was worn."""
     wears = scene.wear is not None and scene.wear.specific_wear_rate > 0
     stages = len(WEAR_SCHEMES[scene.fidelity.wear_scheme].weights)
     if not wears or stages == 1 or scene.sweeps_over or scene.motion:
         return False
-    new = _worn(scene, after) & ~_worn(scene, before)
-    return float(after.pressure[new].sum()) > _NEW * float(after.pressure.sum())
+    worn = _worn(scene, after)
+    new = worn & ~_worn(scene, before)
+    load = float(after.pressure[new].sum() / after.pressure.sum())
+    return load > max(_NEW, _RIM * np.count_nonzero(new) / np.count_nonzero(worn))
 
 
 def _worn(scene: Scene, state: State) -> Mask:

@@ -85,7 +85,7 @@ PHYSICS = {
         "loading": RAMP,
     },
     "heat of the past": {"fidelity": {"heat_model": "history"}, "loading": RAMP},
-    "steps with a short end": {"fidelity": SECOND_ORDER, "wear": HEAVY, "loading": RAMP},
+    "steps with a short end": {"fidelity": SECOND_ORDER, "wear": HEAVY},
     "steps with a short end and heat of the past": {
         "fidelity": SECOND_ORDER | {"heat_model": "history"},
         "wear": HEAVY,

@@ -6,10 +6,16 @@ import numpy as np
 import pytest
 
 from tests.helpers.scenes import small_scene
-from tribo import Grid, MeasuredLoad, Wear, simulate
+from tribo import PRESETS, Grid, MeasuredLoad, SelfAffineRoughness, Wear, simulate
 from tribo.simulation import ending
 
 VELOCITY, LOADS = 2.0, (300.0, 500.0, 600.0)
+# The shipped scene on fewer pixels, whose contact grows at a rim of single summits.
+ROUGH = replace(
+    small_scene(),
+    pixels=Grid((480, 240), (0.816e-6, 0.95e-6)),
+    roughness=SelfAffineRoughness(0.27e-6, 0.8, (4e-6, 4e-6), seed=0),
+)
 
 
 def worn_scene(specific_wear_rate=2e-14, **changes):
@@ -78,8 +84,15 @@ def test_the_cost_of_all_three_steps_is_counted():
         worn_scene(wear_scheme="implicit"),
         worn_scene(specific_wear_rate=0.0, increments=100),
         small_scene(wear_scheme="sdirk2", increments=100),
+        replace(ROUGH, fidelity=PRESETS["draft"]),
     ],
-    ids=["implicit", "no wear", "rough"],
+    ids=["implicit", "no wear", "rough", "rough, few steps"],
 )
-def test_it_is_not_taken_where_it_is_not_needed(scene):
-    assert last(scene, 750.0).history is None
+def test_it_is_not_taken_where_it_is_not_needed(scene, monkeypatch):
+    def refused(*_, **__):
+        raise AssertionError("a short end")
+
+    monkeypatch.setattr(ending, "advance", refused)
+    assert last(scene, 750.0).normal_load == 750.0
+    with pytest.raises(AssertionError, match="a short end"):
+        last(worn_scene(), 300.0)
