@@ -55,8 +55,7 @@ def temperature(
         Seed of the surface to draw; the first if not given.
     """
     conditions = conditions_of(ds, friction, bulk_temperature, critical_temperature, share)
-    ds = on_surface(ordered(at_bulks(ds, conditions)), realization)
-    row = ds.isel(load=[index_of_load(ds, load)])
+    row = _row(ds, load, conditions, realization)
     velocities = row["velocity"].values
     figure = Picture(figsize=(7.2, 5.0))
     axes = figure.add_subplot()
@@ -85,7 +84,7 @@ def temperature(
         axes.axvline(at, color=VERMILION, lw=1.2, label=f"transition, {at:.3g} m/s")
     axes.set_xlabel("sliding velocity [m/s]")
     axes.set_ylabel("contact temperature [°C]")
-    axes.set_title(f"{title_of(ds)}\n{float(row['load'][0]):g} N")
+    axes.set_title(f"{title_of(row)}\n{float(row['load'][0]):g} N")
     figure.legend(loc="outside lower center", ncols=4, title=heating(conditions))
     return figure
 
@@ -124,8 +123,7 @@ def histogram(
         If the load has no transition and no velocity is given, or the points do not reach that far.
     """
     conditions = conditions_of(ds, friction, bulk_temperature, critical_temperature, share)
-    ds = on_surface(ordered(at_bulks(ds, conditions)), realization)
-    row = ds.isel(load=[index_of_load(ds, load)])
+    row = _row(ds, load, conditions, realization)
     newtons = float(row["load"][0])
     at = (
         _transition(row, conditions) if velocity is None else in_si("velocity", velocity, "1.5 m/s")
@@ -141,7 +139,7 @@ def histogram(
         )
     temperatures = celsius(contact_temperature(quantiles, conditions))
     edges = np.linspace(temperatures[0], temperatures[-1], _BINS + 1)
-    below = np.interp(edges, temperatures, ds["quantile"].values)
+    below = np.interp(edges, temperatures, row["quantile"].values)
     figure = Picture(figsize=(7.2, 5.0))
     axes = figure.add_subplot()
     centres, shares = (edges[1:] + edges[:-1]) / 2, 100 * np.diff(below)
@@ -151,7 +149,7 @@ def histogram(
     else:
         critical = celsius(conditions.critical_temperature)
         hot = centres > critical
-        failed = 100 * (1 - np.interp(critical, temperatures, ds["quantile"].values))
+        failed = 100 * (1 - np.interp(critical, temperatures, row["quantile"].values))
         axes.bar(centres[~hot], shares[~hot], width, color=BLUE)
         label = f"{failed:.3g} % above {critical:g} °C"
         axes.bar(centres[hot], shares[hot], width, color=VERMILION, label=label)
@@ -159,9 +157,17 @@ def histogram(
     axes.set_xlabel("contact temperature [°C]")
     axes.set_ylabel(f"share of the contact per {width:.2g} K [%]")
     where = "at the transition, " if velocity is None else ""
-    axes.set_title(f"{title_of(ds)}\n{newtons:g} N, {where}{at:.3g} m/s")
+    axes.set_title(f"{title_of(row)}\n{newtons:g} N, {where}{at:.3g} m/s")
     figure.legend(loc="outside lower center", ncols=3, title=heating(conditions))
     return figure
+
+
+def _row(
+    ds: xr.Dataset, load: float | str | None, conditions: Conditions, realization: int | None
+) -> xr.Dataset:
+    """The points at one load on one surface, the velocities ascending."""
+    ds = on_surface(ordered(at_bulks(ds, conditions)), realization)
+    return ds.isel(load=[index_of_load(ds, load)])
 
 
 def _transition(row: xr.Dataset, conditions: Conditions) -> float:
