@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -285,8 +285,10 @@ def _on_constancy(found: _Computed) -> Finding:
     ours = found.criteria["ours"]
     others = [each for each in found.criteria.values() if each is not ours and not each.fitted]
     best = min(others, key=lambda each: each.spread)
-    nearer = [each for each in others if each.worst < ours.worst]
-    nearer_alike = [each for each in others if each.worst_alike < ours.worst_alike]
+    nearer = {each.name: each.worst for each in others if each.worst < ours.worst}
+    nearer_alike = {
+        each.name: each.worst_alike for each in others if each.worst_alike < ours.worst_alike
+    }
     measured, computed = found.exponents
     return Finding(
         "the transition is thermal: a temperature decides, and is the same along the line",
@@ -303,10 +305,9 @@ def _on_constancy(found: _Computed) -> Finding:
     )
 
 
-def _names(criteria: Sequence[_Criterion]) -> str:
-    if not criteria:
-        return "none"
-    return ", ".join(f"{each.name} ({100 * each.worst:.0f} %)" for each in criteria)
+def _names(errors: Mapping[str, float]) -> str:
+    """Criteria, each with its error of a velocity."""
+    return ", ".join(f"{name} ({100 * error:.0f} %)" for name, error in errors.items()) or "none"
 
 
 def _on_film(found: _Computed) -> tuple[Finding, ...]:

@@ -16,7 +16,7 @@ from pipeline.paper.report import Finding, Report, Table, statistics
 from pipeline.paper.study import Study, end_of
 from pipeline.sweep.criterion import boundary_velocity_error, rise_limit
 from pipeline.sweep.model import Sweep
-from tribo import SelfAffineRoughness
+from tribo import InputError, SelfAffineRoughness
 
 LENGTHS = (2.0, 3.0, 4.0, 5.0, 6.0, 8.0)  # µm
 LAYS = ((1.0, 1.0), (1.0, 4.0), (4.0, 1.0))  # factors on the length along x and along y
@@ -47,7 +47,7 @@ def sensitivity(study: Study) -> Report:
     sweep = study.scene("irg_transition", usual_preset="standard")
     own = sweep.roughness
     if not isinstance(own, SelfAffineRoughness):
-        raise TypeError("the sensitivity is to the parameters of a random surface")
+        raise InputError(f"the scene {sweep.name} must have a random surface, as in Table 4")
     base = own.correlation_length[0] * 1e6
     kinds = _kinds(own)
     names = {

@@ -13,6 +13,7 @@ import tribo
 from pipeline import paper
 from pipeline.paper.printed import TABLE_4, TABLE_6
 from pipeline.paper.report import Finding, mean_and_spread
+from pipeline.paper.rivals import _Computed, _Criterion, _on_constancy
 from pipeline.paper.synthetic_record import synthetic_record
 from pipeline.scene.scenefile import load_scene
 from pipeline.scene.shipped import WORKFLOWS
@@ -190,6 +191,23 @@ def test_the_highest_temperature_grows_with_the_patch_and_is_judged_once(small):
         if "highest temperatures of 153" in finding.printed
     ]
     assert len(judged) == 1
+
+
+def test_criteria_are_said_to_be_nearer_by_the_error_that_is_meant(scenes):
+    def criterion(name, at_own, at_one):
+        # Values in a ratio r to 1 lie off their mean by the root of r.
+        own, one = [(1 + at_own) ** 2, 1.0], [(1 + at_one) ** 2, 1.0]
+        return _Criterion(name, "K", own, one, [1.0, 1.0], own)
+
+    criteria = {
+        "ours": criterion("ours", 0.30, 0.20),
+        "a": criterion("a", 0.10, 0.15),
+        "b": criterion("b", 0.40, 0.05),
+    }
+    scene = load_scene(scenes / "irg_transition.toml")
+    found = _on_constancy(_Computed(scene, [], criteria, None, (1.19, 1.24)))
+    assert "ours (30 %) at the measured frictions: a (10 %);" in found.why
+    assert "at one friction (20 %): a (15 %), b (5 %)." in found.why
 
 
 def test_the_hot_rows_of_table_6_are_those_of_room_temperature(small):
