@@ -162,7 +162,7 @@ SCATTER = _option(
     "--scatter",
     metavar="SHARE",
     type=values.share,
-    help="relative standard deviation of the measured velocities; default: 5%%",
+    help="relative standard deviation of measured velocities that give none; default: 5%%",
 )
 GIVEN_MEASURED = _flag(
     "--given-measured",
