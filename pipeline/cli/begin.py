@@ -21,7 +21,7 @@ def new(options: argparse.Namespace) -> int:
         schema = write_schema(options.schema)
         text = [
             f"{schema} is written",
-            f"editors that know TOML go by it in a scene with the first line: #:schema {schema}",
+            f"editors go by it in a scene beside it whose first line is: #:schema ./{schema.name}",
         ]
         show(options, {"file": str(schema)}, text)
         return DONE

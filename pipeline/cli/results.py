@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import pipeline
 from pipeline.cli.crossings import document_of, rows_of, text_of
-from pipeline.cli.output import DONE, micrometres, show, table_path, tell, written
+from pipeline.cli.output import DONE, counted, micrometres, show, table_path, tell, written
 from pipeline.cli.progress import working
 from pipeline.cli.scenes import CONDITIONS, PLACE, given, scene_of, selected
 from pipeline.cli.unknowns import posterior
@@ -176,9 +176,10 @@ def infer(options: argparse.Namespace) -> int:
         raise InputError("--load and --velocity belong to --contact-width, which is not given")
     found = pipeline.critical_temperatures(sweep, progress=tell)
     rows = zip(found.transitions, found.means, found.spreads, strict=True)
+    measured = counted(len(found.transitions), "measured transition", "measured transitions")
     several = f" on {len(found.surfaces)} surfaces" if len(found.surfaces) > 1 else ""
     text = [
-        f"critical temperature from {len(found.transitions)} measured transition(s){several}: "
+        f"critical temperature from {measured}{several}: "
         f"exceeded on {100 * found.share:g} % of the contact",
         *(
             f"  {at.normal_load:g} N, {at.velocity:g} m/s, friction {at.friction:g}: "
