@@ -24,7 +24,7 @@ from tribo.wear import WEAR_SCHEMES
 _END = 1 / 6  # of the step, taken implicitly
 # The load that may lie where nothing has touched a step before, in that of the whole contact; and
 # the mean pressure there, in that of the whole, below which the new is but a rough contact's rim.
-# Of 28 points below it the short end moved the rise of one by 1.5 %, of the others by 0.6 % at most.
+# Of 28 points below it the short end moved the rise of one by 1.5 %, of the rest by up to 0.6 %.
 _NEW, _RIM = 0.01, 0.75
 
 
