@@ -34,6 +34,8 @@ _PAIRS: dict[tuple[str, str], Kind] = {
 }
 _SIGNS = {"degC": "°C", "degF": "°F", "um": "µm"}
 _EVERYWHERE = {"name", "title", "notes"}
+_SIMULATED = {each.name for each in fields(Scene)}
+_DECISIVE = _SIMULATED | {"conditions"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,7 +100,7 @@ def samples_of(
     simulated = []
     for entry in unknown:
         changed = _changed(entry, entries, found, build, sweep, faults)
-        if changed & {each.name for each in fields(Scene)}:
+        if changed & _SIMULATED:
             simulated.append(entry.unknown.path)
     if len(faults) > known:
         return None
@@ -176,7 +178,8 @@ def _distribution(path: str, kind: Kind, given: tuple[Any, ...]) -> _Entry:
         return _Entry(Unknown(path, kind, numbers), None, is_whole and kind == "list")
     _number, unit = first.strip().partition(" ")[::2]
     if not unit.strip():
-        raise UnitError(f"{quoted(first)}: give number and unit with a space between them")
+        problem = f"{quoted(first)} is not a number with its unit; only numbers can be unknown"
+        raise UnitError(f'{problem}: give one such as "2 mm", with a space')
     unit = unit.strip()
     values = [to_si(first, first)]
     for each in given[1:]:
@@ -218,27 +221,42 @@ def _changed(
     faults: list[Fault],
 ) -> set[str]:
     """Names of the fields of the sweep that an input moves; it is tried out at its ends."""
-    unknown = entry.unknown
-    is_list = unknown.kind == "list"
-    ends = unknown.parameters if is_list else tuple(unknown.at(_ENDS).tolist())
+    unknown, loads = entry.unknown, max(sweep.loads)
     key = f"unknown.{quoted(unknown.path)}"
     changed: set[str] = set()
-    for value in ends:
+    for value, where, instead in _tried(entry):
         wrong: list[Fault] = []
         FORMAT.read(_with(dict(entries), unknown.path, entry.written(value)), "", wrong)
         built = None if wrong else build(_with(found, unknown.path, entry.found(value)), wrong)
         if built is None:
-            where = "" if is_list else f"reaches {entry.written(value)} in one of 10000 samples: "
             why = f"{wrong[0].key}: {wrong[0].problem}" if wrong else "the scene does not fit"
-            shape = "" if is_list else "; or a narrower distribution, or one with median and factor"
-            faults.append(Fault(key, f"{where}{why}{shape}"))
+            faults.append(Fault(key, f"{where}{why}{instead}"))
             return set()
         changed |= {name for name, _ in differing(sweep, built)}
-        if step_count(built, max(sweep.loads)) != step_count(sweep, max(sweep.loads)):
+        if step_count(built, loads) != step_count(sweep, loads):
             faults.append(Fault(key, "it changes the number of steps, which must stay; give it"))
     if not changed:
         faults.append(Fault(key, "it changes nothing in this scene; leave it out"))
+    elif not changed & _DECISIVE:
+        problem = f"no temperature or wear depends on it, only the {_listed(changed)}; leave it out"
+        faults.append(Fault(key, problem))
     return changed
+
+
+def _tried(entry: _Entry) -> Iterator[tuple[float, str, str]]:
+    """Values to try an input at; of one that does not fit, where it is met and what else to do."""
+    unknown = entry.unknown
+    if unknown.kind == "list":
+        yield from ((value, "", "") for value in unknown.parameters)
+        return
+    yield float(unknown.at(np.array([0.5]))[0]), "", ""  # what is wrong here is so everywhere
+    for value in unknown.at(_ENDS).tolist():
+        where = f"reaches {entry.written(value)} in one of 10000 samples: "
+        yield value, where, "; or a narrower distribution, or one with median and factor"
+
+
+def _listed(names: set[str]) -> str:
+    return " and ".join(sorted(name.replace("_", " ") for name in names))
 
 
 def _with(tables: dict[str, Any], path: str, value: Any) -> dict[str, Any]:

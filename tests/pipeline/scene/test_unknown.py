@@ -135,6 +135,10 @@ def test_another_spelling_of_the_same_quantities_is_shown_and_is_the_same_scene(
             "out of range; give a length above 0",
         ),
         ('"wear.specific_rate" = [1, 2]', "wear.specific_rate: unknown key (did you mean"),
+        (
+            '"pin.radios" = { median = "2 mm", factor = 1.1 }',
+            'unknown."pin.radios": pin.radios: unknown key (did you mean "radius"?)',
+        ),
         ('"temperature.critical" = { mean = "145 degC", sd = "8 degC" }', 'such as "8 K"'),
         ('"temperature.critical" = { mean = "45 degC", sd = "8 K" }', "not above temperature.bulk"),
         ('"pin.radius" = { median = "2 s", factor = 1.1 }', "cannot be converted to mm"),
@@ -142,6 +146,7 @@ def test_another_spelling_of_the_same_quantities_is_shown_and_is_the_same_scene(
         ('"pin.radius" = { from = "3 mm", to = "1 mm" }', "does not rise"),
         ('"pin.radius" = { mean = "2 mm", factor = 2 }', "is not a distribution; give a table"),
         ('"pin.radius" = "2 mm"', "is not a distribution"),
+        ('"wear.pattern" = ["swept", "local"]', '"swept" is not a number with its unit; only num'),
         (
             '"materials.steel.hardness" = ["60 HRC", "62 HRC"]',
             '"60 HRC" is on a scale of uneven steps; give it in HV, or as a pressure',
@@ -198,6 +203,13 @@ def test_a_scatter_that_cannot_be_is_told(tmp_path, lines, told):
     entry = f'[[measured]]\nload = "400 N"\nvelocity = "2 m/s"\n{lines}\n'
     (found,) = faults(scene(tmp_path, UNKNOWN + entry))
     assert told in found
+
+
+def test_an_input_that_decides_neither_temperature_nor_wear_is_told(tmp_path):
+    oil = '[oil]\ndensity = "866 kg/m^3"\nkinematic_viscosity = ["32 mm^2/s", "5.4 mm^2/s"]\n'
+    line = '"oil.density" = { mean = "866 kg/m^3", sd = "10 kg/m^3" }\n'
+    (told,) = faults(scene(tmp_path, f"{oil}[unknown]\n{line}"))
+    assert told.endswith("no temperature or wear depends on it, only the oil; leave it out")
 
 
 def test_samples_of_a_scene_in_which_all_is_known_are_refused(tmp_path):
