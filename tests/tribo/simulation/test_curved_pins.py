@@ -145,7 +145,7 @@ def test_a_ball_swept_over_is_hotter_than_one_that_fits_its_patch():
     swept, patch = ball(history_coarsening=1, increments=50), ball(pattern="local")
     true = hot(end(many))
     assert hot(end(swept)) == pytest.approx(true, rel=0.01)
-    assert hot(end(ball())) == pytest.approx(true, rel=0.03)
+    assert hot(end(ball())) == pytest.approx(true, rel=0.01)
     assert hot(end(patch)) < 0.96 * true
     worn, fitted = (measures(scene, end(scene)) for scene in (ball(), patch))
     assert fitted["contact_fraction"] > 1.6 * worn["contact_fraction"]
