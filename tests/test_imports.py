@@ -54,8 +54,6 @@ def loaded_by(code):
             "cli.main(['--help'])",
             {"pipeline", "tribo"},
         ),
-        # pint looks for dask by itself.
-        ("import pipeline; pipeline.load_scene", {"pipeline", "tribo", "pint", "dask"}),
         ("import pipeline; pipeline.run_point", {"pipeline", "tribo"}),
         ("import pipeline; pipeline.summary", {"pipeline", "tribo", "zarr"}),
         ("import pipeline; pipeline.open_sweep", {"pipeline", "tribo", "zarr", "xarray"}),
@@ -63,6 +61,12 @@ def loaded_by(code):
 )
 def test_an_import_loads_no_more_than_it_needs(code, allowed):
     assert loaded_by(code) <= allowed
+
+
+def test_reading_scenes_loads_no_more_than_their_units_do():
+    """Of which pint looks for dask by itself, and older ones for all that its arrays take."""
+    found = loaded_by("import pipeline; pipeline.load_scene")
+    assert found <= {"pipeline", "tribo"} | loaded_by("import pint")
 
 
 def test_the_state_of_a_sweep_without_warnings_needs_no_dataset(tmp_path):
