@@ -109,7 +109,10 @@ def _stack(axes: Axes, legend: Legend) -> None:
 
 
 def _narrow(figure: Figure, legend: Legend) -> None:
-    """Give the legend below a figure fewer columns, until it is no wider than the figure."""
+    """Give the legend below a figure fewer columns, until it is no wider than the figure.
+
+    The figure gets higher by as much as the legend does.
+    """
     columns = legend._ncols  # type: ignore[attr-defined]
     words = {
         "labels": [text.get_text() for text in legend.get_texts()],
@@ -119,6 +122,7 @@ def _narrow(figure: Figure, legend: Legend) -> None:
     }
     handles = legend.legend_handles
     figure.draw_without_rendering()
+    own = legend.get_window_extent().height
     while columns > 1 and legend.get_window_extent().width > 0.98 * figure.bbox.width:
         columns -= 1
         legend.remove()
@@ -126,3 +130,5 @@ def _narrow(figure: Figure, legend: Legend) -> None:
             handles=handles, loc="outside lower center", ncols=columns, frameon=False, **words
         )
         figure.draw_without_rendering()
+    width, height = figure.get_size_inches()
+    figure.set_size_inches(width, height + (legend.get_window_extent().height - own) / figure.dpi)

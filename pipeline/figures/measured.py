@@ -52,6 +52,8 @@ def at_own_friction(
         friction = point.get("friction")
         if not friction or abs(friction / (conditions.friction or math.inf) - 1) < _NEAR:
             continue
+        if not plane["load"][0] <= point["normal_load"] <= plane["load"][-1]:
+            continue
         row = plane.sel(load=point["normal_load"], method="nearest")
         limit = rise_limit(replace(conditions, friction=friction))
         velocity = crossing(row["velocity"].values, row.values, limit)

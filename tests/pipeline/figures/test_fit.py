@@ -11,6 +11,7 @@ from matplotlib.text import Text
 from pipeline.figures import style
 from pipeline.figures.diagram import diagram
 from pipeline.figures.plot import plot
+from pipeline.store import FAILED, PENDING
 from tests.helpers import synthetic
 from tests.pipeline.figures.test_plot import contour, lines
 from tribo import InputError
@@ -35,6 +36,17 @@ def test_at_the_width_of_a_column_all_words_are_inside_and_readable(sweep, kind)
         box = legend.get_window_extent()
         assert room.x0 <= box.x0
         assert box.x1 <= room.x1
+
+
+def test_a_long_legend_leaves_the_diagram_its_room():
+    status = {(400.0, 1.0): FAILED, (200.0, 4.0): PENDING}
+    ds = synthetic.sweep((200.0, 400.0, 750.0), (1.0, 2.0, 4.0), status=status)
+    shapes = []
+    for figure in (plot(ds, "diagram", friction=[0.09, 0.11], width=w) for w in (None, "8.5 cm")):
+        figure.draw_without_rendering()
+        assert len(figure.legends[0].get_texts()) == 8
+        shapes.append(figure.axes[0].bbox.height / figure.axes[0].bbox.width)
+    assert shapes[1] > 0.9 * shapes[0]
 
 
 def test_labels_of_rows_do_not_meet_at_the_width_of_a_column(sweep):
@@ -102,6 +114,8 @@ def test_a_measured_transition_is_joined_with_that_at_its_own_friction(sweep):
     assert found[0] == pytest.approx([expected, 400.0], rel=5e-3)
     usual = {"normal_load": 400.0, "velocity": 2.2, "friction": 0.1}
     assert "at own friction" not in lines(diagram(sweep.assign_attrs(measured=[usual])).axes[0])
+    beyond = {"normal_load": 900.0, "velocity": 1.2, "friction": 0.08}
+    assert "at own friction" not in lines(diagram(sweep.assign_attrs(measured=[beyond])).axes[0])
 
 
 def test_one_load_alone_has_its_transition_marked_or_says_that_there_is_none():
