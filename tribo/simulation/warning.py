@@ -116,8 +116,9 @@ def _few_steps(scene: Scene, state: State) -> list[PointWarning]:
     stages = len(WEAR_SCHEMES[scene.fidelity.wear_scheme].weights)
     if not wears or not 0 < stages * state.index < _FEWEST_STEPS:
         return []
+    count = f"{state.index} steps" if state.index > 1 else "a single step"
     text = (
-        f"{state.normal_load:g} N is reached in {state.index} steps, in which the shape of the "
+        f"{state.normal_load:g} N is reached in {count}, in which the shape of the "
         f"wear is known poorly; take increments that lead there in {_FEWEST_STEPS} or more"
     )
     return [PointWarning(WarningKind.FEW_STEPS, text)]
