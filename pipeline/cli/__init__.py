@@ -11,9 +11,11 @@ import atexit
 import errno
 import gc
 import io
+import os
 import sys
 import warnings
 from collections.abc import Sequence
+from contextlib import suppress
 
 import pipeline
 from pipeline.cli.output import DONE, INTERRUPTED, OTHER_SCENE, WRONG_USE, complain, hushed, tell
@@ -43,7 +45,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         with hushed(options.quiet), warnings.catch_warnings():
             warnings.showwarning = lambda message, *_: tell(f"note: {message}")
-            return int(function_of(options)(options))
+            code = int(function_of(options)(options))
+            if sys.stdout is not None:
+                sys.stdout.flush()  # here, where it can be said that it fails
+            return code
     except KeyboardInterrupt:
         complain("interrupted; finished points are safe: run the same command again to go on")
         return INTERRUPTED
@@ -58,7 +63,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return DONE
     except (MemoryError, OSError, RuntimeError, ImportError) as error:
         if not _is_lack_of_memory(error):
-            raise
+            if not isinstance(error, OSError):
+                raise
+            complain(f"cannot go on: {error}; finished points are safe")
+            _drop_output()
+            return WRONG_USE
         complain(
             "out of memory, or of the threads and processes that this user may start (ulimit -a); "
             "finished points are safe: take fewer workers or a coarser grid"
@@ -80,6 +89,12 @@ def _too_little_memory() -> str | None:
         f"this process may take {limit / 2**20:.0f} MB of memory (ulimit -v), and needs "
         f"{_LEAST_MEMORY / 2**20:.0f} MB at least: raise that"
     )
+
+
+def _drop_output() -> None:
+    """Let Python not try again, at its end, to print what could not be printed."""
+    with suppress(OSError, ValueError, AttributeError):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _is_lack_of_memory(error: BaseException) -> bool:

@@ -74,7 +74,12 @@ def folder_of(path: PathLike) -> Place:
         return Remote(address.rstrip("/"))
     if "://" in address:
         raise StoreError(f"{address}: a store is a local folder or an {SCHEME} address")
-    return Path(address).absolute()
+    try:
+        return Path(address).absolute()
+    except FileNotFoundError:
+        raise StoreError(
+            f"{address}: the folder that this process works in was deleted; go to another"
+        ) from None
 
 
 @contextmanager

@@ -106,6 +106,32 @@ def test_the_root_of_all_files_is_no_store(capsys):
         assert "Traceback" not in capsys.readouterr().err
 
 
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no device that is full")
+@pytest.mark.parametrize("options", [[], ["--json"]])
+def test_results_that_find_no_room_are_an_error_in_a_line(alone, options):
+    with open("/dev/full", "w") as full:  # noqa: PTH123
+        done = subprocess.run(
+            [sys.executable, "-m", "pipeline", "status", alone, *options],
+            env={**os.environ, "PYTHONPATH": str(ROOT)},
+            stdout=full,
+            stderr=subprocess.PIPE,
+            text=True,
+            timeout=60,
+            check=False,
+        )
+    assert done.returncode == 2
+    assert done.stderr.startswith("irg: cannot go on: [Errno 28] No space left")
+    assert done.stderr.count("\n") == 1
+
+
+def test_a_folder_that_was_deleted_under_a_process_is_named_as_that(tmp_path, monkeypatch, capsys):
+    (gone := tmp_path / "gone").mkdir()
+    monkeypatch.chdir(gone)
+    gone.rmdir()
+    assert main(["status", "a.zarr"]) == 2
+    assert "works in was deleted; go to another" in capsys.readouterr().err
+
+
 def test_words_of_a_title_are_no_formula():
     assert as_text(r"$\frac$") == r"\$\frac\$"
     assert len(as_text("a " * 10**6)) <= 240
