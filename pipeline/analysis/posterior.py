@@ -356,8 +356,10 @@ def _quantities(found: Posterior, boundary: Array) -> Iterator[tuple[str, Array,
     ensemble, draws = found.ensemble, found.draws
     for load, column in zip(ensemble.loads.tolist(), boundary.T, strict=True):
         at = math.exp(draws.quantile(column, 0.5))
-        yield f"a transition at {load:g} N, about {at:.3g} m/s", column, found.scatter
         velocity = float(np.clip(at, ensemble.velocities[0], ensemble.velocities[-1]))
+        missed = float(ensemble.surrogate(load, [velocity]).error[0])
+        error = math.hypot(found.scatter, missed / _exponent(ensemble, load, velocity))
+        yield f"a transition at {load:g} N, about {at:.3g} m/s", column, error
         width = ensemble.width_surrogate(load, [velocity])
         values = width(draws.inputs[:, list(ensemble.simulated)])[:, 0]
         error = math.hypot(WIDTH_SCATTER, float(width.error[0]))

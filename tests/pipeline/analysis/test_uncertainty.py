@@ -348,6 +348,15 @@ def test_what_is_measured_next_is_what_narrows_the_boundary_most():
     assert by_name["temperature.critical"].spread < by_name["friction"].spread
 
 
+def test_what_samples_scatter_by_takes_from_what_a_transition_tells():
+    found = pipeline.posterior(ensemble((CRITICAL, RATE), noise=0.07), 0.02)
+    ranked = {each.what.split(",")[0]: each for each in pipeline.candidates(found)}
+    transition = ranked["a transition at 400 N"]
+    error = math.hypot(0.02, 0.07 / EXPONENT)  # of the velocity
+    expected = 1 / math.sqrt(1 + (transition.before / error) ** 2)
+    assert transition.spread / transition.before == pytest.approx(expected, rel=0.1)
+
+
 def test_a_list_has_no_scale_and_shifts_the_rise():
     seed = Unknown("disk.roughness.seed", "list", (0.0, 1.0, 2.0, 3.0))
     found = ensemble((*ALL, seed), 64)
