@@ -53,8 +53,9 @@ slow: .venv/test      ## the long checks: random scenes, large capped contacts, 
 promises: .venv/test  ## judge --accuracy and the presets on random scenes, for an hour at most
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises
 
-samples: .venv/test   ## judge irg risk by 2000 simulations; kill 1000 samples, and resume them
+samples: .venv/test   ## judge irg risk by 2000 simulations, irg infer by 40 truths; kill and resume
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.risk
+	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.coverage
 	$(BIN)/python -m tests.crash.samples
 
 mutants: .venv/test   ## change the code at random, and see whether a test notices, for an hour
