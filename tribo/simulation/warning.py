@@ -15,7 +15,7 @@ from tribo.wear import EXPLICIT_LIMIT, WEAR_SCHEMES
 
 FEW_NODES = 400  # below which `draft` errs by over 8 % and `standard` by over 3 % in most scenes,
 # and a coarse history of heavy wear, which does not know the summits that wear, by up to 80 %
-_SLOW = 0.1  # [m/s] from which on the present heat moved no boundary by more than 1.7 %
+_SLOW = 0.1  # [m/s] from which on the present heat moved no boundary by more than 2.1 %
 _MOSTLY_HELD = 0.75  # of the present load times the time: a ramp makes half of it, a hold all
 _FEWEST_STEPS = 3  # or stages of steps, in which heavy wear knows the rise to about 10 %
 
