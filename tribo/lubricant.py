@@ -137,11 +137,13 @@ def minimum_point_film(
     normal_load: float,
     radius: float,
     contact_modulus: float,
+    ellipticity: float = 1.0,
 ) -> float:
-    """Minimum film thickness between a smooth ball and a plane [m].
+    """Minimum film thickness between a smooth ball or crowned roller and a plane [m].
 
-    h/R = 3.63 U^0.68 G^0.49 W^−0.073 (1 − e^−0.68) with U = ηu/(E'R), G = αE', W = F/(E'R²),
-    E' = 2E* (Hamrock & Dowson, J. Lubr. Technol. 99, 1977, for a circular contact).
+    h/R = 3.63 U^0.68 G^0.49 W^−0.073 (1 − e^−0.68k) with U = ηu/(E'R), G = αE', W = F/(E'R²),
+    E' = 2E* (Hamrock & Dowson, J. Lubr. Technol. 99, 1977). It was fitted to ellipticities k from 1
+    to 8; beyond, it goes on to that of a long contact and, for an ellipse along the motion, to 0.
 
     Parameters
     ----------
@@ -150,7 +152,9 @@ def minimum_point_film(
     normal_load : float
         Load F [N].
     radius : float
-        Radius R of the ball [m].
+        Radius R of the ball, or of the roller in the plane of motion [m].
+    ellipticity : float
+        Width of the contact across the motion over that along it, k.
 
     Examples
     --------
@@ -160,7 +164,7 @@ def minimum_point_film(
     """
     R, E = radius, 2 * contact_modulus
     U, G, W = viscosity * speed / (E * R), pressure_coefficient * E, normal_load / (E * R**2)
-    return float(3.63 * U**0.68 * G**0.49 * W**-0.073 * (1 - math.exp(-0.68)) * R)
+    return float(3.63 * U**0.68 * G**0.49 * W**-0.073 * -math.expm1(-0.68 * ellipticity) * R)
 
 
 def lubrication_regime(film_parameter: float) -> str:

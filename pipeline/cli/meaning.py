@@ -10,7 +10,7 @@ from pipeline.sweep.facts import Facts, Span
 from pipeline.sweep.lubrication import Lubrication
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.surface import SurfaceFacts
-from tribo import Crowned, lubrication_regime
+from tribo import lubrication_regime
 
 
 def meaning(sweep: Sweep, facts: Facts) -> Iterator[str]:
@@ -60,8 +60,6 @@ def _film(sweep: Sweep) -> Iterator[str]:
     lubrication = Lubrication.of(sweep)
     if lubrication is None:
         missing = "a rough disk" if sweep.roughness is None else "pressure_viscosity_coefficient"
-        if isinstance(sweep.pin, Crowned):
-            missing = "a cylinder or a ball as pin"
         yield f"  film     not known without {missing}"
         return
     corners = np.meshgrid(sweep.loads, sweep.velocities)

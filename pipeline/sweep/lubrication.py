@@ -22,6 +22,7 @@ from tribo import (
     Cylinder,
     Motion,
     Oil,
+    analytic,
     contact_modulus,
     minimum_line_film,
     minimum_point_film,
@@ -40,13 +41,15 @@ class Lubrication:
     radius : float
         Radius of the pin [m].
     length : float or None
-        Length of a cylinder [m]; None for a ball.
+        Length of a cylinder [m]; None for any other pin.
     contact_modulus : float
         Contact modulus of the two bodies [Pa].
     rms_height : float
         Root mean square height of the disk [m].
     motion : Motion or None
         How both bodies move; None if the pin is at rest.
+    crown_radius : float or None
+        Radius of a crowned roller across the motion [m]; None for any other pin.
     """
 
     oil: Oil
@@ -55,6 +58,7 @@ class Lubrication:
     contact_modulus: float
     rms_height: float
     motion: Motion | None = None
+    crown_radius: float | None = None
 
     @classmethod
     def of(cls, sweep: Sweep) -> Self | None:
@@ -62,7 +66,7 @@ class Lubrication:
         if sweep.oil is None or sweep.oil.pressure_coefficients is None:
             return None
         surface = surface_facts(sweep)
-        if surface is None or isinstance(sweep.pin, Crowned):  # no formula here for an ellipse
+        if surface is None:
             return None
         pin = sweep.pin
         return cls(
@@ -72,6 +76,7 @@ class Lubrication:
             contact_modulus(pin.material, sweep.disk),
             surface.rq,
             sweep.motion,
+            pin.crown_radius if isinstance(pin, Crowned) else None,
         )
 
     @classmethod
@@ -102,8 +107,18 @@ class Lubrication:
         coefficient = self.oil.pressure_coefficient(temperature)
         oil = abs(sum(both)) / 2, viscosity, coefficient
         if self.length is None:
-            return minimum_point_film(*oil, load, self.radius, self.contact_modulus)
+            solids = self.radius, self.contact_modulus, self.ellipticity
+            return minimum_point_film(*oil, load, *solids)
         return minimum_line_film(*oil, load / self.length, self.radius, self.contact_modulus)
+
+    @property
+    def ellipticity(self) -> float:
+        """Width of a point contact across the motion over that along it (Hertz)."""
+        if self.crown_radius is None:
+            return 1.0
+        # Any load and modulus give the same.
+        ellipse = analytic.hertz_ellipse(1.0, self.radius, self.crown_radius, self.contact_modulus)
+        return ellipse.half_y / ellipse.half_x
 
     def film_parameter(self, load: ArrayLike, velocity: ArrayLike, temperature: float) -> Array:
         """Film parameter Λ of loads [N] and velocities [m/s], broadcast.

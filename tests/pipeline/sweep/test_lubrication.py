@@ -8,7 +8,15 @@ import pytest
 
 import pipeline
 from pipeline.sweep.lubrication import Lubrication
-from tribo import Ball, Motion, Oil, lubrication_regime, minimum_line_film, minimum_point_film
+from tribo import (
+    Ball,
+    Crowned,
+    Motion,
+    Oil,
+    lubrication_regime,
+    minimum_line_film,
+    minimum_point_film,
+)
 
 WORKFLOWS = Path(__file__).parents[3] / "workflows"
 WHITE = Oil((313.15, 373.15), (32e-6, 5e-6), 866.0, (20e-9, 20e-9))
@@ -54,6 +62,21 @@ def test_a_ball_has_the_film_of_a_point_contact(sweep):
         0.5, WHITE.viscosity(298.15), 20e-9, 50.0, 5e-3, found.contact_modulus
     )
     assert found.film_thickness(50.0, 1.0, 298.15) == expected
+
+
+@pytest.mark.parametrize("ratio", [1.0, 2.0, 5.0, 20.0])
+def test_a_crowned_roller_has_the_film_of_an_elliptic_contact(sweep, ratio):
+    """Hamrock and Dowson give k = 1.03 (R_y/R_x)^0.64 in place of the ellipse of Hertz."""
+    free = replace(sweep.pixels, periodic=(False, False))
+    ball, crowned = (
+        Lubrication.of(replace(sweep, pin=pin, pixels=free, wear=None))
+        for pin in (Ball(5e-3, sweep.disk), Crowned(5e-3, 5e-3 * ratio, sweep.disk))
+    )
+    assert crowned.ellipticity == pytest.approx(1.03 * ratio**0.64, rel=0.03)
+    thicker = np.expm1(-0.68 * crowned.ellipticity) / np.expm1(-0.68)
+    at = 50.0, 1.0, 298.15
+    assert crowned.film_thickness(*at) == pytest.approx(thicker * ball.film_thickness(*at))
+    assert Lubrication.stored({"lubrication": crowned.as_dict()}) == crowned
 
 
 def test_line_and_point_formulas_have_their_exponents():
