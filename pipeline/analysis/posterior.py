@@ -191,8 +191,9 @@ def posterior_if_given(
     if not given_measured:
         if scatter is not None:
             raise InputError(
-                f"scatter is {scatter:g}, that of measured velocities, which are not to count; "
-                "leave it out, or ask for what is given by the measured transitions"
+                f"scatter is {scatter:g}, that of measured velocities, which count only if the "
+                "result is given by the measured transitions: ask for that, too "
+                "(--given-measured, in Python given_measured=True), or leave it out"
             )
         return None
     if not ensemble.measured:
