@@ -27,6 +27,7 @@ from pipeline.run.sweep import ExecutionError, run_sweep
 from pipeline.store import DONE, Store, StoreError, summary, verify_store
 from pipeline.sweep.plan import points, run_point
 from tests.crash.bounded import add_seconds
+from tests.crash.compared import differing
 from tests.helpers import tiny
 
 SWEEP = tiny.full(
@@ -128,10 +129,7 @@ class Sweeps:
         self.look()
         store = Store(self.path)
         for point, expected in self._expected.items():
-            found = store.at(point, [*expected.columns, *expected.fields])
-            for name, values in (expected.columns | expected.fields).items():
-                if found[name][: len(values)].tobytes() != values.tobytes():
-                    self.faults.append(f"{point}: {name} differs")
+            self.faults += [f"{point}: {name} differs" for name in differing(store, expected)]
         shutil.rmtree(self.path)
         self.finished += 1
         self._seen = set()

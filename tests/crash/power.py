@@ -45,6 +45,7 @@ from pipeline.store import (
 from pipeline.sweep.plan import points, run_point
 from tests.crash import scenario
 from tests.crash.bounded import add_seconds, until
+from tests.crash.compared import differing
 from tests.helpers import tiny
 
 WRITERS = 4
@@ -136,22 +137,17 @@ def faults_of(path, told, results):
         done = {point for point, flag in store.status().items() if flag == DONE}
         yield from (f"{point} was acknowledged and is not done" for point in set(told) - done)
         yield from (f"damaged: {damage}" for damage in verify_store(path).damaged)
-        yield from (f"{point} differs" for point in done if differs(store, point, results))
+        yield from (f"{point} differs" for point in done if differing(store, results[point]))
         with scenario.computing(), mock.patch.object(scenario, "results", return_value=results):
             run_sweep(SWEEP, path)
         store = Store(path)
-        yield from (f"{at}: gone on with, differs" for at in results if differs(store, at, results))
+        wrong = (point for point, result in results.items() if differing(store, result))
+        yield from (f"{point}: gone on with, differs" for point in wrong)
         yield from (f"left over: {left.name}" for left in path.rglob("*.partial"))
         if not verify_store(path).is_clean:
             yield "gone on with, it is damaged"
     except Exception as error:
         yield f"{type(error).__name__}: {error}"
-
-
-def differs(store, point, results):
-    expected = results[point].columns | results[point].fields
-    found = store.at(point, list(expected))
-    return any(found[name][: len(own)].tobytes() != own.tobytes() for name, own in expected.items())
 
 
 @contextmanager

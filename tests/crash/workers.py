@@ -23,6 +23,7 @@ from pipeline.run.sweep import run_sweep
 from pipeline.store import Store, summary
 from pipeline.sweep.plan import points, run_point
 from tests.crash.bounded import add_seconds, until
+from tests.crash.compared import differing
 from tests.crash.kills import workers_of
 from tests.helpers import tiny
 
@@ -50,11 +51,7 @@ def faults_of(path, sweep, expected):
             how = "has failed" if (point.load, point.velocity) in failed else "is still pending"
             yield f"{point} {how}"
         else:
-            result = expected(point)
-            found = store.at(point, [*result.columns, *result.fields])
-            for name, values in (result.columns | result.fields).items():
-                if found[name][: len(values)].tobytes() != values.tobytes():
-                    yield f"{point}: {name} differs"
+            yield from (f"{point}: {name} differs" for name in differing(store, expected(point)))
 
 
 def driven(kind, velocities, path, workers):
