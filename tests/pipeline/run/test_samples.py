@@ -274,7 +274,7 @@ def test_the_risk_is_that_of_direct_simulations(sampled):
     [
         (("risk", "--load", "500 N"), "give --load and --velocity, or neither"),
         (("risk", "--load", "900 N", "--velocity", "2 m/s"), "load is 900 N; the samples have"),
-        (("risk", "--given-measured"), "no [[measured]] transition"),
+        (("risk", "--given-measured"), "no measured transition; give it a [[measured]]"),
     ],
 )
 def test_wrong_use_is_told_in_a_line(sampled, capsys, arguments, told):
@@ -310,6 +310,10 @@ def test_the_boundary_and_the_margin_of_samples_are_a_band_under_their_own_input
     place = ("--load", "200 N", "--velocity", "2.5 m/s")
     for command in (("boundary",), ("margin", *place), ("plot", "-o", folder / "plane.png")):
         assert main([command[0], str(folder / "out.zarr"), *map(str, command[1:])]) == 0
+    out = capsys.readouterr().out
+    assert "severe wear with a probability of" in out
+    assert "in 90 % of cases" in out
+    assert main(["margin", str(folder / "out.zarr"), *place, "--friction", "0.13"]) == 0
     assert "of 20 samples" in capsys.readouterr().out
     assert main(["plot", str(folder / "out.zarr"), "--kind", "ramp"]) == 2
     assert "samples of unknown inputs" in capsys.readouterr().err
