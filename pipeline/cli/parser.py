@@ -191,7 +191,10 @@ def parse(arguments: Sequence[str] | None) -> argparse.Namespace:
         argcomplete.autocomplete(parser)
     options, unknown = parser.parse_known_args(arguments)
     if unknown:  # told by the command, whose usage shows what it takes
-        options.parser.error(f"unknown option or argument: {' '.join(unknown)}")
+        named = " ".join(unknown)
+        options.parser.error(
+            f"unknown option or argument: {named}; options stand after the command"
+        )
     if options.parser is parser:
         parser.print_help(sys.stderr)
         parser.exit(2, "irg: give a command\n")
