@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from pipeline.store.variables import COORDINATES, variables
 from pipeline.sweep.left_out import left_out
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.plan import step_count
@@ -22,7 +23,7 @@ _SECONDS_TO_START = 1.0  # of a cluster and its workers
 _SECONDS_TO_COMMIT = 0.005  # of scheduling a point and writing it
 _WORKER_BYTES = 115e6  # interpreter and libraries
 _FIELDS_IN_MEMORY = 60  # arrays of the grid's size that a worker holds at a time
-_STORED_COLUMNS = 15  # numbers a step, besides the quantiles
+_BLOCK = 4096  # [B] that the smallest file takes on most disks
 _NODES = 1280  # of the elimination that is timed
 _SPAN = 0.35  # logarithm of the ratio of two velocities that enclose a boundary
 _LONG = 10.0  # [s] for one temperature
@@ -213,15 +214,21 @@ def _too_many_nodes(nodes: int, seconds: float) -> Iterator[str]:
 
 
 def _disk_bytes(sweep: Sweep) -> float:
-    """Size of the store, uncompressed [B]."""
+    """Size of the store, of which each point has files of its own, uncompressed [B]."""
     each = min(2, len(sweep.velocities)) if sweep.samples else len(sweep.velocities)
     points = len(sweep.loads) * each * len(sweep.simulated)
-    steps = max(step_count(sweep, load) for load in sweep.loads)
-    fields = 3 + sweep.unequal_bulks if sweep.store_fields else 0
-    columns = _STORED_COLUMNS + len(QUANTILES)
-    if sweep.unequal_bulks:
-        columns += 1 + len(BULK_RATIOS) * len(QUANTILES)
-    return 8.0 * points * (columns * steps + fields * math.prod(sweep.grid.shape))
+    nx, ny = sweep.grid.shape
+    sizes = {
+        "step": max(step_count(sweep, load) for load in sweep.loads),
+        "quantile": len(QUANTILES),
+        "bulk_ratio": len(BULK_RATIOS),
+        "x": nx,
+        "y": ny,
+    }
+    kinds = variables(None, sweep.store_fields, sweep.unequal_bulks)
+    shapes = [kind.dims[2:] for name, kind in kinds.items() if name not in COORDINATES]
+    numbers = [math.prod(sizes[name] for name in shape) for shape in shapes]
+    return points * _BLOCK * sum(math.ceil(8 * count / _BLOCK) for count in numbers)
 
 
 def _idle_rows(sweep: Sweep, contact_rows: int) -> Iterator[str]:
