@@ -115,7 +115,7 @@ def drawn_or_written(
     """Draw a figure or write a table, as `out` asks; note it in the document, and say so."""
     if out is None or is_table(out):
         return written(out, rows, document)
-    document["file"] = str(pipeline.save_figure(draw(), out))
+    document["figure"] = str(pipeline.save_figure(draw(), out))
     return [str(out)]
 
 
