@@ -6,8 +6,10 @@ import sys
 import time
 from pathlib import Path
 
+import distributed
 import psutil
 import pytest
+from packaging.version import Version
 
 from pipeline.run import forkserver
 from pipeline.run.cluster import connected
@@ -22,7 +24,9 @@ def test_workers_begin_with_their_settings_and_with_all_imported():
     for name, value in forkserver.WORKER_ENVIRONMENT.items():
         assert f"{name}={value}" in environment
     assert imported > {"pipeline.run.schedule", "scipy.special", "scipy.fft", "numpy"}
-    assert not imported & {"pandas", "xarray", "matplotlib"}
+    assert not imported & {"xarray", "matplotlib"}
+    if Version(distributed.__version__) >= Version("2026.8"):  # older ones import it themselves
+        assert "pandas" not in imported
     assert frozen > 10_000  # objects, of what was imported
 
 
