@@ -10,6 +10,7 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+import time
 from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
@@ -20,6 +21,7 @@ from pipeline.store.folder import ROOT, Place, StoreError, read_json, sync, writ
 from pipeline.store.layout import faults_of
 from pipeline.store.variables import FORMAT, HASHED
 
+_PAUSES = (0.1, 0.3, 1.0)  # [s] after which to look again for a copy that is being renewed
 COPY = "root.json"
 """Name of the copy of the root, in the folder of the statuses."""
 
@@ -133,7 +135,14 @@ def renew_copy(folder: Place) -> None:
 
 
 def has_copy(folder: Place) -> bool:
-    """Whether there is a copy of the root, and it is up to date."""
+    """Whether there is a copy of the root, and it is up to date, or soon after.
+
+    Whoever commits a root renews the copy next.
+    """
+    for pause in _PAUSES:
+        if copy_of(folder) == read_json(folder / ROOT):
+            return True
+        time.sleep(pause)
     return copy_of(folder) == read_json(folder / ROOT)
 
 

@@ -12,7 +12,7 @@ from pipeline.analysis.dataset import open_sweep
 from pipeline.cli import main
 from pipeline.run.sweep import run_sweep
 from pipeline.store import Store, StoreError, compact_store, prepare, summary, verify_store
-from pipeline.store.root import COPY
+from pipeline.store.root import COPY, renew_copy
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import run_point
 from tests.helpers import tiny
@@ -310,3 +310,11 @@ def test_a_folder_with_files_in_the_place_of_one_stays(copy):
     with pytest.raises(StoreError, match="not empty"):
         verify_store(copy, repair=True)
     assert (file / "mine").exists()
+
+
+def test_a_copy_that_is_being_renewed_is_no_damage(tmp_path, monkeypatch):
+    path = tmp_path / "tiny.zarr"
+    store = prepare(path, tiny.sweep())
+    (path / "status" / COPY).unlink()
+    monkeypatch.setattr("pipeline.store.root.time.sleep", lambda _: renew_copy(store.path))
+    assert verify_store(path).is_clean
