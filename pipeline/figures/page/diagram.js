@@ -98,8 +98,7 @@ function drawnShades(frame) {
     found.push(area(frame, fine, fine.map(() => lowest), middle, "mild"));
     found.push(area(frame, fine, middle, fine.map(() => highest), "severe"));
   }
-  // Where more of the surfaces stay cooler, the load may be higher.
-  if (edges.length > 1) found.push(area(frame, fine, edges[2], edges[0], "band"));
+  if (edges.length > 1) found.push(area(frame, fine, edges[0], edges[2], "band"));
   return found;
 }
 

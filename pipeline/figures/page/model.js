@@ -19,8 +19,7 @@
  * @typedef {{velocity: Crossings, load: Crossings, missing: number}} Boundary
  * @typedef {{rise: number, moment: number}} Worst
  * @typedef {{rises: number[][][], along: Line[][], across: Line[][], fine: number[],
- *   columns: Line[][], bands: Edge[]}} Decisive decisive rises, and lines through them by surface
- * @typedef {{columns: Line[], rows: Line[]}} Edge by fine velocity, and by load
+ *   columns: Line[][]}} Decisive decisive rises, and lines through them by surface
  */
 
 const BAND = [0.1, 0.5, 0.9];
@@ -32,7 +31,7 @@ const POINT_DONE = 1;
 const POINT_FAILED = 2;
 
 /**
- * Value that a share of all stays below, linear between them; NaN if not between finite values.
+ * Value that a share of all stays below, linear between them; infinite if beyond the finite ones.
  * @param {number[]} values also infinite ones; NaN is left out @param {number} share
  */
 function quantileOf(values, share) {
@@ -41,7 +40,7 @@ function quantileOf(values, share) {
   const place = share * (ranked.length - 1);
   const low = ranked[Math.floor(place)];
   const high = ranked[Math.ceil(place)];
-  if (!Number.isFinite(low) || !Number.isFinite(high)) return NaN;
+  if (!Number.isFinite(low) || !Number.isFinite(high)) return low + high;
   return low + (place - Math.floor(place)) * (high - low);
 }
 
@@ -166,35 +165,13 @@ class Sweep {
       velocities.map((_, j) => lineOf(loads, rows.map((row) => row[j]))),
     );
     const fine = this.fineVelocities();
-    const planes = along.map((rows) =>
-      fine.map((at) => rows.map((row) => valueAt(row, at, this.continued))),
+    const columns = along.map((rows) =>
+      fine.map((at) => lineOf(loads, rows.map((row) => valueAt(row, at, this.continued)))),
     );
-    const columns = planes.map((plane) => plane.map((column) => lineOf(loads, column)));
-    const bands = this.surfaces > 1 ? BAND.map((part) => this.bandEdge(planes, rises, part)) : [];
-    const found = { rises, along, across, fine, columns, bands };
+    const found = { rises, along, across, fine, columns };
     if (this.kept.size > 10) this.kept.clear();
     this.kept.set(key, found);
     return found;
-  }
-
-  /**
-   * Lines through the rises that a share of the surfaces stays below.
-   * @param {number[][][]} planes by surface, fine velocity and load
-   * @param {number[][][]} rises by surface, load and velocity @param {number} share @returns {Edge}
-   */
-  bandEdge(planes, rises, share) {
-    const known = planes.map((plane) => plane.some((column) => column.some(Number.isFinite)));
-    const over = (/** @type {number[][][]} */ each, /** @type {number} */ k, /** @type {number} */ l) => {
-      const values = each.filter((_, surface) => known[surface]).map((plane) => plane[k][l]);
-      return values.every(Number.isFinite) ? quantileOf(values, share) : NaN;
-    };
-    const columns = planes[0].map((column, k) =>
-      lineOf(this.loads, column.map((_, i) => over(planes, k, i))),
-    );
-    const rows = rises[0].map((row, i) =>
-      lineOf(this.velocities, row.map((_, j) => over(rises, i, j))),
-    );
-    return { columns, rows };
   }
 
   /** Velocities at which to draw the boundary: those of the sweep, and some between them. */
@@ -232,20 +209,24 @@ class Sweep {
 
   /**
    * Boundaries to draw: critical load at each of the fine velocities and velocity at each load,
-   * infinite or NaN where there is none. Of one surface, or the edges and the median of the band.
+   * infinite beyond the sweep and NaN where not known. Of one surface; or of all of them the lower
+   * edge of the band, the median and the upper edge, with which the tables agree.
    * @param {number | null} surface @param {Conditions} conditions
    */
   drawn(surface, conditions) {
-    const { columns, along, bands } = this.decisive(conditions);
-    const edges = surface === null ? bands : [{ columns: columns[surface], rows: along[surface] }];
+    const { columns, along } = this.decisive(conditions);
     const limit = riseLimit(conditions);
-    return edges.map((edge) => {
-      const [loads, velocities] = [edge.columns, edge.rows].map((lines) => crossings(lines, limit));
-      return {
-        loads: loads.at.map((load, k) => beyond(load, loads.outcome[k])),
-        velocities: velocities.at,
-      };
-    });
+    const [loads, velocities] = [columns, along].map((lines) =>
+      (surface === null ? lines : [lines[surface]])
+        .map((each) => crossings(each, limit))
+        .map(({ at, outcome }) => at.map((value, k) => beyond(value, outcome[k]))),
+    );
+    const over = (/** @type {number[][]} */ each, /** @type {number} */ share) =>
+      each[0].map((_, k) => quantileOf(each.map((values) => values[k]), share));
+    return (surface === null ? BAND : [0.5]).map((share) => ({
+      loads: over(loads, share),
+      velocities: over(velocities, share),
+    }));
   }
 
   /**

@@ -59,12 +59,12 @@ def held():
     return ds.assign_attrs(one().attrs)
 
 
-def along_boundary():
+def along_boundary(seed=0, left_out=(), sample=None):
     """Chosen points only, each load at velocities of its own, on both sides of the boundary."""
-    ds = one(status={})
+    ds = one(status={}, rise=_uneven(seed))
     severe = ds["rise_quantile"].isel(quantile=22).max("step") > synthetic.limit()
     chosen = [
-        [float(load), float(velocity), None]
+        [float(load), float(velocity), None, sample]
         for i, load in enumerate(ds["load"].values)
         for j, velocity in enumerate(ds["velocity"].values)
         if (i + j) % 3 == 0
@@ -75,9 +75,18 @@ def along_boundary():
         (float(load), float(velocity)): 0
         for load in ds["load"].values
         for velocity in ds["velocity"].values
-        if [float(load), float(velocity), None] not in chosen
-    }
-    return one(status=status, chosen=chosen)
+        if [float(load), float(velocity), None, sample] not in chosen
+    } | dict.fromkeys(left_out, 0)
+    return one(status=status, chosen=chosen, rise=_uneven(seed))
+
+
+def samples():
+    """Five samples, each along its own boundary; two are mild throughout 200 N, one lacks 750 N."""
+    lacking = [(750.0, velocity) for velocity in _VELOCITIES]
+    parts = [along_boundary(k, lacking if k == 4 else (), k) for k in range(5)]
+    chosen = [place for part in parts for place in part.attrs["chosen"]]
+    found = xr.concat(parts, xr.Variable("sample", np.arange(5)), combine_attrs="override")
+    return found.assign_attrs(chosen=chosen)
 
 
 def of_two_bulks():
@@ -100,5 +109,6 @@ KINDS = {
     "several surfaces": over_surfaces,
     "a hold": held,
     "boundary only": along_boundary,
+    "samples": samples,
     "two bulk temperatures": of_two_bulks,
 }

@@ -12,6 +12,7 @@ from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 
 import pipeline
+from pipeline.analysis.band import MILD
 from pipeline.analysis.boundary import decisive_rise
 from pipeline.analysis.interpolation import crossing, interpolated
 from tests.helpers import synthetic
@@ -101,7 +102,7 @@ def test_the_boundary_is_that_of_the_command(page, kind):
             strict=True,
         ):
             words = f"{name.replace('_', ' ')} {unit}"
-            if "realization" in ds.dims:
+            if "crossing_at_load" in expected:
                 for k, part in enumerate(("10 %", "median", "90 %")):
                     same(column(table, f"{words} {part}"), expected[f"{name}_quantile"][k])
                 same(column(table, "mean"), expected[f"{name}_mean"])
@@ -153,6 +154,32 @@ def test_the_line_that_is_drawn_lies_on_the_plane_of_the_diagram(page):
     expected = [crossing(ds["load"].values, column, synthetic.limit()) for column in columns]
     assert np.isfinite(expected).sum() > 50
     same([load if load and math.isfinite(load) else math.nan for load in loads], expected)
+
+
+@pytest.mark.parametrize("kind", ["several surfaces", "samples"])
+def test_the_lines_over_several_meet_the_quantiles_of_the_command_at_each_load(page, kind):
+    ds = sweeps.KINDS[kind]()
+    expected = pipeline.boundary(ds)["critical_velocity_quantile"].values
+    drawn = "return sweep.drawn(null, chosen.conditions).map((each) => each.velocities);"
+    found = np.array(page(ds).execute_script(drawn), dtype=float)  # None where infinite or NaN
+    same(found, expected)
+    assert np.isfinite(expected[1, 1:]).all()
+
+
+def test_the_median_goes_on_where_one_sample_has_no_boundary(page):
+    ds = sweeps.samples()
+    found = pipeline.boundary(ds)
+    assert np.count_nonzero(found["outcome_at_load"].sel(load=200.0) == MILD) == 2
+    assert found["known_at_load"].sel(load=750.0) == 4
+    drawn = """
+    const { x, y, width } = document.querySelector("#diagram path.boundary").getBBox();
+    const [first, last] = arguments;
+    return [[x, diagram.frame.x(first)], [y, diagram.frame.y(750)],
+            [x + width, diagram.frame.x(last)]];
+    """
+    (first,) = found["critical_velocity_quantile"].sel(quantile=0.5, load=[750.0]).values.tolist()
+    for place, expected in page(ds).execute_script(drawn, first, float(ds["velocity"].max())):
+        assert place == pytest.approx(expected, abs=0.1)  # the path is written in tenths of a pixel
 
 
 def test_a_page_begins_with_the_conditions_of_the_store(page):
