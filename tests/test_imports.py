@@ -20,13 +20,17 @@ HEAVY = {
     "distributed",
     "zarr",
     "xarray",
+    "pandas",
     "matplotlib",
     "pint",
     "tqdm",
     "pipeline.run",
+    "scipy",
     "scipy.fft",
     "scipy.special",
+    "tribo.simulation",
 }
+SIMULATION = {"pipeline", "tribo", "scipy", "tribo.simulation"}
 
 
 def loaded_by(code):
@@ -43,20 +47,26 @@ def loaded_by(code):
     return set(done.stdout.splitlines()[-1].split())
 
 
+def help_of(*arguments):
+    """Code that asks the command for help."""
+    return (
+        "import contextlib, pipeline.cli as cli\nwith contextlib.suppress(SystemExit): "
+        f"cli.main({list(arguments)!r})"
+    )
+
+
 @pytest.mark.parametrize(
     ("code", "allowed"),
     [
-        ("import tribo, tribo.analytic", {"tribo"}),
+        ("import tribo", {"tribo"}),
+        ("import tribo.analytic", {"tribo", "scipy"}),
         ("import pipeline", {"pipeline"}),
         ("import pipeline.cli", {"pipeline", "tribo"}),
-        (
-            "import contextlib, pipeline.cli as cli\nwith contextlib.suppress(SystemExit): "
-            "cli.main(['--help'])",
-            {"pipeline", "tribo"},
-        ),
-        ("import pipeline; pipeline.run_point", {"pipeline", "tribo"}),
-        ("import pipeline; pipeline.summary", {"pipeline", "tribo", "zarr"}),
-        ("import pipeline; pipeline.open_sweep", {"pipeline", "tribo", "zarr", "xarray"}),
+        (help_of("--help"), {"pipeline", "tribo"}),
+        (help_of("run", "--help"), {"pipeline", "tribo"}),
+        ("import pipeline; pipeline.run_point", SIMULATION),
+        ("import pipeline; pipeline.summary", SIMULATION | {"zarr"}),
+        ("import pipeline; pipeline.open_sweep", SIMULATION | {"zarr", "xarray", "pandas"}),
     ],
 )
 def test_an_import_loads_no_more_than_it_needs(code, allowed):
@@ -66,13 +76,13 @@ def test_an_import_loads_no_more_than_it_needs(code, allowed):
 def test_reading_scenes_loads_no_more_than_their_units_do():
     """Of which pint looks for dask by itself, and older ones for all that its arrays take."""
     found = loaded_by("import pipeline; pipeline.load_scene")
-    assert found <= {"pipeline", "tribo"} | loaded_by("import pint")
+    assert found <= SIMULATION | loaded_by("import pint")
 
 
 def test_the_state_of_a_sweep_without_warnings_needs_no_dataset(tmp_path):
     prepare(tmp_path / "tiny.zarr", tiny.sweep())
     status = f"import pipeline.cli as cli; cli.main(['status', {str(tmp_path / 'tiny.zarr')!r}])"
-    assert loaded_by(status) <= {"pipeline", "tribo", "zarr"}
+    assert loaded_by(status) <= SIMULATION | {"zarr"}
 
 
 def test_a_run_that_ends_without_warnings_needs_no_dataset(tmp_path):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import re
-import tomllib
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -187,6 +186,8 @@ def setting(text: str) -> tuple[str, Any]:
     key, separator, value = text.partition("=")
     if not (separator and key and value):
         raise argparse.ArgumentTypeError(f'"{text}" is not a setting; give one like increments=50')
+    import tomllib  # takes 5 ms, which --help would take, too
+
     try:
         return key, tomllib.loads(f"value = {value}")["value"]
     except tomllib.TOMLDecodeError:

@@ -10,6 +10,7 @@ from importlib.metadata import version
 import pytest
 
 import pipeline
+import tribo
 from pipeline.cli import main
 from pipeline.cli.parser import COMMANDS, function_of, parse
 from tests.pipeline.cli.test_commands import SCENE
@@ -54,6 +55,13 @@ def test_quiet_leaves_results_and_errors_alone(tmp_path, capsys):
     assert "share is 3" in capsys.readouterr().err
     assert main(["run", *arguments]) == 0
     assert "9 of 9 points done" in capsys.readouterr().err
+
+
+def test_help_names_every_preset(capsys):
+    with pytest.raises(SystemExit):
+        main(["run", "--help"])
+    said = "".join(capsys.readouterr().out.split())  # lines break after the hyphen of a name, too
+    assert f"fidelityinplaceofthescene'sown:{','.join(tribo.PRESETS)}--set" in said
 
 
 @pytest.mark.parametrize("command", COMMANDS, ids=[command.name for command in COMMANDS])
