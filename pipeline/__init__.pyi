@@ -39,10 +39,10 @@ from .run.vary import Variations as Variations
 from .run.vary import vary as vary
 from .scene.faults import SceneFileError as SceneFileError
 from .scene.point import run_point as run_point
+from .scene.quantities import display as display
 from .scene.scenefile import load_scene as load_scene
 from .scene.scenefile import scene_entry as scene_entry
 from .scene.template import new_scene as new_scene
-from .scene.units import display as display
 from .scene.units import to_si as to_si
 from .store.compact import compact_store as compact_store
 from .store.folder import StoreError as StoreError

@@ -9,7 +9,7 @@ import tribo
 from pipeline.scene.entries import did_you_mean, entry_at, quoted
 from pipeline.scene.faults import Fault
 from pipeline.scene.library import nearest
-from pipeline.scene.units import display
+from pipeline.scene.quantities import display
 
 Roughness = tribo.SelfAffineRoughness | tribo.MeasuredRoughness
 

@@ -1,8 +1,18 @@
-"""Quantities as a user gives them in Python: numbers in SI, or text with a unit."""
+"""Quantities as a user gives them in Python, in SI or as text with a unit, and is shown them."""
 
 from __future__ import annotations
 
 from tribo import InputError
+
+_DISPLAY = {
+    "°C": (1.0, -273.15),
+    "N": (1.0, 0.0),
+    "m/s": (1.0, 0.0),
+    "s": (1.0, 0.0),
+    "mm": (1e3, 0.0),
+    "µm": (1e6, 0.0),
+    "GPa": (1e-9, 0.0),
+}
 
 
 def in_si(name: str, given: float | str, like: str) -> float:
@@ -57,3 +67,15 @@ def share_of(given: float | str) -> float:
         return float(number) / 100 if number != given.strip() else float(number)
     except ValueError:
         raise InputError(f'"{given}": give a share such as 10% or 0.1') from None
+
+
+def display(value: float, unit: str, digits: int = 6) -> str:
+    """Write an SI value as text in °C, N, m/s, s, mm, µm or GPa.
+
+    Examples
+    --------
+    >>> display(298.15, "°C"), display(1.25, "m/s"), display(2.7e-7, "µm")
+    ('25 °C', '1.25 m/s', '0.27 µm')
+    """
+    factor, offset = _DISPLAY[unit]
+    return f"{value * factor + offset:.{digits}g} {unit}"

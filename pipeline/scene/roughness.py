@@ -12,6 +12,7 @@ import tribo
 from pipeline.scene.document import Document
 from pipeline.scene.entries import entry_at, quoted
 from pipeline.scene.faults import Fault
+from pipeline.scene.quantities import display
 from pipeline.scene.surfaces import (
     PLAIN,
     Surface,
@@ -21,7 +22,6 @@ from pipeline.scene.surfaces import (
     read_surface,
     repeated,
 )
-from pipeline.scene.units import display
 from tribo.types import Array
 
 

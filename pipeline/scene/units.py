@@ -1,4 +1,4 @@
-"""Quantities with units: from text to SI, and from SI to text for display."""
+"""Quantities with units: from text to SI."""
 
 from __future__ import annotations
 
@@ -32,16 +32,6 @@ _PINT_ERRORS = (
 
 _DEGREES = {"C": "degC", "F": "degF"}
 """What is meant by units that are of charge and of capacitance, where a temperature is due."""
-
-_DISPLAY = {
-    "°C": (1.0, -273.15),
-    "N": (1.0, 0.0),
-    "m/s": (1.0, 0.0),
-    "s": (1.0, 0.0),
-    "mm": (1e3, 0.0),
-    "µm": (1e6, 0.0),
-    "GPa": (1e-9, 0.0),
-}
 
 
 class UnitError(TriboError, ValueError):
@@ -116,18 +106,6 @@ def si_unit(text: str) -> str:
     powers = [(f"{_registry().get_symbol(name)}", int(power)) for name, power in units]
     powers.sort(key=lambda each: each[1] < 0)
     return " ".join(name + ("" if power == 1 else f"{power}") for name, power in powers) or "1"
-
-
-def display(value: float, unit: str, digits: int = 6) -> str:
-    """Write an SI value as text in °C, N, m/s, s, mm, µm or GPa.
-
-    Examples
-    --------
-    >>> display(298.15, "°C"), display(1.25, "m/s"), display(2.7e-7, "µm")
-    ('25 °C', '1.25 m/s', '0.27 µm')
-    """
-    factor, offset = _DISPLAY[unit]
-    return f"{value * factor + offset:.{digits}g} {unit}"
 
 
 @functools.cache

@@ -13,8 +13,9 @@ from hypothesis import strategies as st
 
 import tribo
 from pipeline.scene.faults import SceneFileError
+from pipeline.scene.quantities import display
 from pipeline.scene.scenefile import load_scene
-from pipeline.scene.units import UnitError, display, exact_si, to_si
+from pipeline.scene.units import UnitError, exact_si, to_si
 from pipeline.sweep.criterion import Conditions
 from pipeline.sweep.model import Measurement, Sweep
 
