@@ -13,7 +13,7 @@ from pipeline.paper.report import Finding, Report, Table
 from pipeline.paper.study import Study
 from pipeline.sweep.criterion import Conditions, contact_temperature
 from pipeline.sweep.model import Sweep
-from tribo import Ramp, simulate
+from tribo import InputError, Ramp, simulate
 from tribo.types import Array
 
 _LOOKS = {
@@ -79,7 +79,9 @@ def _computed(study: Study) -> _Computed:
     sweep = study.scene_with_history("fig5")
     wear = sweep.wear
     if wear is None or not isinstance(sweep.loading, Ramp):
-        raise TypeError("Fig. 5 is about wear, through a ramp and a hold")
+        raise InputError(
+            f"the scene {sweep.name} must have a [wear], and a ramp with `rate` under [loading]"
+        )
     load, velocity = sweep.loads[-1], sweep.velocities[-1]
     variants = {
         "no wear": replace(sweep, wear=None),

@@ -15,7 +15,7 @@ from pipeline.paper.printed import CYLINDER_HALF_WIDTH, CYLINDER_PEAK_PRESSURE
 from pipeline.paper.report import Finding, Report, Table
 from pipeline.paper.study import Study
 from pipeline.sweep.model import Sweep
-from tribo import Cylinder, Grid, contact_modulus, simulate
+from tribo import Cylinder, Grid, InputError, contact_modulus, simulate
 from tribo.analytic import hertz_line_half_width, hertz_line_peak_pressure, hertz_pressure
 from tribo.types import Array
 
@@ -94,7 +94,7 @@ def fig4(study: Study) -> Report:
 
 def _computed(sweep: Sweep) -> _Computed:
     if not isinstance(sweep.pin, Cylinder):
-        raise TypeError("Fig. 4 is about a cylinder")
+        raise InputError(f'the scene {sweep.name} must have a pin of shape "cylinder"')
     load = sweep.loads[-1]
     per_length = load / sweep.pin.length
     modulus = contact_modulus(sweep.pin.material, sweep.disk)

@@ -15,7 +15,7 @@ from pipeline.paper.report import Finding, Report, Table
 from pipeline.paper.study import Study, summary_of
 from pipeline.sweep.criterion import Conditions, contact_temperature
 from pipeline.sweep.model import Sweep
-from tribo import MeasuredLoad, Ramp, simulate
+from tribo import InputError, MeasuredLoad, Ramp, simulate
 from tribo.types import Array
 
 _RECORD, _FIT = "record", "its linear fit"
@@ -83,7 +83,7 @@ def _computed(study: Study) -> _Computed:
     sweep = study.scene_with_history("fig8")
     record = sweep.loading
     if not isinstance(record, MeasuredLoad):
-        raise TypeError("Fig. 8 is about a recorded load")
+        raise InputError(f"the scene {sweep.name} must have a record, `file` under [loading]")
     load, velocity = sweep.loads[-1], sweep.velocities[-1]
     rate, onset = record.linear_fit()
     loadings: dict[str, Ramp | MeasuredLoad] = {

@@ -8,7 +8,7 @@ from typing import Any
 
 from pipeline.paper.study import End, Study, summary_of
 from pipeline.sweep.model import Measurement, Sweep
-from tribo import ConvergenceError, simulate, warnings
+from tribo import ConvergenceError, InputError, simulate, warnings
 from tribo.types import Array
 
 BLOCKS = (8, 6, 4, 3, 2, 1)  # pixels along a side of an element
@@ -54,6 +54,8 @@ class Refinement:
 def refined(study: Study) -> Refinement:
     """Simulate the paper's system at its highest measured load, on each grid, with each step."""
     sweep = study.scene("irg_transition")
+    if sweep.wear is None or not sweep.measured:
+        raise InputError(f"the scene {sweep.name} must have a [wear] and [[measured]] transitions")
     measured = max(sweep.measured, key=lambda entry: entry.normal_load)
     blocks = [n for n in BLOCKS if sweep.preset is None or n >= sweep.fidelity.pixels_per_element]
     counts = [n for n in INCREMENTS if study.preset is None or n <= 50]

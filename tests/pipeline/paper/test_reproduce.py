@@ -309,6 +309,23 @@ def test_wrong_use_is_named(name, options, said):
         paper.reproduce(name, **options)
 
 
+@pytest.mark.parametrize(
+    ("name", "scene", "other", "without", "needed"),
+    [
+        ("fig4", "fig4", "ball_on_disk", "title", 'a pin of shape "cylinder"'),
+        ("fig5", "fig5", "first_try", "wear", "a [wear], and a ramp with `rate`"),
+        ("fig8", "fig8", "first_try", "title", "a record, `file` under [loading]"),
+        ("fig6", "irg_transition", "first_try", "measured", "a [wear] and [[measured]]"),
+        ("rivals", "irg_transition", "first_try", "wear", "a [wear]"),
+    ],
+)
+def test_what_a_scene_of_ones_own_lacks_is_named(tmp_path, name, scene, other, without, needed):
+    text = f'extends = "{WORKFLOWS.as_posix()}/{other}.toml"\nwithout = ["{without}"]\n'
+    (tmp_path / f"{scene}.toml").write_text(text, encoding="utf-8")
+    with pytest.raises(tribo.InputError, match=re.escape(f"the scene {scene} must have {needed}")):
+        paper.reproduce(name, scenes=tmp_path, results=tmp_path, **SMALL)
+
+
 def test_a_figure_that_cannot_be_written_is_named(tmp_path):
     with pytest.raises(tribo.InputError, match="cannot write"):
         paper.reproduce("fig4", tmp_path / "no" / "fig4.png")
