@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -24,6 +24,12 @@ if TYPE_CHECKING:
     from pipeline.analysis.inference import CriticalTemperatures
 
 
+_FLAGS = {
+    name: f"--{name.replace('_', '-')}"
+    for name in (*PLACE, *CONDITIONS, "log", "given_measured", "scatter")
+} | {"rivals": "--rival"}
+"""Options that only some kinds of figures have, as they are typed."""
+
 _MORE_AREA = {2: "14 to 17", 4: "40 to 50"}
 """By how much more elements of so many pixels touch than the pixels do [%]."""
 
@@ -41,20 +47,32 @@ def boundary(options: argparse.Namespace) -> int:
 
 def plot(options: argparse.Namespace) -> int:
     """Draw a figure of a store."""
-    ds = pipeline.open_sweep(options.store)
-    store = Path(options.store if isinstance(options.store, Path) else Path(options.store).name)
-    suffix = "gif" if options.kind == "animation" else "png"
-    out = options.output or store.with_name(f"{store.stem}_{options.kind}.{suffix}")
     shown = given(options, *PLACE, "rivals", "scatter", "width", "dpi") | {
         "with_title": not options.no_title
     }
     shown |= {name: True for name in ("log", "given_measured") if getattr(options, name)}
     conditions = given(options, *CONDITIONS)
+    _require_options(options.kind, [*shown, *conditions])
+    ds = pipeline.open_sweep(options.store)
+    store = Path(options.store if isinstance(options.store, Path) else Path(options.store).name)
+    suffix = "gif" if options.kind == "animation" else "png"
+    out = options.output or store.with_name(f"{store.stem}_{options.kind}.{suffix}")
     written = pipeline.plot(ds, options.kind, out, **shown, **conditions)
     warned = pipeline.warned(ds, **conditions)
     document = {"kind": options.kind, "file": str(written), "warnings": warned.as_dict()}
     show(options, document, [f"{written}", *warned.lines()])
     return DONE
+
+
+def _require_options(kind: str, names: Iterable[str]) -> None:
+    """Raise an `InputError` that names, as it is typed, an option that a kind of figure lacks."""
+    from pipeline.figures.plot import options_of
+
+    allowed = [name for name in options_of(kind) if name in _FLAGS]
+    for name in names:
+        if name in _FLAGS and name not in allowed:
+            flags = ", ".join(_FLAGS[each] for each in allowed)
+            raise InputError(f"--kind {kind} takes no {_FLAGS[name]}; it takes {flags}")
 
 
 def explore(options: argparse.Namespace) -> int:

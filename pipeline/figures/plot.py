@@ -88,7 +88,7 @@ def plot(
     draw = _KINDS.get(kind)
     if draw is None:
         raise InputError(f"kind is {kind!r}; allowed are {', '.join(_KINDS)}")
-    allowed = list(inspect.signature(draw).parameters)[1:]
+    allowed = options_of(kind)
     for name in options:
         if name not in allowed:
             raise InputError(f"{kind} has no option {name!r}; it has {', '.join(allowed)}")
@@ -108,3 +108,14 @@ def plot(
     if isinstance(drawn, list):
         return save_animation(drawn, path, dpi)
     return save_figure(drawn, path, dpi)
+
+
+def options_of(kind: str) -> list[str]:
+    """Names of the options that a kind of figure has.
+
+    Examples
+    --------
+    >>> options_of("temperature")[:2]
+    ['load', 'friction']
+    """
+    return list(inspect.signature(_KINDS[kind]).parameters)[1:]

@@ -195,6 +195,19 @@ def test_plot_writes_a_figure(swept, tmp_path, capsys, kind):
     assert out.read_bytes()[:4] == b"\x89PNG"
 
 
+@pytest.mark.parametrize(
+    ("kind", "option", "others"),
+    [
+        ("ramp", ["--given-measured"], "--load, --velocity, --friction"),
+        ("temperature", ["--rival", "blok"], "--load, --friction"),
+        ("diagram", ["--load", "600 N"], "--friction, --bulk-temperature"),
+    ],
+)
+def test_an_option_that_a_figure_lacks_is_named_as_it_is_typed(swept, capsys, kind, option, others):
+    assert run("plot", swept / "small.zarr", "--kind", kind, *option) == 2
+    assert f"--kind {kind} takes no {option[0]}; it takes {others}" in capsys.readouterr().err
+
+
 def test_an_accuracy_is_stored_with_what_it_picked(swept, tmp_path, capsys):
     out = tmp_path / "accurate.zarr"
     arguments = ("run", swept / "small.toml", "-o", out, "--workers", 1, "--accuracy", "10%")
