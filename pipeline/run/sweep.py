@@ -17,6 +17,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
+import numpy as np
 from dask.system import CPU_COUNT
 
 from pipeline.run.cluster import PATIENCE, ExecutionError, connected, dashboard_of
@@ -38,12 +39,14 @@ from pipeline.store import (
     locked,
     prepare,
     remove_partial,
+    sound,
     summarized,
     versions,
 )
 from pipeline.sweep.model import Point, Sweep
-from pipeline.sweep.plan import chains, points
+from pipeline.sweep.plan import chains
 from tribo import InputError
+from tribo.types import Mask
 
 _MANY = 2000  # points, from which compacting is worth a word
 
@@ -212,10 +215,11 @@ def _rounds(
     store: Store, sweep: Sweep, retry_failed: bool, further: Callable[[], Sweep | None] | None
 ) -> Iterator[_Round]:
     """What there is to compute: for the sweep, then for each that comes after it."""
-    checked: set[Point] = set()
+    checked = np.zeros(store.array("status").shape, bool)
     asked: Sweep | None = sweep
     while asked is not None:
-        if waiting := chains(_todo(store, asked, retry_failed, checked), asked.independent):
+        todo, checked = _todo(store, retry_failed, checked)
+        if waiting := chains(todo, asked.independent):
             yield _Round(asked, waiting)
         retry_failed = False
         asked = further() if further else None
@@ -241,9 +245,8 @@ def _without_fields(store: Store, sweep: Sweep) -> list[Point]:
     """Points that were finished before the scene asked for fields."""
     if not sweep.store_fields:
         return []
-    status = store.status()
-    done = (point for point in points(sweep) if status[point] == DONE)
-    return [point for point in done if store.lacks_fields(point)]
+    done = store.asked_places() & (store.flags()[0] == DONE)
+    return [point for point in store.points_at(np.nonzero(done)) if store.lacks_fields(point)]
 
 
 def _notes(store: Store, sweep: Sweep) -> Iterable[str]:
@@ -261,20 +264,22 @@ def _notes(store: Store, sweep: Sweep) -> Iterable[str]:
         )
 
 
-def _todo(store: Store, sweep: Sweep, retry_failed: bool, checked: set[Point]) -> list[Point]:
+def _todo(store: Store, retry_failed: bool, checked: Mask) -> tuple[list[Point], Mask]:
     """Points to compute: those pending, those damaged, and those that failed if asked for.
 
-    What is done is read once in a run to see whether it is intact; those points are `checked`.
+    What is done is read once in a run to see whether it is intact; those places are `checked`.
     """
-    status, asked = store.status(), set(points(sweep))
-    for point in (place for place in store.places() if place in asked):  # chunk after chunk
-        done = status[point] == DONE and point not in checked
-        damaged = done and not store.is_intact(point)
-        if damaged or (retry_failed and status[point] == FAILED):
-            store.forget(point)
-            status[point] = PENDING
-    checked.update(asked)
-    return [point for point in points(sweep) if status[point] == PENDING]
+    flags, _ = store.flags()
+    asked = store.asked_places()
+    known = np.zeros_like(asked)
+    known[tuple(map(slice, checked.shape))] = checked  # the store may have grown
+    fresh = asked & (flags == DONE) & ~known
+    again = asked & (flags == FAILED) if retry_failed else np.zeros_like(asked)
+    for point in store.points_at(np.nonzero(fresh & ~sound(store, flags, fresh))):
+        again[store.index(point)] = not store.is_intact(point)
+    for point in store.points_at(np.nonzero(again)):
+        store.forget(point)
+    return store.points_at(np.nonzero(again | asked & (flags == PENDING))), known | asked
 
 
 class _Tally:

@@ -6,11 +6,12 @@ import hashlib
 import json
 import math
 import struct
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import fields, is_dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pipeline.sweep.model import Point, Sweep
 from tribo import Scene
@@ -88,16 +89,32 @@ def checksum(data: Mapping[str, Array], point: Point | None = None) -> np.uint64
 
     Stores of format 1 leave the place out.
     """
-    digest = hashlib.blake2b(digest_size=8)
-    if point is not None:
-        digest.update(struct.pack("<dd", point.load, point.velocity))
-        digest.update(f"{point.realization}".encode())
-        if point.sample is not None:
-            digest.update(f"sample {point.sample}".encode())
+    (found,) = checksums({name: np.asarray(part)[None] for name, part in data.items()}, [point])
+    return np.uint64(found)
+
+
+def checksums(data: Mapping[str, Array], points: Sequence[Point | None]) -> NDArray[np.uint64]:
+    """Hashes of several points as in `checksum`, whose data lie along a first axis."""
+    parts = []
     for name in sorted(data):
-        digest.update(name.encode())
-        digest.update(np.ascontiguousarray(data[name], dtype="<f8").tobytes())
-    return np.uint64(int.from_bytes(digest.digest(), "little"))
+        label = np.frombuffer(name.encode(), np.uint8)
+        parts.append(np.broadcast_to(label, (len(points), label.size)))
+        rows = np.ascontiguousarray(data[name], dtype="<f8").reshape(len(points), -1)
+        parts.append(rows.view(np.uint8))
+    found = []
+    for point, row in zip(points, np.concatenate(parts, axis=1), strict=True):
+        digest = hashlib.blake2b(_place(point), digest_size=8)
+        digest.update(row)
+        found.append(int.from_bytes(digest.digest(), "little"))
+    return np.array(found, np.uint64)
+
+
+def _place(point: Point | None) -> bytes:
+    """What a checksum holds of the place of a point."""
+    if point is None:
+        return b""
+    sample = "" if point.sample is None else f"sample {point.sample}"
+    return struct.pack("<dd", point.load, point.velocity) + f"{point.realization}{sample}".encode()
 
 
 def _plain(value: Any) -> Any:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from pipeline.store.folder import PathLike, user
 from pipeline.store.pace import pace
 from pipeline.store.snapshot import Snapshot, read_whole
@@ -63,17 +65,20 @@ class Summary:
 
 def summarized(store: Snapshot) -> Summary:
     """Count the points of an open store, without reading their data."""
-    status, asked = store.status(), store.asked()
-    counts = [status[point] for point in asked]
-    failed = (point for point in asked if status[point] == FAILED)
+    flags, _ = store.flags()
+    asked = store.asked_places()
+    counts = {flag: int(np.count_nonzero(flags[asked] == flag)) for flag in (PENDING, DONE)}
+    failed = set(store.points_at(np.nonzero(asked & (flags == FAILED))))
     return Summary(
         name=store.attributes["name"],
         title=store.attributes["title"],
-        total=len(asked),
-        done=counts.count(DONE),
-        pending=counts.count(PENDING),
+        total=int(np.count_nonzero(asked)),
+        done=counts[DONE],
+        pending=counts[PENDING],
         failed=tuple(
-            FailedPoint(at.load, at.velocity, store.message(at), *at[2:]) for at in failed
+            FailedPoint(at.load, at.velocity, store.message(at), *at[2:])
+            for at in (store.asked() if failed else ())
+            if at in failed
         ),
     )
 

@@ -38,7 +38,7 @@ from pipeline.store.variables import (
 )
 from pipeline.sweep.model import Point
 from pipeline.sweep.unknown import first_alike
-from tribo.types import Array
+from tribo.types import Array, Indices, Mask
 
 _T = TypeVar("_T")
 _S = TypeVar("_S", bound="Snapshot")
@@ -133,6 +133,39 @@ class Snapshot:
         places = itertools.product(variants, velocities, loads)
         return [Point(load, velocity, **{name: each}) for each, velocity, load in places]
 
+    def asked_places(self) -> Mask:
+        """Whether each place is a point of the scene that was run last."""
+        asked = np.zeros(self._arrays["status"].shape, bool)
+        if self.attributes.get("chosen") is not None:
+            indices = [self.index(point) for point in self.asked()]
+            asked[tuple(np.array(indices, int).reshape(-1, asked.ndim).T)] = True
+            return asked
+        name, leading = self._leading
+        variants = self.attributes.get("realizations") or leading
+        if name == "sample":
+            variants = self._simulations()
+        wanted = {
+            name: variants,
+            "load": self.attributes["loads"],
+            "velocity": self.attributes["velocities"],
+        }
+        along = [[index[value] for value in wanted[axis]] for axis, index in self._places.items()]
+        asked[np.ix_(*(np.array(each, int) for each in along))] = True
+        return asked
+
+    def points_at(self, where: Sequence[Indices]) -> list[Point]:
+        """Points at places that are given by their indices along each dimension."""
+        name, _ = self._leading
+        axes = [np.array(self.axes[axis], dtype=object) for axis in self._places]
+        *leading, loads, velocities = (
+            axis[along].tolist() for axis, along in zip(axes, where, strict=True)
+        )
+        if not leading:
+            return list(map(Point, loads, velocities))
+        others = itertools.repeat(None)
+        surfaces, samples = (leading[0], others) if name == "realization" else (others, leading[0])
+        return list(map(Point, loads, velocities, surfaces, samples))
+
     def _simulations(self) -> tuple[int, ...]:
         """See `Samples.simulations`."""
         count = self.attributes["samples"]
@@ -141,9 +174,7 @@ class Snapshot:
 
     def places(self) -> list[Point]:
         """Every point that the store has room for."""
-        name, variants = self._leading
-        places = itertools.product(variants, self.axes["load"], self.axes["velocity"])
-        return [Point(load, velocity, **{name: each}) for each, load, velocity in places]
+        return self.points_at(np.nonzero(np.ones(self._arrays["status"].shape, bool)))
 
     @property
     def _leading(self) -> tuple[str, list[Any]]:

@@ -8,10 +8,13 @@ run computes it again; coordinates and metadata are restored from the root of th
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass
 from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from pipeline.store.folder import (
     ROOT,
@@ -33,8 +36,10 @@ from pipeline.store.root import (
     restore_root,
 )
 from pipeline.store.snapshot import A_COMMIT, read_whole
+from pipeline.store.sound import sound
 from pipeline.store.variables import DONE, FAILED, HASHED
 from pipeline.sweep.model import Point
+from tribo.types import Mask
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,7 +108,7 @@ def verify_store(
     repair : bool
         Whether to make damaged points pending, and to restore what is shared.
     progress : callable, optional
-        Called after each point with how many are read, and how many there are.
+        Called now and then with how many points are read, and how many there are.
 
     Raises
     ------
@@ -149,34 +154,49 @@ def _examined(
     found = tuple(store.lost())
     if repair:
         store.heal()
-    status = store.status()
-    damaged = _damaged(store, store.places(), status, progress)
+    flags, _ = store.flags()
+    damaged = _damaged(store, flags, np.ones(flags.shape, bool), progress)
     if damaged and not repair:  # a run may just be writing these anew
         time.sleep(A_COMMIT)
-        again = [each.point for each in damaged]
-        damaged = _damaged(store, again, store.status())
+        damaged = _damaged(store, store.flags()[0], _places(store, damaged))
     if repair:
         _reset(store, [each.point for each in damaged])
-    broken = {each.point for each in damaged}
-    done = sum(flag == DONE and point not in broken for point, flag in status.items())
+    done = (flags == DONE) & ~_places(store, damaged)
     is_protected = store.attributes["format"] >= HASHED
-    return Verification(done, tuple(damaged), tuple(shared), found, repair, is_protected)
+    return Verification(
+        int(np.count_nonzero(done)), tuple(damaged), tuple(shared), found, repair, is_protected
+    )
+
+
+def _places(store: Store, damaged: Iterable[Damage]) -> Mask:
+    """Whether each place is one of some damaged points."""
+    found = np.zeros(store.array("status").shape, bool)
+    for each in damaged:
+        found[store.index(each.point)] = True
+    return found
 
 
 def _damaged(
     store: Store,
-    points: Iterable[Point],
-    status: Mapping[Point, int],
+    flags: NDArray[np.int8],
+    places: Mask,
     progress: Callable[[int, int], None] | None = None,
 ) -> list[Damage]:
-    """Points at which something is wrong."""
+    """What is wrong with any of the points at some places, by their status."""
+    total, read = int(np.count_nonzero(places)), 0
+
+    def count(number: int) -> None:
+        nonlocal read
+        read += number
+        if progress:
+            progress(read, total)
+
+    doubtful = (places & ~sound(store, flags, places, count)) | (places & (flags == FAILED))
     damaged = []
-    for number, point in enumerate(points, 1):
-        reason = _reason(store, point, status[point])
+    for point in store.points_at(np.nonzero(doubtful)):
+        reason = _reason(store, point, int(flags[store.index(point)]))
         if reason is not None:
             damaged.append(Damage(point.load, point.velocity, reason, *point[2:]))
-        if progress:
-            progress(number, len(status))
     return damaged
 
 

@@ -39,6 +39,11 @@ class Clock:
         print(f"{self._number} points: {what} {self.seconds[what]:.2f} s, up to {memory:.0f} MB")
 
 
+def left_to_do(store):
+    none = np.zeros(store.array("status").shape, bool)
+    return execute._todo(store, retry_failed=False, checked=none)[0]
+
+
 def costs(number, path):
     sweep = sweep_of(number)
     result = run_point(sweep, sweep.loads[-1], 1.0)
@@ -51,7 +56,7 @@ def costs(number, path):
         for point in points(sweep):
             store.commit(replace(result, point=point))
         clock("store")
-        assert execute._todo(store, sweep, False, set()) == []
+        assert left_to_do(store) == []
         clock("resume")
     assert summary(path).done == number
     clock("status")
@@ -65,7 +70,7 @@ def costs(number, path):
             compact_store(path)
             clock("compact")
     with locked(path):
-        assert execute._todo(prepare(path, sweep), sweep, False, set()) == []
+        assert left_to_do(prepare(path, sweep)) == []
         clock("resume compact")
     return clock.seconds
 
