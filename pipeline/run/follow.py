@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pipeline.analysis.interpolation import crossing
 from pipeline.run.boundary_search import BoundarySearch
@@ -154,6 +154,7 @@ class _Search:
         self._search, self._out = search, out
         self._rises: dict[_Place, dict[Point, Array]] = {}
         self._failed: dict[_Place, set[Point]] = {}
+        self._seen: NDArray[np.int8] | None = None
         self._fits: dict[float, Array] = {}  # coefficients of planes, by load
 
     def look(self, variants: Sequence[_Variant]) -> None:
@@ -161,7 +162,13 @@ class _Search:
         if not (folder_of(self._out) / ROOT).exists():
             return
         store, by_place = Store(self._out), {each.place: each for each in variants}
-        for point, status in store.status().items():
+        flags, _ = store.flags()
+        before = np.full_like(flags, PENDING)
+        if self._seen is not None:  # by a store that may have grown since
+            before[tuple(map(slice, self._seen.shape))] = self._seen
+        self._seen = flags
+        for point in store.points_at(np.nonzero(flags != before)):
+            status = flags[store.index(point)]
             if status == PENDING or point.load not in self._search.loads:
                 continue
             if (variant := by_place.get(point[2:])) is None:
@@ -171,8 +178,10 @@ class _Search:
             if status == FAILED:
                 self._failed.setdefault(point[2:], set()).add(at)
             elif at not in known:
-                with suppress(StoreError):  # damaged, and computed again
+                try:
                     known[at] = _rises(store, point, variant.conditions)
+                except StoreError:  # damaged, and computed again
+                    flags[store.index(point)] = PENDING
 
     def wanted(self, variants: Sequence[_Variant]) -> set[Point]:
         """Points to look at next."""
