@@ -99,10 +99,10 @@ def inverse(study: Study) -> Report:
 
 
 def _inferred(study: Study) -> _Inferred:
-    white = study.scene("irg_transition", usual_preset="standard")
+    white = study.scene("irg_transition")
     oils = {
         "white oil": (white,),
-        "oil A": tuple(study.scene(name, "standard") for name in ("oil_a", "oil_a_hot")),
+        "oil A": tuple(study.scene(name) for name in ("oil_a", "oil_a_hot")),
     }
     critical = {name: _critical(study, scenes) for name, scenes in oils.items()}
     study.tell("specific wear rate")

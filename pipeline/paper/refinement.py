@@ -8,7 +8,7 @@ from typing import Any
 
 from pipeline.paper.study import End, Study, summary_of
 from pipeline.sweep.model import Measurement, Sweep
-from tribo import ConvergenceError, InputError, simulate, warnings
+from tribo import ConvergenceError, Fidelity, InputError, simulate, warnings
 from tribo.types import Array
 
 BLOCKS = (8, 6, 4, 3, 2, 1)  # pixels along a side of an element
@@ -20,6 +20,9 @@ SCHEMES: dict[str, tuple[str, Mapping[str, Any]]] = {  # pattern of wear, change
     "implicit, local": ("local", {"wear_scheme": "implicit"}),
     "explicit, local (as published)": ("local", {"wear_scheme": "explicit"}),
 }
+
+_PAPER = Fidelity(pixels_per_element=2, increments=PUBLISHED, averaging="mean")
+"""The grid and the increments of the paper, on which each is varied alone."""
 
 Row = dict[int, list[float]]
 """Temperatures over the surfaces [°C], by the number of elements along a side or of increments."""
@@ -56,8 +59,10 @@ def refined(study: Study) -> Refinement:
     sweep = study.scene("irg_transition")
     if sweep.wear is None or not sweep.measured:
         raise InputError(f"the scene {sweep.name} must have a [wear] and [[measured]] transitions")
+    if study.preset is None:
+        sweep = replace(sweep, fidelity=_PAPER)
     measured = max(sweep.measured, key=lambda entry: entry.normal_load)
-    blocks = [n for n in BLOCKS if sweep.preset is None or n >= sweep.fidelity.pixels_per_element]
+    blocks = [n for n in BLOCKS if study.preset is None or n >= sweep.fidelity.pixels_per_element]
     counts = [n for n in INCREMENTS if study.preset is None or n <= 50]
     shown = max(count for count in counts if count <= PUBLISHED)
     surfaces = [sweep.on_surface(seed) for seed in study.seeds(1)]

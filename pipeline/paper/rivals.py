@@ -148,7 +148,7 @@ class _Line:
 
 
 def _computed(study: Study) -> _Computed:
-    sweep = study.scene("irg_transition", usual_preset="standard")
+    sweep = study.scene("irg_transition")
     measured = matching(sweep, [row.normal_load for row in TABLE_4])
     conditions = sweep.conditions
     line = _Line(

@@ -44,7 +44,7 @@ _Found = Mapping[str, Mapping[str, _Outcome]]
 
 def sensitivity(study: Study) -> Report:
     """Temperatures at Table 4's transitions, and critical velocities, for other surfaces."""
-    sweep = study.scene("irg_transition", usual_preset="standard")
+    sweep = study.scene("irg_transition")
     own = sweep.roughness
     if not isinstance(own, SelfAffineRoughness):
         raise InputError(f"the scene {sweep.name} must have a random surface, as in Table 4")

@@ -63,15 +63,15 @@ class Study:
     workers: int | None = None
     tell: Callable[[str], None] = lambda line: None
 
-    def scene(self, name: str, usual_preset: str | None = None) -> Sweep:
-        """The scene of this name; its own fidelity, the result's or the one asked for."""
+    def scene(self, name: str) -> Sweep:
+        """The scene of this name, with its own fidelity or the one asked for."""
         path = self.scenes / f"{name}.toml"
         if not path.exists():
             raise InputError(
                 f"{path} is missing; give the folder of the paper's scenes, which is workflows/ "
                 "of the source"
             )
-        return load_scene(path, preset=self.preset or usual_preset)
+        return load_scene(path, preset=self.preset)
 
     def scene_with_history(self, name: str) -> Sweep:
         """The scene of this name, with temperatures on the way also where a preset asks for none.

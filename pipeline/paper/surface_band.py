@@ -36,7 +36,7 @@ class _Transition:
 
 def band(study: Study) -> Report:
     """The transition on each of several surfaces, and at the ends of the friction band."""
-    scene = study.scene("irg_transition", usual_preset="standard")
+    scene = study.scene("irg_transition")
     if scene.friction_band is None:
         raise InputError(f"the scene {scene.name} must have a friction band")
     least, most = scene.friction_band
@@ -62,7 +62,7 @@ def band(study: Study) -> Report:
         notes=(
             f"Friction {sweep.conditions.friction:g} unless said otherwise. The friction band "
             "needs no simulation of its own. By hand: `irg run workflows/irg_transition.toml "
-            f"--preset standard --set sweep.realizations={len(seeds)} -o results/surfaces.zarr`.",
+            f"--set sweep.realizations={len(seeds)} -o results/surfaces.zarr`.",
         ),
         data={
             "transitions": [

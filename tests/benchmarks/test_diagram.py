@@ -1,11 +1,12 @@
 """The paper's whole diagram, 12 loads × 30 velocities, as a user runs it: start-up included."""
 
+import json
 import os
 import re
 import subprocess
 import sys
 import time
-from pathlib import Path
+from dataclasses import fields
 
 import numpy as np
 import pytest
@@ -13,14 +14,17 @@ import pytest
 import pipeline
 from pipeline.sweep.plan import run_point
 from tests.benchmarks.bare import bare_time, counted_transforms, plain_time, shortest
+from tests.benchmarks.scene import PAPER, SCENE, paper_scene
 
-SCENE = Path(__file__).parents[2] / "workflows" / "irg_transition.toml"
 VELOCITIES = [f"{velocity:.3f} m/s" for velocity in np.linspace(0.5, 5.0, 30)]
 WORKERS = os.cpu_count()
 MODES = {
-    "240 × 240, 100 increments": (),
-    "standard": ("--preset", "standard"),
-    "standard, boundary alone": ("--preset", "standard", "--boundary-only", "1%"),
+    "240 × 240, 100 increments": tuple(
+        f"--set=fidelity.{field.name}={json.dumps(getattr(PAPER, field.name))}"
+        for field in fields(PAPER)
+    ),
+    "standard": (),
+    "standard, boundary alone": ("--boundary-only", "1%"),
     "draft": ("--preset", "draft"),
 }
 
@@ -58,7 +62,7 @@ def test_whole_diagram(benchmark, scene, tmp_path, mode):
 @pytest.mark.parametrize("velocity", [0.5, 1.25, 5.0])
 def test_points_against_their_transforms(benchmark, velocity):
     """All loads at one velocity, in this process."""
-    sweep = pipeline.load_scene(SCENE)
+    sweep = paper_scene()
 
     def chain():
         trunk = None

@@ -2,15 +2,14 @@
 
 import time
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 import pipeline
+from tests.benchmarks.scene import SCENE
 from tribo import Fidelity, MeasuredRoughness, simulate
 
-SCENE = Path(__file__).parents[2] / "workflows" / "irg_transition.toml"
 TIGHT = Fidelity(contact_tolerance=1e-8, heat_tolerance=1e-8)
 
 

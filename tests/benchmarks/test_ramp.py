@@ -1,22 +1,20 @@
 """A whole ramp of the paper's system against the bare transforms that it contains."""
 
 import time
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-import pipeline
 from tests.benchmarks.bare import bare_time, counted_transforms, plain_time
+from tests.benchmarks.scene import paper_scene
 from tribo import ElasticHalfSpace, contact_modulus, simulate
 
-SCENE = Path(__file__).parents[2] / "workflows" / "irg_transition.toml"
 INCREMENTS = 100
 
 
 @pytest.fixture(scope="module")
 def scene():
-    scene = pipeline.load_scene(SCENE)
+    scene = paper_scene()
     next(iter(simulate(scene, 1.0, 1.0)))  # kernels and roughness are made once
     return scene
 

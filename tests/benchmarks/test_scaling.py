@@ -2,15 +2,13 @@
 
 import time
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
 
-import pipeline
 from tests.benchmarks.bare import bare_time, counted_transforms
+from tests.benchmarks.scene import paper_scene
 from tribo import QUANTILES, Grid, simulate
 
-SCENE = Path(__file__).parents[2] / "workflows" / "irg_transition.toml"
 FINEST = 960
 LOAD, VELOCITY = 750.0, 1.25
 
@@ -18,7 +16,7 @@ LOAD, VELOCITY = 750.0, 1.25
 @pytest.fixture(scope="module")
 def sweep():
     """The paper's system on one surface that all of the grids resolve, each as far as it can."""
-    sweep = pipeline.load_scene(SCENE)
+    sweep = paper_scene()
     (nx, ny), (dx, dy) = sweep.pixels.shape, sweep.pixels.spacing
     spacing = dx * nx / FINEST, dy * ny / FINEST
     return replace(sweep, pixels=Grid((FINEST, FINEST), spacing, sweep.pixels.periodic))

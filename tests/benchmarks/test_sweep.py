@@ -11,7 +11,6 @@ import os
 import time
 from contextlib import contextmanager
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -23,13 +22,12 @@ from pipeline.run import forkserver, work
 from pipeline.run import sweep as execute
 from pipeline.sweep.plan import run_point
 from tests.benchmarks.bare import shortest
-
-SCENE = Path(__file__).parents[2] / "workflows" / "irg_transition.toml"
+from tests.benchmarks.scene import paper_scene
 
 
 @pytest.fixture(scope="module")
 def scene():
-    return pipeline.load_scene(SCENE)
+    return paper_scene()
 
 
 class CountedPoints:
@@ -94,7 +92,7 @@ def test_store_and_scheduling_take_a_small_share(benchmark, scene, tmp_path, mon
     share = 1 - sum(points) / sum(seconds)
     least = time_of_bare_files(out, tmp_path / "bare") * outcome.done / sum(seconds)
     print(
-        f"\n{preset or 'as shipped'}: store and scheduling take {100 * share:.0f} % of CPU time",
+        f"\n{preset or 'paper grid'}: store and scheduling take {100 * share:.0f} % of CPU time",
         end="; ",
     )
     print(f"its {1e3 * sum(points) / outcome.done:.0f} ms a point are simulation,", end=" ")

@@ -1,15 +1,13 @@
 """The presets on the shipped scene, and what its boundary costs in each way."""
 
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
 
 import pipeline
 from pipeline.tradeoff.choose import choose_fidelity
 from pipeline.tradeoff.trade import trade
-
-SCENE = Path(__file__).parents[2] / "workflows" / "irg_transition.toml"
+from tests.benchmarks.scene import SCENE
 
 
 @pytest.fixture(scope="module")

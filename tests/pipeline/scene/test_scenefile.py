@@ -158,7 +158,7 @@ def test_the_scene_of_the_paper_holds_the_papers_numbers():
         roughness=tribo.SelfAffineRoughness(0.27e-6, 0.8, (4e-6, 4e-6), seed=0),
         wear=tribo.Wear(1.2e-15, "swept"),
         oil=tribo.Oil((313.15, 373.15), (32e-6, 5e-6), 866.0, (2e-8, 2e-8)),
-        fidelity=tribo.Fidelity(pixels_per_element=2, increments=100),
+        fidelity=tribo.PRESETS["standard"],
         name="irg_transition",
         title=sweep.title,
         loads=tuple(200.0 + 50.0 * i for i in range(12)),
@@ -173,11 +173,10 @@ def test_the_scene_of_the_paper_holds_the_papers_numbers():
         ),
         store_fields=True,
         independent=False,
-        preset=None,
+        preset="standard",
     )
     assert sweep.grid.shape == (240, 240)
     assert sweep.grid.spacing == pytest.approx((1.632e-6, 1.9e-6), rel=1e-15)
-    assert sweep.fidelity.increments == 100
 
 
 def test_the_first_scene_is_the_system_of_the_paper_at_fewer_points():
