@@ -119,6 +119,14 @@ class BoundarySearch:
                 found[load] = math.log(high / low)
         return found
 
+    def may_ask(self, velocity: float) -> bool:
+        """Whether it may ever ask for points at a velocity."""
+        if not self.lowest <= velocity <= self.highest:
+            return False
+        finest = self._span() / 2 ** (_FINEST - 1)
+        number = round(math.log(velocity / self.lowest) / finest)
+        return velocity == self._node(number, _FINEST - 1)
+
     def _row(self, known: Mapping[Point, float], load: float) -> list[tuple[float, float]]:
         """Velocities and rises that are known at a load, in the range."""
         return sorted(

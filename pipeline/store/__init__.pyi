@@ -21,6 +21,7 @@ from .variables import BY_POINT as BY_POINT
 from .variables import COMPACT as COMPACT
 from .variables import DONE as DONE
 from .variables import FAILED as FAILED
+from .variables import LEADING as LEADING
 from .variables import PENDING as PENDING
 from .variables import versions as versions
 from .verify import Damage as Damage

@@ -1,8 +1,8 @@
 """Kill a sweep over samples again and again, at any process of it, and resume it to its end.
 
-In the end every sample has its boundary, the store is clean, and what the first samples have is,
-bit for bit, what a sweep of these alone gives that nobody disturbed. Prints a JSON document, with
-the most memory that a driver or a worker took.
+In the end every sample has its boundary, the store is clean, and the first samples have, bit for
+bit, the points of a sweep of these alone that nobody disturbed, and no others. Prints a JSON
+document, with the most memory that a driver or a worker took.
 """
 
 import argparse
@@ -97,10 +97,13 @@ def faults_of(path, samples, alone):
     if missing := pipeline.Ensemble.of(ds).missing:
         yield f"{missing} of {samples} samples have no boundary"
     store, other = Store(path), Store(alone)
-    done = {at for at, flag in store.status().items() if flag == DONE}
-    for point, flag in other.status().items():
-        if flag != DONE or point not in done:
-            continue
+    few = len(other.axes["sample"])
+    done, alike = (
+        {at for at, flag in each.status().items() if flag == DONE and at.sample < few}
+        for each in (store, other)
+    )
+    yield from (f"{point}: in one of two stores alone" for point in sorted(done ^ alike))
+    for point in done & alike:
         names = list(COMPARED)
         mine, theirs = store.at(point, names), other.at(point, names)
         yield from (
@@ -126,11 +129,7 @@ def main():
         told = disturbed(path, options.samples, options.kills, options.patience, options.every)
         if path.exists():
             told["faults"] += faults_of(path, options.samples, alone)
-            flags = Store(path).status()
-            told["points"] = sum(flag == DONE for flag in flags.values())
-            own = {at for at, flag in flags.items() if flag == DONE and at.sample < few}
-            alike = {at for at, flag in Store(alone).status().items() if flag == DONE}
-            told["points_of_the_first"] = {"killed": len(own), "undisturbed": len(alike)}
+            told["points"] = sum(flag == DONE for flag in Store(path).status().values())
     print(json.dumps(told, indent=1))
     return 1 if told["faults"] else 0
 

@@ -3,6 +3,7 @@
 import dataclasses
 import json
 import pickle
+import shutil
 
 import numpy as np
 import pytest
@@ -54,6 +55,22 @@ def test_nothing_is_left_to_do_afterwards(sampled):
     found = verify_store(folder / "out.zarr")
     assert found.is_clean
     assert found.done == grown.done
+
+
+@pytest.mark.parametrize("begin", [0, 1, 2])
+def test_a_search_that_was_interrupted_asks_for_the_points_of_one_that_was_not(
+    sampled, tmp_path, begin
+):
+    folder, _, _ = sampled
+    out = tmp_path / "out.zarr"
+    shutil.copytree(folder / "out.zarr", out)
+    store = Store(out)
+    done = sorted(point for point, flag in store.status().items() if flag == DONE)
+    for point in done[begin::3]:
+        store.forget(point)
+    outcome = follow_boundary(load(folder), out, workers=1)
+    assert outcome.computed == len(done[begin::3])
+    assert sorted(at for at, flag in Store(out).status().items() if flag == DONE) == done
 
 
 def test_the_store_has_an_axis_of_samples_with_what_was_drawn(sampled):
