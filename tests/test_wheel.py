@@ -59,14 +59,33 @@ def test_a_result_of_the_paper_is_recomputed_from_the_wheel(installed, tmp_path)
     assert "Hertz" in found
 
 
-def test_untracked_files_do_not_travel_along(tmp_path):
-    stray = ROOT / "stray.dat"
-    stray.touch()
+def test_the_source_archive_holds_what_is_tracked_and_no_stray_file(tmp_path):
+    folders = ("", "tribo", "pipeline", "pipeline/figures/page", "tests", "workflows")
+    stray = [ROOT / folder / "stray.dat" for folder in folders]
     try:
+        for file in stray:
+            file.touch()
         archive = next(SdistBuilder(str(ROOT)).build(directory=str(tmp_path)))
     finally:
-        stray.unlink()
+        for file in stray:
+            file.unlink(missing_ok=True)
     with tarfile.open(archive) as file:
         names = {name.partition("/")[2] for name in file.getnames()}
-    assert "stray.dat" not in names
+    assert not {name for name in names if name.endswith("stray.dat")}
     assert names >= {"pyproject.toml", "README.md", "tests/test_wheel.py", "workflows/fig10.png"}
+    assert tracked() <= names
+
+
+def test_the_wheel_holds_all_of_both_packages(installed):
+    held = {path.relative_to(installed).as_posix() for path in installed.rglob("*")}
+    assert {name for name in tracked() if name.startswith(("tribo/", "pipeline/"))} <= held
+
+
+def tracked():
+    """What git tracks; nothing where this is no checkout."""
+    done = subprocess.run(
+        ["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=False, timeout=60
+    )
+    if not (ROOT / ".git").exists() or done.returncode:
+        pytest.skip("no checkout of git")
+    return set(done.stdout.split())
