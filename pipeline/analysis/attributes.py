@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import json
 from collections.abc import Mapping
 from typing import Any
@@ -30,6 +31,8 @@ def portable(attributes: Mapping[Any, Any]) -> dict[str, Any]:
 def attributes_of(ds: xr.Dataset) -> dict[Any, Any]:
     """Attributes of a sweep as plain data, those that are JSON text as what they say.
 
+    What they say is kept for the next call, and not to be changed.
+
     Examples
     --------
     >>> attributes_of(xr.Dataset(attrs=portable({"measured": [{"friction": 0.1}]})))["measured"]
@@ -38,8 +41,14 @@ def attributes_of(ds: xr.Dataset) -> dict[Any, Any]:
     found = dict(ds.attrs)
     for name in str(found.get(_ENCODED, "")).split():
         if isinstance(found.get(name), str):
-            found[name] = json.loads(found[name])
+            found[name] = _decoded(found[name])
     return found
+
+
+@functools.lru_cache(maxsize=64)
+def _decoded(text: str) -> Any:
+    """What JSON says; kept, since each surface of a sweep has the attributes of all."""
+    return json.loads(text)
 
 
 def _provenance(attributes: Mapping[Any, Any]) -> dict[str, str]:

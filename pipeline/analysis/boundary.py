@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from pipeline.analysis.attributes import attributes_of
 from pipeline.analysis.band import CROSSES, MILD, SEVERE, UNKNOWN, with_band
-from pipeline.analysis.dataset import asked_points, at_bulks, by_surface, leading, ordered
+from pipeline.analysis.dataset import asked_points, at_bulks, leading, ordered, read_by_surface
 from pipeline.analysis.interpolation import crossing, interpolated
 from pipeline.scene.quantities import in_si, share_of
 from pipeline.store import DONE
@@ -118,8 +118,8 @@ def boundary(
             combine_attrs="drop_conflicts",
         )
     conditions = conditions_of(ds, friction, bulk_temperature, critical_temperature, share)
-    parts = by_surface(ordered(ds))
     given = (friction, bulk_temperature, critical_temperature, share)
+    parts = read_by_surface(ordered(ds))
     found = [_boundary(part, of_sample(part, conditions, given)) for part in parts]
     name = leading(ds)
     if name is None:
@@ -282,7 +282,7 @@ def decisive_rise(
     """
     ds = ordered(ds[["normal_load", "rise_quantile", "status"]])
     if name := leading(ds):
-        each = [decisive_rise(part, share, resolution, continued) for part in by_surface(ds)]
+        each = [decisive_rise(part, share, resolution, continued) for part in read_by_surface(ds)]
         found: xr.DataArray = xr.concat(each, name)
         return found
     ds = ds.transpose("load", "velocity", "step", ...)

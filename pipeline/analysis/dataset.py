@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import functools
+import itertools
+import json
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
@@ -24,6 +27,7 @@ from tribo import InputError
 from tribo.thermal import at_bulk_ratio
 from tribo.types import Array
 
+_READ = 2**25  # [B] of rises that are read at a time
 _IN_UTC = {
     "units": "seconds since 1970-01-01 00:00:00",
     "calendar": "standard",
@@ -118,6 +122,25 @@ def by_surface(ds: xr.Dataset) -> list[xr.Dataset]:
     return [ds] if name is None else [ds.sel({name: each}) for each in ds[name].values.tolist()]
 
 
+def read_by_surface(ds: xr.Dataset) -> Iterator[xr.Dataset]:
+    """Take each surface or sample of a sweep alone, with rises that were read for many at a time.
+
+    To read them for each alone would take as long for each as to look at the root of the store.
+    """
+    name = leading(ds)
+    if name is None:
+        yield ds
+        return
+    used = [each for each in ("normal_load", "rise_quantile", "bulk_rise_quantile") if each in ds]
+    size = sum(ds[each].nbytes for each in used) / ds.sizes[name]
+    step = max(1, int(_READ // max(size, 1)))
+    for begin in range(0, ds.sizes[name], step):
+        block = ds.isel({name: slice(begin, begin + step)})
+        for each in used:
+            block[each].load()
+        yield from by_surface(block)
+
+
 def on_surface(ds: xr.Dataset, realization: int | None = None) -> xr.Dataset:
     """Take the sweep on one of its surfaces, the first if not given.
 
@@ -146,15 +169,25 @@ def asked_points(ds: xr.Dataset) -> xr.DataArray:
     The other points in the store were asked for by an earlier run. The sweep is on one surface.
     """
     asked = xr.ones_like(ds["status"], dtype=bool)
-    chosen = attributes_of(ds).get("chosen")
+    chosen = ds.attrs.get("chosen")
     if chosen is not None:
         names = ("realization", "simulation" if "simulation" in ds.coords else "sample")
         place = tuple(int(ds[name]) if name in ds.coords else None for name in names)
-        wanted = {point[:2] for point in (Point(*entry) for entry in chosen) if point[2:] == place}
+        written = chosen if isinstance(chosen, str) else json.dumps(chosen)
+        wanted = _by_variant(written).get(place, frozenset())
         loads, velocities = ds["load"].values.tolist(), ds["velocity"].values.tolist()
         rows = [[(load, velocity) in wanted for velocity in velocities] for load in loads]
         asked = xr.DataArray(rows, {"load": ds["load"], "velocity": ds["velocity"]})
     return asked.transpose("load", "velocity")
+
+
+@functools.lru_cache(maxsize=2)
+def _by_variant(chosen: str) -> dict[tuple[int | None, ...], frozenset[tuple[float, float]]]:
+    """Loads and velocities that a run chose, by surface and sample."""
+    found: dict[tuple[int | None, ...], set[tuple[float, float]]] = {}
+    for point in itertools.starmap(Point, json.loads(chosen)):
+        found.setdefault(point[2:], set()).add(point[:2])
+    return {place: frozenset(points) for place, points in found.items()}
 
 
 def at_bulks(ds: xr.Dataset, conditions: Conditions) -> xr.Dataset:

@@ -17,7 +17,7 @@ import numpy as np
 import xarray as xr
 
 from pipeline.analysis.boundary import Bulk, conditions_of, decisive_rise, of_sample
-from pipeline.analysis.dataset import at_bulks, by_surface, ordered
+from pipeline.analysis.dataset import at_bulks, ordered, read_by_surface
 from pipeline.analysis.interpolation import crossing, interpolated
 from pipeline.scene.quantities import in_si
 from pipeline.sweep.criterion import Conditions, contact_temperature, rise_limit
@@ -176,7 +176,7 @@ def margins(
             )
     given = (friction, bulk_temperature, critical_temperature, share)
     found = []
-    for part in by_surface(ordered(ds)):
+    for part in read_by_surface(ordered(ds)):
         own = of_sample(part, conditions, given)
         rises = decisive_rise(at_bulks(part, own), own.failing_share)
         found.append(_margin(rises, load, velocity, own))

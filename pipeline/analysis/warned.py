@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from pipeline.analysis.boundary import conditions_of, decisive_rise
-from pipeline.analysis.dataset import at_bulks, by_surface, leading, ordered
+from pipeline.analysis.dataset import at_bulks, leading, ordered, read_by_surface
 from pipeline.store import DONE
 from pipeline.sweep.criterion import rise_limit
 from pipeline.sweep.model import Point
@@ -72,7 +72,7 @@ def _beside_boundary(ds: xr.Dataset, conditions: dict[str, Any]) -> xr.DataArray
     if each[0].critical_temperature is None:
         return None
     found = []
-    for part in by_surface(ordered(ds)):
+    for part in read_by_surface(ordered(ds)):
         rises = [decisive_rise(at_bulks(part, own), own.failing_share) for own in each]
         limits = [rise_limit(own) for own in each]
         beside = [_beside(r.values, limit) for r, limit in zip(rises, limits, strict=True)]
