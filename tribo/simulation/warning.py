@@ -9,14 +9,14 @@ import numpy as np
 
 from tribo.simulation.kernels import elastic_bodies
 from tribo.simulation.passes import parts
+from tribo.simulation.past import excess_of_present_heat
 from tribo.simulation.scene import Scene
 from tribo.simulation.state import State
 from tribo.wear import EXPLICIT_LIMIT, WEAR_SCHEMES
 
 FEW_NODES = 400  # below which `draft` errs by over 8 % and `standard` by over 3 % in most scenes,
 # and a coarse history of heavy wear, which does not know the summits that wear, by up to 80 %
-_SLOW = 0.1  # [m/s] from which on the present heat moved no boundary by more than 2.1 %
-_MOSTLY_HELD = 0.75  # of the present load times the time: a ramp makes half of it, a hold all
+_TOO_WARM, _ON_PIXELS = 0.01, 0.005  # error of the rise from which the present heat warns
 _FEWEST_STEPS = 3  # or stages of steps, in which heavy wear knows the rise to about 10 %
 
 
@@ -125,17 +125,17 @@ def _few_steps(scene: Scene, state: State) -> list[PointWarning]:
 
 
 def _present_heat(scene: Scene, state: State) -> list[PointWarning]:
-    """Whether a contact has grown so slowly that the heat of its past is not the present one."""
-    if state.heat is None or not scene.friction_heat or scene.remembers_heat or scene.motion:
+    """Warn where the heat of the past is known to be less than the present, by more than counts."""
+    if scene.remembers_heat:
         return []
-    speed = state.sliding_distance / state.time
-    has_grown = state.impulse < _MOSTLY_HELD * state.normal_load * state.time
-    if not (0 < speed < _SLOW and has_grown):
+    excess = excess_of_present_heat(scene, state)
+    if excess < (_ON_PIXELS if scene.fidelity.pixels_per_element == 1 else _TOO_WARM):
         return []
     text = (
-        f"at {speed:.2g} m/s the present friction heat, taken to have acted since the start, makes "
-        "a contact that grows some 1 to 4 % too warm; take heat_model = 'history' and "
-        "history_coarsening = 1"
+        "the present friction heat, taken to have acted since the start, makes this contact about "
+        f"{100 * excess:.1f} % too warm, and so places the boundary at too low a velocity, mostly "
+        "by once to twice as much; take heat_model = 'history' and history_coarsening = 1, or ask "
+        "for an accuracy"
     )
     return [PointWarning(WarningKind.PRESENT_HEAT, text)]
 

@@ -97,7 +97,7 @@ def test_the_diagram_rings_the_points_with_a_warning():
 
 @pytest.fixture(scope="module")
 def narrow(tmp_path_factory):
-    """A store whose window is too narrow at the highest load."""
+    """A store whose window is too narrow at the highest load, and heat too old at the lower."""
     path = tmp_path_factory.mktemp("narrow") / "out.zarr"
     conditions = replace(tiny.sweep().conditions, critical_temperature=330.0)
     pipeline.run_sweep(tiny.sweep(conditions=conditions, increments=12), path, workers=1)
@@ -131,6 +131,8 @@ def test_every_command_on_a_store_tells(command, narrow, tmp_path, capsys):
     text = printed(capsys, command, narrow, *options)
     document = json.loads(printed(capsys, command, narrow, *options, "--json"))["warnings"]
     assert document == warned(ds).as_dict()
-    assert document["kinds"] == {"contact at edge": document["points"]}
-    assert f"{document['points']} points carry a warning (contact at edge" in text
-    assert "touches the window's x edge" in text
+    edge, heat = document["kinds"]["contact at edge"], document["kinds"]["present heat"]
+    assert edge + heat == document["points"]
+    told = f"points carry a warning (contact at edge at {edge}, present heat at {heat})"
+    assert f"{document['points']} {told}" in text
+    assert document["example"] in text

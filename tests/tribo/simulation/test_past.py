@@ -1,0 +1,103 @@
+"""What is foretold of the error of the present heat, beside all heat so far (past.py)."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tests.helpers.kept import ALUMINA
+from tests.helpers.scenes import STEEL, small_scene
+from tribo import Ball, Grid, Motion, Ramp, Wear, heat, simulate, start
+from tribo.simulation.past import excess_of_present_heat
+from tribo.thermal import rise_exceeded
+
+# Neither width nor shape of the contact are in the closed form.
+WITHIN = pytest.approx(1.0, abs=0.2)
+WORN = small_scene(increments=40, contact_tolerance=1e-4)
+BALL = replace(
+    WORN,
+    pin=Ball(8e-3, STEEL),
+    pixels=Grid((48, 48), (8e-6, 8e-6), (False, False)),
+    loading=Ramp(10.0, 20.0),
+    wear=None,
+)
+
+
+def last(scene, load, velocity):
+    *_, state = simulate(scene, load, velocity)
+    return state
+
+
+def with_(scene, **choices):
+    return replace(scene, fidelity=replace(scene.fidelity, **choices))
+
+
+def hottest_tenth(state):
+    return float(rise_exceeded(state.heat.rise_quantile, 0.1))
+
+
+def true_excess(scene, load, velocity):
+    """By how much the present heat is warmer than all heat so far, in its own rise."""
+    present, by_all = (
+        hottest_tenth(last(with_(scene, heat_model=model), load, velocity))
+        for model in ("elapsed", "history")
+    )
+    return 1 - by_all / present
+
+
+@pytest.mark.parametrize(
+    ("scene", "load"),
+    [
+        (small_scene(roughness=False, increments=40), 600.0),
+        (WORN, 600.0),
+        (with_(WORN, heat_kernel="endless"), 300.0),
+        (with_(WORN, heat_kernel="nearest-image"), 600.0),
+        (replace(WORN, disk=ALUMINA, wear=Wear(1.2e-14, "local")), 600.0),
+        (BALL, 20.0),
+    ],
+    ids=["smooth", "worn", "endless", "nearest image", "alumina", "ball"],
+)
+@pytest.mark.parametrize("velocity", [0.001, 0.1, 1.0])
+def test_the_error_of_the_present_heat_is_foretold(scene, load, velocity):
+    foretold = excess_of_present_heat(scene, last(scene, load, velocity))
+    assert foretold / true_excess(scene, load, velocity) == WITHIN
+
+
+def test_a_hold_makes_it_less():
+    grown = last(WORN, 600.0, 0.001)
+    held = replace(WORN, loading=Ramp(150.0, 750.0, hold=2.0, hold_steps=20))
+    foretold = excess_of_present_heat(held, last(held, 600.0, 0.001))
+    assert foretold < 0.3 * excess_of_present_heat(WORN, grown)
+    assert foretold / true_excess(held, 600.0, 0.001) == WITHIN
+    for_ever = replace(grown, impulse=grown.normal_load * grown.time)
+    assert excess_of_present_heat(WORN, for_ever) == 0.0
+    more = replace(grown, impulse=1.2 * grown.normal_load * grown.time)
+    assert excess_of_present_heat(WORN, more) == 0.0
+
+
+def test_a_load_that_rose_late_counts_as_one_that_rose_all_the_time():
+    grown = last(WORN, 600.0, 0.1)
+    late = replace(grown, impulse=0.3 * grown.normal_load * grown.time)
+    assert excess_of_present_heat(WORN, late) == excess_of_present_heat(WORN, grown)
+
+
+def test_a_pin_that_moves_leaves_its_past_behind():
+    at_rest = excess_of_present_heat(WORN, last(WORN, 600.0, 0.5))
+    rolling = replace(WORN, motion=Motion(slide_roll_ratio=0.5))
+    assert excess_of_present_heat(rolling, last(rolling, 600.0, 0.5)) < 0.01 * at_rest
+
+
+def test_without_heat_there_is_none():
+    state = last(WORN, 100.0, 0.1)
+    assert excess_of_present_heat(WORN, state) > 0
+    assert excess_of_present_heat(WORN, replace(state, heat=None)) == 0.0
+    cold = replace(WORN, friction_heat=False)
+    assert excess_of_present_heat(cold, last(cold, 100.0, 0.1)) == 0.0
+    assert excess_of_present_heat(WORN, last(WORN, 100.0, 0.0)) == 0.0
+    assert excess_of_present_heat(WORN, start(WORN)) == 0.0
+
+
+def test_the_direction_of_sliding_does_not_matter():
+    forwards, backwards = (excess_of_present_heat(WORN, last(WORN, 300.0, v)) for v in (0.1, -0.1))
+    assert backwards == pytest.approx(forwards, rel=0.1)
+    assert np.isfinite(heat(WORN, last(WORN, 300.0, -0.1), -0.1).max_rise)
