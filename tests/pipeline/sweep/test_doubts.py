@@ -1,0 +1,178 @@
+"""At which values a scene begins to be doubted (pipeline/sweep/doubts.py).
+
+Which doubts there are is in test_facts.py.
+"""
+
+from dataclasses import replace
+
+import pytest
+
+import tribo
+from pipeline.sweep.doubts import doubts
+from pipeline.sweep.facts import Span, facts_of
+from pipeline.sweep.surface import SurfaceFacts
+from tests.helpers.scenes import STEEL
+from tests.pipeline.sweep.test_facts import BALL, CROWNED, SMOOTH
+
+FACTS = {id(sweep): facts_of(sweep) for sweep in (SMOOTH, BALL, CROWNED)}
+HALF_WIDTH = SMOOTH.pin.radius  # as a unit
+JUST_LESS, JUST_MORE = 1 - 1e-6, 1 + 1e-6
+
+
+def of_both(**changes):
+    """The scene of one material, with something else about it."""
+    changed = replace(STEEL, **changes)
+    return replace(SMOOTH, disk=changed, pin=replace(SMOOTH.pin, material=changed))
+
+
+def warmer(bulk):
+    conditions = replace(SMOOTH.conditions, bulk_temperature=bulk, critical_temperature=1000.0)
+    return replace(SMOOTH, conditions=conditions)
+
+
+def with_pin(**changes):
+    return replace(SMOOTH, pin=replace(SMOOTH.pin, **changes))
+
+
+def said_of(sweep, base=SMOOTH, **facts):
+    return doubts(sweep, replace(FACTS[id(base)], **facts))
+
+
+def surface(**changes):
+    return SurfaceFacts(**({"measured": True, "ra": 0.3e-6, "rq": 0.4e-6} | changes))
+
+
+# The usual ranges in SI, as they stand in no other place: a bound by which a slip of a unit is
+# seen, and a real scene is not doubted.
+USUAL = [
+    ("elastic modulus", 1e9, 1.2e12, lambda value: of_both(elastic_modulus=value)),
+    ("hardness", 1e7, 1e11, lambda value: of_both(hardness=value, elastic_modulus=1e12)),
+    ("thermal conductivity", 0.05, 2500, lambda value: of_both(thermal_conductivity=value)),
+    ("density", 500, 25000, lambda value: of_both(density=value)),
+    ("specific heat", 100, 5000, lambda value: of_both(specific_heat=value)),
+    ("pin's radius", 1e-4, 1.0, lambda value: with_pin(radius=value)),
+    ("pin's length", 1e-4, 1.0, lambda value: with_pin(length=value)),
+    ("bulk temperature", 200.0, 800.0, warmer),
+    ("wear rate", 1e-20, 1e-11, lambda value: replace(SMOOTH, wear=tribo.Wear(value))),
+]
+
+
+@pytest.mark.parametrize(("name", "low", "high", "changed"), USUAL, ids=[row[0] for row in USUAL])
+def test_values_are_doubted_beyond_the_usual_and_not_within(name, low, high, changed):
+    for value in (low * JUST_LESS, high * JUST_MORE):
+        assert any(f"{name} is" in doubt for doubt in said_of(changed(value))), value
+    for value in (low * JUST_MORE, high * JUST_LESS):
+        assert not any(f"{name} is" in doubt for doubt in said_of(changed(value))), value
+
+
+@pytest.mark.parametrize(("ra", "told"), [(0.999e-9, 1), (1.001e-9, 0), (9.99e-6, 0), (1.1e-5, 1)])
+def test_so_is_the_surface_s_ra(ra, told):
+    said = said_of(SMOOTH, surface=surface(ra=ra, rq=ra))
+    assert sum("disk's Ra is" in doubt for doubt in said) == told
+
+
+@pytest.mark.parametrize(("radius", "told"), [(0.99e-4, 1), (1.01e-4, 0), (99.0, 0), (101.0, 1)])
+def test_so_is_the_crown_of_a_pin(radius, told):
+    sweep = replace(CROWNED, pin=replace(CROWNED.pin, crown_radius=radius))
+    assert sum("crown radius is" in doubt for doubt in said_of(sweep, CROWNED)) == told
+
+
+@pytest.mark.parametrize(("velocity", "told"), [(0.0, 0), (0.5, 0), (99.9, 0), (100.1, 1)])
+def test_so_is_the_highest_velocity(velocity, told):
+    sweep = replace(SMOOTH, velocities=(velocity,))
+    assert sum("velocity is" in doubt for doubt in said_of(sweep)) == told
+
+
+@pytest.mark.parametrize(("friction", "told"), [(1.0, 0), (1.01, 1)])
+def test_so_is_friction(friction, told):
+    sweep = replace(SMOOTH, conditions=replace(SMOOTH.conditions, friction=friction))
+    assert sum("friction is" in doubt for doubt in said_of(sweep)) == told
+
+
+@pytest.mark.parametrize(("share", "told"), [(0.19, 0), (0.21, 1)])
+def test_hardness_is_compared_with_the_elastic_modulus(share, told):
+    sweep = of_both(hardness=share * STEEL.elastic_modulus)
+    assert sum("times the elastic modulus" in doubt for doubt in said_of(sweep)) == told
+
+
+def test_materials_are_named_after_their_body_where_they_differ():
+    light = replace(STEEL, density=7.8)
+    of_pin = said_of(with_pin(material=light))
+    assert [doubt.split(" is ")[0] for doubt in of_pin] == ["the pin's density"]
+    of_disk = said_of(replace(SMOOTH, disk=light))
+    assert [doubt.split(" is ")[0] for doubt in of_disk] == ["the disk's density"]
+    assert [doubt.split(" is ")[0] for doubt in said_of(of_both(density=7.8))] == ["the density"]
+
+
+def test_a_pin_that_is_meant_not_to_wear_is_not_doubted():
+    assert said_of(replace(SMOOTH, wear=tribo.Wear(0.0))) == ()
+
+
+@pytest.mark.parametrize(("turns", "told"), [(0.0, 0), (9.9, 1), (10.0, 0)])
+def test_a_pin_that_rolls_has_to_turn_often_enough_if_at_all(turns, told):
+    said = said_of(SMOOTH, pin_turns=Span(turns, 100.0))
+    assert sum("the pin turns only" in doubt for doubt in said) == told
+
+
+@pytest.mark.parametrize(("share", "told"), [(0.299, 0), (0.31, 1)])
+def test_bodies_in_a_wide_contact_are_no_half_spaces(share, told):
+    wide = Span(0.1 * HALF_WIDTH, share * HALF_WIDTH)
+    said = said_of(SMOOTH, hertz_half_width=wide, window=(1.0, 1.0))
+    assert sum("no half-spaces" in doubt for doubt in said) == told
+    if told:
+        assert "0.31 of the pin's radius" in said[0]
+
+
+@pytest.mark.parametrize(
+    ("half_width", "expected", "said"),
+    [
+        (49e-6, 99e-6, ()),
+        (50e-6, 99e-6, ("Hertz is 100 µm wide at 600 N, the window 100 µm",)),
+        (49e-6, 100e-6, ("up to 100 µm wide, the window is 100 µm", "at about 1 of 9 points")),
+    ],
+)
+def test_a_contact_has_to_fit_into_the_window(half_width, expected, said):
+    widths = ((90e-6, expected, 90e-6),) + ((90e-6,) * 3,) * 2
+    found = said_of(
+        SMOOTH,
+        hertz_half_width=Span(1e-6, half_width),
+        contact_widths=widths,
+        window=(100e-6, 20e-6),  # which repeats along y
+    )
+    assert len(found) == bool(said)
+    assert all(text in found[0] for text in said)
+
+
+def test_under_a_ball_or_a_crowned_pin_it_has_to_fit_along_y_too():
+    half = Span(1e-6, 49e-6)
+    wide, narrow = (1.0, 90e-6), (1.0, 110e-6)
+    assert said_of(BALL, BALL, hertz_half_width=half, window=narrow, contact_widths=()) == (
+        *said_of(BALL, BALL),
+    )
+    (*_, told) = said_of(BALL, BALL, hertz_half_width=half, window=wide, contact_widths=())
+    assert "the room for it in the window, by its length along y, 90 µm" in told
+    ratio = tribo.analytic.hertz_ellipse(1.0, 2e-3, 8e-3, 1e11)
+    longer = ratio[1] / ratio[0]
+    for room, fits in ((0.97, False), (0.99, True)):  # beside a contact of 98 µm
+        window = (1.0, room * 100e-6 * longer)
+        found = said_of(CROWNED, CROWNED, hertz_half_width=half, window=window, contact_widths=())
+        assert any("by its length" in doubt for doubt in found) is not fits
+
+
+@pytest.mark.parametrize(("rise", "told"), [(0.79e-6, 0), (-0.81e-6, 1), (0.81e-6, 1)])
+def test_a_measured_surface_is_tilted_beyond_twice_its_rq(rise, told):
+    said = said_of(SMOOTH, surface=surface(rise=(0.0, rise)))
+    assert sum("is tilted" in doubt for doubt in said) == told
+    assert not told or f"by {1e6 * rise:.3g} µm along y" in said[0]
+    assert not told or "an Rq of 0.4 µm" in said[0]
+    random = said_of(SMOOTH, surface=surface(rise=(rise, 0.0), measured=False))
+    assert random == ()
+
+
+@pytest.mark.parametrize(("lay", "told"), [(29.0, 2), (30.0, 2), (31.0, 0), (None, 0)])
+def test_grooves_lie_along_sliding_up_to_an_angle(lay, told):
+    assert len(said_of(SMOOTH, surface=surface(lay=lay))) == told
+    local = replace(SMOOTH, wear=tribo.Wear(1e-15, "local"))
+    assert len(said_of(local, surface=surface(lay=lay))) == told // 2
+    random = said_of(SMOOTH, surface=surface(lay=lay, measured=False))
+    assert len(random) == told // 2
