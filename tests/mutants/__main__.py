@@ -37,12 +37,32 @@ ROOMS = {
     ),
     "store": (["pipeline/store"], ["pipeline/store", "tests/pipeline/store"]),
     "schedule": (
-        ["pipeline/run"],
+        [f"pipeline/run/{name}.py" for name in ("blame", "schedule", "watch", "work")],
         [
+            "pipeline/run/blame.py",
+            "pipeline/run/watch.py",
             "tests/pipeline/run/test_blame.py",
             "tests/pipeline/run/test_schedule.py",
-            "tests/pipeline/run/test_sweep.py",
         ],
+    ),
+    "ending": (["tribo/simulation/ending.py"], ["tests/tribo/simulation/test_ending.py"]),
+    "warnings": (
+        ["tribo/simulation/warning.py", "tribo/simulation/past.py"],
+        [
+            "tribo/simulation/warning.py",
+            "tribo/simulation/past.py",
+            "tests/tribo/simulation/test_warning.py",
+            "tests/tribo/simulation/test_past.py",
+            "tests/tribo/test_wear_schemes.py",
+        ],
+    ),
+    "doubts": (
+        ["pipeline/sweep/doubts.py"],
+        ["tests/pipeline/sweep/test_doubts.py", "tests/pipeline/sweep/test_facts.py"],
+    ),
+    "accuracy": (
+        [f"pipeline/tradeoff/{name}.py" for name in ("choose", "probe", "yardstick")],
+        ["pipeline/tradeoff", "tests/pipeline/tradeoff/test_choose.py"],
     ),
 }
 # Annotations are the only place where most modules write `|`; decorators and the like keep results.
