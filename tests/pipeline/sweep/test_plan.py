@@ -173,6 +173,9 @@ def test_a_trunk_that_does_not_lead_to_the_load_is_left(load, other):
 
 
 def test_a_contact_at_the_edge_of_the_window_is_a_warning_of_the_point():
-    assert run_point(SWEEP, 150.0, 1.0).warnings == ()
-    (warning,) = run_point(SWEEP, 600.0, 1.0).warnings
-    assert "touches the window's x edge" in warning.text
+    lower, higher = (
+        [warning.text for warning in run_point(SWEEP, load, 1.0).warnings]
+        for load in (150.0, 600.0)
+    )
+    assert not any("edge" in text for text in lower)
+    assert any("touches the window's x edge" in text for text in higher)
