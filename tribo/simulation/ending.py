@@ -42,7 +42,7 @@ def ended(scene: Scene, before: State, after: State, station: Station, velocity:
     velocity : float
         Sliding velocity [m/s].
     """
-    if not _comes_into_contact(scene, before, after):
+    if not _comes_into_contact(scene, before, after, velocity):
         return after
     near = after.pressure
     middle = advance(scene, before, _between(before, station), velocity, near)
@@ -57,11 +57,14 @@ def ended(scene: Scene, before: State, after: State, station: Station, velocity:
     )
 
 
-def _comes_into_contact(scene: Scene, before: State, after: State) -> bool:
-    """Whether a step of several stages ends with much of its load where nothing was worn."""
+def _comes_into_contact(scene: Scene, before: State, after: State, velocity: float) -> bool:
+    """Whether a step of several stages ends with much of its load where nothing was worn.
+
+    A pin that rolls wears alike all around, so its shape does not follow the pressure.
+    """
     wears = scene.wear is not None and scene.wear.specific_wear_rate > 0
     stages = len(WEAR_SCHEMES[scene.fidelity.wear_scheme].weights)
-    if not wears or stages == 1 or scene.sweeps_over or scene.motion:
+    if not wears or stages == 1 or scene.sweeps_over or scene.windows_worn(velocity) > 1:
         return False
     worn = _worn(scene, after)
     new = worn & ~_worn(scene, before)

@@ -6,7 +6,17 @@ import numpy as np
 import pytest
 
 from tests.helpers.scenes import small_scene
-from tribo import PRESETS, Grid, MeasuredLoad, SelfAffineRoughness, Wear, simulate
+from tribo import (
+    PRESETS,
+    Ball,
+    Grid,
+    MeasuredLoad,
+    Motion,
+    SelfAffineRoughness,
+    Wear,
+    simulate,
+    start,
+)
 from tribo.simulation import ending
 
 VELOCITY, LOADS = 2.0, (300.0, 500.0, 600.0)
@@ -45,6 +55,24 @@ def test_without_the_short_end_it_would_be_off_by_several_percent(monkeypatch):
     monkeypatch.setattr(ending, "_NEW", 1.0)
     found = [last(worn_scene(), load).heat.rise_quantile[-3] for load in LOADS]
     assert np.max(np.abs(np.divide(found, exact) - 1)) > 0.05
+
+
+def test_a_pin_at_rest_is_one_whether_its_scene_has_a_motion_or_not():
+    at_rest = replace(worn_scene(), motion=Motion(slide_roll_ratio=2.0))
+    found, expected = (last(scene, 300.0) for scene in (at_rest, worn_scene()))
+    assert found.history is not None
+    assert np.array_equal(found.heat.rise, expected.heat.rise)
+
+
+def test_of_a_pin_that_rolls_ten_steps_know_the_rise_without_it():
+    rolling = replace(worn_scene(), motion=Motion(slide_roll_ratio=1.0))
+    rolling = replace(rolling, wear=Wear(2e-14 * rolling.windows_worn(VELOCITY), "swept"))
+    few, many = (
+        last(replace(rolling, fidelity=replace(rolling.fidelity, increments=n)), 300.0)
+        for n in (10, 100)
+    )
+    assert few.history is None
+    assert few.heat.rise_quantile[-3] == pytest.approx(many.heat.rise_quantile[-3], rel=1e-3)
 
 
 @pytest.mark.parametrize("heat_model", ["elapsed", "history"])
@@ -96,3 +124,50 @@ def test_it_is_not_taken_where_it_is_not_needed(scene, monkeypatch):
     assert last(scene, 750.0).normal_load == 750.0
     with pytest.raises(AssertionError, match="a short end"):
         last(worn_scene(), 300.0)
+
+
+def touching(scene, pressure):
+    """A state that touches with some pressures, of 100 elements along x in their first row."""
+    field = np.zeros(scene.grid.shape)
+    field[: len(pressure), 0] = pressure
+    return replace(start(scene), pressure=field)
+
+
+ALL = np.ones(100)
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "taken"),
+    [
+        (np.r_[ALL[:98]], ALL, True),  # 2 % of the load, at the mean pressure
+        (np.r_[ALL[:99], 0.0], np.r_[ALL[:99], 0.98], False),  # 0.98 %
+        (np.r_[ALL[:90]], np.r_[ALL[:90], 0.7 * ALL[:10]], False),  # 7 %, as at a rough rim
+        (np.r_[ALL[:90]], np.r_[ALL[:90], 0.8 * ALL[:10]], True),
+        (ALL, ALL, False),
+        (0 * ALL, ALL, True),
+    ],
+)
+@pytest.mark.parametrize("pattern", ["swept", "local"])
+def test_it_is_taken_where_more_than_a_hundredth_of_the_load_is_new(before, after, taken, pattern):
+    scene = replace(worn_scene(), wear=Wear(2e-14, pattern))
+    states = (touching(scene, each) for each in (before, after))
+    assert ending._comes_into_contact(scene, *states, VELOCITY) == taken
+
+
+def test_an_element_whose_row_has_worn_is_new_where_wear_is_local():
+    scene = replace(ROUGH, fidelity=worn_scene().fidelity)
+    before = touching(scene, ALL)
+    moved = replace(before, pressure=np.roll(before.pressure, 1, axis=1))
+    for pattern, taken in (("swept", False), ("local", True)):
+        worn = replace(scene, wear=Wear(2e-14, pattern))
+        assert ending._comes_into_contact(worn, before, moved, VELOCITY) == taken
+
+
+def test_it_is_not_taken_where_a_pin_wears_by_the_mean_over_the_disk_s_positions():
+    pixels = Grid((128, 128), (8e-6, 8e-6), (False, False))
+    scene = replace(ROUGH, pin=Ball(8e-3, ROUGH.disk), pixels=pixels)
+    scene = replace(scene, fidelity=worn_scene().fidelity)
+    before, after = (touching(scene, each) for each in (0 * ALL, ALL))
+    swept, local = (replace(scene, wear=Wear(2e-14, each)) for each in ("swept", "local"))
+    assert not ending._comes_into_contact(swept, before, after, VELOCITY)
+    assert ending._comes_into_contact(local, before, after, VELOCITY)
