@@ -173,6 +173,11 @@ class Ensemble:
         """Logarithm of the rise by sample, load and velocity of `_axis`."""
         return self._laid_out(self.rises)
 
+    @functools.cached_property
+    def _log_widths(self) -> Array:
+        """Logarithm of the contact's width by sample, load and velocity of `_axis`."""
+        return self._laid_out(self.widths)
+
     def _laid_out(self, values: Array) -> Array:
         """Logarithm of values, of which few are known, at all velocities of `_axis`."""
         at = np.exp(self._axis)
@@ -194,7 +199,7 @@ class Ensemble:
 
     def width_surrogate(self, load: float, velocities: Sequence[float] | Array) -> Surrogate:
         """Fit the logarithm of the contact's width at one load and some velocities."""
-        return self._fitted(self._laid_out(self.widths), load, velocities)
+        return self._fitted(self._log_widths, load, velocities)
 
     def outputs(self, load: float, velocities: Sequence[float] | Array) -> Array:
         """Logarithm of the rise of each sample at one load and some velocities."""

@@ -103,9 +103,9 @@ def redrawn(
     columns = terms(surrogate.unknown, inputs, surrogate.degree)
     _, missed = _solved(columns, outputs)
     inverse, rng = np.linalg.pinv(columns), np.random.default_rng(seed)
-    numbers = rng.standard_normal((count, len(columns), 1))
-    coefficients = surrogate.coefficients + inverse @ (numbers * missed)
-    return [replace(surrogate, coefficients=each) for each in coefficients]
+    drawn = (rng.standard_normal((len(columns), 1)) for _ in range(count))  # one at a time
+    shifts = (inverse @ (numbers * missed) for numbers in drawn)
+    return [replace(surrogate, coefficients=surrogate.coefficients + each) for each in shifts]
 
 
 def terms(unknown: Sequence[Unknown], inputs: Array, degree: int) -> Array:
