@@ -11,6 +11,7 @@ import numpy as np
 
 import pipeline
 from pipeline.cli.output import DONE, counted, drawn_or_written, output_path, show
+from pipeline.cli.progress import working
 from pipeline.cli.scenes import given
 from tribo import InputError
 
@@ -30,7 +31,8 @@ def risk(options: argparse.Namespace) -> int:
     document: dict[str, Any] = {"given_measured": found is not None, **_about(ensemble)}
     text = list(notes(ensemble, found))
     if options.load is not None:
-        at = pipeline.risk(ensemble, options.load, options.velocity, draws)
+        with working("finding the probability"):
+            at = pipeline.risk(ensemble, options.load, options.velocity, draws)
         document |= at.as_dict()
         text = [
             f"{at.load:g} N at {at.velocity:g} m/s: severe wear with a probability of "
@@ -40,9 +42,10 @@ def risk(options: argparse.Namespace) -> int:
             f"{100 * at.surrogate_error:.2g} % of the rise",
         ]
     if options.load is None or out:
-        plane = pipeline.probabilities(ensemble, draws)
+        with working("finding probabilities over the plane"):
+            plane = pipeline.probabilities(ensemble, draws)
+            at_loads = pipeline.probabilities(ensemble, draws, loads=ensemble.loads)
         place = given(options, "load", "velocity")
-        at_loads = pipeline.probabilities(ensemble, draws, loads=ensemble.loads)
         document |= _lines(at_loads)
         text += [] if place else _table(at_loads)
         text += drawn_or_written(
@@ -60,7 +63,8 @@ def sensitivity(options: argparse.Namespace) -> int:
     """Print and draw which input moves the boundary how much."""
     out, ds = output_path(options), pipeline.open_sweep(options.store)
     ensemble, found = samples_of(options, ds)
-    indices = pipeline.sensitivity(ensemble, found.draws if found else None)
+    with working("finding Sobol' indices"):
+        indices = pipeline.sensitivity(ensemble, found.draws if found else None)
     document: dict[str, Any] = {"given_measured": found is not None, **_about(ensemble)}
     document |= indices.as_dict()
     text = [*notes(ensemble, found), *_indices(indices)]
@@ -77,12 +81,16 @@ def sensitivity(options: argparse.Namespace) -> int:
 
 def posterior(options: argparse.Namespace, store: Path | str) -> int:
     """Print and draw what the measured transitions say of the unknown inputs."""
-    out, ensemble = output_path(options), pipeline.Ensemble.of(pipeline.open_sweep(store))
-    found = pipeline.posterior(ensemble, **given(options, "scatter"))
+    out = output_path(options)
+    with working("reading samples"):
+        ensemble = pipeline.Ensemble.of(pipeline.open_sweep(store))
+    with working("weighing the inputs by what was measured"):
+        found = pipeline.posterior(ensemble, **given(options, "scatter"))
     document: dict[str, Any] = found.as_dict()
     text = [*_on_inputs(found)]
     if options.next:
-        ranked = pipeline.candidates(found)
+        with working("ranking what to measure"):
+            ranked = pipeline.candidates(found)
         document["next"] = [
             {"what": each.what, "spread": each.spread, "narrows": each.narrows} for each in ranked
         ]
@@ -104,8 +112,10 @@ def samples_of(options: argparse.Namespace, ds: Any) -> tuple[Ensemble, Posterio
     """The samples of a sweep, and what measurements say of them if that is to count."""
     from pipeline.analysis.posterior import posterior_if_given  # with its libraries
 
-    ensemble = pipeline.Ensemble.of(ds)
-    return ensemble, posterior_if_given(ensemble, options.given_measured, options.scatter)
+    with working("reading samples"):
+        ensemble = pipeline.Ensemble.of(ds)
+    with working("weighing the inputs by what was measured"):
+        return ensemble, posterior_if_given(ensemble, options.given_measured, options.scatter)
 
 
 def _about(ensemble: Ensemble) -> dict[str, Any]:

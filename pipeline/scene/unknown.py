@@ -90,7 +90,10 @@ def samples_of(
         return None
     known = len(faults)
     if sweep.unequal_bulks:
-        problem = "two temperatures do not go with [unknown]; give one for both bodies"
+        problem = (
+            "two temperatures do not go with [unknown], whose probabilities take friction to scale "
+            "the whole rise: give one for both bodies, or leave out [unknown] and use irg vary"
+        )
         faults.append(Fault("temperature.bulk", problem))
         return None
     read = [_entry(path, value, faults) for path, value in table.items()]

@@ -4,6 +4,7 @@ import dataclasses
 import json
 import pickle
 import shutil
+from contextlib import contextmanager
 
 import numpy as np
 import pytest
@@ -271,6 +272,31 @@ def test_the_commands_tell_risk_causes_and_what_to_measure_next(sampled, tmp_pat
     assert all(path.stat().st_size > 10_000 for path in tmp_path.glob("*.png"))
     assert len(list(tmp_path.glob("*.png"))) == 3
     load(folder)
+
+
+@pytest.mark.parametrize(
+    ("command", "said"),
+    [
+        (("risk", "--load", "300 N", "--velocity", "2 m/s"), ["finding the probability"]),
+        (("sensitivity",), ["finding Sobol' indices"]),
+        (("infer", "--next"), ["weighing the inputs", "ranking what to measure"]),
+    ],
+)
+def test_what_takes_long_with_many_samples_says_that_it_works(
+    sampled, monkeypatch, capsys, command, said
+):
+    stages = []
+
+    @contextmanager
+    def noted(what):
+        stages.append(what)
+        yield
+
+    folder, _, _ = sampled
+    monkeypatch.setattr("pipeline.cli.unknowns.working", noted)
+    assert main([command[0], str(folder / "out.zarr"), *command[1:]]) == 0
+    assert stages[0] == "reading samples"
+    assert all(any(stage.startswith(each) for stage in stages) for each in said)
 
 
 def test_the_risk_is_that_of_direct_simulations(sampled):
