@@ -15,7 +15,7 @@ from pipeline.scene.entries import did_you_mean, joined, quoted
 from pipeline.scene.faults import Fault
 from pipeline.scene.kinds import Kind, Quantity, UnfitError
 
-_MOST_STEPS = 10_000
+_MOST_STEPS = 100_000
 
 
 @dataclass(frozen=True)

@@ -63,7 +63,7 @@ def exact_si(text: str, like: str) -> Decimal:
     '7.316e+9'
     """
     quantity = _parsed(text)
-    if not quantity.check(_parsed(like).dimensionality):
+    if not quantity.check(_dimensions(like)):
         if quantity.unitless:
             raise UnitError(f"{_quoted(text)} has no unit")
         number, unit = _parts(text)
@@ -112,6 +112,12 @@ def si_unit(text: str) -> str:
 def _registry() -> pint.UnitRegistry[Any]:
     """All known units, made when first needed, since that takes 0.15 s."""
     return pint.UnitRegistry(non_int_type=Decimal)
+
+
+@functools.lru_cache(maxsize=64)
+def _dimensions(like: str) -> Any:
+    """Dimensions of a quantity, of which there are few examples for many values."""
+    return _parsed(like).dimensionality
 
 
 def _parts(text: str) -> tuple[str, str]:

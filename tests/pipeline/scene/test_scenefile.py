@@ -12,6 +12,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import tribo
+from pipeline.scene import units as units_module
 from pipeline.scene.faults import SceneFileError
 from pipeline.scene.quantities import display
 from pipeline.scene.scenefile import load_scene
@@ -209,6 +210,22 @@ def test_a_range_gives_the_same_numbers_as_writing_them_out(read):
     sweep = read((given, 'from = "36 km/h", to = "37 km/h", step = "0.5 km/h"'))
     assert sweep.velocities == pytest.approx((10.0, 36.5 / 3.6, 37 / 3.6), rel=1e-15)
     assert read((given, 'from = "1 m/s", to = "1 m/s", step = "1 m/s"')).velocities == (1.0,)
+
+
+def test_a_range_may_have_as_many_velocities_as_a_large_sweep_takes(read):
+    given = 'from = "1 m/s", to = "4 m/s", step = "0.6 m/s"'
+    sweep = read((given, 'from = "1 m/s", to = "3 m/s", step = "20 um/s"'))
+    assert len(sweep.velocities) == 100_001
+    assert sweep.velocities[12345] == 1.2469
+
+
+def test_the_unit_that_is_due_is_read_once_for_many_values(read, monkeypatch):
+    parsed, parse = [], units_module._parsed
+    monkeypatch.setattr(units_module, "_parsed", lambda text: parsed.append(text) or parse(text))
+    values = ", ".join(f'"{100 + i} N"' for i in range(200))
+    sweep = read(('["200 N", "400 N", "600 N", "750 N"]', f"[{values}]"))
+    assert len(sweep.loads) == 200
+    assert len(parsed) < 300
 
 
 def test_loads_are_sorted(read):
@@ -416,7 +433,7 @@ def test_any_entry_may_be_given_in_place_of_the_files(read, faults):
         ),
         ('"0.6 m/s"', '"0.7 m/s"', "sweep.velocities", ["4.28571 steps"]),
         ('"0.6 m/s"', '"0 m/s"', "sweep.velocities.step", ["above 0"]),
-        ('"0.6 m/s"', '"1e-9 m/s"', "sweep.velocities", ["3e+9 steps", "10000"]),
+        ('"0.6 m/s"', '"1e-9 m/s"', "sweep.velocities", ["3e+9 steps", "100000"]),
         ('{ from = "1 m/s", to', "{ to", "sweep.velocities.from", ["missing"]),
         ('from = "1 m/s"', 'from = "5 m/s"', "sweep.velocities", ["steps"]),
         ("fields = true", 'fields = "yes"', "sweep.fields", ["true or false"]),
