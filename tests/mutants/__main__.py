@@ -43,6 +43,7 @@ ROOMS = {
             "pipeline/run/watch.py",
             "tests/pipeline/run/test_blame.py",
             "tests/pipeline/run/test_schedule.py",
+            "tests/pipeline/run/test_watch.py",
         ],
     ),
     "ending": (["tribo/simulation/ending.py"], ["tests/tribo/simulation/test_ending.py"]),
