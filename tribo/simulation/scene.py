@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
@@ -159,11 +160,7 @@ class Scene:
         Where both bodies are smooth under a cylinder, on a patch that repeats along y, nothing
         depends on y: elements as long as the patch stand for whole rows.
         """
-        block = self.fidelity.pixels_per_element
-        (nx, ny), (dx, dy) = self.pixels.shape, self.pixels.spacing
-        if self.is_plane:
-            return Grid((nx // block, 1), (dx * block, dy * ny), self.pixels.periodic)
-        return Grid((nx // block, ny // block), (dx * block, dy * block), self.pixels.periodic)
+        return _elements(self.pixels, self.fidelity.pixels_per_element, self.is_plane)
 
     @property
     def is_plane(self) -> bool:
@@ -292,3 +289,12 @@ class Scene:
             )
             factor = next((n for n in range(factor // 4, 1, -1) if factor % n == 0), 1)
         yield self
+
+
+@functools.lru_cache(maxsize=64)  # a step asks for its grid a dozen times
+def _elements(pixels: Grid, block: int, is_plane: bool) -> Grid:
+    """Elements of ``block × block`` pixels, as long as the patch where nothing depends on y."""
+    (nx, ny), (dx, dy) = pixels.shape, pixels.spacing
+    if is_plane:
+        return Grid((nx // block, 1), (dx * block, dy * ny), pixels.periodic)
+    return Grid((nx // block, ny // block), (dx * block, dy * block), pixels.periodic)
