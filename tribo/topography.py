@@ -52,15 +52,20 @@ def self_affine(
         raise InputError(f"hurst_exponent is {hurst_exponent!r}; it must be above 0 and at most 1")
     if grid.shape == (1, 1):
         raise InputError("a single element has no roughness; use more pixels or a smooth surface")
-    noise = np.random.default_rng(seed).standard_normal(grid.shape)
     (nx, ny), (dx, dy) = grid.shape, grid.spacing
-    q_x = 2 * np.pi * np.fft.fftfreq(nx, dx)[:, None]
-    q_y = 2 * np.pi * np.fft.rfftfreq(ny, dy)[None, :]
+    # Computed in place: memory that is asked for the first time costs more than what is done in it.
+    heights = np.random.default_rng(seed).standard_normal(grid.shape)
+    modes = np.fft.rfft2(heights, out=np.empty((nx, ny // 2 + 1), complex))
+    q_x = 2 * np.pi * np.fft.rfftfreq(nx, dx)[:, None]
+    q_y = 2 * np.pi * np.fft.rfftfreq(ny, dy)
     amplitude = (1 + (q_x * length_x) ** 2 + (q_y * length_y) ** 2) ** (-(1 + hurst_exponent) / 2)
     amplitude[0, 0] = 0.0
-    heights = np.fft.irfft2(np.fft.rfft2(noise) * amplitude, s=grid.shape)
-    scaled: Array = heights * (ra / average_roughness(heights))
-    return scaled
+    modes[: nx // 2 + 1] *= amplitude
+    modes[nx // 2 + 1 :] *= amplitude[1 : (nx + 1) // 2][::-1]  # it is even in q_x
+    np.fft.ifft(modes, axis=0, out=modes)
+    np.fft.irfft(modes, n=ny, axis=1, out=heights)
+    heights *= ra / average_roughness(heights)
+    return heights
 
 
 def block_average(heights: Array, factor: int) -> Array:
@@ -117,7 +122,8 @@ def average_roughness(heights: Array) -> float:
     >>> average_roughness(np.array([[0.0, 2.0, 4.0, 2.0]]))
     1.0
     """
-    return float(np.abs(heights - heights.mean()).mean())
+    distance = heights - heights.mean()
+    return float(np.abs(distance, out=distance).mean())
 
 
 def rms_height(heights: Array) -> float:
