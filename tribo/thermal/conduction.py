@@ -23,6 +23,7 @@ it is here at each node of the quadrature, for the mode k_y = 0.
 
 from __future__ import annotations
 
+import functools
 import itertools
 import math
 from collections.abc import Iterator, Sequence
@@ -209,7 +210,7 @@ def flux_history_spectrum(
     confined = diffusion_length(REACH, v, min(dx, dy) / 2)
     gone = _gone(grid, v)
 
-    rule = np.polynomial.legendre.leggauss(quadrature_nodes)
+    rule = _gauss(quadrature_nodes)
     half = np.zeros((mx // 2 + 1, my // 2 + 1), dtype=complex if v else float)
     columns = 0 if ages[0] > 0 else my // 2 + 1
     filon_start = x.series_start(v) if v else math.inf
@@ -226,11 +227,11 @@ def flux_history_spectrum(
             g[:, 0] *= scipy.special.erf(heated / (2 * s))
             _add_products(half, f, g)
             columns = max(columns, g.shape[1])
-    half = half[:, :columns]
+    half = half[:, :columns] / (4 * math.sqrt(math.pi) * K)
     if velocity < 0:
         half = half.conj()
     mirrored = half[1 : (mx + 1) // 2][::-1].conj()
-    return np.concatenate((half, mirrored)) / (4 * math.sqrt(math.pi) * K)
+    return np.concatenate((half, mirrored))
 
 
 class _Stretch(NamedTuple):
@@ -293,6 +294,9 @@ def _gone(grid: Grid, drift: float) -> float:
         return math.inf
     # From the edge of an element at one end to the centre of the one at the other.
     return diffusion_length(-REACH, drift, (grid.shape[0] - 0.5) * grid.spacing[0])
+
+
+_gauss = functools.cache(np.polynomial.legendre.leggauss)
 
 
 def _weighted_factor(

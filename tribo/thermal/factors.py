@@ -33,12 +33,15 @@ class Axis:
         """Diffusion length from which the Fourier series is cheaper than samples [m].
 
         Samples need images of the source once heat has spread over the period, and many nodes
-        once a source has passed many elements; the series needs many modes before.
+        once a source has passed many elements; the series needs many modes before. At rest it
+        needs no more than there are elements once heat has spread over four.
         """
         if not self.periodic or self.nearest_image:
             return math.inf
         spread = self.n * self.step / 4
-        return min(spread, math.sqrt(16 * self.step / drift)) if drift else spread
+        if drift:
+            return min(spread, math.sqrt(16 * self.step / drift))
+        return min(spread, 2 * REACH / math.pi * self.step)
 
 
 def factor(axis: Axis, s: Array, low: float, drift: float) -> Spectrum:
@@ -64,10 +67,7 @@ def _sampled_factor(axis: Axis, s: Array, shift: Array) -> Array:
     elif axis.nearest_image:
         first, last = max(first, -axis.n), min(last, axis.n)
     edges = (np.arange(first, last + 2) - 0.5) * axis.step
-    u = (edges - shift[:, None]) / s[:, None]
-    # erf(u) is a step from -1 to 1 and a tail. The tails are small where they nearly cancel.
-    tail = scipy.special.erfc(np.abs(u))
-    values = np.diff(np.where(u < 0, tail, -tail)) + 2 * np.diff((u >= 0).astype(float))
+    values: Array = np.diff(scipy.special.erf((edges - shift[:, None]) / s[:, None]))
     if axis.nearest_image:
         values[:, np.abs(np.arange(first, last + 1)) == axis.n] /= 2  # both are as near
     offset = first % axis.length
