@@ -185,12 +185,16 @@ class Judgement(NamedTuple):
 def judge(problem: Problem, iterate: Iterate) -> Judgement:
     """Find the gap, the approach and the residual of a pressure."""
     gap, pressure = iterate.displacement + iterate.separation, iterate.pressure
-    loaded, elastic = pressure > 0, pressure < problem.hardness
-    free = loaded & elastic
-    unit = problem.solid.self_influence * float(pressure.max())
+    highest, loaded = float(pressure.max()), pressure > 0
+    unit = problem.solid.self_influence * highest
+    elastic = pressure < problem.hardness if highest >= problem.hardness else None
+    free = loaded if elastic is None else loaded & elastic
     level = level_of(gap, loaded, free)
     gap -= level
-    nodes = np.flatnonzero(free | (elastic & (gap < 0)) | (loaded & (gap > 0)))
+    moving = loaded | (gap < 0)
+    if elastic is not None:
+        moving &= elastic | (gap > 0)
+    nodes = np.flatnonzero(moving)
     residual = float(np.abs(gap.take(nodes)).max(initial=0.0)) / unit
     touching = int(np.count_nonzero(loaded))
     wrong = nodes.size - int(np.count_nonzero(free))
