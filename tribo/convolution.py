@@ -10,7 +10,7 @@ import copy
 import math
 import threading
 from collections import OrderedDict
-from typing import Any, Self
+from typing import Any, Literal, Self
 
 import numpy as np
 import scipy
@@ -61,6 +61,13 @@ def _wrapped_indices(grid: Grid, axis: int) -> Indices:
     n = padded_shape(grid)[axis]
     index = np.arange(n)
     return np.where(index <= (n - 1) // 2, index, index - n)
+
+
+def _of_pairs(kernel: Spectrum, offsets: Indices, axis: int) -> Spectrum:
+    """The kernel between means over pairs of elements along `axis`, at offsets in pairs."""
+    beside = [kernel.take(2 * offsets + side, axis, mode="wrap") for side in (-1, 1)]
+    pairs: Spectrum = kernel.take(2 * offsets, axis, mode="wrap")
+    return pairs + (beside[0] + beside[1]) / 2
 
 
 class Convolution:
@@ -121,7 +128,7 @@ class Convolution:
             out = np.empty(self.grid.shape)
         low, high = rows or (0, nx)
         # NumPy takes single precision throughout only where both ways are scaled.
-        norm = "ortho" if self._single else None
+        norm: Literal["ortho"] | None = "ortho" if self._single else None
         if my == 1 and not self._single:
             modes = np.fft.rfft(field[:, 0], n=mx)
             modes *= self.spectrum[: modes.size, 0]
@@ -207,8 +214,12 @@ class Convolution:
                [2.]])
         """
         grid = Grid(shape, self.grid.spacing, self.grid.periodic)
-        kernel = np.fft.irfft2(self.spectrum, s=self._lengths)
-        return self._on(grid, kernel[np.ix_(*(_wrapped_indices(grid, axis) for axis in (0, 1)))])
+        modes = self.spectrum.astype(np.complex128)
+        kernel = np.fft.ifft(modes, axis=0, out=modes)[_wrapped_indices(grid, 0)]
+        if grid.shape[1] < self.grid.shape[1]:
+            values = np.fft.irfft(kernel, n=self._lengths[1], axis=1)
+            kernel = np.fft.rfft(values[:, _wrapped_indices(grid, 1)], axis=1)
+        return self._on(grid, np.fft.fft(kernel, axis=0, out=kernel))
 
     def coarsened(self) -> Self:
         """Return the map between means over blocks of 2 × 2 elements.
@@ -225,16 +236,17 @@ class Convolution:
         (nx, ny), (dx, dy) = self.grid.shape, self.grid.spacing
         fx, fy = min(nx, 2), min(ny, 2)
         grid = Grid((nx // fx, ny // fy), (dx * fx, dy * fy), self.grid.periodic)
-        kernel = np.fft.irfft2(self.spectrum, s=self._lengths)
-        for axis, factor in enumerate((fx, fy)):
-            if factor == 2:
-                kernel += (np.roll(kernel, 1, axis) + np.roll(kernel, -1, axis)) / 2
-            kernel = kernel.take(factor * _wrapped_indices(grid, axis), axis, mode="wrap")
-        return self._on(grid, kernel)
+        modes = self.spectrum.astype(np.complex128)
+        kernel: Spectrum = np.fft.ifft(modes, axis=0, out=modes)
+        if fx == 2:
+            kernel = _of_pairs(kernel, _wrapped_indices(grid, 0), axis=0)
+        if fy == 2:
+            values = np.fft.irfft(kernel, n=self._lengths[1], axis=1)
+            kernel = np.fft.rfft(_of_pairs(values, _wrapped_indices(grid, 1), axis=1), axis=1)
+        return self._on(grid, np.fft.fft(kernel, axis=0))
 
-    def _on(self, grid: Grid, kernel: Array) -> Self:
-        """Return a copy with another grid and kernel."""
-        modes = np.fft.rfft2(kernel)
+    def _on(self, grid: Grid, modes: Spectrum) -> Self:
+        """Return a copy with another grid and the modes of its kernel, in any precision."""
         spectrum = modes.real if np.isrealobj(self.spectrum) else modes
         changed = self.with_spectrum(spectrum.astype(self.spectrum.dtype))
         changed.grid, changed._lengths = grid, padded_shape(grid)
