@@ -1,0 +1,196 @@
+"""The rules by which a fidelity is judged and picked, on a rise that is known in closed form."""
+
+import math
+from dataclasses import replace
+
+import pytest
+
+from pipeline.sweep.criterion import boundary_velocity_error, rise_limit
+from pipeline.sweep.model import Point
+from pipeline.tradeoff import choose, yardstick
+from pipeline.tradeoff.choose import _probed
+from pipeline.tradeoff.probe import Probe, Reading
+from pipeline.tradeoff.yardstick import (
+    YARDSTICK,
+    OwnError,
+    Yardstick,
+    _followed,
+    measured,
+    own_error,
+)
+from tests.helpers.kept import SCENES
+from tribo import ConvergenceError, Grid, Wear
+
+VELOCITIES = (1.0, 2.0, 4.0, 8.0)
+SWEEP = replace(SCENES["no wear"], velocities=VELOCITIES, wear=Wear(1e-15))
+LIMIT = rise_limit(SWEEP.conditions)
+
+
+class Law:
+    """A probe by a power law of the velocity, with errors of the steps and of the present heat."""
+
+    def __init__(self, at=3.0, exponent=0.5, of_steps=0.0, of_heat=0.0, nodes=2000):
+        self.at, self.exponent, self.nodes = at, exponent, nodes
+        self.of_steps, self.of_heat = of_steps, of_heat
+        self.asked = []
+
+    def rise(self, fidelity, velocity):
+        error = self.of_steps * (YARDSTICK.increments / fidelity.increments) ** 2
+        error += self.of_heat * (fidelity.heat_model == "elapsed")
+        return LIMIT * (velocity / self.at) ** self.exponent * (1 + error)
+
+    def __call__(self, sweep, fidelity, points):
+        self.asked.append((fidelity, tuple(points)))
+        readings = tuple(
+            Reading(self.rise(fidelity, point.velocity), 0.1, 1e-4, self.nodes, 0.1, 1e9, 0.0)
+            for point in points
+        )
+        return Probe(fidelity, readings, 0.0, 10, 100.0 * len(points))
+
+
+@pytest.mark.parametrize(
+    ("start", "rounds"), [(3.0, 1), (3.0 * 1.09, 1), (3.0 * 1.11, 2), (1.2, 2), (8.0, 2)]
+)
+def test_the_boundary_is_sought_again_only_if_it_has_moved_by_a_tenth(start, rounds, monkeypatch):
+    law = Law()
+    monkeypatch.setattr(yardstick, "probe", law)
+    found = _followed(SWEEP, YARDSTICK, Point(300.0, start))
+    assert found.boundary == (300.0, pytest.approx(3.0), None, None)
+    assert found.exponent == pytest.approx(0.5)
+    assert len(law.asked) == rounds
+    assert (found.work, found.last_work) == (200.0 * rounds, 200.0)
+    about = 3.0 if rounds > 1 else start
+    assert [point.velocity for point in found.points] == pytest.approx(
+        [about * math.exp(-0.05), about * math.exp(0.05)]
+    )
+
+
+@pytest.mark.parametrize(("at", "found"), [(0.01, 0.5), (100.0, 16.0)])
+def test_it_is_not_sought_beyond_half_the_lowest_and_twice_the_highest_velocity(
+    at, found, monkeypatch
+):
+    law = Law(at=at)
+    monkeypatch.setattr(yardstick, "probe", law)
+    assert _followed(SWEEP, YARDSTICK, Point(300.0, 3.0)).boundary.velocity == found
+    assert len(law.asked) == 2
+
+
+@pytest.mark.parametrize(("exponent", "taken"), [(0.01, 0.2), (0.7, 0.7), (5.0, 2.0)])
+def test_exponents_are_kept_within_what_a_rise_may_have(exponent, taken, monkeypatch):
+    monkeypatch.setattr(yardstick, "probe", Law(exponent=exponent))
+    assert _followed(SWEEP, YARDSTICK, Point(300.0, 3.0)).exponent == pytest.approx(taken)
+
+
+def test_a_boundary_that_keeps_moving_is_left_after_four_times(monkeypatch):
+    law = Law(exponent=0.01)
+    monkeypatch.setattr(yardstick, "probe", law)
+    law.rise = lambda fidelity, velocity: LIMIT * 0.9  # flat, so each step is by half
+    _followed(replace(SWEEP, velocities=(1e-3, 1e3)), YARDSTICK, Point(300.0, 0.1))
+    assert len(law.asked) == 4
+
+
+def test_the_yardstick_takes_two_readings_at_each_load_and_counts_its_work(monkeypatch):
+    law = Law(nodes=700)
+    monkeypatch.setattr(yardstick, "probe", law)
+    starts = tuple(Point(load, 3.0) for load in (100.0, 200.0))
+    monkeypatch.setattr(yardstick, "near_the_boundary", lambda sweep, loads: (starts, (0.5, 0.5)))
+    found = measured(SWEEP, (100.0, 200.0))
+    assert [point.load for point in found.points] == [100.0, 100.0, 200.0, 200.0]
+    assert found.exponents == pytest.approx((0.5,) * 4)
+    assert found.fewest_nodes == 700
+    assert (found.work, found.own_work) == (800.0, 400.0)
+    assert [fidelity.pixels_per_element for fidelity, _ in law.asked] == [2, 1, 2, 1]
+    warm = Law(of_heat=0.01)
+    errors = found.errors(warm(SWEEP, YARDSTICK, found.points))
+    assert errors == pytest.approx([1.01**-2 - 1] * 4)
+
+
+def test_its_own_error_is_half_of_what_half_the_steps_move_and_a_fifth_more(monkeypatch):
+    law = Law(of_steps=0.01)
+    monkeypatch.setattr(yardstick, "probe", law)
+    points, exponents = [Point(load, 3.0) for load in (100.0, 200.0, 300.0)], [0.5, 1.0, 1.0]
+    own = own_error(SWEEP, points, exponents)
+    rises = (law.rise(YARDSTICK, 3.0), law.rise(replace(YARDSTICK, increments=12), 3.0))
+    moved = abs(boundary_velocity_error(*rises, 0.5))
+    assert own.steps == pytest.approx(1.2 * 0.5 * moved)
+    assert own.heat_model == 0.0
+    assert own.work == 300.0 + 300.0 + 200.0 + 200.0
+    readings = law(SWEEP, YARDSTICK, points).readings
+    assert own_error(SWEEP, points, exponents, readings) == replace(own, work=own.work - 300.0)
+    assert own_error(replace(SWEEP, wear=None), points, exponents).steps == 0.0
+
+
+def test_the_error_of_the_present_heat_is_measured_at_the_first_and_the_last_load(monkeypatch):
+    law = Law(of_heat=0.02)
+    monkeypatch.setattr(yardstick, "probe", law)
+    points = [Point(load, 3.0) for load in (100.0, 200.0, 300.0)]
+    own = own_error(replace(SWEEP, wear=None), points, [0.5, 0.1, 1.0])
+    assert own.heat_model == pytest.approx(1.2 * abs(boundary_velocity_error(1.02, 1.0, 0.5)))
+    assert [fidelity.heat_model for fidelity, _ in law.asked] == ["elapsed", "history"]
+    for fidelity, asked in law.asked:
+        assert (fidelity.increments, fidelity.pixels_per_element) == (50, 1)
+        assert asked == (points[0], points[2])
+    law.asked.clear()
+    own_error(replace(SWEEP, wear=None, pixels=Grid((200, 102), (1e-6, 1e-6))), points[:1], [0.5])
+    assert [fidelity.pixels_per_element for fidelity, _ in law.asked] == [2, 2]
+    fidelity = replace(SWEEP.fidelity, heat_model="history", history_coarsening=1)
+    assert own_error(replace(SWEEP, wear=None, fidelity=fidelity), points, [0.5] * 3).work == 0.0
+
+
+def test_of_another_fidelity_steps_count_in_proportion_and_heat_where_it_is_the_present():
+    own = OwnError(steps=0.01, heat_model=0.03, work=0.0)
+    history = replace(YARDSTICK, heat_model="history")
+    assert own.of(YARDSTICK) == pytest.approx(0.01 + 2e-3 + 0.03)
+    assert own.of(history) == pytest.approx(0.01 + 2e-3)
+    assert own.of(replace(history, increments=100)) == pytest.approx(0.0025 + 2e-3)
+
+
+def judged(monkeypatch, accuracy, errors, heat_model=0.0, nodes=2000, loads=SWEEP.loads):
+    """What is picked where choices have some errors, one after the other, and a work of 50."""
+    points = tuple(Point(load, 3.0) for load in loads for _ in range(2))
+    rises = iter(errors)
+
+    def probe(sweep, fidelity, points):
+        error = next(rises)
+        if error is None:
+            raise ConvergenceError("no", solution=None)
+        reading = Reading(LIMIT * (1 + error), 0.1, 1e-4, nodes, 0.1, 1e9, 0.0)
+        return Probe(fidelity, (reading,) * len(points), 0.0, 10, 50.0)
+
+    readings = (Reading(LIMIT, 0.1, 1e-4, nodes, 0.1, 1e9, 0.0),) * len(points)
+    exact = Yardstick(points[::2], points, (1.0,) * len(points), readings, 1000.0, 400.0)
+    monkeypatch.setattr(choose, "measured", lambda *_: exact)
+    monkeypatch.setattr(choose, "own_error", lambda *_: OwnError(0.001, heat_model, 30.0))
+    monkeypatch.setattr(choose, "probe", probe)
+    return _probed(SWEEP, accuracy, loads, 0.0, lambda _: None)
+
+
+def test_the_first_choice_within_the_accuracy_is_taken_with_all_margins(monkeypatch):
+    found = judged(monkeypatch, 0.05, [0.09, None, 0.03])
+    own = 0.001 + 2e-3 + 0.1 / 2000
+    expected = [1.1 * (1 - 1 / 1.09) + own, 1.1 * (1 - 1 / 1.03) + own]
+    assert [trial.error for trial in found.trials] == pytest.approx(expected)
+    assert found.trials[0].name == "draft, solved tightly"
+    assert found.name == found.trials[-1].name == "standard, solved tightly"
+    assert (found.work, found.saving) == (1000.0 + 30.0 + 100.0, 8.0)
+    assert len(found.points) == 2 * len(SWEEP.loads)
+
+
+def test_where_none_is_within_it_the_reference_is_taken(monkeypatch):
+    found = judged(monkeypatch, 0.01, [0.09] * 20)
+    assert found.name == "reference"
+    assert found.error == pytest.approx(0.001 / 4 + 2e-3)
+    assert found.saving == pytest.approx(0.25)
+
+
+@pytest.mark.parametrize(("heat_model", "taken"), [(0.034, "elapsed"), (0.036, "history")])
+def test_all_heat_is_taken_where_the_present_errs_by_more_than_seven_tenths(
+    heat_model, taken, monkeypatch
+):
+    found = judged(monkeypatch, 0.05, [0.001] * 20, heat_model)
+    assert found.fidelity.heat_model == taken
+    assert found.error == pytest.approx(
+        1.1 * (1 - 1 / 1.001) + 0.001 + 2e-3 + 0.1 / 2000 + heat_model * (taken == "elapsed")
+    )
+    assert found.fidelity.increments == (50 if taken == "history" else 5)
+    assert found.fidelity.history_coarsening == (1 if taken == "history" else 4)
