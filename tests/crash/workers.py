@@ -28,6 +28,7 @@ from tests.crash.kills import workers_of
 from tests.helpers import tiny
 
 DEADLY = 250.0
+_BUSY = "import os; driver = os.getppid()\nwhile os.getppid() == driver: pass"
 PATIENCE = 180.0  # [s] for a sweep that takes less than 20
 
 
@@ -98,7 +99,7 @@ def main():
     report = {"sweeps": 0, "kills": 0, "hung": 0, "faults": []}
     with ExitStack() as stack:
         for _ in range(os.cpu_count() if options.busy else 0):
-            loop = subprocess.Popen([sys.executable, "-c", "while True: pass"])
+            loop = subprocess.Popen([sys.executable, "-c", _BUSY])
             stack.callback(loop.wait)
             stack.callback(loop.kill)
         cases = itertools.product(range(options.sweeps), kinds)
