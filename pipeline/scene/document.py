@@ -218,4 +218,16 @@ def _toml(path: Path) -> dict[str, Any]:
         raise SceneFileError(path, [fault]) from error
     except (ValueError, RecursionError) as error:
         reason = str(error).replace("Cannot overwrite a value", "A key is given twice")
-        raise SceneFileError(path, [f"is not valid TOML: {reason}"]) from error
+        hint = _hint(content.decode("utf-8-sig").splitlines(), reason)
+        raise SceneFileError(path, [f"is not valid TOML: {reason}{hint}"]) from error
+
+
+def _hint(lines: list[str], reason: str) -> str:
+    """What is probably meant in the line where TOML cannot be read."""
+    place = re.search(r"at line (\d+)", reason)
+    line = lines[int(place[1]) - 1] if place and int(place[1]) <= len(lines) else ""
+    if any(mark in line for mark in "“”„‘’"):
+        return '; write straight quotes, as in "5 mm"'
+    if "\\" in line:
+        return "; write / in place of \\ in a path, or put it in single quotes"
+    return ""

@@ -33,8 +33,8 @@ class List(Kind):
         if not isinstance(value, list):
             raise UnfitError(f"{quoted(value)} is not a list")
         if len(value) != (self.length or max(len(value), 1)):
-            count = f"{len(value)} {'entry' if len(value) == 1 else 'entries'}"
-            raise UnfitError(f"{quoted(value)} has {count}")
+            count = f"has {len(value)} {'entry' if len(value) == 1 else 'entries'}"
+            raise UnfitError(f"{quoted(value)} {count if value else 'is empty'}")
         found = [self.of.read(item, f"{at}[{index}]", faults) for index, item in enumerate(value)]
         if self.distinct:
             first: dict[Any, int] = {}

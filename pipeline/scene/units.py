@@ -19,6 +19,8 @@ _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?"
 # The unit's characters leave out "_", and so delta_degC, which would make 25 K of 25 °C.
 _QUANTITY = re.compile(rf"\s*({_NUMBER})\s*([A-Za-z0-9µμ°Ω²³⁻¹ .·*/^()-]*)", re.ASCII)
 _DECIMAL_COMMA = re.compile(r"\s*[+-]?\d+,\d+(?!,)")
+_THOUSANDS = re.compile(r"\s*[+-]?[1-9]\d{0,2},\d{3}(?!\d)")
+_RUN_TOGETHER = re.compile(r"[A-Za-z]\d|Nm")
 # What pint raises on text that is not a unit: more than its own errors.
 _PINT_ERRORS = (
     pint.PintError,
@@ -126,7 +128,10 @@ def _parts(text: str) -> tuple[str, str]:
     if match is None:
         hint = ""
         if _DECIMAL_COMMA.match(text):
-            hint = f'; write decimals with a point: "{text[:_LONGEST].replace(",", ".", 1)}"'
+            shown = text[:_LONGEST]
+            hint = f'; write decimals with a point: "{shown.replace(",", ".", 1)}"'
+            if _THOUSANDS.match(text):
+                hint += f', and thousands without a comma: "{shown.replace(",", "", 1)}"'
         raise UnitError(f"{_quoted(text)} is not a number followed by a unit{hint}")
     return match[1], match[2]
 
@@ -142,7 +147,12 @@ def _parsed(text: str) -> pint.Quantity[Decimal]:
     try:
         return _registry().Quantity(Decimal(number), _registry().parse_units(unit))
     except pint.UndefinedUnitError as error:
-        raise UnitError(f"{_quoted(text)} has an unknown unit: {error}") from error
+        hint = (
+            '; write powers as in "mm^3", products as in "N m"'
+            if _RUN_TOGETHER.search(unit)
+            else ""
+        )
+        raise UnitError(f"{_quoted(text)} has an unknown unit: {error}{hint}") from error
     except _PINT_ERRORS as error:
         raise UnitError(f"{_quoted(text)} has a unit that cannot be read") from error
 

@@ -105,16 +105,18 @@ class Unknown:
         given = self.parameters
         if self.kind not in get_args(Kind) or not all(map(math.isfinite, given)):
             raise InputError(f"{self.kind} with {given} is not a distribution; give finite numbers")
+        unit = self.shown
+        first, last = (f"{unit.of(value):g}{unit.suffix}" for value in (given[0], given[-1]))
         fault = {
             "normal": len(given) == 2 and given[1] <= 0 and f"sd is {given[-1]:g}; give above 0",
             "log-normal": len(given) == 2
             and (
-                (given[0] <= 0 and f"median is {given[0]:g}; give above 0")
+                (given[0] <= 0 and f"median is {first}; give above 0")
                 or (given[1] <= 1 and f"factor is {given[1]:g}; give above 1, such as 1.5")
             ),
             "uniform": len(given) == 2
             and given[0] >= given[1]
-            and f"from {given[0]:g} to {given[1]:g} does not rise; give the lower one first",
+            and f"from {first} to {last} does not rise; give the lower one first",
             "list": len(set(given)) < max(2, len(given)) and "give at least two different values",
         }[self.kind]
         if fault:

@@ -143,7 +143,7 @@ def test_another_spelling_of_the_same_quantities_is_shown_and_is_the_same_scene(
         ('"temperature.critical" = { mean = "45 degC", sd = "8 K" }', "not above temperature.bulk"),
         ('"pin.radius" = { median = "2 s", factor = 1.1 }', "cannot be converted to mm"),
         ('"pin.radius" = { mean = "2 mm", sd = 0.1 }', "give all with a unit, or none"),
-        ('"pin.radius" = { from = "3 mm", to = "1 mm" }', "does not rise"),
+        ('"pin.radius" = { from = "3 mm", to = "1 mm" }', "from 3 mm to 1 mm does not rise"),
         ('"pin.radius" = { mean = "2 mm", factor = 2 }', "is not a distribution; give a table"),
         ('"pin.radius" = "2 mm"', "is not a distribution"),
         ('"wear.pattern" = ["swept", "local"]', '"swept" is not a number with its unit; only num'),
