@@ -171,6 +171,11 @@ def _on_point(
 def infer(options: argparse.Namespace) -> int:
     """Find what was not measured from what was."""
     if options.scene.is_dir():
+        if names := [*given(options, "contact_width", "preset", *PLACE)]:
+            flags = ", ".join(f"--{name.replace('_', '-')}" for name in names)
+            raise InputError(
+                f"{options.scene} is a store, to which {flags} does not belong; give the scene"
+            )
         return posterior(options, options.scene)
     sweep = scene_of(options)
     if sweep.samples and options.contact_width is None:

@@ -74,8 +74,8 @@ def friction(text: str) -> float:
     try:
         return float(text)
     except ValueError:
-        hint = f": write {text.replace(',', '.')}" if _DECIMAL_COMMA.fullmatch(text) else ""
-        raise argparse.ArgumentTypeError(f'"{text}": give a number such as 0.1{hint}') from None
+        like = text.replace(",", ".") if _DECIMAL_COMMA.fullmatch(text) else "0.1"
+        raise argparse.ArgumentTypeError(f'"{text}": give a number such as {like}') from None
 
 
 def frictions(text: str) -> tuple[float, ...]:

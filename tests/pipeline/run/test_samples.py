@@ -163,6 +163,7 @@ def test_a_store_is_shown_in_the_units_of_the_scene_whatever_its_spelling(sample
         assert rate["unit"] == "m s2 kg-1"
         assert rate["prior"]["mean"] == pytest.approx(1.3e-15, rel=0.05)
         assert main(["infer", str(folder / "out.zarr")]) == 0
+        assert main(["infer", str(folder / "out.zarr"), "--contact-width", "348 um"]) == 2
         lines = capsys.readouterr().out.splitlines()
         return next(line for line in lines if line.startswith("wear."))
 
