@@ -122,12 +122,12 @@ def test_a_scheduler_that_is_lost_and_workers_that_are_gone_are_errors(cluster, 
 @pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGSTOP])
 def test_a_scheduler_that_is_lost_or_frozen_on_the_way_is_an_error(cluster, tmp_path, how):
     def lose(progress):
-        if progress.done == 2:
+        if progress.done >= 2:
             cluster.scheduler.send_signal(how)
 
     path = tmp_path / "tiny.zarr"
     with pytest.raises(ExecutionError, match="scheduler is lost; finished points are safe"):
-        run_sweep(SLOW, path, scheduler=cluster.address, progress=lose, patience=5.0)
+        run_sweep(SLOW, path, scheduler=cluster.address, progress=lose, patience=15.0)
     assert summary(path).done >= 2
 
 
@@ -220,7 +220,7 @@ def test_the_recipe_for_batch_systems_runs(tmp_path, alone):
         capture_output=True,
         text=True,
         check=False,
-        timeout=120,
+        timeout=280,  # a busy machine takes two minutes
     )
     assert done.returncode == 0, done.stderr
     assert "9 of 9 points done" in done.stdout
