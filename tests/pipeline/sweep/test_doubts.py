@@ -71,7 +71,9 @@ def test_so_is_the_surface_s_ra(ra, told):
     assert sum("disk's Ra is" in doubt for doubt in said) == told
 
 
-@pytest.mark.parametrize(("radius", "told"), [(0.99e-4, 1), (1.01e-4, 0), (99.0, 0), (101.0, 1)])
+@pytest.mark.parametrize(
+    ("radius", "told"), [(0.99e-4, 1), (1.01e-4, 0), (99.9995, 0), (100.0005, 1)]
+)
 def test_so_is_the_crown_of_a_pin(radius, told):
     sweep = replace(CROWNED, pin=replace(CROWNED.pin, crown_radius=radius))
     assert sum("crown radius is" in doubt for doubt in said_of(sweep, CROWNED)) == told

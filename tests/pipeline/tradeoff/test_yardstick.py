@@ -8,7 +8,7 @@ import pytest
 from pipeline.sweep.criterion import boundary_velocity_error, rise_limit
 from pipeline.sweep.model import Point
 from pipeline.tradeoff import choose, yardstick
-from pipeline.tradeoff.choose import _probed
+from pipeline.tradeoff.choose import _probed, _steps_to_probe, choose_fidelity
 from pipeline.tradeoff.probe import Probe, Reading
 from pipeline.tradeoff.yardstick import (
     YARDSTICK,
@@ -194,3 +194,19 @@ def test_all_heat_is_taken_where_the_present_errs_by_more_than_seven_tenths(
     )
     assert found.fidelity.increments == (50 if taken == "history" else 5)
     assert found.fidelity.history_coarsening == (1 if taken == "history" else 4)
+
+
+@pytest.mark.parametrize(("steps", "taken"), [(499, "a probe"), (501, "the reference")])
+def test_a_probe_may_take_half_the_steps_of_the_sweep_at_the_reference(steps, taken, monkeypatch):
+    monkeypatch.setattr(choose, "_steps_to_probe", lambda *_: steps)
+    monkeypatch.setattr(choose, "_steps_of_sweep", lambda *_: 1000)
+    monkeypatch.setattr(choose, "_probed", lambda *_: "a probe")
+    monkeypatch.setattr(choose, "_unprobed", lambda *_: "the reference")
+    assert choose_fidelity(SWEEP, 0.02) == taken
+    assert choose_fidelity(SWEEP, 0.02, points=[Point(300.0, 1.0)]) == "the reference"
+
+
+def test_a_probe_takes_six_times_the_steps_of_the_yardstick_at_each_load():
+    top = SWEEP.loading.reference_load
+    assert _steps_to_probe(SWEEP, [top]) == 6 * 25
+    assert _steps_to_probe(SWEEP, [top, top / 2]) == 6 * (25 + 13)
