@@ -11,8 +11,8 @@ import pytest
 from pipeline import load_scene, run_point
 from pipeline.store import prepare
 from pipeline.sweep.plan import points
-from tests.helpers import tiny
 from tests.pipeline.cli.test_commands import SCENE
+from tribo import PointWarning, WarningKind
 
 ROOT = Path(__file__).parents[1]
 HEAVY = {
@@ -79,22 +79,36 @@ def test_reading_scenes_loads_no_more_than_their_units_do():
     assert found <= SIMULATION | loaded_by("import pint")
 
 
-def test_the_state_of_a_sweep_without_warnings_needs_no_dataset(tmp_path):
-    prepare(tmp_path / "tiny.zarr", tiny.sweep())
-    status = f"import pipeline.cli as cli; cli.main(['status', {str(tmp_path / 'tiny.zarr')!r}])"
-    assert loaded_by(status) <= SIMULATION | {"zarr"}
-
-
-def test_a_run_that_ends_without_warnings_needs_no_dataset(tmp_path):
-    scene, path = tmp_path / "small.toml", tmp_path / "small.zarr"
+@pytest.fixture(scope="module")
+def doubtful(tmp_path_factory):
+    """A scene, and its store, whose points carry warnings."""
+    folder = tmp_path_factory.mktemp("doubtful")
+    scene, path = folder / "small.toml", folder / "small.zarr"
     scene.write_text(SCENE)
     sweep = load_scene(scene, overrides={"increments": 2})
-    result = replace(run_point(sweep, *points(sweep)[0]), warnings=())
+    doubt = PointWarning(WarningKind.CONTACT_AT_EDGE, "a wider window would carry load there")
+    result = replace(run_point(sweep, *points(sweep)[0]), warnings=(doubt,))
     store = prepare(path, sweep)
     for point in points(sweep):
         store.commit(replace(result, point=point))
+    return scene, path
+
+
+@pytest.mark.parametrize("command", ["status", "verify", "boundary", "plot"])
+def test_a_command_that_reads_needs_no_dataset_and_no_units(command, doubtful, tmp_path):
+    arguments = [command, str(doubtful[1])]
+    if command == "plot":
+        arguments += ["-o", str(tmp_path / "diagram.png")]
+    code = f"import pipeline.cli as cli; assert cli.main({arguments!r}) == 0"
+    found = loaded_by(code) - ({"matplotlib"} if command == "plot" else set())
+    assert found <= SIMULATION | {"zarr", "scipy.special"}
+
+
+def test_a_run_that_ends_with_warnings_needs_no_dataset(doubtful):
+    scene, path = doubtful
     arguments = ["run", str(scene), "--set", "increments=2", "-o", str(path)]
-    assert not loaded_by(f"import pipeline.cli as cli; cli.main({arguments!r})") & {"xarray"}
+    code = f"import pipeline.cli as cli; assert cli.main({arguments!r}) == 0"
+    assert not loaded_by(code) & {"xarray", "pandas"}
 
 
 def test_every_public_name_is_there():

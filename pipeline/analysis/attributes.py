@@ -5,12 +5,18 @@ from __future__ import annotations
 import functools
 import json
 from collections.abc import Mapping
-from typing import Any
-
-import xarray as xr
+from typing import Any, Protocol
 
 _ENCODED = "json_attributes"
 _INTERNAL = ("axes", "revision", "root_hash")
+
+
+class Described(Protocol):
+    """What has attributes: a dataset, or what a store holds."""
+
+    @property
+    def attrs(self) -> Mapping[Any, Any]:
+        """The attributes."""
 
 
 def portable(attributes: Mapping[Any, Any]) -> dict[str, Any]:
@@ -28,13 +34,14 @@ def portable(attributes: Mapping[Any, Any]) -> dict[str, Any]:
     )
 
 
-def attributes_of(ds: xr.Dataset) -> dict[Any, Any]:
+def attributes_of(ds: Described) -> dict[Any, Any]:
     """Attributes of a sweep as plain data, those that are JSON text as what they say.
 
     What they say is kept for the next call, and not to be changed.
 
     Examples
     --------
+    >>> import xarray as xr
     >>> attributes_of(xr.Dataset(attrs=portable({"measured": [{"friction": 0.1}]})))["measured"]
     [{'friction': 0.1}]
     """

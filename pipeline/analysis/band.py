@@ -12,8 +12,8 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-import xarray as xr
 
+from pipeline.analysis.labelled import Labelled, Variable
 from tribo.types import Array
 
 CROSSES, MILD, SEVERE, UNKNOWN = range(4)
@@ -23,23 +23,22 @@ BAND = (0.1, 0.5, 0.9)
 """Shares of the surfaces whose transition lies lower: lower end, middle and upper end."""
 
 
-def with_band(boundaries: xr.Dataset) -> xr.Dataset:
+def with_band(boundaries: Labelled) -> Labelled:
     """Add quantiles, mean, spread and counts to the boundaries of several surfaces or samples.
 
     Parameters
     ----------
-    boundaries : Dataset
+    boundaries : Labelled
         Boundaries with ``critical_velocity(realization, load)``,
         ``critical_load(realization, velocity)`` and the outcomes of each.
     """
-    name_of = "sample" if "sample" in boundaries.dims else "realization"
-    found = boundaries.assign_coords(
-        quantile=("quantile", list(BAND), {"long_name": "share of the surfaces that lie lower"})
+    shares = Variable(
+        ("quantile",), np.array(BAND), {"long_name": "share of the surfaces that lie lower"}
     )
+    found = dict(boundaries.variables)
     for name, axis in (("critical_velocity", "load"), ("critical_load", "velocity")):
-        outcome = found[f"outcome_at_{axis}"].transpose(name_of, axis).values
-        values = found[name].transpose(name_of, axis).values
-        unit = {"units": found[name].attrs["units"]}
+        outcome, values = boundaries[f"outcome_at_{axis}"], boundaries[name]
+        unit = {"units": boundaries.variables[name].attrs["units"]}
         crossing, known = (outcome == CROSSES).sum(axis=0), (outcome != UNKNOWN).sum(axis=0)
         columns = [
             np.select([why == MILD, why == SEVERE, why == UNKNOWN], [np.inf, -np.inf, np.nan], at)
@@ -51,22 +50,30 @@ def with_band(boundaries: xr.Dataset) -> xr.Dataset:
             for c in _known(columns)
         ]
         quantiles = [[quantile(c, share) for c in columns] for share in BAND]
-        found = found.assign({
-            f"{name}_mean": (axis, of_all, unit | {"long_name": "mean over the surfaces"}),
-            f"{name}_spread": (axis, spread, unit | {"long_name": "their standard deviation"}),
-            f"{name}_quantile": (
+        for key, dims, entries, what in (
+            (f"{name}_mean", (axis,), of_all, unit | {"long_name": "mean over the surfaces"}),
+            (f"{name}_spread", (axis,), spread, unit | {"long_name": "their standard deviation"}),
+            (
+                f"{name}_quantile",
                 ("quantile", axis),
                 quantiles,
                 unit | {"long_name": "that a share of the surfaces stays below"},
             ),
-            f"crossing_at_{axis}": (
-                axis, crossing, {"units": "1", "long_name": "surfaces that cross"},
+            (
+                f"crossing_at_{axis}",
+                (axis,),
+                crossing,
+                {"units": "1", "long_name": "surfaces that cross"},
             ),
-            f"known_at_{axis}": (
-                axis, known, {"units": "1", "long_name": "surfaces whose outcome is known"},
+            (
+                f"known_at_{axis}",
+                (axis,),
+                known,
+                {"units": "1", "long_name": "surfaces whose outcome is known"},
             ),
-        })  # fmt: skip
-    return found
+        ):
+            found[key] = Variable(dims, np.array(entries), what)
+    return Labelled(found, {**boundaries.coordinates, "quantile": shares}, boundaries.attrs)
 
 
 def _known(columns: Sequence[Array]) -> list[Array]:

@@ -1,42 +1,18 @@
-"""The boundary between mild and severe wear, from a stored sweep and without a new simulation.
-
-Friction, bulk temperature, critical temperature and failing share enter only here, by
-`pipeline.sweep.criterion`.
-"""
+"""The boundary between mild and severe wear, from a stored sweep and without a new simulation."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from dataclasses import replace
-from typing import Any
+from collections.abc import Iterable
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
-from pipeline.analysis.attributes import attributes_of
-from pipeline.analysis.band import CROSSES, MILD, SEVERE, UNKNOWN, with_band
-from pipeline.analysis.dataset import asked_points, at_bulks, leading, ordered, read_by_surface
-from pipeline.analysis.interpolation import crossing, interpolated
-from pipeline.scene.quantities import in_si, share_of
-from pipeline.store import DONE
-from pipeline.sweep.criterion import (
-    Conditions,
-    contact_temperature,
-    of_bulks,
-    require_bulks,
-    rise_limit,
-    worst_moment,
-)
-from pipeline.sweep.lubrication import Lubrication
-from tribo import InputError
+from pipeline.analysis.conditions import Bulk, conditions_of
+from pipeline.analysis.crossings import crossings
+from pipeline.analysis.dataset import at_bulks, ordered
+from pipeline.analysis.results import Results, decisive_plane
+from pipeline.sweep.criterion import contact_temperature
 from tribo.thermal import quantiles
-from tribo.types import Array
-
-Bulk = float | str | Mapping[str, float | str]
-"""A bulk temperature [K] or with a unit; or one for each body, by ``"pin"`` and ``"disk"``."""
-
-_COLDEST_OIL, _HOTTEST_OIL = 220.0, 900.0  # bulk temperatures [K]
 
 
 def boundary(
@@ -105,110 +81,12 @@ def boundary(
     >>> warmer["critical_velocity"].sel(load=600).round(2).item()
     1.48
     """
-    if isinstance(friction, str):
-        raise InputError(f'friction: "{friction}" is text; give a number such as 0.1, or several')
-    if isinstance(friction, Iterable):
-        others = (bulk_temperature, critical_temperature, share)
-        values = [float(value) for value in friction]
-        axis = xr.Variable("friction", values, {"units": "1", "long_name": "friction coefficient"})
-        return xr.concat(
-            [boundary(ds, value, *others) for value in values],
-            axis,
-            data_vars="all",
-            combine_attrs="drop_conflicts",
-        )
-    conditions = conditions_of(ds, friction, bulk_temperature, critical_temperature, share)
-    given = (friction, bulk_temperature, critical_temperature, share)
-    parts = read_by_surface(ordered(ds))
-    found = [_boundary(part, of_sample(part, conditions, given)) for part in parts]
-    name = leading(ds)
-    if name is None:
-        return found[0]
-    band = with_band(xr.concat(found, name, combine_attrs="override"))
-    own = {key: getattr(conditions, key) for key in band.attrs if hasattr(conditions, key)}
-    band = band.assign_attrs(own)  # a sample's are its own
-    return band.assign_attrs(missing_points=sum(each.attrs["missing_points"] for each in found))
-
-
-def of_sample(ds: xr.Dataset, conditions: Conditions, given: Iterable[Any]) -> Conditions:
-    """Conditions of one sample: as it was drawn, where they are not given.
-
-    Parameters
-    ----------
-    ds : Dataset
-        Sweep on one surface or for one sample.
-    conditions : Conditions
-        Those that hold otherwise.
-    given : iterable
-        What is given of the friction, the bulk and the critical temperature and the failing share,
-        in this order; None where it is not.
-    """
-    drawn = {
-        name: float(ds[path])
-        for (name, path), own in zip(_DRAWN.items(), given, strict=True)
-        if own is None and path in ds.coords
-    }
-    return replace(conditions, **drawn) if drawn else conditions
-
-
-_DRAWN = {
-    "friction": "friction.coefficient",
-    "bulk_temperature": "temperature.bulk",
-    "critical_temperature": "temperature.critical",
-    "failing_share": "temperature.failing_share",
-}
-"""Conditions that may be unknown inputs, and their paths in the scene."""
-
-
-def _boundary(ds: xr.Dataset, conditions: Conditions) -> xr.Dataset:
-    """The boundary on one surface."""
-    ds = at_bulks(ds, conditions)
-    rise = decisive_rise(ds, conditions.failing_share)
-    limit = rise_limit(conditions)
-    loads, velocities, r = rise["load"].values, rise["velocity"].values, rise.values
-    missing = ~np.isfinite(r) & asked_points(ds).values
-
-    lubrication = Lubrication.stored(attributes_of(ds))
-    result = xr.Dataset(
-        {
-            "critical_velocity": (
-                "load",
-                [crossing(velocities, row, limit) for row in r],
-                {"units": "m/s", "long_name": "velocity at the transition to severe wear"},
-            ),
-            "critical_load": (
-                "velocity",
-                [crossing(loads, column, limit) for column in r.T],
-                {"units": "N", "long_name": "normal load at the transition to severe wear"},
-            ),
-        },
-        coords=rise.coords,
-        attrs={**conditions.as_dict(), "missing_points": int(np.count_nonzero(missing))},
-    )
-    for name, axis in (("load", 1), ("velocity", 0)):
-        found = result["critical_velocity" if name == "load" else "critical_load"].values
-        result[f"outcome_at_{name}"] = (name, _outcome(found, r, limit, axis), _OUTCOME_ATTRS)
-        result[f"missing_at_{name}"] = (
-            name,
-            np.count_nonzero(missing, axis=axis),
-            {"units": "1", "long_name": f"pending or failed points at this {name}"},
-        )
-        if lubrication:
-            at = (loads, found) if name == "load" else (found, velocities)
-            parameter = lubrication.film_parameter(*at, conditions.mean_bulk_temperature)
-            result[f"film_parameter_at_{name}"] = (
-                name,
-                parameter,
-                {"units": "1", "long_name": "film parameter at the crossing"},
-            )
-    return result
-
-
-_OUTCOME_ATTRS = {
-    "long_name": "why there is no crossing",
-    "flag_values": np.array([CROSSES, MILD, SEVERE, UNKNOWN], dtype=np.int8),
-    "flag_meanings": "crosses mild_throughout severe_from_the_lowest unknown",
-}
+    ds = ordered(ds)
+    results = Results.of(ds)
+    found = crossings(results, friction, bulk_temperature, critical_temperature, share).as_dataset()
+    own = ("load", "velocity", "realization", "sample")
+    coordinates = {name: ds[name].variable for name in own if name in ds.coords}
+    return found.assign_coords(coordinates)
 
 
 def decisive_temperature(
@@ -280,30 +158,24 @@ def decisive_rise(
     DataArray, dims (load, velocity), after ``realization`` over several surfaces
         Rise [K], sorted along all axes; NaN at points that are pending or failed.
     """
-    ds = ordered(ds[["normal_load", "rise_quantile", "status"]])
-    if name := leading(ds):
-        each = [decisive_rise(part, share, resolution, continued) for part in read_by_surface(ds)]
-        found: xr.DataArray = xr.concat(each, name)
-        return found
-    ds = ds.transpose("load", "velocity", "step", ...)
-    rises = rise_exceeded(ds, share).where(ds["status"] == DONE).values
-    worst = worst_moment(rises, ds["normal_load"].values, ds["load"].values[:, None, None])
-    r = np.take_along_axis(rises, worst[..., None], axis=-1)[..., 0]
-    loads, velocities = ds["load"].values, ds["velocity"].values
+    ds = ordered(ds)
+    results = Results.of(ds)
+    planes = [decisive_plane(part, share) for part in results.parts()]
     if resolution is not None:
-        fine = np.linspace(velocities[0], velocities[-1], resolution)
-        r = np.array([interpolated(velocities, row, fine, continued) for row in r])
-        velocities, fine = fine, np.linspace(loads[0], loads[-1], resolution)
-        r = np.array([interpolated(loads, column, fine) for column in r.T]).T
-        loads = fine
+        planes = [plane.refined(resolution, continued) for plane in planes]
+    loads, velocities, r = planes[0]
+    dims: tuple[str, ...] = ("load", "velocity")
+    if results.leading:
+        dims, r = (results.leading, *dims), np.stack([plane.rises for plane in planes])
+    variants = (name for name in ("realization", "sample") if name in ds.coords)
     return xr.DataArray(
         r,
         coords={
             "load": ("load", loads, ds["load"].attrs),
             "velocity": ("velocity", velocities, ds["velocity"].attrs),
-            **{name: ds[name] for name in ds.coords if name in ("realization", "sample")},
+            **{name: ds[name].variable for name in variants},
         },
-        dims=("load", "velocity"),
+        dims=dims,
         name="decisive_rise",
         attrs={
             "units": "K",
@@ -329,69 +201,3 @@ def rise_exceeded(ds: xr.Dataset, share: float) -> xr.DataArray:
         kwargs={"share": share, "quantiles": ds["quantile"].values},
     )
     return found
-
-
-def conditions_of(
-    ds: xr.Dataset,
-    friction: float | None = None,
-    bulk_temperature: Bulk | None = None,
-    critical_temperature: float | str | None = None,
-    share: float | str | None = None,
-) -> Conditions:
-    """Take the sweep's own conditions, and those that are given in their place.
-
-    Raises
-    ------
-    InputError
-        If one lies outside its range, or is neither given nor in the sweep.
-    """
-    given = {
-        "friction": friction,
-        "critical_temperature": _kelvin("critical_temperature", critical_temperature),
-        "failing_share": None if share is None else share_of(share),
-    }
-    values = dict(attributes_of(ds).get("conditions") or {})
-    values |= {name: value for name, value in given.items() if value is not None}
-    if bulk_temperature is not None:
-        each = (
-            {body: _kelvin("bulk_temperature", own) for body, own in bulk_temperature.items()}
-            if isinstance(bulk_temperature, Mapping)
-            else _kelvin("bulk_temperature", bulk_temperature)
-        )
-        values |= of_bulks(each)
-    for name in (*given, "bulk_temperature"):
-        if values.get(name) is None and name != "critical_temperature":
-            raise InputError(f"the sweep has no {name} of its own; give one")
-    conditions = Conditions(**values)
-    require_bulks(ds, conditions)
-    if conditions.friction and not attributes_of(ds).get("scene", {}).get("friction_heat", True):
-        raise InputError(
-            f"friction is {conditions.friction:g}; the sweep was computed without friction, and "
-            "so without any heat: run it again with friction, into another store"
-        )
-    return conditions
-
-
-def _kelvin(name: str, given: float | str | None) -> float | None:
-    """Read a temperature [K], and refuse one at which no oil works."""
-    if isinstance(given, str):
-        given = in_si(name, given, "80 degC")
-    if given is None or isinstance(given, Iterable):
-        return given  # several are refused with the other conditions
-    hottest = _HOTTEST_OIL if name == "bulk_temperature" else np.inf
-    if given < _COLDEST_OIL or hottest < given < np.inf:
-        raise InputError(
-            f"{name} is {given - 273.15:.4g} °C ({given:g} K), at which no oil works; give one "
-            f"from {_COLDEST_OIL - 273.15:.4g} °C on; in Python a plain number is in kelvins, and "
-            'text has its unit, such as "80 degC"'
-        )
-    return given
-
-
-def _outcome(found: Array, r: Array, limit: float, axis: int) -> NDArray[np.int8]:
-    known = np.isfinite(r)
-    lowest = np.take_along_axis(r, np.expand_dims(known.argmax(axis), axis), axis).squeeze(axis)
-    outcome = np.where(lowest > limit, SEVERE, MILD)
-    outcome[~known.any(axis)] = UNKNOWN
-    outcome[np.isfinite(found)] = CROSSES
-    return outcome.astype(np.int8)

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import functools
-import itertools
-import json
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from pipeline.analysis.attributes import attributes_of, portable
+from pipeline.analysis.results import Results, require_surface
 from pipeline.store import Committed, PathLike, as_needed, folder_of
 from pipeline.store.identity import simulated_inputs
 from pipeline.store.variables import LEADING, VARIABLES
@@ -21,13 +19,11 @@ from pipeline.sweep.criterion import (
     failed_fraction,
     require_bulks,
 )
-from pipeline.sweep.model import Point
 from pipeline.sweep.unknown import first_alike
 from tribo import InputError
 from tribo.thermal import at_bulk_ratio
 from tribo.types import Array
 
-_READ = 2**25  # [B] of rises that are read at a time
 _IN_UTC = {
     "units": "seconds since 1970-01-01 00:00:00",
     "calendar": "standard",
@@ -91,6 +87,13 @@ def open_sweep(path: PathLike) -> xr.Dataset:
     )
 
 
+def dataset_of(source: xr.Dataset | PathLike | Results) -> xr.Dataset:
+    """The dataset of a sweep, which is opened if it is not yet."""
+    if isinstance(source, Results):
+        source = source.source
+    return source if isinstance(source, xr.Dataset) else open_sweep(source)
+
+
 def ordered(ds: xr.Dataset) -> xr.Dataset:
     """Sort the axes of a sweep, which a store keeps in the order in which they grew."""
     return ds.sortby([name for name in (*LEADING, "load", "velocity") if name in ds.dims])
@@ -111,36 +114,6 @@ def _shared(ds: xr.Dataset) -> xr.Dataset:
     return ds.isel(sample=list(first)).assign_coords(own | {"simulation": ("sample", list(first))})
 
 
-def leading(ds: xr.Dataset) -> str | None:
-    """Name of the dimension of the surfaces or samples of a sweep; None if it has neither."""
-    return next((name for name in LEADING if name in ds.dims), None)
-
-
-def by_surface(ds: xr.Dataset) -> list[xr.Dataset]:
-    """Take each surface or sample of a sweep alone; the sweep as it is if it has neither."""
-    name = leading(ds)
-    return [ds] if name is None else [ds.sel({name: each}) for each in ds[name].values.tolist()]
-
-
-def read_by_surface(ds: xr.Dataset) -> Iterator[xr.Dataset]:
-    """Take each surface or sample of a sweep alone, with rises that were read for many at a time.
-
-    To read them for each alone would take as long for each as to look at the root of the store.
-    """
-    name = leading(ds)
-    if name is None:
-        yield ds
-        return
-    used = [each for each in ("normal_load", "rise_quantile", "bulk_rise_quantile") if each in ds]
-    size = sum(ds[each].nbytes for each in used) / ds.sizes[name]
-    step = max(1, int(_READ // max(size, 1)))
-    for begin in range(0, ds.sizes[name], step):
-        block = ds.isel({name: slice(begin, begin + step)})
-        for each in used:
-            block[each].load()
-        yield from by_surface(block)
-
-
 def on_surface(ds: xr.Dataset, realization: int | None = None) -> xr.Dataset:
     """Take the sweep on one of its surfaces, the first if not given.
 
@@ -157,37 +130,8 @@ def on_surface(ds: xr.Dataset, realization: int | None = None) -> xr.Dataset:
     seeds = ds["realization"].values.tolist() if "realization" in ds.dims else []
     if realization is None:
         return ds.sel(realization=seeds[0]) if seeds else ds
-    if realization not in seeds:
-        held = f"it holds {', '.join(map(str, seeds))}" if seeds else "its scene gives no others"
-        raise InputError(f"realization is {realization}, which the sweep does not hold; {held}")
+    require_surface(realization, seeds)
     return ds.sel(realization=realization)
-
-
-def asked_points(ds: xr.Dataset) -> xr.DataArray:
-    """Tell which points the last run asked for, dims (load, velocity): all, or those it chose.
-
-    The other points in the store were asked for by an earlier run. The sweep is on one surface.
-    """
-    asked = xr.ones_like(ds["status"], dtype=bool)
-    chosen = ds.attrs.get("chosen")
-    if chosen is not None:
-        names = ("realization", "simulation" if "simulation" in ds.coords else "sample")
-        place = tuple(int(ds[name]) if name in ds.coords else None for name in names)
-        written = chosen if isinstance(chosen, str) else json.dumps(chosen)
-        wanted = _by_variant(written).get(place, frozenset())
-        loads, velocities = ds["load"].values.tolist(), ds["velocity"].values.tolist()
-        rows = [[(load, velocity) in wanted for velocity in velocities] for load in loads]
-        asked = xr.DataArray(rows, {"load": ds["load"], "velocity": ds["velocity"]})
-    return asked.transpose("load", "velocity")
-
-
-@functools.lru_cache(maxsize=2)
-def _by_variant(chosen: str) -> dict[tuple[int | None, ...], frozenset[tuple[float, float]]]:
-    """Loads and velocities that a run chose, by surface and sample."""
-    found: dict[tuple[int | None, ...], set[tuple[float, float]]] = {}
-    for point in itertools.starmap(Point, json.loads(chosen)):
-        found.setdefault(point[2:], set()).add(point[:2])
-    return {place: frozenset(points) for place, points in found.items()}
 
 
 def at_bulks(ds: xr.Dataset, conditions: Conditions) -> xr.Dataset:

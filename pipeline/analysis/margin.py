@@ -11,18 +11,20 @@ from __future__ import annotations
 
 import math
 from dataclasses import asdict, dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 
-from pipeline.analysis.boundary import Bulk, conditions_of, decisive_rise, of_sample
-from pipeline.analysis.dataset import at_bulks, ordered, read_by_surface
+from pipeline.analysis.conditions import Bulk, conditions_of, of_sample
 from pipeline.analysis.interpolation import crossing, interpolated
+from pipeline.analysis.results import Results, decisive_plane
 from pipeline.scene.quantities import in_si
 from pipeline.sweep.criterion import Conditions, contact_temperature, rise_limit
 from tribo import InputError
 from tribo.types import Array
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 CROSSES, MILD, SEVERE = "crosses", "mild throughout", "severe throughout"
 """What is known of the way from an operating point to the boundary."""
@@ -122,7 +124,7 @@ class Margin:
 
 
 def margins(
-    ds: xr.Dataset,
+    ds: xr.Dataset | Results,
     load: float | str,
     velocity: float | str,
     friction: float | None = None,
@@ -134,7 +136,7 @@ def margins(
 
     Parameters
     ----------
-    ds : Dataset
+    ds : Dataset or Results
         Dataset of `pipeline.open_sweep`. Points that are pending or failed are skipped.
     load : float or str
         Normal load on the whole pin [N], or text such as ``"500 N"``, within those of the sweep.
@@ -162,13 +164,17 @@ def margins(
     >>> margin.is_severe, f"{margin.distance:.0f} K"
     (True, '-13 K')
     """
-    conditions = conditions_of(ds, friction, bulk_temperature, critical_temperature, share)
+    results = Results.of(ds)
+    conditions = conditions_of(results, friction, bulk_temperature, critical_temperature, share)
     if conditions.friction == 0:
         raise InputError("friction is 0; without friction there is no heat and no boundary")
     conditions.known_critical_temperature()
     load, velocity = in_si("load", load, "500 N"), in_si("velocity", velocity, "2 m/s")
-    for name, value, unit in (("load", load, "N"), ("velocity", velocity, "m/s")):
-        lowest, highest = float(ds[name].min()), float(ds[name].max())
+    for name, value, axis, unit in (
+        ("load", load, results.loads, "N"),
+        ("velocity", velocity, results.velocities, "m/s"),
+    ):
+        lowest, highest = float(axis[0]), float(axis[-1])
         if not (lowest <= value <= highest and value > 0):
             raise InputError(
                 f"{name} is {value:g} {unit}; the sweep has {lowest:g} to {highest:g} {unit}: give "
@@ -176,16 +182,15 @@ def margins(
             )
     given = (friction, bulk_temperature, critical_temperature, share)
     found = []
-    for part in read_by_surface(ordered(ds)):
+    for part in results.parts():
         own = of_sample(part, conditions, given)
-        rises = decisive_rise(at_bulks(part, own), own.failing_share)
-        found.append(_margin(rises, load, velocity, own))
+        found.append(_margin(part.at(own), load, velocity, own))
     return tuple(found)
 
 
-def _margin(rises: xr.DataArray, load: float, velocity: float, conditions: Conditions) -> Margin:
+def _margin(part: Results, load: float, velocity: float, conditions: Conditions) -> Margin:
     """The margin on one surface."""
-    loads, velocities, r = rises["load"].values, rises["velocity"].values, rises.values
+    loads, velocities, r = decisive_plane(part, conditions.failing_share)
     column = np.array([_along(velocities, each, velocity, continued=True) for each in r])
     rise = _along(loads, column, load)
     if not math.isfinite(rise):
@@ -203,8 +208,8 @@ def _margin(rises: xr.DataArray, load: float, velocity: float, conditions: Condi
     return Margin(
         load=load,
         velocity=velocity,
-        realization=int(rises["realization"]) if "realization" in rises.coords else None,
-        sample=int(rises["sample"]) if "sample" in rises.coords else None,
+        realization=part.place.get("realization"),
+        sample=part.place.get("sample"),
         decisive_temperature=contact_temperature(rise, conditions),
         temperature_error=None if error is None else conditions.friction * rise * error,
         critical_temperature=conditions.known_critical_temperature(),

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 
-from pipeline.analysis.boundary import conditions_of, decisive_rise
-from pipeline.analysis.dataset import at_bulks, leading, ordered, read_by_surface
+from pipeline.analysis.conditions import conditions_of
+from pipeline.analysis.results import Results, decisive_plane
 from pipeline.store import DONE
 from pipeline.sweep.criterion import rise_limit
 from pipeline.sweep.model import Point
@@ -17,15 +16,18 @@ from pipeline.sweep.warned import NO_WARNING, Warned
 from tribo import WarningKind
 from tribo.types import Array, Mask
 
+if TYPE_CHECKING:
+    import xarray as xr
+
 _OLD_STORES = "of unknown kind"  # those that keep the text alone
 
 
-def warned(ds: xr.Dataset, **conditions: Any) -> Warned:
+def warned(ds: xr.Dataset | Results, **conditions: Any) -> Warned:
     """Count the points of a sweep that carry a warning.
 
     Parameters
     ----------
-    ds : Dataset
+    ds : Dataset or Results
         Dataset of `pipeline.open_sweep`.
     **conditions
         Those of `pipeline.boundary`, to tell which points lie beside it.
@@ -36,61 +38,62 @@ def warned(ds: xr.Dataset, **conditions: Any) -> Warned:
     >>> pipeline.warned(pipeline.open_sweep("results/first_try.zarr")).points
     0
     """
-    there = has_warning(ds)
+    results = Results.of(ds)
+    there = np.array([has_warning(part) for part in results.parts()])
     if not there.any():
         return NO_WARNING
-    if "warning_flags" in ds:
-        flags = ds["warning_flags"].where(there, 0)
-        counts = {kind.label: int(((flags & kind) > 0).sum()) for kind in WarningKind}
+    if "warning_flags" in results:
+        flags = np.where(there, [part["warning_flags"] for part in results.parts()], 0)
+        counts = {kind.label: int(np.count_nonzero(flags & kind)) for kind in WarningKind}
     else:
-        counts = {_OLD_STORES: int(there.sum())}
-    found = _beside_boundary(ds, conditions)
+        counts = {_OLD_STORES: int(np.count_nonzero(there))}
+    found = _beside_boundary(results, conditions)
     beside = there if found is None else there & found
     return Warned(
-        points=int(there.sum()),
+        points=int(np.count_nonzero(there)),
         kinds={kind: count for kind, count in counts.items() if count},
-        at_boundary=None if found is None else int(beside.sum()),
-        example=_first(ds["message"].where(beside if beside.any() else there, "")),
+        at_boundary=None if found is None else int(np.count_nonzero(beside)),
+        example=_first(results, beside if beside.any() else there),
     )
 
 
-def has_warning(ds: xr.Dataset) -> xr.DataArray:
-    """Tell which points are done and carry a warning, with the dimensions of ``status``."""
-    done = ds["status"] == DONE
-    told: xr.DataArray = ds["warning_flags"] != 0 if "warning_flags" in ds else ds["message"] != ""
-    return done & told
+def has_warning(part: Results) -> Mask:
+    """Tell which points of one surface are done and carry a warning, by load and velocity."""
+    flags = "warning_flags" in part
+    told = part["warning_flags"] != 0 if flags else part["message"] != ""
+    found: Mask = (part["status"] == DONE) & told
+    return found
 
 
-def _beside_boundary(ds: xr.Dataset, conditions: dict[str, Any]) -> xr.DataArray | None:
+def _beside_boundary(results: Results, conditions: dict[str, Any]) -> Mask | None:
     """Tell which points have a neighbour with the other kind of wear, at any of the frictions.
 
     None where no critical temperature tells the kind of wear.
     """
     frictions = conditions.get("friction")
     several = frictions if isinstance(frictions, Iterable) else [frictions]
-    each = [conditions_of(ds, **conditions | {"friction": friction}) for friction in several]
+    each = [conditions_of(results, **conditions | {"friction": friction}) for friction in several]
     if each[0].critical_temperature is None:
         return None
     found = []
-    for part in read_by_surface(ordered(ds)):
-        rises = [decisive_rise(at_bulks(part, own), own.failing_share) for own in each]
-        limits = [rise_limit(own) for own in each]
-        beside = [_beside(r.values, limit) for r, limit in zip(rises, limits, strict=True)]
-        found.append(rises[0].copy(data=np.any(beside, axis=0)))
-    name = leading(ds)
-    return found[0] if name is None else xr.concat(found, name)
+    for part in results.parts():
+        rises = [decisive_plane(part.at(own), own.failing_share).rises for own in each]
+        limits = map(rise_limit, each)
+        beside = [_beside(r, limit) for r, limit in zip(rises, limits, strict=True)]
+        found.append(np.any(beside, axis=0))
+    return np.array(found)
 
 
-def _first(messages: xr.DataArray) -> str:
-    """The first message that there is, and its point; empty if a writer has just cleared it."""
-    if not messages.values.any():
-        return ""
-    at = {
-        name: int(place[0])
-        for name, place in zip(messages.dims, np.nonzero(messages.values), strict=True)
-    }
-    one = messages[at]
-    return f"{Point(**{str(name): one[name].item() for name in at})}: {one.item()}"
+def _first(results: Results, chosen: Mask) -> str:
+    """The first message of those chosen, and its point; empty if a writer has just cleared it."""
+    name = results.leading
+    for part, rows in zip(results.parts(), chosen, strict=True):
+        place = {name: part.place[name]} if name else {}
+        for i, j in zip(*np.nonzero(rows), strict=True):
+            if message := part["message"][i, j]:
+                point = Point(float(part.loads[i]), float(part.velocities[j]), **place)
+                return f"{point}: {message}"
+    return ""
 
 
 def _beside(rise: Array, limit: float) -> Mask:

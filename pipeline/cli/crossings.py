@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+import numpy as np
 
 import pipeline
+from pipeline.analysis.band import BAND
+from pipeline.analysis.labelled import Labelled
 from tribo import lubrication_regime
 from tribo.lubricant import BOUNDARY, FULL_FILM
-
-if TYPE_CHECKING:
-    import xarray as xr
+from tribo.types import Array
 
 _NO_CROSSING = {1: "mild throughout", 2: "severe from the lowest", 3: "not known yet"}
 _OUTCOMES = {0: "crosses"} | _NO_CROSSING
@@ -22,7 +24,7 @@ _BOUNDARIES = (
 _KINDS = {"realization": "surfaces", "sample": "samples"}
 
 
-def document_of(found: xr.Dataset) -> dict[str, Any]:
+def document_of(found: Labelled) -> dict[str, Any]:
     """Plain data of `pipeline.boundary`."""
     conditions = ["bulk_temperature", "critical_temperature", "failing_share"]
     conditions += [name for name in ("disk_temperature",) if name in found.attrs]
@@ -35,19 +37,19 @@ def document_of(found: xr.Dataset) -> dict[str, Any]:
             shown += [f"crossing_at_{axis}", f"known_at_{axis}"]
     document = (
         {
-            "conditions": {"friction": frictions if "friction" in found.dims else frictions[0]}
+            "conditions": {"friction": frictions if "friction" in found.sizes else frictions[0]}
             | {name: found.attrs[name] for name in conditions},
             "missing_points": found.attrs["missing_points"],
         }
-        | {name: found[name].values.tolist() for name in shown}
+        | {name: found[name].tolist() for name in shown}
         | {
-            f"{name}_outcome": _worded(found[f"outcome_at_{axis}"].values.tolist())
+            f"{name}_outcome": _worded(found[f"outcome_at_{axis}"].tolist())
             for name, axis, _ in _BOUNDARIES
         }
     )
     for name, axis, _ in _BOUNDARIES:
         if f"film_parameter_at_{axis}" in found:
-            values = found[f"film_parameter_at_{axis}"].values.tolist()
+            values = found[f"film_parameter_at_{axis}"].tolist()
             document |= {f"{name}_film_parameter": values, f"{name}_regime": _regimes(values)}
     return document
 
@@ -59,9 +61,9 @@ def _regimes(values: Any) -> Any:
     return lubrication_regime(values) if math.isfinite(values) else "no crossing"
 
 
-def _variant(found: xr.Dataset) -> str | None:
+def _variant(found: Labelled) -> str | None:
     """Dimension of the surfaces or samples, if there are several."""
-    return next((name for name in _KINDS if name in found.dims), None)
+    return next((name for name in _KINDS if name in found.sizes), None)
 
 
 def _worded(outcomes: Any) -> Any:
@@ -71,7 +73,7 @@ def _worded(outcomes: Any) -> Any:
     return _OUTCOMES[outcomes]
 
 
-def rows_of(found: xr.Dataset) -> Iterator[dict[str, Any]]:
+def rows_of(found: Labelled) -> Iterator[dict[str, Any]]:
     """Rows of a table on `pipeline.boundary`: one for each load and velocity, at each friction."""
     judged = {
         "bulk [°C]": found.attrs["bulk_temperature"] - 273.15,
@@ -88,34 +90,38 @@ def rows_of(found: xr.Dataset) -> Iterator[dict[str, Any]]:
         other = units[name.removeprefix("critical_")]
         for friction, (_, part) in zip(_frictions(found), _by_friction(found), strict=True):
             for place in range(found.sizes[axis]):
-                at = part.isel({axis: place})
+                at = part.at(**{axis: place})
                 row = {"at each": axis, "friction": friction, units[axis]: float(at[axis])}
                 yield row | _crossing(at, name, axis, other) | judged
 
 
-def _crossing(at: xr.Dataset, name: str, axis: str, other: str) -> dict[str, Any]:
+def _crossing(at: Labelled, name: str, axis: str, other: str) -> dict[str, Any]:
     """Where it crosses at one load or velocity, or the surfaces do."""
-    film = at.get(f"film_parameter_at_{axis}")
     found: dict[str, Any] = {}
     if variant := _variant(at):
         kind_of = _KINDS[variant]
-        outcomes = at[f"outcome_at_{axis}"].values.tolist()
-        shares = [f"{100 * share:g} %" for share in at["quantile"].values]
-        found = dict(zip(shares, map(float, at[f"{name}_quantile"].values), strict=True))
+        outcomes = at[f"outcome_at_{axis}"].tolist()
+        shares = [f"{100 * share:g} %" for share in at["quantile"]]
+        found = dict(zip(shares, at[f"{name}_quantile"].tolist(), strict=True))
         found |= {kind: float(at[f"{name}_{kind}"]) for kind in ("mean", "spread")}
         found |= {f"{kind_of} that cross": outcomes.count(0), kind_of: len(outcomes)}
-        found = {other: float(at[f"{name}_quantile"].sel(quantile=0.5))} | found
+        found = {other: float(at[f"{name}_quantile"][BAND.index(0.5)])} | found
     else:
         found = {other: float(at[name]), "outcome": _OUTCOMES[int(at[f"outcome_at_{axis}"])]}
-    if film is not None:
-        found["film parameter"] = float(film.median(skipna=True)) if film.notnull().any() else None
+    if f"film_parameter_at_{axis}" in at:
+        found["film parameter"] = _middle(at[f"film_parameter_at_{axis}"])
     return found
 
 
-def text_of(found: xr.Dataset) -> Iterator[str]:
+def _middle(film: Array) -> float | None:
+    """Median film parameter of the surfaces that cross; None if none does."""
+    return float(np.nanmedian(film)) if not np.isnan(film).all() else None
+
+
+def text_of(found: Labelled) -> Iterator[str]:
     """Lines of text on `pipeline.boundary`; a column or block for each friction."""
     frictions = ", ".join(f"{value:g}" for value in _frictions(found))
-    if "sample" in found.dims:
+    if "sample" in found.sizes:
         yield "each sample under its own inputs as drawn, the others as here:"
     yield (
         f"friction {frictions}, "
@@ -142,7 +148,7 @@ def text_of(found: xr.Dataset) -> Iterator[str]:
         yield f"{missing} points are pending or failed and were left out"
 
 
-def _bulk(found: xr.Dataset) -> str:
+def _bulk(found: Labelled) -> str:
     """The bulk temperature, or that of each body."""
     pin = pipeline.display(found.attrs["bulk_temperature"], "°C")
     if "disk_temperature" not in found.attrs:
@@ -150,45 +156,48 @@ def _bulk(found: xr.Dataset) -> str:
     return f"{pin} (pin) and {pipeline.display(found.attrs['disk_temperature'], '°C')} (disk)"
 
 
-def _frictions(found: xr.Dataset) -> list[float]:
-    if "friction" not in found.dims:
+def _frictions(found: Labelled) -> list[float]:
+    if "friction" not in found.sizes:
         return [found.attrs["friction"]]
-    return [float(value) for value in found["friction"].values]
+    return [float(value) for value in found["friction"]]
 
 
-def _by_friction(found: xr.Dataset) -> list[tuple[str, xr.Dataset]]:
-    if "friction" not in found.dims:
+def _by_friction(found: Labelled) -> list[tuple[str, Labelled]]:
+    if "friction" not in found.sizes:
         return [("", found)]
-    return [(f" at friction {value:g}", found.sel(friction=value)) for value in _frictions(found)]
+    return [
+        (f" at friction {value:g}", found.at(friction=place))
+        for place, value in enumerate(_frictions(found))
+    ]
 
 
-def _columns(found: xr.Dataset, name: str, axis: str) -> Iterator[str]:
+def _columns(found: Labelled, name: str, axis: str) -> Iterator[str]:
     """Where one surface crosses, a column for each friction."""
-    several = "friction" in found.dims
+    several = "friction" in found.sizes
     if several:
         heads = "".join(f"{f'{value:g}':<24}" for value in _frictions(found))
         yield f"{'friction':>10}   {heads}".rstrip()
     for place in range(found.sizes[axis]):
         cells = []
         for _, part in _by_friction(found):
-            at = part.isel({axis: place})
+            at = part.at(**{axis: place})
             why = int(at[f"outcome_at_{axis}"])
             cells.append(_NO_CROSSING.get(why, f"{float(at[name]):.4g}{_film(at, axis)}"))
         row = "".join(f"{cell:<24}" for cell in cells)
         yield f"{float(found[axis][place]):10g}   {row}".rstrip()
 
 
-def _band(found: xr.Dataset, name: str, axis: str) -> Iterator[str]:
+def _band(found: Labelled, name: str, axis: str) -> Iterator[str]:
     """Median, lower and upper end of the band, mean and spread, and how many surfaces cross."""
-    ends = [f"{100 * share:g} %" for share in found["quantile"].values]
+    ends = [f"{100 * share:g} %" for share in found["quantile"]]
     heads = ("median", ends[0], ends[-1], "mean", "spread")
     yield f"{'':10}   {' '.join(f'{head:>8}' for head in heads)}   {_KINDS[str(_variant(found))]}"
     for place in range(found.sizes[axis]):
-        at = found.isel({axis: place})
-        low, middle, high = at[f"{name}_quantile"].values
+        at = found.at(**{axis: place})
+        low, middle, high = at[f"{name}_quantile"]
         values = (middle, low, high, float(at[f"{name}_mean"]), float(at[f"{name}_spread"]))
         cells = (f"{value:.4g}" if math.isfinite(value) else "-" for value in values)
-        outcomes = at[f"outcome_at_{axis}"].values.tolist()
+        outcomes = at[f"outcome_at_{axis}"].tolist()
         counts = [f"{outcomes.count(0)} of {len(outcomes)} cross"]
         counts += [
             f"{outcomes.count(why)} {meaning}"
@@ -199,10 +208,10 @@ def _band(found: xr.Dataset, name: str, axis: str) -> Iterator[str]:
         yield f"{float(at[axis]):10g}   {row}   {', '.join(counts)}{_film(at, axis)}"
 
 
-def _film(at: xr.Dataset, axis: str) -> str:
+def _film(at: Labelled, axis: str) -> str:
     """Film parameter and regime at a crossing, the median over surfaces; empty without an oil."""
-    found = at.get(f"film_parameter_at_{axis}")
-    if found is None or not found.notnull().any():
+    name = f"film_parameter_at_{axis}"
+    middle = _middle(at[name]) if name in at else None
+    if middle is None:
         return ""
-    middle = float(found.median(skipna=True))
     return f"  Λ {middle:.2f} {lubrication_regime(middle).split(' lubrication')[0].split(',')[0]}"

@@ -11,6 +11,7 @@ import numpy as np
 
 import pipeline
 from pipeline.analysis.attributes import attributes_of
+from pipeline.analysis.results import Results
 from pipeline.cli.output import DONE, show
 from pipeline.cli.scenes import CONDITIONS, given
 from pipeline.cli.unknowns import notes, samples_of
@@ -25,13 +26,13 @@ _BAND = (0.1, 0.5, 0.9)  # shares of the surfaces that lie lower
 
 def margin(options: argparse.Namespace) -> int:
     """Print the distance of an operating point to the boundary."""
-    ds, conditions = pipeline.open_sweep(options.store), given(options, *CONDITIONS)
-    found = pipeline.margins(ds, options.load, options.velocity, **conditions)
-    warned = pipeline.warned(ds, **conditions)
+    results, conditions = Results.of(options.store), given(options, *CONDITIONS)
+    found = pipeline.margins(results, options.load, options.velocity, **conditions)
+    warned = pipeline.warned(results, **conditions)
     document = found[0].as_dict() if len(found) == 1 else _document(found)
     text = _on_one(found[0]) if len(found) == 1 else _on_several(found)
-    if attributes_of(ds).get("samples") and not conditions:
-        ensemble, measured = samples_of(options, ds)
+    if attributes_of(results).get("samples") and not conditions:
+        ensemble, measured = samples_of(options, pipeline.open_sweep(options.store))
         draws = measured.draws if measured else None
         intervals = pipeline.margin_intervals(ensemble, options.load, options.velocity, draws)
         document |= {"given_measured": measured is not None, "intervals": intervals.as_dict()}

@@ -10,6 +10,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pipeline
+from pipeline.analysis.crossings import crossings
+from pipeline.analysis.results import Results
 from pipeline.cli.crossings import document_of, rows_of, text_of
 from pipeline.cli.output import DONE, counted, micrometres, show, table_path, tell, written
 from pipeline.cli.progress import working
@@ -37,8 +39,8 @@ _MORE_AREA = {2: "14 to 17", 4: "40 to 50"}
 def boundary(options: argparse.Namespace) -> int:
     """Print critical velocities and loads."""
     out = table_path(options)
-    ds, conditions = pipeline.open_sweep(options.store), given(options, *CONDITIONS)
-    found, warned = pipeline.boundary(ds, **conditions), pipeline.warned(ds, **conditions)
+    results, conditions = Results.of(options.store), given(options, *CONDITIONS)
+    found, warned = crossings(results, **conditions), pipeline.warned(results, **conditions)
     document = document_of(found) | {"warnings": warned.as_dict()}
     told = written(out, rows_of(found), document)
     show(options, document, [*text_of(found), *warned.lines(), *told])
@@ -53,12 +55,12 @@ def plot(options: argparse.Namespace) -> int:
     shown |= {name: True for name in ("log", "given_measured") if getattr(options, name)}
     conditions = given(options, *CONDITIONS)
     _require_options(options.kind, [*shown, *conditions])
-    ds = pipeline.open_sweep(options.store)
+    results = Results.of(options.store)
     store = Path(options.store if isinstance(options.store, Path) else Path(options.store).name)
     suffix = "gif" if options.kind == "animation" else "png"
     out = options.output or store.with_name(f"{store.stem}_{options.kind}.{suffix}")
-    written = pipeline.plot(ds, options.kind, out, **shown, **conditions)
-    warned = pipeline.warned(ds, **conditions)
+    written = pipeline.plot(results, options.kind, out, **shown, **conditions)
+    warned = pipeline.warned(results, **conditions)
     document = {"kind": options.kind, "file": str(written), "warnings": warned.as_dict()}
     show(options, document, [f"{written}", *warned.lines()])
     return DONE

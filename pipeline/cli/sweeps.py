@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pipeline
+from pipeline.analysis.results import Results
 from pipeline.cli.meaning import library_lines, meaning
 from pipeline.cli.output import (
     DONE,
@@ -74,10 +75,8 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _warned(store: Path) -> Warned:
-    """Warnings of a store; only if it has any, it is opened as a dataset, which takes a second."""
-    if not pipeline.summary(store).warned:
-        return NO_WARNING
-    return pipeline.warned(pipeline.open_sweep(store))
+    """Warnings of a store, whose results are read only if it has any."""
+    return pipeline.warned(Results.of(store)) if pipeline.summary(store).warned else NO_WARNING
 
 
 def check(options: argparse.Namespace) -> int:

@@ -10,13 +10,12 @@ import xarray as xr
 from matplotlib.animation import PillowWriter
 from matplotlib.figure import Figure
 
-from pipeline.analysis.boundary import Bulk, conditions_of
+from pipeline.analysis.conditions import Bulk, conditions_of
 from pipeline.figures.fields import contact, has_fields, require_fields, scales, shown, with_fields
 from pipeline.figures.points import chosen_points
 from pipeline.store import DONE
 from tribo import InputError
 
-SUFFIXES = (".gif",)
 _PACE = 2  # pictures a second
 _LAST = 3  # times that the last picture is shown again
 _DPI = 100

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -16,12 +15,9 @@ from matplotlib.patches import Patch
 
 from pipeline.analysis.attributes import attributes_of
 from pipeline.analysis.band import BAND
-from pipeline.analysis.boundary import Bulk, conditions_of, decisive_rise
-from pipeline.analysis.dataset import asked_points, at_bulks, by_surface, on_surface, ordered
-from pipeline.analysis.ensemble import Ensemble
+from pipeline.analysis.conditions import Bulk, conditions_of
 from pipeline.analysis.interpolation import crossing
-from pipeline.analysis.posterior import posterior_if_given
-from pipeline.analysis.risk import probabilities
+from pipeline.analysis.results import Plane, Results, decisive_plane
 from pipeline.analysis.warned import has_warning
 from pipeline.figures.measured import at_own_friction, measured_transitions
 from pipeline.figures.overlays import film_lines, rival_lines
@@ -40,17 +36,20 @@ from pipeline.figures.style import (
     plain_numbers,
     title_of,
 )
-from pipeline.figures.uncertainty import draw_risk
 from pipeline.store import PENDING
 from pipeline.sweep.criterion import Conditions, rise_limit
 from tribo import InputError
+from tribo.types import Array
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 _RESOLUTION = 240
 
 
 @in_house_style
 def diagram(
-    ds: xr.Dataset,
+    ds: xr.Dataset | Results,
     friction: float | Sequence[float] | None = None,
     bulk_temperature: Bulk | None = None,
     critical_temperature: float | str | None = None,
@@ -72,7 +71,9 @@ def diagram(
 
     Parameters
     ----------
-    ds, bulk_temperature, critical_temperature, share
+    ds : Dataset or Results
+        Dataset of `pipeline.open_sweep`.
+    bulk_temperature, critical_temperature, share
         See `pipeline.boundary`.
     friction : float or several, optional
         The lowest and highest of several make the band in place of the sweep's own, and the
@@ -89,7 +90,8 @@ def diagram(
     scatter : float, optional
         Relative standard deviation of the measured velocities; see `pipeline.posterior`.
     """
-    if "sample" in ds.dims or given_measured or scatter is not None:
+    ds = Results.of(ds)
+    if ds.leading == "sample" or given_measured or scatter is not None:
         told = (friction, bulk_temperature, critical_temperature, share, realization)
         if rivals or any(each is not None for each in told):
             raise InputError(
@@ -102,26 +104,26 @@ def diagram(
         band = min(friction), max(friction)
         friction = float(np.median(friction))
     conditions = conditions_of(ds, friction, bulk_temperature, critical_temperature, share)
-    ds = ordered(ds)
     if realization is not None:
-        ds = on_surface(ds, realization)
+        ds = ds.on_surface(realization)
     if log:
-        ds = ds.sel(velocity=ds["velocity"] > 0)
+        ds = ds.moving()
     figure = Picture(figsize=(8.0, 6.4))
     axes = figure.add_subplot()
     legend: list[Artist] = []
-    is_plane = min(ds.sizes["load"], ds.sizes["velocity"]) > 1
+    sizes = len(ds.loads), len(ds.velocities)
+    is_plane = min(sizes) > 1
     if is_plane:
         planes = _planes(ds, conditions)
-        plane = _median(planes)
+        plane = _quantile(planes, 0.5)
         _regions(axes, plane, rise_limit(conditions))
         legend += _boundary(axes, plane, conditions)
-        if "realization" in ds.dims:
+        if ds.leading:
             legend += _surface_band(axes, planes, conditions)
         legend += _band(axes, ds, conditions, band)
         legend += film_lines(axes, ds, conditions)
         legend += rival_lines(axes, ds, conditions, rivals)
-    elif max(ds.sizes["load"], ds.sizes["velocity"]) > 1:
+    elif max(sizes) > 1:
         legend += _on_a_line(axes, ds, conditions)
     legend += _points(axes, ds, conditions)
     legend += _warnings(axes, ds)
@@ -131,7 +133,7 @@ def diagram(
         legend += at_own_friction(axes, plane, measured, conditions)
     _scale(axes, ds, measured, log)
     if is_plane:
-        name_regions(axes, plane, rise_limit(conditions), ds["load"].values, measured)
+        name_regions(axes, plane, rise_limit(conditions), ds.loads, measured)
 
     surface = "" if realization is None else f", surface {realization}"
     axes.set_title(title_of(ds) + surface, pad=10)
@@ -139,15 +141,22 @@ def diagram(
     return figure
 
 
-def _probability(ds: xr.Dataset, given_measured: bool, scatter: float | None, log: bool) -> Figure:
+def _probability(ds: Results, given_measured: bool, scatter: float | None, log: bool) -> Figure:
     """Draw the probability of severe wear of a sweep with samples."""
-    samples = Ensemble.of(ds)
+    # With the libraries that only this needs.
+    from pipeline.analysis.dataset import dataset_of
+    from pipeline.analysis.ensemble import Ensemble
+    from pipeline.analysis.posterior import posterior_if_given
+    from pipeline.analysis.risk import probabilities
+    from pipeline.figures.uncertainty import draw_risk
+
+    samples = Ensemble.of(dataset_of(ds))
     found = posterior_if_given(samples, given_measured, scatter)
     plane = probabilities(samples, found.draws if found else None)
     return draw_risk(samples, plane, posterior=found, log=log)
 
 
-def _scale(axes: Axes, ds: xr.Dataset, measured: Sequence[dict[str, Any]], log: bool) -> None:
+def _scale(axes: Axes, ds: Results, measured: Sequence[dict[str, Any]], log: bool) -> None:
     """Set the scales of both axes and their limits."""
     if log:
         axes.set_xscale("log")
@@ -170,30 +179,35 @@ def _label(figure: Figure, axes: Axes, legend: list[Artist], conditions: Conditi
     )
 
 
-def _planes(ds: xr.Dataset, conditions: Conditions) -> xr.DataArray:
+def _planes(ds: Results, conditions: Conditions) -> Sequence[Plane]:
     """Decisive rise over the plane, on each surface of which something is known."""
     # A sweep that only follows the boundary knows the plane nowhere else.
     along_boundary = attributes_of(ds).get("chosen") is not None
-    judged = at_bulks(ds, conditions)
-    planes = decisive_rise(judged, conditions.failing_share, _RESOLUTION, along_boundary)
-    return planes.dropna("realization", how="all") if "realization" in ds.dims else planes
+    found = [
+        decisive_plane(part.at(conditions), conditions.failing_share).refined(
+            _RESOLUTION, along_boundary
+        )
+        for part in ds.parts()
+    ]
+    known = [plane for plane in found if not np.isnan(plane.rises).all()]
+    return known or found
 
 
-def _median(planes: xr.DataArray) -> xr.DataArray:
-    """The plane of the median surface."""
-    if "realization" not in planes.dims:
-        return planes
-    return planes.quantile(0.5, "realization", skipna=False)
+def _quantile(planes: Sequence[Plane], share: float) -> Plane:
+    """The plane of the median surface, or of one that a share of the others stays below."""
+    if len(planes) == 1:
+        return planes[0]
+    return planes[0]._replace(rises=np.quantile([plane.rises for plane in planes], share, axis=0))
 
 
-def _regions(axes: Axes, plane: xr.DataArray, limit: float) -> None:
-    r = plane.values
+def _regions(axes: Axes, plane: Plane, limit: float) -> None:
+    r = plane.rises
     if np.isfinite(r).any():
         low, high = np.nanmin(r), np.nanmax(r)
         between = float(np.clip(limit, low - 1, high + 1))
         axes.contourf(
-            plane["velocity"],
-            plane["load"],
+            plane.velocities,
+            plane.loads,
             np.ma.masked_invalid(r),
             levels=[low - 2, between, high + 2],
             colors=[TINTS["mild"], TINTS["severe"]],
@@ -201,27 +215,28 @@ def _regions(axes: Axes, plane: xr.DataArray, limit: float) -> None:
         ).set_gid("regions")
 
 
-def _boundary(axes: Axes, plane: xr.DataArray, conditions: Conditions) -> list[Artist]:
+def _boundary(axes: Axes, plane: Plane, conditions: Conditions) -> list[Artist]:
     if not _isoline(axes, plane, rise_limit(conditions), "boundary", colors=BLACK, linewidths=2.2):
         return []
     return [Line2D([], [], color=BLACK, lw=2.2, label="computed transition")]
 
 
 def _band(
-    axes: Axes, ds: xr.Dataset, conditions: Conditions, band: Sequence[float] | None
+    axes: Axes, ds: Results, conditions: Conditions, band: Sequence[float] | None
 ) -> list[Artist]:
     """Shade what lies between the boundaries at the ends of the band."""
     if not band or min(band) == max(band):
         return []
     ends = [replace(conditions, friction=float(end)) for end in (min(band), max(band))]
     # In units of the limit; where the bulk temperatures differ, each friction has its own rise.
-    low, high = (_median(_planes(ds, end)) / rise_limit(end) for end in ends)
-    if not np.isfinite(high.values).any():
+    medians = ((_quantile(_planes(ds, end), 0.5), rise_limit(end)) for end in ends)
+    low, high = (plane._replace(rises=plane.rises / limit) for plane, limit in medians)
+    if not np.isfinite(high.rises).any():
         return []
-    inside = np.minimum(high.values - 1, 1 - low.values)
+    inside = np.minimum(high.rises - 1, 1 - low.rises)
     axes.contourf(
-        high["velocity"],
-        high["load"],
+        high.velocities,
+        high.loads,
         np.ma.masked_invalid(inside),
         levels=[0.0, max(1.0, float(np.nanmax(inside)) + 1)],
         colors=[TINTS["band"]],
@@ -234,45 +249,47 @@ def _band(
     return [Patch(fc=TINTS["band"], ec=GREY, ls="--", lw=0.8, alpha=0.8, label=text)]
 
 
-def _surface_band(axes: Axes, planes: xr.DataArray, conditions: Conditions) -> list[Artist]:
+def _surface_band(axes: Axes, planes: Sequence[Plane], conditions: Conditions) -> list[Artist]:
     """Shade where wear is severe on some surfaces, but neither on nearly none nor on nearly all."""
-    if planes.sizes["realization"] < 2:
+    if len(planes) < 2:
         return []
     limit = rise_limit(conditions)
-    low, high = planes.quantile([BAND[0], BAND[-1]], "realization", skipna=False)
-    inside = ((low <= limit) & (high > limit)).values.astype(float)
+    low, high = (_quantile(planes, share) for share in (BAND[0], BAND[-1]))
+    inside = ((low.rises <= limit) & (high.rises > limit)).astype(float)
     if not inside.any():
         return []
     for edge in (low, high):
         _isoline(axes, edge, limit, "surface band edge", colors=GREEN, linewidths=0.9)
     axes.contourf(
-        planes["velocity"], planes["load"], inside, levels=[0.5, 1.5], colors=[GREEN],
-        alpha=0.3, zorder=0.9,
+        low.velocities, low.loads, inside, levels=[0.5, 1.5], colors=[GREEN], alpha=0.3, zorder=0.9,
     ).set_gid("surface band")  # fmt: skip
-    text = (
-        f"{100 * BAND[0]:g}–{100 * BAND[-1]:g} % of {planes.sizes['realization']} surfaces, median"
-    )
+    text = f"{100 * BAND[0]:g}–{100 * BAND[-1]:g} % of {len(planes)} surfaces, median"
     return [Patch(fc=GREEN, ec=GREEN, lw=0.9, alpha=0.4, label=text)]
 
 
-def _isoline(axes: Axes, plane: xr.DataArray, level: float, gid: str, **look: Any) -> bool:
-    r = plane.values
+def _isoline(axes: Axes, plane: Plane, level: float, gid: str, **look: Any) -> bool:
+    r = plane.rises
     if not np.nanmin(r, initial=np.inf) < level < np.nanmax(r, initial=-np.inf):
         return False
     lines = axes.contour(
-        plane["velocity"], plane["load"], np.ma.masked_invalid(r), [level], zorder=3, **look
+        plane.velocities, plane.loads, np.ma.masked_invalid(r), [level], zorder=3, **look
     )
     lines.set_gid(gid)
     return True
 
 
-def _points(axes: Axes, ds: xr.Dataset, conditions: Conditions) -> list[Artist]:
+def _rises(ds: Results, conditions: Conditions) -> Array:
+    """Decisive rise at the points of each surface."""
+    share = conditions.failing_share
+    return np.array([decisive_plane(part.at(conditions), share).rises for part in ds.parts()])
+
+
+def _points(axes: Axes, ds: Results, conditions: Conditions) -> list[Artist]:
     """Mark the points; over several surfaces, by those on which the point is done."""
-    parts = by_surface(at_bulks(ds, conditions))
-    r = np.array([decisive_rise(part, conditions.failing_share).values for part in parts])
-    status = np.array([part["status"].transpose("load", "velocity").values for part in parts])
-    asked = np.array([asked_points(part).values for part in parts]).any(axis=0)
-    loads, velocities = np.meshgrid(ds["load"], ds["velocity"], indexing="ij")
+    r = _rises(ds, conditions)
+    status = np.array([part["status"] for part in ds.parts()])
+    asked = np.array([part.asked() for part in ds.parts()]).any(axis=0)
+    loads, velocities = np.meshgrid(ds.loads, ds.velocities, indexing="ij")
     limit = rise_limit(conditions)
     hot, cold = np.any(r > limit, axis=0), np.any(r <= limit, axis=0)
     done = hot | cold
@@ -295,13 +312,12 @@ def _points(axes: Axes, ds: xr.Dataset, conditions: Conditions) -> list[Artist]:
     ]
 
 
-def _warnings(axes: Axes, ds: xr.Dataset) -> list[Artist]:
+def _warnings(axes: Axes, ds: Results) -> list[Artist]:
     """Ring the points that carry a warning on any surface."""
-    told = has_warning(ds)
-    rows = told.any(set(told.dims) - {"load", "velocity"}).transpose("load", "velocity").values
+    rows = np.any([has_warning(part) for part in ds.parts()], axis=0)
     if not rows.any():
         return []
-    loads, velocities = np.meshgrid(ds["load"], ds["velocity"], indexing="ij")
+    loads, velocities = np.meshgrid(ds.loads, ds.velocities, indexing="ij")
     line = axes.plot(
         velocities[rows], loads[rows], ls="none", marker="o", ms=8.5, mfc="none", mec=BLACK,
         mew=0.8, zorder=3.4, label="carries a warning", gid="carries a warning",
@@ -309,21 +325,20 @@ def _warnings(axes: Axes, ds: xr.Dataset) -> list[Artist]:
     return list(line)
 
 
-def _on_a_line(axes: Axes, ds: xr.Dataset, conditions: Conditions) -> list[Artist]:
+def _on_a_line(axes: Axes, ds: Results, conditions: Conditions) -> list[Artist]:
     """Mark the transition of a sweep with a single load or velocity, or say why there is none."""
-    parts = by_surface(at_bulks(ds, conditions))
-    axis = "velocity" if ds.sizes["velocity"] > 1 else "load"
-    other = "load" if axis == "velocity" else "velocity"
-    rises = [decisive_rise(part, conditions.failing_share).isel({other: 0}) for part in parts]
+    axes_of = {"velocity": ds.velocities, "load": ds.loads}
+    axis, other = ("velocity", "load") if len(ds.velocities) > 1 else ("load", "velocity")
+    rises = _rises(ds, conditions).reshape(-1, len(axes_of[axis]))
     limit = rise_limit(conditions)
-    found = [crossing(ds[axis].values, rise.values, limit) for rise in rises]
+    found = [crossing(axes_of[axis], rise, limit) for rise in rises]
     found = [value for value in found if np.isfinite(value)]
     if not found:
-        known = np.concatenate([rise.values[np.isfinite(rise.values)] for rise in rises])
+        known = rises[np.isfinite(rises)]
         why = "no point is done" if not known.size else None
         why = why or ("mild" if (known <= limit).all() else "severe") + " throughout"
         return [Line2D([], [], ls="none", label=f"no transition: {why}")]
-    places = {axis: found, other: [float(ds[other][0])] * len(found)}
+    places = {axis: found, other: [float(axes_of[other][0])] * len(found)}
     look: dict[str, Any] = {"ls": "none", "marker": "|" if axis == "velocity" else "_"}
     look |= {"color": BLACK, "mew": 2.2}
     axes.plot(places["velocity"], places["load"], ms=26, zorder=3.2, gid="boundary", **look)
@@ -332,10 +347,10 @@ def _on_a_line(axes: Axes, ds: xr.Dataset, conditions: Conditions) -> list[Artis
     return [Line2D([], [], ms=9, label=f"computed transition, {at}", **look)]
 
 
-def _limits(axes: Axes, ds: xr.Dataset, measured: Sequence[dict[str, Any]], log: bool) -> None:
+def _limits(axes: Axes, ds: Results, measured: Sequence[dict[str, Any]], log: bool) -> None:
     for values, key, set_limits in (
-        (ds["velocity"].values, "velocity", axes.set_xlim),
-        (ds["load"].values, "normal_load", axes.set_ylim),
+        (ds.velocities, "velocity", axes.set_xlim),
+        (ds.loads, "normal_load", axes.set_ylim),
     ):
         shown = np.append(values, [point[key] for point in measured])
         if log:

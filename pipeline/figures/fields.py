@@ -9,7 +9,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from pipeline.analysis.boundary import Bulk, conditions_of
+from pipeline.analysis.conditions import Bulk, conditions_of
 from pipeline.analysis.dataset import at_bulks, on_surface, ordered
 from pipeline.figures.points import chosen_points, name_of
 from pipeline.figures.style import Picture, celsius, heating, in_house_style, title_of

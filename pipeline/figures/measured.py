@@ -7,11 +7,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-import xarray as xr
+import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 
 from pipeline.analysis.interpolation import crossing
+from pipeline.analysis.results import Plane
 from pipeline.figures.style import BLACK, GREY
 from pipeline.sweep.criterion import Conditions, rise_limit
 
@@ -32,7 +33,7 @@ def measured_transitions(axes: Axes, measured: Sequence[Mapping[str, Any]]) -> l
 
 
 def at_own_friction(
-    axes: Axes, plane: xr.DataArray, measured: Sequence[Mapping[str, Any]], conditions: Conditions
+    axes: Axes, plane: Plane, measured: Sequence[Mapping[str, Any]], conditions: Conditions
 ) -> list[Artist]:
     """Mark where the transition is computed at the friction of each measured one, and join both.
 
@@ -40,7 +41,7 @@ def at_own_friction(
     ----------
     axes : Axes
         Axes of the diagram.
-    plane : DataArray, dims (load, velocity)
+    plane : Plane
         Decisive rise at friction 1 [K].
     measured : sequence of mapping
         Measured transitions: load, velocity, and friction if that was measured too.
@@ -52,11 +53,11 @@ def at_own_friction(
         friction = point.get("friction")
         if not friction or abs(friction / (conditions.friction or math.inf) - 1) < _NEAR:
             continue
-        if not plane["load"][0] <= point["normal_load"] <= plane["load"][-1]:
+        if not plane.loads[0] <= point["normal_load"] <= plane.loads[-1]:
             continue
-        row = plane.sel(load=point["normal_load"], method="nearest")
+        row = plane.rises[np.abs(plane.loads - point["normal_load"]).argmin()]
         limit = rise_limit(replace(conditions, friction=friction))
-        velocity = crossing(row["velocity"].values, row.values, limit)
+        velocity = crossing(plane.velocities, row, limit)
         if math.isfinite(velocity):
             found.append((velocity, point))
     for velocity, point in found:

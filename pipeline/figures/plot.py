@@ -7,39 +7,38 @@ without touching pyplot's state.
 from __future__ import annotations
 
 import inspect
+import pkgutil
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import xarray as xr
 from matplotlib.figure import Figure
 
-from pipeline.analysis.dataset import open_sweep
+from pipeline.analysis.results import Results
 from pipeline.analysis.tables import writable_path
-from pipeline.figures.animation import SUFFIXES, animation, save_animation
-from pipeline.figures.diagram import diagram
-from pipeline.figures.fields import fields
 from pipeline.figures.fit import fitted
-from pipeline.figures.ramp import ramp
 from pipeline.figures.style import figure_path, save_figure
-from pipeline.figures.temperatures import histogram, temperature
-from pipeline.scene.units import to_si
+from pipeline.scene.quantities import in_si
 from tribo import InputError
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 _COLUMN = 0.12  # [m], below which panels lie below each other
 _DPI = (20, 2400)
-_KINDS: dict[str, Callable[..., Figure | list[Figure]]] = {
-    "diagram": diagram,
-    "ramp": ramp,
-    "fields": fields,
-    "temperature": temperature,
-    "histogram": histogram,
-    "animation": animation,
+_KINDS = {
+    "diagram": "diagram:diagram",
+    "ramp": "ramp:ramp",
+    "fields": "fields:fields",
+    "temperature": "temperatures:temperature",
+    "histogram": "temperatures:histogram",
+    "animation": "animation:animation",
 }
+"""Module in this folder and function that draws each; imported for that figure alone."""
 
 
 def plot(
-    ds: xr.Dataset | str | Path,
+    ds: xr.Dataset | str | Path | Results,
     kind: str,
     out: str | Path | None = None,
     width: float | str | None = None,
@@ -51,7 +50,7 @@ def plot(
 
     Parameters
     ----------
-    ds : Dataset or path
+    ds : Dataset, path or Results
         Dataset of `pipeline.open_sweep`, or folder or address of the store.
     kind : {"diagram", "ramp", "fields", "temperature", "histogram", "animation"}
         Name of the figure; the animation shows the fields while the load grows.
@@ -85,8 +84,7 @@ def plot(
     >>> pipeline.plot("results/first_try.zarr", "ramp", "ramp.svg", load="600 N").name
     'ramp.svg'
     """
-    draw = _KINDS.get(kind)
-    if draw is None:
+    if kind not in _KINDS:
         raise InputError(f"kind is {kind!r}; allowed are {', '.join(_KINDS)}")
     allowed = options_of(kind)
     for name in options:
@@ -94,20 +92,28 @@ def plot(
             raise InputError(f"{kind} has no option {name!r}; it has {', '.join(allowed)}")
     path = None
     if out is not None:
-        path = writable_path(out, SUFFIXES) if kind == "animation" else figure_path(out)
+        path = writable_path(out, (".gif",)) if kind == "animation" else figure_path(out)
     if dpi is not None and not _DPI[0] <= dpi <= _DPI[1]:
         raise InputError(f"dpi is {dpi:g}; it must be from {_DPI[0]} to {_DPI[1]}")
-    metres = to_si(width, "1 m") if isinstance(width, str) else width
+    metres = None if width is None else in_si("width", width, "1 m")
     if "stacked" in allowed and metres is not None and metres < _COLUMN:
         options = {"stacked": True} | options
-    drawn = draw(ds if isinstance(ds, xr.Dataset) else open_sweep(ds), **options)
+    drawn = _draw(kind)(Results.of(ds) if kind == "diagram" else _dataset_of(ds), **options)
     for figure in drawn if isinstance(drawn, list) else [drawn]:
         fitted(figure, metres, with_title)
     if path is None:
         return drawn
     if isinstance(drawn, list):
+        from pipeline.figures.animation import save_animation  # as it was imported to draw
+
         return save_animation(drawn, path, dpi)
     return save_figure(drawn, path, dpi)
+
+
+def _dataset_of(source: xr.Dataset | str | Path | Results) -> xr.Dataset:
+    from pipeline.analysis.dataset import dataset_of  # with its libraries
+
+    return dataset_of(source)
 
 
 def options_of(kind: str) -> list[str]:
@@ -118,4 +124,10 @@ def options_of(kind: str) -> list[str]:
     >>> options_of("temperature")[:2]
     ['load', 'friction']
     """
-    return list(inspect.signature(_KINDS[kind]).parameters)[1:]
+    return list(inspect.signature(_draw(kind)).parameters)[1:]
+
+
+def _draw(kind: str) -> Callable[..., Figure | list[Figure]]:
+    draw: Callable[..., Figure | list[Figure]]
+    draw = pkgutil.resolve_name(f"pipeline.figures.{_KINDS[kind]}")
+    return draw

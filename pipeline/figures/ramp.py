@@ -12,7 +12,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from pipeline.analysis.boundary import Bulk, conditions_of, rise_exceeded
+from pipeline.analysis.boundary import rise_exceeded
+from pipeline.analysis.conditions import Bulk, conditions_of
 from pipeline.analysis.dataset import at_bulks, on_surface, ordered
 from pipeline.figures.points import chosen_points, name_of
 from pipeline.figures.style import (

@@ -6,11 +6,11 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.patheffects import withStroke
 from scipy.ndimage import distance_transform_edt
 
+from pipeline.analysis.results import Plane
 from pipeline.figures.style import BLUE, TINTS, VERMILION
 from tribo.types import Array, Mask
 
@@ -18,7 +18,7 @@ _LABEL_SIZE = (0.30, 0.13)  # of the axes: about what the names of the regions t
 
 
 def name_regions(
-    axes: Axes, plane: xr.DataArray, limit: float, loads: Array, measured: Sequence[dict[str, Any]]
+    axes: Axes, plane: Plane, limit: float, loads: Array, measured: Sequence[dict[str, Any]]
 ) -> None:
     """Name mild and severe wear where each has most room, between two rows of points."""
     scale = np.log if axes.get_xscale() == "log" else np.asarray
@@ -30,10 +30,10 @@ def name_regions(
     def up(load: Any) -> Any:
         return (scale(load) - bottom) / (top - bottom)
 
-    x, y = across(plane["velocity"].values), up(plane["load"].values)
+    x, y = across(plane.velocities), up(plane.loads)
     rows = up(np.convolve(loads, [0.5, 0.5], "valid"))
     taken = [(across(point["velocity"]), up(point["normal_load"])) for point in measured]
-    severe, mild = plane.values > limit, plane.values <= limit
+    severe, mild = plane.rises > limit, plane.rises <= limit
     for inside, name, colour, tint in (
         (mild, "I/II\nmild wear", BLUE, TINTS["mild"]),
         (severe, "III/III*\nsevere adhesive wear", VERMILION, TINTS["severe"]),

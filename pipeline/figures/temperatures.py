@@ -8,7 +8,8 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from pipeline.analysis.boundary import Bulk, conditions_of, decisive_rise
+from pipeline.analysis.boundary import decisive_rise
+from pipeline.analysis.conditions import Bulk, conditions_of
 from pipeline.analysis.dataset import at_bulks, end_of_point, on_surface, ordered
 from pipeline.analysis.interpolation import crossing, interpolated
 from pipeline.figures.points import index_of_load

@@ -4,6 +4,7 @@ from .committed import as_needed as as_needed
 from .compact import compact_store as compact_store
 from .compact import lay_out as lay_out
 from .creation import prepare as prepare
+from .finished import Finished as Finished
 from .folder import ROOT as ROOT
 from .folder import PathLike as PathLike
 from .folder import StoreError as StoreError

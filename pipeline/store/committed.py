@@ -1,9 +1,4 @@
-"""The committed part of a store, and nothing else, for xarray to read as it is needed.
-
-A point that was cut short has data on the disk, too, and one that is being written has some of its
-data. So the status is read first, and the data of points that are not done by then are NaN. Data
-that a done point lacks are an error.
-"""
+"""A store as xarray opens it: what is done, read as it is needed."""
 
 from __future__ import annotations
 
@@ -16,9 +11,8 @@ from numpy.typing import NDArray
 from xarray.backends import BackendArray, BackendEntrypoint
 from xarray.core import indexing
 
-from pipeline.store.folder import DAMAGED, StoreError
-from pipeline.store.snapshot import Snapshot, read_whole
-from pipeline.store.variables import DONE, PENDING, is_coordinate
+from pipeline.store.finished import Finished
+from pipeline.store.variables import is_coordinate
 
 
 class Committed(BackendEntrypoint):
@@ -32,8 +26,7 @@ class Committed(BackendEntrypoint):
         StoreError
             If there is no readable store.
         """
-        store, flags = read_whole(filename_or_obj, _checked, Snapshot)
-        reader = _Reader(store, flags)
+        store = Finished(filename_or_obj)
         found = {}
         for name, metadata in store.metadata.items():
             attributes = {k: v for k, v in metadata["attributes"].items() if k != "_FillValue"}
@@ -41,63 +34,29 @@ class Committed(BackendEntrypoint):
             if is_coordinate(name):
                 found[name] = xr.Variable(dims, np.array(store.axes[name]), attributes)
             elif name == "status":
-                found[name] = xr.Variable(dims, flags, attributes)
+                found[name] = xr.Variable(dims, store.flags, attributes)
             else:
-                found[name] = reader.variable(name, dims, attributes)
+                found[name] = _variable(store, name, dims, attributes)
         coordinates = {name: found.pop(name) for name in list(found) if is_coordinate(name)}
         return xr.Dataset(found, coordinates, store.attributes)
 
 
-def _checked(store: Snapshot) -> NDArray[np.int8]:
-    """Status by place, of a store whose coordinates are as they were committed."""
-    for name in store.axes:
-        if not store.has_coordinate(name):
-            raise StoreError(DAMAGED.format(store.path, name))
-    flags: NDArray[np.int8] = store.flags()[0]
-    return flags
+def _variable(store: Finished, name: str, dims: Any, attributes: Mapping[str, Any]) -> xr.Variable:
+    """A variable that has fill values where a point is not done."""
+    shape, dtype = store.shape(name), store.dtype(name)
+    dtype = np.dtypes.StringDType() if dtype.hasobject else dtype
 
+    def read(key: tuple[Any, ...]) -> NDArray[Any]:
+        picks = [_entries(each, n) for each, n in zip(key, shape, strict=True)]
+        found: NDArray[Any] = store.pick(name, picks).astype(dtype, copy=False)
+        return found[
+            tuple(
+                0 if np.ndim(each) == 0 and not isinstance(each, slice) else slice(None)
+                for each in key
+            )
+        ]
 
-class _Reader:
-    """Reads what was done when a store was opened, also after it has grown or was compacted."""
-
-    def __init__(self, store: Snapshot, flags: NDArray[np.int8]) -> None:
-        self._store, self._done, self._known = store, flags == DONE, flags != PENDING
-
-    def variable(self, name: str, dims: Any, attributes: Mapping[str, Any]) -> xr.Variable:
-        """A variable that has fill values where a point is not done."""
-        array = self._store.array(name)
-        needed = self._known if name == "message" else self._done
-        dtype = np.dtypes.StringDType() if array.dtype == object else array.dtype
-
-        def read(key: tuple[Any, ...]) -> NDArray[Any]:
-            picks = [_entries(each, n) for each, n in zip(key, array.shape, strict=True)]
-            values = self._read(name, picks, needed[np.ix_(*picks[: needed.ndim])])
-            found: NDArray[Any] = values.astype(dtype, copy=False)
-            return found[
-                tuple(
-                    0 if np.ndim(each) == 0 and not isinstance(each, slice) else slice(None)
-                    for each in key
-                )
-            ]
-
-        return as_needed(dims, array.shape, dtype, read, attributes)
-
-    def _read(self, name: str, picks: list[Any], needed: NDArray[np.bool_]) -> NDArray[Any]:
-        store = self._store
-
-        def read(store: Snapshot) -> NDArray[Any]:
-            values: NDArray[Any] = store.pick(name, picks, needed)
-            return values
-
-        try:
-            values = read(store)
-            is_whole = store.is_current()
-        except StoreError:
-            is_whole = False
-        if not is_whole:
-            self._store, values = read_whole(store.path, read, Snapshot)
-        values[~needed] = store.array(name).fill
-        return values
+    return as_needed(dims, shape, dtype, read, attributes)
 
 
 def _entries(key: Any, length: int) -> NDArray[np.int64]:

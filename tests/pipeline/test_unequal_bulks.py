@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import pipeline
+from pipeline.analysis.results import Results
 from pipeline.cli import main
 from pipeline.store import Store
 from pipeline.sweep.criterion import Conditions
@@ -145,13 +146,15 @@ def test_every_figure_takes_both(stores, unequal, tmp_path):
 
 
 def test_the_friction_band_of_a_diagram_follows_each_friction(unequal):
-    from pipeline.figures.diagram import _median, _planes
+    from pipeline.figures.diagram import _planes
 
     for friction in (0.05, 0.09):
         conditions = replace(CONDITIONS, friction=friction)
-        plane = _median(_planes(unequal, conditions))
+        (plane,) = _planes(Results.of(unequal), conditions)
         corner = pipeline.decisive_temperature(unequal, friction).isel(load=-1, velocity=-1)
-        assert 333.15 + friction * float(plane[-1, -1]) == pytest.approx(float(corner), rel=1e-6)
+        assert 333.15 + friction * float(plane.rises[-1, -1]) == pytest.approx(
+            float(corner), rel=1e-6
+        )
 
 
 SCENE = """

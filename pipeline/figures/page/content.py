@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 
 from pipeline.analysis.attributes import attributes_of
 from pipeline.analysis.boundary import decisive_rise
-from pipeline.analysis.dataset import asked_points, at_bulks, end_of_point, ordered
+from pipeline.analysis.dataset import at_bulks, end_of_point, ordered
+from pipeline.analysis.results import Results
 from pipeline.figures.page.fields import FIELDS, packed_fields
 from pipeline.store import DONE
 from pipeline.sweep.criterion import Conditions, rise_limit
@@ -105,7 +106,7 @@ def _on_surface(ds: xr.Dataset) -> dict[str, Any]:
     kinds = [[kind.label for kind in WarningKind if flag & kind] for flag in flags.ravel().tolist()]
     return {
         "status": status,
-        "asked": asked_points(ds).values,
+        "asked": Results.of(ds).asked(),
         "moments": moments,
         "times": np.concatenate(at),
         "rises": np.concatenate(rises)[:, 0].ravel(),

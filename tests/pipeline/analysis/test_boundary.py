@@ -6,7 +6,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pipeline.analysis.boundary import boundary, decisive_rise, decisive_temperature
+from pipeline.analysis.crossings import crossings
 from pipeline.analysis.interpolation import crossing, interpolated
+from pipeline.analysis.results import Results
 from pipeline.cli.crossings import document_of, text_of
 from pipeline.store import FAILED, PENDING
 from pipeline.sweep.lubrication import Lubrication
@@ -353,11 +355,11 @@ def test_each_crossing_has_its_film_parameter_where_the_scene_has_an_oil():
 
 
 def test_the_regime_of_each_crossing_is_told_in_words_and_in_the_document():
-    found = boundary(synthetic.sweep(lubrication=OILED))
+    found = crossings(Results.of(synthetic.sweep(lubrication=OILED)))
     (said,) = [line for line in text_of(found) if line.startswith("       200")]
     assert said == "       200   3.678  Λ 0.87 boundary"
     document = document_of(found)
     assert document["critical_velocity_regime"][0] == "boundary lubrication"
     assert document["critical_velocity_film_parameter"][0] == pytest.approx(0.87, abs=0.005)
     assert "no crossing" in document["critical_load_regime"]
-    assert "Λ" not in "".join(text_of(boundary(synthetic.sweep())))
+    assert "Λ" not in "".join(text_of(crossings(Results.of(synthetic.sweep()))))

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-import xarray as xr
 
 import pipeline
-from pipeline.analysis import dataset
+from pipeline.analysis import results
+from pipeline.analysis.results import Results
 from pipeline.store.snapshot import Snapshot
 from pipeline.sweep.model import Point
 from tests.helpers import tiny
@@ -32,8 +32,7 @@ def store(tmp_path_factory):
 @pytest.mark.parametrize("at_once", [1, 4, 100])
 def test_each_surface_is_as_if_it_were_alone(store, monkeypatch, at_once):
     ds = pipeline.open_sweep(store)
-    each = (ds["rise_quantile"].nbytes + ds["normal_load"].nbytes) / len(SEEDS)
-    monkeypatch.setattr(dataset, "_READ", at_once * each)
+    monkeypatch.setattr(results, "_READ", at_once * ds["rise_quantile"].nbytes / len(SEEDS))
     found = pipeline.boundary(ds)
     for seed in SEEDS:
         alone = pipeline.boundary(pipeline.open_sweep(store).sel(realization=seed))
@@ -61,7 +60,7 @@ def test_the_store_is_looked_at_as_often_for_many_as_for_few(store, monkeypatch)
 
 def test_what_was_chosen_is_read_from_text_and_from_lists(store):
     ds = pipeline.open_sweep(store).sel(realization=4)
-    text = dataset.asked_points(ds)
-    lists = dataset.asked_points(ds.assign_attrs(chosen=[list(point[:3]) for point in CHOSEN]))
-    xr.testing.assert_identical(text, lists)
-    assert text.values.tolist() == [[False, False], [False, True], [False, True]]
+    lists = ds.assign_attrs(chosen=[list(point[:3]) for point in CHOSEN])
+    for source in (ds, lists, Results.of(store).on_surface(4)):
+        asked = Results.of(source).asked()
+        assert asked.tolist() == [[False, False], [False, True], [False, True]]

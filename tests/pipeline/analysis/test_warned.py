@@ -9,6 +9,7 @@ import pytest
 import xarray as xr
 
 import pipeline
+from pipeline.analysis.results import Results
 from pipeline.analysis.warned import Warned, has_warning, warned
 from pipeline.cli import main
 from pipeline.figures.diagram import diagram
@@ -106,13 +107,12 @@ def narrow(tmp_path_factory):
 
 def test_a_summary_counts_the_same_points(narrow, tmp_path):
     store = Store(shutil.copytree(narrow, tmp_path / "out.zarr"))
-    there = has_warning(pipeline.open_sweep(store.path)).load()
+    results = Results.of(store.path)
+    there = has_warning(results)
     count = int(there.sum())
     assert pipeline.summary(store.path).warned == count > 0
-    load, velocity = (
-        float(there[name][at[0]])
-        for name, at in zip(there.dims, np.nonzero(there.values), strict=True)
-    )
+    row, column = np.argwhere(there)[0]
+    load, velocity = float(results.loads[row]), float(results.velocities[column])
     store.forget(Point(load, velocity))
     store.fail(Point(load, velocity), "it did not converge")
     assert pipeline.summary(store.path).warned == count - 1
@@ -126,7 +126,8 @@ def printed(capsys, *arguments):
 @pytest.mark.parametrize("command", ["status", "boundary", "verify", "plot"])
 def test_every_command_on_a_store_tells(command, narrow, tmp_path, capsys):
     ds = pipeline.open_sweep(narrow)
-    assert 0 < has_warning(ds).sum() < has_warning(ds).size
+    there = has_warning(Results.of(ds))
+    assert 0 < there.sum() < there.size
     options = ["--kind", "diagram", "-o", tmp_path / "out.png"] if command == "plot" else []
     text = printed(capsys, command, narrow, *options)
     document = json.loads(printed(capsys, command, narrow, *options, "--json"))["warnings"]

@@ -7,10 +7,11 @@ import matplotlib
 import numpy as np
 import pytest
 
+from pipeline.analysis import results
 from pipeline.analysis.ensemble import Ensemble
 from pipeline.analysis.posterior import posterior
+from pipeline.analysis.results import Results
 from pipeline.analysis.risk import probabilities, risk_lines
-from pipeline.figures import plot as figures
 from pipeline.figures.diagram import diagram
 from pipeline.figures.fields import fields
 from pipeline.figures.plot import plot
@@ -332,7 +333,7 @@ def test_png_is_large_enough_to_read(sweep, tmp_path):
 
 
 def test_a_store_may_be_given_instead_of_its_dataset(sweep, tmp_path, monkeypatch):
-    monkeypatch.setattr(figures, "open_sweep", {"somewhere.zarr": sweep}.get)
+    monkeypatch.setattr(results, "_of_store", {"somewhere.zarr": Results.of(sweep)}.get)
     figure = plot("somewhere.zarr", "diagram")
     assert figure.axes[0].get_title() == "White oil on ground steel"
 

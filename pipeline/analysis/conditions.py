@@ -1,0 +1,110 @@
+"""The conditions that a sweep is judged by: its own, and those that are given in their place."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from pipeline.analysis.attributes import attributes_of
+from pipeline.analysis.results import Results
+from pipeline.scene.quantities import in_si, share_of
+from pipeline.sweep.criterion import Conditions, of_bulks, require_bulks
+from tribo import InputError
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Bulk = float | str | Mapping[str, float | str]
+"""A bulk temperature [K] or with a unit; or one for each body, by ``"pin"`` and ``"disk"``."""
+
+_COLDEST_OIL, _HOTTEST_OIL = 220.0, 900.0  # bulk temperatures [K]
+
+
+def conditions_of(
+    ds: xr.Dataset | Results,
+    friction: float | None = None,
+    bulk_temperature: Bulk | None = None,
+    critical_temperature: float | str | None = None,
+    share: float | str | None = None,
+) -> Conditions:
+    """Take the sweep's own conditions, and those that are given in their place.
+
+    Raises
+    ------
+    InputError
+        If one lies outside its range, or is neither given nor in the sweep.
+    """
+    given = {
+        "friction": friction,
+        "critical_temperature": _kelvin("critical_temperature", critical_temperature),
+        "failing_share": None if share is None else share_of(share),
+    }
+    values = dict(attributes_of(ds).get("conditions") or {})
+    values |= {name: value for name, value in given.items() if value is not None}
+    if bulk_temperature is not None:
+        each = (
+            {body: _kelvin("bulk_temperature", own) for body, own in bulk_temperature.items()}
+            if isinstance(bulk_temperature, Mapping)
+            else _kelvin("bulk_temperature", bulk_temperature)
+        )
+        values |= of_bulks(each)
+    for name in (*given, "bulk_temperature"):
+        if values.get(name) is None and name != "critical_temperature":
+            raise InputError(f"the sweep has no {name} of its own; give one")
+    conditions = Conditions(**values)
+    require_bulks(ds, conditions)
+    if conditions.friction and not attributes_of(ds).get("scene", {}).get("friction_heat", True):
+        raise InputError(
+            f"friction is {conditions.friction:g}; the sweep was computed without friction, and "
+            "so without any heat: run it again with friction, into another store"
+        )
+    return conditions
+
+
+def _kelvin(name: str, given: float | str | None) -> float | None:
+    """Read a temperature [K], and refuse one at which no oil works."""
+    if isinstance(given, str):
+        given = in_si(name, given, "80 degC")
+    if given is None or isinstance(given, Iterable):
+        return given  # several are refused with the other conditions
+    hottest = _HOTTEST_OIL if name == "bulk_temperature" else np.inf
+    if given < _COLDEST_OIL or hottest < given < np.inf:
+        raise InputError(
+            f"{name} is {given - 273.15:.4g} °C ({given:g} K), at which no oil works; give one "
+            f"from {_COLDEST_OIL - 273.15:.4g} °C on; in Python a plain number is in kelvins, and "
+            'text has its unit, such as "80 degC"'
+        )
+    return given
+
+
+def of_sample(part: Results, conditions: Conditions, given: Iterable[Any]) -> Conditions:
+    """Conditions of one sample: as it was drawn, where they are not given.
+
+    Parameters
+    ----------
+    part : Results
+        Results on one surface or for one sample.
+    conditions : Conditions
+        Those that hold otherwise.
+    given : iterable
+        What is given of the friction, the bulk and the critical temperature and the failing share,
+        in this order; None where it is not.
+    """
+    drawn = {
+        name: float(part.place[path])
+        for (name, path), own in zip(_DRAWN.items(), given, strict=True)
+        if own is None and path in part.place
+    }
+    return replace(conditions, **drawn) if drawn else conditions
+
+
+_DRAWN = {
+    "friction": "friction.coefficient",
+    "bulk_temperature": "temperature.bulk",
+    "critical_temperature": "temperature.critical",
+    "failing_share": "temperature.failing_share",
+}
+"""Conditions that may be unknown inputs, and their paths in the scene."""
