@@ -58,8 +58,10 @@ class Checked(Snapshot):
     def lost(self) -> list[Point]:
         """Points that are complete, but without a status that can be read."""
         _, known = self.flags()
-        unknown = np.ravel(~known)
-        points = (point for point, is_so in zip(self.places(), unknown, strict=True) if is_so)
+        there = np.zeros_like(known)
+        for place in self.places_of_chunks("checksum"):
+            there[self.block(place)] = True
+        points = self.points_at(np.nonzero(there & ~known))
         return [point for point in points if self.has("checksum", point) and self.is_intact(point)]
 
     def damaged_coordinates(self) -> list[str]:

@@ -71,6 +71,14 @@ class Files(LocalStore):
                     raise
                 yield b""
 
+    def listed(self, folder: str) -> list[str] | None:
+        """Names of all files in a folder."""
+        try:
+            with os.scandir(f"{self.root}/{folder}") as there:
+                return [each.name for each in there]
+        except FileNotFoundError:
+            return []
+
     def exist(self, keys: Iterable[str]) -> list[bool]:
         """Tell which of these there are."""
         return [os.path.lexists(f"{self.root}/{key}") for key in keys]
@@ -163,6 +171,10 @@ class RemoteFiles(FsspecStore):
         """Read objects, many at the same time."""
         for batch in _batches(keys):
             yield from together(map(self._content, batch))
+
+    def listed(self, _: str) -> list[str] | None:
+        """None: a list may be older than the objects."""
+        return None
 
     def exist(self, keys: Iterable[str]) -> list[bool]:
         """Tell which of these there are."""

@@ -11,7 +11,7 @@ from __future__ import annotations
 import functools
 import itertools
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
 from typing import Any, TypeVar
 
@@ -201,20 +201,38 @@ class Snapshot:
         array = self._arrays["status"]
         flags = np.full(array.shape, PENDING, array.dtype)
         known = np.zeros(array.shape, bool)
-        places = list(np.ndindex(*array.counts()))
         try:
-            contents = list(self._files.contents(map(array.key, places)))
+            places, same = itertools.tee(self.places_of_chunks("status"))
+            contents = self._files.contents(map(array.key, same))
+            for place, content in zip(places, contents, strict=True):
+                with suppress(*UNREADABLE):
+                    if content is not None:
+                        block = self.block(place)
+                        part = array.decoded(content)
+                        flags[block] = part[tuple(slice(n) for n in flags[block].shape)]
+                        known[block] = True
         except OSError as error:
             raise StoreError(f"{self.path} cannot be read: {error}") from error
-        for place, content in zip(places, contents, strict=True):
-            with suppress(*UNREADABLE):
-                if content is not None:
-                    block = self.block(place)
-                    part = array.decoded(content)
-                    flags[block] = part[tuple(slice(n) for n in flags[block].shape)]
-                    known[block] = True
         known &= np.isin(flags, (PENDING, DONE, FAILED))
         return np.where(known, flags, PENDING), known
+
+    def places_of_chunks(self, name: str) -> Iterator[Place]:
+        """Places of a variable's chunks: of those that there are, where these can be listed.
+
+        Of a search over samples few are there of all that the store has room for.
+        """
+        array = self._arrays[name]
+        counts = array.counts()
+        listed = None if array.separator == COMPACT else self._files.listed(name)
+        if listed is None:
+            yield from np.ndindex(*counts)
+            return
+        for each in listed:
+            first, *numbers = each.split(array.separator)
+            if first == "c" and len(numbers) == len(counts) and all(map(str.isdecimal, numbers)):
+                place = tuple(map(int, numbers))
+                if all(i < n for i, n in zip(place, counts, strict=True)):
+                    yield place
 
     def block(self, place: Place) -> tuple[slice, ...]:
         """Points that share a chunk."""
