@@ -123,7 +123,7 @@ def _read_csv(path: Path, allow_missing: bool) -> Array:
                 rows.append(np.array([float(cell.strip() or missing) for cell in cells]))
             except ValueError as error:
                 hint = _hint(cells) or ("" if rows else "; leave a header out")
-                raise InputError(f"{where}: {error}{hint}") from error
+                raise InputError(f"{where}: {_shortened(str(error))}{hint}") from error
             if len(rows[-1]) != len(rows[0]):
                 raise InputError(
                     f"{where}: {len(rows[-1])} numbers, but {len(rows[0])} in the "
@@ -133,6 +133,11 @@ def _read_csv(path: Path, allow_missing: bool) -> Array:
             if count > _MOST_HEIGHTS:
                 raise _too_large(path, f"more than {_MOST_HEIGHTS} heights up to {where}")
     return np.array(rows)
+
+
+def _shortened(reason: str) -> str:
+    """A reason that may quote a whole row, cut to a line."""
+    return reason if len(reason) <= 80 else f"{reason[:80]}…"
 
 
 def _hint(cells: list[str]) -> str:
@@ -253,4 +258,4 @@ def _numbers(cells: list[str], where: str) -> tuple[float, float]:
     try:
         return float(cells[0]), float(cells[1])
     except ValueError as error:
-        raise InputError(f"{where}: {error}{_hint(cells)}") from error
+        raise InputError(f"{where}: {_shortened(str(error))}{_hint(cells)}") from error

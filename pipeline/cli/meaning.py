@@ -59,7 +59,8 @@ def _film(sweep: Sweep) -> Iterator[str]:
     yield f"  oil      {1e3 * sweep.oil.viscosity(bulk):.3g} mPa s at the bulk temperature"
     lubrication = Lubrication.of(sweep)
     if lubrication is None:
-        missing = "a rough disk" if sweep.roughness is None else "pressure_viscosity_coefficient"
+        known = sweep.oil.pressure_coefficients is not None
+        missing = "a rough disk" if known else "pressure_viscosity_coefficient"
         yield f"  film     not known without {missing}"
         return
     corners = np.meshgrid(sweep.loads, sweep.velocities)

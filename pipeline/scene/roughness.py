@@ -123,8 +123,13 @@ def _fitted_heights(
     holes = np.argwhere(~np.isfinite(heights))
     if len(holes):
         row, column = holes[0].tolist()
+        if len(holes) == heights.size:
+            faults.append(
+                Fault("disk.roughness.file", "all heights are missing; give another file")
+            )
+            return None
         share = f"{len(holes)} of {heights.size} heights ({100 * len(holes) / heights.size:.2g} %)"
-        if table["missing"] == "refuse" or len(holes) == heights.size:
+        if table["missing"] == "refuse":
             problem = (
                 f"{share} are missing, the first at row {row}, column {column} (counted from 0); "
                 'crop them off, or give "fill"'

@@ -82,6 +82,8 @@ def read_surface(path: str | Path, height_unit: float | None = None) -> Surface:
         reason = str(error).strip().splitlines()[:1] or [type(error).__name__]
         if type(error).__name__ == "CannotDetectFileFormat":
             reason = ["its format is not known; save the heights as .npy or .csv"]
+        elif "physical_sizes" in reason[0]:  # an option of the library, which a scene does not have
+            reason = ["it does not say how large its pixels are; save the heights as .npy or .csv"]
         raise InputError(f"{path}: cannot be read as a surface: {reason[0]}") from error
 
 

@@ -66,7 +66,7 @@ class Lubrication:
         if sweep.oil is None or sweep.oil.pressure_coefficients is None:
             return None
         surface = surface_facts(sweep)
-        if surface is None:
+        if surface is None or surface.rq == 0:
             return None
         pin = sweep.pin
         return cls(

@@ -21,6 +21,7 @@ def test_measured_heights_are_read_in_their_unit(tmp_path, suffix):
         ("1,2\n3\n", "line 2.*1 numbers"),
         ("1,2\n3,nan\n", "row 1, column 1"),
         ("1,inf\n3,4\n", "row 0, column 1"),
+        (";".join("123") * 999, "^.{,400}; put commas between numbers, in place of semicolons$"),
         ("1;2\n3;4\n", "line 1.*put commas between numbers, in place of semicolons$"),
         ("1,5;2,5\n3,5;4,5\n", "in place of semicolons, and write decimals with a point"),
         ("1\t2\n3\t4\n", "in place of tabs"),

@@ -11,6 +11,7 @@ from pipeline.sweep.lubrication import Lubrication
 from tribo import (
     Ball,
     Crowned,
+    MeasuredRoughness,
     Motion,
     Oil,
     lubrication_regime,
@@ -88,7 +89,12 @@ def test_line_and_point_formulas_have_their_exponents():
 
 @pytest.mark.parametrize(
     "change",
-    [{"oil": None}, {"roughness": None}, {"oil": replace(WHITE, pressure_coefficients=None)}],
+    [
+        {"oil": None},
+        {"roughness": None},
+        {"roughness": MeasuredRoughness(np.zeros((576, 480)))},
+        {"oil": replace(WHITE, pressure_coefficients=None)},
+    ],
 )
 def test_nothing_is_said_without_what_it_takes(sweep, change):
     assert Lubrication.of(replace(sweep, **change)) is None
