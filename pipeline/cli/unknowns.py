@@ -83,7 +83,8 @@ def posterior(options: argparse.Namespace, store: Path | str) -> int:
     """Print and draw what the measured transitions say of the unknown inputs."""
     out = output_path(options)
     with working("reading samples"):
-        ensemble = pipeline.Ensemble.of(pipeline.open_sweep(store))
+        ds = pipeline.open_sweep(store)
+        ensemble = pipeline.Ensemble.of(ds)
     with working("weighing the inputs by what was measured"):
         found = pipeline.posterior(ensemble, **given(options, "scatter"))
     document: dict[str, Any] = found.as_dict()
@@ -104,7 +105,8 @@ def posterior(options: argparse.Namespace, store: Path | str) -> int:
         ]
     rows = (_flat(row) for row in found.summary())
     text += drawn_or_written(out, lambda: pipeline.draw_posterior(found), rows, document)
-    show(options, document, text)
+    warned = pipeline.warned(ds)
+    show(options, document | {"warnings": warned.as_dict()}, [*text, *warned.lines()])
     return DONE
 
 

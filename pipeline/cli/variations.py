@@ -31,7 +31,7 @@ def vary(options: argparse.Namespace) -> int:
     found = pipeline.vary(scene_of(options), others, tell=tell)
     document = found.as_dict()
     told = drawn_or_written(out, lambda: pipeline.draw_variations(found), _rows(found), document)
-    show(options, document, [*_text(found), *told])
+    show(options, document, [*_text(found), *found.warned.lines(), *told])
     return DONE
 
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import itertools
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -14,7 +16,8 @@ from pipeline.sweep.criterion import Conditions, at_bulks, rise_limit, worst_mom
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import chains, run_point
 from pipeline.sweep.stages import staged
-from tribo import InputError, Scene
+from pipeline.sweep.warned import NO_WARNING, Warned
+from tribo import InputError, PointWarning, Scene
 from tribo.thermal import rise_exceeded
 from tribo.types import Array
 
@@ -69,6 +72,8 @@ class Variations:
         The changes, in the order in which they were asked for.
     points : int
         Points simulated.
+    warned : Warned
+        How many of them carry a warning, over all scenes.
 
     Examples
     --------
@@ -85,6 +90,7 @@ class Variations:
     own: Variation
     others: tuple[Variation, ...]
     points: int
+    warned: Warned = NO_WARNING
 
     def changes(self, variation: Variation) -> Array:
         """Relative change of the critical velocity at each load; NaN where there is none."""
@@ -117,6 +123,7 @@ class Variations:
                 for each in self.others
             ],
             "points": self.points,
+            "warnings": self.warned.as_dict(),
         }
 
 
@@ -167,7 +174,8 @@ def vary(
     scenes = [("", "", sweep), *((*name, scene) for name, scene in others.items())]
     own, *found = (boundary(*scene) for scene in staged(scenes, tell, named))
     count = sum(len(plane.known) for plane in planes.values())
-    return Variations(sweep.title, sweep.loads, own, tuple(found), count)
+    warned = _warned(planes.values())
+    return Variations(sweep.title, sweep.loads, own, tuple(found), count, warned)
 
 
 class _Plane:
@@ -176,6 +184,8 @@ class _Plane:
     def __init__(self, sweep: Sweep) -> None:
         self._sweep = sweep
         self.known: dict[Point, dict[str, Array]] = {}
+        self.warnings: dict[Point, tuple[PointWarning, ...]] = {}
+        self.beside: set[Point] = set()  # a boundary that was asked for
 
     def boundary(self, asked: Sweep, conditions: Conditions, tolerance: float) -> tuple[float, ...]:
         """Critical velocity at each load under some conditions, simulating what that takes."""
@@ -188,6 +198,7 @@ class _Plane:
         search = BoundarySearch(asked.loads, moving[0], moving[-1], limit, tolerance)
         while wanted := search.wanted(rises := self._rises(conditions)):
             self._simulate(wanted)
+        self.beside.update(_beside(rises, limit))
         return tuple(_crossing(rises, load, limit) for load in asked.loads)
 
     def _rises(self, conditions: Conditions) -> dict[Point, float]:
@@ -204,6 +215,34 @@ class _Plane:
             for point in chain:
                 result = run_point(self._sweep, *point, trunk=trunk)
                 self.known[point], trunk = result.columns, result.trunk
+                self.warnings[point] = result.warnings
+
+
+def _beside(rises: Mapping[Point, float], limit: float) -> Iterator[Point]:
+    """Points with a neighbour in velocity that has the other kind of wear."""
+    for one, other in itertools.pairwise(sorted(rises)):
+        if one.load == other.load and (rises[one] > limit) != (rises[other] > limit):
+            yield from (one, other)
+
+
+def _warned(planes: Iterable[_Plane]) -> Warned:
+    """Count the points that carry a warning, and show one, beside a boundary if there is any."""
+    found = [
+        (point not in plane.beside, point, warnings)
+        for plane in planes
+        for point, warnings in plane.warnings.items()
+        if warnings
+    ]
+    if not found:
+        return NO_WARNING
+    kinds = Counter(kind for *_, warnings in found for kind in {each.kind for each in warnings})
+    _, point, (first, *_) = min(found, key=lambda each: each[:2])
+    return Warned(
+        points=len(found),
+        kinds={kind.label: kinds[kind] for kind in sorted(kinds)},
+        at_boundary=sum(not away for away, *_ in found),
+        example=f"{point}: {first}",
+    )
 
 
 def _crossing(rises: Mapping[Point, float], load: float, limit: float) -> float:

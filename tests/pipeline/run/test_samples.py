@@ -270,6 +270,8 @@ def test_the_commands_tell_risk_causes_and_what_to_measure_next(sampled, tmp_pat
     assert np.allclose(np.sum(causes["first"], axis=1), 1.0, atol=0.05)
     found = told("infer", store, "--next", "-o", tmp_path / "p.png")
     assert len(found["next"]) == 6
+    shown = pipeline.warned(pipeline.open_sweep(store))
+    assert found["warnings"] == causes["warnings"] == shown.as_dict()
     assert all(path.stat().st_size > 10_000 for path in tmp_path.glob("*.png"))
     assert len(list(tmp_path.glob("*.png"))) == 3
     load(folder)
