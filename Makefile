@@ -4,7 +4,7 @@ BIN := .venv/bin
 MEASURE := OMP_NUM_THREADS=1 $(BIN)/python -m pytest --benchmark-only --benchmark-disable-gc \
 	--benchmark-columns=min,rounds -s
 
-.PHONY: help diagram gallery reference test lowest javascript slow promises samples mutants crash bench bench-peers clean
+.PHONY: help diagram gallery reference test lowest javascript slow promises samples mutants crash many bench bench-peers clean
 help:     ## what there is to make
 	@grep -E '^[a-z-]+: ' Makefile | sed -E 's/:[^#]*## /\t/' | expand -t 16
 
@@ -71,6 +71,9 @@ crash: .venv/test     ## kill sweeps, cut their power, damage their files, read 
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.crash.power --seconds 600
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.crash.damage --seconds 300
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.crash.readers --seconds 60
+
+many: .venv/test      ## store 100000 cheap points through kills, resume and read them, in some 10 minutes
+	OMP_NUM_THREADS=1 $(BIN)/python -m tests.crash.many
 
 bench: .venv/test     ## measure speed, as ratios within one run
 	$(MEASURE) tests/benchmarks

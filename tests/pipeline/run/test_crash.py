@@ -44,6 +44,15 @@ def test_killed_at_random_nothing_is_lost_damaged_or_wrongly_marked_failed():
     assert found["faults"] == []
 
 
+def test_many_points_are_stored_through_kills_and_read_as_they_were_computed():
+    """As `make many` shows it of a hundred thousand."""
+    found = reported("crash.many", "--points", "600", "--kills", "1", "--every", "0", "0")
+    assert found["killed"] == ["everything"]
+    assert found["starts"] == 2
+    assert found["faults"] == []
+    assert (found["resumed"]["code"], found["resumed"]["computed"]) == (0, 0)
+
+
 def test_sweeps_whose_workers_die_end_with_every_point_that_can_be_computed():
     found = reported("crash.workers", "--sweeps", "1", "--velocities", "6", "--busy")
     assert found == {"sweeps": 2, "kills": found["kills"], "hung": 0, "faults": []}
