@@ -149,3 +149,16 @@ def test_places_are_those_of_the_points(tmp_path, realizations, changes):
     assert [store.index(point) for point in every] == list(np.ndindex(*places.shape))
     assert list(store.status()) == every
     assert set(store.status().values()) <= {PENDING, DONE, FAILED}
+
+
+def test_points_are_looked_for_where_files_are_and_in_no_other_file(copy):
+    places = set(np.ndindex(*Store(copy).array("status").counts()))
+    for name in ("c.99.0", "c.0", "c.0.0.0", "c.-1.0", "c.a.b", "x.0.0"):
+        (copy / "status" / name).write_bytes(b"not a chunk")
+    (copy / "status" / "c.0.0").unlink()
+    store = Store(copy)
+    assert sorted(store.places_of_chunks("status")) == sorted(places - {(0, 0)})
+    flags, known = store.flags()
+    assert (flags[0, 0], known[0, 0], known.sum()) == (PENDING, False, flags.size - 1)
+    compact_store(copy)
+    assert list(Store(copy).places_of_chunks("status")) == [(0, 0)]
