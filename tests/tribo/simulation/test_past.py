@@ -8,7 +8,7 @@ import pytest
 from tests.helpers.kept import ALUMINA
 from tests.helpers.scenes import STEEL, small_scene
 from tribo import Ball, Grid, Motion, Ramp, Wear, heat, simulate, start
-from tribo.simulation.past import excess_of_present_heat
+from tribo.simulation.past import _late_warming, excess_of_present_heat
 from tribo.thermal import rise_exceeded
 
 # Neither width nor shape of the contact are in the closed form.
@@ -17,7 +17,7 @@ WORN = small_scene(increments=40, contact_tolerance=1e-4)
 BALL = replace(
     WORN,
     pin=Ball(8e-3, STEEL),
-    pixels=Grid((48, 48), (8e-6, 8e-6), (False, False)),
+    pixels=Grid((40, 56), (8e-6, 8e-6), (False, False)),
     loading=Ramp(10.0, 20.0),
     wear=None,
 )
@@ -101,3 +101,16 @@ def test_the_direction_of_sliding_does_not_matter():
     forwards, backwards = (excess_of_present_heat(WORN, last(WORN, 300.0, v)) for v in (0.1, -0.1))
     assert backwards == pytest.approx(forwards, rel=0.1)
     assert np.isfinite(heat(WORN, last(WORN, 300.0, -0.1), -0.1).max_rise)
+
+
+@pytest.mark.parametrize("time", [1e-3, 5.0])
+def test_late_warming_is_that_of_a_line_and_of_a_point(time):
+    conductivity, kappa = STEEL.thermal_conductivity, STEEL.thermal_diffusivity
+    line = _late_warming(STEEL, 0.0, np.inf, time, 0.0)
+    assert line == pytest.approx(1 / (2 * np.pi * conductivity), rel=1e-9)
+    short = 1e-4 * np.sqrt(kappa * time)
+    point = _late_warming(STEEL, 0.0, short, time, 0.0)
+    assert point == pytest.approx(line * short / np.sqrt(np.pi * kappa * time), rel=1e-3)
+    # Held for three quarters: ∫(τ − ¾t)/(¼t) dτ/τ from ¾t to t.
+    held = _late_warming(STEEL, 0.0, np.inf, time, 0.75)
+    assert held == pytest.approx(line * (1 - 3 * np.log(4 / 3)), rel=1e-3)
