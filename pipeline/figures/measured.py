@@ -55,7 +55,8 @@ def at_own_friction(
             continue
         if not plane.loads[0] <= point["normal_load"] <= plane.loads[-1]:
             continue
-        row = plane.rises[np.abs(plane.loads - point["normal_load"]).argmin()]
+        off = np.abs(plane.loads - point["normal_load"])
+        row = plane.rises[np.flatnonzero(off == off.min())[-1]]  # of two as near, the higher load
         limit = rise_limit(replace(conditions, friction=friction))
         velocity = crossing(plane.velocities, row, limit)
         if math.isfinite(velocity):
