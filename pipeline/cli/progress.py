@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
 _BETWEEN_LINES = 10.0  # [s], where stderr is no terminal
 _BETWEEN_LOOKS = 0.5  # [s], where it is one
+_ENDING = 10.0  # [s] that it may take to say the last word
 _SOON = 2.0  # [s], before which a command that just works says nothing
 
 
@@ -127,7 +128,7 @@ def working(what: str) -> Iterator[Callable[[int, int], None]]:
         yield count
     finally:
         is_over.set()
-        thread.join(_BETWEEN_LINES)
+        thread.join(_ENDING)
 
 
 def _line(what: str, elapsed: float, done: int, total: int) -> str:

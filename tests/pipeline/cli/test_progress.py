@@ -93,7 +93,9 @@ def test_steps_of_a_point_and_points_of_a_store_are_counted(small):
     assert main(["run", *arguments, "--set", "increments=2", "-q"]) == 0
     counted.clear()
     pipeline.verify_store(small / "a.zarr", progress=lambda *counts: counted.append(counts))
-    assert counted == [(number, 9) for number in range(1, 10)]
+    assert counted == sorted(set(counted))
+    assert len(counted) > 1
+    assert counted[-1] == (9, 9)
 
 
 def test_vary_says_which_scene_begins_of_how_many(small, capsys):
