@@ -122,7 +122,8 @@ def working(what: str) -> Iterator[Callable[[int, int], None]]:
     if is_hushed():
         yield count
         return
-    thread = threading.Thread(target=draw if sys.stderr.isatty() else tell_lines, daemon=True)
+    say = draw if sys.stderr.isatty() else tell_lines
+    thread = threading.Thread(target=say, name="progress", daemon=True)
     thread.start()
     try:
         yield count
