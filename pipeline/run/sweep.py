@@ -35,6 +35,7 @@ from pipeline.store import (
     Store,
     StoreError,
     Summary,
+    has_parts,
     lay_out,
     locked,
     prepare,
@@ -162,8 +163,7 @@ def run_sweep(
         if isinstance(store.path, Path):
             remove_partial(store.path)
         if fill_fields:
-            for point in _without_fields(store, sweep):
-                store.forget(point)
+            store.forget(*_without_fields(store, sweep))
         if tell:
             for note in _notes(store, sweep):
                 tell(note)
@@ -171,8 +171,7 @@ def run_sweep(
         rounds = _rounds(store, sweep, retry_failed, further)
         with _kept_compact(store, tell):
             if first := next(rounds, None):
-                if store.is_compact:
-                    lay_out(store.path, BY_POINT)
+                _make_writable(store)
                 # Points that come later may have more chains than those that wait now.
                 most = len(first.waiting) if further is None else CPU_COUNT
                 with connected(min(workers or CPU_COUNT, most), scheduler, patience) as client:
@@ -227,6 +226,14 @@ def _rounds(
             store = prepare(store.path, asked)
 
 
+def _make_writable(store: Store) -> None:
+    """Give a store such chunks as can be written where it is."""
+    if store.is_shared and not has_parts(store.path):
+        lay_out(store.path, COMPACT)
+    if Store(store.path).is_compact:
+        lay_out(store.path, BY_POINT)
+
+
 @contextmanager
 def _kept_compact(store: Store, tell: Callable[[str], None] | None) -> Iterator[None]:
     """Make a store compact again that was so once, whether the run ends, fails or is broken off."""
@@ -277,9 +284,10 @@ def _todo(store: Store, retry_failed: bool, checked: Mask) -> tuple[list[Point],
     again = asked & (flags == FAILED) if retry_failed else np.zeros_like(asked)
     for point in store.points_at(np.nonzero(fresh & ~sound(store, flags, fresh))):
         again[store.index(point)] = not store.is_intact(point)
-    for point in store.points_at(np.nonzero(again)):
-        store.forget(point)
-    return store.points_at(np.nonzero(again | asked & (flags == PENDING))), known | asked
+    if again.any():
+        store.forget(*store.points_at(np.nonzero(again)))
+        flags, _ = store.flags()
+    return store.points_at(np.nonzero(asked & (flags == PENDING))), known | asked
 
 
 class _Tally:

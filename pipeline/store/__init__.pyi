@@ -10,6 +10,7 @@ from .folder import PathLike as PathLike
 from .folder import StoreError as StoreError
 from .folder import StoreMismatchError as StoreMismatchError
 from .folder import folder_of as folder_of
+from .folder import has_parts as has_parts
 from .folder import locked as locked
 from .points import Store as Store
 from .progress import FailedPoint as FailedPoint

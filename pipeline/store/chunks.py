@@ -68,6 +68,10 @@ class ChunkedArray:
         """Name of the file with the chunk at a place."""
         return self.separator.join((f"{self.name}/c", *map(str, place)))
 
+    def is_shared(self, axes: int) -> bool:
+        """Whether a chunk holds several points, which the first so many dimensions tell apart."""
+        return math.prod(self.chunks[:axes]) > 1
+
     def counts(self, first: int = 0) -> Place:
         """Number of chunks along each dimension from the `first` on."""
         sizes = zip(self.shape[first:], self.chunks[first:], strict=True)
@@ -125,6 +129,41 @@ def chunks_of(array: ChunkedArray, place: Place, values: Any) -> Iterator[tuple[
             whole[tuple(map(slice, part.shape))] = part
             part = whole
         yield array.key((*place, *further)), array.encoded(part)
+
+
+def chunks_with(
+    array: ChunkedArray,
+    place: Place,
+    entries: Mapping[Place, Any],
+    there: Callable[[str, Place], np.ndarray[Any, Any] | None] = lambda key, place: None,
+) -> Iterator[tuple[str, bytes]]:
+    """Put entries into the chunks at a place; yield the keys and contents that these have then.
+
+    Parameters
+    ----------
+    array : ChunkedArray
+        Array to write to.
+    place : tuple of int
+        Numbers of the chunk along the leading dimensions.
+    entries : mapping
+        What to put at each of some indices along these dimensions: all there is along the others.
+    there : callable, optional
+        Called with the key and the place of each chunk; returns what it holds now, None if nothing.
+    """
+    lead = len(place)
+    values = {index: np.asarray(each, array.dtype) for index, each in entries.items()}
+    for further in np.ndindex(*array.counts(lead)):
+        sizes = zip(further, array.chunks[lead:], strict=True)
+        window = tuple(slice(i * size, (i + 1) * size) for i, size in sizes)
+        key = array.key((*place, *further))
+        before = there(key, (*place, *further))
+        part = np.full(array.chunks, array.fill, array.dtype) if before is None else before.copy()
+        for index, value in values.items():
+            own = value[window] if window else value
+            at = (i % size for i, size in zip(index, array.chunks, strict=False))
+            along = (*(slice(i, i + 1) for i in at), *map(slice, own.shape))
+            part[along] = own[(None,) * lead]
+        yield key, array.encoded(part)
 
 
 def keys_at(array: ChunkedArray, index: Place) -> list[str]:

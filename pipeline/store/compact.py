@@ -1,8 +1,8 @@
-"""Large chunks of many points for what is finished, and back to chunks of one point each.
+"""Large chunks of many points for what is finished, and back to small ones that can be written.
 
-A sweep is written point by point, in files that no two processes share; ten thousand points are
-hundreds of thousands of files, which take long to open, copy and count. Compacting rewrites all
-but the fields in chunks of many points. Both kinds of chunks have names of their own, so they are
+A sweep is written in chunks of some points, or of one; ten thousand points are many thousands of
+files, which take long to open, copy and count. Compacting rewrites all but the fields in chunks of
+many points. Both kinds of chunks have names of their own, so they are
 written beside the others, and the root of the store says at one stroke which of them count. Then
 the others are removed; what a kill leaves of them does no harm, and goes the next time.
 """
@@ -10,6 +10,7 @@ the others are removed; what a kill leaves of them does no harm, and goes the ne
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import nullcontext
 from typing import Any
 
 import numpy as np
@@ -22,7 +23,9 @@ from pipeline.store.folder import (
     Place,
     StoreError,
     folder_of,
+    has_parts,
     locked,
+    part_held,
     read_json,
     write_json,
 )
@@ -30,6 +33,7 @@ from pipeline.store.layout import POINTS, separator_of
 from pipeline.store.points import Store
 from pipeline.store.root import commit_metadata, read_metadata
 from pipeline.store.variables import (
+    BLOCK,
     BULK_COLUMNS,
     BY_POINT,
     COLUMNS,
@@ -75,18 +79,21 @@ def lay_out(folder: Place, separator: str) -> None:
     names = [name for name in (*RECORDS, *COLUMNS, *BULK_COLUMNS) if name in arrays]
     try:
         if separator_of(arrays["status"]) != separator:
-            store = Store(folder)
-            store.heal()
-            flags, _ = store.flags()
-            for name in names:  # of chunks that do not count, there may be some from before
-                files.remove_all(f"{name}/c{separator}")
-                arrays[name] = _described(arrays[name], separator, flags.ndim)
-                array = ChunkedArray.of(name, arrays[name])
-                if separator == COMPACT:
-                    files.make_folders(_folders(array, flags))
-                files.put_many(_chunks(store, array, flags))
-            attributes[KEPT_COMPACT] = True
-            commit_metadata(folder, attributes, arrays)
+            Store(folder).heal()
+            shares = has_parts(folder)
+            with part_held(folder) if shares else nullcontext():
+                store = Store(folder)
+                flags, _ = store.flags()
+                block = (shares and attributes.get(BLOCK)) or [1] * flags.ndim
+                for name in names:  # of chunks that do not count, there may be some from before
+                    files.remove_all(f"{name}/c{separator}")
+                    arrays[name] = _described(arrays[name], separator, block)
+                    array = ChunkedArray.of(name, arrays[name])
+                    if separator == COMPACT:
+                        files.make_folders(_folders(array, flags))
+                    files.put_many(_chunks(store, array, flags))
+                attributes[KEPT_COMPACT] = True
+                commit_metadata(folder, attributes, arrays)
         for name in names:
             if _read(folder / name / ROOT) != arrays[name]:
                 write_json(folder / name / ROOT, arrays[name])
@@ -103,12 +110,13 @@ def _read(file: Place) -> dict[str, Any] | None:
         return None
 
 
-def _described(array: dict[str, Any], separator: str, axes: int) -> dict[str, Any]:
-    """Metadata of an array with the other kind of chunks, of which a point has `axes` numbers."""
+def _described(array: dict[str, Any], separator: str, block: list[int]) -> dict[str, Any]:
+    """Metadata of an array with the other kind of chunks; small ones have a block of points."""
     shape, chunks = array["shape"], array["chunk_grid"]["configuration"]["chunk_shape"]
+    axes = len(block)
     velocities = max(1, min(shape[axes - 1], POINTS))
     loads = max(1, min(shape[axes - 2], POINTS // velocities))
-    leading = [1] * (axes - 2) + [loads, velocities] if separator == COMPACT else [1] * axes
+    leading = [1] * (axes - 2) + [loads, velocities] if separator == COMPACT else block
     grid = {"name": "regular", "configuration": {"chunk_shape": leading + chunks[axes:]}}
     encoding = {"name": "default", "configuration": {"separator": separator}}
     return array | {"chunk_grid": grid, "chunk_key_encoding": encoding}

@@ -10,12 +10,15 @@ from pipeline.store.folder import (
     StoreError,
     StoreMismatchError,
     folder_of,
+    has_parts,
 )
 from pipeline.store.identity import describe, differences, stored_scene
+from pipeline.store.layout import block_of
 from pipeline.store.points import Store
 from pipeline.store.root import begin, read_metadata, renew_copy
 from pipeline.store.shape import commit_shape
 from pipeline.store.variables import (
+    BLOCK,
     grown,
     lasting_attributes,
 )
@@ -39,7 +42,10 @@ def prepare(path: PathLike, sweep: Sweep) -> Store:
     folder = folder_of(path)
     try:
         if begin(folder):
-            commit_shape(folder, lasting_attributes(sweep), {}, grown({}, sweep), sweep)
+            attributes, axes = lasting_attributes(sweep), grown({}, sweep)
+            if has_parts(folder):
+                attributes[BLOCK] = block_of(len(sweep.loads), 3 if sweep.axis else 2)
+            commit_shape(folder, attributes, {}, axes, sweep)
             return Store(folder)
         store = Store(folder)
         axes = store.axes

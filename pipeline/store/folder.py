@@ -18,6 +18,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
+from pipeline.store import parts
 from pipeline.store.lock import HeldError, hold, holder
 from pipeline.store.remote import SCHEME, Remote
 from tribo import TriboError
@@ -102,6 +103,41 @@ def locked(path: PathLike) -> Iterator[None]:
         except OSError as error:
             raise StoreError(f"{folder} cannot be written: {error}") from error
         yield
+        if isinstance(folder, Path):
+            parts.remove_unused(_lock_of_parts(folder))
+
+
+@contextmanager
+def part_held(folder: Place, part: tuple[int, ...] | None = None) -> Iterator[None]:
+    """Be the only one to write to the chunks of some points, or of all.
+
+    Raises
+    ------
+    StoreError
+        If another process does so without an end, or there are no such locks.
+    OSError
+        If the place cannot be written to.
+    """
+    if isinstance(folder, Remote):
+        raise StoreError(
+            f"{folder} has chunks that several points share, which cannot be written safely in an "
+            "object store; irg run gives each point chunks of its own first"
+        )
+    with ExitStack() as stack:
+        try:
+            stack.enter_context(parts.hold_part(_lock_of_parts(folder), part))
+        except parts.StuckError as error:
+            raise StoreError(
+                f"{folder} cannot be written: {error} has been writing the same chunks for "
+                f"{parts.PATIENCE:g} s; continue or end it if it is stopped, and run again: what "
+                "is finished is safe"
+            ) from None
+        yield
+
+
+def has_parts(folder: Place) -> bool:
+    """Whether the parts of a store at this place can be held."""
+    return isinstance(folder, Path) and parts.has_locks(_lock_of_parts(folder))
 
 
 def user(path: PathLike) -> str | None:
@@ -116,6 +152,11 @@ def _lock_of(folder: Place) -> Place:
         if not folder.name:
             raise StoreError(f"{folder} cannot be a store; give a folder below it")
     return folder.with_name(folder.name + ".lock")
+
+
+def _lock_of_parts(folder: Path) -> Path:
+    real = Path(os.path.realpath(folder))
+    return real.with_name(f"{real.name}.lock.parts")
 
 
 def read_json(file: Place) -> dict[str, Any]:

@@ -22,9 +22,13 @@ GROWING = (*LEADING, "load", "velocity", "step")
 """Dimensions along which a store grows."""
 GROWING_CHUNK = 256
 """Size of the chunks of their coordinates."""
+BLOCK = 32
+"""Most points in a chunk of a store that is not compact."""
 POINTS = 1024
-"""Approximate number of points in a chunk that holds many."""
+"""Approximate number of points in a chunk of one that is."""
 
+_FULL = 16  # points in a chunk, if a sweep has as many
+_SHARED = {*RECORDS, *COLUMNS, *BULK_COLUMNS}  # variables whose chunks hold several points
 _LONGEST = 10**7  # dimension that is believed
 _CODECS = {"str": ["vlen-utf8", "zstd"]}
 _NEEDED = {
@@ -40,12 +44,33 @@ _NEEDED = {
 _CONDITIONS = ("friction", "bulk_temperature", "failing_share")  # a critical one may be unknown
 
 
-def chunks_by_point(name: str, variable: Variable, shape: list[int]) -> list[int]:
-    """Sizes of the chunks of a new variable, which has one of them or more for each point."""
+def block_of(loads: int, axes: int) -> list[int]:
+    """Points in a chunk of a new store along each of the `axes` that tell points apart.
+
+    These are the loads of a velocity, which one task computes after the other; of neighbouring
+    velocities as well, where there are few loads. More would cost more to write anew for a point.
+
+    Examples
+    --------
+    >>> block_of(loads=12, axes=2), block_of(loads=1, axes=3), block_of(loads=40, axes=2)
+    ([12, 2], [1, 1, 16], [20, 1])
+    """
+    share = math.ceil(loads / math.ceil(loads / BLOCK))
+    return [1] * (axes - 2) + [share, math.ceil(_FULL / share)]
+
+
+def new_chunks(
+    name: str, variable: Variable, shape: list[int], block: list[int] | None
+) -> list[int]:
+    """Sizes of the chunks of a new variable.
+
+    Fields have a chunk for each point, the other variables one for each block of points, or for
+    each point if there are no blocks.
+    """
     if is_coordinate(name):
         return [GROWING_CHUNK] if variable.dims[0] in GROWING else shape
     own = variable.dims.index("velocity") + 1  # the dimensions that choose a point
-    return [1] * own + shape[own:]
+    return (block if block and name in _SHARED else [1] * own) + shape[own:]
 
 
 def separator_of(array: Mapping[str, Any]) -> str:
@@ -112,9 +137,12 @@ def _is_as_written(
         fit = 0 < chunks[0] <= max(GROWING_CHUNK, shape[0])
     else:
         own = dims.index("velocity") + 1
-        many = separator_of(array) == COMPACT and name in (*COLUMNS, *BULK_COLUMNS, *RECORDS)
         fit = all(0 < size <= full for size, full in zip(chunks[own:], shape[own:], strict=True))
-        fit &= 0 < math.prod(chunks[:own]) <= (POINTS if many else 1)
+        most = POINTS if separator_of(array) == COMPACT else BLOCK
+        fit &= 0 < math.prod(chunks[:own]) <= (most if name in _SHARED else 1)
+        if name in _SHARED:  # in all of them a chunk holds the same points
+            shared = zip(dims[:own], chunks, strict=False)
+            fit &= all(lengths.setdefault(f"{dim} of a chunk", n) == n for dim, n in shared)
     return (
         as_elsewhere
         and fit

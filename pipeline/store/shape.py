@@ -16,10 +16,11 @@ from zarr.storage import MemoryStore
 from pipeline.store.chunks import LEVEL, ChunkedArray, chunks_of
 from pipeline.store.files import files_in
 from pipeline.store.folder import ROOT, Place, as_json
-from pipeline.store.layout import chunks_by_point
+from pipeline.store.layout import new_chunks
 from pipeline.store.root import commit_metadata
 from pipeline.store.together import together
 from pipeline.store.variables import (
+    BLOCK,
     BY_POINT,
     COORDINATES,
     PRESENT,
@@ -61,7 +62,7 @@ def commit_shape(
             continue  # its points lack it
         shape = [len(axes[dim]) for dim in variable.dims]
         if name not in arrays:
-            arrays[name] = _described(name, variable, shape)
+            arrays[name] = _described(name, variable, shape, attributes.get(BLOCK))
         elif arrays[name]["shape"] == shape and not (
             name in units and present.get(name) != axes[name]
         ):
@@ -89,7 +90,9 @@ def coordinate_chunks(
         yield from chunks_of(ChunkedArray.of(name, arrays[name]), (), axes[name])
 
 
-def _described(name: str, variable: Variable, shape: list[int]) -> dict[str, Any]:
+def _described(
+    name: str, variable: Variable, shape: list[int], block: list[int] | None
+) -> dict[str, Any]:
     """Metadata of a new array, as Zarr writes them."""
     attributes = {"long_name": variable.long_name, **variable.attributes}
     if variable.units is not None:
@@ -101,7 +104,7 @@ def _described(name: str, variable: Variable, shape: list[int]) -> dict[str, Any
         MemoryStore(written),
         shape=tuple(shape),
         dtype=variable.dtype,
-        chunks=tuple(chunks_by_point(name, variable, shape)),
+        chunks=tuple(new_chunks(name, variable, shape, block)),
         compressors=[ZstdCodec(level=LEVEL, checksum=True)],
         fill_value=_FILL.get(variable.dtype, 0),
         chunk_key_encoding={"name": "default", "separator": BY_POINT},

@@ -98,8 +98,13 @@ class Snapshot:
 
     @property
     def is_compact(self) -> bool:
-        """Whether the chunks hold many points each."""
+        """Whether the chunks hold as many points as is good to read, and none can be written."""
         return self._arrays["status"].separator == COMPACT
+
+    @property
+    def is_shared(self) -> bool:
+        """Whether the chunks hold several points each."""
+        return self._arrays["status"].is_shared(len(self._places))
 
     @property
     def is_kept_compact(self) -> bool:
@@ -183,6 +188,10 @@ class Snapshot:
             ((name, self.axes[name]) for name in LEADING if name in self.axes), (LEADING[0], [None])
         )
 
+    def points_in(self, place: Place) -> list[Point]:
+        """Points that share a chunk."""
+        return self.points_at([along.ravel() for along in np.mgrid[self.block(place)]])
+
     def status(self) -> dict[Point, int]:
         """Status of every point that the store has room for; pending if not readable."""
         flags, _ = self.flags()
@@ -190,14 +199,19 @@ class Snapshot:
 
     def flag(self, point: Point) -> int:
         """Status of a point; pending if not readable."""
+        array, index = self._arrays["status"], self.index(point)
+        self._kept.clear()  # data of a point that is done are read after its status
         try:
-            flag = int(self.at(point, ["status"])["status"])
-        except StoreError:
+            content = self._files.content(array.key(self.place("status", index)))
+            part = None if content is None else array.decoded(content)
+        except UNREADABLE:
             return PENDING
+        flag = PENDING if part is None else int(part[self.within("status", index)])
         return flag if flag in (DONE, FAILED) else PENDING
 
     def flags(self) -> tuple[Any, Any]:
         """Status by place, and whether it is known: whether there is one, and it can be read."""
+        self._kept.clear()
         array = self._arrays["status"]
         flags = np.full(array.shape, PENDING, array.dtype)
         known = np.zeros(array.shape, bool)
@@ -321,10 +335,10 @@ class Snapshot:
         for name in names:
             array, note = self._arrays[name], lacks(name)
             try:
-                if max(array.chunks[: len(index)]) == 1:
-                    values[name] = values_at(array, index, content, note)[()]
-                else:
+                if array.is_shared(len(index)):
                     values[name] = self._in_block(array, index, note)
+                else:
+                    values[name] = values_at(array, index, content, note)[()]
             except UNREADABLE as error:
                 raise StoreError(DAMAGED.format(self.path, name)) from error
         return values
@@ -338,6 +352,11 @@ class Snapshot:
         sizes = self._arrays[name].chunks
         return tuple(i // size for i, size in zip(index, sizes, strict=False))
 
+    def within(self, name: str, index: Place) -> Place:
+        """Place of an index in its chunk."""
+        sizes = self._arrays[name].chunks
+        return tuple(i % size for i, size in zip(index, sizes, strict=False))
+
     def has(self, name: str, point: Point) -> bool:
         """Whether there is a file with a variable at a point, the first along the steps."""
         array, place = self._arrays[name], self.place(name, self.index(point))
@@ -346,33 +365,33 @@ class Snapshot:
 
     def _contents(self, names: Iterable[str], index: Place) -> Callable[[str], bytes | None]:
         """A function that gives the contents of the files of a point."""
-        if not isinstance(self._files, RemoteFiles) or self.is_compact:
+        if not isinstance(self._files, RemoteFiles):
             return self._files.content
-        keys = [key for name in names for key in keys_at(self._arrays[name], index)]
+        arrays = [self._arrays[name] for name in names]
+        own = (array for array in arrays if not array.is_shared(len(index)))
+        keys = [key for array in own for key in keys_at(array, index)]
         return dict(zip(keys, self._files.contents(keys), strict=True)).get
 
     def _in_block(
         self, array: ChunkedArray, index: Place, lacks: Callable[[str, Place], None]
     ) -> Any:
         """Values at an index, from a chunk that is kept, since it holds the next ones too."""
-        place = self.place(array.name, index)
-        block = self.block(place)
-        if (array.name, place) not in self._kept:
-            ranges = [range(along.start, along.stop) for along in block]
+        place, within = self.place(array.name, index), self.within(array.name, index)
+        values = self._kept.get((array.name, place))
+        if values is None:
+            ranges = [range(along.start, along.stop) for along in self.block(place)]
             picks = [*ranges, *map(range, array.shape[len(index) :])]
             lost: list[tuple[str, Place]] = []
             values = picked(
                 array, picks, self._files.contents, lambda _: True, lambda *each: lost.append(each)
             )
-            if lost:
-                for each in lost:
-                    lacks(*each)
-                return values[tuple(i - along.start for i, along in zip(index, block, strict=True))]
-            self._kept[array.name, place] = values
+            for each in lost:
+                lacks(*each)
+            if not lost:
+                self._kept[array.name, place] = values
             while len(self._kept) > _KEPT * len(self._arrays):
-                del self._kept[next(iter(self._kept))]
-        within = tuple(i - along.start for i, along in zip(index, block, strict=True))
-        return self._kept[array.name, place][within]
+                self._kept.pop(next(iter(self._kept)), None)
+        return values[within]
 
     def _is_lost(self, name: str, place: Place) -> bool:
         """Whether a missing chunk of a point that is done was lost.

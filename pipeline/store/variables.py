@@ -15,14 +15,16 @@ from pipeline.sweep.plan import step_count
 from pipeline.sweep.unknown import drawn
 from tribo import BULK_RATIOS, QUANTILES, WarningKind
 
-FORMAT = 2
-"""Version of the layout; a program reads this one and older ones."""
+FORMAT = 3
+"""Version of the layout; a program reads this one and older ones, whose chunks hold one point."""
 HASHED = 2
 """Version from which the root has a hash, and a point's checksum holds its load and velocity."""
 
 BY_POINT, COMPACT = ".", "/"
-"""Separators of the numbers in the names of chunks: where each holds one point, and where many."""
+"""Separators of the numbers in the names of chunks: where points are written, and where not."""
 
+BLOCK = "points_per_chunk"
+"""Attribute of a store whose chunks hold several points also where they are written."""
 KEPT_COMPACT = "kept_compact"
 """Attribute of a store that was compact once, and is to be so whenever no run computes points."""
 PENDING, DONE, FAILED = 0, 1, 2

@@ -220,7 +220,7 @@ def _reset(store: Store, points: list[Point]) -> None:
     broken = {point: set(store.unreadable(point)) for point in points}
     for point, names in broken.items():
         store.discard(point, _REWRITTEN & names)
-        store.forget(point)
+    store.forget(*points)
     for point, names in broken.items():
         store.discard(point, names - _REWRITTEN)
 

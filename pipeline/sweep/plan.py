@@ -11,7 +11,7 @@ from __future__ import annotations
 import itertools
 import time
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -76,6 +76,8 @@ class PointResult:
         Trunk of the ramp, which the next higher load continues.
     wall_time : float
         Duration of the computation, which may have begun on a trunk [s].
+    finished_at : float
+        When it was finished, since 1970-01-01 UTC [s].
     """
 
     point: Point
@@ -85,6 +87,7 @@ class PointResult:
     warnings: tuple[PointWarning, ...]
     trunk: Trunk
     wall_time: float
+    finished_at: float = field(default_factory=time.time)
 
     def __repr__(self) -> str:
         return as_lines(str(self.point), list(on_point(self.columns, self.warnings)))

@@ -17,6 +17,7 @@ import sys
 import tempfile
 import traceback
 from collections import Counter
+from contextlib import nullcontext
 from pathlib import Path
 
 import numpy as np
@@ -28,6 +29,7 @@ from pipeline.sweep.plan import points, run_point
 from tests.crash import scenario
 from tests.crash.bounded import add_seconds, until
 from tests.helpers import tiny
+from tests.pipeline.conftest import chunks_by_point
 
 SWEEP = tiny.full(loads=(150.0, 600.0), velocities=(0.5, 1.0, 4.0))
 COMMANDS = ("status", "boundary", "verify", "plot", "compact")
@@ -67,6 +69,7 @@ def device(file, chance):
     file.symlink_to("/dev/zero")
 
 
+KINDS = ("by point", "shared", "compact")
 DAMAGE = (flipped, cut, emptied, deleted, fifo, folder, device)
 
 
@@ -98,10 +101,9 @@ class Whole:
     def __init__(self, folder, results):
         folder.mkdir()
         self.path = folder / "whole.zarr"
-        with locked(self.path):
+        with locked(self.path), chunks_by_point() if folder.name == "by point" else nullcontext():
             store = prepare(self.path, SWEEP)
-            for result in results.values():
-                store.commit(result)
+            store.commit(*results.values())
         if folder.name == "compact":
             compact_store(self.path)
         found = sorted(file for file in self.path.rglob("*") if file.is_file())
@@ -158,7 +160,7 @@ def main():
     scenario.results = lambda: results
     tried, faults = Counter(), []
     with tempfile.TemporaryDirectory() as temporary:
-        stores = {kind: Whole(Path(temporary) / kind, results) for kind in ("by point", "compact")}
+        stores = {kind: Whole(Path(temporary) / kind, results) for kind in KINDS}
         cases = [
             (kind, file, damage)
             for kind, store in stores.items()

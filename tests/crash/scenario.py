@@ -81,17 +81,19 @@ def computing(failing=frozenset()):
 def acknowledging(tell):
     commit, fail, forget = Store.commit, Store.fail, Store.forget
 
-    def committed(self, result):
-        commit(self, result)
-        tell("done", result.point)
+    def committed(self, *results):
+        commit(self, *results)
+        for result in results:
+            tell("done", result.point)
 
     def failed(self, point, message):
         fail(self, point, message)
         tell("failed", point)
 
-    def forgotten(self, point):
-        tell("pending", point)
-        forget(self, point)
+    def forgotten(self, *points):
+        for point in points:
+            tell("pending", point)
+        forget(self, *points)
 
     with (
         mock.patch.object(Store, "commit", committed),
@@ -105,11 +107,10 @@ def acknowledging(tell):
 def status_first():
     """A store that makes the mistake which all of this is to find."""
 
-    def commit(self, result):
-        self._write(result.point, {"status": DONE}, {})
-        correct(self, result)
+    def commit(self, *results):
+        self._write({result.point: {"status": DONE} for result in results}, {})
+        self._write({each.point: self._values(each) for each in results}, {}, also_done=True)
 
-    correct = Store.commit
     with mock.patch.object(Store, "commit", commit):
         yield
 

@@ -16,7 +16,9 @@ from pipeline.cli import main
 from pipeline.figures.style import as_text
 from pipeline.scene import surfaces
 from pipeline.scene.surfaces import read_surface
-from pipeline.store import prepare, summary
+from pipeline.store import prepare, summary, verify_store
+from pipeline.sweep.model import Point
+from pipeline.sweep.plan import run_point
 from pipeline.sweep.stages import duration
 from tests.helpers import tiny
 
@@ -59,7 +61,13 @@ def test_an_archive_that_unpacks_to_more_than_a_surface_can_be_is_none(tmp_path,
 
 def test_a_fifo_in_place_of_a_chunk_is_damage(tmp_path):
     store = prepare(tmp_path / "a.zarr", tiny.sweep())
-    os.mkfifo(store.path / "status" / "c.1.1")
+    point = Point(250.0, 1.0)
+    store.commit(run_point(tiny.sweep(), *point))
+    (store.path / "time" / "c.0.0.0").unlink()
+    os.mkfifo(store.path / "time" / "c.0.0.0")
+    assert point in {each.point for each in verify_store(store.path).damaged}
+    (store.path / "status" / "c.0.0").unlink()
+    os.mkfifo(store.path / "status" / "c.0.0")
     assert summary(store.path).pending == 9
 
 

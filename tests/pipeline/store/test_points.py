@@ -279,7 +279,7 @@ def test_a_point_that_cannot_be_written_leaves_no_file_open(path, monkeypatch):
         raise OSError(errno.ENOSPC, "No space left on device")
 
     store, result = prepare(path, SWEEP), run_point(SWEEP, *POINT)
-    store.commit(result)
+    store.commit(run_point(SWEEP, 150.0, 0.5))
     before = sorted(Path("/proc/self/fd").iterdir())
     monkeypatch.setattr(os, "write", full)
     with pytest.raises(StoreError, match="No space left"):
@@ -534,7 +534,7 @@ def edit_root(path, edit):
         (lambda path: path.write_text(""), "is a file|is not a store"),
         (foreign_files, "is not a store: there is no zarr.json"),
         (foreign_group, "is not the store of a sweep"),
-        (newer, "has format 99, of a newer version of this program; this one reads .* up to 2"),
+        (newer, "has format 99, of a newer version of this program; this one reads .* up to 3"),
         (damaged, "is damaged"),
     ],
 )

@@ -149,8 +149,8 @@ def before(alone, tmp_path_factory):
     edited(path, edit)
     (path / "status" / COPY).unlink()
     store = Store(path)
-    for point in store.places():
-        store.commit(run_point(SWEEP, *point))
+    store.forget(*store.places())
+    store.commit(*(run_point(SWEEP, *point) for point in store.places()))
     return path
 
 
