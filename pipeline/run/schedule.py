@@ -1,7 +1,7 @@
 """Computes chains of points on the threads of a cluster.
 
 A task computes points of one chain for about a second, and the next task of the chain depends on
-the trunk that it leaves. Chains of one sample may share a task, since they share a surface. Dask
+the trunk that it leaves. Short chains of one surface share a task, since they share chunks. Dask
 decides what runs where, and runs a task again if its trunk was lost. What is left to do is read
 from the store when a task has ended, whatever became of the task; what is still missing is
 submitted anew.
@@ -36,6 +36,7 @@ from pipeline.store import DONE, PENDING, Store, StoreError
 from pipeline.sweep.model import Point, Sweep
 
 _STRETCH = 1.0  # [s] that a task should take, beside which 5 ms of Dask do not count
+_JOINED = 48  # points of a task: such short ones as fill a stretch, and few to be sent
 _POLL = 2.0  # [s] after which to look for workers that came or went
 _UNSEEN = 0.1  # [s] after which to look again for what a task says that it has done
 _KILLED = (
@@ -46,10 +47,14 @@ _KILLED = (
 
 @dataclass(frozen=True, slots=True)
 class _Chain:
-    """Points still to compute on one ramp, and the trunk to go on from, if there is one."""
+    """Points still to compute on one ramp, and the trunk to go on from, if there is one.
+
+    One that was lost with a worker is wary: each task computes one point of it.
+    """
 
     points: tuple[Point, ...]
     trunk: Future | None = None
+    is_wary: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,6 +64,7 @@ class _Task:
     points: tuple[Point, ...]
     trunk: Future
     alone_on: str | None = None
+    is_wary: bool = False
 
 
 def compute(
@@ -132,7 +138,7 @@ class _Run:
         self.waiting = deque(waiting)
         self.running: list[_Task] = []
         self.suspects = Suspects()
-        self._joins = sweep.samples is not None and not sweep.independent
+        self._joins = not sweep.independent
 
     def submit(self, workers: Counter[str]) -> None:
         """Give the workers a task for each thread; in the end, give each one suspect alone.
@@ -152,35 +158,44 @@ class _Run:
 
     def _next(self, threads: int) -> _Chain:
         """Take the next chain: the first, so that few trunks are kept; near the end the longest."""
-        if len(self.waiting) + len(self.running) >= 2 * threads:
-            return self._joined(self.waiting.popleft())
+        if self._are_many(threads):
+            return self._joined(self.waiting.popleft(), threads)
         longest = max(range(len(self.waiting)), key=lambda i: len(self.waiting[i].points))
         chain = self.waiting[longest]
         del self.waiting[longest]
         return chain
 
-    def _joined(self, chain: _Chain) -> _Chain:
-        """A chain with those of the same sample that wait behind it."""
+    def _are_many(self, threads: int) -> bool:
+        """Whether more chains wait than are needed to keep the workers busy to the end."""
+        return len(self.waiting) + len(self.running) >= 2 * threads
+
+    def _joined(self, chain: _Chain, threads: int) -> _Chain:
+        """A chain with those of the same surface that wait behind it, if there are many."""
         place, points = chain.points[0][2:], list(chain.points)
-        while self._joins and self.waiting and self.waiting[0].points[0][2:] == place:
-            if self.waiting[0].trunk is not None:
+        while self._joins and self._are_many(threads) and self.waiting:
+            after = self.waiting[0]
+            if after.trunk or after.is_wary or chain.is_wary or after.points[0][2:] != place:
+                break
+            if len(points) + len(after.points) > _JOINED:
                 break
             points += self.waiting.popleft().points
-        return _Chain(tuple(points), chain.trunk)
+        return _Chain(tuple(points), chain.trunk, chain.is_wary)
 
-    def _put_back(self, left: Iterable[Point], trunk: Future | None = None) -> None:
+    def _put_back(
+        self, left: Iterable[Point], trunk: Future | None = None, is_wary: bool = False
+    ) -> None:
         """Let points wait again, each ramp as a chain; the first one has a trunk."""
         ramps = itertools.groupby(left, key=lambda point: point[1:])
         found = [tuple(points) for _, points in ramps]
-        self.waiting.extendleft(_Chain(points) for points in reversed(found[1:]))
-        self.waiting.extendleft(_Chain(points, trunk) for points in found[:1])
+        self.waiting.extendleft(_Chain(each, None, is_wary) for each in reversed(found[1:]))
+        self.waiting.extendleft(_Chain(each, trunk, is_wary) for each in found[:1])
 
     def _start(self, chain: _Chain, worker: str | None = None) -> None:
         if self._parcel.status in ("error", "cancelled"):  # all who had it died
             self._parcel = share(self._client, self._pickled, self._patience)
-        arguments = (self._parcel, chain.points, chain.trunk, _STRETCH)
+        arguments = (self._parcel, chain.points, chain.trunk, 0.0 if chain.is_wary else _STRETCH)
         trunk = self._client.submit(compute_points, *arguments, pure=False, workers=worker)
-        self.running.append(_Task(chain.points, trunk, worker))
+        self.running.append(_Task(chain.points, trunk, worker, chain.is_wary))
 
     def look(self, workers: Counter[str]) -> bool:
         """See what has become of the tasks; return whether any has ended."""
@@ -204,7 +219,7 @@ class _Run:
         if left and (died or error):
             self._recover(task, left, error)
         elif left:
-            self._put_back(left, task.trunk)
+            self._put_back(left, task.trunk, task.is_wary)
         return True
 
     def _settle(self, flags: Mapping[Point, int]) -> None:
@@ -214,16 +229,19 @@ class _Run:
         self.suspects = self.suspects.without(flags)
 
     def _recover(self, task: _Task, left: tuple[Point, ...], error: BaseException | None) -> None:
-        """Suspect the point at which a task was lost, and go on with the others."""
+        """Go on point by point after a loss; suspect the point at which that is lost."""
         alone = task.alone_on is not None
         killed = error is None or isinstance(error, KilledWorker)
         if isinstance(error, KilledWorker) and error.task != task.trunk.key:
             # What it depends on was lost too often; it goes on without.
             if not alone:
-                self._put_back(left)
+                self._put_back(left, None, task.is_wary)
+            return
+        if len(left) > 1 and not task.is_wary:  # it may have been at any of them
+            self._put_back(left, None, is_wary=True)
             return
         self.suspects = self.suspects.after_loss(left[0], alone)
-        self._put_back(left[1:])
+        self._put_back(left[1:], None, task.is_wary)
         for point in self.suspects.failed:
             self._store.fail(point, _KILLED if killed else f"{type(error).__name__}: {error}")
             self._settle({point: self._store.flag(point)})

@@ -96,7 +96,8 @@ class EndlessRamp(FaultyRamp):
 
 
 class FillingRamp(FaultyRamp):
-    """From here on, files of more than a few bytes find no room."""
+    """Files of more than a few bytes find no room, soon after a point at one load has begun."""
 
     def fault(self):
+        time.sleep(3.0)
         resource.setrlimit(resource.RLIMIT_FSIZE, (100, resource.RLIM_INFINITY))

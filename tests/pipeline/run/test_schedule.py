@@ -73,10 +73,11 @@ def test_a_point_that_takes_its_time_is_a_task_of_its_own(given):
     assert ended == {"done": 24}
 
 
-def test_short_points_share_a_task_with_the_next_of_their_chain(given):
-    client = Here()
+def test_short_points_share_a_task_with_the_next_of_their_chain_and_with_other_chains(given):
+    """As long as enough chains are left for other workers."""
+    client = Here(workers=2)
     store, ended = given(client=client)
-    assert [len(task[1]) for task in client.tasks] == [3] * 8
+    assert [len(task[1]) for task in client.tasks] == [15, 3, 3, 3]
     assert ended == {"done": 24}
     for place in points(SWEEP)[9:12]:
         assert_is_as_computed_alone(store, place)
@@ -97,7 +98,7 @@ def test_a_point_that_fails_costs_no_other_of_its_task(given, monkeypatch):
     monkeypatch.setattr(work, "run_point", failing_at(bad))
     client = Here()
     store, ended = given(client=client)
-    assert len(client.tasks) == 8
+    assert len(client.tasks) == 2
     assert ended == {"done": 23, "failed": 1}
     (failed,) = summarized(store).failed
     assert (failed.load, failed.velocity) == bad[:2]
