@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from pipeline.store.layout import block_of
 from pipeline.store.variables import COORDINATES, variables
 from pipeline.sweep.left_out import left_out
 from pipeline.sweep.model import Sweep
@@ -214,9 +215,12 @@ def _too_many_nodes(nodes: int, seconds: float) -> Iterator[str]:
 
 
 def _disk_bytes(sweep: Sweep) -> float:
-    """Size of the store, of which each point has files of its own, uncompressed [B]."""
+    """Size of the store, uncompressed [B]: points share files, but those of their fields."""
     each = min(2, len(sweep.velocities)) if sweep.samples else len(sweep.velocities)
-    points = len(sweep.loads) * each * len(sweep.simulated)
+    variants, loads = len(sweep.simulated), len(sweep.loads)
+    along = zip((loads, each), block_of(loads, 2), strict=True)
+    chunks = variants * math.prod(math.ceil(n / size) for n, size in along)
+    points = variants * loads * each
     nx, ny = sweep.grid.shape
     sizes = {
         "step": max(step_count(sweep, load) for load in sweep.loads),
@@ -226,9 +230,13 @@ def _disk_bytes(sweep: Sweep) -> float:
         "y": ny,
     }
     kinds = variables(None, sweep.store_fields, sweep.unequal_bulks)
-    shapes = [kind.dims[2:] for name, kind in kinds.items() if name not in COORDINATES]
-    numbers = [math.prod(sizes[name] for name in shape) for shape in shapes]
-    return points * _BLOCK * sum(math.ceil(8 * count / _BLOCK) for count in numbers)
+    found = 0
+    for name, kind in kinds.items():
+        if name not in COORDINATES:
+            files = points if "x" in kind.dims else chunks
+            numbers = points / files * math.prod(sizes[dim] for dim in kind.dims[2:])
+            found += files * math.ceil(8 * numbers / _BLOCK)
+    return float(_BLOCK * found)
 
 
 def _idle_rows(sweep: Sweep, contact_rows: int) -> Iterator[str]:

@@ -111,8 +111,7 @@ def test_fields_take_room_only_where_they_are_asked_for(tmp_path):
         sweep = tiny.sweep(store_fields=fields, pixels=Grid((64, 32), (6.5e-6, 7.5e-6)))
         with locked(tmp_path / f"{fields}.zarr"):
             store = prepare(tmp_path / f"{fields}.zarr", sweep)
-            for point in points(sweep)[:3]:
-                store.commit(run_point(sweep, *point))
+            store.commit(*(run_point(sweep, *point) for point in points(sweep)))
         files = [file for file in store.path.rglob("*") if file.is_file()]
         assert any(file.parent.name == "pressure" for file in files) == fields
         sizes.append(sum(file.stat().st_size for file in files))
@@ -120,7 +119,7 @@ def test_fields_take_room_only_where_they_are_asked_for(tmp_path):
         taken.append(sum(math.ceil(file.stat().st_size / 4096) * 4096 for file in of_points))
         foretold.append(estimate(sweep).disk_bytes)
     assert foretold[1] - foretold[0] == len(points(sweep)) * 3 * 8 * 64 * 32
-    assert foretold[0] * 3 == taken[0] * len(points(sweep))  # in whole blocks of a disk
+    assert taken[0] <= foretold[0] < 1.2 * taken[0]  # in whole blocks of a disk
     assert sizes[1] > 1.5 * sizes[0], sizes
 
 
