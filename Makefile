@@ -66,6 +66,7 @@ crash: .venv/test     ## kill sweeps, cut their power, damage their files, read 
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.crash --seconds 300
 	$(BIN)/python -m tests.crash.kills --seconds 300
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.crash.workers --busy --seconds 300
+	OMP_NUM_THREADS=1 $(BIN)/python -m tests.crash.writers --seconds 120
 	$(BIN)/python -m tests.crash.command --seconds 240
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.crash.replay --seconds 300
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.crash.power --seconds 600

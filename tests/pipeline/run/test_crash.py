@@ -53,6 +53,16 @@ def test_many_points_are_stored_through_kills_and_read_as_they_were_computed():
     assert (found["resumed"]["code"], found["resumed"]["computed"]) == (0, 0)
 
 
+def test_processes_that_write_to_the_same_chunks_lose_nothing_when_killed_or_stopped():
+    found = reported("crash.writers", "--rounds", "2")
+    assert (found["rounds"], found["faults"]) == (2, [])
+    assert sum(found["did"].values()) > 0
+
+
+def test_shared_chunks_that_are_written_without_a_lock_would_be_noticed():
+    assert reported("crash.writers", "--rounds", "20", "--unlocked")["faults"]
+
+
 def test_sweeps_whose_workers_die_end_with_every_point_that_can_be_computed():
     found = reported("crash.workers", "--sweeps", "1", "--velocities", "6", "--busy")
     assert found == {"sweeps": 2, "kills": found["kills"], "hung": 0, "faults": []}
