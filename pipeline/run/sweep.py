@@ -159,7 +159,8 @@ def run_sweep(
     _refuse_in_a_worker(scheduler)
     began = time.monotonic()
     with locked(out), reported(progress) as report:
-        store = prepare(out, sweep)
+        shares = scheduler is None  # machines that share files need not see each other's locks
+        store = prepare(out, sweep, shares)
         if isinstance(store.path, Path):
             remove_partial(store.path)
         if fill_fields:
@@ -171,7 +172,7 @@ def run_sweep(
         rounds = _rounds(store, sweep, retry_failed, further)
         with _kept_compact(store, tell):
             if first := next(rounds, None):
-                _make_writable(store)
+                _make_writable(store, shares)
                 # Points that come later may have more chains than those that wait now.
                 most = len(first.waiting) if further is None else CPU_COUNT
                 with connected(min(workers or CPU_COUNT, most), scheduler, patience) as client:
@@ -226,12 +227,12 @@ def _rounds(
             store = prepare(store.path, asked)
 
 
-def _make_writable(store: Store) -> None:
-    """Give a store such chunks as can be written where it is."""
-    if store.is_shared and not has_parts(store.path):
+def _make_writable(store: Store, shares: bool) -> None:
+    """Give a store such chunks as can be written where it is, by those who are to write."""
+    if store.is_shared and not (shares and has_parts(store.path)):
         lay_out(store.path, COMPACT)
     if Store(store.path).is_compact:
-        lay_out(store.path, BY_POINT)
+        lay_out(store.path, BY_POINT, shares)
 
 
 @contextmanager

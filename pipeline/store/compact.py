@@ -69,8 +69,8 @@ def compact_store(path: PathLike) -> None:
         lay_out(folder, COMPACT)
 
 
-def lay_out(folder: Place, separator: str) -> None:
-    """Bring a store to one kind of chunks or the other, while it is `locked`.
+def lay_out(folder: Place, separator: str, shares: bool = True) -> None:
+    """Bring a store to one kind of chunks or the other, while it is `locked`; see `prepare`.
 
     Raises what `compact_store` raises.
     """
@@ -80,11 +80,11 @@ def lay_out(folder: Place, separator: str) -> None:
     try:
         if separator_of(arrays["status"]) != separator:
             Store(folder).heal()
-            shares = has_parts(folder)
-            with part_held(folder) if shares else nullcontext():
+            has_locks = has_parts(folder)
+            with part_held(folder) if has_locks else nullcontext():
                 store = Store(folder)
                 flags, _ = store.flags()
-                block = (shares and attributes.get(BLOCK)) or [1] * flags.ndim
+                block = (shares and has_locks and attributes.get(BLOCK)) or [1] * flags.ndim
                 for name in names:  # of chunks that do not count, there may be some from before
                     files.remove_all(f"{name}/c{separator}")
                     arrays[name] = _described(arrays[name], separator, block)

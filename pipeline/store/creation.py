@@ -26,11 +26,20 @@ from pipeline.sweep.model import Sweep
 from tribo import QUANTILES
 
 
-def prepare(path: PathLike, sweep: Sweep) -> Store:
+def prepare(path: PathLike, sweep: Sweep, shares: bool = True) -> Store:
     """Create the store of a sweep, or open it and make room for what the sweep adds.
 
     Call it while the store is `locked`. What is in the store stays, whether or not the sweep still
     asks for it, and what can be healed is healed.
+
+    Parameters
+    ----------
+    path : str or path
+        Path of the store.
+    sweep : Sweep
+    shares : bool
+        Whether points of a new store may share chunks: whether all who write see the locks of each
+        other.
 
     Raises
     ------
@@ -43,7 +52,7 @@ def prepare(path: PathLike, sweep: Sweep) -> Store:
     try:
         if begin(folder):
             attributes, axes = lasting_attributes(sweep), grown({}, sweep)
-            if has_parts(folder):
+            if shares and has_parts(folder):
                 attributes[BLOCK] = block_of(len(sweep.loads), 3 if sweep.axis else 2)
             commit_shape(folder, attributes, {}, axes, sweep)
             return Store(folder)

@@ -23,7 +23,8 @@ from pipeline.run import forkserver
 from pipeline.run.cluster import connected, share, threads_of
 from pipeline.run.forkserver import METHOD
 from pipeline.run.sweep import ExecutionError, run_sweep
-from pipeline.store import summary
+from pipeline.store import Store, summary
+from pipeline.sweep.plan import points
 from tests.helpers import tiny
 from tests.pipeline.cli.test_commands import SCENE
 from tests.pipeline.run.test_sweep import content
@@ -93,6 +94,24 @@ def test_workers_elsewhere_compute_the_same_and_may_be_killed(cluster, tmp_path,
     arguments = ("-o", str(tmp_path / "small.zarr"), "--scheduler", cluster.address)
     assert main(["run", str(tmp_path / "small.toml"), *arguments]) == 0
     assert "dashboard is at http://127.0.0.1:" in capsys.readouterr().err
+
+
+def test_points_of_workers_elsewhere_share_no_chunks(cluster, tmp_path, alone):
+    """Machines that share files need not see the locks of each other."""
+    own, theirs, shared = tmp_path / "own.zarr", tmp_path / "theirs.zarr", []
+    run_sweep(SWEEP, own, workers=1)
+    assert Store(own).is_shared
+    Store(own).forget(next(iter(points(SWEEP))))
+    for path in own, theirs:
+        found = run_sweep(
+            SWEEP,
+            path,
+            scheduler=cluster.address,
+            progress=lambda _, path=path: shared.append(Store(path).is_shared),
+        )
+        assert (found.done, found.failed) == (9, ())
+        assert content(path) == content(alone)
+        assert not shared[-1]
 
 
 def test_a_scheduler_that_is_lost_and_workers_that_are_gone_are_errors(cluster, tmp_path):
