@@ -44,6 +44,10 @@ from tribo.types import Array
 if TYPE_CHECKING:
     import xarray as xr
 
+_AS_DRAWN = (
+    "the diagram of samples shows the probability of severe wear for the inputs as they were "
+    "drawn; leave out conditions, surface and rivals"
+)
 _RESOLUTION = 240
 
 
@@ -94,10 +98,7 @@ def diagram(
     if ds.leading == "sample" or given_measured or scatter is not None:
         told = (friction, bulk_temperature, critical_temperature, share, realization)
         if rivals or any(each is not None for each in told):
-            raise InputError(
-                "the diagram of samples shows the probability of severe wear for the inputs as "
-                "they were drawn; leave out conditions, surface and rivals"
-            )
+            raise InputError(_AS_DRAWN)
         return _probability(ds, given_measured, scatter, log)
     band = attributes_of(ds).get("friction_band")
     if isinstance(friction, Sequence):

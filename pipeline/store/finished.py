@@ -14,8 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.store.folder import DAMAGED, PathLike, StoreError
-from pipeline.store.snapshot import Snapshot, read_whole
+from pipeline.store.snapshot import Snapshot
 from pipeline.store.variables import DONE, PENDING
+from pipeline.store.whole import read_whole
 
 
 class Finished:

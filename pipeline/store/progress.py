@@ -8,8 +8,9 @@ import numpy as np
 
 from pipeline.store.folder import PathLike, user
 from pipeline.store.pace import pace
-from pipeline.store.snapshot import Snapshot, read_whole
+from pipeline.store.snapshot import Snapshot
 from pipeline.store.variables import DONE, FAILED, PENDING
+from pipeline.store.whole import read_whole
 from pipeline.sweep.model import Point
 
 

@@ -3,17 +3,16 @@
 A missing chunk of a point that is done is damage, never a fill value. When the layout of a store
 changes, files are removed only after the root that describes them has been replaced. So a reader
 asks afterwards whether its snapshot is still current, and takes another if it is not
-(`read_whole`).
+(`pipeline.store.whole`).
 """
 
 from __future__ import annotations
 
 import functools
 import itertools
-import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 
@@ -40,13 +39,7 @@ from pipeline.sweep.model import Point
 from pipeline.sweep.unknown import first_alike
 from tribo.types import Array, Indices, Mask
 
-_T = TypeVar("_T")
-_S = TypeVar("_S", bound="Snapshot")
 _KEPT = 3  # chunks of each variable, if they hold many points
-_ATTEMPTS = 20
-_LOOKS = 3  # at what cannot be read, since a point may just be written anew
-A_COMMIT = 0.1
-"""Time in which a point is mostly committed [s]."""
 
 
 class Snapshot:
@@ -410,35 +403,3 @@ class Snapshot:
                 rest = len(self._arrays[other].shape) - lead - 1
                 keys.append(self._arrays[other].key((*place[: lead + 1], *(0,) * rest)))
         return any(self._files.exist(keys))
-
-
-def read_whole(
-    path: PathLike, read: Callable[[_S], _T], opened: Callable[[PathLike], _S]
-) -> tuple[_S, _T]:
-    """Read from a snapshot of a store; again if the store or one of its points was being written.
-
-    Returns
-    -------
-    Snapshot
-        Snapshot that was current throughout.
-    object
-        Result of `read` on that snapshot.
-
-    Raises
-    ------
-    StoreError
-        If there is no readable store, or it changes all the time.
-    """
-    for attempt in range(_ATTEMPTS):
-        snapshot = opened(path)
-        try:
-            found = read(snapshot)
-        except StoreError:
-            if snapshot.is_current():
-                if attempt >= _LOOKS:
-                    raise
-                time.sleep(A_COMMIT)
-            continue
-        if snapshot.is_current():
-            return snapshot, found
-    raise StoreError(f"{path} is being rewritten all the time; try again when that has ended")
