@@ -3,7 +3,7 @@
 import itertools
 import json
 import threading
-from types import SimpleNamespace
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -89,19 +89,13 @@ def test_commands_read_a_store_while_it_is_written(growing, tmp_path, capsys):
     assert main(["verify", str(growing)]) == 0
 
 
-def finished_at(monkeypatch, times):
-    """Let points be finished at these times [s]; other threads have their own clock."""
-    clock = SimpleNamespace(time=iter(times).__next__)
-    monkeypatch.setattr("pipeline.store.points.time", clock)
-
-
-def test_the_rate_and_the_time_to_go_are_known_from_the_store(tmp_path, monkeypatch, results):
+def test_the_rate_and_the_time_to_go_are_known_from_the_store(tmp_path, results):
     path = tmp_path / "tiny.zarr"
-    finished_at(monkeypatch, [100.0, 7000.0, 7002.0, 7004.0])
     store = prepare(path, LONGER)
     assert summary(path).rate is None
-    for point in points(LONGER)[:4]:
-        store.commit(results[point])
+    times = 100.0, 7000.0, 7002.0, 7004.0
+    for point, time in zip(points(LONGER), times, strict=False):
+        store.commit(replace(results[point], finished_at=time))
     found = summary(path)
     assert found.rate == 0.5
     assert found.time_to_go == 4.0
@@ -110,11 +104,10 @@ def test_the_rate_and_the_time_to_go_are_known_from_the_store(tmp_path, monkeypa
         assert summary(path).running.startswith("process ")
 
 
-def test_status_says_how_long_it_takes(tmp_path, monkeypatch, capsys, results):
-    finished_at(monkeypatch, itertools.count(0.0, 40.0))
+def test_status_says_how_long_it_takes(tmp_path, capsys, results):
     store = prepare(tmp_path / "tiny.zarr", LONGER)
-    for point in points(LONGER)[:3]:
-        store.commit(results[point])
+    for point, time in zip(points(LONGER), (0.0, 40.0, 80.0), strict=False):
+        store.commit(replace(results[point], finished_at=time))
     assert main(["status", str(store.path)]) == 0
     assert "1.5 points a minute the last time, 2 min to go" in capsys.readouterr().out
 
