@@ -48,15 +48,16 @@ class Finished:
         self._store, self.flags = read_whole(path, _checked, Snapshot)
         self.attributes, self.metadata = self._store.attributes, self._store.metadata
         self.axes = self._store.axes
+        self._arrays = {name: self._store.array(name) for name in self.metadata}
         self._done, self._known = self.flags == DONE, self.flags != PENDING
 
     def shape(self, name: str) -> tuple[int, ...]:
         """Size of a variable along each of its dimensions."""
-        return self._store.array(name).shape
+        return self._arrays[name].shape
 
     def dtype(self, name: str) -> np.dtype[Any]:
         """Type of the values of a variable; object for text."""
-        return self._store.array(name).dtype
+        return self._arrays[name].dtype
 
     def pick(self, name: str, picks: Sequence[NDArray[np.int64]]) -> NDArray[Any]:
         """Read a part of a variable of points; fill values where a point is not done.
@@ -90,7 +91,7 @@ class Finished:
             is_whole = False
         if not is_whole:
             self._store, values = read_whole(store.path, read, Snapshot)
-        values[~needed] = store.array(name).fill
+        values[~needed] = self._arrays[name].fill
         return values
 
 

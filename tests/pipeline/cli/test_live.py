@@ -12,6 +12,7 @@ import xarray as xr
 import pipeline
 from pipeline.cli import main
 from pipeline.store import DONE, Store, locked, prepare, summary
+from pipeline.store.finished import Finished
 from pipeline.store.pace import pace
 from pipeline.store.variables import COLUMNS, FIELDS
 from pipeline.sweep.model import Point
@@ -79,6 +80,17 @@ def test_what_is_read_while_it_is_written_is_whole(growing, results):
             for name in (*COLUMNS, *FIELDS):
                 assert np.isnan(ds[name].values[pending]).all()
             grown = ds.sizes["load"] == len(LONGER.loads)
+
+
+def test_what_was_opened_keeps_its_size_while_the_store_grows(tmp_path, results):
+    path = tmp_path / "tiny.zarr"
+    prepare(path, SWEEP).commit(*(results[point] for point in points(SWEEP)))
+    found = Finished(path)
+    sizes = {name: found.shape(name) for name in found.metadata}
+    prepare(path, LONGER)
+    for name, size in sizes.items():
+        assert found.pick(name, [np.arange(n) for n in size]).shape == size
+        assert found.shape(name) == size
 
 
 def test_commands_read_a_store_while_it_is_written(growing, tmp_path, capsys):
