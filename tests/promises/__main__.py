@@ -112,7 +112,8 @@ def read(path):
 def main():
     """Go on with the campaign, then report."""
     parser = argparse.ArgumentParser(prog="python -m tests.promises", description=__doc__)
-    parser.add_argument("--scenes", type=int, default=300)
+    parser.add_argument("--first", type=int, default=0, help="seed to begin with")
+    parser.add_argument("--scenes", type=int, default=300, help="seeds below this one")
     parser.add_argument("--minutes", type=float, default=60.0, help="begin no scene later")
     parser.add_argument("--file", type=Path, default=Path("results/promises.jsonl"))
     parser.add_argument("--of", choices=PARTS[1:], help="judge these alone; both if not given")
@@ -121,7 +122,7 @@ def main():
     options.file.parent.mkdir(parents=True, exist_ok=True)
     known, began, now = read(options.file), time.monotonic(), commit()
     parts = ("truth", options.of) if options.of else PARTS
-    for seed in range(options.scenes):
+    for seed in range(options.first, options.scenes):
         rows = known.setdefault(seed, {})
         for part in parts:
             stale = options.anew and part != "truth" and rows.get(part, {}).get("commit") != now
