@@ -11,6 +11,7 @@ import numpy as np
 
 import pipeline
 from pipeline.analysis.attributes import attributes_of
+from pipeline.analysis.band import BAND
 from pipeline.analysis.results import Results
 from pipeline.cli.output import DONE, show
 from pipeline.cli.scenes import CONDITIONS, given
@@ -20,8 +21,6 @@ from tribo import InputError
 if TYPE_CHECKING:
     from pipeline.analysis.intervals import MarginIntervals
     from pipeline.analysis.margin import Margin
-
-_BAND = (0.1, 0.5, 0.9)  # shares of the surfaces that lie lower
 
 
 def margin(options: argparse.Namespace) -> int:
@@ -136,13 +135,13 @@ def _on_several(found: Sequence[Margin]) -> Iterator[str]:
         f"{found[0].load:g} N at {found[0].velocity:g} m/s: severe wear on {severe} of "
         f"{len(found)} {_kind(found)}"
     )
-    low, middle, high = np.quantile([each.decisive_temperature - 273.15 for each in found], _BAND)
+    low, middle, high = np.quantile([each.decisive_temperature - 273.15 for each in found], BAND)
     yield f"  deciding temperature  {middle:.4g} °C, on 80 % of them {low:.4g} to {high:.4g} °C"
     criticals = {each.critical_temperature for each in found}
     critical = "the critical temperature of each"
     if len(criticals) == 1:
         critical = pipeline.display(criticals.pop(), "°C", 4)
-    low, middle, high = np.quantile([each.distance for each in found], _BAND)
+    low, middle, high = np.quantile([each.distance for each in found], BAND)
     yield (
         f"  distance              {middle:.1f} K below {critical}, on 80 % of them {low:.1f} to "
         f"{high:.1f} K"
@@ -152,7 +151,7 @@ def _on_several(found: Sequence[Margin]) -> Iterator[str]:
         ("load", [m.load_factor for m in found], [m.load_outcome for m in found]),
     ):
         if set(outcomes) == {"crosses"}:
-            low, middle, high = np.quantile(factors, _BAND)
+            low, middle, high = np.quantile(factors, BAND)
             yield f"  in {name:<19}{middle:.3g} times, {low:.3g} to {high:.3g}"
         else:
             counts = {what: outcomes.count(what) for what in sorted(set(outcomes))}

@@ -33,7 +33,6 @@ from pipeline.store.layout import POINTS, separator_of
 from pipeline.store.points import Store
 from pipeline.store.root import commit_metadata, read_metadata
 from pipeline.store.variables import (
-    BLOCK,
     BULK_COLUMNS,
     BY_POINT,
     COLUMNS,
@@ -41,6 +40,7 @@ from pipeline.store.variables import (
     DONE,
     KEPT_COMPACT,
     PENDING,
+    POINTS_PER_CHUNK,
     RECORDS,
 )
 
@@ -84,7 +84,9 @@ def lay_out(folder: Place, separator: str, shares: bool = True) -> None:
             with part_held(folder) if has_locks else nullcontext():
                 store = Store(folder)
                 flags, _ = store.flags()
-                block = (shares and has_locks and attributes.get(BLOCK)) or [1] * flags.ndim
+                block = (shares and has_locks and attributes.get(POINTS_PER_CHUNK)) or [
+                    1
+                ] * flags.ndim
                 for name in names:  # of chunks that do not count, there may be some from before
                     files.remove_all(f"{name}/c{separator}")
                     arrays[name] = _described(arrays[name], separator, block)

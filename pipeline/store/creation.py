@@ -18,7 +18,7 @@ from pipeline.store.points import Store
 from pipeline.store.root import begin, read_metadata, renew_copy
 from pipeline.store.shape import commit_shape
 from pipeline.store.variables import (
-    BLOCK,
+    POINTS_PER_CHUNK,
     grown,
     lasting_attributes,
 )
@@ -53,7 +53,7 @@ def prepare(path: PathLike, sweep: Sweep, shares: bool = True) -> Store:
         if begin(folder):
             attributes, axes = lasting_attributes(sweep), grown({}, sweep)
             if shares and has_parts(folder):
-                attributes[BLOCK] = block_of(len(sweep.loads), 3 if sweep.axis else 2)
+                attributes[POINTS_PER_CHUNK] = block_of(len(sweep.loads), 3 if sweep.axis else 2)
             commit_shape(folder, attributes, {}, axes, sweep)
             return Store(folder)
         store = Store(folder)

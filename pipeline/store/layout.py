@@ -22,11 +22,10 @@ GROWING = (*LEADING, "load", "velocity", "step")
 """Dimensions along which a store grows."""
 GROWING_CHUNK = 256
 """Size of the chunks of their coordinates."""
-BLOCK = 32
-"""Most points in a chunk of a store that is not compact."""
 POINTS = 1024
-"""Approximate number of points in a chunk of one that is."""
+"""Approximate number of points in a chunk of a compact store."""
 
+_MOST = 32  # points in a chunk of a store that is not compact
 _FULL = 16  # points in a chunk, if a sweep has as many
 _SHARED = {*RECORDS, *COLUMNS, *BULK_COLUMNS}  # variables whose chunks hold several points
 _LONGEST = 10**7  # dimension that is believed
@@ -55,7 +54,7 @@ def block_of(loads: int, axes: int) -> list[int]:
     >>> block_of(loads=12, axes=2), block_of(loads=1, axes=3), block_of(loads=40, axes=2)
     ([12, 2], [1, 1, 16], [20, 1])
     """
-    share = math.ceil(loads / math.ceil(loads / BLOCK))
+    share = math.ceil(loads / math.ceil(loads / _MOST))
     return [1] * (axes - 2) + [share, math.ceil(_FULL / share)]
 
 
@@ -138,7 +137,7 @@ def _is_as_written(
     else:
         own = dims.index("velocity") + 1
         fit = all(0 < size <= full for size, full in zip(chunks[own:], shape[own:], strict=True))
-        most = POINTS if separator_of(array) == COMPACT else BLOCK
+        most = POINTS if separator_of(array) == COMPACT else _MOST
         fit &= 0 < math.prod(chunks[:own]) <= (most if name in _SHARED else 1)
         if name in _SHARED:  # in all of them a chunk holds the same points
             shared = zip(dims[:own], chunks, strict=False)

@@ -20,9 +20,9 @@ from pipeline.store.layout import new_chunks
 from pipeline.store.root import commit_metadata
 from pipeline.store.together import together
 from pipeline.store.variables import (
-    BLOCK,
     BY_POINT,
     COORDINATES,
+    POINTS_PER_CHUNK,
     PRESENT,
     RECORDS,
     Variable,
@@ -62,7 +62,7 @@ def commit_shape(
             continue  # its points lack it
         shape = [len(axes[dim]) for dim in variable.dims]
         if name not in arrays:
-            arrays[name] = _described(name, variable, shape, attributes.get(BLOCK))
+            arrays[name] = _described(name, variable, shape, attributes.get(POINTS_PER_CHUNK))
         elif arrays[name]["shape"] == shape and not (
             name in units and present.get(name) != axes[name]
         ):

@@ -23,7 +23,7 @@ HASHED = 2
 BY_POINT, COMPACT = ".", "/"
 """Separators of the numbers in the names of chunks: where points are written, and where not."""
 
-BLOCK = "points_per_chunk"
+POINTS_PER_CHUNK = "points_per_chunk"
 """Attribute of a store whose chunks hold several points also where they are written."""
 KEPT_COMPACT = "kept_compact"
 """Attribute of a store that was compact once, and is to be so whenever no run computes points."""
