@@ -1,5 +1,6 @@
 """What an import costs: heavy libraries only where they are needed."""
 
+import ast
 import os
 import subprocess
 import sys
@@ -53,6 +54,17 @@ def help_of(*arguments):
         "import contextlib, pipeline.cli as cli\nwith contextlib.suppress(SystemExit): "
         f"cli.main({list(arguments)!r})"
     )
+
+
+def test_the_physics_need_numpy_and_scipy_alone():
+    needed = set()
+    for file in (ROOT / "tribo").rglob("*.py"):
+        for line in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+            if isinstance(line, ast.Import):
+                needed |= {name.name.partition(".")[0] for name in line.names}
+            elif isinstance(line, ast.ImportFrom) and line.level == 0:
+                needed.add(line.module.partition(".")[0])
+    assert needed - sys.stdlib_module_names == {"numpy", "scipy", "tribo"}
 
 
 @pytest.mark.parametrize(
