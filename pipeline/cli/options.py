@@ -52,10 +52,10 @@ SET = _option(
     "--set",
     metavar="KEY=VALUE",
     type=values.setting,
-    action="append",
+    action=values.Settings,
     default=[],
     help="another numerical choice, such as increments=50, or another entry of the scene, such as "
-    "wear.pattern=local; may be repeated",
+    "wear.pattern=local; may be repeated for other keys",
 )
 OF_SCENE = (SCENE, PRESET.but(help=f"fidelity in place of the scene's own: {_PRESETS}"), SET)
 STORE = _option(
@@ -87,6 +87,9 @@ FILL_FIELDS = _flag(
     help="compute points again that were finished before the scene asked for fields",
 )
 RETRY_FAILED = _flag("--retry-failed", help="compute failed points again")
+NEW_STORE = output("OUT.zarr", "where to store it; default: results/<scene>.zarr").but(
+    type=values.new_store
+)
 BOUNDARY_ONLY = _option(
     "--boundary-only",
     metavar="TOLERANCE",
@@ -104,7 +107,7 @@ ACCURACY = _option(
 REPAIR = _flag("--repair", help="set damaged points to be computed again")
 
 LOAD = _option(
-    "--load", metavar="F", type=values.quantity("750 N"), help='normal load, like "750 N"'
+    "--load", metavar="F", type=values.positive("750 N"), help='normal load, like "750 N"'
 )
 VELOCITY = _option(
     "--velocity",
@@ -170,7 +173,7 @@ GIVEN_MEASURED = _flag(
 CONTACT_WIDTH = _option(
     "--contact-width",
     metavar="W",
-    type=values.quantity("348 um"),
+    type=values.positive("348 um"),
     help='width measured at --load and --velocity, like "348 um": find the specific wear rate '
     "instead",
 )
@@ -191,7 +194,7 @@ LOOK = (
     _option(
         "--width",
         metavar="W",
-        type=values.quantity("8.5 cm"),
+        type=values.positive("8.5 cm"),
         help='width of the figure, like "8.5 cm"; words stay readable',
     ),
     _option("--dpi", metavar="N", type=values.count, help="dots per inch of a .png or .gif"),

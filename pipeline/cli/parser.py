@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import os
 import pkgutil
+import re
 import sys
 import textwrap
 from collections.abc import Callable, Sequence
@@ -38,6 +39,8 @@ class Command(NamedTuple):
     takes: tuple[o.Option | o.Group, ...]
 
 
+_BELOW_ZERO = re.compile(r"-\.?\d")
+_OPTION = re.compile(r"--[a-z-]+")
 _AT = '--load "500 N" --velocity "2 m/s"'
 
 COMMANDS = (
@@ -51,9 +54,7 @@ COMMANDS = (
         "run", "sweeps:run", "run or resume the sweep of a scene", "scene.toml --accuracy 2%",
         (
             *o.OF_SCENE,
-            o.output("OUT.zarr", "where to store it; default: results/<scene>.zarr").but(
-                type=o.STORE.settings["type"]
-            ),
+            o.NEW_STORE,
             o.Group("", (o.WORKERS, o.SCHEDULER)),
             o.FILL_FIELDS, o.RETRY_FAILED, o.BOUNDARY_ONLY, o.ACCURACY,
         ),
@@ -189,7 +190,9 @@ def parse(arguments: Sequence[str] | None) -> argparse.Namespace:
         import argcomplete
 
         argcomplete.autocomplete(parser)
-    options, unknown = parser.parse_known_args(arguments)
+    options, unknown = parser.parse_known_args(
+        _joined(sys.argv[1:] if arguments is None else arguments)
+    )
     if unknown:  # told by the command, whose usage shows what it takes
         named = " ".join(unknown)
         options.parser.error(
@@ -199,6 +202,21 @@ def parse(arguments: Sequence[str] | None) -> argparse.Namespace:
         parser.print_help(sys.stderr)
         parser.exit(2, "irg: give a command\n")
     return options
+
+
+def _joined(arguments: Sequence[str]) -> list[str]:
+    """Join values below zero to their options, since a parser takes words such as -5% for options.
+
+    Examples
+    --------
+    >>> _joined(["margin", "out.zarr", "--velocity", "-2m/s", "-q"])
+    ['margin', 'out.zarr', '--velocity=-2m/s', '-q']
+    """
+    joined: list[str] = []
+    for word in arguments:
+        is_value = _BELOW_ZERO.match(word) and joined and _OPTION.fullmatch(joined[-1])
+        joined.append(f"{joined.pop()}={word}" if is_value else word)
+    return joined
 
 
 def function_of(options: argparse.Namespace) -> Callable[[argparse.Namespace], int]:

@@ -18,6 +18,7 @@ from pipeline.cli.progress import working
 from pipeline.cli.scenes import CONDITIONS, PLACE, given, scene_of, selected
 from pipeline.cli.unknowns import posterior
 from pipeline.sweep.criterion import Verdict
+from pipeline.sweep.facts import require_bearable_load
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import PointResult
 from tribo import InputError, measures, specific_wear_rate
@@ -92,6 +93,7 @@ def explore(options: argparse.Namespace) -> int:
 def point(options: argparse.Namespace) -> int:
     """Simulate one point."""
     sweep = scene_of(options, points=[Point(options.load, options.velocity)])
+    require_bearable_load(sweep, options.load, "--load")
     sweep = sweep.on_surface(options.realization)
     with working("simulating") as progress:
         result = pipeline.run_point(sweep, options.load, options.velocity, progress=progress)

@@ -23,7 +23,7 @@ from pipeline.cli.progress import ProgressLine
 from pipeline.cli.scenes import given, scene_of, selected
 from pipeline.run import forkserver
 from pipeline.sweep.doubts import doubts
-from pipeline.sweep.facts import facts_of, require_bearable_loads
+from pipeline.sweep.facts import facts_of, require_bearable_load
 from pipeline.sweep.left_out import left_out
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.stages import duration
@@ -82,7 +82,7 @@ def _warned(store: Path) -> Warned:
 def check(options: argparse.Namespace) -> int:
     """Say what a scene means, at once, and then what its sweep would cost."""
     sweep = scene_of(options)
-    require_bearable_loads(sweep)
+    require_bearable_load(sweep, max(sweep.loads), "sweep.loads")
     facts, memory, reasons = facts_of(sweep), worker_bytes(sweep), tuple(left_out(sweep))
     doubted = list(doubts(sweep, facts))
     small = memory > machine_bytes()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -14,6 +15,10 @@ from tribo import InputError
 
 _DECIMAL_POINT = re.compile(r"\s*[+-]?(\d+\.\d*|\.\d+)(e[+-]?\d+)?\s*", re.IGNORECASE)
 _EACH_BULK = re.compile(r"\s*pin\s*=(?P<pin>[^=]+),\s*disk\s*=(?P<disk>[^=]+)")
+_OF_OTHER_FILES = (
+    *(".toml", ".json", ".csv", ".md", ".txt", ".npy", ".nc"),
+    *(".png", ".svg", ".pdf", ".gif", ".jpg", ".html", ".py", ".ipynb"),
+)
 _DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d+")
 
 
@@ -25,6 +30,19 @@ def quantity(like: str) -> Callable[[str], float]:
             return pipeline.to_si(text, like)
         except ValueError as error:
             raise argparse.ArgumentTypeError(f'{error}; give one like "{like}"') from error
+
+    return read
+
+
+def positive(like: str) -> Callable[[str], float]:
+    """Return a reader of quantities above 0 with a unit, such as `like`."""
+    signed = quantity(like)
+
+    def read(text: str) -> float:
+        value = signed(text)
+        if not 0 < value < math.inf:
+            raise argparse.ArgumentTypeError(f'"{text}" is not above 0; give one like "{like}"')
+        return value
 
     return read
 
@@ -51,6 +69,17 @@ def bulk(text: str) -> float | dict[str, float]:
 def store(text: str) -> Path | str:
     """Read the folder or the address of a store."""
     return text if "://" in text else Path(text)
+
+
+def new_store(text: str) -> Path | str:
+    """Read where to store a sweep, which an ending of files of another kind shows to be a slip."""
+    ending = Path(text).suffix.lower()
+    if ending in _OF_OTHER_FILES and not Path(text).is_dir():
+        raise argparse.ArgumentTypeError(
+            f'"{text}" ends like a file of another kind, and what is written is the folder of a '
+            f'store; give one like "{Path(text).stem}.zarr"'
+        )
+    return store(text)
 
 
 def count(text: str, least: int = 1) -> int:
@@ -110,6 +139,24 @@ class Several(argparse.Action):
         known = () if before is None else before if isinstance(before, tuple) else (before,)
         found = (*known, *values)
         setattr(namespace, self.dest, found if len(found) > 1 else found[0])
+
+
+class Settings(argparse.Action):
+    """Settings of an option that may be repeated, each with a key of its own."""
+
+    def __call__(
+        self,
+        parser: argparse.ArgumentParser,
+        namespace: argparse.Namespace,
+        values: Any,
+        option_string: str | None = None,
+    ) -> None:
+        """Add a setting to those that are there, unless its key is one of theirs."""
+        before = getattr(namespace, self.dest) or []
+        key = values[0].removeprefix("fidelity.")
+        if key in (other.removeprefix("fidelity.") for other, _ in before):
+            raise argparse.ArgumentError(self, f"{key} is given more than once; give it once")
+        setattr(namespace, self.dest, [*before, values])
 
 
 class Version(argparse.Action):

@@ -35,6 +35,7 @@ from pipeline.store import (
     Store,
     StoreError,
     Summary,
+    folder_of,
     has_parts,
     lay_out,
     locked,
@@ -158,6 +159,9 @@ def run_sweep(
         raise InputError(f"workers is {workers}; it must be at least 1")
     _refuse_in_a_worker(scheduler)
     began = time.monotonic()
+    if scheduler is not None and not folder_of(out).exists():
+        with connected(1, scheduler, patience):
+            pass  # an address where nobody answers makes no store
     with locked(out), reported(progress) as report:
         shares = scheduler is None  # machines that share files need not see each other's locks
         store = prepare(out, sweep, shares)

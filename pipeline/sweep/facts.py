@@ -159,15 +159,15 @@ def facts_of(sweep: Sweep) -> Facts:
     )
 
 
-def require_bearable_loads(sweep: Sweep) -> None:
-    """Raise `InputError` if the window cannot carry the highest load."""
-    load, greatest = max(sweep.loads), sweep.greatest_load
+def require_bearable_load(sweep: Sweep, load: float, key: str) -> None:
+    """Raise `InputError`, which names the key, if the window cannot carry a load."""
+    greatest = sweep.greatest_load
     if load > greatest:
         nx, ny = (1e6 * side for side in sweep.grid.size)
         raise InputError(
-            f"sweep.loads: {load:g} N is more than the window carries: its {nx:.4g} × {ny:.4g} µm, "
+            f"{key}: {load:g} N is more than the window carries: its {nx:.4g} × {ny:.4g} µm, "
             f"all at the hardness of the softer body, {1e-9 * sweep.hardness:g} GPa, stand for "
-            f"{greatest:.4g} N on the pin; give loads below that, or more window.pixels"
+            f"{greatest:.4g} N on the pin; stay below that, or give more window.pixels"
         )
 
 

@@ -185,6 +185,17 @@ def test_point_in_words(swept, capsys):
     assert "°C" in out
 
 
+@pytest.mark.parametrize("load", ["1e5 N", "1e9 N"])
+def test_point_names_the_load_that_the_window_does_not_carry(swept, capsys, load):
+    assert run("point", swept / "small.toml", "--load", load, "--velocity", "1 m/s") == 2
+    assert f"--load: {float(load[:-2]):g} N is more than the window" in capsys.readouterr().err
+
+
+def test_a_share_below_zero_is_refused_with_what_is_allowed(swept, capsys):
+    assert run("boundary", swept / "small.zarr", "--share", "-5%") == 2
+    assert "share is -0.05; it must be at least 0" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize("kind", ["diagram", "ramp", "fields"])
 def test_plot_writes_a_figure(swept, tmp_path, capsys, kind):
     out = tmp_path / f"{kind}.png"

@@ -1,10 +1,12 @@
 """Values of options: what could mean two things is refused."""
 
 import argparse
+import re
 
 import pytest
 
 from pipeline.cli import main, values
+from pipeline.cli.parser import parse
 
 
 @pytest.mark.parametrize(
@@ -61,3 +63,48 @@ def test_decimal_commas_end_with_exit_code_2(capsys, tmp_path):
         main(["boundary", str(tmp_path / "out.zarr"), "--friction", "0,12"])
     assert caught.value.code == 2
     assert "write one number as 0.12" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (
+            ["run", "s.toml", "-o", "out.toml"],
+            r'"out\.toml" ends like .* give one like "out\.zarr"',
+        ),
+        (["run", "s.toml", "-o", "a/B.PNG"], r'give one like "B\.zarr"'),
+        (["run", "s.toml", "--set", "increments=5", "--set", "increments=6"], "more than once"),
+        (
+            ["run", "s.toml", "--set", "increments=5", "--set", "fidelity.increments=6"],
+            "--set: increments is given more than once",
+        ),
+        (["run", "s.toml", "--workers", "-1"], "--workers: .-1.: give a whole number"),
+        (
+            ["point", "s.toml", "--load", "-5N", "--velocity", "1 m/s"],
+            "--load: .-5N. is not above 0",
+        ),
+        (["plot", "o.zarr", "--width", "0 cm"], "--width: .0 cm. is not above 0"),
+    ],
+)
+def test_what_cannot_be_meant_is_refused_by_the_name_of_its_option(arguments, told, capsys):
+    with pytest.raises(SystemExit) as caught:
+        main(arguments)
+    assert caught.value.code == 2
+    assert re.search(told, capsys.readouterr().err)
+
+
+def test_a_store_may_have_any_other_name(tmp_path):
+    (tmp_path / "old.csv").mkdir()
+    for name in ("out.zarr", "out", "run.2", "old.csv"):
+        assert values.new_store(str(tmp_path / name)) == tmp_path / name
+    assert values.new_store("s3://bucket/out.zarr") == "s3://bucket/out.zarr"
+
+
+def test_values_below_zero_reach_their_options():
+    def read(*given):
+        return parse(["boundary", "out.zarr", *given])
+
+    assert read("--bulk-temperature", "-5degC").bulk_temperature == pytest.approx(268.15)
+    assert read("--share", "-5%").share == -0.05
+    assert read("--friction", "-.1", "-q").friction == -0.1
+    assert read("--bulk-temperature", "-5 degC").bulk_temperature == pytest.approx(268.15)

@@ -3,6 +3,7 @@
 import json
 import os
 import signal
+import socket
 import subprocess
 import sys
 import time
@@ -244,3 +245,12 @@ def test_the_recipe_for_batch_systems_runs(tmp_path, alone):
     assert done.returncode == 0, done.stderr
     assert "9 of 9 points done" in done.stdout
     assert summary(tmp_path / "small.zarr").done == 9
+
+
+def test_where_no_scheduler_answers_no_store_is_made(tmp_path):
+    with socket.create_server(("127.0.0.1", 0)) as reserved:
+        nobody = f"tcp://127.0.0.1:{reserved.getsockname()[1]}"
+    for address in (nobody, "nonsense"):
+        with pytest.raises(ExecutionError, match=f"no Dask scheduler answers at {address}"):
+            run_sweep(SWEEP, tmp_path / "out.zarr", scheduler=address, patience=1.0)
+    assert list(tmp_path.iterdir()) == []
