@@ -6,7 +6,6 @@ the libraries of labelled data would take most of their time.
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -20,10 +19,10 @@ from pipeline.analysis.interpolation import interpolated
 from pipeline.store import DONE, Finished
 from pipeline.store.identity import simulated_inputs
 from pipeline.store.remote import Remote
-from pipeline.store.variables import LEADING, RECORDS, is_coordinate
+from pipeline.store.variables import LEADING, RECORDS, chosen_of, is_coordinate
 from pipeline.sweep import criterion
+from pipeline.sweep.chosen import Chosen
 from pipeline.sweep.criterion import Conditions, worst_moment
-from pipeline.sweep.model import Point
 from pipeline.sweep.unknown import first_alike
 from tribo import InputError
 from tribo.thermal import rise_exceeded
@@ -77,7 +76,7 @@ class Results(Mapping[str, Any]):
     read: Callable[[str, range | None], Any]
     size: float
     _kept: dict[str, Any] = field(default_factory=dict, repr=False)
-    _chosen: dict[Any, set[Any]] = field(default_factory=dict, repr=False)
+    _chosen: list[Chosen | None] = field(default_factory=list, repr=False)
 
     @classmethod
     def of(cls, source: Source | Results) -> Results:
@@ -183,16 +182,15 @@ class Results(Mapping[str, Any]):
 
         The other points in the store were asked for by an earlier run.
         """
-        chosen = attributes_of(self).get("chosen")
-        if chosen is None:
-            return np.ones((len(self.loads), len(self.velocities)), dtype=bool)
         if not self._chosen:
-            for point in itertools.starmap(Point, chosen):
-                self._chosen.setdefault(point[2:], set()).add(point[:2])
+            self._chosen.append(chosen_of(attributes_of(self)))
+        if (chosen := self._chosen[0]) is None:
+            return np.ones((len(self.loads), len(self.velocities)), dtype=bool)
         names = ("realization", "simulation" if "simulation" in self.place else "sample")
-        wanted = self._chosen.get(tuple(map(self.place.get, names)), set())
-        velocities = self.velocities.tolist()
-        return np.array([[(load, V) in wanted for V in velocities] for load in self.loads.tolist()])
+        surface, sample = map(self.place.get, names)
+        over = chosen.over([(surface, sample)], self.loads.tolist(), self.velocities.tolist())
+        asked: Mask = over[0]
+        return asked
 
 
 class Plane(NamedTuple):

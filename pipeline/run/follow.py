@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
@@ -12,9 +13,9 @@ from pipeline.run.boundary_search import BoundarySearch
 from pipeline.run.replay import Replay, Variant
 from pipeline.run.sweep import Outcome, Progress, run_sweep
 from pipeline.store import PathLike
+from pipeline.sweep.chosen import Chosen
 from pipeline.sweep.criterion import rise_limit
 from pipeline.sweep.model import Point, Sweep
-from pipeline.sweep.plan import points
 from tribo import InputError
 
 _FIRST = 16  # samples that are searched without knowing where others found their boundary
@@ -81,7 +82,7 @@ def follow_boundary(
         search.look()
         while batches:
             if wanted := search.wanted(batches[0]):
-                return _with_points(sweep, [*search.there(), *wanted])
+                return _with_points(sweep, itertools.chain(search.there(), wanted))
             search.leave(batches.popleft())
         return None
 
@@ -120,6 +121,5 @@ def _batches(variants: Sequence[Variant]) -> Iterator[Sequence[Variant]]:
 
 def _with_points(sweep: Sweep, chosen: Iterable[Point]) -> Sweep:
     """The same sweep at these points alone."""
-    asked = points(replace(sweep, chosen=tuple(chosen)))
-    velocities = tuple(sorted({point.velocity for point in asked}))
-    return replace(sweep, velocities=velocities, chosen=asked)
+    asked = Chosen.of(chosen)
+    return replace(sweep, velocities=asked.velocities, chosen=asked)

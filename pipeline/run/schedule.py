@@ -15,7 +15,7 @@ import time
 from collections import Counter, deque
 from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import CancelledError
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from distributed import Client, Future
 from distributed.scheduler import KilledWorker
@@ -133,7 +133,7 @@ class _Run:
         waiting: Iterable[_Chain],
     ) -> None:
         self._client, self._store, self._patience, self._report = client, store, patience, report
-        self._pickled = pickle.dumps((sweep, store))
+        self._pickled = pickle.dumps((replace(sweep, chosen=None), store))
         self._parcel = share(client, self._pickled, patience)
         self.waiting = deque(waiting)
         self.running: list[_Task] = []

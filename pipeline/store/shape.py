@@ -75,7 +75,7 @@ def commit_shape(
     files.put_all(coordinate_chunks(arrays, axes, coordinates))
     for name in PRESENT:
         attributes.pop(name, None)
-    attributes |= present_attributes(sweep)
+    attributes |= present_attributes(sweep, attributes["format"])
     note_versions(attributes)
     attributes["axes"] = {name: axes[name] for name in [*COORDINATES, *units] if name in arrays}
     if json.dumps([attributes, arrays], sort_keys=True) != committed:

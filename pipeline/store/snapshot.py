@@ -19,7 +19,7 @@ import numpy as np
 from pipeline.store.chunks import ChunkedArray, Place, keys_at, picked, values_at
 from pipeline.store.files import RemoteFiles, files_in
 from pipeline.store.folder import DAMAGED, UNREADABLE, PathLike, StoreError, folder_of
-from pipeline.store.identity import simulated_inputs
+from pipeline.store.places import Places
 from pipeline.store.root import hash_of, read_metadata
 from pipeline.store.variables import (
     BULK_COLUMNS,
@@ -31,18 +31,16 @@ from pipeline.store.variables import (
     FAILED,
     FIELDS,
     KEPT_COMPACT,
-    LEADING,
     PENDING,
     is_coordinate,
 )
 from pipeline.sweep.model import Point
-from pipeline.sweep.unknown import first_alike
-from tribo.types import Array, Indices, Mask
+from tribo.types import Array
 
 _KEPT = 3  # chunks of each variable, if they hold many points
 
 
-class Snapshot:
+class Snapshot(Places):
     """A store as of its last commit.
 
     Parameters
@@ -67,18 +65,14 @@ class Snapshot:
 
     def __init__(self, path: PathLike) -> None:
         self.path = folder_of(path)
-        self.attributes, self.metadata = read_metadata(self.path)
+        attributes, self.metadata = read_metadata(self.path)
         self._files = files_in(self.path)
         self._arrays = {name: ChunkedArray.of(name, each) for name, each in self.metadata.items()}
-        self.axes: dict[str, list[float]] = self.attributes.get("axes") or {
+        axes: dict[str, list[float]] = attributes.get("axes") or {
             name: self.values(name).tolist() for name in COORDINATES if name in self._arrays
         }
         self._kept: dict[tuple[str, Place], Any] = {}
-        self._places = {
-            name: {value: index for index, value in enumerate(self.axes[name])}
-            for name in (*LEADING, "load", "velocity")
-            if name in self.axes
-        }
+        super().__init__(attributes, axes)
 
     @functools.cached_property
     def revision(self) -> str:
@@ -112,74 +106,6 @@ class Snapshot:
     def array(self, name: str) -> ChunkedArray:
         """How a variable lies in chunks."""
         return self._arrays[name]
-
-    @property
-    def axes_of_points(self) -> dict[str, list[float]]:
-        """Values along the dimensions that tell points apart."""
-        return {name: self.axes[name] for name in self._places}
-
-    def asked(self) -> list[Point]:
-        """Points of the scene that was run last."""
-        chosen = self.attributes.get("chosen")
-        if chosen is not None:
-            return [Point(*point) for point in chosen]
-        name, _ = self._leading
-        variants = self.attributes.get("realizations") or [None]
-        if name == "sample":
-            variants = list(dict.fromkeys(self._simulations()))
-        loads, velocities = self.attributes["loads"], self.attributes["velocities"]
-        places = itertools.product(variants, velocities, loads)
-        return [Point(load, velocity, **{name: each}) for each, velocity, load in places]
-
-    def asked_places(self) -> Mask:
-        """Whether each place is a point of the scene that was run last."""
-        asked = np.zeros(self._arrays["status"].shape, bool)
-        if self.attributes.get("chosen") is not None:
-            indices = [self.index(point) for point in self.asked()]
-            asked[tuple(np.array(indices, int).reshape(-1, asked.ndim).T)] = True
-            return asked
-        name, leading = self._leading
-        variants = self.attributes.get("realizations") or leading
-        if name == "sample":
-            variants = self._simulations()
-        wanted = {
-            name: variants,
-            "load": self.attributes["loads"],
-            "velocity": self.attributes["velocities"],
-        }
-        along = [[index[value] for value in wanted[axis]] for axis, index in self._places.items()]
-        asked[np.ix_(*(np.array(each, int) for each in along))] = True
-        return asked
-
-    def points_at(self, where: Sequence[Indices]) -> list[Point]:
-        """Points at places that are given by their indices along each dimension."""
-        name, _ = self._leading
-        axes = [np.array(self.axes[axis], dtype=object) for axis in self._places]
-        *leading, loads, velocities = (
-            axis[along].tolist() for axis, along in zip(axes, where, strict=True)
-        )
-        if not leading:
-            return list(map(Point, loads, velocities))
-        others = itertools.repeat(None)
-        surfaces, samples = (leading[0], others) if name == "realization" else (others, leading[0])
-        return list(map(Point, loads, velocities, surfaces, samples))
-
-    def _simulations(self) -> tuple[int, ...]:
-        """See `Samples.simulations`."""
-        count = self.attributes["samples"]
-        paths = simulated_inputs(self.attributes)
-        return first_alike(count, [self.axes[path][:count] for path in paths])
-
-    def places(self) -> list[Point]:
-        """Every point that the store has room for."""
-        return self.points_at(np.nonzero(np.ones(self._arrays["status"].shape, bool)))
-
-    @property
-    def _leading(self) -> tuple[str, list[Any]]:
-        """Name and values of what leads the dimensions of points; nothing but None if none does."""
-        return next(
-            ((name, self.axes[name]) for name in LEADING if name in self.axes), (LEADING[0], [None])
-        )
 
     def points_in(self, place: Place) -> list[Point]:
         """Points that share a chunk."""
@@ -335,10 +261,6 @@ class Snapshot:
             except UNREADABLE as error:
                 raise StoreError(DAMAGED.format(self.path, name)) from error
         return values
-
-    def index(self, point: Point) -> Place:
-        """Place of a point along the leading dimensions."""
-        return tuple(index[getattr(point, name)] for name, index in self._places.items())
 
     def place(self, name: str, index: Place) -> Place:
         """Leading numbers of the chunks with a variable at an index."""

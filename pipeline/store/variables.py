@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 from collections.abc import Iterable, Mapping
 from datetime import UTC, datetime
@@ -9,14 +10,19 @@ from importlib import metadata
 from typing import Any, NamedTuple
 
 from pipeline.store.identity import describe, scene_hash
+from pipeline.sweep.chosen import Chosen, Variant
 from pipeline.sweep.lubrication import Lubrication
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import step_count
 from pipeline.sweep.unknown import drawn
 from tribo import BULK_RATIOS, QUANTILES, WarningKind
 
-FORMAT = 3
-"""Version of the layout; a program reads this one and older ones, whose chunks hold one point."""
+FORMAT = 4
+"""Version of the layout; a program reads this one and older ones."""
+PACKED = 4
+"""Version of stores of samples, which say in bits what a search chose; others list the points."""
+SHARED = 3
+"""Version of other stores, in which points may share chunks, as they do not in older ones."""
 HASHED = 2
 """Version from which the root has a hash, and a point's checksum holds its load and velocity."""
 
@@ -197,7 +203,7 @@ def lasting_attributes(sweep: Sweep) -> dict[str, Any]:
     description = describe(sweep)
     return {
         "Conventions": "CF-1.11",
-        "format": FORMAT,
+        "format": PACKED if sweep.axis and sweep.axis[0] == "sample" else SHARED,
         "scene": description,
         "scene_hash": scene_hash(description),
         "versions": versions(),
@@ -222,10 +228,11 @@ def note_versions(attributes: dict[str, Any]) -> None:
         attributes["later_versions"] = [*later, {"since": since, "versions": present}]
 
 
-def present_attributes(sweep: Sweep) -> dict[str, Any]:
+def present_attributes(sweep: Sweep, version: int = SHARED) -> dict[str, Any]:
     """Attributes that follow the scene file, since they do not decide the numbers.
 
-    Why the fidelity was picked is kept from an earlier run, if this one did not pick it.
+    Why the fidelity was picked is kept from an earlier run, if this one did not pick it. The store
+    has the layout of a version.
     """
     picked = {"selection": sweep.selection.as_dict()} if sweep.selection else {}
     lubrication = Lubrication.of(sweep)
@@ -244,7 +251,7 @@ def present_attributes(sweep: Sweep) -> dict[str, Any]:
             "loads": list(sweep.loads),
             "velocities": list(sweep.velocities),
             "realizations": list(sweep.realizations),
-            "chosen": None if sweep.chosen is None else [_short(point) for point in sweep.chosen],
+            "chosen": _chosen_as_data(sweep, version),
         }
     )
 
@@ -267,6 +274,31 @@ def _samples_of(sweep: Sweep) -> dict[str, Any]:
         "sample_seed": samples.seed,
         "unknown": [each.as_dict() for each in samples.unknown],
     }
+
+
+def _chosen_as_data(sweep: Sweep, version: int) -> Any:
+    """The points that a sweep chose, if it did: as a text that `Chosen` reads, or as a list."""
+    if sweep.chosen is None:
+        return None
+    if sweep.samples is None or version < PACKED:
+        return [_short(point) for point in sweep.chosen]
+    variants = _variants(len(sweep.samples))
+    return Chosen.of(sweep.chosen).packed(variants, sweep.loads, sweep.velocities)
+
+
+def chosen_of(attributes: Mapping[str, Any]) -> Chosen | None:
+    """The points that the last run of a store chose; None if it chose none."""
+    chosen = attributes.get("chosen")
+    if chosen is None:
+        return None
+    if not isinstance(chosen, str):
+        return Chosen.of(itertools.starmap(Point, chosen))
+    variants = _variants(attributes["samples"])
+    return Chosen.from_text(chosen, variants, attributes["loads"], attributes["velocities"])
+
+
+def _variants(samples: int) -> list[Variant]:
+    return [(None, number) for number in range(samples)]
 
 
 def _short(point: Point) -> list[float | None]:

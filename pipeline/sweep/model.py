@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import asdict, dataclass, replace
 from typing import Any, NamedTuple, Self
 
@@ -136,7 +137,7 @@ class Sweep(Scene):
         What was assumed on reading the scene, for the user to know.
     library : tuple of FromLibrary
         Numbers that the scene takes from the library.
-    chosen : tuple of Point or None
+    chosen : collection of Point or None
         The points to simulate, if not all of them.
 
     Raises
@@ -171,7 +172,7 @@ class Sweep(Scene):
     selection: Selection | None = None
     notes: tuple[str, ...] = ()
     library: tuple[FromLibrary, ...] = ()
-    chosen: tuple[Point, ...] | None = None
+    chosen: Collection[Point] | None = None
 
     def __post_init__(self) -> None:
         Scene.__post_init__(self)  # a slotted dataclass has no super()

@@ -16,6 +16,8 @@ from pipeline.cli import main
 from pipeline.run.follow import follow_boundary
 from pipeline.run.work import compute_points
 from pipeline.store import DONE, Store, StoreMismatchError, locked, prepare, verify_store
+from pipeline.store.root import commit_metadata, read_metadata
+from pipeline.store.variables import FORMAT, SHARED
 from pipeline.sweep.criterion import rise_limit
 from pipeline.sweep.plan import points, run_point
 from tests.pipeline.cli.test_commands import MEASURED, SCENE
@@ -363,3 +365,26 @@ def test_the_boundary_and_the_margin_of_samples_are_a_band_under_their_own_input
     assert "of 20 samples" in capsys.readouterr().out
     assert main(["plot", str(folder / "out.zarr"), "--kind", "ramp"]) == 2
     assert "samples of unknown inputs" in capsys.readouterr().err
+
+
+def test_a_store_that_lists_what_was_chosen_is_gone_on_with_as_it_is(sampled, tmp_path):
+    """Such as an earlier version made; it may go on with it, too, since it stays of that format."""
+    folder, _, grown = sampled
+    fewer = load(tmp_path, SMALL.replace("samples = 20", "samples = 6"))
+    path = tmp_path / "out.zarr"
+    follow_boundary(fewer, path, workers=1)
+    attributes, arrays = read_metadata(path)
+    listed = [list(point) for point in Store(path).asked()]
+    commit_metadata(path, attributes | {"format": SHARED, "chosen": listed}, arrays)
+    assert len(Store(path).asked()) == len(listed)
+    assert follow_boundary(fewer, path, workers=1).computed == 0
+    outcome = follow_boundary(load(tmp_path), path, workers=1)
+    assert outcome.computed == outcome.done - len(listed) > 0
+    attributes, _ = read_metadata(path)
+    assert attributes["format"] == SHARED
+    known = Store(folder / "out.zarr")
+    assert attributes["chosen"] == [list(point) for point in known.asked()]
+    assert isinstance(known.attributes["chosen"], str)
+    assert (outcome.total, known.attributes["format"]) == (grown.total, FORMAT)
+    of_both = [pipeline.boundary(pipeline.open_sweep(each)) for each in (path, folder / "out.zarr")]
+    assert of_both[0].equals(of_both[1])

@@ -534,7 +534,7 @@ def edit_root(path, edit):
         (lambda path: path.write_text(""), "is a file|is not a store"),
         (foreign_files, "is not a store: there is no zarr.json"),
         (foreign_group, "is not the store of a sweep"),
-        (newer, "has format 99, of a newer version of this program; this one reads .* up to 3"),
+        (newer, "has format 99, of a newer version of this program; this one reads .* up to 4"),
         (damaged, "is damaged"),
     ],
 )
