@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+import numpy as np
+
 from pipeline.store.folder import (
     PathLike,
     StoreError,
@@ -67,12 +69,31 @@ def prepare(path: PathLike, sweep: Sweep, shares: bool = True) -> Store:
         ]:
             reason = f"{folder} belongs to another scene; write to another store"
             raise StoreMismatchError("\n  ".join([reason, *different]))
+        if other := next(_drawn_otherwise(axes, sweep), None):
+            raise StoreMismatchError(
+                f"{folder} has samples with other values of {other}: what is drawn of it follows "
+                "from its place in [unknown] too; give its entries in the order that they had, new "
+                "ones last, or write to another store"
+            )
         renew_copy(folder)
         store.heal()
         commit_shape(folder, *read_metadata(folder), grown(axes, sweep), sweep)
         return Store(folder)
     except OSError as error:
         raise StoreError(f"{folder} cannot be written: {error}") from error
+
+
+def _drawn_otherwise(axes: Mapping[str, Any], sweep: Sweep) -> Iterator[str]:
+    """Inputs of which the samples of a store have other values than those of a sweep.
+
+    Rounding differs from machine to machine.
+    """
+    if sweep.samples:
+        columns = sweep.samples.columns
+        for path in sweep.samples.simulated:
+            known, wanted = zip(*zip(axes[path], columns[path], strict=False), strict=True)
+            if not np.allclose(known, wanted, rtol=1e-9, atol=0.0):
+                yield path
 
 
 def _other_axes(axes: Mapping[str, Any], leading: str | None) -> Iterator[str]:

@@ -153,6 +153,22 @@ def test_another_distribution_of_what_is_simulated_is_another_scene(sampled):
     load(folder)
 
 
+def test_samples_keep_the_values_that_they_were_simulated_with(sampled, tmp_path):
+    folder, _, _ = sampled
+    path = tmp_path / "out.zarr"
+    shutil.copytree(folder / "out.zarr", path)
+    first, second = UNKNOWN.strip().splitlines()[1:]
+    third = '"temperature.critical" = { mean = "145 degC", sd = "8 K" }'
+    for entries in ((second, first), (third, first, second)):
+        moved = load(tmp_path, unknown="\n".join(["\n[unknown]", *entries, ""]))
+        with pytest.raises(StoreMismatchError, match=r"other values of wear\.specific_wear_rate"):
+            follow_boundary(moved, path)
+    last = load(tmp_path, unknown="\n".join(["\n[unknown]", first, second, third, ""]))
+    with locked(path):
+        kept = prepare(path, last).axes["wear.specific_wear_rate"]
+    assert kept == Store(folder / "out.zarr").axes["wear.specific_wear_rate"]
+
+
 def test_a_store_is_shown_in_the_units_of_the_scene_whatever_its_spelling(sampled, capsys):
     folder, _, grown = sampled
 
