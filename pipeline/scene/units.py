@@ -7,12 +7,13 @@ import json
 import re
 from decimal import Decimal
 from tokenize import TokenError
-from typing import Any
-
-import pint
+from typing import TYPE_CHECKING, Any
 
 from pipeline.scene.hardness import hardness_pressure
 from tribo import InputError, TriboError
+
+if TYPE_CHECKING:
+    import pint
 
 _LONGEST = 80
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?"
@@ -21,16 +22,26 @@ _QUANTITY = re.compile(rf"\s*({_NUMBER})\s*([A-Za-z0-9µμ°Ω²³⁻¹ .·*/^()
 _DECIMAL_COMMA = re.compile(r"\s*[+-]?\d+,\d+(?!,)")
 _THOUSANDS = re.compile(r"\s*[+-]?[1-9]\d{0,2},\d{3}(?!\d)")
 _RUN_TOGETHER = re.compile(r"[A-Za-z]\d|Nm")
-# What pint raises on text that is not a unit: more than its own errors.
-_PINT_ERRORS = (
-    pint.PintError,
-    ArithmeticError,
-    AssertionError,
-    KeyError,
-    TokenError,
-    TypeError,
-    ValueError,
-)
+
+_USUAL = {
+    "m": {"nm": "1e-9", "um": "1e-6", "µm": "1e-6", "mm": "1e-3", "cm": "1e-2", "m": "1"},
+    "m/s": {"mm/s": "1e-3", "m/s": "1"},
+    "s": {"s": "1"},
+    "K": {"K": "1", "degC": "1"},
+    "N": {"N": "1", "kN": "1e3"},
+    "N/s": {"N/s": "1"},
+    "Pa": {"Pa": "1", "MPa": "1e6", "GPa": "1e9"},
+    "Pa s": {"mPa s": "1e-3", "Pa s": "1"},
+    "kg/m^3": {"kg/m^3": "1"},
+    "W/(m K)": {"W/(m K)": "1"},
+    "J/(kg K)": {"J/(kg K)": "1"},
+    "m^2/s": {"mm^2/s": "1e-6", "m^2/s": "1"},
+    "m^2/N": {"mm^3/(N m)": "1e-9", "m^2/N": "1", "1/GPa": "1e-9"},
+}
+"""Values in SI of such units as most scenes are written in, for which pint need not be loaded."""
+
+_ZERO = {"degC": Decimal("273.15")}
+"""What these stand for at 0 [K]."""
 
 _DEGREES = {"C": "degC", "F": "degF"}
 """What is meant by units that are of charge and of capacitance, where a temperature is due."""
@@ -64,19 +75,24 @@ def exact_si(text: str, like: str) -> Decimal:
     >>> f"{exact_si('62 HRC', like='6.6 GPa'):.4g}"
     '7.316e+9'
     """
+    (number, unit), needed = _parts(text), _parts(like)[1]
+    pressure = _hardness(text)
+    if pressure is not None and needed in _USUAL["Pa"]:
+        return pressure
+    for units in _USUAL.values():
+        if unit in units and needed in units:
+            return Decimal(number) * Decimal(units[unit]) + _ZERO.get(unit, 0)
     quantity = _parsed(text)
     if not quantity.check(_dimensions(like)):
         if quantity.unitless:
             raise UnitError(f"{_quoted(text)} has no unit")
-        number, unit = _parts(text)
-        needed = _parts(like)[1]
         if (meant := _DEGREES.get(unit)) and needed in ("K", "degC"):
             what = f"{unit} is the unit {quantity.units}"
             raise UnitError(f"{_quoted(text)}: {what}; write {number} {meant}")
         raise UnitError(f"{_quoted(text)} cannot be converted to {needed}")
     try:
         value: Decimal = quantity.to_base_units().magnitude
-    except _PINT_ERRORS as error:
+    except _pint_errors() as error:
         raise UnitError(f"{_quoted(text)} cannot be expressed in SI") from error
     return value
 
@@ -112,8 +128,25 @@ def si_unit(text: str) -> str:
 
 @functools.cache
 def _registry() -> pint.UnitRegistry[Any]:
-    """All known units, made when first needed, since that takes 0.15 s."""
+    """All known units, made when first needed, since that takes 0.3 s."""
+    import pint
+
     return pint.UnitRegistry(non_int_type=Decimal)
+
+
+def _pint_errors() -> tuple[type[Exception], ...]:
+    """What pint raises on text that is not a unit: more than its own errors."""
+    import pint
+
+    return (
+        pint.PintError,
+        ArithmeticError,
+        AssertionError,
+        KeyError,
+        TokenError,
+        TypeError,
+        ValueError,
+    )
 
 
 @functools.lru_cache(maxsize=64)
@@ -136,14 +169,21 @@ def _parts(text: str) -> tuple[str, str]:
     return match[1], match[2]
 
 
-def _parsed(text: str) -> pint.Quantity[Decimal]:
+def _hardness(text: str) -> Decimal | None:
+    """Pressure that text stands for if it is a hardness number [Pa]."""
     number, unit = _parts(text)
     try:
-        pressure = hardness_pressure(Decimal(number), unit)
+        return hardness_pressure(Decimal(number), unit)
     except InputError as error:
         raise UnitError(f"{_quoted(text)} {error}") from error
-    if pressure is not None:
+
+
+def _parsed(text: str) -> pint.Quantity[Decimal]:
+    if (pressure := _hardness(text)) is not None:
         return _registry().Quantity(pressure, "Pa")
+    number, unit = _parts(text)
+    import pint
+
     try:
         return _registry().Quantity(Decimal(number), _registry().parse_units(unit))
     except pint.UndefinedUnitError as error:
@@ -153,7 +193,7 @@ def _parsed(text: str) -> pint.Quantity[Decimal]:
             else ""
         )
         raise UnitError(f"{_quoted(text)} has an unknown unit: {error}{hint}") from error
-    except _PINT_ERRORS as error:
+    except _pint_errors() as error:
         raise UnitError(f"{_quoted(text)} has a unit that cannot be read") from error
 
 
