@@ -15,8 +15,6 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, TypeVar
 
-from zarr.storage import FsspecStore, LocalStore
-
 from pipeline.store.folder import PARTIAL, Place, rename, sync
 from pipeline.store.remote import Remote, as_os_error, asynchronous
 from pipeline.store.together import together
@@ -32,14 +30,11 @@ _THREADS = 8  # that wait for the disk, so that it writes the files of a point i
 _AT_ONCE = 256  # files that are written, or objects that are under way
 
 
-class Files(LocalStore):
-    """Files on a disk, by their path below a folder; also a store as Zarr has them."""
+class Files:
+    """Files on a disk, by their path below a folder."""
 
-    async def set(self, key: str, value: Any) -> None:
-        """Replace a file, and wait until it is on the disk."""
-        self._check_writable()
-        (self.root / key).parent.mkdir(parents=True, exist_ok=True)
-        self.put_all([(key, value.to_bytes())])
+    def __init__(self, root: Path) -> None:
+        self.root = root
 
     def content(self, key: str) -> bytes | None:
         """Read a file, if there is one.
@@ -154,13 +149,11 @@ class Files(LocalStore):
                     Path(folder, name).unlink()
 
 
-class RemoteFiles(FsspecStore):
-    """Objects below an address, which are safe once they are written; a store of Zarr as well."""
+class RemoteFiles:
+    """Objects below an address, by their path there, which are safe once they are written."""
 
-    async def set(self, key: str, value: Any, byte_range: Any = None) -> None:
-        """Replace an object."""
-        self._check_writable()
-        await self._put(key, value.to_bytes())
+    def __init__(self, fs: Any, path: str) -> None:
+        self.fs, self.path = fs, path
 
     def content(self, key: str) -> bytes | None:
         """Read an object, if there is one."""
@@ -226,7 +219,7 @@ class RemoteFiles(FsspecStore):
 
 def files_in(folder: Place) -> Files | RemoteFiles:
     """The files below a folder."""
-    return RemoteFiles(_objects(), path=folder.key) if isinstance(folder, Remote) else Files(folder)
+    return RemoteFiles(_objects(), folder.key) if isinstance(folder, Remote) else Files(folder)
 
 
 @functools.cache

@@ -12,8 +12,6 @@ from contextlib import contextmanager, nullcontext, suppress
 from dataclasses import dataclass
 from typing import Any
 
-import fsspec
-
 SCHEME = "s3://"
 
 _OPTIONS = {"use_listings_cache": False, "skip_instance_cache": True}
@@ -103,9 +101,15 @@ class Remote:
 
 @functools.cache
 def _objects() -> Any:
-    return fsspec.filesystem("s3", **_OPTIONS)
+    return _file_system()
 
 
 def asynchronous() -> Any:
     """The file system for one event loop alone."""
-    return fsspec.filesystem("s3", asynchronous=True, **_OPTIONS)
+    return _file_system(asynchronous=True)
+
+
+def _file_system(**options: Any) -> Any:
+    import fsspec  # which stores in folders do without
+
+    return fsspec.filesystem("s3", **_OPTIONS, **options)

@@ -9,16 +9,12 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
-from zarr.api.asynchronous import create_array
-from zarr.codecs import ZstdCodec
-from zarr.storage import MemoryStore
 
 from pipeline.store.chunks import LEVEL, ChunkedArray, chunks_of
 from pipeline.store.files import files_in
 from pipeline.store.folder import ROOT, Place, as_json
 from pipeline.store.layout import new_chunks
 from pipeline.store.root import commit_metadata
-from pipeline.store.together import together
 from pipeline.store.variables import (
     BY_POINT,
     COORDINATES,
@@ -33,7 +29,13 @@ from pipeline.store.variables import (
 )
 from pipeline.sweep.model import Sweep
 
-_FILL: dict[str, Any] = {"float64": np.nan, "str": ""}
+_FILL: dict[str, Any] = {"float64": "NaN", "str": ""}
+_COMPRESSED = {"name": "zstd", "configuration": {"level": LEVEL, "checksum": True}}
+_CODECS: dict[str, Any] = {  # from values to bytes
+    "str": {"name": "vlen-utf8", "configuration": {}},
+    "int8": {"name": "bytes"},
+}
+_LITTLE_ENDIAN = {"name": "bytes", "configuration": {"endian": "little"}}
 _NAN = base64.b64encode(struct.pack("<d", np.nan)).decode()  # as xarray spells it in attributes
 
 
@@ -99,18 +101,17 @@ def _described(
         attributes["units"] = variable.units
     if variable.dtype == "float64" and not is_coordinate(name):
         attributes["_FillValue"] = _NAN
-    written: dict[str, Any] = {}
-    creation = create_array(
-        MemoryStore(written),
-        shape=tuple(shape),
-        dtype=variable.dtype,
-        chunks=tuple(new_chunks(name, variable, shape, block)),
-        compressors=[ZstdCodec(level=LEVEL, checksum=True)],
-        fill_value=_FILL.get(variable.dtype, 0),
-        chunk_key_encoding={"name": "default", "separator": BY_POINT},
-        dimension_names=variable.dims,
-        attributes=attributes,
-    )
-    together([creation])
-    document: dict[str, Any] = json.loads(written[ROOT].to_bytes())
-    return document
+    chunks = new_chunks(name, variable, shape, block)
+    return {
+        "shape": shape,
+        "data_type": {"str": "string"}.get(variable.dtype, variable.dtype),
+        "chunk_grid": {"name": "regular", "configuration": {"chunk_shape": chunks}},
+        "chunk_key_encoding": {"name": "default", "configuration": {"separator": BY_POINT}},
+        "fill_value": _FILL.get(variable.dtype, 0),
+        "codecs": [_CODECS.get(variable.dtype, _LITTLE_ENDIAN), _COMPRESSED],
+        "attributes": attributes,
+        "dimension_names": list(variable.dims),
+        "zarr_format": 3,
+        "node_type": "array",
+        "storage_transformers": [],
+    }

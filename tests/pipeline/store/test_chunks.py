@@ -1,5 +1,7 @@
 """Chunks that are written and read without Zarr's tasks."""
 
+import json
+
 import numpy as np
 import pytest
 import zarr
@@ -8,7 +10,10 @@ from zarr.codecs import ZstdCodec
 from zarr.storage import MemoryStore
 
 from pipeline.store.chunks import LEVEL, ChunkedArray, chunks_of, values_at
+from pipeline.store.folder import as_json
+from pipeline.store.shape import _described
 from pipeline.store.together import together
+from pipeline.store.variables import BY_POINT, VARIABLES
 
 CASES = {
     "scalar": ("float64", (), (), 1.5),
@@ -95,3 +100,23 @@ def test_a_chunk_of_another_size_is_an_error():
     ((_, chunk),) = chunks_of(own(created({}, "float64", (4,), (4,))), (0, 0), np.arange(4.0))
     with pytest.raises(ValueError, match="bytes instead of 3 numbers"):
         values_at(own(array), (0, 0), lambda _: chunk)
+
+
+@pytest.mark.parametrize("name", VARIABLES)
+def test_metadata_are_those_that_zarr_writes(name):
+    files, variable = {}, VARIABLES[name]
+    shape = list(range(3, 3 + len(variable.dims)))
+    own = _described(name, variable, shape, [3, 2])
+    creation = create_array(
+        MemoryStore(files),
+        shape=shape,
+        dtype=variable.dtype,
+        chunks=tuple(own["chunk_grid"]["configuration"]["chunk_shape"]),
+        compressors=[ZstdCodec(level=LEVEL, checksum=True)],
+        fill_value={"float64": np.nan, "str": ""}.get(variable.dtype, 0),
+        chunk_key_encoding={"name": "default", "separator": BY_POINT},
+        dimension_names=variable.dims,
+        attributes=own["attributes"],
+    )
+    together([creation])
+    assert json.loads(files["zarr.json"].to_bytes()) == json.loads(as_json(own))
