@@ -143,6 +143,16 @@ def test_elements_are_no_smaller_than_is_needed_for_enough_to_touch():
     assert shapes == {50.0: (96, 48), 600.0: (48, 24)}
 
 
+def test_a_pin_that_wear_has_fitted_needs_enough_rows():
+    scene = rough_scene(pixels_per_element=4, fewest_elements=200, increments=8)
+    smooth = replace(scene, roughness=replace(scene.roughness, ra=0.03e-6))
+    shapes = {
+        rate: last(simulate(replace(smooth, wear=Wear(rate)), 300.0, 1.0)).pressure.shape
+        for rate in (2e-18, 2e-15)
+    }
+    assert shapes == {2e-18: (48, 24), 2e-15: (96, 48)}
+
+
 @pytest.mark.parametrize(
     ("changes", "coarsening"),
     [

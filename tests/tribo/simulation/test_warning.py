@@ -82,6 +82,33 @@ def test_in_a_plane_elements_count_as_many_times():
 
 
 @pytest.mark.parametrize(
+    ("wear", "depth", "rows", "counted"),
+    [
+        (Wear(1e-13), 10.1, 40, 400),  # squared elements twice as long and wide as these
+        (Wear(1e-13), 10.1, 39, 361),
+        (Wear(1e-13), 9.9, 39, 39 * 32),
+        (Wear(1e-13), 10.1, 3, 1),
+        (None, 10.1, 39, 39 * 32),
+    ],
+)
+def test_rows_count_where_wear_has_fitted_the_pin(wear, depth, rows, counted):
+    scene = small_scene(pixels_per_element=2)
+    scene = replace(scene, wear=wear, pixels=Grid((96, 64), (4e-6, 4e-6)))
+    heights = scene.separation(scene.heights()) - scene.pin.profile(scene.grid)
+    state = touching(scene, np.s_[4 : 4 + rows])
+    worn = np.zeros_like(state.pressure)
+    worn[5:] = depth * heights.std()
+    assert ordered_nodes(scene, replace(state, wear_depth=worn)) == counted
+    # A pin that rolls loses as much all around, which leaves its shape.
+    assert ordered_nodes(scene, replace(state, wear_depth=worn + worn.max())) == counted
+    even = np.full_like(worn, worn.max())
+    assert ordered_nodes(scene, replace(state, wear_depth=even)) == rows * 32
+    texts = [each.text for each in warnings(scene, replace(state, wear_depth=worn))]
+    assert len(texts) == (counted < 400)
+    assert not texts or f"only {rows} rows of elements touch a pin that wear" in texts[0]
+
+
+@pytest.mark.parametrize(
     ("scheme", "steps", "told"),
     [
         ("implicit", 0, None),
