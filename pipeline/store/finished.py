@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from pipeline.store.checked import Checked
 from pipeline.store.folder import DAMAGED, PathLike, StoreError
-from pipeline.store.snapshot import Snapshot
 from pipeline.store.variables import DONE, PENDING
 from pipeline.store.whole import read_whole
 
@@ -45,7 +45,7 @@ class Finished:
     """
 
     def __init__(self, path: PathLike) -> None:
-        self._store, self.flags = read_whole(path, _checked, Snapshot)
+        self._store, self.flags = read_whole(path, _checked, Checked)
         self.attributes, self.metadata = self._store.attributes, self._store.metadata
         self.axes = self._store.axes
         self._arrays = {name: self._store.array(name) for name in self.metadata}
@@ -80,7 +80,7 @@ class Finished:
         needed = known[np.ix_(*picks[: known.ndim])]
         store = self._store
 
-        def read(store: Snapshot) -> NDArray[Any]:
+        def read(store: Checked) -> NDArray[Any]:
             values: NDArray[Any] = store.pick(name, picks, needed)
             return values
 
@@ -90,12 +90,12 @@ class Finished:
         except StoreError:
             is_whole = False
         if not is_whole:
-            self._store, values = read_whole(store.path, read, Snapshot)
+            self._store, values = read_whole(store.path, read, Checked)
         values[~needed] = self._arrays[name].fill
         return values
 
 
-def _checked(store: Snapshot) -> NDArray[np.int8]:
+def _checked(store: Checked) -> NDArray[np.int8]:
     """Status by place, of a store whose coordinates are as they were committed."""
     for name in store.axes:
         if not store.has_coordinate(name):

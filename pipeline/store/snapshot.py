@@ -233,8 +233,10 @@ class Snapshot(Places):
         except UNREADABLE as error:
             raise StoreError(DAMAGED.format(self.path, name)) from error
 
-    def at(self, point: Point, names: Iterable[str], missing: set[str] | None = None) -> Any:
-        """Values of variables at a point; a name whose file is lost is added to `missing`.
+    def at(
+        self, point: Point, names: Iterable[str], missing: set[tuple[str, Place]] | None = None
+    ) -> Any:
+        """Values of variables at a point; chunks that may have been lost are added to `missing`.
 
         Raises
         ------
@@ -246,8 +248,8 @@ class Snapshot(Places):
 
         def lacks(name: str) -> Callable[[str, Place], None]:
             def note(_: str, place: Place) -> None:
-                if missing is not None and self._is_lost(name, place):
-                    missing.add(name)
+                if missing is not None and self._may_be_lost(name, place):
+                    missing.add((name, place))
 
             return note
 
@@ -309,15 +311,19 @@ class Snapshot(Places):
         return values[within]
 
     def _is_lost(self, name: str, place: Place) -> bool:
-        """Whether a missing chunk of a point that is done was lost.
+        """Whether a missing chunk of points of which some are done was lost."""
+        return self._may_be_lost(name, place)
 
-        Nothing was lost where fields were asked for only after the point was done, or where the
-        store was given more steps later; then none of the point's variables has these chunks.
+    def _may_be_lost(self, name: str, place: Place) -> bool:
+        """Whether a point that is done may need a missing chunk.
+
+        None does where fields were asked for only after the point was done, or where the store was
+        given more steps later; then none of the point's variables has these chunks.
         """
         fields, columns = FIELDS | BULK_FIELDS, COLUMNS | BULK_COLUMNS
         siblings = fields if name in fields else columns
         lead = len(self._places)
-        if name not in siblings or (name in columns and place[lead] == 0):
+        if name not in siblings or not (name in fields or self.is_later(name, place)):
             return True
         keys = []
         for other in siblings:
@@ -325,3 +331,7 @@ class Snapshot(Places):
                 rest = len(self._arrays[other].shape) - lead - 1
                 keys.append(self._arrays[other].key((*place[: lead + 1], *(0,) * rest)))
         return any(self._files.exist(keys))
+
+    def is_later(self, name: str, place: Place) -> bool:
+        """Whether a chunk holds steps that a store may have been given later."""
+        return name in COLUMNS | BULK_COLUMNS and place[len(self._places)] > 0

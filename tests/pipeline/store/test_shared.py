@@ -172,6 +172,51 @@ def test_points_cut_short_are_pending_and_others_are_as_they_were(
     assert_same(path, shared)
 
 
+@pytest.mark.parametrize("name", ["normal_load", "residual", "rise_quantile"])
+def test_a_point_cut_short_leaves_those_whole_that_have_no_later_steps(
+    path, monkeypatch, results, name
+):
+    """In a store that was given more steps since they were done."""
+    done, cut_short = Point(150.0, 0.5), Point(250.0, 0.5)
+    prepare(path, tiny.full(loads=tiny.LOADS[:2])).commit(results[done])
+    grown = prepare(path, SWEEP)
+    assert grown.array("time").counts(0) == (2, 1, 2)
+    replace = os.replace
+
+    def cut(source, target):
+        if target.endswith(f"/{name}/c.0.0.1" + ".0" * (name == "rise_quantile")):
+            raise KeyboardInterrupt
+        replace(source, target)
+
+    monkeypatch.setattr(os, "replace", cut)
+    with pytest.raises(KeyboardInterrupt):
+        grown.commit(results[cut_short])
+    monkeypatch.undo()
+    assert len(files_of(path, "time")) == 2
+    assert len(files_of(path, name)) == 1
+    assert verify_store(path).is_clean
+    with open_sweep(path) as ds:
+        found = ds["rise_quantile"].sel(load=150, velocity=0.5).values
+    own = results[done].columns["rise_quantile"]
+    assert found[: len(own)].tobytes() == own.tobytes()
+    Store(path).commit(*results.values())
+    assert verify_store(path).done == 9
+    assert verify_store(path).is_clean
+
+
+def test_later_steps_that_are_lost_are_named_at_every_point_that_has_them(path, results):
+    store = prepare(path, tiny.full(loads=tiny.LOADS[:2]))
+    store.commit(*(results[point] for point in POINTS if point.load < 600))
+    prepare(path, SWEEP).commit(*(results[point] for point in POINTS if point.load == 600))
+    for file in (path / "residual").glob("c.*.1"):
+        file.unlink()
+    found = verify_store(path).damaged
+    assert {damage.point for damage in found} == {point for point in POINTS if point.load == 600}
+    assert {damage.reason for damage in found} == {"residual is missing"}
+    with pytest.raises(StoreError, match="irg verify"), open_sweep(path) as ds:
+        ds["residual"].load()
+
+
 def test_a_point_that_is_done_is_not_written_again(copy, results):
     before = {file: file.read_bytes() for file in copy.rglob("c.*")}
     Store(copy).commit(results[POINT])
