@@ -47,7 +47,9 @@ def boundary(
         ``critical_velocity(load)`` [m/s] and ``critical_load(velocity)`` [N]: the first crossing
         from mild to severe wear, NaN where the sweep does not cross. ``outcome_at_load`` and
         ``outcome_at_velocity`` say why not: mild or severe (at the lowest point already)
-        throughout, or unknown for want of points. ``missing_at_load`` and
+        throughout, or unknown for want of points. ``rise_exponent_at_load`` is d ln(rise) over
+        d ln(velocity) at the crossing: an error of the rise, divided by it, is that of the critical
+        velocity. ``missing_at_load`` and
         ``missing_at_velocity`` count the points that are pending or failed. The conditions are
         attributes, and ``missing_points`` their total. Where the scene gives an oil,
         ``film_parameter_at_load`` and ``film_parameter_at_velocity`` are the film parameters at

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from pipeline.analysis.attributes import attributes_of
 from pipeline.analysis.band import CROSSES, MILD, SEVERE, UNKNOWN, with_band
 from pipeline.analysis.conditions import Bulk, conditions_of, of_sample
-from pipeline.analysis.interpolation import crossing
+from pipeline.analysis.interpolation import crossing, exponent
 from pipeline.analysis.labelled import Labelled, Variable, stacked
 from pipeline.analysis.results import Results, decisive_plane
 from pipeline.sweep.criterion import Conditions, rise_limit
@@ -90,6 +90,11 @@ def _on_surface(part: Results, conditions: Conditions) -> Labelled:
             {"units": "N", "long_name": "normal load at the transition to severe wear"},
         ),
     }
+    found["rise_exponent_at_load"] = Variable(
+        ("load",),
+        np.array([exponent(velocities, *each) for each in zip(r, critical["load"], strict=True)]),
+        {"units": "1", "long_name": "d ln(rise) / d ln(velocity) at the crossing"},
+    )
     for name, axis in (("load", 1), ("velocity", 0)):
         at = critical[name]
         outcome = _outcome(at, r, limit, axis)

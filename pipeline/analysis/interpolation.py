@@ -18,6 +18,8 @@ import numpy as np
 
 from tribo.types import Array
 
+_NEAR = 1.01  # ratio of abscissae over which an exponent is taken
+
 
 def crossing(x: Array, y: Array, limit: float) -> float:
     """Find where y first goes from below to above a limit; NaN if it does not.
@@ -82,6 +84,31 @@ def interpolated(x: Array, y: Array, at: Array, continued: bool = False) -> Arra
                 exponent = np.log(y[first] / y[second]) / np.log(x[first] / x[second])
                 result[beyond] = y[first] * (at[beyond] / x[first]) ** exponent
     return result
+
+
+def exponent(x: Array, y: Array, at: float) -> float:
+    """Exponent d ln(y)/d ln(x) of what is interpolated at an abscissa, NaN where that is none.
+
+    Parameters
+    ----------
+    x, y : ndarray, shape (n,)
+        As for `crossing`, which gives the abscissa.
+    at : float
+        Abscissa, positive and among the known points.
+
+    Examples
+    --------
+    >>> velocity = np.array([1.0, 2.0, 3.0])
+    >>> f"{exponent(velocity, 100 * velocity**0.7, at=2.5):.12f}"
+    '0.700000000000'
+    """
+    known = np.isfinite(y)
+    if not at > 0 or np.count_nonzero(known) < 2:
+        return math.nan
+    x, y = x[known], y[known]
+    ends = np.clip([at / _NEAR, at * _NEAR], x[0], x[-1])
+    low, high = _interpolant(x, y)(ends)
+    return math.log(high / low) / math.log(ends[1] / ends[0]) if low > 0 else math.nan
 
 
 def cubic(x: Array, y: Array, at: Array | float) -> Array:

@@ -21,6 +21,7 @@ _BOUNDARIES = (
     ("critical_velocity", "load", "  load [N]   critical velocity [m/s]"),
     ("critical_load", "velocity", "  velocity [m/s]   critical load [N]"),
 )
+_SLOW = 0.4  # exponent of the rise over the velocity, below which its errors are said to count more
 _KINDS = {"realization": "surfaces", "sample": "samples"}
 
 
@@ -42,6 +43,7 @@ def document_of(found: Labelled) -> dict[str, Any]:
             "missing_points": found.attrs["missing_points"],
         }
         | {name: found[name].tolist() for name in shown}
+        | {"critical_velocity_rise_exponent": found["rise_exponent_at_load"].tolist()}
         | {
             f"{name}_outcome": _worded(found[f"outcome_at_{axis}"].tolist())
             for name, axis, _ in _BOUNDARIES
@@ -136,6 +138,7 @@ def text_of(found: Labelled) -> Iterator[str]:
             yield ""
             yield heading + friction
             yield from (_band if several else _columns)(part, name, axis)
+    yield from _slow_rise(found)
     if "film_parameter_at_load" in found:
         yield ""
         yield (
@@ -146,6 +149,23 @@ def text_of(found: Labelled) -> Iterator[str]:
     if missing := found.attrs["missing_points"]:
         yield ""
         yield f"{missing} points are pending or failed and were left out"
+
+
+def _slow_rise(found: Labelled) -> Iterator[str]:
+    """Say where the rise grows so slowly that an error of it moves the boundary by much more."""
+    exponents = np.moveaxis(found["rise_exponent_at_load"], -1, 0).reshape(found.sizes["load"], -1)
+    slow = {
+        float(load): float(np.nanmedian(row))
+        for load, row in zip(found["load"], exponents, strict=True)
+        if not np.isnan(row).all() and np.nanmedian(row) < _SLOW
+    }
+    if slow:
+        yield ""
+        yield (
+            f"at {', '.join(f'{load:g}' for load in slow)} N the rise grows slowly with the "
+            "velocity: an error of 1 % of it moves the critical velocity by up to "
+            f"{1 / max(min(slow.values()), 0.01):.2g} %"
+        )
 
 
 def _bulk(found: Labelled) -> str:

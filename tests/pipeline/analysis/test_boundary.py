@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from pipeline.analysis.boundary import boundary, decisive_rise, decisive_temperature
 from pipeline.analysis.crossings import crossings
-from pipeline.analysis.interpolation import crossing, interpolated
+from pipeline.analysis.interpolation import crossing, exponent, interpolated
 from pipeline.analysis.results import Results
 from pipeline.cli.crossings import document_of, text_of
 from pipeline.store import FAILED, PENDING
@@ -363,3 +363,51 @@ def test_the_regime_of_each_crossing_is_told_in_words_and_in_the_document():
     assert document["critical_velocity_film_parameter"][0] == pytest.approx(0.87, abs=0.005)
     assert "no crossing" in document["critical_load_regime"]
     assert "Λ" not in "".join(text_of(crossings(Results.of(synthetic.sweep()))))
+
+
+def test_the_exponent_of_the_rise_is_known_at_each_crossing():
+    found = boundary(synthetic.sweep(), friction=[0.05, 0.1])
+    crosses, exponents = found["critical_velocity"].notnull(), found["rise_exponent_at_load"]
+    assert crosses.any()
+    assert not crosses.all()
+    np.testing.assert_allclose(
+        exponents.values[crosses.values], synthetic.VELOCITY_EXPONENT, rtol=1e-11
+    )
+    assert exponents.isnull().equals(~crosses)
+
+
+@pytest.mark.parametrize(
+    ("x", "y", "at", "expected"),
+    [
+        ([1.0, 2.0, 4.0], [10.0, 20.0, 40.0], 1.0, 1.0),  # at either end
+        ([1.0, 2.0, 4.0], [10.0, 20.0, 40.0], 4.0, 1.0),
+        ([1.0, 2.0, np.nan, 4.0], [10.0, 20.0, np.nan, 40.0], 2.0, 1.0),
+        ([0.0, 1.0, 2.0], [0.0, 10.0, 20.0], 0.0, np.nan),
+        ([0.0, 1.0], [-1.0, 1.0], 0.501, np.nan),  # whose logarithm is not known below
+        ([1.0, 2.0], [10.0, 20.0], np.nan, np.nan),
+        ([1.0], [10.0], 1.0, np.nan),
+    ],
+)
+def test_exponents_at_the_ends_of_what_is_known(x, y, at, expected):
+    assert exponent(np.array(x), np.array(y), at) == pytest.approx(expected, nan_ok=True)
+
+
+@pytest.mark.parametrize("exponents", [(0.2, 0.39, 0.7), (0.41, 0.39, 0.7), (0.41, 0.5, 0.7)])
+def test_a_rise_that_grows_slowly_with_the_velocity_is_told(exponents):
+    loads = [200.0, 400.0, 600.0]
+
+    def rise(load, velocity, quantile=1.0):
+        part = synthetic.profile(quantile) / synthetic.profile(0.9)
+        return synthetic.limit() * part * (velocity / 2.1) ** np.interp(load, loads, exponents)
+
+    sweep = synthetic.sweep(rise=rise, loads=loads)
+    found = crossings(Results.of(sweep))
+    assert document_of(found)["critical_velocity_rise_exponent"] == pytest.approx(exponents)
+    told = "".join(line for line in text_of(found) if "grows slowly" in line)
+    slow = {load: each for load, each in zip(loads, exponents, strict=True) if each < 0.4}
+    assert bool(told) == bool(slow)
+    if slow:
+        assert told.startswith(f"at {', '.join(f'{load:g}' for load in slow)} N the rise grows")
+        assert told.endswith(f"by up to {1 / min(slow.values()):.2g} %")
+    both = crossings(Results.of(sweep), friction=[0.1, 0.1])
+    assert "".join(line for line in text_of(both) if "grows slowly" in line) == told
