@@ -93,7 +93,7 @@ function makeConditions() {
     const { name, label, low, high, step } = control;
     const range = { type: "range", id: `${name}-range`, min: `${low}`, max: `${high}` };
     const slider = html("input", { ...range, step: `${step}`, "aria-label": label });
-    const field = html("input", { type: "number", id: name, step: "any" });
+    const field = html("input", { type: "text", inputmode: "decimal", id: name });
     field.setAttribute("aria-describedby", `${name}-fault`);
     form.append(
       html(
@@ -133,11 +133,27 @@ function surfaceChoice() {
   return [html("label", { for: "surface" }, `${all}: `), select];
 }
 
+/**
+ * The number that was typed, NaN if it is none. A field of type number would not do: some browsers
+ * drop a decimal comma unseen.
+ * @param {string} text
+ */
+function typed(text) {
+  const plain = text.trim().replace("−", "-");
+  return /^[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$/i.test(plain) ? Number(plain) : NaN;
+}
+
+/** What is wrong with text that is no number. @param {string} text */
+function commaFault(text) {
+  const pointed = text.trim().replace(",", ".");
+  const isComma = text.includes(",") && Number.isFinite(typed(pointed));
+  return isComma ? `write a decimal point, as in ${pointed}` : "";
+}
+
 /** Take over what was typed or moved. @param {Control} control @param {HTMLInputElement} source */
 function change(control, source) {
-  const value = source.value.trim() === "" ? NaN : control.read(Number(source.value));
-  const conditions = { ...chosen.conditions, [control.name]: value };
-  const fault = faultOf(conditions, control.name);
+  const conditions = { ...chosen.conditions, [control.name]: control.read(typed(source.value)) };
+  const fault = commaFault(source.value) || faultOf(conditions, control.name);
   element(`${control.name}-fault`).textContent = fault;
   input(control.name).setAttribute("aria-invalid", fault ? "true" : "false");
   if (fault) return;

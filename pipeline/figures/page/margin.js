@@ -45,7 +45,12 @@ function makeOperating() {
   const form = element("operating");
   form.addEventListener("submit", (event) => event.preventDefault());
   form.addEventListener("input", () => {
-    const read = (/** @type {string} */ id) => (input(id).value === "" ? NaN : Number(input(id).value));
+    const read = (/** @type {string} */ id) => {
+      const { value } = input(id);
+      const isFault = value.trim() !== "" && Number.isNaN(typed(value));
+      input(id).setAttribute("aria-invalid", `${isFault}`);
+      return typed(value);
+    };
     chosen.load = read("at-load");
     chosen.velocity = read("at-velocity");
     form.classList.toggle("is-used", isInside());
@@ -59,6 +64,8 @@ function showMargin() {
   const box = element("margin");
   const say = (/** @type {string} */ text) => box.replaceChildren(html("p", { class: "hint" }, text));
   if (Number.isNaN(load) || Number.isNaN(velocity)) {
+    const fault = ["at-load", "at-velocity"].map((id) => commaFault(input(id).value)).find(Boolean);
+    if (fault) return say(`${fault[0].toUpperCase()}${fault.slice(1)}.`);
     return say("Type a load and a velocity for the margin to severe wear.");
   }
   if (!isInside()) {

@@ -225,6 +225,27 @@ def test_conditions_that_cannot_be_are_told_and_not_taken(page):
     assert driver.find_element(By.ID, "velocities").text == before
 
 
+def test_a_decimal_comma_is_refused_with_the_point(page):
+    driver = page(synthetic.sweep())
+    before = driver.execute_script("return chosen.conditions")
+    field = driver.find_element(By.ID, "friction")
+    driver.execute_script("arguments[0].select()", field)
+    field.send_keys("0,12")
+    assert field.get_attribute("value") == "0,12"
+    assert driver.find_element(By.ID, "friction-fault").text.endswith("as in 0.12")
+    changed = {"friction": 0} | {name: before[name] for name in before if name != "friction"}
+    assert driver.execute_script("return chosen.conditions") == changed  # as after "0", on the way
+    driver.find_element(By.ID, "at-load").send_keys("425")
+    at = driver.find_element(By.ID, "at-velocity")
+    at.send_keys("1,1")
+    assert driver.find_element(By.ID, "margin").text == "Write a decimal point, as in 1.1."
+    assert at.get_attribute("aria-invalid") == "true"
+    at.clear()
+    at.send_keys("1.1")
+    assert "distance to critical" in driver.find_element(By.ID, "margin").text
+    assert at.get_attribute("aria-invalid") == "false"
+
+
 def test_points_are_reached_and_kept_by_keyboard(page):
     driver = page(synthetic.sweep(fields=True))
     stops = driver.find_elements(By.CSS_SELECTOR, ".point-target[tabindex='0']")
