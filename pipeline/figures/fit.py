@@ -63,6 +63,7 @@ def fitted(figure: Figure, width: float | None = None, with_title: bool = True) 
             legend.set_in_layout(False)
     for legend in list(figure.legends):
         _narrow(figure, legend)
+    _wrap_labels(figure)
     for axes in figure.axes:
         if legend := axes.get_legend():
             _stack(axes, legend)
@@ -91,6 +92,16 @@ def _wrap_titles(figure: Figure) -> None:
         letters = int(0.92 * room / (_LETTER * float(title.get_fontsize())))
         lines = title.get_text().splitlines()
         title.set_text("\n".join(textwrap.fill(each, letters) for each in lines))
+
+
+def _wrap_labels(figure: Figure) -> None:
+    """Put units on a line of their own where a label is longer than its axis is high."""
+    figure.draw_without_rendering()
+    for axes in figure.axes:
+        label = axes.yaxis.label
+        if label.get_window_extent().height > axes.bbox.height:
+            label.set_text(label.get_text().replace(" [", "\n["))
+    figure.draw_without_rendering()
 
 
 def _stack(axes: Axes, legend: Legend) -> None:
