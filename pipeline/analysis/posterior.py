@@ -16,6 +16,7 @@ import numpy as np
 
 from pipeline.analysis.ensemble import FRICTION, Ensemble
 from pipeline.analysis.risk import Draws, prior
+from pipeline.sweep.unknown import correlations
 from tribo import InputError
 from tribo.types import Array
 
@@ -101,11 +102,14 @@ class Posterior:
         return found
 
     def hidden(self) -> Iterator[tuple[str, str, float]]:
-        """Pairs of inputs that the measurements cannot tell apart, and their correlation."""
-        found = self.correlations
+        """Pairs of inputs that the measurements cannot tell apart, and their correlation.
+
+        Those that the scene correlates itself are not among them.
+        """
+        found, assumed = self.correlations, correlations(self.ensemble.unknown)
         paths = [each.path for each in self.ensemble.unknown]
         for i, j in zip(*np.triu_indices(len(paths), 1), strict=True):
-            if abs(found[i, j]) >= _HIDDEN:
+            if abs(found[i, j]) >= _HIDDEN and assumed[i, j] == 0:
                 yield paths[i], paths[j], float(found[i, j])
 
     def _scaled(self) -> Array:

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from pipeline.analysis.ensemble import Ensemble
 from pipeline.analysis.risk import Draws, prior, resampled
 from pipeline.analysis.surrogate import Surrogate
+from pipeline.sweep.correlation import OUTERMOST
 from pipeline.sweep.unknown import Unknown
 from tribo.types import Array
 
@@ -46,6 +47,8 @@ class Sensitivity:
     surrogate_error, explained : tuple of float
         By load, what the polynomial in place of the simulation errs by: of the rise, relative; and
         the share of the rise's variance that it explains of samples that it leaves out.
+    given_measured : bool
+        Whether they are those of the boundary given measured transitions.
 
     Examples
     --------
@@ -65,6 +68,7 @@ class Sensitivity:
     spread: tuple[float, ...]
     surrogate_error: tuple[float, ...]
     explained: tuple[float, ...]
+    given_measured: bool = False
 
     def as_dict(self) -> dict[str, Any]:
         """Return all fields as plain data."""
@@ -78,6 +82,7 @@ class Sensitivity:
             "spread": list(self.spread),
             "surrogate_error": list(self.surrogate_error),
             "explained": list(self.explained),
+            "given_measured": self.given_measured,
         }
 
 
@@ -105,7 +110,7 @@ def indices(
     from scipy.stats import sobol_indices, uniform  # takes 0.5 s
 
     def of_shares(shares: Array) -> Array:
-        inside = np.clip(shares, 2.0**-40, 1 - 2.0**-40)
+        inside = np.clip(shares, OUTERMOST, 1 - OUTERMOST)
         values = np.stack([each.at(row) for each, row in zip(unknown, inside, strict=True)], axis=1)
         outputs: Array = function(values).T
         return outputs
@@ -124,7 +129,8 @@ def sensitivity(ensemble: Ensemble, posterior: Draws | None = None) -> Sensitivi
         Samples of a sweep.
     posterior : Draws, optional
         What measurements leave open of the inputs, in place of what the scene assumes. The inputs
-        depend on one another then, and there are no total indices.
+        depend on one another then, and there are no total indices; nor are there any where the
+        scene correlates inputs.
 
     Raises
     ------
@@ -142,6 +148,9 @@ def sensitivity(ensemble: Ensemble, posterior: Draws | None = None) -> Sensitivi
     velocities = np.geomspace(ensemble.velocities[0], ensemble.velocities[-1], _STEPS)
     fits = [ensemble.surrogate(load, velocities) for load in ensemble.loads.tolist()]
     shape = len(ensemble.loads), len(ensemble.unknown)
+    dependent = posterior
+    if posterior is None and any(each.correlated for each in ensemble.unknown):
+        dependent = prior(ensemble)
 
     def logs(inputs: Array, each: Sequence[Surrogate]) -> Array:
         rows = [ensemble.crossings(fit, velocities, inputs) for fit in each]
@@ -149,9 +158,9 @@ def sensitivity(ensemble: Ensemble, posterior: Draws | None = None) -> Sensitivi
         return found
 
     def both(each: Sequence[Surrogate], count: int) -> tuple[Array, Array]:
-        if posterior is None:
+        if dependent is None:
             return indices(lambda at: logs(at, each), ensemble.unknown, count, ensemble.seed)
-        return _first_of(posterior, logs(posterior.inputs, each)), np.full(shape, np.nan)
+        return _first_of(dependent, logs(dependent.inputs, each)), np.full(shape, np.nan)
 
     outputs = [ensemble.outputs(load, velocities) for load in ensemble.loads.tolist()]
     others = zip(
@@ -160,7 +169,7 @@ def sensitivity(ensemble: Ensemble, posterior: Draws | None = None) -> Sensitivi
     first, total = both(fits, _POINTS)
     off = np.array([both(each, _FEW) for each in others]) - np.array(both(fits, _FEW))
     ends = np.maximum(np.array([first, total]) + np.quantile(off, (0.05, 0.95), axis=0), 0.0)
-    draws = posterior or prior(ensemble)
+    draws = dependent or prior(ensemble)
     values = logs(draws.inputs, fits)
     variance = draws.mean((values - draws.mean(values)) ** 2)
     middle = [int(np.argmin(np.abs(np.log(velocities) - at))) for at in draws.mean(values)]
@@ -174,6 +183,7 @@ def sensitivity(ensemble: Ensemble, posterior: Draws | None = None) -> Sensitivi
         spread=tuple(np.sqrt(variance).tolist()),
         surrogate_error=tuple(float(f.error[at]) for f, at in zip(fits, middle, strict=True)),
         explained=tuple(float(f.explained[at]) for f, at in zip(fits, middle, strict=True)),
+        given_measured=posterior is not None,
     )
 
 

@@ -65,8 +65,7 @@ def sensitivity(options: argparse.Namespace) -> int:
     ensemble, found = samples_of(options, ds)
     with working("finding Sobol' indices"):
         indices = pipeline.sensitivity(ensemble, found.draws if found else None)
-    document: dict[str, Any] = {"given_measured": found is not None, **_about(ensemble)}
-    document |= indices.as_dict()
+    document: dict[str, Any] = _about(ensemble) | indices.as_dict()
     text = [*notes(ensemble, found), *_indices(indices)]
     text += drawn_or_written(
         out,
@@ -221,7 +220,7 @@ def _indices(found: Sensitivity) -> Iterator[str]:
             )
             yield f"{found.unknown[i].path:{width}} {cells}"
     if len(tables) == 1:
-        yield "no total index: given the measurements the inputs depend on one another"
+        yield f"no total index: {_why_dependent(found)} the inputs depend on one another"
     spreads = " ".join(f"{f'± {100 * each:.2g} %':>18}" for each in found.spread)
     yield f"{'spread of velocity':{width}} {spreads}"
     errors = " ".join(f"{f'{100 * each:.2g} %':>18}" for each in found.surrogate_error)
@@ -234,6 +233,11 @@ def _indices(found: Sensitivity) -> Iterator[str]:
         for load, share in zip(found.loads, found.explained, strict=True)
         if share < GOOD
     )
+
+
+def _why_dependent(found: Sensitivity) -> str:
+    """Why there are no total indices, which presume that no input tells of another."""
+    return "given the measurements" if found.given_measured else "as the scene correlates them,"
 
 
 def _scattered(found: Posterior) -> str:

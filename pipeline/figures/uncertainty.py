@@ -152,7 +152,7 @@ def draw_sensitivity(found: Sensitivity, title: str) -> Figure:
     axes.grid(visible=False, axis="y")
     axes.set_xlim(left=0.0)
     what = "share of the variance\nof the critical velocity"
-    what += "" if has_total else ",\ngiven the measured transitions"
+    what += ",\ngiven the measured transitions" if found.given_measured else ""
     bars = "bar: first index, 90 % interval" + ("\ntick: total index" if has_total else "")
     axes.set_xlabel(f"{what}\n{bars}")
     figure.suptitle(textwrap.fill(as_text(title), 70))

@@ -15,7 +15,7 @@ from pipeline.scene.format import FORMAT
 from pipeline.scene.kinds import Choice, Flag, Kind, Number, Quantity, Unit, Whole
 from pipeline.scene.meanings import MEANINGS, TABLES
 from pipeline.scene.reference import kind_of
-from pipeline.scene.schema import Distributions, Either, List, Range, Scalar, Table, Tables
+from pipeline.scene.schema import ByPath, Distributions, Either, List, Range, Scalar, Table, Tables
 from tribo import InputError
 
 _QUANTITY = r"^\s*[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d{1,3})?(\s+\S|[^\d.,\s])"
@@ -105,10 +105,12 @@ def _allowed(kind: Kind, path: str) -> dict[str, Any]:
             ends = dict.fromkeys(("from", "to", "step"), kind.of)
             return _object(path, Table(ends)) | {"required": list(ends)}
         case Distributions():
-            forms = [_object(path, table) | {"required": list(table.keys)} for table in kind.of]
+            forms = [_object(path, table) | {"required": table.needed} for table in kind.of]
             deeper = {"$ref": "#/properties/unknown"}  # a path in tables in tables
             one = {"anyOf": [*forms, _allowed(kind.listed, path), deeper]}
             return {"type": "object", "additionalProperties": one}
+        case ByPath():
+            return {"type": "object", "additionalProperties": {"type": ["number", "object"]}}
         case Scalar():
             return {"type": ["number", "string"]}
         case Choice():

@@ -8,6 +8,7 @@ from typing import Any, Literal, get_args, get_origin, get_type_hints
 import tribo
 from pipeline.scene.kinds import Choice, Flag, Kind, Number, Quantity, Text, Unit, Whole
 from pipeline.scene.schema import (
+    ByPath,
     Distributions,
     Either,
     List,
@@ -62,11 +63,12 @@ USUAL_PRESET = "standard"
 FIDELITY = {name: Optional(_kind(hint)) for name, hint in get_type_hints(tribo.Fidelity).items()}
 
 SAMPLES = Whole(at_least=1, at_most=MOST_SAMPLES)
+CORRELATED = {"correlated": Optional(ByPath(Number(above=-1, below=1)), default={})}
 UNKNOWN = Distributions(
     (
-        Table({"mean": Scalar(), "sd": Scalar()}),  # normal
-        Table({"median": Scalar(), "factor": Number(above=1)}),  # log-normal
-        Table({"from": Scalar(), "to": Scalar()}),  # uniform
+        Table({"mean": Scalar(), "sd": Scalar(), **CORRELATED}),  # normal
+        Table({"median": Scalar(), "factor": Number(above=1), **CORRELATED}),  # log-normal
+        Table({"from": Scalar(), "to": Scalar(), **CORRELATED}),  # uniform
     ),
     listed=List(Scalar(), distinct=True),  # each as likely
 )

@@ -50,7 +50,9 @@ _ENTRIES = {
     "folder of this one.",
     "unknown": "Inputs that are not known exactly, by the paths of their entries: normal by mean "
     "and standard deviation, log-normal by median and the factor within which two thirds lie, "
-    "uniform between two values, or a list of values that are as likely.",
+    "uniform between two values, or a list of values that are as likely. `correlated` in a "
+    "table gives others by their paths, each with its correlation: that of the normal scores, "
+    "which are the values of a normal input and the logarithms of a log-normal one.",
     "without": "Key paths of entries of the other scene to leave out, such as "
     '["wear", "friction.band"].',
     "title": "Title of figures and summaries; by default the name of the file.",

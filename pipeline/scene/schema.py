@@ -7,7 +7,7 @@ gives its sound entries, so that these can be checked further.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -100,8 +100,12 @@ class Table(Kind):
     keys: Mapping[str, Kind | Optional]
 
     def __str__(self) -> str:
-        needed = [key for key, entry in self.keys.items() if not isinstance(entry, Optional)]
-        return f"a table with {', '.join(needed or self.keys)}"
+        return f"a table with {', '.join(self.needed or self.keys)}"
+
+    @property
+    def needed(self) -> list[str]:
+        """Keys that may not be left out."""
+        return [key for key, entry in self.keys.items() if not isinstance(entry, Optional)]
 
     def _read(self, value: Any, at: str, faults: list[Fault]) -> dict[str, Any]:
         if not isinstance(value, dict):
@@ -136,6 +140,35 @@ class Scalar(Kind):
         return value
 
 
+def _flat(tables: dict[str, Any], above: str, ends: Collection[str]) -> Iterator[tuple[str, Any]]:
+    """Paths, and what stands there: no table, an empty one, or one with any of some keys."""
+    for key, each in tables.items():
+        path = f"{above}.{key}" if above else key
+        if isinstance(each, dict) and each and not set(ends) & set(each):
+            yield from _flat(each, path, ends)
+        else:
+            yield path, each
+
+
+@dataclass(frozen=True)
+class ByPath(Kind):
+    """Values of one kind by the paths of entries, in quotes or as tables in tables."""
+
+    of: Kind
+
+    def __str__(self) -> str:
+        return f"a table with the paths of others, each with {self.of}"
+
+    def _read(self, value: Any, at: str, faults: list[Fault]) -> dict[str, Any]:
+        if not isinstance(value, dict):
+            raise UnfitError(f"{quoted(value)} is not a table")
+        read = {
+            path: self.of.read(each, f"{at}.{quoted(path)}", faults)
+            for path, each in _flat(value, "", ())
+        }
+        return {path: each for path, each in read.items() if each is not None}
+
+
 @dataclass(frozen=True)
 class Distributions(Kind):
     """Distributions of entries, by the entries' paths, in quotes or as tables in tables.
@@ -152,32 +185,22 @@ class Distributions(Kind):
     listed: Kind
 
     def __str__(self) -> str:
-        pairs = [" and ".join(table.keys) for table in self.of]
+        pairs = [" and ".join(table.needed) for table in self.of]
         return f"a table with {', or '.join(pairs)}; or {self.listed}"
 
     def _read(self, value: Any, at: str, faults: list[Fault]) -> dict[str, Any]:
         if not isinstance(value, dict):
             raise UnfitError(f"{quoted(value)} is not a table")
-        found = {path: self._one(each, path, at, faults) for path, each in self._flat(value, "")}
-        return {path: each for path, each in found.items() if each is not None}
-
-    def _flat(self, tables: dict[str, Any], above: str) -> Iterator[tuple[str, Any]]:
-        """Paths, and what stands there in place of a further table."""
         ours = {key for table in self.of for key in table.keys}
-        for key, each in tables.items():
-            path = f"{above}.{key}" if above else key
-            if isinstance(each, dict) and each and not ours & set(each):
-                yield from self._flat(each, path)
-            else:
-                yield path, each
+        found = {path: self._one(each, path, at, faults) for path, each in _flat(value, "", ours)}
+        return {path: each for path, each in found.items() if each is not None}
 
     def _one(self, value: Any, path: str, at: str, faults: list[Fault]) -> Any:
         key = f"{at}.{quoted(path)}"
         if isinstance(value, list):
             return self.listed.read(value, key, faults)
-        fits = (
-            table for table in self.of if isinstance(value, dict) and set(table.keys) == set(value)
-        )
+        keys = set(value) if isinstance(value, dict) else set()
+        fits = (table for table in self.of if set(table.needed) <= keys <= set(table.keys))
         table = next(fits, None)
         if table is None:
             given = f"a table with {', '.join(value)}" if isinstance(value, dict) else quoted(value)

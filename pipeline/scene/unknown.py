@@ -8,11 +8,12 @@ is seen at its ends, beyond which one of ten thousand samples lies.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
 
+from pipeline.scene.correlation import with_correlations
 from pipeline.scene.entries import quoted
 from pipeline.scene.faults import Fault
 from pipeline.scene.format import FORMAT
@@ -98,6 +99,8 @@ def samples_of(
         return None
     read = [_entry(path, value, faults) for path, value in table.items()]
     unknown = [entry for entry in read if entry is not None]
+    joint = with_correlations(tuple(entry.unknown for entry in unknown), table, faults)
+    unknown = [replace(entry, unknown=own) for entry, own in zip(unknown, joint, strict=True)]
     if len(unknown) > MOST:
         faults.append(Fault("unknown", f"{len(unknown)} inputs are unknown; give {MOST} at most"))
     simulated = []
@@ -161,7 +164,7 @@ def _entry(path: str, value: Any, faults: list[Fault]) -> _Entry | None:
     kind: Kind = "list"
     given: tuple[Any, ...] = value if isinstance(value, tuple) else ()
     if not given:
-        pair = next(pair for pair in _PAIRS if set(pair) == set(value))
+        pair = next(pair for pair in _PAIRS if set(pair) <= set(value))
         kind, given = _PAIRS[pair], tuple(value[name] for name in pair)
     try:
         return _distribution(path, kind, given)

@@ -16,6 +16,7 @@ from typing import Any, Literal, get_args
 
 import numpy as np
 
+from pipeline.sweep.correlation import OUTERMOST, correlated
 from tribo import InputError
 from tribo.types import Array
 
@@ -78,6 +79,9 @@ class Unknown:
         Unit of its values in SI.
     written : Unit, optional
         Unit in which the scene gives its values, if not in SI. Another makes no other input.
+    correlated : tuple of (str, float)
+        Inputs that stand before it and are correlated with it, by their paths, and the correlation
+        of their normal scores (`pipeline.sweep.correlation`).
 
     Raises
     ------
@@ -100,6 +104,7 @@ class Unknown:
     parameters: tuple[float, ...]
     unit: str = "1"
     written: Unit | None = field(default=None, compare=False)
+    correlated: tuple[tuple[str, float], ...] = ()
 
     def __post_init__(self) -> None:
         given = self.parameters
@@ -174,16 +179,24 @@ class Unknown:
         return Unit(self.unit) if self.shown.zero else self.shown
 
     def as_dict(self) -> dict[str, Any]:
-        """Return all fields as plain data, without the unit of the scene where it is of SI."""
-        data = asdict(self) | {"parameters": list(self.parameters)}
-        return data if self.written else {k: v for k, v in data.items() if k != "written"}
+        """Return all fields as plain data, without those that most inputs do not have."""
+        lists = {
+            "parameters": list(self.parameters),
+            "correlated": list(map(list, self.correlated)),
+        }
+        rare = {"written": self.written, "correlated": self.correlated}
+        return {k: v for k, v in (asdict(self) | lists).items() if rare.get(k, True)}
 
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> Unknown:
         """Make one from what `as_dict` returned."""
         written = data.get("written")
         unit = Unit(**written) if written else None
-        return cls(**{**data, "parameters": tuple(data["parameters"]), "written": unit})
+        tuples = {
+            "parameters": tuple(data["parameters"]),
+            "correlated": tuple(map(tuple, data.get("correlated", ()))),
+        }
+        return cls(**{**data, **tuples, "written": unit})
 
     def __str__(self) -> str:
         unit = self.shown.suffix
@@ -196,7 +209,8 @@ class Unknown:
             "uniform": f"uniform from {first} to {values[1]}{unit}",
             "list": f"one of {', '.join(values)}{unit}",
         }[self.kind]
-        return f"{self.path}: {told}"
+        pairs = (f", correlated by {number:g} with {path}" for path, number in self.correlated)
+        return f"{self.path}: {told}{''.join(pairs)}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -299,7 +313,18 @@ def drawn(unknown: tuple[Unknown, ...], seed: int, count: int) -> Array:
     True
     """
     shares = _sequence(seed, max(count - 1, 1).bit_length())[:count]
-    return np.stack([each.at(column) for each, column in zip(unknown, shares.T, strict=False)], 1)
+    columns = correlated(correlations(unknown), shares)
+    return np.stack([each.at(column) for each, column in zip(unknown, columns, strict=True)], 1)
+
+
+def correlations(unknown: Sequence[Unknown]) -> Array:
+    """Correlations of the normal scores of unknown inputs, shape (n_unknown, n_unknown)."""
+    number = {each.path: i for i, each in enumerate(unknown)}
+    found = np.eye(len(unknown))
+    for i, each in enumerate(unknown):
+        for path, correlation in each.correlated:
+            found[i, number[path]] = found[number[path], i] = correlation
+    return found
 
 
 @functools.lru_cache(maxsize=2)
@@ -310,5 +335,5 @@ def _sequence(seed: int, levels: int) -> Array:
     points: Array = qmc.Sobol(MOST, scramble=True, rng=np.random.default_rng(seed)).random_base2(
         levels
     )
-    shares: Array = np.clip(points, 2.0**-40, 1 - 2.0**-40)
+    shares: Array = np.clip(points, OUTERMOST, 1 - OUTERMOST)
     return shares

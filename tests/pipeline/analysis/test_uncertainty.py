@@ -11,7 +11,7 @@ from pipeline.analysis.ensemble import Ensemble
 from pipeline.analysis.risk import Draws, prior
 from pipeline.analysis.sobol import indices
 from pipeline.analysis.surrogate import fitted, redrawn, terms
-from pipeline.sweep.unknown import Unknown, drawn
+from pipeline.sweep.unknown import Unknown, correlations, drawn
 from tests.helpers import synthetic
 from tests.helpers.samples import (
     ALL,
@@ -27,6 +27,8 @@ from tests.helpers.samples import (
     rise,
 )
 from tribo import InputError
+
+JOINT = (CRITICAL, RATE, dataclasses.replace(FRICTION, correlated=((CRITICAL.path, 0.8),)), LENGTH)
 
 # The polynomial in place of the simulation
 
@@ -94,6 +96,16 @@ def test_between_loads_the_probability_is_that_of_the_closed_form():
     direct = drawn(ALL, 99, 8192)
     severe = rise(direct, 300.0, 2.4) > limit(direct)
     assert found.probability == pytest.approx(severe.mean(), abs=0.012)
+
+
+def test_the_probability_counts_with_what_is_correlated():
+    """What one input gains the other loses, so that less than half is rarer still."""
+    alone = pipeline.risk(ensemble(), 400.0, 1.6)
+    found = pipeline.risk(ensemble(JOINT), 400.0, 1.6)
+    direct = drawn(JOINT, 99, 2**14)
+    severe = rise(direct, 400.0, 1.6) > limit(direct)
+    assert found.probability == pytest.approx(severe.mean(), abs=0.006)
+    assert found.probability < alone.probability - 0.02
 
 
 def test_the_lines_of_the_plane_are_quantiles_of_the_boundary():
@@ -188,6 +200,18 @@ def test_indices_of_the_boundary_are_those_of_the_closed_form():
     assert min(found.explained) > 0.99
 
 
+def test_correlated_inputs_have_first_indices_alone_which_count_what_they_share():
+    found = pipeline.sensitivity(ensemble(JOINT))
+    assert np.isnan(found.total).all()
+    assert not found.given_measured
+    # To be linear and normal: the squared correlation of each input with the boundary.
+    direct = drawn(JOINT, 99, 2**14)
+    y = np.log(critical_velocity(direct, 400.0))
+    x = np.log(direct)
+    expected = [np.corrcoef(x[:, k], y)[0, 1] ** 2 for k in range(4)]
+    assert found.first[1] == pytest.approx(expected, abs=0.03)
+
+
 def test_intervals_of_indices_stay_narrow_where_few_samples_suffice():
     seed = Unknown("disk.roughness.seed", "list", tuple(map(float, range(6))))
     found = pipeline.sensitivity(ensemble((*ALL, seed), 16))
@@ -232,11 +256,23 @@ def transitions(truth, scatter=0.05, seed=0, friction=None):
     ]
 
 
-def test_without_data_what_is_assumed_comes_back():
-    found = pipeline.posterior(ensemble())
+@pytest.mark.parametrize("unknown", [ALL, JOINT], ids=["alone", "correlated"])
+def test_without_data_what_is_assumed_comes_back(unknown):
+    found = pipeline.posterior(ensemble(unknown))
     for row in found.summary():
         assert row["posterior"] == row["prior"]
     assert not list(found.hidden())
+    # Values of a uniform input are correlated a little less than their normal scores.
+    assert found.correlations == pytest.approx(correlations(unknown), abs=0.02)
+
+
+def test_what_is_learnt_of_an_input_tells_of_those_correlated_with_it():
+    truth = np.array([418.15, 1.2e-15, 0.1, 4.5e-6])
+    near = dataclasses.replace(FRICTION, correlated=((CRITICAL.path, 0.9),))
+    sharp = ensemble((CRITICAL, RATE, near, LENGTH), measured=transitions(truth, friction=True))
+    _, _, friction, _ = pipeline.posterior(sharp).summary()
+    # Its own value was measured at each transition, and decides nothing there.
+    assert friction["posterior"]["sd"] < 0.75 * friction["prior"]["sd"]
 
 
 def test_90_percent_intervals_hold_most_of_40_hidden_truths():

@@ -39,6 +39,7 @@ def test_shipped_scenes_and_new_ones_fit(name, tmp_path):
         '[materials.mine]\nlike = "AISI 52100"\nhardness = "62 HRC"',
         '[unknown.temperature.critical]\nmean = "145 degC"\nsd = "8 K"',
         '[unknown]\n"disk.roughness.seed" = [0, 1, 2]',
+        '[unknown]\n"pin.radius" = { from = "1 mm", to = "2 mm", correlated = { a.b = 0.5 } }',
     ],
 )
 def test_what_a_scene_may_say_fits(text):

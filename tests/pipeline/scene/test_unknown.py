@@ -166,6 +166,77 @@ def test_a_fault_says_what_is_wrong_and_with_which_input(tmp_path, line, told):
     assert told in found[0]
 
 
+PAIR = """
+[unknown]
+"wear.specific_wear_rate" = { median = "1.2e-6 mm^3/(N m)", factor = 1.5, correlated = CORRELATED }
+"friction.coefficient" = { mean = 0.1, sd = 0.005 }
+"disk.roughness.seed" = [0, 1, 2, 3]
+[unknown."temperature.critical"]
+mean = "145 degC"
+sd = "8 K"
+correlated = { friction.coefficient = -0.2 }
+"""
+WEAR = 'unknown."wear.specific_wear_rate".correlated'
+CRITICAL = 'unknown."temperature.critical".correlated'
+
+
+def test_either_of_two_inputs_may_say_that_they_are_correlated(tmp_path):
+    path = scene(tmp_path, PAIR.replace("CORRELATED", '{ "temperature.critical" = 0.6 }'))
+    sweep = pipeline.load_scene(path)
+    rate, friction, _, critical = sweep.samples.unknown
+    assert rate.correlated == friction.correlated == ()
+    assert critical.correlated == (
+        ("wear.specific_wear_rate", 0.6),
+        ("friction.coefficient", -0.2),
+    )
+    plain = pipeline.load_scene(scene(tmp_path, PAIR.replace("CORRELATED", "{}")))
+    assert plain.samples.columns[rate.path] == sweep.samples.columns[rate.path]
+    assert plain.samples.columns[critical.path] != sweep.samples.columns[critical.path]
+    assert describe(plain) == describe(sweep)  # what is applied afterwards makes no other store
+
+
+def test_a_correlation_that_moves_what_is_simulated_makes_another_scene(tmp_path):
+    _, _, rate, friction, *_ = PAIR.splitlines()
+    turned = "\n".join(["[unknown]", friction, rate, ""])
+    first, other = (
+        pipeline.load_scene(scene(tmp_path, turned.replace("CORRELATED", pair)))
+        for pair in ("{}", '{ "friction.coefficient" = 0.6 }')
+    )
+    assert describe(first) != describe(other)
+
+
+@pytest.mark.parametrize(
+    ("pairs", "key", "told"),
+    [
+        ('{ "temperature.critica" = 0.6 }', f'{WEAR}."temperature.critica"', "(did you mean"),
+        ('{ "pin.radius" = 0.6 }', f'{WEAR}."pin.radius"', "not another input of [unknown]"),
+        ('{ "wear.specific_wear_rate" = 0.6 }', WEAR, "not another input of [unknown]"),
+        ('{ "disk.roughness.seed" = 0.6 }', WEAR, "each value of a list is as likely"),
+        ('{ "temperature.critical" = 1.0 }', WEAR, "1.0 is out of range; give a number without a"),
+        ('{ "temperature.critical" = "much" }', WEAR, '"much" is not a plain number'),
+        ('["temperature.critical"]', WEAR, "is not a table; give a table with the paths of oth"),
+        (
+            '{ "friction.coefficient" = 0.9, "temperature.critical" = 0.6 }',
+            CRITICAL,
+            "-0.2 cannot be, beside what else is correlated; give 0.192 to 0.888, or other",
+        ),
+    ],
+)
+def test_a_correlation_that_cannot_be_is_told(tmp_path, pairs, key, told):
+    (found,) = faults(scene(tmp_path, PAIR.replace("CORRELATED", pairs)))
+    assert found.startswith(key)
+    assert told in found
+
+
+def test_a_correlation_given_twice_is_given_alike(tmp_path):
+    twice = PAIR.replace("CORRELATED", "{}").replace(
+        "sd = 0.005", 'sd = 0.005, correlated = { "temperature.critical" = NUMBER }'
+    )
+    assert pipeline.load_scene(scene(tmp_path, twice.replace("NUMBER", "-0.2"))).samples
+    (told,) = faults(scene(tmp_path, twice.replace("NUMBER", "0.3")))
+    assert told == f'{CRITICAL}."friction.coefficient": -0.2 is 0.3 elsewhere; give it once'
+
+
 def test_an_input_that_changes_nothing_is_told(tmp_path):
     idle = SCENE.split("[materials.steel]")[1].split("[pin]")[0]
     text = SCENE.replace("[pin]", f"[materials.idle]{idle}[pin]")

@@ -1,0 +1,85 @@
+"""Unknown inputs that are correlated keep their distributions, and their samples."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.stats import kstest, spearmanr
+
+from pipeline.sweep.correlation import allowed, first_unfit
+from pipeline.sweep.unknown import Unknown, correlations, drawn
+from tests.helpers.samples import CRITICAL, FRICTION, LENGTH, RATE
+
+
+def joined(each, **correlations):
+    """An unknown input that is correlated with others, by the last parts of their paths."""
+    paths = {other.path.rpartition(".")[2]: other.path for other in (CRITICAL, RATE, FRICTION)}
+    pairs = tuple((paths[name], number) for name, number in correlations.items())
+    return Unknown(each.path, each.kind, each.parameters, each.unit, correlated=pairs)
+
+
+PAIRS = (
+    CRITICAL,
+    joined(RATE, critical=0.6),
+    FRICTION,
+    joined(LENGTH, critical=-0.3, specific_wear_rate=-0.8, coefficient=0.4),
+)
+LIST = Unknown("disk.roughness.seed", "list", (0.0, 1.0, 2.0))
+
+
+def test_ranks_are_correlated_as_normal_scores_of_that_correlation_are():
+    found = spearmanr(drawn(PAIRS, 0, 2**15)).statistic
+    expected = 6 / math.pi * np.arcsin(correlations(PAIRS) / 2)
+    assert found == pytest.approx(expected, abs=0.005)
+
+
+def test_values_are_correlated_on_the_scales_on_which_they_are_normal():
+    values = drawn(PAIRS, 0, 2**15)
+    assert np.corrcoef(values[:, 0], np.log(values[:, 1]))[0, 1] == pytest.approx(0.6, abs=0.003)
+
+
+@pytest.mark.parametrize("number", range(4))
+def test_each_keeps_its_own_distribution(number):
+    shares = PAIRS[number].share_below(drawn(PAIRS, 3, 2**12)[:, number])
+    # By chance alone it would be 0.02 in 5 of 100 cases; these points are more even than chance.
+    assert kstest(shares, "uniform").statistic < 0.01
+
+
+def test_more_samples_begin_with_fewer_bit_for_bit():
+    assert (drawn(PAIRS, 2, 256)[:128] == drawn(PAIRS, 2, 128)).all()
+    assert (drawn(PAIRS, 2, 200)[:77] == drawn(PAIRS, 2, 77)).all()
+
+
+def test_what_is_correlated_with_nothing_before_it_is_drawn_as_if_it_were_alone():
+    alone = drawn((CRITICAL, RATE, FRICTION, LENGTH, LIST), 2, 64)
+    joint = drawn((*PAIRS, LIST), 2, 64)
+    same = (alone == joint).all(axis=0)
+    assert same.tolist() == [True, False, True, False, True]
+
+
+def test_a_correlation_comes_back_from_plain_data_and_is_shown():
+    for each in PAIRS:
+        assert Unknown.from_dict(each.as_dict()) == each
+    assert "correlated" not in CRITICAL.as_dict()
+    assert str(PAIRS[1]).endswith("factor 1.5, correlated by 0.6 with temperature.critical")
+
+
+@pytest.mark.parametrize("last", [-0.5, 0.0, 0.99])
+def test_what_is_allowed_is_what_makes_the_matrix_positive_definite(last):
+    given = np.array([[1.0, 0.8, last], [0.8, 1.0, 0.5], [last, 0.5, 1.0]])
+    low, high = allowed(given, 2, 0)
+    # By the closed form of three: the product of two, give or take that of their complements.
+    half = math.sqrt((1 - 0.8**2) * (1 - 0.5**2))
+    assert (low, high) == pytest.approx((0.4 - half, 0.4 + half), abs=1e-5)
+    for value, is_fit in ((low - 1e-5, False), (low + 1e-5, True), (high + 1e-5, False)):
+        given[2, 0] = given[0, 2] = value
+        assert (np.linalg.eigvalsh(given).min() > 0) == is_fit
+        assert (first_unfit(given) is None) == is_fit
+
+
+def test_no_value_is_allowed_where_others_contradict_each_other():
+    given = np.eye(4)
+    for i, j, value in ((1, 0, 0.9), (2, 0, 0.9), (3, 1, 0.9), (3, 2, -0.9), (2, 1, 0.8)):
+        given[i, j] = given[j, i] = value
+    assert first_unfit(given) == 3
+    assert allowed(given, 3, 0) is None
