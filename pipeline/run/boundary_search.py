@@ -59,7 +59,7 @@ class BoundarySearch:
     >>> while asked := search.wanted(known):
     ...     known |= {at: 50.0 * at.load**0.45 * at.velocity**0.55 for at in asked}
     >>> len(known), max(search.spans(known).values()) < 0.4
-    (5, True)
+    (4, True)
     """
 
     loads: Sequence[float]
@@ -103,8 +103,7 @@ class BoundarySearch:
         asked = set()
         if not guesses:
             ends = (self.loads[0], self.loads[len(self.loads) // 2], self.loads[-1])
-            middle = self._node(round(self._intervals() / 2), 0)
-            asked = {Point(load, middle) for load in ends}
+            asked = {Point(load, self._first_node(load)) for load in ends}
         for load, guess in guesses.items():
             asked |= {Point(load, v) for v in self._next(rows[load], guess, curvature, near)}
         fresh = asked - set(known) - set(hopeless)
@@ -126,6 +125,12 @@ class BoundarySearch:
         finest = self._span() / 2 ** (_FINEST - 1)
         number = round(math.log(velocity / self.lowest) / finest)
         return velocity == self._node(number, _FINEST - 1)
+
+    def _first_node(self, load: float) -> float:
+        """The velocity of the axis to begin with: in its middle at the middle load."""
+        above = _TREND * math.log(load / self.loads[len(self.loads) // 2])
+        number = round(self._intervals() / 2 + above / self._span())
+        return self._node(min(max(number, 0), self._intervals()), 0)
 
     def _row(self, known: Mapping[Point, float], load: float) -> list[tuple[float, float]]:
         """Velocities and rises that are known at a load, in the range."""
