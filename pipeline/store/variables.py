@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import itertools
 import re
 from collections.abc import Iterable, Mapping
@@ -210,7 +211,8 @@ def lasting_attributes(sweep: Sweep) -> dict[str, Any]:
     }
 
 
-def versions() -> dict[str, str]:
+@functools.cache
+def versions() -> Mapping[str, str]:
     """Versions of the packages that compute and store."""
     try:
         tribo = metadata.version("irg-transition")
