@@ -51,7 +51,7 @@ COMMANDS = (
         (o.NEW_FILE, o.FROM, o.LIST.but(help="list the shipped scenes"), o.SCHEMA),
     ),
     Command(
-        "run", "sweeps:run", "run or resume the sweep of a scene", "scene.toml --accuracy 2%",
+        "run", "running:run", "run or resume the sweep of a scene", "scene.toml --accuracy 2%",
         (
             *o.OF_SCENE,
             o.NEW_STORE,

@@ -21,7 +21,6 @@ from pipeline.cli.output import (
 )
 from pipeline.cli.progress import ProgressLine
 from pipeline.cli.scenes import given, scene_of, selected
-from pipeline.run import forkserver
 from pipeline.sweep.doubts import doubts
 from pipeline.sweep.facts import facts_of, require_bearable_load
 from pipeline.sweep.left_out import left_out
@@ -31,10 +30,8 @@ from pipeline.sweep.warned import NO_WARNING, Warned
 from pipeline.tradeoff.forecast import Estimate, machine_bytes, worker_bytes
 
 
-def run(options: argparse.Namespace) -> int:
+def computed(options: argparse.Namespace) -> int:
     """Run or resume a sweep, or the part of it that the boundary needs."""
-    if options.scheduler is None:
-        forkserver.start()
     out = options.output or Path("results") / f"{options.scene.stem}.zarr"
     sweep = scene_of(options, store=out)
     for note in sweep.notes:

@@ -15,8 +15,6 @@ from contextlib import contextmanager, suppress
 from multiprocessing import forkserver, resource_tracker
 from typing import Any
 
-import psutil
-
 from pipeline.run.leftovers import remove_dead_folders
 
 METHOD = "forkserver" if "forkserver" in multiprocessing.get_all_start_methods() else "spawn"
@@ -43,8 +41,7 @@ _IMPORT = 60.0  # [s] that a script may take until it is about to
 
 
 def start() -> None:
-    """Start the process, unless it runs."""
-    wake()
+    """Start the process, unless it runs; then let it go on if it was stopped."""
     if METHOD != "forkserver":
         return
     settings = {**WORKER_ENVIRONMENT, PRELOADING: "1"}
@@ -54,13 +51,14 @@ def start() -> None:
         os.environ.update(settings)
         with interrupts_put_off():
             forkserver.ensure_running()
-        remove_dead_folders()  # while that imports
     finally:
         for name, value in before.items():
             if value is None:
                 del os.environ[name]
             else:
                 os.environ[name] = value
+    remove_dead_folders()  # while that imports
+    wake()
 
 
 def wake() -> None:
@@ -68,6 +66,8 @@ def wake() -> None:
 
     It is not asked first whether it is stopped: it says so only some time after it was told to.
     """
+    import psutil  # which takes 0.03 s, while the process imports
+
     for child in psutil.Process().children():
         with suppress(psutil.NoSuchProcess):
             if any("multiprocessing.forkserver" in word for word in child.cmdline()):
