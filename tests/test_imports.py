@@ -114,7 +114,7 @@ def test_a_command_that_reads_needs_no_dataset_and_no_units(command, doubtful, t
         arguments += ["-o", str(tmp_path / "diagram.png")]
     code = f"import pipeline.cli as cli; assert cli.main({arguments!r}) == 0"
     found = loaded_by(code) - ({"matplotlib"} if command == "plot" else set())
-    assert found <= SIMULATION | {"scipy.special"}
+    assert found <= SIMULATION
 
 
 def test_a_run_needs_no_dataset_and_no_library_of_units_or_chunks(doubtful):

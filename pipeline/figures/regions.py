@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patheffects import withStroke
-from scipy.ndimage import distance_transform_edt
 
 from pipeline.analysis.results import Plane
 from pipeline.figures.style import BLUE, TINTS, VERMILION
@@ -58,8 +57,23 @@ def _roomiest(
             inside[np.abs(y - point[1]).argmin(), np.abs(x - point[0]).argmin()] = False
     width, height = _LABEL_SIZE
     steps = (np.ptp(y) / (len(y) - 1) / height, np.ptp(x) / (len(x) - 1) / width)
-    room = distance_transform_edt(np.pad(inside, 1), sampling=steps)[1:-1, 1:-1]
+    room = _distances(inside, steps)
     if room.max() < 0.4:
         return None
     row, column = np.unravel_index(int(room.argmax()), room.shape)
     return float(x[column]), float(y[row])
+
+
+def _distances(inside: Mask, steps: tuple[float, float]) -> Array:
+    """Distance from each place of a grid to the nearest that is not inside, or beyond its edges.
+
+    That of scipy.ndimage is faster, but takes 0.14 s to import.
+    """
+    padded = np.pad(inside, 1)
+    rows, columns = map(np.arange, padded.shape)
+    before = np.maximum.accumulate(np.where(padded, 0, columns), axis=1)
+    after = np.minimum.accumulate(np.where(padded, columns[-1], columns)[:, ::-1], axis=1)[:, ::-1]
+    along = steps[1] * np.minimum(columns - before, after - columns)
+    across = steps[0] * (rows[:, None] - rows)
+    squares = [(along**2 + each[:, None] ** 2).min(axis=0) for each in across]
+    return np.sqrt(squares)[1:-1, 1:-1]
