@@ -67,6 +67,17 @@ def test_the_physics_need_numpy_and_scipy_alone():
     assert needed - sys.stdlib_module_names == {"numpy", "scipy", "tribo"}
 
 
+@pytest.mark.parametrize("package", ["tribo", "pipeline", "pipeline.store"])
+def test_no_name_that_is_loaded_when_used_is_that_of_a_module_beside_it(package):
+    """Whichever was imported first would hide the other."""
+    folder = ROOT.joinpath(*package.split("."))
+    stub = ast.parse((folder / "__init__.pyi").read_text(encoding="utf-8"))
+    lines = [line for line in stub.body if isinstance(line, ast.ImportFrom) and line.module]
+    names = {name.name for line in lines for name in line.names}
+    assert len(names) > 10
+    assert not names & {path.stem for path in folder.iterdir()}
+
+
 @pytest.mark.parametrize(
     ("code", "allowed"),
     [

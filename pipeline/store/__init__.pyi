@@ -18,7 +18,7 @@ from .progress import Summary as Summary
 from .progress import summarized as summarized
 from .progress import summary as summary
 from .root import read_metadata as read_metadata
-from .sound import sound as sound
+from .soundness import sound as sound
 from .variables import BY_POINT as BY_POINT
 from .variables import COMPACT as COMPACT
 from .variables import DONE as DONE

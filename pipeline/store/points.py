@@ -22,7 +22,7 @@ from pipeline.store.checked import Checked
 from pipeline.store.chunks import Place, chunks_with
 from pipeline.store.folder import DAMAGED, UNREADABLE, PathLike, StoreError, part_held
 from pipeline.store.shape import coordinate_chunks
-from pipeline.store.sound import sound
+from pipeline.store.soundness import sound
 from pipeline.store.variables import (
     BULK_COLUMNS,
     COLUMNS,

@@ -35,7 +35,7 @@ from pipeline.store.root import (
     renew_copy,
     restore_root,
 )
-from pipeline.store.sound import sound
+from pipeline.store.soundness import sound
 from pipeline.store.variables import DONE, FAILED, HASHED
 from pipeline.store.whole import A_COMMIT, read_whole
 from pipeline.sweep.model import Point

@@ -97,7 +97,7 @@ def test_steps_of_a_point_and_points_of_a_store_are_counted(small, monkeypatch):
     )
     assert main(["run", *arguments, "--set", "increments=2", "--set", more, "-q"]) == 0
     counted.clear()
-    monkeypatch.setattr(sys.modules["pipeline.store.sound"], "_BYTES", 1)  # chunk by chunk
+    monkeypatch.setattr(sys.modules["pipeline.store.soundness"], "_BYTES", 1)  # chunk by chunk
     pipeline.verify_store(small / "a.zarr", progress=lambda *counts: counted.append(counts))
     assert counted == sorted(set(counted))
     assert len(counted) > 1

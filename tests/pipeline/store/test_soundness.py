@@ -1,4 +1,4 @@
-"""Reading many points at a time (pipeline/store/sound.py), and whole arrays of them."""
+"""Reading many points at a time (pipeline/store/soundness.py), and whole arrays of them."""
 
 import shutil
 from dataclasses import replace
