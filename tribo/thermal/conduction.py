@@ -211,7 +211,8 @@ def flux_history_spectrum(
     gone = _gone(grid, v)
 
     rule = _gauss(quadrature_nodes)
-    half = np.zeros((mx // 2 + 1, my // 2 + 1), dtype=complex if v else float)
+    # Modes along y first: so the products below are of long rows.
+    half = np.zeros((my // 2 + 1, mx // 2 + 1), dtype=complex if v else float)
     columns = 0 if ages[0] > 0 else my // 2 + 1
     filon_start = x.series_start(v) if v else math.inf
     for stretch in _stretches(kappa, ages, strengths):
@@ -227,11 +228,13 @@ def flux_history_spectrum(
             g[:, 0] *= scipy.special.erf(heated / (2 * s))
             _add_products(half, f, g)
             columns = max(columns, g.shape[1])
-    half = half[:, :columns] / (4 * math.sqrt(math.pi) * K)
+    half /= 4 * math.sqrt(math.pi) * K
     if velocity < 0:
-        half = half.conj()
-    mirrored = half[1 : (mx + 1) // 2][::-1].conj()
-    return np.concatenate((half, mirrored))
+        np.conj(half, out=half)
+    spectrum = np.empty((mx, columns), half.dtype)
+    spectrum[: mx // 2 + 1] = half[:columns].T
+    np.conj(spectrum[1 : (mx + 1) // 2][::-1], out=spectrum[mx // 2 + 1 :])
+    return spectrum
 
 
 class _Stretch(NamedTuple):
@@ -314,12 +317,10 @@ def _weighted_factor(
 
 
 def _add_products(half: Spectrum, f: Spectrum, g: Spectrum) -> None:
-    """Add the outer products of f and g, summed over the nodes, to the first modes."""
+    """Add the outer products of g and f, summed over the nodes, to the first modes."""
+    block = half[: g.shape[1], : f.shape[1]].view(float)
     # Not a matrix product: the bits of one by BLAS depend on the number of its threads.
-    block = half[: f.shape[1], : g.shape[1]]
-    block.real += np.einsum("sm,sn->mn", f.real, g)
-    if half.dtype.kind == "c":
-        block.imag += np.einsum("sm,sn->mn", f.imag, g)
+    block += np.einsum("sn,sm->nm", g, f.view(float))
 
 
 def _heated_length(grid: Grid, length: HeatedLength) -> float:

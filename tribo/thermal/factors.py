@@ -66,8 +66,12 @@ def _sampled_factor(axis: Axis, s: Array, shift: Array) -> Array:
         first, last = max(first, 1 - axis.n), min(last, axis.n - 1)
     elif axis.nearest_image:
         first, last = max(first, -axis.n), min(last, axis.n)
-    edges = (np.arange(first, last + 2) - 0.5) * axis.step
-    values: Array = np.diff(scipy.special.erf((edges - shift[:, None]) / s[:, None]))
+    at_rest = not shift.any()
+    edges = (np.arange(0 if at_rest else first, last + 2) - 0.5) * axis.step
+    reached = scipy.special.erf((edges - shift[:, None]) / s[:, None])
+    values: Array = reached[:, 1:] - reached[:, :-1]
+    if at_rest:  # the same on both sides
+        values = np.concatenate((values[:, :0:-1], values), axis=1)
     if axis.nearest_image:
         values[:, np.abs(np.arange(first, last + 1)) == axis.n] /= 2  # both are as near
     offset = first % axis.length
