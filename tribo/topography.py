@@ -58,13 +58,15 @@ def self_affine(
     modes = np.fft.rfft2(heights, out=np.empty((nx, ny // 2 + 1), complex))
     q_x = 2 * np.pi * np.fft.rfftfreq(nx, dx)[:, None]
     q_y = 2 * np.pi * np.fft.rfftfreq(ny, dy)
-    amplitude = (1 + (q_x * length_x) ** 2 + (q_y * length_y) ** 2) ** (-(1 + hurst_exponent) / 2)
+    amplitude = 1 + (q_x * length_x) ** 2 + (q_y * length_y) ** 2
+    amplitude **= -(1 + hurst_exponent) / 2
     amplitude[0, 0] = 0.0
     modes[: nx // 2 + 1] *= amplitude
     modes[nx // 2 + 1 :] *= amplitude[1 : (nx + 1) // 2][::-1]  # it is even in q_x
     np.fft.ifft(modes, axis=0, out=modes)
     np.fft.irfft(modes, n=ny, axis=1, out=heights)
-    heights *= ra / average_roughness(heights)
+    distance = modes.view(float).reshape(-1)[: heights.size].reshape(heights.shape)
+    heights *= ra / _mean_distance(heights, out=distance)
     return heights
 
 
@@ -122,8 +124,13 @@ def average_roughness(heights: Array) -> float:
     >>> average_roughness(np.array([[0.0, 2.0, 4.0, 2.0]]))
     1.0
     """
-    distance = heights - heights.mean()
-    return float(np.abs(distance, out=distance).mean())
+    return _mean_distance(heights, out=np.empty(heights.shape))
+
+
+def _mean_distance(heights: Array, out: Array) -> float:
+    """The mean distance from the mean plane [m]; `out` gets each."""
+    np.subtract(heights, heights.mean(), out=out)
+    return float(np.abs(out, out=out).mean())
 
 
 def rms_height(heights: Array) -> float:

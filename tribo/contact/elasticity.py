@@ -76,7 +76,9 @@ class ElasticHalfSpace(Convolution):
         self, grid: Grid, contact_modulus: float, kernel: ElasticKernel = "periodic"
     ) -> None:
         require_positive(contact_modulus=contact_modulus)
-        super().__init__(grid, _spectrum(grid, kernel) / (np.pi * contact_modulus))
+        spectrum = _spectrum(grid, kernel)
+        spectrum /= np.pi * contact_modulus
+        super().__init__(grid, spectrum)
         dx, dy = grid.spacing
         closed_form = 2 * (dx * math.asinh(dy / dx) + dy * math.asinh(dx / dy))
         self.self_influence = closed_form / (np.pi * contact_modulus)
