@@ -99,7 +99,7 @@ class Neighbourhood:
             largest = float(np.abs(values).max(initial=0.0))
             if largest == 0.0:
                 return np.zeros(values.size)
-            flat[places] = values / largest
+            flat[places] = (values / largest).astype(np.float32)  # faster than to cast on the way
             if along_y:
                 field[:, 0], field[:, -1] = field[:, -2], field[:, 1]
             if along_x:

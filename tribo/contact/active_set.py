@@ -119,7 +119,7 @@ def _conjugate_gradients(
     iterations = 0
     while iterations < most:
         steepest = precondition(residual)
-        previous, square = square, float(np.sum(residual * steepest))
+        previous, square = square, float((residual * steepest).sum())
         if not square > 0:
             break
         direction *= square / previous
@@ -129,7 +129,7 @@ def _conjugate_gradients(
         iterations += 1
         response = response_field.take(nodes)
         response -= response.mean()
-        curvature = float(np.sum(response * direction))
+        curvature = float((response * direction).sum())
         if not curvature > 0:  # only rounding is left
             break
         length = square / curvature
@@ -149,7 +149,7 @@ def _preconditioner(problem: Problem, nodes: Nodes, stencil: Stencil) -> Precond
 
 def _clipped(problem: Problem, pressure: Array, stencil: Stencil) -> Array:
     """Clip the pressure on the nodes of `stencil`; neighbours make up for what that changes."""
-    clipped = np.clip(pressure, 0.0, problem.hardness)
+    clipped = pressure.clip(0.0, problem.hardness)
     between = (clipped > 0) & (clipped < problem.hardness)
     change = between * stencil(problem.near.influence, clipped - pressure)
     clipped -= between * stencil(problem.near.inverse, change)

@@ -41,14 +41,14 @@ def corrected(problem: Problem, separation: Array, guess: Array, displacement: A
     nodes = np.flatnonzero((guess != 0) | (gap < 0))
     stencil = near.on(nodes)
     known_pressure, known_gap = guess.take(nodes), gap.take(nodes)
-    pressure = np.clip(known_pressure, 0.0, hardness)
+    pressure = known_pressure.clip(0.0, hardness)
     for _ in range(_LOCAL_STEPS):
         gap = known_gap + stencil(near.influence, pressure - known_pressure)
         loaded, elastic = pressure > 0, pressure < hardness
         free = loaded & elastic
         gap -= level_of(gap, loaded, free)
         wrong = free | (elastic & (gap < 0)) | (loaded & (gap > 0))
-        gap -= float(np.sum(gap * wrong)) / max(1, int(np.count_nonzero(wrong)))
+        gap -= float((gap * wrong).sum()) / max(1, int(np.count_nonzero(wrong)))
         change = wrong * stencil(near.inverse, wrong * gap)
         pressure = shifted_to_load(pressure - change, problem.total, hardness)
     result = np.zeros(guess.shape)

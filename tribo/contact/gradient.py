@@ -53,20 +53,20 @@ def gradient_step(
         step -= pressure
     response = problem.solid(step)
     spent = iterate._replace(convolutions=iterate.convolutions + 1, updates=iterate.updates + 1)
-    curvature, slope = float(np.sum(step * response)), float(np.sum(step * gap))
+    curvature, slope = float((step * response).sum()), float((step * gap).sum())
     if not (curvature > 0 and slope < 0):
         return spent, Gradient(first_length(problem), gradient.idle + 1)
     if metric:
         length = metric.square(step.take(nodes)) / curvature
     elif spent.convolutions % 2 < 1:
-        length = float(np.sum(step * step)) / curvature
+        length = float((step * step).sum()) / curvature
     else:
-        length = curvature / float(np.sum(response * response))
+        length = curvature / float((response * response).sum())
     fraction = min(1.0, -slope / curvature)
     step *= fraction
     step += pressure
     response *= fraction
     response += iterate.displacement
     return spent._replace(
-        pressure=np.clip(step, 0.0, problem.hardness, out=step), displacement=response
+        pressure=step.clip(0.0, problem.hardness, out=step), displacement=response
     ), Gradient(length)

@@ -109,7 +109,7 @@ class RowMetric:
     def square(self, step: Array) -> float:
         """StepᵀM step."""
         rows = self._sums(step)
-        return self._d * float(np.sum(step * step)) + self._k * float(np.sum(rows * rows))
+        return self._d * float((step * step).sum()) + self._k * float((rows * rows).sum())
 
     def raised(self, gradient: Array) -> Array:
         """M⁻¹ gradient: the direction in which the energy falls fastest."""
@@ -121,7 +121,7 @@ class RowMetric:
     def balanced(self, gradient: Array) -> Array:
         """The same at constant load: M⁻¹(gradient − μ), with the μ for which it sums to 0."""
         weight = self._count * self._softness
-        mu = float(np.sum(weight * self._sums(gradient) / self._count)) / float(np.sum(weight))
+        mu = float((weight * self._sums(gradient) / self._count).sum()) / float(weight.sum())
         return self.raised(gradient - mu)
 
     def nearest(self, field: Array, total: float, highest: float) -> Array:
@@ -152,28 +152,29 @@ class RowMetric:
         d, k = self._d, self._k
         mu, shift = 0.0, np.zeros(len(sums))
         for _ in range(_MOST_AT_ONCE):
-            clipped, moving, carried = self._clipped(q + shift[self._row], highest)
+            field = q + shift[self._row]
+            clipped = field.clip(0.0, highest)
+            carried = self._sums(clipped)
             excess = d * shift + k * (carried - sums) - mu
             too_much = float(carried.sum()) - total
-            size = d * np.abs(shift) + k * (carried + np.abs(sums)) + abs(mu)
-            rows_are_solved = bool((np.abs(excess) <= _ROUNDING * size).all())
-            if rows_are_solved and abs(too_much) <= 10 * _ROUNDING * total:
-                return clipped, shift, carried
+            if abs(too_much) <= 10 * _ROUNDING * total:
+                size = d * np.abs(shift) + k * (carried + np.abs(sums)) + abs(mu)
+                if (np.abs(excess) <= _ROUNDING * size).all():
+                    return clipped, shift, carried
+            moving = self._moving(field, highest)
             pliancy = 1 / (d + k * moving)
             weight = moving * pliancy
             stiffness = float(weight.sum())
             if not stiffness:
                 break
-            change = (float(np.sum(weight * excess)) - too_much) / stiffness
+            change = (float((weight * excess).sum()) - too_much) / stiffness
             mu += change
             shift += (change - excess) * pliancy
         return None
 
-    def _clipped(self, field: Array, highest: float) -> tuple[Array, Array, Array]:
-        """A field within the bounds; how many nodes of each row lie between them, and its sum."""
-        moving = self._sums(((field > 0) & (field < highest)).astype(np.float64))
-        clipped = np.clip(field, 0.0, highest)
-        return clipped, moving, self._sums(clipped)
+    def _moving(self, field: Array, highest: float) -> Array:
+        """How many nodes of each row lie between the bounds."""
+        return self._sums(((field > 0) & (field < highest)).astype(np.float64))
 
     def _shifted(
         self, q: Array, sums: Array, total: float, highest: float
@@ -191,7 +192,7 @@ class RowMetric:
             if abs(excess) <= digits:
                 break
             low, high = (low, mu) if excess > 0 else (mu, high)
-            slope = float(np.sum(moving / (self._d + self._k * moving)))
+            slope = float((moving / (self._d + self._k * moving)).sum())
             following = mu - excess / slope if slope else low
             if not low < following < high:
                 following = (low + high) / 2
@@ -211,7 +212,9 @@ class RowMetric:
         low = np.full(shift.shape, -float(q.max()))
         high = np.full(shift.shape, top - float(q.min()))
         for _ in range(_MOST_STEPS):
-            clipped, moving, carried = self._clipped(q + shift[self._row], highest)
+            field = q + shift[self._row]
+            clipped, moving = field.clip(0.0, highest), self._moving(field, highest)
+            carried = self._sums(clipped)
             excess = d * shift + k * (carried - sums) - mu
             size = d * np.abs(shift) + k * (carried + np.abs(sums)) + abs(mu)
             over = excess > 0

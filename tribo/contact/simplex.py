@@ -31,7 +31,7 @@ def scaled_to_load(guess: Array, total: float, hardness: float) -> Array:
         return guess.copy()
     if not SMALLEST**0.5 < largest < LARGEST**0.5:  # nor could it be summed
         return nearest(np.zeros(guess.shape), total, hardness)
-    pressure = np.clip(guess, 0.0, hardness)
+    pressure = guess.clip(0.0, hardness)
     loaded = pressure > 0
     if total >= hardness * np.count_nonzero(loaded):
         return nearest(pressure, total, hardness)
@@ -54,7 +54,7 @@ def shifted_to_load(pressure: Array, total: float, hardness: float) -> Array:
     >>> shifted_to_load(np.array([-3.0, 1.0, 2.0]), total=4.0, hardness=5.0)
     array([0. , 1.5, 2.5])
     """
-    clipped = np.clip(pressure, 0.0, hardness)
+    clipped = pressure.clip(0.0, hardness)
     carried = float(clipped.sum())
     if abs(carried - total) <= 0.1 * LOAD_ERROR * total:
         return clipped
@@ -95,8 +95,7 @@ def _shifted(pressure: Array, total: float, hardness: float) -> tuple[Array, flo
     field = np.empty(pressure.shape)
     for _ in range(200):
         np.add(pressure, shift, out=field)
-        moving = np.count_nonzero((field > 0) & (field < hardness))
-        np.clip(field, 0.0, hardness, out=field)
+        field.clip(0.0, hardness, out=field)
         excess = float(field.sum()) - total
         if abs(excess) <= 1e-14 * total or low >= high:
             break
@@ -104,6 +103,7 @@ def _shifted(pressure: Array, total: float, hardness: float) -> tuple[Array, flo
             high = shift
         else:
             low = shift
+        moving = np.count_nonzero((field > 0) & (field < hardness))
         following = shift - excess / moving if moving else (low + high) / 2
         if not low < following < high:
             following = (low + high) / 2

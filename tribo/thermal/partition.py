@@ -245,7 +245,7 @@ def _on_nodes(body: Convolution, nodes: Nodes) -> Callable[[Array], Array]:
 
 
 def _norm(vector: Array) -> float:
-    return math.sqrt(float(np.sum(vector * vector)))
+    return math.sqrt(float((vector * vector).sum()))
 
 
 def _uniform(
@@ -291,7 +291,7 @@ def _iterate(
             break
         place = iteration % _KEPT_DIRECTIONS
         directions[place], images[place] = direction / length, image / length
-        step = float(np.sum(images[place] * residual))
+        step = float((images[place] * residual).sum())
         solution += step * directions[place]
         residual -= step * images[place]
         iteration, error = iteration + 1, _norm(residual) / scale
