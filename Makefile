@@ -82,7 +82,7 @@ bench: .venv/test     ## measure speed, as ratios within one run
 bench-peers: .venv/test    ## measure the contact solver beside others, which it installs
 	grep -v '^#' tests/benchmarks/peers.txt | while read -r peer; do \
 	    $(BIN)/python -m pip install --quiet $$peer || echo "not installed: $$peer"; done
-	$(MEASURE) tests/benchmarks/test_contact.py
+	$(MEASURE) --timeout 3600 tests/benchmarks/test_contact.py
 
 clean:                ## remove what was made, results included
 	rm -rf .venv .venv-lowest results
