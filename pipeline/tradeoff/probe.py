@@ -267,7 +267,8 @@ def critical_velocity(
 ) -> float:
     """Velocity at which a growing rise reaches a limit, within a range [m/s].
 
-    By secants of the logarithms, kept inside what is known to enclose it.
+    By secants of the logarithms, kept inside what is known to enclose it; by halving that where a
+    secant leads back to one of its ends, as beside a jump.
 
     Parameters
     ----------
@@ -292,6 +293,7 @@ def critical_velocity(
         return math.sqrt(lowest * highest)
     at, exponent = (low + high) / 2, _USUAL_EXPONENT
     before: tuple[float, float] | None = None
+    tried = set()
     for _ in range(30):
         short = math.log(rise(math.exp(at)) / limit)
         if abs(short) <= tolerance:
@@ -302,8 +304,11 @@ def critical_velocity(
             low = at
         if high - low < 1e-9:
             break
-        if before is not None and at != before[0]:
+        if before is not None:
             exponent = min(max((short - before[1]) / (at - before[0]), 0.2), 3.0)
         before = at, short
+        tried.add(at)
         at = min(max(at - short / exponent, low), high)
+        if at in tried:
+            at = (low + high) / 2
     return math.exp(at)

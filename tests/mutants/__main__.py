@@ -64,6 +64,7 @@ ROOMS = {
     "accuracy": (
         [f"pipeline/tradeoff/{name}.py" for name in ("choose", "probe", "yardstick")],
         [
+            "tests/pipeline/tradeoff/test_probe.py",
             "tests/pipeline/tradeoff/test_yardstick.py",
             "pipeline/tradeoff",
             "tests/pipeline/tradeoff/test_choose.py",

@@ -1,0 +1,246 @@
+"""How a probe is led along its points, on ramps whose states are made up."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from pipeline.sweep.model import Point
+from pipeline.tradeoff import probe as module
+from pipeline.tradeoff.probe import (
+    _run,
+    critical_velocity,
+    fitted,
+    near_the_boundary,
+    probe,
+    some_loads,
+)
+from tests.helpers import tiny
+from tribo import PRESETS, QUANTILES, Fidelity, Heat, InputError, start
+
+SWEEP = tiny.sweep(velocities=(-2.0, 0.0, 0.5, 8.0))
+START = start(SWEEP)
+NODES = START.pressure.size
+
+
+def state(load, rise=None, iterations=3, heat_iterations=5, on_trunk=True, history=None):
+    """A state at a load, on which all touches, with the same temperature everywhere."""
+    hot = None
+    if rise is not None:
+        plane = np.full(START.pressure.shape, rise)
+        quantile = np.full(len(QUANTILES), rise)
+        hot = Heat(plane, quantile, rise, rise, 0.1, heat_iterations)
+    return replace(
+        START,
+        pressure=np.full(START.pressure.shape, 1e8),
+        normal_load=load,
+        index=1,
+        iterations=iterations,
+        work=iterations * NODES,
+        heat=hot,
+        on_trunk=on_trunk,
+        history=history,
+    )
+
+
+@pytest.fixture
+def ramps(monkeypatch):
+    """What is simulated; its states are those of `made`, by load, else one at the load."""
+    asked, made = [], {}
+
+    def simulate(scene, load, velocity, trunk=None):
+        asked.append((scene, load, velocity, trunk))
+        yield from made.get(load, [state(load, rise=abs(velocity) * load)])
+
+    monkeypatch.setattr(module, "simulate", simulate)
+    return asked, made
+
+
+def test_all_convolutions_count_those_of_heat_on_the_way_too(ramps):
+    _, made = ramps
+    made[300.0] = [state(100.0, rise=9.0), state(200.0, iterations=7), state(300.0, rise=1.0)]
+    run = _run(SWEEP, 300.0, 1.0)
+    assert run.convolutions == (3 + 5) + 7 + (3 + 5)
+    assert run.work == run.convolutions * NODES
+
+
+def test_the_hottest_state_under_full_load_is_read(ramps):
+    _, made = ramps
+    made[300.0] = [
+        state(100.0, rise=90.0),
+        state(300.0, rise=5.0),
+        state(300.0, rise=7.0),
+        state(300.0, rise=6.0),
+        state(300.0),
+    ]
+    assert _run(SWEEP, 300.0, 1.0).state.heat.max_rise == 7.0
+    made[300.0] = [state(100.0), state(300.0)]
+    assert _run(SWEEP, 300.0, 1.0).state is made[300.0][-1]
+    with pytest.raises(InputError, match="ended without a temperature"):
+        probe(SWEEP, SWEEP.fidelity, [Point(300.0, 1.0)])
+
+
+def test_a_run_leaves_the_last_state_on_its_trunk_without_heat_or_where_it_goes_on(ramps):
+    _, made = ramps
+    coarse = state(200.0)
+    made[300.0] = [state(100.0), state(200.0, rise=1.0), state(300.0, rise=1.0, on_trunk=False)]
+    found = _run(SWEEP, 300.0, 1.0).trunk
+    assert (found.normal_load, found.heat) == (200.0, None)
+    made[300.0][1] = replace(made[300.0][1], history=coarse)
+    assert _run(SWEEP, 300.0, 1.0).trunk is coarse
+    made[300.0] = [state(300.0, on_trunk=False)]
+    assert _run(SWEEP, 300.0, 1.0).trunk is None
+
+
+@pytest.mark.parametrize(("load", "index", "goes_on"), [(125.0, 1, True), (126.0, 1, False)])
+def test_a_trunk_is_gone_on_with_where_it_leads_to_the_load(ramps, load, index, goes_on):
+    asked, _ = ramps
+    trunk = replace(state(load), index=index)
+    _run(SWEEP, 600.0, 1.0, trunk)
+    assert asked[0][3] is (trunk if goes_on else None)
+
+
+def test_a_probe_sums_its_runs_and_reads_its_points_in_their_order(ramps):
+    asked, _ = ramps
+    points = [Point(600.0, 1.0), Point(300.0, 2.0), Point(300.0, 1.0)]
+    changed = replace(SWEEP.fidelity, temperature_interval=2, heat_tolerance=1e-3)
+    found = probe(SWEEP, changed, points)
+    assert [(load, velocity) for _, load, velocity, _ in asked] == [(300, 1), (600, 1), (300, 2)]
+    assert {each[0].fidelity for each in asked} == {replace(changed, temperature_interval=0)}
+    assert found.fidelity == changed
+    assert [reading.rise for reading in found.readings] == [600.0, 600.0, 300.0]
+    assert {reading.contact_nodes for reading in found.readings} == {NODES}
+    assert {reading.contact_fraction for reading in found.readings} == {1.0}
+    assert (found.convolutions, found.work) == (24, 24.0 * NODES)
+    assert found.peak_bytes is None
+    assert 0 <= found.seconds < 60
+
+
+@pytest.mark.parametrize(
+    ("changes", "steps"),
+    [
+        ({"increments": 50}, 3),
+        ({"increments": 2}, 2),
+        ({"increments": 50, "heat_model": "history"}, 50),
+        ({"increments": 50, "wear_scheme": "explicit"}, 50),
+    ],
+)
+def test_memory_is_that_of_the_heaviest_point_in_as_few_steps_as_have_it(ramps, changes, steps):
+    asked, _ = ramps
+    points = [Point(300.0, 2.0), Point(600.0, 1.0), Point(600.0, 1.5)]
+    found = probe(SWEEP, replace(SWEEP.fidelity, **changes), points, with_memory=True)
+    heaviest, warm_up, *rest = asked
+    assert heaviest[1:3] == (600.0, 1.5)
+    assert heaviest[0].fidelity.increments == steps
+    assert warm_up[1:3] == (150.0, 1.8)
+    assert warm_up[0].fidelity.increments == changes["increments"]
+    assert len(rest) == 3
+    assert found.peak_bytes > NODES * 8
+    assert found.convolutions == 24
+
+
+def test_the_memory_of_a_run_that_fails_is_counted_no_longer(monkeypatch):
+    def fails(*_):
+        raise InputError("no contact")
+
+    monkeypatch.setattr(module, "simulate", fails)
+    with pytest.raises(InputError, match="no contact"):
+        probe(SWEEP, SWEEP.fidelity, [Point(300.0, 1.0)], with_memory=True)
+    assert not module.tracemalloc.is_tracing()
+
+
+@pytest.mark.parametrize(
+    ("shape", "asked", "taken"),
+    [((90, 60), 4, 3), ((90, 60), 3, 3), ((90, 64), 4, 2), ((91, 64), 4, 1), ((64, 90), 4, 2)],
+)
+def test_elements_divide_the_pixels_along_both_axes(shape, asked, taken):
+    sweep = replace(SWEEP, pixels=replace(SWEEP.pixels, shape=shape))
+    found = fitted(sweep, Fidelity(pixels_per_element=asked, heat_kernel="endless"))
+    assert (found.pixels_per_element, found.heat_kernel) == (taken, "pin")
+
+
+@pytest.mark.parametrize(
+    ("number", "chosen"), [(1, (0,)), (2, (0, 4)), (3, (0, 2, 4)), (4, (0, 1, 3, 4)), (9, range(5))]
+)
+def test_loads_are_some_of_the_sweep_s_with_both_ends(number, chosen):
+    sweep = replace(SWEEP, loads=(200.0, 300.0, 400.0, 500.0, 600.0))
+    assert some_loads(sweep, number) == tuple(sweep.loads[k] for k in chosen)
+
+
+def made_up(monkeypatch, exponent, at=2.0):
+    """Ramps whose rise is a power of the velocity, at the limit where it is asked for."""
+    asked = []
+
+    def simulate(scene, load, velocity, trunk=None):
+        asked.append(scene.fidelity)
+        rise = 1200.0 * (velocity / at) ** exponent * (load / 300.0)
+        yield state(load, rise=rise)
+
+    monkeypatch.setattr(module, "simulate", simulate)
+    return asked
+
+
+@pytest.mark.parametrize(("exponent", "found"), [(0.7, 0.7), (0.31, 0.31), (0.1, 0.3)])
+def test_points_lie_at_the_boundary_with_its_exponent(monkeypatch, exponent, found):
+    asked = made_up(monkeypatch, exponent)
+    (point,), exponents = near_the_boundary(SWEEP, [300.0])
+    assert point.load == 300.0
+    assert abs(exponent * math.log(point.velocity / 2.0)) < 0.0101
+    assert exponents == (pytest.approx(found, rel=1e-9),)
+    assert set(asked) == {fitted(SWEEP, PRESETS["draft"])}
+    made_up(monkeypatch, 0.5)
+    points, _ = near_the_boundary(SWEEP, [150.0, 300.0, 450.0], PRESETS["standard"])
+    ratios = [point.velocity * (point.load / 300.0) ** 2 for point in points]
+    assert ratios == pytest.approx([2.0] * 3, rel=0.025)
+
+
+@pytest.mark.parametrize(("at", "found"), [(0.01, 0.25), (100.0, 16.0)])
+def test_beyond_half_and_twice_the_velocities_the_nearer_end_is_taken(monkeypatch, at, found):
+    made_up(monkeypatch, 0.7, at)
+    (point,), _ = near_the_boundary(SWEEP, [300.0])
+    assert point.velocity == pytest.approx(found, rel=1e-6)
+
+
+def test_without_a_velocity_there_is_no_boundary():
+    with pytest.raises(InputError, match="no velocity but 0"):
+        near_the_boundary(replace(SWEEP, velocities=(0.0,)), [300.0])
+
+
+@pytest.mark.parametrize("exponent", [0.05, 0.2, 0.5, 1.0, 3.0, 8.0])
+@pytest.mark.parametrize("root", [0.11, 0.5, 3.0, 9.5])
+def test_a_crossing_of_any_power_is_found_within_its_tolerance(exponent, root):
+    asked = []
+
+    def rise(velocity):
+        asked.append(velocity)
+        return 200.0 * (velocity / root) ** exponent
+
+    found = critical_velocity(rise, 200.0, 0.1, 10.0, tolerance=0.01)
+    assert abs(exponent * math.log(found / root)) <= 0.01
+    assert len(asked) <= 20
+    assert len(set(asked)) == len(asked)
+    assert all(0.1 * (1 - 1e-9) <= each <= 10.0 * (1 + 1e-9) for each in asked)
+
+
+def test_a_crossing_is_enclosed_where_the_rise_jumps():
+    asked = []
+
+    def rise(velocity):
+        asked.append(velocity)
+        return 100.0 if velocity < 0.7 else 300.0
+
+    assert critical_velocity(rise, 200.0, 0.1, 10.0) == pytest.approx(0.7, rel=1e-4)
+    assert len(set(asked)) == len(asked)
+
+
+@pytest.mark.parametrize("tolerance", [0.3, 0.001])
+def test_what_is_near_enough_is_taken(tolerance):
+    found = critical_velocity(lambda v: 100.0 * math.exp(math.atan(v)), 250.0, 0.1, 10.0, tolerance)
+    short = abs(math.atan(found) - math.log(2.5))
+    assert short <= tolerance
+    assert (short > 0.01) is (tolerance > 0.01)
+
+
+def test_without_a_limit_the_middle_is_taken():
+    assert critical_velocity(lambda v: math.nan, math.inf, 0.1, 10.0) == pytest.approx(1.0)
