@@ -288,7 +288,7 @@ def _by_chunk(pick: Any, size: int) -> list[_Part]:
 
 def _slice(index: Any) -> Any:
     """The slice with the same entries, if there is one."""
-    if len(index) == 1 or (np.diff(index) == 1).all():
+    if (np.diff(index) == 1).all():
         return slice(int(index[0]), int(index[-1]) + 1)
     return index
 

@@ -9,7 +9,7 @@ from zarr.api.asynchronous import create_array
 from zarr.codecs import ZstdCodec
 from zarr.storage import MemoryStore
 
-from pipeline.store.chunks import LEVEL, ChunkedArray, chunks_of, values_at
+from pipeline.store.chunks import LEVEL, ChunkedArray, chunks_of, picked, values_at
 from pipeline.store.folder import as_json
 from pipeline.store.shape import _described
 from pipeline.store.together import together
@@ -77,6 +77,24 @@ def test_values_are_those_that_zarr_reads(dtype, shape, chunks, values, index):
     (expected,) = together([array.getitem((*index, ...))])
     assert np.shape(found) == np.shape(expected)
     np.testing.assert_array_equal(found, np.asarray(expected, np.asarray(found).dtype))
+
+
+@pytest.mark.parametrize("rows", [[0], [1, 0], [0, 1]])
+@pytest.mark.parametrize("entries", [[5], [0, 2], [0, 1, 3, 6, 7], [7, 2, 1], [4, 4], range(8)])
+def test_any_entries_are_picked_in_the_order_asked_for(rows, entries):
+    files = {}
+    array = created(files, "float64", (8,), (3,))
+    values = np.arange(48.0).reshape(2, 3, 8)
+    together([array.setitem((), values)])
+    picks = (rows, [2, 0], list(entries))
+    found = picked(
+        own(array),
+        picks,
+        lambda keys: map(content_of(files), keys),
+        lambda _: True,
+        lambda key, place: pytest.fail(f"{key} is there"),
+    )
+    np.testing.assert_array_equal(found, values[np.ix_(*picks)])
 
 
 @pytest.mark.parametrize(("dtype", "fill"), [("int8", 3), ("float64", 1.5), ("uint64", 7)])
