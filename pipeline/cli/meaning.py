@@ -12,6 +12,8 @@ from pipeline.sweep.model import Sweep
 from pipeline.sweep.surface import SurfaceFacts
 from tribo import lubrication_regime
 
+_LEVEL = 1e-6  # of Rq, below which a tilt or a mean height is that of rounding
+
 
 def meaning(sweep: Sweep, facts: Facts) -> Iterator[str]:
     """Say what a scene means, a line for each subject."""
@@ -93,9 +95,12 @@ def _surface(surface: SurfaceFacts) -> str:
     heights = f"Ra {1e6 * surface.ra:.3g} µm, Rq {1e6 * surface.rq:.3g} µm, {lay}"
     if not surface.measured:
         return f"random: {heights}"
-    x, y = (1e6 * rise for rise in surface.rise)
+    places = (surface.mean_height, *surface.rise)
+    if all(abs(place) < _LEVEL * surface.rq for place in places):
+        return f"measured: {heights}; level"
+    mean, x, y = (1e6 * place for place in places)
     return (
-        f"measured: {heights}; mean plane at {1e6 * surface.mean_height:.3g} µm, rising by "
+        f"measured: {heights}; mean plane at {mean:.3g} µm, rising by "
         f"{x:.3g} µm along x and {y:.3g} µm along y over the window"
     )
 

@@ -120,13 +120,13 @@ COMMANDS = (
     Command(
         "risk", "unknowns:risk",
         "find the probability of severe wear, where inputs are not known exactly",
-        f"results/scene.zarr {_AT}",
+        f"results/uncertain.zarr {_AT}",
         (o.STORE, *o.PLACE, o.FIGURE_OR_TABLE, o.GIVEN_MEASURED, o.SCATTER),
     ),
     Command(
         "sensitivity", "unknowns:sensitivity",
         "tell which unknown input moves the boundary how much (Sobol' indices)",
-        "results/scene.zarr -o sensitivity.png",
+        "results/uncertain.zarr -o sensitivity.png",
         (o.STORE, o.FIGURE_OR_TABLE, o.GIVEN_MEASURED, o.SCATTER),
     ),
     Command(
@@ -144,7 +144,7 @@ COMMANDS = (
     ),
     Command(
         "plot", "results:plot", "draw a figure of a store",
-        f"results/scene.zarr --kind ramp {_AT}",
+        'results/scene.zarr --kind ramp --load "600 N" --velocity "1.6 m/s"',
         (
             o.STORE, o.KIND, o.output("FILE.png", "where to write it; default: beside the store"),
             *o.LOOK, o.RIVAL, o.GIVEN_MEASURED, o.SCATTER, o.CONDITIONS_AT_FRICTIONS, *o.PLACE,

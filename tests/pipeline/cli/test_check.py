@@ -3,6 +3,7 @@
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from pipeline.cli import main
@@ -91,3 +92,20 @@ def test_what_comes_from_the_library_is_printed_with_its_source(tmp_path, capsys
         ": boundary lubrication",
     ):
         assert words in said
+
+
+def test_a_measured_surface_says_how_it_lies_unless_it_is_level(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr("pipeline.cli.sweeps.machine_bytes", lambda: 1)  # nothing is timed
+    heights = np.random.default_rng(0).normal(size=(64, 48)) + 0.1 * np.arange(64)[:, None]
+    np.save(tmp_path / "disk.npy", heights)
+    (tmp_path / "scene.toml").write_text(
+        f'extends = "{SCENE}"\nwithout = ["disk.roughness"]\n'
+        '[disk.roughness]\nfile = "disk.npy"\nheight_unit = "um"\n[window]\npixels = [64, 48]\n'
+    )
+    scene = [str(tmp_path / "scene.toml"), "--set", 'sweep.loads=["20 N"]']
+    assert main(["check", *scene]) == 0
+    assert "rising by 6" in capsys.readouterr().out
+    assert main(["check", *scene, "--set", "disk.roughness.level=true"]) == 0
+    out = capsys.readouterr().out
+    assert "no lay; level\n" in out
+    assert "mean plane" not in out

@@ -76,6 +76,24 @@ def test_the_example_in_a_commands_help_can_be_typed_as_it_stands(command, capsy
     assert not options.json
 
 
+def test_the_examples_are_of_the_scenes_that_new_writes(tmp_path):
+    """Their stores are told by name, as run calls them."""
+    (own, *_), (uncertain, *_) = (
+        pipeline.new_scene(tmp_path / f"{name}.toml", like)
+        for name, like in (("scene", None), ("uncertain", "uncertain"))
+    )
+    scene, samples = pipeline.load_scene(own), pipeline.load_scene(uncertain)
+    options = {each.name: parse([each.name, *shlex.split(each.example)]) for each in COMMANDS}
+    assert options["plot"].load in scene.loads
+    assert pytest.approx(options["plot"].velocity) in scene.velocities
+    for name, of in (("margin", scene), ("point", scene), ("risk", samples)):
+        assert of.loads[0] <= options[name].load <= of.loads[-1]
+        assert of.velocities[0] <= options[name].velocity <= of.velocities[-1]
+    assert samples.samples is not None
+    for name in ("risk", "sensitivity"):
+        assert str(options[name].store) == "results/uncertain.zarr"
+
+
 @pytest.mark.parametrize(
     ("line", "offered"), [("irg plo", "plot "), ("irg plot a.zarr --kind f", "fields ")]
 )
