@@ -147,7 +147,7 @@ class WearRate:
         Specific wear rate, the geometric mean of its bounds [m²/N].
     lowest, highest : float
         Specific wear rates with which the width is half a step less or more than measured, a step
-        being that by which widths grow on the grid.
+        being that by which widths grow on the grid; and the 1 % to which rates are sought.
 
     Examples
     --------
@@ -223,18 +223,18 @@ def specific_wear_rate(
             f"contact_width is {contact_width:g} m; without wear the contact is {width(0.0):g} m "
             f"wide, and the window {grid.size[0]:g} m. It must lie in between"
         )
-    lowest = _crossing(lambda rate: width(rate) >= contact_width - half)
-    highest = _crossing(lambda rate: width(rate) >= contact_width + half)
+    lowest, _ = _crossing(lambda rate: width(rate) >= contact_width - half)
+    _, highest = _crossing(lambda rate: width(rate) >= contact_width + half)
     return WearRate(math.sqrt(lowest * highest), lowest, highest)
 
 
-def _crossing(exceeds: Callable[[float], bool]) -> float:
-    """Wear rate at which the contact gets wider than asked."""
+def _crossing(exceeds: Callable[[float], bool]) -> tuple[float, float]:
+    """Wear rates, hardly apart, between which the contact gets wider than asked."""
     low = high = 1e-15
     while exceeds(low):
         high, low = low, low / 10
         if low < _WEAR_RATES[0]:
-            return low
+            return low, high
     while not exceeds(high):
         low, high = high, high * 10
         if high > _WEAR_RATES[1]:
@@ -242,7 +242,7 @@ def _crossing(exceeds: Callable[[float], bool]) -> float:
     while high > (1 + _PRECISION) * low:
         middle = math.sqrt(low * high)
         low, high = (low, middle) if exceeds(middle) else (middle, high)
-    return math.sqrt(low * high)
+    return low, high
 
 
 def critical_temperature_rig(normal_load: float = 10.0, duration: float = 60.0) -> Scene:
