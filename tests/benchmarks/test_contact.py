@@ -96,26 +96,31 @@ def shares_of_transforms(solver, duration, tolerance):
 
 @pytest.fixture(scope="module")
 def found():
-    """What was measured, by case; printed as a table when all is done."""
+    """What was measured, by case; printed as the tables of MEASURED.md when all is done."""
     found = {}
     yield found
-    names = [kind.name for kind in SOLVERS[1:]]
-    print("\n\nTimes of others in ours: solved again / the first time, with all that it sets up.")
-    print("| case | convolutions | ms | first ms | × bare transforms | fields of memory |", end="")
-    print("".join(f" {name} |" for name in names))
-    print("|---" * (6 + len(names)) + "|")
+    print_peers(found)
+    print("\n| contact | × bare transforms | fields of memory |\n|---|---|---|")
+    for case, row in found.items():
+        print(f"| {case} | {row['transforms']:.2f} | {row['fields']:.0f} |")
+
+
+def print_peers(found):
+    others = [kind.name for kind in SOLVERS[1:]]
+    print("\n\nTimes of others in ours: again / the first time, with all that it sets up.\n")
+    print(f"| contact | convolutions | ms | first ms | {' | '.join(others)} |")
+    print("|---" * (4 + len(others)) + "|")
+    ratios = []
     for case, row in found.items():
         ours, cold = row[Ours.name], row[Ours.name, "cold"]
-        cells = [
-            case,
-            f"{row['convolutions']}",
-            f"{1e3 * ours:.0f}",
-            f"{1e3 * cold:.0f}",
-            f"{row['transforms']:.2f}",
-            f"{row['fields']:.0f}",
-            *(
-                f"{row[name] / ours:.1f} / {row[name, 'cold'] / cold:.1f} ×" if name in row else "–"
-                for name in names
-            ),
-        ]
-        print("| " + " | ".join(cells) + " |")
+        cells = [case, f"{row['convolutions']}", f"{1e3 * ours:.0f}", f"{1e3 * cold:.0f}"]
+        for name in others:
+            if name in row:
+                pair = row[name] / ours, row[name, "cold"] / cold
+                ratios += pair
+                cells.append("{:.2g} / {:.2g} ×".format(*pair))
+            else:
+                cells.append("–")
+        print(f"| {' | '.join(cells)} |")
+    if ratios:
+        print(f"\n{min(ratios):.2g} to {max(ratios):.2g} times as fast")
