@@ -9,7 +9,15 @@ from zarr.api.asynchronous import create_array
 from zarr.codecs import ZstdCodec
 from zarr.storage import MemoryStore
 
-from pipeline.store.chunks import LEVEL, ChunkedArray, chunks_of, picked, values_at
+from pipeline.store.chunks import (
+    LEVEL,
+    ChunkedArray,
+    _content_size,
+    chunks_of,
+    chunks_with,
+    picked,
+    values_at,
+)
 from pipeline.store.folder import as_json
 from pipeline.store.shape import _described
 from pipeline.store.together import together
@@ -29,13 +37,13 @@ CASES = {
 }
 
 
-def created(files, dtype, shape, chunks, separator=".", fill=None):
-    """An array with a chunk of its own for each of 2 × 3 points."""
+def created(files, dtype, shape, chunks, separator=".", fill=None, block=(1, 1)):
+    """An array with a chunk for each block of 2 × 3 points, of one each if not given."""
     creation = create_array(
         MemoryStore(files),
         name="variable",
         shape=(2, 3, *shape),
-        chunks=(1, 1, *chunks),
+        chunks=(*block, *chunks),
         dtype=dtype,
         compressors=[ZstdCodec(level=LEVEL, checksum=True)],
         fill_value={"float64": np.nan, "str": ""}.get(dtype, 0) if fill is None else fill,
@@ -118,6 +126,70 @@ def test_a_chunk_of_another_size_is_an_error():
     ((_, chunk),) = chunks_of(own(created({}, "float64", (4,), (4,))), (0, 0), np.arange(4.0))
     with pytest.raises(ValueError, match="bytes instead of 3 numbers"):
         values_at(own(array), (0, 0), lambda _: chunk)
+
+
+@pytest.mark.parametrize("others", ["kept", "not there"])
+def test_entries_are_put_into_the_chunks_that_they_share(others):
+    files, new = {}, {(1, 1): -np.arange(8.0), (1, 0): np.full(8, 5.0)}
+    array = created(files, "float64", (8,), (3,), block=(2, 2))
+    values = np.arange(48.0).reshape(2, 3, 8)
+    together([array.setitem((), values)])
+    mine, content = own(array), content_of(files)
+
+    def there(key, place):
+        assert key == mine.key(place)
+        return mine.decoded(content(key)) if others == "kept" else None
+
+    written = dict(chunks_with(mine, (0, 0), new, there))
+    assert set(written) == {mine.key((0, 0, i)) for i in range(3)}
+    found = picked(
+        mine,
+        [np.arange(2), np.arange(3), np.arange(8)],
+        lambda keys: (written.get(key, content(key)) for key in keys),
+        lambda _: True,
+        lambda *_: None,
+    )
+    expected = values.copy()
+    if others != "kept":
+        expected[:2, :2] = np.nan
+    for index, each in new.items():
+        expected[index] = each
+    np.testing.assert_array_equal(found, expected)
+
+
+MAGIC = b"\x28\xb5\x2f\xfd"
+
+
+@pytest.mark.parametrize(
+    ("header", "size"),
+    [
+        (b"\x20\x07", 7),
+        (b"\x21\xff\x07", 7),  # after a dictionary's number, of 1, 2 or 4 bytes
+        (b"\x22\xff\xff\x07", 7),
+        (b"\x23\xff\xff\xff\xff\x07", 7),
+        (b"\x60\x05\x01", 256 + 261),
+        (b"\x40\xff\x05\x01", 256 + 261),  # after the size of a window
+        (b"\xa0\x01\x02\x03\x04", 0x04030201),
+        (b"\xe0\x01\x02\x03\x04\x05\x06\x07\x08", 0x0807060504030201),
+    ],
+)
+def test_a_frame_says_how_large_its_content_is(header, size):
+    assert _content_size(MAGIC + header + b"\xff" * 8 * (len(header) != 2)) == size
+
+
+@pytest.mark.parametrize(
+    ("frame", "message"),
+    [
+        (b"", "not compressed"),
+        (MAGIC + b"\x20", "not compressed"),
+        (b"\x28\xb5\x2f\xfc\x20\x07", "not compressed"),
+        (b"\x28\xb5\x2f\xfe\x20\x07", "not compressed"),
+        (MAGIC + b"\x00\x07", "does not say how large"),
+    ],
+)
+def test_what_is_no_frame_or_does_not_say_its_size_is_an_error(frame, message):
+    with pytest.raises(ValueError, match=message):
+        _content_size(frame)
 
 
 @pytest.mark.parametrize("name", VARIABLES)

@@ -10,7 +10,7 @@ import pytest
 
 from pipeline.store import StoreError, locked
 from pipeline.store.folder import user
-from pipeline.store.lock import LockWarning
+from pipeline.store.lock import LockWarning, _lives, _self
 
 
 @pytest.fixture
@@ -90,3 +90,19 @@ def test_without_locks_a_dead_process_does_not_count_and_another_machine_does(pa
     file.write_text("process 7 on elsewhere\n")
     with pytest.raises(StoreError, match=r"process 7 on elsewhere .* delete"):
         locked(path).__enter__()
+
+
+def test_a_holder_lives_where_nothing_says_that_it_does_not(monkeypatch):
+    own = _self().decode().strip()
+    assert _lives(own)
+    assert _lives("process 1 on another machine")
+
+    def kill(number, _):
+        assert number == os.getpid()
+        raise error(errno.EPERM, "of somebody")
+
+    monkeypatch.setattr(os, "kill", kill)
+    error = PermissionError
+    assert _lives(own)
+    error = ProcessLookupError
+    assert not _lives(own)

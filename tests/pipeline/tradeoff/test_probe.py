@@ -195,6 +195,15 @@ def test_points_lie_at_the_boundary_with_its_exponent(monkeypatch, exponent, fou
     assert ratios == pytest.approx([2.0] * 3, rel=0.025)
 
 
+def test_the_exponent_is_that_beside_the_boundary(monkeypatch):
+    def simulate(scene, load, velocity, trunk=None):
+        x = math.log(velocity / 2.0)
+        yield state(load, rise=1200.0 * math.exp(0.6 * x + 0.5 * x**3))
+
+    monkeypatch.setattr(module, "simulate", simulate)
+    assert near_the_boundary(SWEEP, [300.0])[1] == (pytest.approx(0.6, abs=0.005),)
+
+
 @pytest.mark.parametrize(("at", "found"), [(0.01, 0.25), (100.0, 16.0)])
 def test_beyond_half_and_twice_the_velocities_the_nearer_end_is_taken(monkeypatch, at, found):
     made_up(monkeypatch, 0.7, at)
