@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
     Source = xr.Dataset | str | PathLike[str] | Remote
 
-_READ = 2**25  # [B] of rises that are read at a time
+_READ = 2**23  # [B] of rises that are read at a time
 _ORDER = ("load", "velocity", "step", "bulk_ratio", "quantile")
 
 
@@ -128,7 +128,8 @@ class Results(Mapping[str, Any]):
         def read(name: str, _: range | None) -> Any:
             if is_coordinate(name):
                 return self[name]
-            kept, rows = (self._kept, every) if name in RECORDS else (block, numbers)
+            of_all = name in RECORDS and name != "message"  # those of all take much memory
+            kept, rows = (self._kept, every) if of_all else (block, numbers)
             if name not in kept:
                 kept[name] = self.read(name, rows)
             return kept[name][number - rows.start]
