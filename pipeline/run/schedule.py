@@ -9,6 +9,7 @@ submitted anew.
 
 from __future__ import annotations
 
+import functools
 import itertools
 import pickle
 import time
@@ -193,8 +194,13 @@ class _Run:
     def _start(self, chain: _Chain, worker: str | None = None) -> None:
         if self._parcel.status in ("error", "cancelled"):  # all who had it died
             self._parcel = share(self._client, self._pickled, self._patience)
-        arguments = (self._parcel, chain.points, chain.trunk, 0.0 if chain.is_wary else _STRETCH)
-        trunk = self._client.submit(compute_points, *arguments, pure=False, workers=worker)
+        # Among the arguments, Dask would look for tasks in each point.
+        call = functools.partial(
+            compute_points, points=chain.points, seconds=0.0 if chain.is_wary else _STRETCH
+        )
+        trunk = self._client.submit(
+            call, self._parcel, kept=chain.trunk, pure=False, workers=worker
+        )
         self.running.append(_Task(chain.points, trunk, worker, chain.is_wary))
 
     def look(self, workers: Counter[str]) -> bool:
@@ -210,7 +216,7 @@ class _Run:
         error = _error(task.trunk)
         if isinstance(error, StoreError | ExecutionError):
             raise error
-        flags = map(self._store.flag, task.points)  # of which those that wait are not read
+        flags = self._store.flags_along(task.points)  # of which those that wait are not read
         found = tuple(itertools.takewhile(lambda flag: flag != PENDING, flags))
         if not (died or error or found):
             return False  # not seen here yet, as happens where machines share their files

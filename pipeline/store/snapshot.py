@@ -118,15 +118,24 @@ class Snapshot(Places):
 
     def flag(self, point: Point) -> int:
         """Status of a point; pending if not readable."""
-        array, index = self._arrays["status"], self.index(point)
-        self._kept.clear()  # data of a point that is done are read after its status
-        try:
-            content = self._files.content(array.key(self.place("status", index)))
-            part = None if content is None else array.decoded(content)
-        except UNREADABLE:
-            return PENDING
-        flag = PENDING if part is None else int(part[self.within("status", index)])
-        return flag if flag in (DONE, FAILED) else PENDING
+        return next(self.flags_along([point]))
+
+    def flags_along(self, points: Iterable[Point]) -> Iterator[int]:
+        """Status of points one by one, as they are asked for; pending if not readable.
+
+        Points that share a chunk and follow each other are read at one time.
+        """
+        array = self._arrays["status"]
+        indices = map(self.index, points)
+        for place, alike in itertools.groupby(indices, functools.partial(self.place, "status")):
+            self._kept.clear()  # data of a point that is done are read after its status
+            part = None
+            with suppress(*UNREADABLE):
+                content = self._files.content(array.key(place))
+                part = None if content is None else array.decoded(content)
+            for index in alike:
+                flag = PENDING if part is None else int(part[self.within("status", index)])
+                yield flag if flag in (DONE, FAILED) else PENDING
 
     def flags(self) -> tuple[Any, Any]:
         """Status by place, and whether it is known: whether there is one, and it can be read."""
