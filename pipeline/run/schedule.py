@@ -9,7 +9,6 @@ submitted anew.
 
 from __future__ import annotations
 
-import functools
 import itertools
 import pickle
 import time
@@ -194,13 +193,9 @@ class _Run:
     def _start(self, chain: _Chain, worker: str | None = None) -> None:
         if self._parcel.status in ("error", "cancelled"):  # all who had it died
             self._parcel = share(self._client, self._pickled, self._patience)
-        # Among the arguments, Dask would look for tasks in each point.
-        call = functools.partial(
-            compute_points, points=chain.points, seconds=0.0 if chain.is_wary else _STRETCH
-        )
-        trunk = self._client.submit(
-            call, self._parcel, kept=chain.trunk, pure=False, workers=worker
-        )
+        points = deque(chain.points)  # in a tuple, Dask would look for tasks point by point
+        arguments = (self._parcel, points, chain.trunk, 0.0 if chain.is_wary else _STRETCH)
+        trunk = self._client.submit(compute_points, *arguments, pure=False, workers=worker)
         self.running.append(_Task(chain.points, trunk, worker, chain.is_wary))
 
     def look(self, workers: Counter[str]) -> bool:

@@ -14,6 +14,7 @@ import functools
 import pickle
 import threading
 import time
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -47,7 +48,7 @@ def _kept(parts: bytes) -> Kept:
 
 
 def compute_points(
-    parcel: bytes, points: tuple[Point, ...], kept: Kept | None, seconds: float
+    parcel: bytes, points: Iterable[Point], kept: Kept | None, seconds: float
 ) -> Kept:
     """Compute points of one or more chains, at least one, until the time is up.
 
@@ -59,7 +60,7 @@ def compute_points(
     ----------
     parcel : bytes
         The pickled sweep and its store, which a scheduler elsewhere may not see.
-    points : tuple of Point
+    points : iterable of Point
         Points, those of a chain in the order of their loads.
     kept : Kept or None
         The trunk to go on from.

@@ -1,6 +1,7 @@
 """A Dask client without a cluster: what it is given is done here and at once."""
 
 import pickle
+from collections import deque
 from concurrent.futures import Future
 
 from distributed.scheduler import KilledWorker
@@ -48,6 +49,7 @@ class Here:
     def submit(self, function, *arguments, workers=None, **_):
         ended = Ended()
         ended.key = f"{function.__name__}-{len(self.tasks)}"
+        arguments = tuple(tuple(each) if isinstance(each, deque) else each for each in arguments)
         if len(arguments) > 1:  # not what is only shared
             self.tasks.append(arguments)
             self.pinned.append(workers)
