@@ -25,6 +25,7 @@ from distributed.scheduler import KilledWorker
 from pipeline.run import forkserver
 from pipeline.run.certificate import private_security
 from pipeline.run.forkserver import METHOD, UNGUARDED, WORKER_ENVIRONMENT, interrupts_put_off
+from pipeline.run.work import same
 from tribo import TriboError
 
 SAFE = "finished points are safe, run the sweep again to go on"
@@ -204,7 +205,7 @@ def share(client: Client, content: bytes, patience: float) -> Future:
     """
     for _ in range(_ATTEMPTS):
         try:
-            shared = client.submit(_same, content, pure=False)
+            shared = client.submit(same, content, pure=False)
             error = shared.exception(timeout=patience)
         except TimeoutError:
             raise ExecutionError(f"no Dask worker is ready within {patience:g} s") from None
@@ -215,10 +216,6 @@ def share(client: Client, content: bytes, patience: float) -> Future:
         if not isinstance(error, KilledWorker):  # it would be raised again
             break
     raise ExecutionError(f"the Dask workers cannot run this program: {error}")
-
-
-def _same(content: bytes) -> bytes:
-    return content
 
 
 def threads_of(

@@ -11,7 +11,7 @@ import os
 from pipeline.run.forkserver import PRELOADING
 
 # SciPy would load the former two when they are first used, in each worker.
-MODULES = ("scipy.fft", "scipy.special", "pipeline.run.schedule")
+MODULES = ("scipy.fft", "scipy.special", "distributed", "pipeline.run.work")
 
 
 def preload() -> None:

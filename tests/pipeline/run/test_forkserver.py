@@ -23,8 +23,8 @@ def test_workers_begin_with_their_settings_and_with_all_imported():
         ((environment, imported, frozen),) = client.run(_beginning).values()
     for name, value in forkserver.WORKER_ENVIRONMENT.items():
         assert f"{name}={value}" in environment
-    assert imported > {"pipeline.run.schedule", "scipy.special", "scipy.fft", "numpy"}
-    assert not imported & {"xarray", "matplotlib"}
+    assert imported > {"pipeline.run.work", "distributed", "scipy.special", "scipy.fft", "numpy"}
+    assert not imported & {"xarray", "matplotlib", "zarr"}
     if Version(distributed.__version__) >= Version("2026.8"):  # older ones import it themselves
         assert "pandas" not in imported
     assert frozen > 10_000  # objects, of what was imported
