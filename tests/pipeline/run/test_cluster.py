@@ -48,13 +48,13 @@ class Cluster:
             self._start("worker", f"--scheduler-file={file}", "--no-nanny", f"--nthreads={threads}")
             for threads in (1, 3)
         ]
-        end = time.monotonic() + 60.0
+        end = time.monotonic() + 120.0
         while not file.exists() or not file.read_text():
             assert time.monotonic() < end, "the scheduler does not start"
             time.sleep(0.05)
         self.address = json.loads(file.read_text())["address"]
         with Client(self.address, security=security, set_as_default=False) as client:
-            client.wait_for_workers(len(self.workers), timeout=60)
+            client.wait_for_workers(len(self.workers), timeout=120)
 
     def _start(self, role, *options):
         command = [sys.executable, "-m", f"distributed.cli.dask_{role}", "--host=127.0.0.1"]
