@@ -4,6 +4,7 @@ import json
 import math
 import re
 from pathlib import Path
+from unittest import mock
 
 import matplotlib as mpl
 import numpy as np
@@ -11,6 +12,7 @@ import pytest
 
 import tribo
 from pipeline import paper
+from pipeline.paper import measured
 from pipeline.paper.printed import TABLE_4, TABLE_6
 from pipeline.paper.report import Finding, mean_and_spread
 from pipeline.paper.rivals import _Computed, _Criterion, _on_constancy
@@ -49,12 +51,16 @@ def scenes(tmp_path_factory):
 def small(folder, scenes):
     """Reports of small versions, each made once."""
     made = {}
+    fewer_durations = {"_DURATIONS": (6.0, 8.0, 10.0), "_CHOSEN": 1}
 
     def report(name):
         if name not in made:
             # fig4 is cheap enough to be made as it is.
             options = {} if name == "fig4" else SMALL
-            with np.errstate(all="raise", under="ignore"):
+            with (
+                np.errstate(all="raise", under="ignore"),
+                mock.patch.multiple(measured, **fewer_durations),
+            ):
                 made[name] = paper.reproduce(
                     name, folder / f"{name}.png", scenes=scenes, results=folder, **options
                 )
