@@ -10,7 +10,7 @@ from tests.pipeline.cli.test_commands import SCENE
 
 WITHOUT_POSIX = """
 import multiprocessing, os, signal, sys
-import locket, psutil  # which have a part of their own for each system
+import asyncio, locket, psutil  # which have a part of their own for each system
 sys.modules["fcntl"] = None
 del os.getuid, os.sysconf, os.O_NONBLOCK, signal.pthread_sigmask
 os.O_BINARY = 0
