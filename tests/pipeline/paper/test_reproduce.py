@@ -51,7 +51,7 @@ def scenes(tmp_path_factory):
 def small(folder, scenes):
     """Reports of small versions, each made once."""
     made = {}
-    fewer_durations = {"_DURATIONS": (6.0, 8.0, 10.0), "_CHOSEN": 1}
+    fewer_durations = {"_DURATIONS": (6.0, 8.0), "_CHOSEN": 1}
 
     def report(name):
         if name not in made:

@@ -41,6 +41,7 @@ def sampled(tmp_path_factory):
     folder = tmp_path_factory.mktemp("sampled")
     sweep = load(folder, SMALL.replace("samples = 20", "samples = 6"))
     first = follow_boundary(sweep, folder / "out.zarr", workers=1)
+    shutil.copytree(folder / "out.zarr", folder / "first.zarr")
     grown = follow_boundary(load(folder), folder / "out.zarr", workers=1)
     return folder, first, grown
 
@@ -60,19 +61,16 @@ def test_nothing_is_left_to_do_afterwards(sampled):
     assert found.done == grown.done
 
 
-@pytest.mark.parametrize("begin", [0, 1, 2])
-def test_a_search_that_was_interrupted_asks_for_the_points_of_one_that_was_not(
-    sampled, tmp_path, begin
-):
+def test_a_search_that_was_interrupted_asks_for_the_points_of_one_that_was_not(sampled, tmp_path):
     folder, _, _ = sampled
     out = tmp_path / "out.zarr"
     shutil.copytree(folder / "out.zarr", out)
     store = Store(out)
     done = sorted(point for point, flag in store.status().items() if flag == DONE)
-    for point in done[begin::3]:
+    for point in done[1::3]:
         store.forget(point)
     outcome = follow_boundary(load(folder), out, workers=1)
-    assert outcome.computed == len(done[begin::3])
+    assert outcome.computed == len(done[1::3])
     assert sorted(at for at, flag in Store(out).status().items() if flag == DONE) == done
 
 
@@ -387,8 +385,7 @@ def test_a_store_that_lists_what_was_chosen_is_gone_on_with_as_it_is(sampled, tm
     """Such as an earlier version made; it may go on with it, too, since it stays of that format."""
     folder, _, grown = sampled
     fewer = load(tmp_path, SMALL.replace("samples = 20", "samples = 6"))
-    path = tmp_path / "out.zarr"
-    follow_boundary(fewer, path, workers=1)
+    path = shutil.copytree(folder / "first.zarr", tmp_path / "out.zarr")
     attributes, arrays = read_metadata(path)
     listed = [list(point) for point in Store(path).asked()]
     commit_metadata(path, attributes | {"format": SHARED, "chosen": listed}, arrays)
