@@ -183,6 +183,7 @@ LEGACY_EDITS = {
     "an unknown variable": lambda root: arrays(root).update(lime=arrays(root)["time"]),
     "a missing variable": lambda root: arrays(root).pop("rise_quantile"),
     "another type": lambda root: arrays(root)["time"].update(data_type="float32"),
+    "a codec too few": lambda root: arrays(root)["time"]["codecs"].pop(),
     "a list": lambda root: root.update(attributes=[]),
 }
 

@@ -15,6 +15,8 @@ from pipeline.analysis.dataset import open_sweep
 from pipeline.cli import main
 from pipeline.run.sweep import run_sweep
 from pipeline.store import StoreError, folder, locked, prepare, summary, verify_store
+from pipeline.store.files import files_in
+from pipeline.store.folder import folder_of
 from pipeline.store.variables import COLUMNS, FIELDS
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import points, run_point
@@ -79,6 +81,14 @@ def test_a_sweep_runs_resumes_and_grows(address):
     assert verify_store(address).is_clean
     with open_sweep(address) as ds:
         assert ds["max_temperature"].sel(load=600).notnull().any()
+
+
+def test_objects_are_removed_by_how_their_keys_begin(address):
+    files = files_in(folder_of(address))
+    files.put_all([(key, b"1") for key in ("time/c.0.0", "time/c.0.1", "time/c/0/0", "rise/c.0.0")])
+    files.remove_all("time/c.")
+    left = [key.partition("tiny.zarr/")[2] for key in keys(address)]
+    assert left == ["rise/c.0.0", "time/c/0/0"]
 
 
 def test_the_status_is_written_last_and_everything_else_is_there_by_then(address, monkeypatch):

@@ -384,6 +384,18 @@ def test_data_of_one_point_that_are_not_its_own_cost_no_other(copy, shared):
 
 
 @pytest.mark.parametrize("harm", [flip, os.unlink])
+def test_reasons_of_failures_that_were_lost_are_given_up_together(path, results, harm):
+    store = prepare(path, SWEEP)
+    for point in POINTS[:2]:
+        store.fail(point, "it did not converge")
+    harm(*files_of(path, "message"))
+    store.forget(POINTS[0])
+    assert [store.flag(point) for point in POINTS[:2]] == [PENDING, PENDING]
+    store.commit(*results.values())
+    assert verify_store(path).is_clean
+
+
+@pytest.mark.parametrize("harm", [flip, os.unlink])
 def test_a_lost_status_is_found_again_for_what_is_intact(copy, shared, harm):
     harm(*files_of(copy, "status"))
     assert summary(copy).done == 0
