@@ -52,7 +52,7 @@ SET = _option(
     "--set",
     metavar="KEY=VALUE",
     type=values.setting,
-    action=values.Settings,
+    action="append",
     default=[],
     help="another numerical choice, such as increments=50, or another entry of the scene, such as "
     "wear.pattern=local; may be repeated for other keys",

@@ -35,7 +35,7 @@ def scene_of(
         A store whose fidelity to go on with, if it is accurate enough.
     """
     sweep: Sweep = pipeline.load_scene(
-        options.scene, preset=options.preset, overrides=dict(options.set)
+        options.scene, preset=options.preset, overrides=settings_of(options)
     )
     if conditions := given(options, *CONDITIONS):
         changed = sweep.conditions.changed(**conditions)
@@ -54,8 +54,8 @@ def scene_of(
 def _accurate(
     options: argparse.Namespace, sweep: Sweep, points: Sequence[Point] | None, store: Path | None
 ) -> Sweep:
-    fields = (key.removeprefix("fidelity.") for key, _ in options.set)
-    own = [f"--set {key}" for key in fields if "." not in key and key not in KEPT_FIELDS]
+    settings = settings_of(options)
+    own = [f"--set {key}" for key in settings if "." not in key and key not in KEPT_FIELDS]
     if chosen := [*(["--preset"] if options.preset else []), *own]:
         raise InputError(
             f"--accuracy picks the numerical choices itself; leave out {', '.join(chosen)}"
@@ -65,6 +65,17 @@ def _accurate(
     )
     tell(str(sweep.selection))
     return sweep
+
+
+def settings_of(options: argparse.Namespace) -> dict[str, Any]:
+    """Return what --set says, each key without the prefix that entries of a fidelity may have."""
+    settings: dict[str, Any] = {}
+    for path, value in options.set:
+        key = path.removeprefix("fidelity.")
+        if key in settings:
+            raise InputError(f"--set: {key} is given more than once; give it once")
+        settings[key] = value
+    return settings
 
 
 def selected(sweep: Sweep) -> dict[str, Any]:

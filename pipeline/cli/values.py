@@ -141,24 +141,6 @@ class Several(argparse.Action):
         setattr(namespace, self.dest, found if len(found) > 1 else found[0])
 
 
-class Settings(argparse.Action):
-    """Settings of an option that may be repeated, each with a key of its own."""
-
-    def __call__(
-        self,
-        parser: argparse.ArgumentParser,
-        namespace: argparse.Namespace,
-        values: Any,
-        option_string: str | None = None,
-    ) -> None:
-        """Add a setting to those that are there, unless its key is one of theirs."""
-        before = getattr(namespace, self.dest) or []
-        key = values[0].removeprefix("fidelity.")
-        if key in (other.removeprefix("fidelity.") for other, _ in before):
-            raise argparse.ArgumentError(self, f"{key} is given more than once; give it once")
-        setattr(namespace, self.dest, [*before, values])
-
-
 class Version(argparse.Action):
     """Print the version of the program, and exit."""
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import pipeline
 from pipeline.cli.output import DONE, drawn_or_written, output_path, show, tell
-from pipeline.cli.scenes import scene_of
+from pipeline.cli.scenes import scene_of, settings_of
 from tribo import InputError
 
 if TYPE_CHECKING:
@@ -52,8 +52,9 @@ def _rows(found: Variations) -> Iterator[dict[str, Any]]:
 
 
 def _with(options: argparse.Namespace, key: str, value: Any) -> argparse.Namespace:
-    """The options with one entry more that is set."""
-    return argparse.Namespace(**{**vars(options), "set": [*options.set, (key, value)]})
+    """The options with one entry set, whatever --set says of it."""
+    settings = settings_of(options) | {key.removeprefix("fidelity."): value}
+    return argparse.Namespace(**{**vars(options), "set": [*settings.items()]})
 
 
 def _absolute(options: argparse.Namespace, key: str, values: list[Any]) -> Iterator[Any]:
@@ -63,7 +64,7 @@ def _absolute(options: argparse.Namespace, key: str, values: list[Any]) -> Itera
         if relative is None:
             yield value
             continue
-        own = pipeline.scene_entry(options.scene, key, dict(options.set))
+        own = pipeline.scene_entry(options.scene, key, settings_of(options))
         factor = 1 + float(relative[1]) / 100
         if isinstance(own, int | float) and not isinstance(own, bool):
             yield float(f"{own * factor:.12g}")

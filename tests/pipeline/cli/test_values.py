@@ -7,6 +7,8 @@ import pytest
 
 from pipeline.cli import main, values
 from pipeline.cli.parser import parse
+from pipeline.cli.scenes import settings_of
+from pipeline.cli.variations import _with
 
 
 @pytest.mark.parametrize(
@@ -73,11 +75,6 @@ def test_decimal_commas_end_with_exit_code_2(capsys, tmp_path):
             r'"out\.toml" ends like .* give one like "out\.zarr"',
         ),
         (["run", "s.toml", "-o", "a/B.PNG"], r'give one like "B\.zarr"'),
-        (["run", "s.toml", "--set", "increments=5", "--set", "increments=6"], "more than once"),
-        (
-            ["run", "s.toml", "--set", "increments=5", "--set", "fidelity.increments=6"],
-            "--set: increments is given more than once",
-        ),
         (["run", "s.toml", "--workers", "-1"], "--workers: .-1.: give a whole number"),
         (
             ["point", "s.toml", "--load", "-5N", "--velocity", "1 m/s"],
@@ -91,6 +88,24 @@ def test_what_cannot_be_meant_is_refused_by_the_name_of_its_option(arguments, to
         main(arguments)
     assert caught.value.code == 2
     assert re.search(told, capsys.readouterr().err)
+
+
+@pytest.mark.parametrize("again", ["increments", "fidelity.increments"])
+@pytest.mark.parametrize("command", [["run"], ["check"], ["vary", "--over", "pin.radius=2 mm"]])
+def test_a_key_is_set_once(command, again, capsys):
+    name, *others = command
+    twice = ["--set", "increments=5", "--set", f"{again}=6"]
+    assert main([name, "s.toml", *others, *twice]) == 2
+    told = "--set: increments is given more than once; give it once"
+    assert told in capsys.readouterr().err
+
+
+def test_what_is_varied_replaces_what_is_set():
+    varied = ["--over", "fidelity.increments=6", "--over", "wear.pattern=local"]
+    options = parse(["vary", "s.toml", *varied, "--set", "increments=5"])
+    (one, (six,)), (other, (local,)) = options.over
+    assert settings_of(_with(options, one, six)) == {"increments": 6}
+    assert settings_of(_with(options, other, local)) == {"increments": 5, "wear.pattern": "local"}
 
 
 def test_a_store_may_have_any_other_name(tmp_path):
