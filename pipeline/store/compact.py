@@ -84,9 +84,8 @@ def lay_out(folder: Place, separator: str, shares: bool = True) -> None:
             with part_held(folder) if has_locks else nullcontext():
                 store = Store(folder)
                 flags, _ = store.flags()
-                block = (shares and has_locks and attributes.get(POINTS_PER_CHUNK)) or [
-                    1
-                ] * flags.ndim
+                shared = attributes.get(POINTS_PER_CHUNK) if shares and has_locks else None
+                block = shared or [1] * flags.ndim
                 for name in names:  # of chunks that do not count, there may be some from before
                     files.remove_all(f"{name}/c{separator}")
                     arrays[name] = _described(arrays[name], separator, block)
