@@ -38,8 +38,8 @@ class Fidelity:
         Elements that have to touch at least where a temperature is asked for. A point at which
         fewer do is computed from its start on smaller elements, down to the pixels, and on one
         grid; 0 to take those of the scene in any case. Where the pin has worn by more than ten
-        times the roughness, whole rows of elements touch at a time, and half their number squared
-        is counted instead.
+        times the roughness, whole rows of elements touch at a time, and the square of half the
+        number of rows is counted instead.
     increments : int
         Steps of the ramp up to its reference load.
     kernel : {"periodic", "nearest-image"}
