@@ -17,7 +17,8 @@ import numpy as np
 from numcodecs.vlen import VLenUTF8
 from numcodecs.zstd import Zstd
 
-LEVEL = 1  # of the compression of every array that this program makes
+from pipeline.store.layout import LEVEL, separator_of, sizes_of
+
 _compressor, _text = Zstd(LEVEL, checksum=True), VLenUTF8()
 _LONGEST_TEXT = 2**24  # bytes, of a chunk
 
@@ -58,10 +59,10 @@ class ChunkedArray:
         return cls(
             name=name,
             shape=tuple(metadata["shape"]),
-            chunks=tuple(metadata["chunk_grid"]["configuration"]["chunk_shape"]),
+            chunks=tuple(sizes_of(metadata)),
             dtype=dtype,
             fill=fill if is_text else dtype.type(fill),
-            separator=metadata["chunk_key_encoding"]["configuration"]["separator"],
+            separator=separator_of(metadata),
         )
 
     def key(self, place: Place) -> str:
@@ -111,7 +112,7 @@ def chunks_of(array: ChunkedArray, place: Place, values: Any) -> Iterator[tuple[
     Parameters
     ----------
     array : ChunkedArray
-        Array to read or to cut.
+        Array that the chunks belong to.
     place : tuple of int
         Numbers of the chunk along the leading dimensions.
     values : array_like
@@ -183,7 +184,7 @@ def values_at(
     Parameters
     ----------
     array : ChunkedArray
-        Array to read or to cut.
+        Array to read.
     index : tuple of int
         Index along the leading dimensions, where chunks have one entry each.
     content : callable
@@ -223,7 +224,7 @@ def picked(
     Parameters
     ----------
     array : ChunkedArray
-        Array to read or to cut.
+        Array to read.
     picks : sequence of array_like of int
         Indices of the entries along each dimension.
     contents : callable

@@ -29,7 +29,7 @@ from pipeline.store.folder import (
     read_json,
     write_json,
 )
-from pipeline.store.layout import POINTS, separator_of
+from pipeline.store.layout import POINTS, in_chunks, separator_of, sizes_of
 from pipeline.store.points import Store
 from pipeline.store.root import commit_metadata, read_metadata
 from pipeline.store.variables import (
@@ -113,14 +113,12 @@ def _read(file: Place) -> dict[str, Any] | None:
 
 def _described(array: dict[str, Any], separator: str, block: list[int]) -> dict[str, Any]:
     """Metadata of an array with the other kind of chunks; small ones have a block of points."""
-    shape, chunks = array["shape"], array["chunk_grid"]["configuration"]["chunk_shape"]
+    shape, chunks = array["shape"], sizes_of(array)
     axes = len(block)
     velocities = max(1, min(shape[axes - 1], POINTS))
     loads = max(1, min(shape[axes - 2], POINTS // velocities))
     leading = [1] * (axes - 2) + [loads, velocities] if separator == COMPACT else block
-    grid = {"name": "regular", "configuration": {"chunk_shape": leading + chunks[axes:]}}
-    encoding = {"name": "default", "configuration": {"separator": separator}}
-    return array | {"chunk_grid": grid, "chunk_key_encoding": encoding}
+    return array | in_chunks(leading + chunks[axes:], separator)
 
 
 def _chunks(store: Store, array: ChunkedArray, flags: Any) -> Iterator[tuple[str, bytes]]:

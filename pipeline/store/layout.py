@@ -25,11 +25,18 @@ GROWING_CHUNK = 256
 POINTS = 1024
 """Approximate number of points in a chunk of a compact store."""
 
+LEVEL = 1
+"""Level at which Zstandard compresses every chunk."""
+
 _MOST = 32  # points in a chunk of a store that is not compact
 _FULL = 16  # points in a chunk, if a sweep has as many
 _SHARED = {*RECORDS, *COLUMNS, *BULK_COLUMNS}  # variables whose chunks hold several points
 _LONGEST = 10**7  # dimension that is believed
-_CODECS = {"str": ["vlen-utf8", "zstd"]}
+_TO_BYTES: dict[str, dict[str, Any]] = {
+    "str": {"name": "vlen-utf8", "configuration": {}},
+    "int8": {"name": "bytes"},
+}
+_LITTLE_ENDIAN = {"name": "bytes", "configuration": {"endian": "little"}}
 _NEEDED = {
     "scene": dict,
     "scene_hash": str,
@@ -70,6 +77,31 @@ def new_chunks(
         return [GROWING_CHUNK] if variable.dims[0] in GROWING else shape
     own = variable.dims.index("velocity") + 1  # the dimensions that choose a point
     return (block if block and name in _SHARED else [1] * own) + shape[own:]
+
+
+def data_type_of(variable: Variable) -> str:
+    """What Zarr calls the type of a variable."""
+    return "string" if variable.dtype == "str" else variable.dtype
+
+
+def codecs_of(variable: Variable) -> list[dict[str, Any]]:
+    """What turns the values of a chunk into the content of its file, as Zarr's metadata say it."""
+    compressed = {"name": "zstd", "configuration": {"level": LEVEL, "checksum": True}}
+    return [_TO_BYTES.get(variable.dtype, _LITTLE_ENDIAN), compressed]
+
+
+def in_chunks(sizes: list[int], separator: str) -> dict[str, Any]:
+    """The part of an array's metadata that says how large chunks are, and how they are named."""
+    return {
+        "chunk_grid": {"name": "regular", "configuration": {"chunk_shape": sizes}},
+        "chunk_key_encoding": {"name": "default", "configuration": {"separator": separator}},
+    }
+
+
+def sizes_of(array: Mapping[str, Any]) -> list[int]:
+    """Sizes of an array's chunks, by its metadata."""
+    sizes: list[int] = array["chunk_grid"]["configuration"]["chunk_shape"]
+    return sizes
 
 
 def separator_of(array: Mapping[str, Any]) -> str:
@@ -122,7 +154,7 @@ def _is_as_written(
     name: str, variable: Variable, array: Mapping[str, Any], lengths: dict[str, int]
 ) -> bool:
     """Whether the metadata of a variable are such as a sweep writes; its sizes go to `lengths`."""
-    shape, chunks = array["shape"], array["chunk_grid"]["configuration"]["chunk_shape"]
+    shape, chunks = array["shape"], sizes_of(array)
     dims = list(variable.dims)
     if not (array["dimension_names"] == dims and len(shape) == len(chunks) == len(dims)):
         return False
@@ -146,8 +178,11 @@ def _is_as_written(
         as_elsewhere
         and fit
         and separator_of(array) in (BY_POINT, COMPACT)
-        and array["data_type"] == {"str": "string"}.get(variable.dtype, variable.dtype)
-        and [codec["name"] for codec in array["codecs"]]
-        == _CODECS.get(variable.dtype, ["bytes", "zstd"])
+        and array["data_type"] == data_type_of(variable)
+        and _names(array["codecs"]) == _names(codecs_of(variable))
         and array["node_type"] == "array"
     )
+
+
+def _names(codecs: list[dict[str, Any]]) -> list[str]:
+    return [codec["name"] for codec in codecs]

@@ -10,10 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from pipeline.store.chunks import LEVEL, ChunkedArray, chunks_of
+from pipeline.store.chunks import ChunkedArray, chunks_of
 from pipeline.store.files import files_in
 from pipeline.store.folder import ROOT, Place, as_json
-from pipeline.store.layout import new_chunks
+from pipeline.store.layout import codecs_of, data_type_of, in_chunks, new_chunks
 from pipeline.store.root import commit_metadata
 from pipeline.store.variables import (
     BY_POINT,
@@ -30,12 +30,6 @@ from pipeline.store.variables import (
 from pipeline.sweep.model import Sweep
 
 _FILL: dict[str, Any] = {"float64": "NaN", "str": ""}
-_COMPRESSED = {"name": "zstd", "configuration": {"level": LEVEL, "checksum": True}}
-_CODECS: dict[str, Any] = {  # from values to bytes
-    "str": {"name": "vlen-utf8", "configuration": {}},
-    "int8": {"name": "bytes"},
-}
-_LITTLE_ENDIAN = {"name": "bytes", "configuration": {"endian": "little"}}
 _NAN = base64.b64encode(struct.pack("<d", np.nan)).decode()  # as xarray spells it in attributes
 
 
@@ -104,11 +98,10 @@ def _described(
     chunks = new_chunks(name, variable, shape, block)
     return {
         "shape": shape,
-        "data_type": {"str": "string"}.get(variable.dtype, variable.dtype),
-        "chunk_grid": {"name": "regular", "configuration": {"chunk_shape": chunks}},
-        "chunk_key_encoding": {"name": "default", "configuration": {"separator": BY_POINT}},
+        "data_type": data_type_of(variable),
+        **in_chunks(chunks, BY_POINT),
         "fill_value": _FILL.get(variable.dtype, 0),
-        "codecs": [_CODECS.get(variable.dtype, _LITTLE_ENDIAN), _COMPRESSED],
+        "codecs": codecs_of(variable),
         "attributes": attributes,
         "dimension_names": list(variable.dims),
         "zarr_format": 3,

@@ -10,7 +10,6 @@ from zarr.codecs import ZstdCodec
 from zarr.storage import MemoryStore
 
 from pipeline.store.chunks import (
-    LEVEL,
     ChunkedArray,
     _content_size,
     chunks_of,
@@ -19,6 +18,7 @@ from pipeline.store.chunks import (
     values_at,
 )
 from pipeline.store.folder import as_json
+from pipeline.store.layout import LEVEL
 from pipeline.store.shape import _described
 from pipeline.store.together import together
 from pipeline.store.variables import BY_POINT, VARIABLES
