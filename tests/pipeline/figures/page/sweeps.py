@@ -41,6 +41,11 @@ def over_surfaces(axis="realization"):
     return xr.concat(parts, xr.Variable(axis, np.arange(5)), combine_attrs="override")
 
 
+def over_equal_surfaces(ds, count):
+    """So many surfaces, each with the results of one."""
+    return xr.concat([ds] * count, xr.Variable("realization", np.arange(count)))
+
+
 def held():
     """The load is held for eight steps more; one part of the contact warms, another cools."""
     ds = one()
