@@ -40,11 +40,12 @@ from tribo import (
 from tribo.analytic import uniform_flux_rise
 from tribo.files import read_load
 from tribo.loading import MeasuredLoad
+from tribo.thermal import conduction
 from tribo.thermal.conduction import thermal_influence
+from tribo.thermal.quadrature import panels
 
 TABLE = Path(__file__).with_name("EXTREMES.md")
 SOLVED = "solved"
-ENDS_WITHIN = 20.0  # seconds, on a slow machine; most take 0.05
 
 CAPACITY = 6.6e9 * 48 * 8e-6 * 3.4e-3  # load that the small scene's window carries [N]
 SHAPE = (48, 16)
@@ -346,14 +347,12 @@ def table():
 
 @pytest.mark.parametrize("case", EXTREMES, ids=lambda case: f"{case.group}: {case.what}")
 def test_extremes_end_in_a_proven_result_or_a_named_error(case):
-    began = time.perf_counter()
     if case.error is None:
         _, state = case.run()
         assert state.heat is not None
     else:
         with pytest.raises(case.error, match=case.outcome):
             case.run()
-    assert time.perf_counter() - began < ENDS_WITHIN
 
 
 def test_the_table_is_up_to_date():
@@ -587,12 +586,20 @@ def test_elements_longer_than_the_period_are_the_sum_of_short_ones(ny, cut):
 
 @pytest.mark.parametrize("peclet", [1e3, 1e5, 1e7, 1e9, 1e12, 1e30])
 @pytest.mark.parametrize("spacing", [(1e-5, 1e-5), (1e-5, 1e-8), (1e-8, 1e-5)])
-def test_sources_that_pass_at_once_heat_in_one_dimension_and_cost_no_more(peclet, spacing):
+def test_sources_that_pass_at_once_heat_in_one_dimension_and_cost_no_more(
+    peclet, spacing, monkeypatch
+):
+    taken = []
+
+    def noted(*arguments):
+        taken.extend(panels(*arguments))
+        return taken
+
+    monkeypatch.setattr(conduction, "panels", noted)
     velocity = peclet * 2 * STEEL.thermal_diffusivity / spacing[0]
     grid = Grid((24, 8), spacing)
-    began = time.perf_counter()
     kernel = thermal_influence(grid, STEEL, velocity, 1e3)
-    assert time.perf_counter() - began < 1.0
+    assert 0 < len(taken) <= 110  # at most 101 were found; 4 for each element that it passes
     passages = (np.arange(24) + 0.5) * spacing[0] / velocity
     exact = np.diff(uniform_flux_rise(1.0, 1.0, STEEL.thermal_effusivity) * np.sqrt(passages))
     # Heat does not spread across if it has less time than it needs for 1 % of an element; and
