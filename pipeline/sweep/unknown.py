@@ -152,17 +152,6 @@ class Unknown:
         values = np.array(self.parameters)
         return np.asarray(values[np.minimum((share * len(values)).astype(int), len(values) - 1)])
 
-    def share_below(self, value: Array) -> Array:
-        """Share of the probability below values [SI]; the inverse of `at`, not for a list."""
-        from scipy.special import ndtr
-
-        first, second = self.parameters[:2]
-        if self.kind == "normal":
-            return np.asarray(ndtr((value - first) / second))
-        if self.kind == "log-normal":
-            return np.asarray(ndtr(np.log(value / first) / math.log(second)))
-        return np.clip((value - first) / (second - first), 0.0, 1.0)
-
     @property
     def is_relative(self) -> bool:
         """Whether ratios of its values count rather than differences."""
