@@ -61,6 +61,8 @@ _THREADS = 2  # of a worker: while one waits for the disk, the other computes
 _WORD = 10.0  # [s] without a worker, after which the user is told
 _ATTEMPTS = 3  # to start workers, or to reach one, which may be killed meanwhile
 _START = 120.0  # [s] that a worker may take to start, after which its nanny is given up
+_LIGHT = 8000  # bytes, of which a scheduler has room for as many as there are tasks
+_COPIED = 1.0  # [s] for which to wait until each worker has a copy of what they share
 _END = 60.0  # [s] that the cluster may take to end, after which its processes are killed
 _UNSTARTED = "the worker processes do not start"
 PATIENCE = 30.0
@@ -193,10 +195,12 @@ def dashboard_of(client: Client, patience: float) -> str | None:
     return str(client.dashboard_link) if "dashboard" in found["services"] else None
 
 
-def share(client: Client, content: bytes, patience: float) -> Future:
-    """Bring something to the workers once, for many tasks to take as an argument.
+def share(client: Client, content: bytes, patience: float) -> bytes | Future:
+    """What to give to many tasks in place of something that all of them need.
 
-    As the result of a task it outlives the workers that hold it.
+    What is light goes along with each of them. Else it is brought to the workers once, as the
+    result of a task, which outlives the workers that hold it. Every worker gets a copy, since Dask
+    gives a task to a worker that has what it takes, even if others have nothing to do.
 
     Raises
     ------
@@ -211,11 +215,25 @@ def share(client: Client, content: bytes, patience: float) -> Future:
             raise ExecutionError(f"no Dask worker is ready within {patience:g} s") from None
         except CancelledError:
             raise ExecutionError(LOST) from None
+        if error is None and len(content) <= _LIGHT:
+            return content
         if error is None:
+            _copy_to_all(client, shared, patience)
             return shared
         if not isinstance(error, KilledWorker):  # it would be raised again
             break
     raise ExecutionError(f"the Dask workers cannot run this program: {error}")
+
+
+def _copy_to_all(client: Client, shared: Future, patience: float) -> None:
+    """Have each worker fetch something; one that is too busy does so with its first task."""
+    with _losses_told(), suppress(TimeoutError):
+        workers = client.nthreads(callback_timeout=patience)
+        copies = [
+            client.submit(same, shared, workers=worker, allow_other_workers=True, pure=False)
+            for worker in workers
+        ]
+        wait(copies, timeout=_COPIED)
 
 
 def threads_of(

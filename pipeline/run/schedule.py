@@ -191,7 +191,8 @@ class _Run:
         self.waiting.extendleft(_Chain(each, trunk, is_wary) for each in found[:1])
 
     def _start(self, chain: _Chain, worker: str | None = None) -> None:
-        if self._parcel.status in ("error", "cancelled"):  # all who had it died
+        parcel = self._parcel
+        if isinstance(parcel, Future) and parcel.status in ("error", "cancelled"):  # none has it
             self._parcel = share(self._client, self._pickled, self._patience)
         points = deque(chain.points)  # in a tuple, Dask would look for tasks point by point
         arguments = (self._parcel, points, chain.trunk, 0.0 if chain.is_wary else _STRETCH)

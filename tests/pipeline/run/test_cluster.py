@@ -169,9 +169,18 @@ class Deadly:
 
 def test_what_workers_share_outlives_those_that_die_while_they_take_it():
     client = Deadly(deaths=2)
-    assert share(client, b"", patience=1.0) is client
+    assert share(client, b"light", patience=1.0) == b"light"
+    assert client.submitted == 3
     with pytest.raises(ExecutionError, match="cannot run this program"):
         share(Deadly(deaths=100), b"", patience=1.0)
+
+
+def test_each_worker_has_what_is_too_heavy_to_go_along_with_each_task():
+    """Or Dask would give every task to the one worker that has it."""
+    with connected(workers=2, scheduler=None, patience=30.0) as client:
+        shared = share(client, bytes(100_000), patience=30.0)
+        assert set(client.who_has([shared])[shared.key]) == set(client.nthreads())
+        assert shared.result(timeout=30) == bytes(100_000)
 
 
 def test_a_worker_that_its_nanny_gives_up_is_replaced():
