@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from dataclasses import dataclass
 from typing import Any
@@ -9,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from pipeline.sweep.model import Sweep
-from tribo import MeasuredRoughness, SelfAffineRoughness
+from tribo import Grid, MeasuredRoughness, SelfAffineRoughness
 from tribo.types import Array
 
 _MOST_PIXELS = 1_000_000  # of a random surface that is made only to describe it
@@ -65,13 +66,17 @@ def surface_facts(sweep: Sweep) -> SurfaceFacts | None:
 
     A random surface of more than a million pixels is described as it is asked for, not made.
     """
-    rough = sweep.roughness
+    return _facts(sweep.roughness, sweep.pixels)
+
+
+@functools.lru_cache(maxsize=1)  # asked for again whenever a store grows
+def _facts(rough: Any, pixels: Grid) -> SurfaceFacts | None:
     if isinstance(rough, SelfAffineRoughness):
-        if math.prod(sweep.pixels.shape) > _MOST_PIXELS:
+        if math.prod(pixels.shape) > _MOST_PIXELS:
             along_x, along_y = rough.correlation_length
             lay = 0.0 if along_x >= _LAY * along_y else 90.0 if along_y >= _LAY * along_x else None
             return SurfaceFacts(False, rough.ra, rough.ra * _RQ_OF_RA, lay=lay)
-        heights = rough.heights(sweep.pixels)
+        heights = rough.heights(pixels)
     elif isinstance(rough, MeasuredRoughness):
         heights = rough.array
     else:
@@ -83,7 +88,7 @@ def surface_facts(sweep: Sweep) -> SurfaceFacts | None:
         rq=float(np.sqrt(np.mean(level**2))),
         mean_height=float(heights.mean()),
         rise=rise,
-        lay=_lay(level, sweep.pixels.spacing),
+        lay=_lay(level, pixels.spacing),
     )
 
 
