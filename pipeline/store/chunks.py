@@ -281,7 +281,7 @@ def _by_chunk(pick: Any, size: int) -> list[_Part]:
     """The shares of chunks in what is picked along a dimension."""
     numbers = pick // size
     shares = []
-    for number in np.unique(numbers).tolist():
+    for number in sorted(set(numbers.tolist())):  # np.unique would load numpy.ma, for 20 ms
         (into,) = np.nonzero(numbers == number)
         shares.append(_Part((number,), (_slice(into),), (_slice(pick[into] - number * size),)))
     return shares
