@@ -179,16 +179,20 @@ class Results(Mapping[str, Any]):
         )
 
     def asked(self) -> Mask:
-        """Which points of one surface the last run asked for: all, or those that it chose.
+        """Which points of one surface the last run asked for: all of its scene, or those it chose.
 
         The other points in the store were asked for by an earlier run.
         """
         if not self._chosen:
             self._chosen.append(chosen_of(attributes_of(self)))
-        if (chosen := self._chosen[0]) is None:
-            return np.ones((len(self.loads), len(self.velocities)), dtype=bool)
         names = ("realization", "simulation" if "simulation" in self.place else "sample")
         surface, sample = map(self.place.get, names)
+        if (chosen := self._chosen[0]) is None:
+            scene = attributes_of(self)
+            loads = np.isin(self.loads, scene.get("loads", self.loads))
+            velocities = np.isin(self.velocities, scene.get("velocities", self.velocities))
+            on_surface = surface is None or surface in (scene.get("realizations") or [surface])
+            return on_surface & loads[:, None] & velocities
         over = chosen.over([(surface, sample)], self.loads.tolist(), self.velocities.tolist())
         asked: Mask = over[0]
         return asked

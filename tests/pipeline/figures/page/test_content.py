@@ -79,6 +79,12 @@ def test_points_are_asked_for_on_their_own_surface_or_sample(axis):
     assert found["surfaces"] == {"axis": axis, "names": [0, 1, 2, 3, 4], "inputs": {}}
 
 
+def test_points_are_asked_for_on_the_surfaces_of_the_last_run():
+    ds = sweeps.over_surfaces().assign_attrs(realizations=[0, 3])
+    asked = unpacked(content(ds)["asked"], "u1").reshape(5, -1)
+    assert asked.all(axis=1).tolist() == asked.any(axis=1).tolist() == [1, 0, 0, 1, 0]
+
+
 def test_fields_count_what_is_in_contact_alone():
     pressure = np.zeros((240, 4))
     pressure[100, 1] = 8e9
