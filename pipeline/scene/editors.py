@@ -11,6 +11,7 @@ import math
 from pathlib import Path
 from typing import Any
 
+from pipeline.scene.faults import unwritable
 from pipeline.scene.format import FORMAT
 from pipeline.scene.kinds import Choice, Flag, Kind, Number, Quantity, Unit, Whole
 from pipeline.scene.meanings import MEANINGS, TABLES
@@ -53,7 +54,7 @@ def write_schema(path: str | Path) -> Path:
     except FileExistsError as error:
         raise InputError(f"{path} exists already; give another name, or remove it") from error
     except OSError as error:
-        raise InputError(f"{path} cannot be written: {error.strerror or error}") from error
+        raise unwritable(path, error) from error
     return path
 
 

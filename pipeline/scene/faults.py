@@ -1,11 +1,11 @@
-"""Faults of a scene file, and the error that carries all of them."""
+"""Faults of a scene file, the error that carries all of them, and that of one not to be written."""
 
 from __future__ import annotations
 
 from pathlib import Path
 from typing import NamedTuple
 
-from tribo import TriboError
+from tribo import InputError, TriboError
 
 _SHOWN = 100  # faults, at most, where there are thousands
 
@@ -61,3 +61,10 @@ class SceneFileError(TriboError):
         if more := len(self.faults) - len(shown):
             shown = [*shown, f"and {more} more"]
         return "\n  ".join([f"{self.path}: {len(self.faults)} faults", *shown])
+
+
+def unwritable(path: Path, error: OSError) -> InputError:
+    """Say why a file cannot be written."""
+    folder = path.parent
+    reason = error.strerror or error if folder.is_dir() else f"there is no folder {folder}"
+    return InputError(f"{path} cannot be written: {reason}")

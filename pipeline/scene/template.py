@@ -14,6 +14,7 @@ from typing import Any
 import tribo
 from pipeline.scene.document import read_document
 from pipeline.scene.entries import did_you_mean, entry_at
+from pipeline.scene.faults import unwritable
 from pipeline.scene.format import USUAL_PRESET
 from pipeline.scene.kinds import Choice, Flag, Kind, Number, Quantity, Unit, Whole
 from pipeline.scene.meanings import MEANINGS, TABLES, VARIANTS
@@ -77,7 +78,8 @@ def new_scene(path: str | Path, like: str | None = None) -> list[Path]:
     """
     path, known = Path(path), shipped_scenes()
     if path.suffix != ".toml":
-        raise InputError(f"{path}: a scene is a TOML file; give a name such as {path.stem}.toml")
+        name = path.stem or "scene"
+        raise InputError(f"{path}: a scene is a TOML file; give a name such as {name}.toml")
     if like is not None and like not in known:
         raise InputError(
             f'"{like}" is not a shipped scene{did_you_mean(like, known)}; there are '
@@ -102,7 +104,7 @@ def new_scene(path: str | Path, like: str | None = None) -> list[Path]:
         for original, copy in copies:
             shutil.copyfile(original, copy)
     except OSError as error:
-        raise InputError(f"{path} cannot be written: {error.strerror or error}") from error
+        raise unwritable(path, error) from error
     return [path, *(copy for _, copy in copies)]
 
 

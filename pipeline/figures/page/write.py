@@ -14,6 +14,7 @@ from typing import Any
 import xarray as xr
 
 from pipeline.analysis.dataset import open_sweep
+from pipeline.analysis.tables import writable_path
 from pipeline.figures.page.content import MOST_FIELDS, content
 from tribo import InputError
 
@@ -98,9 +99,7 @@ def explore(ds: xr.Dataset | str | Path, out: str | Path, most_fields: int = MOS
     >>> page.points, page.points_with_fields
     (24, 6)
     """
-    path = Path(out)
-    if path.suffix.lower() not in _SUFFIXES:
-        raise InputError(f"cannot write {out}: the suffix must be one of {', '.join(_SUFFIXES)}")
+    path = writable_path(out, _SUFFIXES)
     if most_fields < 0:
         raise InputError(f"most_fields is {most_fields}; it must be at least 0")
     held = content(ds if isinstance(ds, xr.Dataset) else open_sweep(ds), most_fields)

@@ -81,3 +81,5 @@ def test_the_command_writes_it_once(tmp_path, capsys):
     assert "exists already" in capsys.readouterr().err
     assert main(["new", "--schema", str(tmp_path / "scene.toml")]) == 2
     assert "a schema is a JSON file" in capsys.readouterr().err
+    assert main(["new", "--schema", str(tmp_path / "no" / "scene.json")]) == 2
+    assert f"there is no folder {tmp_path / 'no'}" in capsys.readouterr().err

@@ -75,8 +75,10 @@ def test_what_cannot_be_written_is_refused(tmp_path):
         new_scene(tmp_path / "mine")
     with pytest.raises(InputError, match=r'did you mean "twin_disc"\?.*there are ball_on_disk'):
         new_scene(tmp_path / "mine.toml", like="twin_disk")
-    with pytest.raises(InputError, match="No such file or directory"):
-        new_scene(tmp_path / "nowhere" / "mine.toml")
+    with pytest.raises(InputError, match=r"give a name such as scene\.toml"):
+        new_scene("")
+    with pytest.raises(InputError, match=r"mine\.toml cannot be written: there is no folder .*no"):
+        new_scene(tmp_path / "no" / "mine.toml")
     new_scene(tmp_path / "mine.toml")
     with pytest.raises(InputError, match="exists already"):
         new_scene(tmp_path / "mine.toml")

@@ -114,7 +114,7 @@ def test_fields_of_the_points_nearest_to_the_transition_are_held(tmp_path):
     ("out", "options", "words"),
     [
         ("page.pdf", {}, "the suffix must be one of .html"),
-        ("no/such/page.html", {}, "cannot write"),
+        ("no/such/page.html", {}, "cannot write .*: there is no folder .*no/such"),
         ("page.html", {"most_fields": -1}, "most_fields is -1"),
     ],
 )
