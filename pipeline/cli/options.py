@@ -95,7 +95,7 @@ BOUNDARY_ONLY = _option(
     metavar="TOLERANCE",
     nargs="?",
     const=0.01,
-    type=values.share,
+    type=values.tolerance,
     help="choose velocities until the boundary is known to this tolerance; default: 1%%",
 )
 ACCURACY = _option(

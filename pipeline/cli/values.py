@@ -172,6 +172,15 @@ def share(text: str) -> float:
     return value
 
 
+def tolerance(text: str) -> float:
+    """Read the tolerance of an option that may go without one, for which a scene may be taken."""
+    if text.endswith(".toml"):
+        raise argparse.ArgumentTypeError(
+            f'"{text}" stands where a tolerance may; give the scene first, or one such as 1%'
+        )
+    return share(text)
+
+
 def failing_share(text: str) -> float:
     """Read the share of the contact beyond which wear is severe, which may be 0.
 

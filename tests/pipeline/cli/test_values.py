@@ -75,6 +75,11 @@ def test_decimal_commas_end_with_exit_code_2(capsys, tmp_path):
             r'"out\.toml" ends like .* give one like "out\.zarr"',
         ),
         (["run", "s.toml", "-o", "a/B.PNG"], r'give one like "B\.zarr"'),
+        (
+            ["run", "--boundary-only", "s.toml"],
+            r'--boundary-only: "s\.toml" stands where a tolerance .* give the scene first',
+        ),
+        (["run", "s.toml", "--boundary-only", "2"], "--boundary-only: .2.: give a share"),
         (["run", "s.toml", "--workers", "-1"], "--workers: .-1.: give a whole number"),
         (
             ["point", "s.toml", "--load", "-5N", "--velocity", "1 m/s"],
