@@ -20,6 +20,7 @@ from contextlib import contextmanager, suppress
 
 import dask
 from distributed import Client, Future, LocalCluster, Status, versions, wait
+from distributed.nanny import WorkerProcess
 from distributed.scheduler import KilledWorker
 
 from pipeline.run import forkserver
@@ -60,6 +61,7 @@ _LOCAL: dict[str, object] = {
 _THREADS = 2  # of a worker: while one waits for the disk, the other computes
 _WORD = 10.0  # [s] without a worker, after which the user is told
 _ATTEMPTS = 3  # to start workers, or to reach one, which may be killed meanwhile
+_LOOK = 0.01  # [s] after which to look again whether a worker has started: no option of Dask
 _START = 120.0  # [s] that a worker may take to start, after which its nanny is given up
 _LIGHT = 8000  # bytes, of which a scheduler has room for as many as there are tasks
 _COPIED = 1.0  # [s] for which to wait until each worker has a copy of what they share
@@ -149,6 +151,7 @@ def _nothing_imported_for_the_forkserver() -> Iterator[None]:
 
 
 def _local_cluster(workers: int) -> LocalCluster:
+    WorkerProcess._init_msg_interval = _LOOK
     attempts = _ATTEMPTS
     while True:
         try:

@@ -1,5 +1,6 @@
 """Sweeps on clusters that others run (pipeline/run/cluster.py)."""
 
+import inspect
 import json
 import os
 import signal
@@ -15,6 +16,7 @@ import distributed
 import psutil
 import pytest
 from distributed import Client
+from distributed.nanny import WorkerProcess
 from distributed.scheduler import KilledWorker
 from packaging.version import Version
 
@@ -181,6 +183,10 @@ def test_each_worker_has_what_is_too_heavy_to_go_along_with_each_task():
         shared = share(client, bytes(100_000), patience=30.0)
         assert set(client.who_has([shared])[shared.key]) == set(client.nthreads())
         assert shared.result(timeout=30) == bytes(100_000)
+
+
+def test_dask_still_looks_for_its_workers_as_often_as_it_is_told_here():
+    assert "sleep(self._init_msg_interval)" in inspect.getsource(WorkerProcess)
 
 
 def test_a_worker_that_its_nanny_gives_up_is_replaced():
