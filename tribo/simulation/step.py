@@ -70,7 +70,8 @@ def advance(
     velocity : float
         Sliding velocity [m/s]: that of the disk along +x, unless the scene has a motion.
     guess : ndarray, shape (nx, ny), optional
-        Guess of the pressure [Pa]; extrapolated from the last two states if not given.
+        Guess of the first contact's pressure [Pa], from which the others go on; extrapolated from
+        the last two states if not given.
     observed : bool, optional
         Whether the contact at the disk's own position is solved, too, where others pass the pin.
         If not, the pressure is that of the last one that has passed.
@@ -94,9 +95,10 @@ def advance(
     wear_depth, iterations, residual = state.wear_depth, 0, 0.0
     distance = abs(velocity) * (station.time - state.time)
     wear = scene.wear_at(velocity)
-    passed = state.pressure
+    passed = state.pressure if guess is None else guess
     for stage, shift in passes(scene, state, station, wear, distance, observed, scheme):
-        near = guess if shift is None else passed if passed.any() else None
+        extrapolated = (guess is None and shift is None) or not passed.any()
+        near = None if extrapolated else passed
         contact, displacement = solved(scene, state, Pass(stage, shift), wear, wear_depth, near)
         iterations, residual = iterations + contact.iterations, max(residual, contact.residual)
         if wear:
