@@ -2,9 +2,9 @@
 
 A sweep is written in chunks of some points, or of one; ten thousand points are many thousands of
 files, which take long to open, copy and count. Compacting rewrites all but the fields in chunks of
-many points. Both kinds of chunks have names of their own, so they are
-written beside the others, and the root of the store says at one stroke which of them count. Then
-the others are removed; what a kill leaves of them does no harm, and goes the next time.
+many points. Both kinds of chunks have names of their own, so the new ones are written beside the
+old, and the root of the store says at one stroke which of them count. Then the others are removed;
+what a kill leaves of them does no harm, and goes the next time.
 """
 
 from __future__ import annotations

@@ -101,7 +101,10 @@ def locked(path: PathLike) -> Iterator[None]:
                 f"{folder} is in use by {error}; wait for it, or write to another store"
             ) from None
         except OSError as error:
-            raise StoreError(f"{folder} cannot be written: {error}") from error
+            above = folder.parents if isinstance(folder, Path) else ()
+            in_the_way = (f"{each} is a file, not a folder" for each in above if each.is_file())
+            reason = next(in_the_way, error)
+            raise StoreError(f"{folder} cannot be written: {reason}") from error
         yield
         if isinstance(folder, Path):
             parts.remove_unused(_lock_of_parts(folder))

@@ -41,7 +41,7 @@ class Summary:
     failed : tuple of FailedPoint
         Points that could not be computed.
     warned : int
-        Points that are done and carry a warning.
+        Points that are done and carry a warning, also those that only an earlier run asked for.
     rate : float or None
         Rate at which points were finished most recently [1/s]; None if that is not known.
     running : str or None

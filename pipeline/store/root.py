@@ -48,7 +48,7 @@ def begin(folder: Place) -> bool:
             sync(real.parent)
         return True
     if not folder.is_dir():
-        raise StoreError(f"{folder} is a file, not a store")
+        raise StoreError(f"{folder} is a file, not a store; give a folder that is not there yet")
     if is_begun(folder):
         return True
     read_metadata(folder)
@@ -86,7 +86,10 @@ def read_metadata(folder: Place) -> tuple[dict[str, Any], dict[str, Any]]:
             raise StoreError(
                 f"{folder} is a file, not a store; give a folder that irg run made"
             ) from None
-        raise StoreError(f"{folder} is not a store: there is no {ROOT}") from None
+        raise StoreError(
+            f"{folder} is not a store: there is no {ROOT}; give a folder that irg run made, or to "
+            "run a scene into, one that is not there yet"
+        ) from None
     except OSError as error:
         file = folder / ROOT
         if isinstance(file, Path) and file.exists() and not file.is_file() and copy_of(folder):
