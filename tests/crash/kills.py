@@ -135,6 +135,61 @@ class Sweeps:
         self._seen = set()
 
 
+class Campaign:
+    """Kills at random times, through as many sweeps as that takes."""
+
+    def __init__(self, sweeps, targets, seconds):
+        self._sweeps, self._targets, self._end = sweeps, targets, time.monotonic() + seconds
+        self.kills, self.given_up = Counter(), 0
+
+    def run(self):
+        """Go on until there is nothing left to kill and a sweep is complete, or a fault."""
+        driver, complete = self._sweeps.start(), False
+        try:
+            while not (complete or self._sweeps.faults):
+                if time.monotonic() > self._end:
+                    self._targets.clear()
+                self._disturb(driver)
+                if driver.poll() is None:
+                    self._sweeps.look()
+                    continue
+                complete = self._ended(driver) and not self._targets
+                if not (complete or self._sweeps.faults):
+                    driver = self._sweeps.start()
+        finally:
+            if driver.poll() is None:
+                os.killpg(driver.pid, signal.SIGKILL)
+                driver.wait()
+
+    def _disturb(self, driver):
+        """Kill something after a while, if the driver has workers by then."""
+        with suppress(subprocess.TimeoutExpired):
+            driver.wait(random.uniform(0.5, 4.0))
+        if driver.poll() is None and self._targets and workers_of(driver.pid):
+            target = self._targets.pop(0)
+            self.kills[target] += 1
+            kill(driver, target)
+        with suppress(subprocess.TimeoutExpired):
+            driver.wait(0.1)
+        if driver.poll() is None and time.monotonic() > self._sweeps.end:
+            self._sweeps.faults.append(f"a sweep has not ended within {PATIENCE:g} s")
+
+    def _ended(self, driver):
+        """Look at what a driver that has ended leaves; say whether its sweep is complete."""
+        if not is_gone(driver.pid):
+            self._sweeps.faults.append("processes are left over")
+            os.killpg(driver.pid, signal.SIGKILL)
+        if driver.returncode == GIVEN_UP:
+            self.given_up += 1
+        elif driver.returncode > 0:
+            self._sweeps.faults.append(f"the driver ended with {driver.returncode}")
+        complete = driver.returncode == 0
+        if complete:
+            self._sweeps.finish()
+        self._sweeps.look()
+        return complete
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--kills", type=int, default=100)
@@ -148,58 +203,17 @@ def main():
     random.seed(options.seed)
     targets = list(itertools.islice(itertools.cycle(TARGETS), options.kills))
     random.shuffle(targets)
-    kills, given_up, end = Counter(), 0, time.monotonic() + options.seconds
-    complete = False
     with tempfile.TemporaryDirectory() as temporary:
         sweeps = Sweeps(Path(temporary))
-        driver = sweeps.start()
-        try:
-            while targets or not complete:
-                if time.monotonic() > end:
-                    targets.clear()
-                with suppress(subprocess.TimeoutExpired):
-                    driver.wait(random.uniform(0.5, 4.0))
-                if driver.poll() is None and targets and workers_of(driver.pid):
-                    kills[targets[0]] += 1
-                    kill(driver, targets.pop(0))
-                with suppress(subprocess.TimeoutExpired):
-                    driver.wait(0.1)
-                if driver.poll() is None and time.monotonic() > sweeps.end:
-                    sweeps.faults.append(f"a sweep has not ended within {PATIENCE:g} s")
-                    break
-                if driver.poll() is None:
-                    sweeps.look()
-                    continue
-                if not is_gone(driver.pid):
-                    sweeps.faults.append("processes are left over")
-                    os.killpg(driver.pid, signal.SIGKILL)
-                complete = driver.returncode == 0
-                if complete:
-                    sweeps.finish()
-                elif driver.returncode == GIVEN_UP:
-                    given_up += 1
-                elif driver.returncode > 0:
-                    sweeps.faults.append(f"the driver ended with {driver.returncode}")
-                sweeps.look()
-                if sweeps.faults:
-                    break
-                if targets or not complete:
-                    complete, driver = False, sweeps.start()
-        finally:
-            if driver.poll() is None:
-                os.killpg(driver.pid, signal.SIGKILL)
-                driver.wait()
-    print(
-        json.dumps(
-            {
-                "kills": kills,
-                "sweeps": sweeps.finished,
-                "given_up": given_up,
-                "faults": sweeps.faults,
-            },
-            indent=1,
-        )
-    )
+        campaign = Campaign(sweeps, targets, options.seconds)
+        campaign.run()
+    report = {
+        "kills": campaign.kills,
+        "sweeps": sweeps.finished,
+        "given_up": campaign.given_up,
+        "faults": sweeps.faults,
+    }
+    print(json.dumps(report, indent=1))
     return 1 if sweeps.faults else 0
 
 
