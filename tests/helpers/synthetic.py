@@ -74,28 +74,11 @@ def sweep(
         for j, V in enumerate(velocities):
             if flags[i, j] != DONE:
                 continue
-            n, time = len(ramp), ramp / RATE
-            values = {
-                "time": time,
-                "normal_load": ramp,
-                "sliding_distance": V * time,
-                "contact_fraction": 0.012 * ramp**0.5,
-                "contact_width": 9e-6 * ramp**0.5 * (1 + 0.2 * V),
-                "max_pressure": np.full(n, 6.6e9),
-                "mean_pressure": 4e7 * ramp**0.5,
-                "saturated_fraction": 0.02 + 1e-4 * ramp,
-                "wear_depth_max": 2e-9 * V * ramp**0.9,
-                "wear_volume": 1.2e-15 * 0.5 * RATE * time**2 * V,
-                "iterations": np.full(n, 10.0),
-                "residual": np.full(n, 1e-4),
-            }
-            hot = np.array([k == n - 1 or bool(interval and (k + 1) % interval == 0)
-                            for k in range(n)])  # fmt: skip
-            values["max_rise"] = np.where(hot, rise(ramp, V), np.nan)
-            values["mean_rise"] = np.where(hot, rise(ramp, V, 0.5), np.nan)
-            values["pin_heat_share"] = np.where(hot, 0.4, np.nan)
+            hot = (np.arange(len(ramp)) + 1) % (interval or len(ramp)) == 0
+            hot[-1] = True
+            values = _columns(ramp, V) | _columns_of_heat(ramp, V, rise, hot)
             for name, value in values.items():
-                scalars[name][i, j, :n] = value
+                scalars[name][i, j, : len(ramp)] = value
             for k in np.flatnonzero(hot):
                 quantiles[i, j, k] = rise(ramp[k], V, np.array(QUANTILES))
 
@@ -124,6 +107,34 @@ def sweep(
         "format": 1,
     }
     return xr.Dataset(data, coords, attrs | attributes)
+
+
+def _columns(ramp, velocity):
+    """What contact and wear are at each step of a ramp."""
+    time = ramp / RATE
+    return {
+        "time": time,
+        "normal_load": ramp,
+        "sliding_distance": velocity * time,
+        "contact_fraction": 0.012 * ramp**0.5,
+        "contact_width": 9e-6 * ramp**0.5 * (1 + 0.2 * velocity),
+        "max_pressure": np.full(len(ramp), 6.6e9),
+        "mean_pressure": 4e7 * ramp**0.5,
+        "saturated_fraction": 0.02 + 1e-4 * ramp,
+        "wear_depth_max": 2e-9 * velocity * ramp**0.9,
+        "wear_volume": 1.2e-15 * 0.5 * RATE * time**2 * velocity,
+        "iterations": np.full(len(ramp), 10.0),
+        "residual": np.full(len(ramp), 1e-4),
+    }
+
+
+def _columns_of_heat(ramp, velocity, rise, hot):
+    """What the heat is at the steps at which the temperature was asked for."""
+    return {
+        "max_rise": np.where(hot, rise(ramp, velocity), np.nan),
+        "mean_rise": np.where(hot, rise(ramp, velocity, 0.5), np.nan),
+        "pin_heat_share": np.where(hot, 0.4, np.nan),
+    }
 
 
 def _fields(flags, loads, velocities, rise, coords, nx=48, ny=36):
