@@ -218,9 +218,9 @@ def share(client: Client, content: bytes, patience: float) -> bytes | Future:
             raise ExecutionError(f"no Dask worker is ready within {patience:g} s") from None
         except CancelledError:
             raise ExecutionError(LOST) from None
-        if error is None and len(content) <= _LIGHT:
-            return content
         if error is None:
+            if len(content) <= _LIGHT:
+                return content
             _copy_to_all(client, shared, patience)
             return shared
         if not isinstance(error, KilledWorker):  # it would be raised again
