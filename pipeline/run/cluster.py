@@ -61,7 +61,9 @@ _LOCAL: dict[str, object] = {
 _THREADS = 2  # of a worker: while one waits for the disk, the other computes
 _WORD = 10.0  # [s] without a worker, after which the user is told
 _ATTEMPTS = 3  # to start workers, or to reach one, which may be killed meanwhile
-_LOOK = 0.01  # [s] after which to look again whether a worker has started: no option of Dask
+# [s] after which a nanny looks again whether its worker has started. With Dask's 0.05 s it takes a
+# worker that has died by then for the next one, which it is about to start.
+_LOOK = 0.002
 _START = 120.0  # [s] that a worker may take to start, after which its nanny is given up
 _LIGHT = 8000  # bytes, of which a scheduler has room for as many as there are tasks
 _COPIED = 1.0  # [s] for which to wait until each worker has a copy of what they share
@@ -120,7 +122,9 @@ def _end(cluster: LocalCluster) -> None:
     forkserver.wake()
     try:
         cluster.close(timeout=_END)
-    except OSError:  # not in time, or a connection broke that Ctrl-C had reached the other end of
+    except (OSError, AssertionError):
+        # Not in time; or a connection broke that Ctrl-C had reached the other end of; or a worker
+        # had died as soon as it had started, and the next one was just about to start.
         forkserver.wake()  # or Python itself waits for these processes in the end
         for process in multiprocessing.active_children():
             process.kill()

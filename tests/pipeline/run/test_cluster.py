@@ -15,7 +15,7 @@ from types import SimpleNamespace
 import distributed
 import psutil
 import pytest
-from distributed import Client
+from distributed import Client, LocalCluster
 from distributed.nanny import WorkerProcess
 from distributed.scheduler import KilledWorker
 from packaging.version import Version
@@ -187,6 +187,21 @@ def test_each_worker_has_what_is_too_heavy_to_go_along_with_each_task():
 
 def test_dask_still_looks_for_its_workers_as_often_as_it_is_told_here():
     assert "sleep(self._init_msg_interval)" in inspect.getsource(WorkerProcess)
+
+
+@pytest.mark.parametrize(
+    "error", [TimeoutError(), AssertionError("can only join a started process")]
+)
+def test_a_cluster_that_dask_fails_to_end_leaves_no_process(monkeypatch, error):
+    def failing(self, timeout):
+        raise error
+
+    with connected(workers=2, scheduler=None, patience=30.0) as client:
+        workers = [psutil.Process(number) for number in client.run(os.getpid).values()]
+        monkeypatch.setattr(LocalCluster, "close", failing)
+    assert psutil.wait_procs(workers, timeout=30)[1] == []
+    monkeypatch.undo()
+    client.cluster.close(timeout=30)
 
 
 def test_a_worker_that_its_nanny_gives_up_is_replaced():
