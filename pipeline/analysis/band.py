@@ -19,6 +19,14 @@ from tribo.types import Array
 CROSSES, MILD, SEVERE, UNKNOWN = range(4)
 """Values of the variables ``outcome_at_load`` and ``outcome_at_velocity``."""
 
+OUTCOMES = {
+    CROSSES: "crosses",
+    MILD: "mild throughout",
+    SEVERE: "severe from the lowest",
+    UNKNOWN: "not known yet",
+}
+"""What they mean, in words."""
+
 BAND = (0.1, 0.5, 0.9)
 """Shares of the surfaces whose transition lies lower: lower end, middle and upper end."""
 

@@ -9,14 +9,13 @@ from typing import Any
 import numpy as np
 
 import pipeline
-from pipeline.analysis.band import BAND
+from pipeline.analysis.band import BAND, CROSSES, OUTCOMES
 from pipeline.analysis.labelled import Labelled
 from tribo import lubrication_regime
 from tribo.lubricant import BOUNDARY, FULL_FILM
 from tribo.types import Array
 
-_NO_CROSSING = {1: "mild throughout", 2: "severe from the lowest", 3: "not known yet"}
-_OUTCOMES = {0: "crosses"} | _NO_CROSSING
+_NO_CROSSING = {why: words for why, words in OUTCOMES.items() if why != CROSSES}
 _BOUNDARIES = (
     ("critical_velocity", "load", "  load [N]   critical velocity [m/s]"),
     ("critical_load", "velocity", "  velocity [m/s]   critical load [N]"),
@@ -72,7 +71,7 @@ def _worded(outcomes: Any) -> Any:
     """Outcomes in words, in lists as deep as theirs."""
     if isinstance(outcomes, list):
         return [_worded(outcome) for outcome in outcomes]
-    return _OUTCOMES[outcomes]
+    return OUTCOMES[outcomes]
 
 
 def rows_of(found: Labelled) -> Iterator[dict[str, Any]]:
@@ -106,10 +105,10 @@ def _crossing(at: Labelled, name: str, axis: str, other: str) -> dict[str, Any]:
         shares = [f"{100 * share:g} %" for share in at["quantile"]]
         found = dict(zip(shares, at[f"{name}_quantile"].tolist(), strict=True))
         found |= {kind: float(at[f"{name}_{kind}"]) for kind in ("mean", "spread")}
-        found |= {f"{kind_of} that cross": outcomes.count(0), kind_of: len(outcomes)}
+        found |= {f"{kind_of} that cross": outcomes.count(CROSSES), kind_of: len(outcomes)}
         found = {other: float(at[f"{name}_quantile"][BAND.index(0.5)])} | found
     else:
-        found = {other: float(at[name]), "outcome": _OUTCOMES[int(at[f"outcome_at_{axis}"])]}
+        found = {other: float(at[name]), "outcome": OUTCOMES[int(at[f"outcome_at_{axis}"])]}
     if f"film_parameter_at_{axis}" in at:
         found["film parameter"] = _middle(at[f"film_parameter_at_{axis}"])
     return found
@@ -218,7 +217,7 @@ def _band(found: Labelled, name: str, axis: str) -> Iterator[str]:
         values = (middle, low, high, float(at[f"{name}_mean"]), float(at[f"{name}_spread"]))
         cells = (f"{value:.4g}" if math.isfinite(value) else "-" for value in values)
         outcomes = at[f"outcome_at_{axis}"].tolist()
-        counts = [f"{outcomes.count(0)} of {len(outcomes)} cross"]
+        counts = [f"{outcomes.count(CROSSES)} of {len(outcomes)} cross"]
         counts += [
             f"{outcomes.count(why)} {meaning}"
             for why, meaning in _NO_CROSSING.items()

@@ -9,12 +9,13 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 import pipeline
+from pipeline.analysis.band import CROSSES, OUTCOMES
 from pipeline.cli.output import DONE, drawn_or_written, output_path, show, tell
 from pipeline.cli.scenes import scene_of, settings_of
 from tribo import InputError
 
 if TYPE_CHECKING:
-    from pipeline.run.vary import Variations
+    from pipeline.run.vary import Variation, Variations
 
 _RELATIVE = re.compile(r"([+-]\d+(?:\.\d+)?)\s*%")
 _QUANTITY = re.compile(r"\s*([+-]?[\d.]+(?:[eE][+-]?\d+)?)\s*(.*)")
@@ -39,8 +40,8 @@ def _rows(found: Variations) -> Iterator[dict[str, Any]]:
     """Rows of a table, one for each value and load."""
     for each in (found.own, *found.others):
         changes = found.changes(each) if each.key else [None] * len(found.loads)
-        for load, velocity, change in zip(
-            found.loads, each.critical_velocities, changes, strict=True
+        for load, velocity, change, outcome in zip(
+            found.loads, each.critical_velocities, changes, each.outcomes, strict=True
         ):
             yield {
                 "entry": each.key or "as it is",
@@ -48,6 +49,7 @@ def _rows(found: Variations) -> Iterator[dict[str, Any]]:
                 "load [N]": load,
                 "critical velocity [m/s]": velocity,
                 "change": change,
+                "outcome": outcome,
             }
 
 
@@ -83,23 +85,34 @@ def _absolute(options: argparse.Namespace, key: str, values: list[Any]) -> Itera
 
 def _text(found: Variations) -> Iterator[str]:
     """A table of critical velocities, a row for each value."""
-    heads = " ".join(f"{f'{load:g} N':>14}" for load in found.loads)
+    heads = " ".join(f"{f'{load:g} N':>15}" for load in found.loads)
     width = max([18, *(len(each.value) + 4 for each in found.others)])
     yield f"{'critical velocity [m/s]':{width}} {heads}"
-    own = " ".join(f"{_number(v):>14}" for v in found.own.critical_velocities)
-    yield f"{'as it is':{width}} {own}"
+    yield f"{'as it is':{width}} {_cells(found, found.own)}".rstrip()
     for key, variations in found.by_key().items():
         yield key
         for each in variations:
-            cells = " ".join(
-                f"{_number(v):>5} {_percent(change):>8}"
-                for v, change in zip(each.critical_velocities, found.changes(each), strict=True)
-            )
-            yield f"    {each.value:{width - 4}} {cells}"
+            yield f"    {each.value:{width - 4}} {_cells(found, each)}".rstrip()
+    outcomes = {outcome for each in (found.own, *found.others) for outcome in each.outcomes}
+    if none := sorted(outcomes - {OUTCOMES[CROSSES]}):
+        yield ""
+        yield "without a transition between the sweep's velocities: " + ", ".join(
+            f"{outcome.split()[0]} = {outcome}" for outcome in none
+        )
 
 
-def _number(value: float) -> str:
-    return f"{value:.3g}" if math.isfinite(value) else "none"
+def _cells(found: Variations, variation: Variation) -> str:
+    """Critical velocities and their changes in columns; or in a word, why there is none."""
+    changes = found.changes(variation) if variation.key else [math.nan] * len(found.loads)
+    cells = (
+        f"{velocity:6.3g} {_percent(change):>8}"
+        if math.isfinite(velocity)
+        else f"{outcome.split()[0]:>6} {'':8}"
+        for velocity, change, outcome in zip(
+            variation.critical_velocities, changes, variation.outcomes, strict=True
+        )
+    )
+    return " ".join(cells)
 
 
 def _percent(change: float) -> str:

@@ -12,6 +12,8 @@ from matplotlib.ticker import FuncFormatter
 from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION, Picture, as_text, in_house_style
 from pipeline.run.vary import Variation, Variations
 
+_LEAST = 0.01  # change on either side for which there is room where nothing moves
+
 
 @in_house_style
 def draw_variations(found: Variations) -> Figure:
@@ -25,8 +27,8 @@ def draw_variations(found: Variations) -> Figure:
     Examples
     --------
     >>> import pipeline
-    >>> own = pipeline.Variation("", "", critical_velocities=(2.17,))
-    >>> other = pipeline.Variation("friction.coefficient", "0.12", critical_velocities=(1.63,))
+    >>> own = pipeline.Variation("", "", (2.17,), ("crosses",))
+    >>> other = pipeline.Variation("friction.coefficient", "0.12", (1.63,), ("crosses",))
     >>> found = pipeline.Variations("A scene", (400.0,), own, (other,), points=8)
     >>> figure = pipeline.draw_variations(found)
     """
@@ -42,8 +44,11 @@ def draw_variations(found: Variations) -> Figure:
     axes.axvline(0.0, color=BLACK, lw=1.0)
     axes.set_yticks(range(len(keys)), [as_text(key) for key in keys])
     axes.set_ylim(len(keys) - 0.5, -0.5)
-    moved = [found.changes(each)[list(ends)] for each in found.others]
-    low, high = min(0.0, np.nanmin(moved)), max(0.0, np.nanmax(moved))
+    moved = np.array([found.changes(each)[list(ends)] for each in found.others])
+    moved = moved[np.isfinite(moved)]
+    low, high = moved.min(initial=0.0), moved.max(initial=0.0)
+    if low == high:
+        low, high = -_LEAST, _LEAST
     room = 0.45 * (high - low)  # for the values beside the bars
     axes.set_xlim(low - room, high + room)
     axes.grid(visible=False, axis="y")
@@ -52,10 +57,9 @@ def draw_variations(found: Variations) -> Figure:
     )
     axes.set_xlabel("change of the critical velocity")
     for load, colour in ends.items():
-        own = found.own.critical_velocities[load]
-        axes.plot(
-            [], [], color=colour, lw=6, label=f"at {found.loads[load]:g} N, from {own:.3g} m/s"
-        )
+        own, outcome = found.own.critical_velocities[load], found.own.outcomes[load]
+        begins = f"from {own:.3g} m/s" if np.isfinite(own) else outcome
+        axes.plot([], [], color=colour, lw=6, label=f"at {found.loads[load]:g} N, {begins}")
     figure.legend(loc="outside lower center", ncols=len(ends))
     axes.set_title(textwrap.fill(as_text(found.title), 60), x=0.3)
     return figure

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from pipeline.analysis.band import CROSSES, MILD, OUTCOMES, SEVERE
 from pipeline.analysis.interpolation import crossing
 from pipeline.run.boundary_search import BoundarySearch
 from pipeline.sweep.criterion import Conditions, at_bulks, rise_limit, worst_moment
@@ -44,16 +45,20 @@ class Variation:
         scene as it is.
     critical_velocities : tuple of float
         Critical velocity at each load [m/s]; NaN where there is no transition within the sweep.
+    outcomes : tuple of str
+        At each load ``"crosses"``, or where there is no transition, ``"mild throughout"`` or
+        ``"severe from the lowest"``.
 
     Examples
     --------
-    >>> Variation("friction.coefficient", "0.12", critical_velocities=(1.63,)).value
+    >>> Variation("friction.coefficient", "0.12", (1.63,), ("crosses",)).value
     '0.12'
     """
 
     key: str
     value: str
     critical_velocities: tuple[float, ...]
+    outcomes: tuple[str, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,8 +83,8 @@ class Variations:
     Examples
     --------
     >>> import pipeline
-    >>> own = pipeline.Variation("", "", critical_velocities=(2.17,))
-    >>> other = pipeline.Variation("friction.coefficient", "0.12", critical_velocities=(1.63,))
+    >>> own = pipeline.Variation("", "", (2.17,), ("crosses",))
+    >>> other = pipeline.Variation("friction.coefficient", "0.12", (1.63,), ("crosses",))
     >>> found = pipeline.Variations("A scene", (400.0,), own, (other,), points=8)
     >>> found.own.critical_velocities
     (2.17,)
@@ -113,11 +118,13 @@ class Variations:
         return {
             "loads": list(self.loads),
             "critical_velocity": list(self.own.critical_velocities),
+            "critical_velocity_outcome": list(self.own.outcomes),
             "variations": [
                 {
                     "key": each.key,
                     "value": each.value,
                     "critical_velocity": list(each.critical_velocities),
+                    "critical_velocity_outcome": list(each.outcomes),
                     "change": self.changes(each).tolist(),
                 }
                 for each in self.others
@@ -166,7 +173,7 @@ def vary(
         plain = replace(scene, samples=None, realizations=())
         alike = replace(plain, **{name: getattr(sweep, name) for name in _APART})
         plane = planes.setdefault(alike, _Plane(plain))
-        return Variation(key, value, plane.boundary(sweep, scene.conditions, tolerance))
+        return Variation(key, value, *plane.boundary(sweep, scene.conditions, tolerance))
 
     def named(scene: tuple[str, str, Sweep]) -> str:
         return f"{scene[0]} = {scene[1]}" if scene[0] else "the scene as it is"
@@ -187,8 +194,13 @@ class _Plane:
         self.warnings: dict[Point, tuple[PointWarning, ...]] = {}
         self.beside: set[Point] = set()  # a boundary that was asked for
 
-    def boundary(self, asked: Sweep, conditions: Conditions, tolerance: float) -> tuple[float, ...]:
-        """Critical velocity at each load under some conditions, simulating what that takes."""
+    def boundary(
+        self, asked: Sweep, conditions: Conditions, tolerance: float
+    ) -> tuple[tuple[float, ...], tuple[str, ...]]:
+        """Critical velocity and outcome at each load under some conditions.
+
+        What that takes is simulated.
+        """
         limit, moving = rise_limit(conditions), [v for v in asked.velocities if v > 0]
         if not np.isfinite(limit) or len(moving) < 2:
             raise InputError(
@@ -199,7 +211,10 @@ class _Plane:
         while wanted := search.wanted(rises := self._rises(conditions)):
             self._simulate(wanted)
         self.beside.update(_beside(rises, limit))
-        return tuple(_crossing(rises, load, limit) for load in asked.loads)
+        velocities, outcomes = zip(
+            *(_crossing(rises, load, limit) for load in asked.loads), strict=True
+        )
+        return velocities, outcomes
 
     def _rises(self, conditions: Conditions) -> dict[Point, float]:
         found = {}
@@ -245,7 +260,10 @@ def _warned(planes: Iterable[_Plane]) -> Warned:
     )
 
 
-def _crossing(rises: Mapping[Point, float], load: float, limit: float) -> float:
+def _crossing(rises: Mapping[Point, float], load: float, limit: float) -> tuple[float, str]:
+    """Critical velocity at a load, and the outcome in words."""
     row = sorted((point.velocity, rise) for point, rise in rises.items() if point.load == load)
     velocities, values = np.array(row).T
-    return crossing(velocities, values, limit)
+    found = crossing(velocities, values, limit)
+    outcome = CROSSES if np.isfinite(found) else SEVERE if values[0] > limit else MILD
+    return found, OUTCOMES[outcome]

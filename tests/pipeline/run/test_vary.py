@@ -108,6 +108,35 @@ def test_the_command_takes_percent_of_the_scene_s_own(folder, capsys):
     assert out.stat().st_size > 10_000
 
 
+def test_where_there_is_no_boundary_it_is_told_on_which_side_it_lies(folder, capsys):
+    arguments = ["vary", str(folder / "small.toml"), "--over", "friction.coefficient=0.01,0.9"]
+    table = folder / "none.csv"
+    assert main([*arguments, "--json", "-o", str(table)]) == 0
+    document = json.loads(capsys.readouterr().out)
+    count = len(document["loads"])
+    rows = [line.split(",") for line in table.read_text().splitlines()]
+    assert document["critical_velocity_outcome"] == ["crosses", "severe from the lowest"]
+    for found, outcome in zip(
+        document["variations"], ("mild throughout", "severe from the lowest"), strict=True
+    ):
+        assert found["critical_velocity"] == found["change"] == [None] * count
+        assert found["critical_velocity_outcome"] == [outcome] * count
+        assert [row[-1] for row in rows if row[1] == found["value"]] == [outcome] * count
+    assert main(arguments) == 0
+    text = capsys.readouterr().out
+    assert "mild throughout" in text
+    assert "severe from the lowest" in text
+
+
+@pytest.mark.parametrize("own", [2.0, np.nan])
+def test_what_moves_no_boundary_is_drawn(own):
+    one = pipeline.Variation("", "", (own,), ("crosses" if own == own else "mild throughout",))
+    other = pipeline.Variation("friction.coefficient", "0.01", (np.nan,), ("mild throughout",))
+    figure = pipeline.draw_variations(pipeline.Variations("", (400.0,), one, (other,), points=8))
+    (label,) = [each.get_text() for each in figure.legends[0].get_texts()]
+    assert label == f"at 400 N, {'from 2 m/s' if own == own else 'mild throughout'}"
+
+
 @pytest.mark.parametrize(
     ("over", "told"),
     [
