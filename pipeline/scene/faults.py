@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import NamedTuple
 
@@ -55,12 +56,15 @@ class SceneFileError(TriboError):
         self.faults = faults
 
     def __str__(self) -> str:
+        name = str(self.path)
+        if not name.isprintable():
+            name = json.dumps(name)
         if len(self.faults) == 1:
-            return f"{self.path}: {self.faults[0]}"
+            return f"{name}: {self.faults[0]}"
         shown = self.faults[:_SHOWN]
         if more := len(self.faults) - len(shown):
             shown = [*shown, f"and {more} more"]
-        return "\n  ".join([f"{self.path}: {len(self.faults)} faults", *shown])
+        return "\n  ".join([f"{name}: {len(self.faults)} faults", *shown])
 
 
 def unwritable(path: Path, error: OSError) -> InputError:

@@ -177,6 +177,7 @@ def test_leaving_out_what_is_not_there_is_a_fault(write, tmp_path):
         ('"own.toml"', "closes a circle"),
         ('"folder/../own.toml"', "closes a circle"),
         ('"round.toml"', "closes a circle"),
+        ('"\\u001e"', '\\u001e": cannot be read'),
     ],
 )
 def test_another_scene_that_cannot_be_extended_is_one_clear_fault(write, tmp_path, given, said):
