@@ -19,7 +19,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeline.sweep.model import Point
+from pipeline.sweep.model import Point, Sweep
 from tribo import InputError
 
 _EXPONENT = 0.6  # of the rise over velocity, until it is known
@@ -30,6 +30,35 @@ _WIDEST = 0.35  # of h
 _NEAR = 0.25  # of h: how near to a node a crossing must be expected to ask beyond it
 _NEAR_EXPECTED = 0.1  # the same, where it is expected for a better reason
 _FINEST = 12  # halvings of the axis
+
+
+def searched(sweep: Sweep, limits: Iterable[float]) -> list[float]:
+    """Velocities of a sweep between which to search its boundary [m/s].
+
+    Parameters
+    ----------
+    sweep : Sweep
+    limits : iterable of float
+        Rises at friction 1 above which wear is severe [K].
+
+    Raises
+    ------
+    InputError
+        If there is no boundary to look for: no friction, or fewer than two velocities above 0.
+    """
+    if not all(map(math.isfinite, limits)):
+        raise InputError(
+            "there is no boundary to look for without friction; give friction.coefficient a number "
+            "above 0"
+        )
+    moving = [velocity for velocity in sweep.velocities if velocity > 0]
+    if len(moving) < 2:
+        given = ", ".join(f"{velocity:g}" for velocity in sweep.velocities)
+        raise InputError(
+            f"there is no boundary to look for where sweep.velocities are {given} m/s; give two or "
+            "more above 0"
+        )
+    return moving
 
 
 @dataclass(frozen=True, slots=True)

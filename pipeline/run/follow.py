@@ -7,16 +7,13 @@ from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 
-import numpy as np
-
-from pipeline.run.boundary_search import BoundarySearch
+from pipeline.run.boundary_search import BoundarySearch, searched
 from pipeline.run.replay import Replay, Variant
 from pipeline.run.sweep import Outcome, Progress, run_sweep
 from pipeline.store import PathLike
 from pipeline.sweep.chosen import Chosen
 from pipeline.sweep.criterion import rise_limit
 from pipeline.sweep.model import Point, Sweep
-from tribo import InputError
 
 _FIRST = 16  # samples that are searched without knowing where others found their boundary
 _GROWTH = 2  # of the number of samples that are searched at a time
@@ -65,14 +62,9 @@ def follow_boundary(
     >>> outcome.done  # doctest: +SKIP
     11
     """
-    moving = [velocity for velocity in sweep.velocities if velocity > 0]
     variants = _variants(sweep)
     limits = [rise_limit(each) for variant in variants for each in variant.conditions]
-    if not np.isfinite(limits).all() or len(moving) < 2:
-        raise InputError(
-            "there is no boundary to look for without friction, or between fewer than two "
-            "velocities above 0"
-        )
+    moving = searched(sweep, limits)
     within = BoundarySearch(sweep.loads, moving[0], moving[-1], limits[0], tolerance)
     search = Replay(within, out, variants, retry_failed)
     batches = deque(_batches(variants) if sweep.samples else [variants])

@@ -12,13 +12,13 @@ import numpy as np
 
 from pipeline.analysis.band import CROSSES, MILD, OUTCOMES, SEVERE
 from pipeline.analysis.interpolation import crossing
-from pipeline.run.boundary_search import BoundarySearch
+from pipeline.run.boundary_search import BoundarySearch, searched
 from pipeline.sweep.criterion import Conditions, at_bulks, rise_limit, worst_moment
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import chains, run_point
 from pipeline.sweep.stages import staged
 from pipeline.sweep.warned import NO_WARNING, Warned
-from tribo import InputError, PointWarning, Scene
+from tribo import PointWarning, Scene
 from tribo.thermal import rise_exceeded
 from tribo.types import Array
 
@@ -201,12 +201,8 @@ class _Plane:
 
         What that takes is simulated.
         """
-        limit, moving = rise_limit(conditions), [v for v in asked.velocities if v > 0]
-        if not np.isfinite(limit) or len(moving) < 2:
-            raise InputError(
-                "there is no boundary to look for without friction, or between fewer than two "
-                "velocities above 0"
-            )
+        limit = rise_limit(conditions)
+        moving = searched(asked, [limit])
         search = BoundarySearch(asked.loads, moving[0], moving[-1], limit, tolerance)
         while wanted := search.wanted(rises := self._rises(conditions)):
             self._simulate(wanted)

@@ -137,11 +137,12 @@ def test_a_grid_that_is_there_is_used(tmp_path):
 
 def test_where_nothing_can_cross_nothing_is_looked_for(tmp_path):
     without = replace(SWEEP, conditions=replace(SWEEP.conditions, friction=0.0))
-    for sweep in (
-        without,
-        replace(SWEEP, velocities=(1.0,)),
-        replace(SWEEP, velocities=(0.0, 1.0)),
+    one, rest = (replace(SWEEP, velocities=each) for each in ((1.5,), (0.0, 1.5)))
+    for sweep, told in (
+        (without, "without friction; give friction.coefficient a number above 0"),
+        (one, "sweep.velocities are 1.5 m/s; give two or more above 0"),
+        (rest, "sweep.velocities are 0, 1.5 m/s; give two or more above 0"),
     ):
-        with pytest.raises(InputError, match="no boundary to look for"):
+        with pytest.raises(InputError, match=f"no boundary to look for.*{told}"):
             follow_boundary(sweep, tmp_path / "none.zarr")
     assert not (tmp_path / "none.zarr").exists()
