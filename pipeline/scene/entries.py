@@ -33,10 +33,13 @@ def did_you_mean(word: str, known: Iterable[str]) -> str:
     --------
     >>> did_you_mean("swetp", ["local", "swept"]), did_you_mean("hurst", ["hurst_exponent"])
     (' (did you mean "swept"?)', ' (did you mean "hurst_exponent"?)')
+    >>> did_you_mean("loads", ["sweep.loads"])
+    ' (did you mean "sweep.loads"?)'
     """
     word, known = word[:80].lower(), list(known)
+    ends = [other for other in known if other.endswith(f".{word}")]
     longer = [other for other in known if len(word) > 2 and other.startswith(word)]
-    near = longer or difflib.get_close_matches(word, known, n=1)
+    near = ends or longer or difflib.get_close_matches(word, known, n=1)
     return f' (did you mean "{near[0]}"?)' if near else ""
 
 

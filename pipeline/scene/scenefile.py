@@ -26,8 +26,6 @@ from pipeline.scene.unknown import samples_of
 from pipeline.sweep.criterion import Conditions, of_bulks
 from pipeline.sweep.model import SCATTERS, Measurement, Sweep
 
-_PATHS = ("wear.pattern", "loading.hold", "temperature.failing_share", "sweep.realizations")
-
 Loading = tribo.Ramp | tribo.MeasuredLoad
 Pin = tribo.Cylinder | tribo.Ball | tribo.Crowned
 
@@ -156,8 +154,8 @@ def _fidelity(
     entries = {key: value for key, value in table.items() if key != "preset"}
     for key in set(overrides) - set(FIDELITY):
         problem = (
-            f"unknown key{did_you_mean(key, [*FIDELITY, *_PATHS])}; give one of "
-            f"{', '.join(FIDELITY)}; or a path such as {' or '.join(_PATHS[:2])}"
+            f"unknown key{did_you_mean(key, [*FIDELITY, *_paths()])}; give one of "
+            f"{', '.join(FIDELITY)}; or a path such as wear.pattern or loading.hold"
         )
         faults.append(Fault(key, problem))
     known = {key: value for key, value in overrides.items() if key in FIDELITY}
@@ -173,6 +171,14 @@ def _fidelity(
             else:
                 fidelity = changed if counts else fidelity
     return fidelity, name if fidelity == tribo.PRESETS[name] else None
+
+
+def _paths() -> list[str]:
+    """Paths of the entries that overrides may name."""
+    from pipeline.scene.meanings import MEANINGS  # for the sake of a fault alone
+
+    apart = ("fidelity.", "materials.NAME.", "measured.")  # by their names, and not by a path
+    return [path for path in MEANINGS if not path.startswith(apart)]
 
 
 def _loading(

@@ -299,6 +299,21 @@ def test_a_measured_surface_is_read_from_beside_the_scene(read, tmp_path):
     np.testing.assert_allclose(sweep.roughness.array, heights * 1e-6, rtol=1e-15)
 
 
+@pytest.mark.parametrize(
+    ("key", "path"),
+    [
+        ("loads", "sweep.loads"),
+        ("critical", "temperature.critical"),
+        ("Increment", "increments"),
+        ("rate", "loading.rate"),
+        ("seed", "disk.roughness.seed"),
+    ],
+)
+def test_the_path_of_an_entry_that_is_named_alone_is_proposed(read, key, path):
+    with pytest.raises(SceneFileError, match=rf'{key}: unknown key \(did you mean "{path}"\?\)'):
+        read(overrides={key: 1})
+
+
 def test_a_preset_asked_for_replaces_the_files_fidelity_and_overrides_come_last(read):
     own = ('preset = "draft"', 'preset = "draft"\nincrements = 30\npartition = "uniform"')
     assert read().preset == "draft"
