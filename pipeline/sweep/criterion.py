@@ -139,8 +139,8 @@ class Conditions:
         if self.critical_temperature is None:
             raise InputError(
                 "temperature.critical: the scene does not give it, and this needs it; add it to "
-                'the scene, such as critical = "145 degC", or give it here, as '
-                "--critical-temperature or critical_temperature"
+                'the scene, such as critical = "145 degC", or where options or arguments take '
+                "it, give --critical-temperature or critical_temperature"
             )
         return self.critical_temperature
 
