@@ -220,8 +220,9 @@ def specific_wear_rate(
 
     if not width(0.0) + half < contact_width <= grid.size[0] - half:
         raise InputError(
-            f"contact_width is {contact_width:g} m; without wear the contact is {width(0.0):g} m "
-            f"wide, and the window {grid.size[0]:g} m. It must lie in between"
+            f"contact_width is {contact_width:.4g} m; it must lie between {width(0.0):.4g} m, "
+            f"which the contact has without wear, and the {grid.size[0]:.4g} m of the window: "
+            "compare the unit, load and velocity with what was measured, or take a wider window"
         )
     lowest, _ = _crossing(lambda rate: width(rate) >= contact_width - half)
     _, highest = _crossing(lambda rate: width(rate) >= contact_width + half)
