@@ -58,7 +58,7 @@ def gradient_step(
         return spent, Gradient(first_length(problem), gradient.idle + 1)
     if metric:
         length = metric.square(step.take(nodes)) / curvature
-    elif spent.convolutions % 2 < 1:
+    elif spent.convolutions % 2 < 1:  # the two lengths of Barzilai and Borwein take turns
         length = float((step * step).sum()) / curvature
     else:
         length = curvature / float((response * response).sum())

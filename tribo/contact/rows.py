@@ -23,12 +23,10 @@ import numpy as np
 from tribo.contact.elasticity import ElasticHalfSpace
 from tribo.types import Array, Indices
 
+_SOFT = 0.05  # coupling, in units of an element's compliance, that is worth a metric
 _ROUNDING = 1e-15
 _MOST_STEPS = 100  # of a root finder that halves its bracket where Newton's method leaves it
 _MOST_AT_ONCE = 10  # of Newton's method without a bracket
-
-
-_SOFT = 0.05  # coupling, in units of an element's compliance, that is worth a metric
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,7 +105,7 @@ class RowMetric:
         return sums
 
     def square(self, step: Array) -> float:
-        """StepᵀM step."""
+        """Square of the length of a step in this metric, stepᵀM step."""
         rows = self._sums(step)
         return self._d * float((step * step).sum()) + self._k * float((rows * rows).sum())
 
