@@ -116,12 +116,6 @@ class RowMetric:
             (gradient - mean[self._row]) / self._d + (self._softness * mean)[self._row]
         )
 
-    def balanced(self, gradient: Array) -> Array:
-        """The same at constant load: M⁻¹(gradient − μ), with the μ for which it sums to 0."""
-        weight = self._count * self._softness
-        mu = float((weight * self._sums(gradient) / self._count).sum()) / float(weight.sum())
-        return self.raised(gradient - mu)
-
     def nearest(self, field: Array, total: float, highest: float) -> Array:
         """The field nearest to `field` that sums to `total` and lies between 0 and `highest`.
 
