@@ -57,6 +57,8 @@ _LOCAL: dict[str, object] = {
     # A nanny starts its worker again. Dask would take off who is away at this time after a loss,
     # and so, where workers die again and again, one that is just coming back.
     "distributed.deploy.lost-worker-timeout": "1000 days",
+    # What workers share stays with all of them.
+    "distributed.scheduler.active-memory-manager.start": False,
 }
 _THREADS = 2  # of a worker: while one waits for the disk, the other computes
 _WORD = 10.0  # [s] without a worker, after which the user is told
