@@ -87,6 +87,7 @@ def script_starts_sweeps() -> bool:
     process = context.Process(target=_nothing)
     process.start()
     process.join(_IMPORT)
+    process.kill()  # or Python would wait for it in the end
     return bool(process.exitcode == _UNGUARDED)
 
 
