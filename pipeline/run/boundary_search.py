@@ -27,8 +27,7 @@ _TREND = -0.8  # of the boundary's velocity over load, until it is known
 _CURVATURE = 0.5  # κ until it is known
 _LEAST_CURVATURE = 0.2  # known from a few points, it may be less by chance
 _WIDEST = 0.35  # of h
-_NEAR = 0.25  # of h: how near to a node a crossing must be expected to ask beyond it
-_NEAR_EXPECTED = 0.1  # the same, where it is expected for a better reason
+_NEAR = 0.1  # of h: how near to a node a crossing must be expected to ask beyond it
 _FINEST = 12  # halvings of the axis
 
 
@@ -125,16 +124,15 @@ class BoundarySearch:
         """
         rows = {load: self._row(known, load) for load in self.loads}
         curvature = self._curvature(rows)
-        guesses, near = self._guesses(rows), _NEAR
+        guesses = self._guesses(rows)
         if not guesses and expected:
             guesses = {load: math.log(velocity) for load, velocity in expected.items()}
-            near = _NEAR_EXPECTED
         asked = set()
         if not guesses:
             ends = (self.loads[0], self.loads[len(self.loads) // 2], self.loads[-1])
             asked = {Point(load, self._first_node(load)) for load in ends}
         for load, guess in guesses.items():
-            asked |= {Point(load, v) for v in self._next(rows[load], guess, curvature, near)}
+            asked |= {Point(load, v) for v in self._next(rows[load], guess, curvature)}
         fresh = asked - set(known) - set(hopeless)
         return tuple(sorted(fresh, key=lambda point: (point.velocity, point.load)))
 
@@ -229,7 +227,7 @@ class BoundarySearch:
         return float(x[k] - y[k] / min(max(slope, 0.2), 3.0))
 
     def _next(
-        self, row: list[tuple[float, float]], guess: float, curvature: float, near: float
+        self, row: list[tuple[float, float]], guess: float, curvature: float
     ) -> Iterable[float]:
         """Velocities to look at next at one load."""
         low, high = self._bracket(row)
@@ -250,8 +248,8 @@ class BoundarySearch:
             below, above = math.floor(k), math.ceil(k)
             nodes = {below, above} | ({below + 1} if below == above else set())
             if not (low and high):
-                nodes |= {below - 1} if k - below < near else set()
-                nodes |= {above + 1} if above - k < near else set()
+                nodes |= {below - 1} if k - below < _NEAR else set()
+                nodes |= {above + 1} if above - k < _NEAR else set()
             last = self._intervals() * 2**level
             asked = {self._node(min(max(node, 0), last), level) for node in nodes}
             inside = {v for v in asked if (low is None or v > low) and (high is None or v < high)}
