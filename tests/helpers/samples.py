@@ -1,6 +1,9 @@
 """Samples of a sweep whose rise is known in closed form."""
 
+import math
+
 import numpy as np
+from scipy import stats
 
 from pipeline.analysis.ensemble import Ensemble
 from pipeline.sweep.criterion import Conditions
@@ -54,3 +57,14 @@ def limit(inputs):
 
 def critical_velocity(inputs, load):
     return (limit(inputs) / rise(inputs, load, 1.0)) ** (1 / EXPONENT)
+
+
+def distribution_of(unknown):
+    """The distribution of an unknown input that is not a list, by SciPy."""
+    first, second = unknown.parameters
+    match unknown.kind:
+        case "normal":
+            return stats.norm(first, second)
+        case "log-normal":
+            return stats.lognorm(s=math.log(second), scale=first)
+    return stats.uniform(first, second - first)
