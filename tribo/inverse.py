@@ -239,7 +239,10 @@ def _crossing(exceeds: Callable[[float], bool]) -> tuple[float, float]:
     while not exceeds(high):
         low, high = high, high * 10
         if high > _WEAR_RATES[1]:
-            raise InputError(f"no specific wear rate up to {low:g} m²/N makes the contact so wide")
+            raise InputError(
+                f"no specific wear rate up to {low:g} m²/N makes the contact so wide; "
+                "compare its unit"
+            )
     while high > (1 + _PRECISION) * low:
         middle = math.sqrt(low * high)
         low, high = (low, middle) if exceeds(middle) else (middle, high)

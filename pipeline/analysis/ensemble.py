@@ -219,7 +219,10 @@ class Ensemble:
         if same.size:
             row = values[:, same[0]]
         elif len(self.loads) < 2:
-            raise InputError(f"load is {load:g} N; the sweep has {self.loads[0]:g} N alone")
+            raise InputError(
+                f"load is {load:g} N; the sweep has {self.loads[0]:g} N alone; "
+                "give that, or add loads to the sweep"
+            )
         else:
             row = cubic(np.log(self.loads), np.swapaxes(values, 1, 2), math.log(load))
         return cubic(self._axis, row, np.log(velocities))

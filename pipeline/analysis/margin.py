@@ -167,7 +167,9 @@ def margins(
     results = Results.of(ds)
     conditions = conditions_of(results, friction, bulk_temperature, critical_temperature, share)
     if conditions.friction == 0:
-        raise InputError("friction is 0; without friction there is no heat and no boundary")
+        raise InputError(
+            "friction is 0; without friction there is no heat and no boundary; give one above 0"
+        )
     conditions.known_critical_temperature()
     load, velocity = in_si("load", load, "500 N"), in_si("velocity", velocity, "2 m/s")
     for name, value, axis, unit in (

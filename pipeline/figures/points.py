@@ -25,7 +25,10 @@ def chosen_points(
     r = decisive_rise(ds, conditions.failing_share).values
     known = np.isfinite(r)
     if not known.any():
-        raise InputError("no point of the sweep is done yet")
+        raise InputError(
+            "no point of the sweep is done yet; run the scene on, "
+            "with --retry-failed if points failed"
+        )
     loads = [_index(ds, "load", "N", value) for value in _several("load", load, "600 N")]
     velocities = [
         _index(ds, "velocity", "m/s", value) for value in _several("velocity", velocity, "1.5 m/s")
@@ -33,7 +36,10 @@ def chosen_points(
     points = []
     for i in loads or [int(np.flatnonzero(known.any(axis=1))[-1])]:
         if not known[i].any():
-            raise InputError(f"no point at {ds['load'].values[i]:g} N is done")
+            raise InputError(
+                f"no point at {ds['load'].values[i]:g} N is done; "
+                "give another load, or run the scene on"
+            )
         judged = conditions.critical_temperature is not None
         limit = rise_limit(conditions) if judged else math.inf
         distance = np.abs(r[i] - min(limit, np.nanmax(r[i])))
@@ -41,7 +47,10 @@ def chosen_points(
     for point in points:
         if not known[point]:
             reason = str(ds["message"].transpose("load", "velocity").values[point])
-            raise InputError(f"the point {name_of(ds, point)} is not done{reason and ': '}{reason}")
+            raise InputError(
+                f"the point {name_of(ds, point)} is not done{reason and ': '}{reason}; "
+                "give another load or velocity, or run the scene on"
+            )
     return points
 
 

@@ -68,7 +68,10 @@ def temperature(
         rises = decisive_rise(row, of).values[0]
         known = velocities[np.isfinite(rises)]
         if not known.size:
-            raise InputError(f"no point at {float(row['load'][0]):g} N is done")
+            raise InputError(
+                f"no point at {float(row['load'][0]):g} N is done; "
+                "give another load, or run the scene on"
+            )
         between = np.linspace(known[0], known[-1], 200)
         curve = celsius(contact_temperature(interpolated(velocities, rises, between), conditions))
         axes.plot(between, curve, color=BLUE, ls=look["ls"])

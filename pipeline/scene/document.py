@@ -209,7 +209,9 @@ def _toml(path: Path) -> dict[str, Any]:
         reason = getattr(error, "strerror", None) or error
         raise SceneFileError(path, [f"cannot be read: {reason}"]) from error
     if len(content) > _LARGEST_FILE:
-        raise SceneFileError(path, [f"is larger than {_LARGEST_FILE // 10**6} MB"])
+        raise SceneFileError(
+            path, [f"is larger than {_LARGEST_FILE // 10**6} MB; give a scene file, which is text"]
+        )
     try:
         return tomllib.loads(content.decode("utf-8-sig"))
     except UnicodeDecodeError as error:

@@ -100,7 +100,7 @@ def read_metadata(folder: Place) -> tuple[dict[str, Any], dict[str, Any]]:
     if (version := _version(root)) > FORMAT:
         raise StoreError(
             f"{folder} has format {version}, of a newer version of this program; this one reads "
-            f"formats up to {FORMAT}"
+            f"formats up to {FORMAT}: update it"
         )
     if (fault := _fault(root)) is None:
         return root["attributes"], root[_CONSOLIDATED]["metadata"]

@@ -178,7 +178,8 @@ class Sweep(Scene):
         Scene.__post_init__(self)  # a slotted dataclass has no super()
         if self.realizations and not isinstance(self.roughness, SelfAffineRoughness):
             raise InputError(
-                "realizations are seeds of a random roughness; that of the scene is not random"
+                "realizations are seeds of a random roughness, and that of the scene is not "
+                "random; leave out sweep.realizations"
             )
         if self.realizations and self.samples:
             raise InputError(
@@ -228,7 +229,8 @@ class Sweep(Scene):
         if sample is None:
             return replace(self, samples=None) if self.samples else self.on_surface(realization)
         if self.samples is None or not sample < len(self.samples):
-            raise InputError(f"sample is {sample}, which the sweep does not have")
+            held = f"it has 0 to {len(self.samples) - 1}" if self.samples else "it has no samples"
+            raise InputError(f"sample is {sample}, which the sweep does not have; {held}")
         parts: dict[str, Any] = dict(self.samples.parts[sample])
         return replace(self, **parts, samples=None)
 
@@ -238,7 +240,7 @@ class Sweep(Scene):
             return self
         if not isinstance(self.roughness, SelfAffineRoughness):
             raise InputError(
-                f"realization is {seed}, the seed of a random roughness; that of the scene is not "
-                "random"
+                f"realization is {seed}, the seed of a random roughness, and that of the scene is "
+                "not random; leave it out"
             )
         return replace(self, roughness=replace(self.roughness, seed=seed), realizations=())

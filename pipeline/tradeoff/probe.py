@@ -243,7 +243,10 @@ def near_the_boundary(
     points, exponents = [], []
     moving = [abs(velocity) for velocity in sweep.velocities if velocity]
     if not moving:
-        raise InputError("the sweep has no velocity but 0, and so no heat to be wrong about")
+        raise InputError(
+            "the sweep has no velocity but 0, and so no heat to be wrong about; "
+            "give velocities above 0"
+        )
     limit = rise_limit(sweep.conditions)
 
     for load in loads:

@@ -218,7 +218,10 @@ class _Comparison:
             )
         ours, theirs = self._crossings(measured), self._crossings(self.reference)
         if all(map(math.isnan, theirs)):
-            raise InputError("the reference has no transition between these velocities")
+            raise InputError(
+                "the reference has no transition between these velocities; "
+                "give lower or higher ones"
+            )
         return tuple(
             math.inf if math.isnan(one) else one / true - 1
             for one, true in zip(ours, theirs, strict=True)
