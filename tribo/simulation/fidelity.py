@@ -51,7 +51,7 @@ class Fidelity:
     precision : {"double", "single"}
         Precision of the contact's transforms. Single precision is faster on large grids and allows
         contact tolerances down to about 1e-3; a contact that it cannot solve to its tolerance is an
-        error.
+        error. From a tolerance of 1e-2 on contacts are solved in it anyway, where it holds them.
     wear_scheme : {"implicit", "explicit", "sdirk2"}
         How wear advances over a step; see `tribo.WEAR_SCHEMES`.
     heat_model : {"elapsed", "history"}

@@ -326,6 +326,23 @@ def rough_line(n, tolerance, criterion="gap", guess=None, load=80.0):
     return solve_contact(solid, z, load, 6.6e9, tolerance, guess, criterion=criterion)
 
 
+@pytest.mark.parametrize(
+    ("tolerance", "scale", "single"), [(0.03, 1.0, True), (0.009, 1.0, False), (0.03, 1e40, False)]
+)
+def test_loose_contacts_are_solved_in_single_precision_where_it_holds_them(
+    tolerance, scale, single
+):
+    grid, hardness, load = Grid((72, 72), (5e-6, 6e-6)), 6.6e9 * scale, 80.0 * scale
+    solid = ElasticHalfSpace(grid, E_STAR)
+    z = grid.coordinates(0)[:, None] ** 2 / 4e-3 - self_affine(grid, 0.27e-6, 0.8, 20e-6, 0)
+    z *= scale
+    contact = solve_contact(solid, z, load, hardness, tolerance)
+    assert_certified(contact, solid, z, load, hardness, tolerance)
+    exact = solid(contact.pressure) + z - contact.approach
+    rounding = np.abs(contact.gap - exact).max() / (solid.self_influence * contact.pressure.max())
+    assert (rounding > 1e-9) == single
+
+
 def test_a_small_change_of_pressure_is_no_convergence():
     near, exact = rough_line(240, 1e-8, load=76.0).pressure, rough_line(240, 1e-8).pressure
     by_change, by_gap = (rough_line(240, 0.03, c, near) for c in ("pressure-change", "gap"))
