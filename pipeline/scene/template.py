@@ -180,10 +180,13 @@ def _key(
         is_said = default not in (None, (), math.inf)
         known = f"; default {written(default, kind)}" if is_said else ""
         yield from _wrapped(f"{_plain(MEANINGS[path])} Give {kind}{known}.")
-    if key in given:
-        yield f"{key} = {_toml(given[key])}"
+    value = given[key] if key in given else _EXAMPLES.get(path, example(kind, default))
+    mark = "" if key in given else "#"
+    if isinstance(kind, Distributions):  # a line for each, since they are long
+        for name, distribution in value.items():
+            yield f"{mark}{key}.{name} = {_toml(distribution)}"
     else:
-        yield f"#{key} = {_toml(_EXAMPLES.get(path, example(kind, default)))}"
+        yield f"{mark}{key} = {_toml(value)}"
 
 
 def example(kind: Kind, default: Any = None) -> Any:
