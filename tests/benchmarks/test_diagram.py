@@ -26,6 +26,7 @@ MODES = {
     "standard": (),
     "standard, boundary alone": ("--boundary-only", "1%"),
     "draft": ("--preset", "draft"),
+    "draft, boundary alone": ("--preset", "draft", "--boundary-only", "1%"),
 }
 
 
