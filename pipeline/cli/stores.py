@@ -28,6 +28,7 @@ def status(options: argparse.Namespace) -> int:
         "done": found.done,
         "failed": failed_points(found.failed),
         "pending": found.pending,
+        "done_earlier": found.earlier,
         "running": found.running is not None,
         "points_per_minute": None if found.rate is None else 60 * found.rate,
         "time_to_go": found.time_to_go,
@@ -38,7 +39,7 @@ def status(options: argparse.Namespace) -> int:
         found.title,
         f"{found.total} points: {found.done} done, {len(found.failed)} failed, "
         f"{found.pending} pending",
-        *_pace_text(found),
+        *_more_text(found),
         *([str(selection)] if selection else []),
         *(f"failed: {point}" for point in found.failed),
         *warned.lines(),
@@ -47,7 +48,10 @@ def status(options: argparse.Namespace) -> int:
     return SOME_FAILED if found.failed else DONE
 
 
-def _pace_text(found: Summary) -> Iterable[str]:
+def _more_text(found: Summary) -> Iterable[str]:
+    """What there is besides the points that were asked for, and how it goes on."""
+    if found.earlier:
+        yield f"{found.earlier} more are done, for which an earlier run asked"
     if found.running:
         yield f"running: {found.running}"
     if found.pending and found.rate and found.time_to_go:

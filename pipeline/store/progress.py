@@ -40,6 +40,8 @@ class Summary:
         Points that the scene asks for, those of them that are done and those still to do.
     failed : tuple of FailedPoint
         Points that could not be computed.
+    earlier : int
+        Points besides these that are done, since an earlier run asked for them.
     warned : int
         Points that are done and carry a warning, also those that only an earlier run asked for.
     rate : float or None
@@ -54,6 +56,7 @@ class Summary:
     done: int
     pending: int
     failed: tuple[FailedPoint, ...]
+    earlier: int = 0
     warned: int = 0
     rate: float | None = None
     running: str | None = None
@@ -81,6 +84,7 @@ def summarized(store: Snapshot) -> Summary:
             for at in (store.asked() if failed else ())
             if at in failed
         ),
+        earlier=int(np.count_nonzero(flags[~asked] == DONE)),
     )
 
 

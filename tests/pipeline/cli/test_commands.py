@@ -1,6 +1,7 @@
 """The command line, as a user types it."""
 
 import json
+import shutil
 
 import pytest
 import xarray as xr
@@ -126,7 +127,22 @@ def test_check_says_what_would_run_and_runs_nothing(swept, capsys):
 
 def test_status_counts_points(swept, capsys):
     assert run("status", swept / "small.zarr") == 0
-    assert "9 points: 9 done, 0 failed, 0 pending" in capsys.readouterr().out
+    text = capsys.readouterr().out
+    assert "9 points: 9 done, 0 failed, 0 pending" in text
+    assert "earlier" not in text
+
+
+def test_status_tells_of_points_that_the_scene_no_longer_asks_for(swept, tmp_path, capsys):
+    shutil.copytree(swept / "small.zarr", tmp_path / "small.zarr")
+    one = ("--set", 'sweep.loads=["200 N"]', "-o", tmp_path / "small.zarr")
+    assert run("run", swept / "small.toml", *one, "-q") == 0
+    capsys.readouterr()
+    assert run("status", tmp_path / "small.zarr") == 0
+    text = capsys.readouterr().out
+    assert "3 points: 3 done" in text
+    assert "6 more are done, for which an earlier run asked" in text
+    assert run("status", tmp_path / "small.zarr", "--json") == 0
+    assert json.loads(capsys.readouterr().out)["done_earlier"] == 6
 
 
 def test_boundary_moves_with_the_conditions_given(swept, capsys):

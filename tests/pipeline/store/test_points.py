@@ -463,6 +463,13 @@ def test_only_what_this_program_was_writing_is_removed(path):
     assert store.is_intact(POINT)
 
 
+def test_points_of_earlier_runs_are_counted_apart(store):
+    assert (summary(store.path).done, summary(store.path).earlier) == (1, 0)
+    prepare(store.path, dataclasses.replace(SWEEP, velocities=(0.5,)))
+    found = summary(store.path)
+    assert (found.total, found.done, found.pending, found.earlier) == (3, 0, 3, 1)
+
+
 def test_a_store_is_made_where_a_link_leads(path):
     path.symlink_to(path.with_name("real.zarr"))
     prepare(path, SWEEP)
