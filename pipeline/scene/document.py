@@ -68,7 +68,13 @@ class Document:
     def line(self, fault: Fault) -> str:
         """Write a fault on one line, with the file that it stands in if that is another one."""
         file = fault.file or self.file_of(fault.key)
-        return f"{fault.key}{'' if file == self.file else f' (in {file})'}: {fault.problem}"
+        if file == self.file:
+            return f"{fault.key}: {fault.problem}"
+        hint = ""
+        # Beside what this scene gives, keys that suit the other one may be out of place.
+        if fault.problem.startswith("unknown key") and "[" not in fault.key:
+            hint = f'; or leave it out here: without = ["{fault.key}"]'
+        return f"{fault.key} (in {file}): {fault.problem}{hint}"
 
 
 def read_document(path: Path, faults: list[Fault], above: tuple[Path, ...] = ()) -> Document:

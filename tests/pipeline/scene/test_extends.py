@@ -152,6 +152,17 @@ def test_a_fault_says_in_which_file_it_stands(write, tmp_path):
     assert fault.startswith(f"wear.pattern (in {base}): missing")
 
 
+def test_a_key_of_the_other_scene_that_does_not_fit_can_be_left_out(write, tmp_path):
+    own = f'{EXTENDS}[loading]\nfile = "record.csv"\n'
+    (tmp_path / "record.csv").write_text("time [s], load [N]\n0, 0\n5, 800\n", encoding="utf-8")
+    (fault,) = faults_of(write(own=own))
+    assert fault.startswith("loading.rate (in ")
+    assert fault.endswith('; or leave it out here: without = ["loading.rate"]')
+    load_scene(write(own=own.replace(EXTENDS, f'{EXTENDS}without = ["loading.rate"]\n')))
+    (fault,) = faults_of(write(own=f"{EXTENDS}[loading]\nrat = 3"))
+    assert "leave it out" not in fault
+
+
 def test_leaving_out_what_is_not_there_is_a_fault(write, tmp_path):
     path = write(own=f'{EXTENDS}without = ["waer", "wear.patern", "title.x", "measured"]')
     found = faults_of(path)
