@@ -148,7 +148,7 @@ def cropped(heights: Array, first: tuple[int, int], shape: tuple[int, int]) -> A
     if i + nx > heights.shape[0] or j + ny > heights.shape[1]:
         raise InputError(
             f"a patch of {nx} × {ny} heights from row {i}, column {j} reaches beyond the surface "
-            f"of {heights.shape[0]} × {heights.shape[1]}; take window.pixels or crop within it"
+            f"of {heights.shape[0]} × {heights.shape[1]}"
         )
     return heights[i : i + nx, j : j + ny].copy()
 
