@@ -9,14 +9,15 @@ import xarray as xr
 
 from pipeline.analysis.conditions import Bulk, conditions_of
 from pipeline.analysis.crossings import crossings
-from pipeline.analysis.dataset import at_bulks, ordered
+from pipeline.analysis.dataset import at_bulks, dataset_of, ordered
 from pipeline.analysis.results import Results, decisive_plane
+from pipeline.store import PathLike
 from pipeline.sweep.criterion import contact_temperature
 from tribo.thermal import quantiles
 
 
 def boundary(
-    ds: xr.Dataset,
+    ds: xr.Dataset | PathLike,
     friction: float | Iterable[float] | None = None,
     bulk_temperature: Bulk | None = None,
     critical_temperature: float | str | None = None,
@@ -28,8 +29,9 @@ def boundary(
 
     Parameters
     ----------
-    ds : Dataset
-        Dataset of `pipeline.open_sweep`. Points that are pending or failed are skipped.
+    ds : Dataset, str or path
+        Dataset of `pipeline.open_sweep`, or folder or address of the store. Points that are pending
+        or failed are skipped.
     friction : float or several, optional
         Coefficient of friction, at least 0; like the following the sweep's own if not given.
         Several give a dimension ``friction``.
@@ -83,7 +85,7 @@ def boundary(
     >>> warmer["critical_velocity"].sel(load=600).round(2).item()
     1.48
     """
-    ds = ordered(ds)
+    ds = ordered(dataset_of(ds))
     results = Results.of(ds)
     found = crossings(results, friction, bulk_temperature, critical_temperature, share).as_dataset()
     own = ("load", "velocity", "realization", "sample")
@@ -92,7 +94,7 @@ def boundary(
 
 
 def decisive_temperature(
-    ds: xr.Dataset,
+    ds: xr.Dataset | PathLike,
     friction: float | None = None,
     bulk_temperature: Bulk | None = None,
     critical_temperature: float | str | None = None,
@@ -123,6 +125,7 @@ def decisive_temperature(
     >>> temperature.sel(load=600, velocity=1.6).round().item()
     444.0
     """
+    ds = dataset_of(ds)
     conditions = conditions_of(ds, friction, bulk_temperature, critical_temperature, share)
     rise = decisive_rise(at_bulks(ds, conditions), conditions.failing_share, resolution)
     temperature = contact_temperature(rise, conditions)

@@ -2,6 +2,7 @@
 
 import re
 import shutil
+from pathlib import Path
 
 import numpy as np
 import pint
@@ -10,7 +11,12 @@ import xarray as xr
 
 import tribo
 from pipeline.analysis.attributes import attributes_of
-from pipeline.analysis.boundary import boundary, decisive_rise, rise_exceeded
+from pipeline.analysis.boundary import (
+    boundary,
+    decisive_rise,
+    decisive_temperature,
+    rise_exceeded,
+)
 from pipeline.analysis.dataset import end_of_point, open_sweep
 from pipeline.figures.ramp import ramp
 from pipeline.store import Store, StoreError, prepare
@@ -32,6 +38,12 @@ def ds(alone):
 @pytest.fixture
 def copy(alone, tmp_path):
     return shutil.copytree(alone, tmp_path / "copy.zarr")
+
+
+@pytest.mark.parametrize("kind", [str, Path])
+def test_what_is_judged_may_be_given_by_its_path(alone, ds, kind):
+    for judged in (boundary, decisive_temperature):
+        xr.testing.assert_identical(judged(kind(alone), 0.2), judged(ds, 0.2))
 
 
 def test_axes_ascend_in_whatever_order_they_were_added(tmp_path):
