@@ -76,7 +76,7 @@ def boundary(
     >>> ds = pipeline.open_sweep("results/first_try.zarr")
     >>> pipeline.boundary(ds)["critical_velocity"].round(2).to_series()
     load
-    200.0    3.54
+    200.0    3.53
     400.0    2.23
     600.0    1.56
     750.0    1.24

@@ -69,7 +69,7 @@ class Margin:
     >>> ds = pipeline.open_sweep("results/first_try.zarr")
     >>> (margin,) = pipeline.margins(ds, "500 N", "1.6 m/s")
     >>> f"{margin.distance:.0f} K, severe from {margin.velocity_factor:.2f} times the velocity on"
-    '9 K, severe from 1.15 times the velocity on'
+    '9 K, severe from 1.16 times the velocity on'
     """
 
     load: float
