@@ -61,6 +61,8 @@ class Text(Kind):
             raise UnfitError(f"{quoted(value)} is not text")
         if not value:
             raise UnfitError("the text is empty")
+        if "\0" in value:  # which no name of a file may have
+            raise UnfitError(f"{quoted(value)} has a null character")
         return value
 
 

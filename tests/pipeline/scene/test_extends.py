@@ -189,6 +189,7 @@ def test_leaving_out_what_is_not_there_is_a_fault(write, tmp_path):
         ('"folder/../own.toml"', "closes a circle"),
         ('"round.toml"', "closes a circle"),
         ('"\\u001e"', '\\u001e": cannot be read'),
+        ('"\\u0000"', '\\u0000" has a null character'),
     ],
 )
 def test_another_scene_that_cannot_be_extended_is_one_clear_fault(write, tmp_path, given, said):
