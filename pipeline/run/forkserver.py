@@ -44,7 +44,8 @@ def start() -> None:
     """Start the process, unless it runs; then let it go on if it was stopped."""
     if METHOD != "forkserver":
         return
-    settings = {**WORKER_ENVIRONMENT, PRELOADING: "1"}
+    # It imports what this process does, whatever lies in the folder where a user works.
+    settings = {**WORKER_ENVIRONMENT, PRELOADING: "1", "PYTHONSAFEPATH": "1"}
     before = {name: os.environ.get(name) for name in settings}
     multiprocessing.set_forkserver_preload(["pipeline.run.preload"])
     try:

@@ -6,6 +6,7 @@ import shlex
 import subprocess
 import sys
 from importlib.metadata import version
+from pathlib import Path
 
 import pytest
 
@@ -41,6 +42,23 @@ def test_the_package_runs_as_a_module():
     )
     assert done.returncode == 2
     assert "nothing.zarr does not exist" in done.stderr
+
+
+def test_files_beside_a_scene_are_not_taken_for_packages(tmp_path):
+    """Workers, too, import what the command does, not what lies in the folder of a user."""
+    (tmp_path / "scene.toml").write_text(SCENE)
+    for name in ("pipeline", "tribo", "numpy"):
+        (tmp_path / f"{name}.py").write_text("raise SystemExit('not this one')")
+    done = subprocess.run(
+        [Path(sys.executable).with_name("irg"), "run", "scene.toml", "-o", "out.zarr"],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    assert "not this one" not in done.stdout + done.stderr
 
 
 def test_quiet_leaves_results_and_errors_alone(tmp_path, capsys):
