@@ -44,8 +44,9 @@ def start() -> None:
     """Start the process, unless it runs; then let it go on if it was stopped."""
     if METHOD != "forkserver":
         return
-    # It imports what this process does, whatever lies in the folder where a user works.
-    settings = {**WORKER_ENVIRONMENT, PRELOADING: "1", "PYTHONSAFEPATH": "1"}
+    # It imports from where this process does, and not from the folder where a user works.
+    path = os.pathsep.join(folder or os.curdir for folder in sys.path)
+    settings = {"PYTHONSAFEPATH": "1", "PYTHONPATH": path, PRELOADING: "1", **WORKER_ENVIRONMENT}
     before = {name: os.environ.get(name) for name in settings}
     multiprocessing.set_forkserver_preload(["pipeline.run.preload"])
     try:
