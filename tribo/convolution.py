@@ -21,7 +21,7 @@ from tribo.grid import Grid
 from tribo.types import Array, Indices, Spectrum
 
 _LARGE = 64**2  # elements from which on single precision takes less time than double
-_SMALLEST_SINGLE = 1e-25  # influence that leaves single precision room for what comes of it
+_SMALLEST_INFLUENCE = 1e-25  # influence that leaves single precision room for what comes of it
 _MOST_BUFFERS = 4  # sizes of transforms that a thread goes back and forth between
 
 
@@ -191,7 +191,7 @@ class Convolution:
         >>> small.in_faster_precision(1.0) is small
         True
         """
-        fits = _SMALLEST_SINGLE < influence < 1 / _SMALLEST_SINGLE
+        fits = _SMALLEST_INFLUENCE < influence < 1 / _SMALLEST_INFLUENCE
         gains = math.prod(self.grid.shape) >= _LARGE
         return self.in_single_precision() if fits and gains else self
 

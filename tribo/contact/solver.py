@@ -213,8 +213,7 @@ def _check(
             f"where rows of elements yield {softness:.1e} times as much as one element does. If "
             "that is by wear, take shorter steps"
         )
-    stress = normal_load / area
-    depth = stress * solid.self_influence
+    stress, depth = _scales(solid, normal_load)
     # An iteration multiplies stresses by depths, and depths by depths.
     in_range = all(SMALLEST < product < LARGEST for product in (stress * depth, depth * depth))
     precision = "double"
@@ -229,11 +228,16 @@ def _check(
         )
 
 
+def _scales(solid: ElasticHalfSpace, normal_load: float) -> tuple[float, float]:
+    """Mean pressure of a contact [Pa], and what that alone moves its own element [m]."""
+    stress = normal_load / solid.grid.area
+    return stress, stress * solid.self_influence
+
+
 def _single_holds(solid: ElasticHalfSpace, normal_load: float) -> bool:
     """Whether stresses and depths of a contact are numbers that single precision can hold."""
-    stress = normal_load / solid.grid.area
-    depth = stress * solid.self_influence
-    return all(_SMALLEST_SINGLE < x < 1 / _SMALLEST_SINGLE for x in (stress, depth))
+    scales = _scales(solid, normal_load)
+    return all(_SMALLEST_SINGLE < scale < 1 / _SMALLEST_SINGLE for scale in scales)
 
 
 def _is_single(solid: ElasticHalfSpace) -> bool:
