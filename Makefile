@@ -73,7 +73,7 @@ crash: .venv/test     ## kill sweeps, cut their power, damage their files, read 
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.crash.damage --seconds 300
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.crash.readers --seconds 60
 
-many: .venv/test      ## store 100000 cheap points through kills, resume and read them, in 10 to 20 minutes
+many: .venv/test      ## store 100000 cheap points through kills, resume and read them, in 5 to 20 minutes
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.crash.many
 
 bench: .venv/test     ## measure speed, as ratios within one run
