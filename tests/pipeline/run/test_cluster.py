@@ -9,6 +9,7 @@ import subprocess
 import sys
 import time
 from contextlib import ExitStack, suppress
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -22,12 +23,13 @@ from packaging.version import Version
 
 from pipeline.cli import main
 from pipeline.run import cluster as cluster_module
-from pipeline.run import forkserver
+from pipeline.run import forkserver, work
 from pipeline.run.cluster import connected, share, threads_of
 from pipeline.run.forkserver import METHOD
+from pipeline.run.schedule import compute
 from pipeline.run.sweep import ExecutionError, run_sweep
-from pipeline.store import Store, summary
-from pipeline.sweep.plan import points
+from pipeline.store import Store, prepare, summary
+from pipeline.sweep.plan import chains, points
 from tests.helpers import tiny
 from tests.pipeline.cli.test_commands import SCENE
 from tests.pipeline.run.test_sweep import content
@@ -183,6 +185,15 @@ def test_each_worker_has_what_is_too_heavy_to_go_along_with_each_task():
         shared = share(client, bytes(100_000), patience=30.0)
         assert set(client.who_has([shared])[shared.key]) == set(client.nthreads())
         assert shared.result(timeout=30) == bytes(100_000)
+
+
+def test_all_workers_compute_from_the_beginning(tmp_path):
+    sweep = replace(SLOW, velocities=SLOW.velocities[:2])
+    store = prepare(tmp_path / "tiny.zarr", sweep)
+    with connected(workers=2, scheduler=None, patience=30.0) as client:
+        compute(client, sweep, store, chains(points(sweep)), 30.0, lambda **_: None)
+        begun = client.run(lambda: work._unpacked.cache_info().misses)
+    assert list(begun.values()) == [1, 1]
 
 
 def test_dask_still_looks_for_its_workers_as_often_as_it_is_told_here():
