@@ -20,7 +20,8 @@ from pipeline.analysis.tables import TABLES, is_table, writable_path, write_tabl
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from pipeline.store import Damage, FailedPoint
+    from pipeline.store.progress import FailedPoint
+    from pipeline.store.verify import Damage
 
 DONE, SOME_FAILED, WRONG_USE, OTHER_SCENE, INTERRUPTED = 0, 1, 2, 3, 130
 """Exit codes."""

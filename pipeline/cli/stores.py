@@ -14,7 +14,7 @@ from pipeline.sweep.stages import duration
 from pipeline.sweep.warned import NO_WARNING
 
 if TYPE_CHECKING:
-    from pipeline.store import Summary
+    from pipeline.store.progress import Summary
 
 
 def status(options: argparse.Namespace) -> int:
@@ -68,26 +68,22 @@ def verify(options: argparse.Namespace) -> int:
     document = {
         "done": found.done,
         "damaged": failed_points(found.damaged),
+        "damaged_records": failed_points(found.records),
         "shared": found.shared,
-        "without_status": [point._asdict() for point in found.found],
-        "is_protected": found.is_protected,
+        "without_status": [point._asdict() for point in found.without_status],
         "repaired": found.repaired,
     }
     text = [
         f"{found.done} points are done and intact, {len(found.damaged)} are damaged",
         *(f"damaged: {damage}" for damage in found.damaged),
+        *(f"damaged, but not its data: {damage}" for damage in found.records),
         *(f"damaged: {fault}" for fault in found.shared),
         *(
             f"complete, but without a status: {point}; "
             + ("done again" if found.repaired else "the next run takes it as done")
-            for point in found.found
+            for point in found.without_status
         ),
     ]
-    if not found.is_protected:
-        text.append(
-            "note: a store of format 1 has no hash that would show changes of its conditions, axes "
-            "and metadata"
-        )
     if not found.is_clean:
         text.append(
             "repaired; damaged points are pending, and computed again by: irg run"
@@ -100,14 +96,6 @@ def verify(options: argparse.Namespace) -> int:
         text += warned.lines()
     show(options, document, text)
     return DONE if found.is_clean else SOME_FAILED
-
-
-def compact(options: argparse.Namespace) -> int:
-    """Rewrite a store in large chunks."""
-    with working("rewriting the store"):
-        pipeline.compact_store(options.store)
-    show(options, {"store": str(options.store)}, [f"{options.store} is compact"])
-    return DONE
 
 
 def _pace(per_minute: float) -> str:

@@ -45,7 +45,7 @@ def computed(options: argparse.Namespace) -> int:
             "tell": tell,
         }
         if options.boundary_only is None and sweep.samples is None:
-            outcome = pipeline.run_sweep(sweep, out, **cluster, fill_fields=options.fill_fields)
+            outcome = pipeline.run_sweep(sweep, out, **cluster)
         else:
             asked = given(options, "boundary_only")
             outcome = pipeline.follow_boundary(sweep, out, *asked.values(), **cluster)

@@ -17,6 +17,7 @@ from collections import Counter
 from collections.abc import Callable, Collection, Iterator
 from concurrent.futures import CancelledError
 from contextlib import contextmanager, suppress
+from typing import Any
 
 import dask
 from distributed import Client, Future, LocalCluster, Status, versions, wait
@@ -311,6 +312,21 @@ def wait_for_any(futures: Collection[Future], seconds: float) -> None:
     if futures and not any(future.done() for future in futures):
         with _losses_told(), suppress(TimeoutError):
             wait(futures, timeout=seconds, return_when="FIRST_COMPLETED")
+
+
+def gathered(future: Future, seconds: float) -> Any:
+    """Result of a task that has ended; None if it does not arrive within a time [s].
+
+    Raises
+    ------
+    ExecutionError
+        If the scheduler is lost.
+    """
+    with _losses_told():
+        try:
+            return future.result(timeout=seconds)
+        except (TimeoutError, KilledWorker):
+            return None
 
 
 @contextmanager

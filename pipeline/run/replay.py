@@ -18,17 +18,8 @@ from numpy.typing import NDArray
 
 from pipeline.analysis.interpolation import crossing
 from pipeline.run.boundary_search import BoundarySearch
-from pipeline.store import (
-    DONE,
-    FAILED,
-    LEADING,
-    PENDING,
-    ROOT,
-    PathLike,
-    Store,
-    StoreError,
-    folder_of,
-)
+from pipeline.store.schema import DONE, FAILED, LEADING, PENDING, chunks_of
+from pipeline.store.write import Store
 from pipeline.sweep.criterion import Conditions, at_bulks, rise_limit, worst_moment
 from pipeline.sweep.model import Point
 from tribo.thermal import rise_exceeded
@@ -83,8 +74,6 @@ class Replay:
     ----------
     search : BoundarySearch
         The search at any limit.
-    out : str or path
-        Path of the store, which need not be there yet.
     variants : sequence of Variant
         All that is searched.
     retry_failed : bool
@@ -94,23 +83,21 @@ class Replay:
     def __init__(
         self,
         search: BoundarySearch,
-        out: PathLike,
         variants: Sequence[Variant],
         retry_failed: bool = False,
     ) -> None:
-        self._search, self._out, self._variants = search, out, variants
+        self._search, self._variants = search, variants
         self._ended = (DONE,) if retry_failed else (DONE, FAILED)
         self._held: _Held | None = None
         self._seen: dict[_Place, _Seen] = {}
-        self._damaged: set[Point] = set()
         self._inputs: list[tuple[float, ...]] = []
         self._critical: list[list[float]] = []
         self._fits: dict[float, Array] = {}  # coefficients of planes, by load
 
-    def look(self) -> None:
-        """See in the store which points are done or have failed."""
-        if (folder_of(self._out) / ROOT).exists():
-            self._held = _Held(Store(self._out), self._search)
+    def look(self, store: Store | None) -> None:
+        """See in a store, if there is one, which points are done or have failed."""
+        if store:
+            self._held = _Held(store, self._search)
 
     def there(self) -> Iterator[Point]:
         """Points of the variants that are done or have failed."""
@@ -149,8 +136,7 @@ class Replay:
         """What the search for the boundary of a variant asks for, and the store does not have."""
         seen, held = self._seen.setdefault(variant.place, _Seen()), self._held
         if held and held.has_others(variant.place):
-            found, _ = self._read(held, variant, held.ended(variant.place))
-            seen.note(found)
+            seen.note(self._read(held, variant, held.ended(variant.place)))
             seen.asked = None
         if seen.asked is None:
             seen.asked = self._asked(variant, seen)
@@ -161,10 +147,7 @@ class Replay:
             ]
             if missing or held is None:
                 return missing
-            found, damaged = self._read(held, variant, seen.asked)
-            if damaged:
-                return damaged
-            seen.note(found)
+            seen.note(self._read(held, variant, seen.asked))
             seen.asked = self._asked(variant, seen)
         return ()
 
@@ -181,30 +164,14 @@ class Replay:
 
     def _read(
         self, held: _Held, variant: Variant, ended: Iterable[Point]
-    ) -> tuple[dict[Point, Array | None], list[Point]]:
-        """Rises at points that have ended, None where one failed; and those that are damaged.
-
-        Raises
-        ------
-        StoreError
-            If a point is still damaged, after it should have been computed again.
-        """
-        found: dict[Point, Array | None] = {}
-        damaged = []
-        for at in ended:
-            point = Point(*at[:2], *variant.place)
-            if held.flag(variant.place, at) == FAILED:
-                found[at] = None
-                continue
-            try:
-                found[at] = _rises(held.store, point, variant.conditions)
-                self._damaged.discard(point)
-            except StoreError:
-                if point in self._damaged:
-                    raise
-                self._damaged.add(point)
-                damaged.append(at)
-        return found, damaged
+    ) -> dict[Point, Array | None]:
+        """Rises at points that have ended, None where one failed."""
+        return {
+            at: None
+            if held.flag(variant.place, at) == FAILED
+            else held.rises(Point(*at[:2], *variant.place), variant.conditions)
+            for at in ended
+        }
 
     def _expected(self, inputs: tuple[float, ...]) -> dict[float, float]:
         """Where the critical velocity of a sample is to be expected, by load."""
@@ -237,11 +204,12 @@ class _Held:
     """
 
     def __init__(self, store: Store, search: BoundarySearch) -> None:
-        self.store, (self._flags, _) = store, store.flags()
+        self._store, self._flags = store, store.flags.copy()
         self._places = {
-            name: {value: index for index, value in enumerate(values)}
-            for name, values in store.axes_of_points.items()
+            name: {value: index for index, value in enumerate(store.axes[name])}
+            for name in store.dims
         }
+        self._chunks: dict[tuple[str, tuple[int, ...]], Array] = {}
         self._loads, self._velocities = store.axes["load"], store.axes["velocity"]
         self._are_searched = np.isin(self._loads, search.loads)[:, None]
         self._are_others = np.array([not search.may_ask(v) for v in self._velocities])
@@ -276,6 +244,29 @@ class _Held:
         row: _Status = self._flags[(*indices,)]
         return row
 
+    def rises(self, point: Point, each: Sequence[Conditions]) -> Array:
+        """Decisive rise at a point under each of some conditions [K]."""
+        names = {"normal_load", "rise_quantile", "bulk_rise_quantile"} & set(self._store.arrays)
+        columns = {name: self._at(name, point) for name in names}
+        rises: dict[tuple[float, float], float] = {}
+        for conditions in each:
+            judged = conditions.failing_share, conditions.bulk_ratio
+            if judged not in rises:
+                r = rise_exceeded(at_bulks(columns, conditions), conditions.failing_share)
+                rises[judged] = float(r[worst_moment(r, columns["normal_load"], point.load)])
+        return np.array([rises[own.failing_share, own.bulk_ratio] for own in each])
+
+    def _at(self, name: str, point: Point) -> Array:
+        """Column of a point, out of its chunk, which is kept for its neighbours."""
+        index, sizes = self._store.index(point), chunks_of(self._store.metadata[name])
+        chunk = tuple(i // n for i, n in zip(index, sizes, strict=False))
+        block = self._store.block(chunk, sizes)
+        if (name, chunk) not in self._chunks:
+            self._chunks[name, chunk] = self._store.read(name, block)
+        within = tuple(i - part.start for i, part in zip(index, block, strict=True))
+        column: Array = self._chunks[name, chunk][within]
+        return column
+
     @functools.cached_property
     def _none(self) -> _Status:
         return np.full((len(self._loads), len(self._velocities)), PENDING)
@@ -287,16 +278,3 @@ def _plane(inputs: Array, values: Array) -> Array:
     columns = np.column_stack([np.ones(len(inputs)), inputs / scale])
     fit: Array = np.linalg.lstsq(columns, values)[0]
     return np.append(fit[:1], fit[1:] / scale)
-
-
-def _rises(store: Store, point: Point, each: Sequence[Conditions]) -> Array:
-    """Decisive rise at a point under each of some conditions [K]."""
-    names = [name for name in ("rise_quantile", "bulk_rise_quantile") if name in store.names]
-    found = store.at(point, [*names, "normal_load"])
-    known: dict[tuple[float, float], float] = {}
-    for conditions in each:
-        judged = conditions.failing_share, conditions.bulk_ratio
-        if judged not in known:
-            rises = rise_exceeded(at_bulks(found, conditions), conditions.failing_share)
-            known[judged] = float(rises[worst_moment(rises, found["normal_load"], point.load)])
-    return np.array([known[own.failing_share, own.bulk_ratio] for own in each])

@@ -1,50 +1,41 @@
-"""Read all of a store, and say what of it is damaged.
+"""Damage of a store: points whose data are not those that their checksums were taken of.
 
-A point that is done is damaged if one of its files cannot be read or is missing, or if its data
-are not those that its checksum was taken of. To repair it is to make it pending, so that the next
-run computes it again; coordinates and metadata are restored from the root of the store.
+Repair makes damaged points pending, so that the next run computes them again. Where only what is
+told about a point was lost, its data stay: the kinds of its warnings are restored from its
+checksum, a message from these kinds, and times are unknown.
 """
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable, Iterable, Iterator
-from contextlib import ExitStack, suppress
-from dataclasses import dataclass
-from typing import Any
+import json
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.store.folder import (
-    ROOT,
-    PathLike,
-    Place,
-    StoreError,
-    folder_of,
-    locked,
-    read_json,
-    write_json,
-)
-from pipeline.store.identity import scene_hash
-from pipeline.store.points import Store
-from pipeline.store.root import (
-    DamagedRootError,
-    has_copy,
-    read_metadata,
-    renew_copy,
-    restore_root,
-)
-from pipeline.store.soundness import sound
-from pipeline.store.variables import DONE, FAILED, HASHED
-from pipeline.store.whole import A_COMMIT, read_whole
+from pipeline.store.create import repairing
+from pipeline.store.identity import checksum, record_checksum
+from pipeline.store.place import ROOT, PathLike, StoreError, place_of
+from pipeline.store.points import Slices
+from pipeline.store.read import missing_chunks
+from pipeline.store.root import Root, read_root
+from pipeline.store.schema import AT_END, DONE, PENDING, STEPPED, is_coordinate
+from pipeline.store.write import ABOUT, Store
 from pipeline.sweep.model import Point
+from pipeline.sweep.plan import PointRecord
+from tribo import WarningKind
 from tribo.types import Mask
+
+_OTHER = "the data are not those that were computed"
+_LOST = "the message was damaged; kinds of warnings: {}"
+_LOST_REASON = "the reason why it failed was damaged; try again with irg run --retry-failed"
 
 
 @dataclass(frozen=True, slots=True)
 class Damage:
-    """A damaged point: load [N], velocity [m/s], what is wrong with it, and which variant."""
+    """A damaged point: load [N], velocity [m/s], reason, and which variant."""
 
     load: float
     velocity: float
@@ -52,48 +43,41 @@ class Damage:
     realization: int | None = None
     sample: int | None = None
 
-    @property
-    def point(self) -> Point:
-        """Where it is."""
-        return Point(self.load, self.velocity, self.realization, self.sample)
-
     def __str__(self) -> str:
-        return f"{self.point}: {self.reason}"
+        return f"{Point(self.load, self.velocity, self.realization, self.sample)}: {self.reason}"
 
 
 @dataclass(frozen=True, slots=True)
 class Verification:
-    """What reading a whole store found.
+    """Result of reading a whole store.
 
     Attributes
     ----------
     done : int
         Points that are done and intact.
     damaged : tuple of Damage
-        Points with damaged files.
+        Points that are damaged; repair makes them pending.
+    records : tuple of Damage
+        Points whose data are intact, but not what is told about them; repair keeps their data.
     shared : tuple of str
-        What is wrong with coordinates and metadata, which belong to no point.
-    found : tuple of Point
-        Points that are complete, but without a status: it was lost, or a run was killed before it
-        wrote it. The next run takes them as done.
-    is_protected : bool
-        Whether conditions, axes and metadata are protected by a hash, which stores of format 1
-        lack.
+        Faults of coordinates and metadata, which belong to no point.
+    without_status : tuple of Point
+        Points that are complete, but have no readable status; repair makes them done.
     repaired : bool
         Whether all of that was repaired.
     """
 
     done: int
     damaged: tuple[Damage, ...]
+    records: tuple[Damage, ...]
     shared: tuple[str, ...]
-    found: tuple[Point, ...]
+    without_status: tuple[Point, ...]
     repaired: bool
-    is_protected: bool = True
 
     @property
     def is_clean(self) -> bool:
-        """Whether nothing was damaged."""
-        return not (self.damaged or self.shared)
+        """Return whether nothing was damaged."""
+        return not (self.damaged or self.records or self.shared)
 
 
 def verify_store(
@@ -118,145 +102,217 @@ def verify_store(
     Examples
     --------
     >>> import pipeline
-    >>> found = pipeline.verify_store("results/first_try.zarr")
-    >>> found.done, found.is_clean
+    >>> verification = pipeline.verify_store("results/first_try.zarr")
+    >>> verification.done, verification.is_clean
     (24, True)
     """
-    folder = folder_of(path)
-    with ExitStack() as stack:
-        if repair:
-            with suppress(DamagedRootError):
-                read_metadata(folder)  # before a lock is laid beside what is no store
-            stack.enter_context(locked(path))
-        shared = list(_root_faults(folder, repair))
-        if shared and not repair:
-            return Verification(0, (), tuple(shared), (), repaired=False)
-        try:
-            if repair:
-                return _examined(Store(path), shared, repair, progress)
-
-            def examined(store: Store) -> Verification:
-                return _examined(store, shared, repair, progress)
-
-            return read_whole(path, examined, Store)[1]
-        except OSError as error:
-            raise StoreError(f"{folder} cannot be repaired: {error}") from error
+    if repair:
+        with repairing(path) as store:
+            return examined(store, True, progress)
+    place = place_of(path)
+    return examined(Store(place, read_root(place), is_damaged=True), False, progress)
 
 
-def _examined(
-    store: Store,
-    shared: list[str],
-    repair: bool,
-    progress: Callable[[int, int], None] | None = None,
+def examined(
+    store: Store, repair: bool, progress: Callable[[int, int], None] | None = None
 ) -> Verification:
-    """Examine a store whose root has these faults."""
-    shared = [*shared, *_shared_faults(store, repair)]
-    found = tuple(store.lost())
+    """Read all of an open store; see `verify_store`."""
+    shared = [*_shared_faults(store, repair)]
+    missing = missing_chunks(store.place, Root(store.attributes, store.metadata), store.flags)
+    if missing.pop("asked", None) is not None or not store.is_readable("asked", ...):
+        shared.append("the points that the last run asked for are damaged")
+    total, count = int(np.count_nonzero(store.flags == DONE)), 0
+    blocks = []
+    unknown = _without_status(store)
+    for _, block in store.blocks((store.flags != PENDING) | unknown):
+        blocks.append(_examined_block(store, block, unknown[block], missing))
+        count += int(np.count_nonzero(store.flags[block] == DONE))
+        if progress:
+            progress(count, total)
     if repair:
-        store.heal()
-    flags, _ = store.flags()
-    damaged = _damaged(store, flags, np.ones(flags.shape, bool), progress)
-    if damaged and not repair:  # a run may just be writing these anew
-        time.sleep(A_COMMIT)
-        damaged = _damaged(store, store.flags()[0], _places(store, damaged))
-    if repair:
-        _reset(store, [each.point for each in damaged])
-    done = (flags == DONE) & ~_places(store, damaged)
-    is_protected = store.attributes["format"] >= HASHED
+        for each in blocks:
+            _repair(store, each)
+        store.ask((store.asked == 1) | (store.flags != PENDING))
+    damaged = _damages(each.damaged for each in blocks)
     return Verification(
-        int(np.count_nonzero(done)), tuple(damaged), tuple(shared), found, repair, is_protected
+        done=total - len(damaged) + (sum(len(each.complete) for each in blocks) if repair else 0),
+        damaged=damaged,
+        records=_damages(each.records for each in blocks),
+        shared=tuple(shared),
+        without_status=tuple(point for each in blocks for point in each.complete),
+        repaired=repair,
     )
 
 
-def _places(store: Store, damaged: Iterable[Damage]) -> Mask:
-    """Whether each place is one of some damaged points."""
-    found = np.zeros(store.array("status").shape, bool)
-    for each in damaged:
-        found[store.index(each.point)] = True
+class _Examination(NamedTuple):
+    """Damage of points that share chunks, by their reasons; and points that lack their status."""
+
+    damaged: dict[Point, str]
+    records: dict[Point, str]
+    complete: list[Point]
+    about: dict[str, NDArray[Any]]
+    block: Slices
+
+
+def _without_status(store: Store) -> Mask:
+    """Points of chunks that are on the disk, while their statuses are missing or unreadable."""
+    written, flagged = store.place.names("checksum"), store.place.names("status")
+    mask = np.zeros(store.shape, bool)
+    for chunk, block in store.blocks(np.ones(store.shape, bool)):
+        key = ".".join(map(str, ("c", *chunk)))
+        if key in written:
+            try:
+                store.read("status", block)
+                mask[block] = key not in flagged
+            except StoreError:
+                mask[block] = True
+    return mask
+
+
+def _examined_block(
+    store: Store, block: Slices, unknown: Mask, missing: Mapping[str, Mask]
+) -> _Examination:
+    flags = store.flags[block]
+    values: dict[str, NDArray[Any]] = {}
+    unreadable = []
+    for name in store.names:
+        if name not in AT_END and name not in ("status", "asked"):
+            try:
+                values[name] = store.read(name, block)
+            except StoreError:
+                unreadable.append(name)
+    about = {name: values[name] for name in (*ABOUT, "record_checksum") if name in values}
+    found = _Examination({}, {}, [], about, block)
+    places = np.argwhere((flags != PENDING) | unknown)
+    first = [part.start for part in block]
+    for within, point in zip(places.tolist(), store.points_at((places + first).T), strict=True):
+        index = tuple(within)
+        lacks = [name for name, mask in missing.items() if mask[block][index]]
+        flag = DONE if unknown[index] else flags[index]
+        record = _fault_of_record(point, index, values, unreadable, lacks)
+        data = (
+            _fault_of_data(store, point, index, values, unreadable, lacks) if flag == DONE else None
+        )
+        if unknown[index]:
+            if not (data or record):
+                found.complete.append(point)
+        elif data or record == _OTHER:
+            found.damaged[point] = data or _OTHER
+        elif record:
+            found.records[point] = record
     return found
 
 
-def _damaged(
+def _fault_of_record(
+    point: Point,
+    index: tuple[int, ...],
+    values: Mapping[str, NDArray[Any]],
+    unreadable: list[str],
+    missing: list[str],
+) -> str | None:
+    names = (*ABOUT, "record_checksum")
+    if fault := _fault_of_chunks(
+        [n for n in names if n in unreadable], [n for n in names if n in missing]
+    ):
+        return fault
+    message, kinds, *times = (values[name][index] for name in ABOUT)
+    record = PointRecord(point, None, str(message), int(kinds), *map(float, times))
+    return None if values["record_checksum"][index] == record_checksum(record) else _OTHER
+
+
+def _fault_of_data(
     store: Store,
-    flags: NDArray[np.int8],
-    places: Mask,
-    progress: Callable[[int, int], None] | None = None,
-) -> list[Damage]:
-    """What is wrong with any of the points at some places, by their status."""
-    total, read = int(np.count_nonzero(places)), 0
-
-    def count(number: int) -> None:
-        nonlocal read
-        read += number
-        if progress:
-            progress(read, total)
-
-    doubtful = (places & ~sound(store, flags, places, count)) | (places & (flags == FAILED))
-    damaged = []
-    for point in store.points_at(np.nonzero(doubtful)):
-        reason = _reason(store, point, int(flags[store.index(point)]))
-        if reason is not None:
-            damaged.append(Damage(point.load, point.velocity, reason, *point[2:]))
-    return damaged
-
-
-_CHANGING = ("shape", "chunk_grid", "chunk_key_encoding")
-_REWRITTEN = {"status", "message"}  # when a point is made pending
+    point: Point,
+    index: tuple[int, ...],
+    values: Mapping[str, NDArray[Any]],
+    unreadable: list[str],
+    missing: list[str],
+) -> str | None:
+    data: dict[str, NDArray[Any]] = {}
+    fields_unreadable = []
+    for name in AT_END:
+        if name in store.arrays:
+            try:
+                data[name] = store.read(name, store.index(point))
+            except StoreError:
+                fields_unreadable.append(name)
+    broken = [name for name in unreadable if name in STEPPED or name == "checksum"]
+    lacks = [name for name in missing if name in STEPPED | AT_END or name == "checksum"]
+    if fault := _fault_of_chunks(broken + fields_unreadable, lacks):
+        return fault
+    steps = np.count_nonzero(np.isfinite(values["time"][index]))
+    data |= {name: values[name][index][:steps] for name in values if name in STEPPED}
+    return None if values["checksum"][index] == checksum(point, data) else _OTHER
 
 
-def _reason(store: Store, point: Point, status: int) -> str | None:
-    """What is wrong with a point, if anything is."""
-    if status == DONE:
-        return store.fault(point)
-    if unreadable := store.unreadable(point):
+def _fault_of_chunks(unreadable: list[str], missing: list[str]) -> str | None:
+    if unreadable:
         return f"{', '.join(unreadable)} cannot be read"
-    if status == FAILED and not store.has("message", point):
-        return "message is missing"
-    return None
+    return f"{', '.join(missing)} is missing" if missing else None
 
 
-def _reset(store: Store, points: list[Point]) -> None:
-    """Make damaged points pending."""
-    broken = {point: set(store.unreadable(point)) for point in points}
-    for point, names in broken.items():
-        store.discard(point, _REWRITTEN & names)
-    store.forget(*points)
-    for point, names in broken.items():
-        store.discard(point, names - _REWRITTEN)
+def _damages(reasons: Iterable[Mapping[Point, str]]) -> tuple[Damage, ...]:
+    return tuple(
+        Damage(point.load, point.velocity, reason, *point[2:])
+        for each in reasons
+        for point, reason in each.items()
+    )
 
 
-def _root_faults(folder: Place, repair: bool) -> Iterator[str]:
-    """What is wrong with the root of a store, which is restored from its copy if so desired."""
-    try:
-        read_metadata(folder)
-    except DamagedRootError as error:
-        yield str(error).removeprefix(f"{folder} ").removeprefix(f"{folder}: ")
-        if repair:
-            restore_root(folder)
+def _repair(store: Store, examination: _Examination) -> None:
+    """Make damaged points pending, and write anew what is told of the others."""
+    values = {}
+    for point in examination.records:
+        index = store.index(point)
+        within = tuple(i - part.start for i, part in zip(index, examination.block, strict=True))
+        told = {name: each[within] for name, each in examination.about.items()}
+        record = _restored(point, told, store.is_done(point))
+        if record is None:
+            examination.damaged[point] = examination.records[point]
+        else:
+            about = {name: getattr(record, name) for name in ABOUT}
+            values[index] = about | {"record_checksum": record_checksum(record)}
+    store.discard_unreadable(examination.block, examination.damaged)
+    store.write(values, {store.index(point): DONE for point in examination.complete})
+    store.forget(examination.damaged)
+
+
+def _restored(point: Point, told: Mapping[str, Any], is_done: bool) -> PointRecord | None:
+    """Record of a point, as far as it can be read or follows from the rest; None if too little."""
+    times = (float(told.get(name, np.nan)) for name in ("wall_time", "finished_at"))
+    kinds = int(told.get("warning_flags", 0))
+    labels = ", ".join(kind.label for kind in WarningKind if kind & kinds)
+    lost = _LOST.format(labels) if labels else "" if is_done else _LOST_REASON
+    record = PointRecord(point, None, str(told.get("message", lost)), kinds, *times)
+    if not record.message or "warning_flags" in told:
+        return record
+    of_any_kinds = (replace(record, warning_flags=n) for n in range(2 * max(WarningKind)))
+    expected = told.get("record_checksum")
+    return next((each for each in of_any_kinds if record_checksum(each) == expected), None)
 
 
 def _shared_faults(store: Store, repair: bool) -> Iterator[str]:
-    """What is wrong with metadata and coordinates; they are restored if so desired."""
-    if scene_hash(store.attributes["scene"]) != store.attributes["scene_hash"]:
-        yield "the description of the scene is damaged, and cannot be repaired"
-    if store.attributes["format"] >= HASHED and not has_copy(store.path):
-        yield f"the copy of {ROOT} is damaged"
-        if repair:
-            renew_copy(store.path)
+    """Faults of coordinates and metadata, which are restored from the root if so desired."""
     for name, expected in store.metadata.items():
-        if not _is_same(store.path / name / ROOT, expected):
+        key = f"{name}/{ROOT}"
+        if not _is_same(store.place.read(key), expected):
             yield f"the metadata of {name} are damaged"
             if repair:
-                write_json(store.path / name / ROOT, expected)
-    for name in store.damaged_coordinates():
-        yield f"the coordinate {name} is damaged"
-        if repair:
-            store.restore(name)
+                store.place.put({key: json.dumps(expected).encode()})
+        if is_coordinate(name):
+            try:
+                values = store.read(name, ...).tolist()
+            except StoreError:
+                values = None
+            if values != store.axes[name]:
+                yield f"the coordinate {name} is damaged"
+                if repair:
+                    store.arrays[name][:] = np.array(store.axes[name])
 
 
-def _is_same(file: Place, expected: dict[str, Any]) -> bool:
-    """Whether metadata are as they were committed, but for a change that was cut short."""
+def _is_same(content: bytes | None, expected: Mapping[str, Any]) -> bool:
+    """Return whether metadata are as in the root, but for a growth that was cut short."""
     try:
-        return read_json(file) | {name: expected[name] for name in _CHANGING} == expected
-    except (OSError, ValueError, RecursionError):
+        return bool(json.loads(content or b"") | {"shape": expected["shape"]} == expected)
+    except (ValueError, TypeError, RecursionError):
         return False

@@ -9,7 +9,8 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
-from pipeline.store import ROOT, PathLike, StoreMismatchError, folder_of, locked, read_metadata
+from pipeline.store.place import PathLike, StoreMismatchError, require_writable
+from pipeline.store.root import read_attributes
 from pipeline.sweep.criterion import rise_limit
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import step_count
@@ -110,13 +111,12 @@ def at_accuracy(
 
 def _require_new(store: PathLike) -> None:
     """Refuse a store that cannot be written to or gone on with, before the probe takes its time."""
-    if (folder_of(store) / ROOT).exists():
+    if read_attributes(store) is not None:
         raise StoreMismatchError(
             f"{store} was computed with a fidelity of the scene's own, not one picked for its "
             "accuracy; leave out --accuracy to go on with it, or write to another store with -o"
         )
-    with locked(store):
-        pass
+    require_writable(store)
 
 
 def stored_selection(path: PathLike) -> Selection | None:
@@ -133,12 +133,8 @@ def stored_selection(path: PathLike) -> Selection | None:
     >>> print(pipeline.stored_selection("results/first_try.zarr"))
     None
     """
-    folder = folder_of(path)
-    if not (folder / ROOT).exists():
-        return None
-    attributes, _ = read_metadata(folder)
-    known = attributes.get("selection")
-    return None if known is None else Selection.from_dict(known)
+    selection = (read_attributes(path) or {}).get("selection")
+    return None if selection is None else Selection.from_dict(selection)
 
 
 def choose_fidelity(

@@ -1,0 +1,125 @@
+"""A store as a dataset: xarray on Zarr, with points that are not done as NaN."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+from xarray.backends import BackendArray
+from xarray.core import indexing
+
+from pipeline.store.place import PathLike, Place, StoreError, place_of
+from pipeline.store.root import Root, read_root
+from pipeline.store.schema import COORDINATES, DONE, PENDING, RECORDS, chunks_of, is_coordinate
+from pipeline.store.write import DAMAGED, UNREADABLE
+from tribo.types import Mask
+
+_OF_ALL = ("status", "asked")
+
+
+def open_store(path: PathLike) -> xr.Dataset:
+    """Open a store, which may be written to meanwhile, as it is now.
+
+    Parameters
+    ----------
+    path : str or path
+        Folder or address of the store.
+
+    Returns
+    -------
+    Dataset
+        Axes in the order of the store; attributes as plain data. Data are read when they are used.
+
+    Raises
+    ------
+    StoreError
+        If there is no readable store, or done points lack chunks.
+    """
+    place = place_of(path)
+    root = read_root(place)
+    try:
+        ds = xr.open_zarr(
+            place.zarr(read_only=True), chunks=None, consolidated=True, decode_cf=False
+        )
+        ds = ds.set_coords([str(name) for name in ds.variables if is_coordinate(str(name))])
+        flags: NDArray[np.int8] = ds["status"].values
+        ds["asked"].load()
+    except (*UNREADABLE, KeyError, TypeError) as error:
+        raise StoreError(DAMAGED.format(place, "status")) from error
+    for name in ds.coords:
+        if not is_as_written(ds[name].values, root.axes.get(str(name))):
+            raise StoreError(DAMAGED.format(place, f"the axis {name}"))
+    if missing := missing_chunks(place, root, flags):
+        names = ", ".join(sorted(missing))
+        raise StoreError(DAMAGED.format(place, names))
+    variables: dict[str, xr.Variable] = {}
+    for name in map(str, ds.data_vars):
+        if name not in _OF_ALL:
+            mask = flags != PENDING if name in RECORDS else flags == DONE
+            variables[name] = _where(ds[name].variable, mask, DAMAGED.format(place, name))
+    opened: xr.Dataset = ds.assign(variables).assign_attrs(root.attributes)
+    return opened
+
+
+def is_as_written(values: NDArray[Any], written: list[Any] | None) -> bool:
+    """Return whether a coordinate has the values that the root has of it."""
+    return written is not None and values.tolist() == written
+
+
+def missing_chunks(place: Place, root: Root, flags: NDArray[np.int8]) -> dict[str, Mask]:
+    """Points that are done, but lack a chunk: a mask by the names of variables that lack any."""
+    done = flags == DONE
+    missing: dict[str, Mask] = {}
+    for name, array in root.arrays.items():
+        if name in COORDINATES or "velocity" not in array["dimension_names"]:
+            continue
+        sizes, names = chunks_of(array), place.names(name)
+        tail = [-(-n // size) for n, size in zip(array["shape"], sizes, strict=True)][done.ndim :]
+        for chunk in _chunks_with(done, sizes[: done.ndim]):
+            keys = (".".join(map(str, ("c", *chunk, *rest))) for rest in np.ndindex(*tail))
+            if not names.issuperset(keys):
+                block = tuple(slice(i * n, (i + 1) * n) for i, n in zip(chunk, sizes, strict=False))
+                mask = missing.setdefault(name, np.zeros_like(done))
+                mask[block] = done[block]
+    return missing
+
+
+def _chunks_with(mask: Mask, sizes: list[int]) -> list[tuple[int, ...]]:
+    """Numbers of the chunks with any of the points of a mask."""
+    numbers = np.argwhere(mask) // np.array(sizes)
+    return [tuple(row) for row in np.unique(numbers, axis=0).tolist()]
+
+
+class _Masked(BackendArray):
+    """A variable of which the entries of some points alone are shown."""
+
+    def __init__(self, variable: xr.Variable, mask: Mask, fault: str, fill: Any) -> None:
+        self.shape, self.dtype = variable.shape, variable.dtype
+        self._variable, self._mask, self._fault, self._fill = variable, mask, fault, fill
+
+    def __getitem__(self, key: indexing.ExplicitIndexer) -> Any:
+        return indexing.explicit_indexing_adapter(
+            key, self.shape, indexing.IndexingSupport.OUTER, self._read
+        )
+
+    def _read(self, key: tuple[Any, ...]) -> Any:
+        """Read a part that is given by an orthogonal index."""
+        try:
+            values = np.array(self._variable[key].values)
+        except UNREADABLE as error:
+            raise StoreError(self._fault) from error
+        mask = xr.Variable(self._variable.dims[: self._mask.ndim], self._mask)
+        shown = mask[key[: self._mask.ndim]].values
+        values[~shown] = self._fill
+        return values
+
+
+def _where(variable: xr.Variable, mask: Mask, fault: str) -> xr.Variable:
+    """Show entries of a variable within a mask alone, and read them when they are used."""
+    kind = variable.dtype.kind
+    fill = np.nan if kind == "f" else 0 if kind in "iu" else ""
+    lazy = indexing.LazilyIndexedArray(_Masked(variable, mask, fault, fill))
+    cached = indexing.MemoryCachedArray(lazy)  # type: ignore[no-untyped-call]
+    return xr.Variable(variable.dims, cached, variable.attrs)

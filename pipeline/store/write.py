@@ -1,0 +1,285 @@
+"""The writer of a store: one process, which commits the results of many points together.
+
+Data are written first, the status last: a status of done means that all of a point is on the disk.
+Chunks hold some hundred points, and are replaced whole with their other points as they were. They
+never move, so a reader sees each point either as it was or as it is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
+from dataclasses import replace
+from typing import Any, Literal
+
+import numpy as np
+import zarr
+from numpy.typing import NDArray
+
+from pipeline.store.identity import checksum, record_checksum
+from pipeline.store.lock import Lock
+from pipeline.store.place import LOCK, Bucket, Folder, StoreError
+from pipeline.store.points import Places, Slices
+from pipeline.store.root import Root
+from pipeline.store.schema import (
+    AT_END,
+    DONE,
+    FAILED,
+    PENDING,
+    STEPPED,
+    chunks_of,
+    is_coordinate,
+)
+from pipeline.sweep.model import Point
+from pipeline.sweep.plan import PointRecord
+from tribo.types import Mask
+
+_THREADS = 8  # that wait for the disk, which then writes several files in one go
+_LONGEST = 2000  # characters of a message, which somebody is to read
+ABOUT = ("message", "warning_flags", "wall_time", "finished_at")
+"""Variables with what is told about a point."""
+UNREADABLE = (RuntimeError, ValueError, OSError)
+"""Errors of Zarr and its codecs on damaged chunks."""
+DAMAGED = "{}: {} cannot be read; irg verify names what is damaged, and repairs it with --repair"
+
+_Index = tuple[int, ...]
+
+
+class Store(Places):
+    """A store to which this process alone writes.
+
+    Parameters
+    ----------
+    place : Folder or Bucket
+    root : Root
+    lock : Lock, optional
+        Lock that this process holds on it; without, it is only read.
+    is_damaged : bool, optional
+        Whether statuses that cannot be read are taken as pending.
+
+    Attributes
+    ----------
+    flags : ndarray of int
+        Status of each point.
+    asked : ndarray of int
+        1 for each point that the last run asked for.
+
+    Raises
+    ------
+    StoreError
+        If the statuses cannot be read.
+    """
+
+    def __init__(
+        self,
+        place: Folder | Bucket,
+        root: Root,
+        lock: Lock | None = None,
+        is_damaged: bool = False,
+    ) -> None:
+        super().__init__(root)
+        self.place, self.lock = place, lock
+        is_written = lock is not None or isinstance(place, Bucket)
+        self._threads = ThreadPoolExecutor(_THREADS)
+        # An array takes this from the time when it is opened. A chunk of nothing but fill values
+        # that is not written looks like one that was lost.
+        with zarr.config.set({"array.write_empty_chunks": True}):
+            mode: Literal["r", "r+"] = "r+" if is_written else "r"
+            group = zarr.open_group(place.zarr(read_only=not is_written), mode=mode)
+            self.arrays: dict[str, Any] = dict(group.arrays())
+        self.flags = self._whole("status", is_damaged)
+        self.asked = self._whole("asked", is_damaged)
+
+    @property
+    def names(self) -> list[str]:
+        """Variables of points."""
+        return [name for name in self.arrays if not is_coordinate(name)]
+
+    def _whole(self, name: str, is_damaged: bool) -> NDArray[np.int8]:
+        """All of a small variable; fill values where a chunk is damaged, if any may be."""
+        try:
+            values: NDArray[np.int8] = self.read(name, ...)
+        except StoreError:
+            if not is_damaged:
+                raise
+            values = np.zeros(self.shape, np.int8)
+            for _, block in self.blocks(np.ones(self.shape, bool)):
+                with suppress(StoreError):
+                    values[block] = self.read(name, block)
+        return values
+
+    def read(self, name: str, key: Any) -> Any:
+        """Read a part of a variable.
+
+        Raises
+        ------
+        StoreError
+            If a chunk is damaged.
+        """
+        try:
+            return self.arrays[name][key]
+        except UNREADABLE as error:
+            raise StoreError(DAMAGED.format(self.place, name)) from error
+
+    def is_done(self, point: Point) -> bool:
+        """Return whether a point is complete."""
+        return bool(self.flags[self.index(point)] == DONE)
+
+    def pending(self) -> list[Point]:
+        """Points that the last run asked for, and that are neither done nor failed."""
+        return self.points_at(np.nonzero((self.asked == 1) & (self.flags == PENDING)))
+
+    def message(self, point: Point) -> str:
+        """Reason why a point failed, or its warnings."""
+        return str(self.read("message", self.index(point)))
+
+    def commit(self, records: Iterable[PointRecord]) -> None:
+        """Put points on the disk: data first, then statuses.
+
+        Raises
+        ------
+        StoreError
+            If they cannot be written, or the lock was lost.
+        """
+        values = {self.index(record.point): self._values(record) for record in records}
+        self.write(values, {index: each.pop("status") for index, each in values.items()})
+
+    def forget(self, points: Iterable[Point]) -> None:
+        """Make points pending again; raise as `commit` does."""
+        self.write({}, {self.index(point): PENDING for point in points})
+
+    def ask(self, wanted: Mask) -> None:
+        """Note which points this run asks for; raise as `commit` does."""
+        changed = map(tuple, np.argwhere(self.asked != wanted).tolist())
+        self.asked = wanted.astype(np.int8)
+        self._put_all({"asked": {index: self.asked[index] for index in changed}})
+
+    def write(
+        self, values: Mapping[_Index, Mapping[str, Any]], flags: Mapping[_Index, int]
+    ) -> None:
+        """Write values of points by name, and once they are on the disk statuses."""
+        by_name: dict[str, dict[_Index, Any]] = {}
+        for index, each in values.items():
+            for name, value in each.items():
+                by_name.setdefault(name, {})[index] = value
+        self._put_all(by_name)
+        self._put_all({"status": flags})
+        for index, flag in flags.items():
+            self.flags[index] = flag
+
+    def _values(self, record: PointRecord) -> dict[str, Any]:
+        """All that is stored of a point by name, its status included."""
+        record = replace(record, message=record.message[:_LONGEST])
+        about = {name: getattr(record, name) for name in ABOUT}
+        about["record_checksum"] = record_checksum(record)
+        if record.data is None:
+            return about | {"status": FAILED}
+        data = {
+            name: np.asarray(values, self.arrays[name].dtype)
+            for name, values in record.data.items()
+            if name in self.arrays
+        }
+        return data | about | {"checksum": checksum(record.point, data), "status": DONE}
+
+    def _put_all(self, by_name: Mapping[str, Mapping[_Index, Any]]) -> None:
+        """Write values at the indices of points, chunk by chunk and side by side."""
+        self._require_lock()
+        jobs: dict[tuple[str, _Index], dict[_Index, Any]] = {}
+        for name, entries in by_name.items():
+            sizes = chunks_of(self.metadata[name])[: self.ndim]
+            for index, value in entries.items():
+                chunk = tuple(i // n for i, n in zip(index, sizes, strict=True))
+                jobs.setdefault((name, chunk), {})[index] = value
+        try:
+            list(self._threads.map(lambda job: self._put(job[0], job[1], jobs[job]), jobs))
+        except OSError as error:
+            raise StoreError(
+                f"{self.place} cannot be written: {error.strerror or error}; what is finished is "
+                "safe, go on when there is room and permission to write"
+            ) from error
+
+    def _put(self, name: str, chunk: _Index, entries: Mapping[_Index, Any]) -> None:
+        """Write values into the points of one chunk, and leave the others as they are."""
+        array = self.arrays[name]
+        block = self.block(chunk, chunks_of(self.metadata[name]))
+        shape = [part.stop - part.start for part in block] + list(array.shape[self.ndim :])
+        if name == "status":
+            part = self.flags[block].copy()
+        elif name == "asked":
+            part = self.asked[block]
+        elif len(entries) == np.prod(shape[: self.ndim]):
+            part = np.full(shape, array.fill_value, array.dtype)
+        else:
+            part = self.read(name, block)
+        for index, value in entries.items():
+            within = tuple(i - each.start for i, each in zip(index, block, strict=True))
+            if name in STEPPED:
+                part[within] = np.nan
+                part[(*within, slice(len(value)))] = value
+            else:
+                part[within] = value
+        array[block] = part
+
+    def is_readable(self, name: str, key: Any) -> bool:
+        """Return whether a part of a variable can be read."""
+        try:
+            self.read(name, key)
+        except StoreError:
+            return False
+        return True
+
+    def discard_unreadable(self, block: Slices, damaged: Iterable[Point]) -> None:
+        """Empty the chunks of a block that cannot be read, so that its points can be written."""
+        for name in set(self.names) - {"status", "asked"}:
+            parts = [self.index(point) for point in damaged] if name in AT_END else [block]
+            for part in parts:
+                if not self.is_readable(name, part):
+                    self.arrays[name][part] = self.arrays[name].fill_value
+
+    def _require_lock(self) -> None:
+        if not self.lock or not isinstance(self.place, Folder):
+            return
+        if not self.lock.is_in_place(self.place.path / LOCK):
+            raise StoreError(
+                f"{self.place}: its lock ({LOCK}) was deleted or replaced while this run wrote; it "
+                "stops, since another one may write now. What is finished is safe, run it again"
+            )
+
+    def blocks(self, mask: Mask) -> Iterable[tuple[tuple[int, ...], Slices]]:
+        """Numbers and slices of the chunks with any of the points of a mask."""
+        sizes = chunks_of(self.metadata["status"])
+        counts = [-(-n // size) for n, size in zip(mask.shape, sizes, strict=True)]
+        for chunk in np.ndindex(*counts):
+            block = self.block(chunk, sizes)
+            if mask[block].any():
+                yield chunk, block
+
+
+def fill_new_steps(store: Store, before: int, names: Callable[[str], set[str]]) -> None:
+    """Write empty chunks for the steps that a store was given, where it has points already.
+
+    Parameters
+    ----------
+    store : Store
+        Store with more steps than before.
+    before : int
+        Number of its steps before.
+    names : callable
+        Gives the names of the chunks of a variable.
+    """
+    for name in sorted(set(STEPPED) & set(store.arrays)):
+        array, sizes = store.arrays[name], chunks_of(store.metadata[name])
+        first = -(-before // sizes[store.ndim])
+        if first * sizes[store.ndim] >= array.shape[store.ndim]:
+            continue
+        present = {tuple(each) for each in _places(names(name), store.ndim)}
+        for chunk in present:
+            array[(*store.block(chunk, sizes), slice(first * sizes[store.ndim], None))] = np.nan
+
+
+def _places(names: Iterable[str], ndim: int) -> Iterable[Sequence[int]]:
+    for name in names:
+        first, *numbers = name.split(".")
+        if first == "c" and all(each.isdecimal() for each in numbers):
+            yield [int(each) for each in numbers[:ndim]]
