@@ -1,5 +1,6 @@
 from .analysis.boundary import boundary as boundary
 from .analysis.boundary import decisive_temperature as decisive_temperature
+from .analysis.boundary import temperatures as temperatures
 from .analysis.dataset import end_of_point as end_of_point
 from .analysis.dataset import open_sweep as open_sweep
 from .analysis.ensemble import Ensemble as Ensemble

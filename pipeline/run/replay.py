@@ -29,9 +29,8 @@ from pipeline.store import (
     StoreError,
     folder_of,
 )
-from pipeline.sweep.criterion import Conditions, at_bulks, rise_limit, worst_moment
+from pipeline.sweep.criterion import Conditions, decisive_rises, rise_limit
 from pipeline.sweep.model import Point
-from tribo.thermal import rise_exceeded
 from tribo.types import Array
 
 _Place = tuple[int | None, int | None]  # surface and sample of a point
@@ -297,6 +296,5 @@ def _rises(store: Store, point: Point, each: Sequence[Conditions]) -> Array:
     for conditions in each:
         judged = conditions.failing_share, conditions.bulk_ratio
         if judged not in known:
-            rises = rise_exceeded(at_bulks(found, conditions), conditions.failing_share)
-            known[judged] = float(rises[worst_moment(rises, found["normal_load"], point.load)])
+            known[judged] = float(decisive_rises(found, point.load, conditions))
     return np.array([known[own.failing_share, own.bulk_ratio] for own in each])
