@@ -1,5 +1,6 @@
 from .analysis.boundary import boundary as boundary
 from .analysis.boundary import decisive_temperature as decisive_temperature
+from .analysis.boundary import temperatures as temperatures
 from .analysis.dataset import end_of_point as end_of_point
 from .analysis.dataset import open_sweep as open_sweep
 from .analysis.ensemble import Ensemble as Ensemble
@@ -44,9 +45,8 @@ from .scene.scenefile import load_scene as load_scene
 from .scene.scenefile import scene_entry as scene_entry
 from .scene.template import new_scene as new_scene
 from .scene.units import to_si as to_si
-from .store.compact import compact_store as compact_store
-from .store.folder import StoreError as StoreError
-from .store.folder import StoreMismatchError as StoreMismatchError
+from .store.place import StoreError as StoreError
+from .store.place import StoreMismatchError as StoreMismatchError
 from .store.progress import summary as summary
 from .store.verify import verify_store as verify_store
 from .sweep.criterion import Conditions as Conditions

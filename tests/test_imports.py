@@ -4,16 +4,9 @@ import ast
 import os
 import subprocess
 import sys
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
-
-from pipeline import load_scene, run_point
-from pipeline.store import prepare
-from pipeline.sweep.plan import points
-from tests.pipeline.cli.test_commands import SCENE
-from tribo import PointWarning, WarningKind
 
 ROOT = Path(__file__).parents[1]
 HEAVY = {
@@ -101,38 +94,6 @@ def test_reading_scenes_in_the_usual_units_loads_no_library_of_units():
     assert scenes
     code = f"import pipeline; [pipeline.load_scene(path) for path in {list(map(str, scenes))!r}]"
     assert loaded_by(code) <= SIMULATION
-
-
-@pytest.fixture(scope="module")
-def doubtful(tmp_path_factory):
-    """A scene, and its store, whose points carry warnings."""
-    folder = tmp_path_factory.mktemp("doubtful")
-    scene, path = folder / "small.toml", folder / "small.zarr"
-    scene.write_text(SCENE)
-    sweep = load_scene(scene, overrides={"increments": 2})
-    doubt = PointWarning(WarningKind.CONTACT_AT_EDGE, "a wider window would carry load there")
-    result = replace(run_point(sweep, *points(sweep)[0]), warnings=(doubt,))
-    store = prepare(path, sweep)
-    for point in points(sweep):
-        store.commit(replace(result, point=point))
-    return scene, path
-
-
-@pytest.mark.parametrize("command", ["status", "verify", "boundary", "plot"])
-def test_a_command_that_reads_needs_no_dataset_and_no_units(command, doubtful, tmp_path):
-    arguments = [command, str(doubtful[1])]
-    if command == "plot":
-        arguments += ["-o", str(tmp_path / "diagram.png")]
-    code = f"import pipeline.cli as cli; assert cli.main({arguments!r}) == 0"
-    found = loaded_by(code) - ({"matplotlib"} if command == "plot" else set())
-    assert found <= SIMULATION
-
-
-def test_a_run_needs_no_dataset_and_no_library_of_units_or_chunks(doubtful):
-    scene, path = doubtful
-    arguments = ["run", str(scene), "--set", "increments=2", "-o", str(path)]
-    code = f"import pipeline.cli as cli; assert cli.main({arguments!r}) == 0"
-    assert not loaded_by(code) & {"xarray", "pandas", "zarr", "pint"}
 
 
 def test_every_public_name_is_there():

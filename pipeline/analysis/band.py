@@ -12,8 +12,8 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
+import xarray as xr
 
-from pipeline.analysis.labelled import Labelled, Variable
 from tribo.types import Array
 
 CROSSES, MILD, SEVERE, UNKNOWN = range(4)
@@ -31,23 +31,24 @@ BAND = (0.1, 0.5, 0.9)
 """Shares of the surfaces whose transition lies lower: lower end, middle and upper end."""
 
 
-def with_band(boundaries: Labelled) -> Labelled:
+def with_band(boundaries: xr.Dataset, variant: str) -> xr.Dataset:
     """Add quantiles, mean, spread and counts to the boundaries of several surfaces or samples.
 
     Parameters
     ----------
-    boundaries : Labelled
+    boundaries : Dataset
         Boundaries with ``critical_velocity(realization, load)``,
         ``critical_load(realization, velocity)`` and the outcomes of each.
+    variant : str
+        Dimension of the surfaces or samples.
     """
-    shares = Variable(
-        ("quantile",), np.array(BAND), {"long_name": "share of the surfaces that lie lower"}
+    found = boundaries.assign_coords(
+        quantile=("quantile", list(BAND), {"long_name": "share of the surfaces that lie lower"})
     )
-    found = dict(boundaries.variables)
     for name, axis in (("critical_velocity", "load"), ("critical_load", "velocity")):
-        outcome, values = boundaries[f"outcome_at_{axis}"], boundaries[name]
-        unit = {"units": boundaries.variables[name].attrs["units"]}
-        crossing, known = (outcome == CROSSES).sum(axis=0), (outcome != UNKNOWN).sum(axis=0)
+        outcome = boundaries[f"outcome_at_{axis}"].transpose(variant, axis).values
+        values = boundaries[name].transpose(variant, axis).values
+        unit, count = {"units": boundaries[name].attrs["units"]}, {"units": "1"}
         columns = [
             np.select([why == MILD, why == SEVERE, why == UNKNOWN], [np.inf, -np.inf, np.nan], at)
             for at, why in zip(values.T, outcome.T, strict=True)
@@ -58,30 +59,29 @@ def with_band(boundaries: Labelled) -> Labelled:
             for c in _known(columns)
         ]
         quantiles = [[quantile(c, share) for c in columns] for share in BAND]
-        for key, dims, entries, what in (
-            (f"{name}_mean", (axis,), of_all, unit | {"long_name": "mean over the surfaces"}),
-            (f"{name}_spread", (axis,), spread, unit | {"long_name": "their standard deviation"}),
-            (
-                f"{name}_quantile",
-                ("quantile", axis),
-                quantiles,
-                unit | {"long_name": "that a share of the surfaces stays below"},
-            ),
-            (
-                f"crossing_at_{axis}",
-                (axis,),
-                crossing,
-                {"units": "1", "long_name": "surfaces that cross"},
-            ),
-            (
-                f"known_at_{axis}",
-                (axis,),
-                known,
-                {"units": "1", "long_name": "surfaces whose outcome is known"},
-            ),
-        ):
-            found[key] = Variable(dims, np.array(entries), what)
-    return Labelled(found, {**boundaries.coordinates, "quantile": shares}, boundaries.attrs)
+        crossing, known = (outcome == CROSSES).sum(axis=0), (outcome != UNKNOWN).sum(axis=0)
+        found = found.assign(
+            {
+                f"{name}_mean": (axis, of_all, unit | {"long_name": "mean over the surfaces"}),
+                f"{name}_spread": (axis, spread, unit | {"long_name": "their standard deviation"}),
+                f"{name}_quantile": (
+                    ("quantile", axis),
+                    quantiles,
+                    unit | {"long_name": "that a share of the surfaces stays below"},
+                ),
+                f"crossing_at_{axis}": (
+                    axis,
+                    crossing,
+                    count | {"long_name": "surfaces that cross"},
+                ),
+                f"known_at_{axis}": (
+                    axis,
+                    known,
+                    count | {"long_name": "surfaces whose outcome is known"},
+                ),
+            }
+        )
+    return found
 
 
 def _known(columns: Sequence[Array]) -> list[Array]:

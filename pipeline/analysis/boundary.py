@@ -1,19 +1,37 @@
-"""The boundary between mild and severe wear, from a stored sweep and without a new simulation."""
+"""The boundary between mild and severe wear, from a stored sweep and without a new simulation.
+
+Friction, bulk temperature, critical temperature and failing share enter only here, by
+`pipeline.sweep.criterion`.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+from typing import Any
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
-from pipeline.analysis.conditions import Bulk, conditions_of
-from pipeline.analysis.crossings import crossings
-from pipeline.analysis.dataset import at_bulks, dataset_of, ordered
-from pipeline.analysis.results import Results, decisive_plane
-from pipeline.store import PathLike
-from pipeline.sweep.criterion import contact_temperature
+from pipeline.analysis.attributes import attributes_of
+from pipeline.analysis.band import CROSSES, MILD, SEVERE, UNKNOWN, with_band
+from pipeline.analysis.conditions import Bulk, conditions_by_variant, conditions_of
+from pipeline.analysis.dataset import asked, at_bulks, dataset_of, values_of, variant_of
+from pipeline.analysis.interpolation import crossing, exponent, interpolated
+from pipeline.store.place import PathLike
+from pipeline.store.schema import DONE
+from pipeline.sweep import criterion
+from pipeline.sweep.criterion import Conditions, contact_temperature, failed_fraction, rise_limit
+from pipeline.sweep.lubrication import Lubrication
+from tribo import InputError
 from tribo.thermal import quantiles
+from tribo.types import Array
+
+_OUTCOMES = {
+    "long_name": "why there is no crossing",
+    "flag_values": np.array([CROSSES, MILD, SEVERE, UNKNOWN], dtype=np.int8),
+    "flag_meanings": "crosses mild_throughout severe_from_the_lowest unknown",
+}
 
 
 def boundary(
@@ -85,12 +103,116 @@ def boundary(
     >>> warmer["critical_velocity"].sel(load=600).round(2).item()
     1.48
     """
-    ds = ordered(dataset_of(ds))
-    results = Results.of(ds)
-    found = crossings(results, friction, bulk_temperature, critical_temperature, share).as_dataset()
-    own = ("load", "velocity", "realization", "sample")
-    coordinates = {name: ds[name].variable for name in own if name in ds.coords}
-    return found.assign_coords(coordinates)
+    if isinstance(friction, str):
+        raise InputError(f'friction: "{friction}" is text; give a number such as 0.1, or several')
+    ds = dataset_of(ds)
+    others = (bulk_temperature, critical_temperature, share)
+    frictions = list(friction) if isinstance(friction, Iterable) else [friction]
+    several = [conditions_of(ds, value, *others) for value in frictions]
+    by_variant = [
+        conditions_by_variant(ds, conditions, (value, *others))
+        for conditions, value in zip(several, frictions, strict=True)
+    ]
+    ds = with_rises(ds, [conditions for each in by_variant for conditions in each])
+    found = [
+        _boundary(ds, conditions, own) for conditions, own in zip(several, by_variant, strict=True)
+    ]
+    if not isinstance(friction, Iterable):
+        return found[0]
+    attrs = {"units": "1", "long_name": "friction coefficient"}
+    axis = xr.DataArray([own.friction for own in several], dims="friction", attrs=attrs)
+    stacked: xr.Dataset = xr.concat(
+        found,
+        axis.rename("friction"),
+        data_vars="all",
+        coords="minimal",
+        compat="override",
+        join="override",
+        combine_attrs="drop_conflicts",
+    )
+    return stacked
+
+
+def _boundary(
+    ds: xr.Dataset, conditions: Conditions, by_variant: Sequence[Conditions]
+) -> xr.Dataset:
+    """The boundary under some conditions, and those of each surface or sample."""
+    axis = variant_of(ds)
+    rise = decisive_rise(ds, by_variant)
+    loads, velocities = rise["load"].values, rise["velocity"].values
+    planes = rise.values.reshape(-1, len(loads), len(velocities))
+    limits = [rise_limit(own) for own in by_variant]
+    wanted = asked(ds).transpose(..., "load", "velocity").values.reshape(planes.shape)
+    missing = wanted & ~np.isfinite(planes)
+    lubrication = Lubrication.stored(attributes_of(ds))
+    columns: dict[str, tuple[str, Array, dict[str, Any]]] = {}
+    for name, other, x, lines, attrs in (
+        (
+            "load", "velocity", velocities, planes,
+            {"units": "m/s", "long_name": "velocity at the transition to severe wear"},
+        ),
+        (
+            "velocity", "load", loads, planes.swapaxes(1, 2),
+            {"units": "N", "long_name": "normal load at the transition to severe wear"},
+        ),
+    ):  # fmt: skip
+        each = list(zip(lines, limits, strict=True))
+        at = np.array([[crossing(x, row, limit) for row in plane] for plane, limit in each])
+        columns[f"critical_{other}"] = name, at, attrs
+        outcome = [_outcome(*part) for part in zip(at, lines, limits, strict=True)]
+        columns[f"outcome_at_{name}"] = name, np.array(outcome), _OUTCOMES
+        columns[f"missing_at_{name}"] = (
+            name,
+            np.count_nonzero(missing, axis=2 if name == "load" else 1),
+            {"units": "1", "long_name": f"pending or failed points at this {name}"},
+        )
+        if name == "load":
+            columns["rise_exponent_at_load"] = (
+                name,
+                np.array(
+                    [
+                        [exponent(x, row, place) for row, place in zip(plane, places, strict=True)]
+                        for plane, places in zip(lines, at, strict=True)
+                    ]
+                ),
+                {"units": "1", "long_name": "d ln(rise) / d ln(velocity) at the crossing"},
+            )
+        if lubrication:
+            columns[f"film_parameter_at_{name}"] = (
+                name,
+                np.array(
+                    [
+                        lubrication.film_parameter(
+                            loads if name == "load" else places,
+                            places if name == "load" else velocities,
+                            own.mean_bulk_temperature,
+                        )
+                        for places, own in zip(at, by_variant, strict=True)
+                    ]
+                ),
+                {"units": "1", "long_name": "film parameter at the crossing"},
+            )
+    kept = ("load", "velocity", "realization", "sample")
+    found = xr.Dataset(
+        {
+            name: ((axis, dim), values, attrs) if axis else ((dim,), values[0], attrs)
+            for name, (dim, values, attrs) in columns.items()
+        },
+        {name: ds[name].variable for name in kept if name in ds.coords},
+        (conditions if axis else by_variant[0]).as_dict()
+        | {"missing_points": int(np.count_nonzero(missing))},
+    )
+    return with_band(found, axis) if axis else found
+
+
+def _outcome(at: Array, plane: Array, limit: float) -> NDArray[np.int8]:
+    """Reason why lines of points do not cross, one for each line."""
+    known = np.isfinite(plane)
+    lowest = np.take_along_axis(plane, known.argmax(axis=1)[:, None], axis=1)[:, 0]
+    outcome = np.where(lowest > limit, SEVERE, MILD)
+    outcome[~known.any(axis=1)] = UNKNOWN
+    outcome[np.isfinite(at)] = CROSSES
+    return outcome.astype(np.int8)
 
 
 def decisive_temperature(
@@ -110,7 +232,7 @@ def decisive_temperature(
     ds, friction, bulk_temperature, critical_temperature, share
         See `boundary`.
     resolution : int, optional
-        See `decisive_rise`.
+        Interpolate onto so many loads and velocities, evenly spaced.
 
     Returns
     -------
@@ -127,7 +249,9 @@ def decisive_temperature(
     """
     ds = dataset_of(ds)
     conditions = conditions_of(ds, friction, bulk_temperature, critical_temperature, share)
-    rise = decisive_rise(at_bulks(ds, conditions), conditions.failing_share, resolution)
+    rise = decisive_rise(ds, conditions)
+    if resolution is not None:
+        rise = refined(rise, resolution)
     temperature = contact_temperature(rise, conditions)
     temperature.attrs = {
         "units": "K",
@@ -137,10 +261,83 @@ def decisive_temperature(
     return temperature.rename("decisive_temperature")
 
 
-def decisive_rise(
-    ds: xr.Dataset, share: float, resolution: int | None = None, continued: bool = False
-) -> xr.DataArray:
-    """Rise, at friction 1, that just a share of the contact area exceeds, at the highest.
+def temperatures(
+    ds: xr.Dataset | PathLike,
+    friction: float | None = None,
+    bulk_temperature: Bulk | None = None,
+    critical_temperature: float | str | None = None,
+) -> xr.Dataset:
+    """Temperatures of the contact, at each step at which the temperature was asked for.
+
+    Parameters
+    ----------
+    ds : Dataset, str or path
+        Dataset of `pipeline.open_sweep`, a part of it, or the path of a store. The whole of a large
+        sweep takes much memory: select loads and velocities first.
+    friction, bulk_temperature, critical_temperature
+        See `boundary`.
+
+    Returns
+    -------
+    Dataset
+        ``max_temperature`` and ``mean_temperature`` of the contact, ``temperature_quantile`` that a
+        share ``quantile`` of the contact area stays below [K]; and, where there is a critical
+        temperature, ``failed_fraction``, the share of the contact area above it.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> point = pipeline.open_sweep("results/first_try.zarr").sel(load=600, velocity=1.6)
+    >>> end = pipeline.end_of_point(point)
+    >>> pipeline.temperatures(end)["max_temperature"].round().item()
+    436.0
+    >>> pipeline.temperatures(end, friction=0.12)["max_temperature"].round().item()
+    463.0
+    """
+    ds = ds if isinstance(ds, xr.Dataset) else dataset_of(ds)
+    conditions = conditions_of(ds, friction, bulk_temperature, critical_temperature)
+    rises = at_bulks(ds, conditions)
+    found = xr.Dataset(attrs=conditions.as_dict())
+    for name, rise, meaning in (
+        ("max_temperature", "max_rise", "highest temperature"),
+        ("mean_temperature", "mean_rise", "mean temperature"),
+        ("temperature_quantile", "rise_quantile", "quantile of the temperature"),
+    ):
+        found[name] = contact_temperature(rises[rise], conditions).drop_attrs()
+        found[name].attrs = {"units": "K", "long_name": f"{meaning} of the contact"}
+    if conditions.critical_temperature is not None:
+        share = xr.apply_ufunc(
+            failed_fraction,
+            rises["rise_quantile"],
+            input_core_dims=[["quantile"]],
+            kwargs={"conditions": conditions},
+            vectorize=True,
+        )
+        found["failed_fraction"] = share.where(rises["max_rise"].notnull())
+        found["failed_fraction"].attrs = {
+            "units": "1",
+            "long_name": "share of the contact above the critical temperature",
+        }
+    return found
+
+
+def with_rises(ds: xr.Dataset, conditions: Sequence[Conditions]) -> xr.Dataset:
+    """Load what decides under some conditions, and leave out the other quantiles."""
+    stored = ds["quantile"].values
+    cooler = [1 - own.failing_share for own in conditions]
+    first, last = 0, len(stored) - 1
+    if stored[0] <= min(cooler) <= max(cooler) <= stored[-1]:  # else they are refused later
+        first = max(int(np.searchsorted(stored, min(cooler))) - 1, 0)
+        last = max(int(np.searchsorted(stored, max(cooler))), first + 1)
+    names = ["normal_load", "rise_quantile"]
+    if any(own.bulk_ratio for own in conditions) and "bulk_rise_quantile" in ds:
+        names.append("bulk_rise_quantile")
+    narrow = ds.isel(quantile=slice(first, last + 1))
+    return narrow.assign({name: narrow[name].load() for name in names})
+
+
+def decisive_rise(ds: xr.Dataset, conditions: Conditions | Sequence[Conditions]) -> xr.DataArray:
+    """Rise, at friction 1, that decides at each point.
 
     It is the highest one from when the load of a point is reached on: at the end of the ramp or,
     where the load is held, at any later step at which the temperature was asked for.
@@ -149,45 +346,70 @@ def decisive_rise(
     ----------
     ds : Dataset
         Dataset of `pipeline.open_sweep`.
-    share : float
-        Share of the contact area, from 0 (the maximum) to below 1.
-    resolution : int, optional
-        Interpolate onto so many loads and velocities, evenly spaced. The surface passes through
-        the boundary that `boundary` finds for each load and each velocity. NaN beyond the
-        outermost known points.
-    continued : bool, optional
-        Whether at each load to go on beyond those, as a power of the velocity.
+    conditions : Conditions, or several
+        Conditions to judge by, or those of each surface or sample.
 
     Returns
     -------
     DataArray, dims (load, velocity), after ``realization`` over several surfaces
         Rise [K], sorted along all axes; NaN at points that are pending or failed.
     """
-    ds = ordered(ds)
-    results = Results.of(ds)
-    planes = [decisive_plane(part, share) for part in results.parts()]
-    if resolution is not None:
-        planes = [plane.refined(resolution, continued) for plane in planes]
-    loads, velocities, r = planes[0]
-    dims: tuple[str, ...] = ("load", "velocity")
-    if results.leading:
-        dims, r = (results.leading, *dims), np.stack([plane.rises for plane in planes])
-    variants = (name for name in ("realization", "sample") if name in ds.coords)
+    ds, axis = dataset_of(ds), variant_of(ds)
+    several = [conditions] if isinstance(conditions, Conditions) else list(conditions)
+    ds = with_rises(ds, several)
+    names = ["normal_load", "rise_quantile"]
+    names += ["bulk_rise_quantile"] if "bulk_rise_quantile" in ds else []
+    columns = {name: values_of(ds, name) for name in names}
+    loads, own = ds["load"].values[:, None, None], {"quantile": ds["quantile"].values}
+    if len({(each.failing_share, each.bulk_ratio) for each in several}) == 1:
+        rises = criterion.decisive_rises(columns | own, loads, several[0])
+    else:
+        rises = np.array(
+            [
+                criterion.decisive_rises(
+                    {name: values[number] for name, values in columns.items()} | own, loads, each
+                )
+                for number, each in enumerate(several)
+            ]
+        )
+    kept = ("load", "velocity", "realization", "sample")
     return xr.DataArray(
-        r,
-        coords={
-            "load": ("load", loads, ds["load"].attrs),
-            "velocity": ("velocity", velocities, ds["velocity"].attrs),
-            **{name: ds[name].variable for name in variants},
-        },
-        dims=dims,
-        name="decisive_rise",
-        attrs={
-            "units": "K",
-            "long_name": "rise at friction 1 exceeded by a share of the contact",
-            "share": share,
-        },
+        np.where(values_of(ds, "status") == DONE, rises, np.nan),
+        {name: ds[name].variable for name in kept if name in ds.coords},
+        [name for name in (axis, "load", "velocity") if name],
+        "decisive_rise",
+        {"units": "K", "long_name": "decisive rise at friction 1"},
     )
+
+
+def refined(rise: xr.DataArray, resolution: int, continued: bool = False) -> xr.DataArray:
+    """Interpolate a decisive rise onto many loads and velocities, evenly spaced.
+
+    The surface passes through the boundary that `boundary` finds for each load and each velocity.
+    NaN beyond the outermost known points.
+
+    Parameters
+    ----------
+    rise : DataArray, dims (..., load, velocity)
+        Rise of `decisive_rise` [K].
+    resolution : int
+        Number of loads and of velocities.
+    continued : bool, optional
+        Whether at each load to go on beyond the outermost known points, as a power of the velocity.
+    """
+    loads, velocities = rise["load"].values, rise["velocity"].values
+    fine_loads = np.linspace(loads[0], loads[-1], resolution)
+    fine = np.linspace(velocities[0], velocities[-1], resolution)
+    rows = np.apply_along_axis(
+        lambda row: interpolated(velocities, row, fine, continued), -1, rise.values
+    )
+    plane = np.apply_along_axis(lambda column: interpolated(loads, column, fine_loads), -2, rows)
+    axes = {"load": fine_loads, "velocity": fine}
+    coords = {
+        name: (name, axes[str(name)], coord.attrs) if name in axes else coord.variable
+        for name, coord in rise.coords.items()
+    }
+    return xr.DataArray(plane, coords, rise.dims, rise.name, rise.attrs)
 
 
 def rise_exceeded(ds: xr.Dataset, share: float) -> xr.DataArray:

@@ -4,27 +4,28 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import xarray as xr
 
 from pipeline.analysis.attributes import attributes_of
-from pipeline.analysis.results import Results
+from pipeline.analysis.dataset import variants
 from pipeline.scene.quantities import in_si, share_of
 from pipeline.sweep.criterion import Conditions, of_bulks, require_bulks
 from tribo import InputError
 
-if TYPE_CHECKING:
-    import xarray as xr
-
 Bulk = float | str | Mapping[str, float | str]
 """A bulk temperature [K] or with a unit; or one for each body, by ``"pin"`` and ``"disk"``."""
+
+CONDITIONS = ("friction", "bulk_temperature", "critical_temperature", "share")
+"""Names of the conditions that may be given in place of the sweep's own."""
 
 _COLDEST_OIL, _HOTTEST_OIL = 220.0, 900.0  # bulk temperatures [K]
 
 
 def conditions_of(
-    ds: xr.Dataset | Results,
+    ds: xr.Dataset,
     friction: float | None = None,
     bulk_temperature: Bulk | None = None,
     critical_temperature: float | str | None = None,
@@ -80,25 +81,25 @@ def _kelvin(name: str, given: float | str | None) -> float | None:
     return given
 
 
-def of_sample(part: Results, conditions: Conditions, given: Iterable[Any]) -> Conditions:
-    """Conditions of one sample: as it was drawn, where they are not given.
+def conditions_by_variant(
+    ds: xr.Dataset, conditions: Conditions, given: Iterable[Any]
+) -> list[Conditions]:
+    """Conditions of each surface or sample: as it was drawn, where they are not given.
 
     Parameters
     ----------
-    part : Results
-        Results on one surface or for one sample.
+    ds : Dataset
+        Dataset of `pipeline.open_sweep`.
     conditions : Conditions
         Those that hold otherwise.
     given : iterable
-        What is given of the friction, the bulk and the critical temperature and the failing share,
-        in this order; None where it is not.
+        Values given of `CONDITIONS`, in this order; None where the sweep's own holds.
     """
-    drawn = {
-        name: float(part.place[path])
-        for (name, path), own in zip(_DRAWN.items(), given, strict=True)
-        if own is None and path in part.place
-    }
-    return replace(conditions, **drawn) if drawn else conditions
+    free = [entry for entry, value in zip(_DRAWN.items(), given, strict=True) if value is None]
+    return [
+        replace(conditions, **{name: float(place[path]) for name, path in free if path in place})
+        for place in variants(ds)
+    ]
 
 
 _DRAWN = {

@@ -15,9 +15,10 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
+from scipy.interpolate import PchipInterpolator
 
 from pipeline.analysis.attributes import attributes_of
-from pipeline.analysis.interpolation import cubic, interpolated
+from pipeline.analysis.interpolation import interpolated
 from pipeline.analysis.surrogate import Surrogate, fitted
 from pipeline.sweep.criterion import Conditions, worst_moment
 from pipeline.sweep.unknown import Unknown, drawn
@@ -224,8 +225,8 @@ class Ensemble:
                 "give that, or add loads to the sweep"
             )
         else:
-            row = cubic(np.log(self.loads), np.swapaxes(values, 1, 2), math.log(load))
-        return cubic(self._axis, row, np.log(velocities))
+            row = _cubic(np.log(self.loads), np.swapaxes(values, 1, 2), math.log(load))
+        return _cubic(self._axis, row, np.log(velocities))
 
     def require_within(self, load: float, *velocities: float) -> None:
         """Raise an `InputError` for what lies outside the sweep."""
@@ -269,6 +270,12 @@ class Ensemble:
         slope = np.maximum((high - low) / (x[at] - x[at - 1]), 0.05)
         found: Array = x[at - 1] - low / slope
         return found
+
+
+def _cubic(x: Array, rows: Array, at: Array | float) -> Array:
+    """Rows of values over x, interpolated by the cubic that is monotone between the points."""
+    values: Array = PchipInterpolator(x, rows, axis=-1)(at)
+    return values
 
 
 def _column(unknown: Sequence[Unknown], inputs: Array, path: str, otherwise: float) -> Array:

@@ -12,13 +12,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
+from scipy.interpolate import PchipInterpolator
 
 from tribo.types import Array
 
 _NEAR = 1.01  # ratio of abscissae over which an exponent is taken
+_FLAT = 0.25  # least exponent of a power law that is continued down to 0
 
 
 def crossing(x: Array, y: Array, limit: float) -> float:
@@ -51,8 +53,8 @@ def crossing(x: Array, y: Array, limit: float) -> float:
         return float(x[first])
     if first == 0:
         return math.nan
-    found = _interpolant(x, y).inverse(limit, first - 1)
-    return min(max(found, float(x[first - 1])), float(x[first]))
+    place = _interpolant(x, y).inverse(limit, first - 1)
+    return min(max(place, float(x[first - 1])), float(x[first]))
 
 
 def interpolated(x: Array, y: Array, at: Array, continued: bool = False) -> Array:
@@ -87,7 +89,7 @@ def interpolated(x: Array, y: Array, at: Array, continued: bool = False) -> Arra
 
 
 def exponent(x: Array, y: Array, at: float) -> float:
-    """Exponent d ln(y)/d ln(x) of what is interpolated at an abscissa, NaN where that is none.
+    """Exponent d ln(y)/d ln(x) of the interpolated y at an abscissa, NaN where that is NaN.
 
     Parameters
     ----------
@@ -111,42 +113,30 @@ def exponent(x: Array, y: Array, at: float) -> float:
     return math.log(high / low) / math.log(ends[1] / ends[0]) if low > 0 else math.nan
 
 
-def cubic(x: Array, y: Array, at: Array | float) -> Array:
-    """Interpolate rows of values by the cubic that is monotone between the points.
-
-    Parameters
-    ----------
-    x : ndarray, shape (n,)
-        Abscissae, ascending; two at least.
-    y : ndarray, shape (..., n)
-        Values at the abscissae.
-    at : ndarray, shape (m,), or float
-        Abscissae to interpolate at; beyond the outermost points their cubics go on.
-
-    Returns
-    -------
-    ndarray, shape (..., m), or (...) for a single abscissa
-        Values at them.
-
-    Examples
-    --------
-    >>> rows = np.array([[0.0, 1.0, 2.0], [0.0, 1.0, 4.0]])
-    >>> cubic(np.array([0.0, 1.0, 2.0]), rows, 0.5)
-    array([0.5   , 0.3125])
-    """
-    return _Cubic.through(x, y)(at)
-
-
 def _interpolant(x: Array, y: Array) -> _Interpolant:
     if (x > 0).all() and (y > 0).all():
-        return _Logarithmic(_Cubic.through(np.log(x), np.log(y)))
+        return _Logarithmic(PchipInterpolator(np.log(x), np.log(y)))
     if x[0] == 0 and y[0] == 0 and len(x) > 2 and (y[1:] > 0).all():
         # From the first point down to 0, the power law goes on with which the others begin; a
         # flat one would leap up at 0.
-        cubic = _Cubic.through(np.log(x[1:]), np.log(y[1:]))
-        if cubic.slopes[0] > 0.25:
-            return _FromZero(_Logarithmic(cubic), float(x[1]), float(y[1]), float(cubic.slopes[0]))
-    return _Cubic.through(x, y)
+        cubic = PchipInterpolator(np.log(x[1:]), np.log(y[1:]))
+        slope = float(cubic(cubic.x[0], 1))
+        if slope > _FLAT:
+            return _FromZero(_Logarithmic(cubic), float(x[1]), float(y[1]), slope)
+    return _Straight(PchipInterpolator(x, y))
+
+
+def _inverse(cubic: PchipInterpolator, value: float, interval: int) -> float:
+    """Abscissa of a value in an interval, where the cubic is monotone and passes it upwards."""
+    start = float(cubic.x[interval])
+    a, b, c, d = cubic.c[:, interval].tolist()
+    lower, upper = 0.0, float(cubic.x[interval + 1]) - start
+    while lower < (middle := (lower + upper) / 2) < upper:
+        if ((a * middle + b) * middle + c) * middle + d < value:
+            lower = middle
+        else:
+            upper = middle
+    return start + upper
 
 
 class _Interpolant(Protocol):
@@ -156,82 +146,31 @@ class _Interpolant(Protocol):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Cubic:
-    """A cubic between each two points; neighbours share their slope at the point between them.
+class _Straight:
+    """The values of y over x themselves."""
 
-    Values and slopes have the points as their last axis.
+    cubic: PchipInterpolator
 
-    By Fritsch and Butland (1984): where y goes on to rise or fall, the slope at a point is the
-    harmonic mean of those to either side, weighted by their lengths, else 0.
-    """
-
-    x: Array
-    y: Array
-    slopes: Array
-
-    @classmethod
-    def through(cls, x: Array, y: Array) -> _Cubic:
-        widths, secants = np.diff(x), np.diff(y) / np.diff(x)
-        slopes = np.repeat(secants[..., :1], len(x), axis=-1)
-        if len(x) > 2:
-            before, after = 2 * widths[1:] + widths[:-1], widths[1:] + 2 * widths[:-1]
-            lower, upper = secants[..., :-1], secants[..., 1:]
-            goes_on = lower * upper > 0
-            left, right = np.where(goes_on, lower, 1.0), np.where(goes_on, upper, 1.0)
-            mean = (before + after) / (before / left + after / right)
-            slopes[..., 1:-1] = np.where(goes_on, mean, 0.0)
-            slopes[..., 0] = _slope_at_end(widths[:2], secants[..., :2])
-            slopes[..., -1] = _slope_at_end(widths[:-3:-1], secants[..., :-3:-1])
-        return cls(x, y, slopes)
-
-    def __call__(self, at: Array | float) -> Array:
-        i = np.clip(np.searchsorted(self.x, at, side="right") - 1, 0, len(self.x) - 2)
-        width = self.x[i + 1] - self.x[i]
-        rises = width * self.slopes[..., i], width * self.slopes[..., i + 1]
-        ends = self.y[..., i], self.y[..., i + 1], *rises
-        found: Array = _hermite((at - self.x[i]) / width, *ends)
-        return found
+    def __call__(self, at: Array) -> Array:
+        y: Array = self.cubic(at)
+        return y
 
     def inverse(self, value: float, interval: int) -> float:
-        """Abscissa of a value in an interval, where the cubic is monotone and passes it upwards."""
-        i = interval
-        width = float(self.x[i + 1] - self.x[i])
-        y, rises = self.y[i : i + 2].tolist(), (width * self.slopes[i : i + 2]).tolist()
-        lower, upper = 0.0, 1.0
-        while lower < (middle := (lower + upper) / 2) < upper:
-            if _hermite(middle, *y, *rises) < value:
-                lower = middle
-            else:
-                upper = middle
-        return float(self.x[i]) + upper * width
-
-
-def _hermite(t: Any, y0: Any, y1: Any, rise0: Any, rise1: Any) -> Any:
-    """Cubic on 0 ≤ t ≤ 1 with given values and slopes at both ends."""
-    rest = (1 - t) * (rise0 - (y1 - y0)) - t * (rise1 - (y1 - y0))
-    return y0 + t * (y1 - y0) + t * (1 - t) * rest
-
-
-def _slope_at_end(widths: Array, secants: Array) -> Array:
-    """Slope of the parabola through three points at the first, kept from changing the order."""
-    (near, far), first, second = widths, secants[..., 0], secants[..., 1]
-    slope = ((2 * near + far) * first - near * second) / (near + far)
-    turns = (first * second < 0) & (np.abs(slope) > 3 * np.abs(first))
-    kept: Array = np.where(slope * first <= 0, 0.0, np.where(turns, 3 * first, slope))
-    return kept
+        return _inverse(self.cubic, value, interval)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Logarithmic:
     """The logarithm of y over that of x."""
 
-    cubic: _Cubic
+    cubic: PchipInterpolator
 
     def __call__(self, at: Array) -> Array:
-        return np.exp(self.cubic(np.log(at)))
+        y: Array = np.exp(self.cubic(np.log(at)))
+        return y
 
     def inverse(self, value: float, interval: int) -> float:
-        return math.exp(self.cubic.inverse(math.log(value), interval))
+        return math.exp(_inverse(self.cubic, math.log(value), interval))
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -10,21 +10,22 @@ rise was within it at 54 of 60 random places of `workflows/first_try.toml`.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import xarray as xr
 
-from pipeline.analysis.conditions import Bulk, conditions_of, of_sample
+from pipeline.analysis.boundary import decisive_rise
+from pipeline.analysis.conditions import Bulk, conditions_by_variant, conditions_of
+from pipeline.analysis.dataset import dataset_of, variants
 from pipeline.analysis.interpolation import crossing, interpolated
-from pipeline.analysis.results import Results, decisive_plane
 from pipeline.scene.quantities import in_si
+from pipeline.store.place import PathLike
 from pipeline.sweep.criterion import Conditions, contact_temperature, rise_limit
 from tribo import InputError
 from tribo.types import Array
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 CROSSES, MILD, SEVERE = "crosses", "mild throughout", "severe throughout"
 """What is known of the way from an operating point to the boundary."""
@@ -124,7 +125,7 @@ class Margin:
 
 
 def margins(
-    ds: xr.Dataset | Results,
+    ds: xr.Dataset | PathLike,
     load: float | str,
     velocity: float | str,
     friction: float | None = None,
@@ -136,8 +137,9 @@ def margins(
 
     Parameters
     ----------
-    ds : Dataset or Results
-        Dataset of `pipeline.open_sweep`. Points that are pending or failed are skipped.
+    ds : Dataset, str or path
+        Dataset of `pipeline.open_sweep`, or the path of a store. Points that are pending or failed
+        are skipped.
     load : float or str
         Normal load on the whole pin [N], or text such as ``"500 N"``, within those of the sweep.
     velocity : float or str
@@ -164,8 +166,8 @@ def margins(
     >>> margin.is_severe, f"{margin.distance:.0f} K"
     (True, '-13 K')
     """
-    results = Results.of(ds)
-    conditions = conditions_of(results, friction, bulk_temperature, critical_temperature, share)
+    ds = dataset_of(ds)
+    conditions = conditions_of(ds, friction, bulk_temperature, critical_temperature, share)
     if conditions.friction == 0:
         raise InputError(
             "friction is 0; without friction there is no heat and no boundary; give one above 0"
@@ -173,8 +175,8 @@ def margins(
     conditions.known_critical_temperature()
     load, velocity = in_si("load", load, "500 N"), in_si("velocity", velocity, "2 m/s")
     for name, value, axis, unit in (
-        ("load", load, results.loads, "N"),
-        ("velocity", velocity, results.velocities, "m/s"),
+        ("load", load, ds["load"].values, "N"),
+        ("velocity", velocity, ds["velocity"].values, "m/s"),
     ):
         lowest, highest = float(axis[0]), float(axis[-1])
         if not (lowest <= value <= highest and value > 0):
@@ -183,16 +185,25 @@ def margins(
                 "one within, above 0, or add points to the sweep"
             )
     given = (friction, bulk_temperature, critical_temperature, share)
-    found = []
-    for part in results.parts():
-        own = of_sample(part, conditions, given)
-        found.append(_margin(part.at(own), load, velocity, own))
-    return tuple(found)
+    several = conditions_by_variant(ds, conditions, given)
+    rise = decisive_rise(ds, several)
+    planes = rise.values.reshape(len(several), *rise.shape[-2:])
+    return tuple(
+        _margin(ds["load"].values, ds["velocity"].values, plane, load, velocity, own, place)
+        for plane, own, place in zip(planes, several, variants(ds), strict=True)
+    )
 
 
-def _margin(part: Results, load: float, velocity: float, conditions: Conditions) -> Margin:
+def _margin(
+    loads: Array,
+    velocities: Array,
+    r: Array,
+    load: float,
+    velocity: float,
+    conditions: Conditions,
+    place: Mapping[str, Any],
+) -> Margin:
     """The margin on one surface."""
-    loads, velocities, r = decisive_plane(part, conditions.failing_share)
     column = np.array([_along(velocities, each, velocity, continued=True) for each in r])
     rise = _along(loads, column, load)
     if not math.isfinite(rise):
@@ -210,8 +221,8 @@ def _margin(part: Results, load: float, velocity: float, conditions: Conditions)
     return Margin(
         load=load,
         velocity=velocity,
-        realization=part.place.get("realization"),
-        sample=part.place.get("sample"),
+        realization=place.get("realization"),
+        sample=place.get("sample"),
         decisive_temperature=contact_temperature(rise, conditions),
         temperature_error=None if error is None else conditions.friction * rise * error,
         critical_temperature=conditions.known_critical_temperature(),

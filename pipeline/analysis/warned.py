@@ -3,32 +3,30 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import xarray as xr
 
-from pipeline.analysis.conditions import conditions_of
-from pipeline.analysis.results import Results, decisive_plane
-from pipeline.store import DONE
+from pipeline.analysis.boundary import decisive_rise
+from pipeline.analysis.conditions import CONDITIONS, conditions_by_variant, conditions_of
+from pipeline.analysis.dataset import dataset_of, variant_of
+from pipeline.store.place import PathLike
+from pipeline.store.schema import DONE
 from pipeline.sweep.criterion import rise_limit
 from pipeline.sweep.model import Point
 from pipeline.sweep.warned import NO_WARNING, Warned
 from tribo import WarningKind
 from tribo.types import Array, Mask
 
-if TYPE_CHECKING:
-    import xarray as xr
 
-_OLD_STORES = "of unknown kind"  # those that keep the text alone
-
-
-def warned(ds: xr.Dataset | Results, **conditions: Any) -> Warned:
+def warned(ds: xr.Dataset | PathLike, **conditions: Any) -> Warned:
     """Count the points of a sweep that carry a warning.
 
     Parameters
     ----------
-    ds : Dataset or Results
-        Dataset of `pipeline.open_sweep`.
+    ds : Dataset, str or path
+        Dataset of `pipeline.open_sweep`, or the path of a store.
     **conditions
         Those of `pipeline.boundary`, to tell which points lie beside it.
 
@@ -38,61 +36,59 @@ def warned(ds: xr.Dataset | Results, **conditions: Any) -> Warned:
     >>> pipeline.warned(pipeline.open_sweep("results/first_try.zarr")).points
     0
     """
-    results = Results.of(ds)
-    there = np.array([has_warning(part) for part in results.parts()])
+    ds = dataset_of(ds)
+    there = has_warning(ds)
     if not there.any():
         return NO_WARNING
-    if "warning_flags" in results:
-        flags = np.where(there, [part["warning_flags"] for part in results.parts()], 0)
-        counts = {kind.label: int(np.count_nonzero(flags & kind)) for kind in WarningKind}
-    else:
-        counts = {_OLD_STORES: int(np.count_nonzero(there))}
-    found = _beside_boundary(results, conditions)
-    beside = there if found is None else there & found
+    flags = ds["warning_flags"].where(there, 0)
+    counts = {kind.label: int((flags & kind != 0).sum()) for kind in WarningKind}
+    near = _beside_boundary(ds, conditions)
+    beside = there if near is None else there & near
     return Warned(
-        points=int(np.count_nonzero(there)),
+        points=int(there.sum()),
         kinds={kind: count for kind, count in counts.items() if count},
-        at_boundary=None if found is None else int(np.count_nonzero(beside)),
-        example=_first(results, beside if beside.any() else there),
+        at_boundary=None if near is None else int(beside.sum()),
+        example=_first(ds, beside if beside.any() else there),
     )
 
 
-def has_warning(part: Results) -> Mask:
-    """Tell which points of one surface are done and carry a warning, by load and velocity."""
-    flags = "warning_flags" in part
-    told = part["warning_flags"] != 0 if flags else part["message"] != ""
-    found: Mask = (part["status"] == DONE) & told
-    return found
+def has_warning(ds: xr.Dataset) -> xr.DataArray:
+    """Points that are done and carry a warning."""
+    found: xr.DataArray = (ds["status"] == DONE) & (ds["warning_flags"] != 0)
+    return found.transpose(..., "load", "velocity")
 
 
-def _beside_boundary(results: Results, conditions: dict[str, Any]) -> Mask | None:
-    """Tell which points have a neighbour with the other kind of wear, at any of the frictions.
+def _beside_boundary(ds: xr.Dataset, conditions: dict[str, Any]) -> xr.DataArray | None:
+    """Points with a neighbour with the other kind of wear, at any of the frictions.
 
     None where no critical temperature tells the kind of wear.
     """
     frictions = conditions.get("friction")
     several = frictions if isinstance(frictions, Iterable) else [frictions]
-    each = [conditions_of(results, **conditions | {"friction": friction}) for friction in several]
-    if each[0].critical_temperature is None:
-        return None
-    found = []
-    for part in results.parts():
-        rises = [decisive_plane(part.at(own), own.failing_share).rises for own in each]
-        limits = map(rise_limit, each)
-        beside = [_beside(r, limit) for r, limit in zip(rises, limits, strict=True)]
-        found.append(np.any(beside, axis=0))
-    return np.array(found)
+    near = None
+    for friction in several:
+        given = conditions | {"friction": friction}
+        judged = conditions_of(ds, **given)
+        if judged.critical_temperature is None:
+            return None
+        by_variant = conditions_by_variant(ds, judged, map(given.get, CONDITIONS))
+        rise = decisive_rise(ds, by_variant)
+        planes = rise.values.reshape(len(by_variant), *rise.shape[-2:])
+        limits = map(rise_limit, by_variant)
+        beside = [_beside(plane, limit) for plane, limit in zip(planes, limits, strict=True)]
+        found = rise.copy(data=np.reshape(beside, rise.shape))
+        near = found if near is None else near | found
+    return near
 
 
-def _first(results: Results, chosen: Mask) -> str:
+def _first(ds: xr.Dataset, chosen: xr.DataArray) -> str:
     """The first message of those chosen, and its point; empty if a writer has just cleared it."""
-    name = results.leading
-    for part, rows in zip(results.parts(), chosen, strict=True):
-        place = {name: part.place[name]} if name else {}
-        for i, j in zip(*np.nonzero(rows), strict=True):
-            if message := part["message"][i, j]:
-                point = Point(float(part.loads[i]), float(part.velocities[j]), **place)
-                return f"{point}: {message}"
+    axis = variant_of(ds)
+    for place in np.argwhere(chosen.values):
+        at = ds[["message"]].isel(dict(zip(chosen.dims, place.tolist(), strict=True)))
+        if message := str(at["message"].item()):
+            variant = {axis: at[axis].item()} if axis else {}
+            return f"{Point(at['load'].item(), at['velocity'].item(), **variant)}: {message}"
     return ""
 
 

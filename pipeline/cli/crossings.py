@@ -7,10 +7,10 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
+import xarray as xr
 
 import pipeline
 from pipeline.analysis.band import BAND, CROSSES, OUTCOMES
-from pipeline.analysis.labelled import Labelled
 from tribo import lubrication_regime
 from tribo.lubricant import BOUNDARY, FULL_FILM
 from tribo.types import Array
@@ -24,7 +24,7 @@ _SLOW = 0.4  # exponent of the rise over the velocity, below which its errors ar
 _KINDS = {"realization": "surfaces", "sample": "samples"}
 
 
-def document_of(found: Labelled) -> dict[str, Any]:
+def document_of(found: xr.Dataset) -> dict[str, Any]:
     """Plain data of `pipeline.boundary`."""
     conditions = ["bulk_temperature", "critical_temperature", "failing_share"]
     conditions += [name for name in ("disk_temperature",) if name in found.attrs]
@@ -41,16 +41,16 @@ def document_of(found: Labelled) -> dict[str, Any]:
             | {name: found.attrs[name] for name in conditions},
             "missing_points": found.attrs["missing_points"],
         }
-        | {name: found[name].tolist() for name in shown}
-        | {"critical_velocity_rise_exponent": found["rise_exponent_at_load"].tolist()}
+        | {name: found[name].values.tolist() for name in shown}
+        | {"critical_velocity_rise_exponent": found["rise_exponent_at_load"].values.tolist()}
         | {
-            f"{name}_outcome": _worded(found[f"outcome_at_{axis}"].tolist())
+            f"{name}_outcome": _worded(found[f"outcome_at_{axis}"].values.tolist())
             for name, axis, _ in _BOUNDARIES
         }
     )
     for name, axis, _ in _BOUNDARIES:
         if f"film_parameter_at_{axis}" in found:
-            values = found[f"film_parameter_at_{axis}"].tolist()
+            values = found[f"film_parameter_at_{axis}"].values.tolist()
             document |= {f"{name}_film_parameter": values, f"{name}_regime": _regimes(values)}
     return document
 
@@ -62,7 +62,7 @@ def _regimes(values: Any) -> Any:
     return lubrication_regime(values) if math.isfinite(values) else "no crossing"
 
 
-def _variant(found: Labelled) -> str | None:
+def _variant(found: xr.Dataset) -> str | None:
     """Dimension of the surfaces or samples, if there are several."""
     return next((name for name in _KINDS if name in found.sizes), None)
 
@@ -74,7 +74,7 @@ def _worded(outcomes: Any) -> Any:
     return OUTCOMES[outcomes]
 
 
-def rows_of(found: Labelled) -> Iterator[dict[str, Any]]:
+def rows_of(found: xr.Dataset) -> Iterator[dict[str, Any]]:
     """Rows of a table on `pipeline.boundary`: one for each load and velocity, at each friction."""
     judged = {
         "bulk [°C]": found.attrs["bulk_temperature"] - 273.15,
@@ -91,26 +91,26 @@ def rows_of(found: Labelled) -> Iterator[dict[str, Any]]:
         other = units[name.removeprefix("critical_")]
         for friction, (_, part) in zip(_frictions(found), _by_friction(found), strict=True):
             for place in range(found.sizes[axis]):
-                at = part.at(**{axis: place})
+                at = part.isel({axis: place})
                 row = {"at each": axis, "friction": friction, units[axis]: float(at[axis])}
                 yield row | _crossing(at, name, axis, other) | judged
 
 
-def _crossing(at: Labelled, name: str, axis: str, other: str) -> dict[str, Any]:
+def _crossing(at: xr.Dataset, name: str, axis: str, other: str) -> dict[str, Any]:
     """Where it crosses at one load or velocity, or the surfaces do."""
     found: dict[str, Any] = {}
     if variant := _variant(at):
         kind_of = _KINDS[variant]
-        outcomes = at[f"outcome_at_{axis}"].tolist()
-        shares = [f"{100 * share:g} %" for share in at["quantile"]]
-        found = dict(zip(shares, at[f"{name}_quantile"].tolist(), strict=True))
+        outcomes = at[f"outcome_at_{axis}"].values.tolist()
+        shares = [f"{100 * share:g} %" for share in at["quantile"].values]
+        found = dict(zip(shares, at[f"{name}_quantile"].values.tolist(), strict=True))
         found |= {kind: float(at[f"{name}_{kind}"]) for kind in ("mean", "spread")}
         found |= {f"{kind_of} that cross": outcomes.count(CROSSES), kind_of: len(outcomes)}
         found = {other: float(at[f"{name}_quantile"][BAND.index(0.5)])} | found
     else:
         found = {other: float(at[name]), "outcome": OUTCOMES[int(at[f"outcome_at_{axis}"])]}
     if f"film_parameter_at_{axis}" in at:
-        found["film parameter"] = _middle(at[f"film_parameter_at_{axis}"])
+        found["film parameter"] = _middle(at[f"film_parameter_at_{axis}"].values)
     return found
 
 
@@ -119,7 +119,7 @@ def _middle(film: Array) -> float | None:
     return float(np.nanmedian(film)) if not np.isnan(film).all() else None
 
 
-def text_of(found: Labelled) -> Iterator[str]:
+def text_of(found: xr.Dataset) -> Iterator[str]:
     """Lines of text on `pipeline.boundary`; a column or block for each friction."""
     frictions = ", ".join(f"{value:g}" for value in _frictions(found))
     if "sample" in found.sizes:
@@ -150,12 +150,14 @@ def text_of(found: Labelled) -> Iterator[str]:
         yield f"{missing} points are pending or failed and were left out"
 
 
-def _slow_rise(found: Labelled) -> Iterator[str]:
+def _slow_rise(found: xr.Dataset) -> Iterator[str]:
     """Say where the rise grows so slowly that an error of it moves the boundary by much more."""
-    exponents = np.moveaxis(found["rise_exponent_at_load"], -1, 0).reshape(found.sizes["load"], -1)
+    exponents = np.moveaxis(found["rise_exponent_at_load"].values, -1, 0).reshape(
+        found.sizes["load"], -1
+    )
     slow = {
         float(load): float(np.nanmedian(row))
-        for load, row in zip(found["load"], exponents, strict=True)
+        for load, row in zip(found["load"].values, exponents, strict=True)
         if not np.isnan(row).all() and np.nanmedian(row) < _SLOW
     }
     if slow:
@@ -167,7 +169,7 @@ def _slow_rise(found: Labelled) -> Iterator[str]:
         )
 
 
-def _bulk(found: Labelled) -> str:
+def _bulk(found: xr.Dataset) -> str:
     """The bulk temperature, or that of each body."""
     pin = pipeline.display(found.attrs["bulk_temperature"], "°C")
     if "disk_temperature" not in found.attrs:
@@ -175,22 +177,22 @@ def _bulk(found: Labelled) -> str:
     return f"{pin} (pin) and {pipeline.display(found.attrs['disk_temperature'], '°C')} (disk)"
 
 
-def _frictions(found: Labelled) -> list[float]:
+def _frictions(found: xr.Dataset) -> list[float]:
     if "friction" not in found.sizes:
         return [found.attrs["friction"]]
-    return [float(value) for value in found["friction"]]
+    return [float(value) for value in found["friction"].values]
 
 
-def _by_friction(found: Labelled) -> list[tuple[str, Labelled]]:
+def _by_friction(found: xr.Dataset) -> list[tuple[str, xr.Dataset]]:
     if "friction" not in found.sizes:
         return [("", found)]
     return [
-        (f" at friction {value:g}", found.at(friction=place))
+        (f" at friction {value:g}", found.isel(friction=place))
         for place, value in enumerate(_frictions(found))
     ]
 
 
-def _columns(found: Labelled, name: str, axis: str) -> Iterator[str]:
+def _columns(found: xr.Dataset, name: str, axis: str) -> Iterator[str]:
     """Where one surface crosses, a column for each friction."""
     several = "friction" in found.sizes
     if several:
@@ -199,24 +201,24 @@ def _columns(found: Labelled, name: str, axis: str) -> Iterator[str]:
     for place in range(found.sizes[axis]):
         cells = []
         for _, part in _by_friction(found):
-            at = part.at(**{axis: place})
+            at = part.isel({axis: place})
             why = int(at[f"outcome_at_{axis}"])
             cells.append(_NO_CROSSING.get(why, f"{float(at[name]):.4g}{_film(at, axis)}"))
         row = "".join(f"{cell:<24}" for cell in cells)
         yield f"{float(found[axis][place]):10g}   {row}".rstrip()
 
 
-def _band(found: Labelled, name: str, axis: str) -> Iterator[str]:
+def _band(found: xr.Dataset, name: str, axis: str) -> Iterator[str]:
     """Median, lower and upper end of the band, mean and spread, and how many surfaces cross."""
-    ends = [f"{100 * share:g} %" for share in found["quantile"]]
+    ends = [f"{100 * share:g} %" for share in found["quantile"].values]
     heads = ("median", ends[0], ends[-1], "mean", "spread")
     yield f"{'':10}   {' '.join(f'{head:>8}' for head in heads)}   {_KINDS[str(_variant(found))]}"
     for place in range(found.sizes[axis]):
-        at = found.at(**{axis: place})
-        low, middle, high = at[f"{name}_quantile"]
+        at = found.isel({axis: place})
+        low, middle, high = at[f"{name}_quantile"].values
         values = (middle, low, high, float(at[f"{name}_mean"]), float(at[f"{name}_spread"]))
         cells = (f"{value:.4g}" if math.isfinite(value) else "-" for value in values)
-        outcomes = at[f"outcome_at_{axis}"].tolist()
+        outcomes = at[f"outcome_at_{axis}"].values.tolist()
         counts = [f"{outcomes.count(CROSSES)} of {len(outcomes)} cross"]
         counts += [
             f"{outcomes.count(why)} {meaning}"
@@ -227,10 +229,10 @@ def _band(found: Labelled, name: str, axis: str) -> Iterator[str]:
         yield f"{float(at[axis]):10g}   {row}   {', '.join(counts)}{_film(at, axis)}"
 
 
-def _film(at: Labelled, axis: str) -> str:
+def _film(at: xr.Dataset, axis: str) -> str:
     """Film parameter and regime at a crossing, the median over surfaces; empty without an oil."""
     name = f"film_parameter_at_{axis}"
-    middle = _middle(at[name]) if name in at else None
+    middle = _middle(at[name].values) if name in at else None
     if middle is None:
         return ""
     return f"  Λ {middle:.2f} {lubrication_regime(middle).split(' lubrication')[0].split(',')[0]}"

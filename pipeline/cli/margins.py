@@ -10,9 +10,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import pipeline
-from pipeline.analysis.attributes import attributes_of
-from pipeline.analysis.band import BAND
-from pipeline.analysis.results import Results
 from pipeline.cli.output import DONE, show
 from pipeline.cli.scenes import CONDITIONS, given
 from pipeline.cli.unknowns import notes, samples_of
@@ -25,13 +22,15 @@ if TYPE_CHECKING:
 
 def margin(options: argparse.Namespace) -> int:
     """Print the distance of an operating point to the boundary."""
-    results, conditions = Results.of(options.store), given(options, *CONDITIONS)
-    found = pipeline.margins(results, options.load, options.velocity, **conditions)
-    warned = pipeline.warned(results, **conditions)
+    from pipeline.analysis.attributes import attributes_of  # with xarray
+
+    ds, conditions = pipeline.open_sweep(options.store), given(options, *CONDITIONS)
+    found = pipeline.margins(ds, options.load, options.velocity, **conditions)
+    warned = pipeline.warned(ds, **conditions)
     document = found[0].as_dict() if len(found) == 1 else _document(found)
     text = _on_one(found[0]) if len(found) == 1 else _on_several(found)
-    if attributes_of(results).get("samples") and not conditions:
-        ensemble, measured = samples_of(options, pipeline.open_sweep(options.store))
+    if attributes_of(ds).get("samples") and not conditions:
+        ensemble, measured = samples_of(options, ds)
         draws = measured.draws if measured else None
         intervals = pipeline.margin_intervals(ensemble, options.load, options.velocity, draws)
         document |= {"given_measured": measured is not None, "intervals": intervals.as_dict()}
@@ -130,6 +129,8 @@ def _document(found: Sequence[Margin]) -> dict[str, Any]:
 
 def _on_several(found: Sequence[Margin]) -> Iterator[str]:
     """Say how several surfaces stand: the median, and the range without a tenth at either end."""
+    from pipeline.analysis.band import BAND  # with xarray
+
     severe = sum(each.is_severe for each in found)
     yield (
         f"{found[0].load:g} N at {found[0].velocity:g} m/s: severe wear on {severe} of "

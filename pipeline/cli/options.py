@@ -82,10 +82,6 @@ WORKERS = _option(
     help="number of workers; default: one for each core",
 )
 SCHEDULER = _option("--scheduler", metavar="ADDRESS", help="a running Dask scheduler to use")
-FILL_FIELDS = _flag(
-    "--fill-fields",
-    help="compute points again that were finished before the scene asked for fields",
-)
 RETRY_FAILED = _flag("--retry-failed", help="compute failed points again")
 NEW_STORE = output("OUT.zarr", "where to store it; default: results/<scene>.zarr").but(
     type=values.new_store

@@ -56,7 +56,7 @@ COMMANDS = (
             *o.OF_SCENE,
             o.NEW_STORE,
             o.Group("", (o.WORKERS, o.SCHEDULER)),
-            o.FILL_FIELDS, o.RETRY_FAILED, o.BOUNDARY_ONLY, o.ACCURACY,
+            o.RETRY_FAILED, o.BOUNDARY_ONLY, o.ACCURACY,
         ),
     ),
     Command(
@@ -73,11 +73,6 @@ COMMANDS = (
         "verify", "stores:verify", "read a whole store and name each damaged point",
         "results/scene.zarr --repair",
         (o.STORE, o.REPAIR),
-    ),
-    Command(
-        "compact", "stores:compact", "rewrite a store in few files, to open faster",
-        "results/scene.zarr",
-        (o.STORE,),
     ),
     Command(
         "boundary", "results:boundary",

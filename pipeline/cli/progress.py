@@ -14,7 +14,7 @@ from pipeline.cli.output import is_hushed, tell
 from pipeline.sweep.stages import duration
 
 if TYPE_CHECKING:
-    from pipeline.run.sweep import Progress
+    from pipeline.run.tally import Progress
 
 _BETWEEN_LINES = 10.0  # [s], where stderr is no terminal
 _BETWEEN_LOOKS = 0.5  # [s], where it is one

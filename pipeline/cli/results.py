@@ -10,9 +10,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pipeline
-from pipeline.analysis.crossings import crossings
-from pipeline.analysis.results import Results
-from pipeline.cli.crossings import document_of, rows_of, text_of
 from pipeline.cli.output import DONE, counted, micrometres, show, table_path, tell, written
 from pipeline.cli.progress import working
 from pipeline.cli.scenes import CONDITIONS, PLACE, given, scene_of, selected
@@ -40,8 +37,10 @@ _MORE_AREA = {2: "14 to 17", 4: "40 to 50"}
 def boundary(options: argparse.Namespace) -> int:
     """Print critical velocities and loads."""
     out = table_path(options)
-    results, conditions = Results.of(options.store), given(options, *CONDITIONS)
-    found, warned = crossings(results, **conditions), pipeline.warned(results, **conditions)
+    from pipeline.cli.crossings import document_of, rows_of, text_of  # with xarray
+
+    ds, conditions = pipeline.open_sweep(options.store), given(options, *CONDITIONS)
+    found, warned = pipeline.boundary(ds, **conditions), pipeline.warned(ds, **conditions)
     document = document_of(found) | {"warnings": warned.as_dict()}
     told = written(out, rows_of(found), document)
     show(options, document, [*text_of(found), *warned.lines(), *told])
@@ -56,12 +55,12 @@ def plot(options: argparse.Namespace) -> int:
     shown |= {name: True for name in ("log", "given_measured") if getattr(options, name)}
     conditions = given(options, *CONDITIONS)
     _require_options(options.kind, [*shown, *conditions])
-    results = Results.of(options.store)
+    ds = pipeline.open_sweep(options.store)
     store = Path(options.store if isinstance(options.store, Path) else Path(options.store).name)
     suffix = "gif" if options.kind == "animation" else "png"
     out = options.output or store.with_name(f"{store.stem}_{options.kind}.{suffix}")
-    written = pipeline.plot(results, options.kind, out, **shown, **conditions)
-    warned = pipeline.warned(results, **conditions)
+    written = pipeline.plot(ds, options.kind, out, **shown, **conditions)
+    warned = pipeline.warned(ds, **conditions)
     document = {"kind": options.kind, "file": str(written), "warnings": warned.as_dict()}
     show(options, document, [f"{written}", *warned.lines()])
     return DONE

@@ -7,7 +7,6 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 import pipeline
-from pipeline.analysis.results import Results
 from pipeline.cli.output import DONE, SOME_FAILED, failed_points, show
 from pipeline.cli.progress import working
 from pipeline.sweep.stages import duration
@@ -21,7 +20,7 @@ def status(options: argparse.Namespace) -> int:
     """Count points."""
     found = pipeline.summary(options.store)
     selection = pipeline.stored_selection(options.store)
-    warned = pipeline.warned(Results.of(options.store)) if found.warned else NO_WARNING
+    warned = pipeline.warned(options.store) if found.warned else NO_WARNING
     document = {
         "title": found.title,
         "points": found.total,
@@ -91,7 +90,7 @@ def verify(options: argparse.Namespace) -> int:
             else "set damaged points to be computed again with: irg verify --repair"
         )
     if found.is_clean or found.repaired:  # else they cannot be read
-        warned = pipeline.warned(Results.of(options.store))
+        warned = pipeline.warned(options.store)
         document["warnings"] = warned.as_dict()
         text += warned.lines()
     show(options, document, text)

@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 import pipeline
-from pipeline.analysis.results import Results
 from pipeline.cli.meaning import library_lines, meaning
 from pipeline.cli.output import (
     DONE,
@@ -73,7 +72,7 @@ def computed(options: argparse.Namespace) -> int:
 
 def _warned(store: Path) -> Warned:
     """Warnings of a store, whose results are read only if it has any."""
-    return pipeline.warned(Results.of(store)) if pipeline.summary(store).warned else NO_WARNING
+    return pipeline.warned(store) if pipeline.summary(store).warned else NO_WARNING
 
 
 def check(options: argparse.Namespace) -> int:

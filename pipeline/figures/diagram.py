@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -15,9 +16,10 @@ from matplotlib.patches import Patch
 
 from pipeline.analysis.attributes import attributes_of
 from pipeline.analysis.band import BAND
+from pipeline.analysis.boundary import decisive_rise, refined
 from pipeline.analysis.conditions import Bulk, conditions_of
+from pipeline.analysis.dataset import asked, dataset_of, on_surface, variant_of
 from pipeline.analysis.interpolation import crossing
-from pipeline.analysis.results import Plane, Results, decisive_plane
 from pipeline.analysis.warned import has_warning
 from pipeline.figures.measured import at_own_friction, measured_transitions
 from pipeline.figures.overlays import film_lines, rival_lines
@@ -36,13 +38,10 @@ from pipeline.figures.style import (
     plain_numbers,
     title_of,
 )
-from pipeline.store import PENDING
+from pipeline.store.schema import PENDING
 from pipeline.sweep.criterion import Conditions, rise_limit
 from tribo import InputError
-from tribo.types import Array
-
-if TYPE_CHECKING:
-    import xarray as xr
+from tribo.types import Array, Mask
 
 _AS_DRAWN = (
     "the diagram of samples shows the probability of severe wear for the inputs as they were "
@@ -53,7 +52,7 @@ _RESOLUTION = 240
 
 @in_house_style
 def diagram(
-    ds: xr.Dataset | Results,
+    ds: xr.Dataset,
     friction: float | Sequence[float] | None = None,
     bulk_temperature: Bulk | None = None,
     critical_temperature: float | str | None = None,
@@ -75,7 +74,7 @@ def diagram(
 
     Parameters
     ----------
-    ds : Dataset or Results
+    ds : Dataset
         Dataset of `pipeline.open_sweep`.
     bulk_temperature, critical_temperature, share
         See `pipeline.boundary`.
@@ -94,8 +93,8 @@ def diagram(
     scatter : float, optional
         Relative standard deviation of the measured velocities; see `pipeline.posterior`.
     """
-    ds = Results.of(ds)
-    if ds.leading == "sample" or given_measured or scatter is not None:
+    ds = dataset_of(ds)
+    if variant_of(ds) == "sample" or given_measured or scatter is not None:
         told = (friction, bulk_temperature, critical_temperature, share, realization)
         if rivals or any(each is not None for each in told):
             raise InputError(_AS_DRAWN)
@@ -106,20 +105,20 @@ def diagram(
         friction = float(np.median(friction))
     conditions = conditions_of(ds, friction, bulk_temperature, critical_temperature, share)
     if realization is not None:
-        ds = ds.on_surface(realization)
+        ds = on_surface(ds, realization)
     if log:
-        ds = ds.moving()
+        ds = ds.sel(velocity=ds["velocity"] > 0)
     figure = Picture(figsize=(8.0, 6.4))
     axes = figure.add_subplot()
     legend: list[Artist] = []
-    sizes = len(ds.loads), len(ds.velocities)
+    sizes = ds.sizes["load"], ds.sizes["velocity"]
     is_plane = min(sizes) > 1
     if is_plane:
         planes = _planes(ds, conditions)
         plane = _quantile(planes, 0.5)
         _regions(axes, plane, rise_limit(conditions))
         legend += _boundary(axes, plane, conditions)
-        if ds.leading:
+        if variant_of(ds):
             legend += _surface_band(axes, planes, conditions)
         legend += _band(axes, ds, conditions, band)
         legend += film_lines(axes, ds, conditions)
@@ -134,7 +133,7 @@ def diagram(
         legend += at_own_friction(axes, plane, measured, conditions)
     _scale(axes, ds, measured, log)
     if is_plane:
-        name_regions(axes, plane, rise_limit(conditions), ds.loads, measured)
+        name_regions(axes, plane, rise_limit(conditions), ds["load"].values, measured)
 
     surface = "" if realization is None else f", surface {realization}"
     axes.set_title(title_of(ds) + surface, pad=10)
@@ -142,22 +141,21 @@ def diagram(
     return figure
 
 
-def _probability(ds: Results, given_measured: bool, scatter: float | None, log: bool) -> Figure:
+def _probability(ds: xr.Dataset, given_measured: bool, scatter: float | None, log: bool) -> Figure:
     """Draw the probability of severe wear of a sweep with samples."""
     # With the libraries that only this needs.
-    from pipeline.analysis.dataset import dataset_of
     from pipeline.analysis.ensemble import Ensemble
     from pipeline.analysis.posterior import posterior_if_given
     from pipeline.analysis.risk import probabilities
     from pipeline.figures.uncertainty import draw_risk
 
-    samples = Ensemble.of(dataset_of(ds))
+    samples = Ensemble.of(ds)
     found = posterior_if_given(samples, given_measured, scatter)
     plane = probabilities(samples, found.draws if found else None)
     return draw_risk(samples, plane, posterior=found, log=log)
 
 
-def _scale(axes: Axes, ds: Results, measured: Sequence[dict[str, Any]], log: bool) -> None:
+def _scale(axes: Axes, ds: xr.Dataset, measured: Sequence[dict[str, Any]], log: bool) -> None:
     """Set the scales of both axes and their limits."""
     if log:
         axes.set_xscale("log")
@@ -180,35 +178,32 @@ def _label(figure: Figure, axes: Axes, legend: list[Artist], conditions: Conditi
     )
 
 
-def _planes(ds: Results, conditions: Conditions) -> Sequence[Plane]:
+def _planes(ds: xr.Dataset, conditions: Conditions) -> Sequence[xr.DataArray]:
     """Decisive rise over the plane, on each surface of which something is known."""
     # A sweep that only follows the boundary knows the plane nowhere else.
-    along_boundary = attributes_of(ds).get("chosen") is not None
-    found = [
-        decisive_plane(part.at(conditions), conditions.failing_share).refined(
-            _RESOLUTION, along_boundary
-        )
-        for part in ds.parts()
-    ]
-    known = [plane for plane in found if not np.isnan(plane.rises).all()]
+    along_boundary = not bool(asked(ds).all())
+    planes = refined(decisive_rise(ds, conditions), _RESOLUTION, along_boundary)
+    axis = variant_of(ds)
+    found = [planes.isel({axis: row}) for row in range(ds.sizes[axis])] if axis else [planes]
+    known = [plane for plane in found if plane.notnull().any()]
     return known or found
 
 
-def _quantile(planes: Sequence[Plane], share: float) -> Plane:
+def _quantile(planes: Sequence[xr.DataArray], share: float) -> xr.DataArray:
     """The plane of the median surface, or of one that a share of the others stays below."""
     if len(planes) == 1:
         return planes[0]
-    return planes[0]._replace(rises=np.quantile([plane.rises for plane in planes], share, axis=0))
+    return planes[0].copy(data=np.quantile([plane.values for plane in planes], share, axis=0))
 
 
-def _regions(axes: Axes, plane: Plane, limit: float) -> None:
-    r = plane.rises
+def _regions(axes: Axes, plane: xr.DataArray, limit: float) -> None:
+    r = plane.values
     if np.isfinite(r).any():
         low, high = np.nanmin(r), np.nanmax(r)
         between = float(np.clip(limit, low - 1, high + 1))
         axes.contourf(
-            plane.velocities,
-            plane.loads,
+            plane["velocity"],
+            plane["load"],
             np.ma.masked_invalid(r),
             levels=[low - 2, between, high + 2],
             colors=[TINTS["mild"], TINTS["severe"]],
@@ -216,14 +211,14 @@ def _regions(axes: Axes, plane: Plane, limit: float) -> None:
         ).set_gid("regions")
 
 
-def _boundary(axes: Axes, plane: Plane, conditions: Conditions) -> list[Artist]:
+def _boundary(axes: Axes, plane: xr.DataArray, conditions: Conditions) -> list[Artist]:
     if not _isoline(axes, plane, rise_limit(conditions), "boundary", colors=BLACK, linewidths=2.2):
         return []
     return [Line2D([], [], color=BLACK, lw=2.2, label="computed transition")]
 
 
 def _band(
-    axes: Axes, ds: Results, conditions: Conditions, band: Sequence[float] | None
+    axes: Axes, ds: xr.Dataset, conditions: Conditions, band: Sequence[float] | None
 ) -> list[Artist]:
     """Shade what lies between the boundaries at the ends of the band."""
     if not band or min(band) == max(band):
@@ -231,13 +226,13 @@ def _band(
     ends = [replace(conditions, friction=float(end)) for end in (min(band), max(band))]
     # In units of the limit; where the bulk temperatures differ, each friction has its own rise.
     medians = ((_quantile(_planes(ds, end), 0.5), rise_limit(end)) for end in ends)
-    low, high = (plane._replace(rises=plane.rises / limit) for plane, limit in medians)
-    if not np.isfinite(high.rises).any():
+    low, high = (plane / limit for plane, limit in medians)
+    if not np.isfinite(high).any():
         return []
-    inside = np.minimum(high.rises - 1, 1 - low.rises)
+    inside = np.minimum(high.values - 1, 1 - low.values)
     axes.contourf(
-        high.velocities,
-        high.loads,
+        high["velocity"],
+        high["load"],
         np.ma.masked_invalid(inside),
         levels=[0.0, max(1.0, float(np.nanmax(inside)) + 1)],
         colors=[TINTS["band"]],
@@ -250,52 +245,46 @@ def _band(
     return [Patch(fc=TINTS["band"], ec=GREY, ls="--", lw=0.8, alpha=0.8, label=text)]
 
 
-def _surface_band(axes: Axes, planes: Sequence[Plane], conditions: Conditions) -> list[Artist]:
+def _surface_band(
+    axes: Axes, planes: Sequence[xr.DataArray], conditions: Conditions
+) -> list[Artist]:
     """Shade where wear is severe on some surfaces, but neither on nearly none nor on nearly all."""
     if len(planes) < 2:
         return []
     limit = rise_limit(conditions)
     low, high = (_quantile(planes, share) for share in (BAND[0], BAND[-1]))
-    inside = ((low.rises <= limit) & (high.rises > limit)).astype(float)
+    inside = ((low.values <= limit) & (high.values > limit)).astype(float)
     if not inside.any():
         return []
     for edge in (low, high):
         _isoline(axes, edge, limit, "surface band edge", colors=GREEN, linewidths=0.9)
     axes.contourf(
-        low.velocities, low.loads, inside, levels=[0.5, 1.5], colors=[GREEN], alpha=0.3, zorder=0.9,
+        low["velocity"], low["load"], inside, levels=[0.5, 1.5], colors=[GREEN], alpha=0.3,
+        zorder=0.9,
     ).set_gid("surface band")  # fmt: skip
     text = f"{100 * BAND[0]:g}–{100 * BAND[-1]:g} % of {len(planes)} surfaces, median"
     return [Patch(fc=GREEN, ec=GREEN, lw=0.9, alpha=0.4, label=text)]
 
 
-def _isoline(axes: Axes, plane: Plane, level: float, gid: str, **look: Any) -> bool:
-    r = plane.rises
+def _isoline(axes: Axes, plane: xr.DataArray, level: float, gid: str, **look: Any) -> bool:
+    r = plane.values
     if not np.nanmin(r, initial=np.inf) < level < np.nanmax(r, initial=-np.inf):
         return False
     lines = axes.contour(
-        plane.velocities, plane.loads, np.ma.masked_invalid(r), [level], zorder=3, **look
+        plane["velocity"], plane["load"], np.ma.masked_invalid(r), [level], zorder=3, **look
     )
     lines.set_gid(gid)
     return True
 
 
-def _rises(ds: Results, conditions: Conditions) -> Array:
-    """Decisive rise at the points of each surface."""
-    share = conditions.failing_share
-    return np.array([decisive_plane(part.at(conditions), share).rises for part in ds.parts()])
-
-
-def _points(axes: Axes, ds: Results, conditions: Conditions) -> list[Artist]:
+def _points(axes: Axes, ds: xr.Dataset, conditions: Conditions) -> list[Artist]:
     """Mark the points; over several surfaces, by those on which the point is done."""
-    r = _rises(ds, conditions)
-    status = np.array([part["status"] for part in ds.parts()])
-    asked = np.array([part.asked() for part in ds.parts()]).any(axis=0)
-    loads, velocities = np.meshgrid(ds.loads, ds.velocities, indexing="ij")
-    limit = rise_limit(conditions)
-    hot, cold = np.any(r > limit, axis=0), np.any(r <= limit, axis=0)
+    r, limit = decisive_rise(ds, conditions), rise_limit(conditions)
+    loads, velocities = _mesh(ds)
+    hot, cold = _on_any(r > limit), _on_any(r <= limit)
     done = hot | cold
-    failed = ~done & (status != PENDING).any(axis=0)
-    pending = ~done & ~failed & asked
+    failed = ~done & _on_any(ds["status"] != PENDING)
+    pending = ~done & ~failed & _on_any(asked(ds))
     kinds: list[tuple[str, Any, dict[str, Any]]] = [
         ("mild wear, computed", cold & ~hot, {"marker": "o", "mfc": "white", "mec": BLUE}),
         ("severe wear, computed", hot & ~cold, {"marker": "s", "mfc": VERMILION, "mec": "none"}),
@@ -313,12 +302,12 @@ def _points(axes: Axes, ds: Results, conditions: Conditions) -> list[Artist]:
     ]
 
 
-def _warnings(axes: Axes, ds: Results) -> list[Artist]:
+def _warnings(axes: Axes, ds: xr.Dataset) -> list[Artist]:
     """Ring the points that carry a warning on any surface."""
-    rows = np.any([has_warning(part) for part in ds.parts()], axis=0)
+    rows = _on_any(has_warning(ds))
     if not rows.any():
         return []
-    loads, velocities = np.meshgrid(ds.loads, ds.velocities, indexing="ij")
+    loads, velocities = _mesh(ds)
     line = axes.plot(
         velocities[rows], loads[rows], ls="none", marker="o", ms=8.5, mfc="none", mec=BLACK,
         mew=0.8, zorder=3.4, label="carries a warning", gid="carries a warning",
@@ -326,11 +315,24 @@ def _warnings(axes: Axes, ds: Results) -> list[Artist]:
     return list(line)
 
 
-def _on_a_line(axes: Axes, ds: Results, conditions: Conditions) -> list[Artist]:
+def _mesh(ds: xr.Dataset) -> tuple[Array, Array]:
+    """Loads and velocities of the points."""
+    loads, velocities = np.meshgrid(ds["load"], ds["velocity"], indexing="ij")
+    return loads, velocities
+
+
+def _on_any(holds: xr.DataArray) -> Mask:
+    """Points at which something holds on any surface, by load and velocity."""
+    axis = variant_of(holds)
+    mask: Mask = (holds.any(axis) if axis else holds).transpose("load", "velocity").values
+    return mask
+
+
+def _on_a_line(axes: Axes, ds: xr.Dataset, conditions: Conditions) -> list[Artist]:
     """Mark the transition of a sweep with a single load or velocity, or say why there is none."""
-    axes_of = {"velocity": ds.velocities, "load": ds.loads}
-    axis, other = ("velocity", "load") if len(ds.velocities) > 1 else ("load", "velocity")
-    rises = _rises(ds, conditions).reshape(-1, len(axes_of[axis]))
+    axes_of = {name: ds[name].values for name in ("velocity", "load")}
+    axis, other = ("velocity", "load") if ds.sizes["velocity"] > 1 else ("load", "velocity")
+    rises = decisive_rise(ds, conditions).values.reshape(-1, ds.sizes[axis])
     limit = rise_limit(conditions)
     found = [crossing(axes_of[axis], rise, limit) for rise in rises]
     found = [value for value in found if np.isfinite(value)]
@@ -348,10 +350,10 @@ def _on_a_line(axes: Axes, ds: Results, conditions: Conditions) -> list[Artist]:
     return [Line2D([], [], ms=9, label=f"computed transition, {at}", **look)]
 
 
-def _limits(axes: Axes, ds: Results, measured: Sequence[dict[str, Any]], log: bool) -> None:
+def _limits(axes: Axes, ds: xr.Dataset, measured: Sequence[dict[str, Any]], log: bool) -> None:
     for values, key, set_limits in (
-        (ds.velocities, "velocity", axes.set_xlim),
-        (ds.loads, "normal_load", axes.set_ylim),
+        (ds["velocity"].values, "velocity", axes.set_xlim),
+        (ds["load"].values, "normal_load", axes.set_ylim),
     ):
         shown = np.append(values, [point[key] for point in measured])
         if log:

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from pipeline.analysis.conditions import Bulk, conditions_of
-from pipeline.analysis.dataset import at_bulks, on_surface, ordered
+from pipeline.analysis.dataset import dataset_of, on_surface
 from pipeline.figures.points import chosen_points, name_of
 from pipeline.figures.style import Picture, celsius, heating, in_house_style, title_of
 from pipeline.sweep.criterion import Conditions, contact_temperature
@@ -67,7 +67,7 @@ def with_fields(ds: xr.Dataset, conditions: Conditions, realization: int | None)
     InputError
         If it holds no fields.
     """
-    ds = on_surface(ordered(at_bulks(ds, conditions)), realization)
+    ds = on_surface(dataset_of(ds), realization)
     if not {"pressure", "rise", "wear_depth"} <= set(ds.data_vars):
         raise InputError(
             "the sweep holds no fields; store them with 'fields = true' under [sweep] in the "

@@ -8,11 +8,11 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 
 from pipeline.analysis.interpolation import crossing
-from pipeline.analysis.results import Plane
 from pipeline.figures.style import BLACK, GREY
 from pipeline.sweep.criterion import Conditions, rise_limit
 
@@ -33,7 +33,7 @@ def measured_transitions(axes: Axes, measured: Sequence[Mapping[str, Any]]) -> l
 
 
 def at_own_friction(
-    axes: Axes, plane: Plane, measured: Sequence[Mapping[str, Any]], conditions: Conditions
+    axes: Axes, plane: xr.DataArray, measured: Sequence[Mapping[str, Any]], conditions: Conditions
 ) -> list[Artist]:
     """Mark where the transition is computed at the friction of each measured one, and join both.
 
@@ -41,7 +41,7 @@ def at_own_friction(
     ----------
     axes : Axes
         Axes of the diagram.
-    plane : Plane
+    plane : DataArray, dims (load, velocity)
         Decisive rise at friction 1 [K].
     measured : sequence of mapping
         Measured transitions: load, velocity, and friction if that was measured too.
@@ -49,16 +49,17 @@ def at_own_friction(
         Conditions of the diagram; a transition at about its friction lies beside its line anyway.
     """
     found = []
+    loads, velocities = plane["load"].values, plane["velocity"].values
     for point in measured:
         friction = point.get("friction")
         if not friction or abs(friction / (conditions.friction or math.inf) - 1) < _NEAR:
             continue
-        if not plane.loads[0] <= point["normal_load"] <= plane.loads[-1]:
+        if not loads[0] <= point["normal_load"] <= loads[-1]:
             continue
-        off = np.abs(plane.loads - point["normal_load"])
-        row = plane.rises[np.flatnonzero(off == off.min())[-1]]  # of two as near, the higher load
+        off = np.abs(loads - point["normal_load"])
+        row = plane.values[np.flatnonzero(off == off.min())[-1]]  # of two as near, the higher load
         limit = rise_limit(replace(conditions, friction=friction))
-        velocity = crossing(plane.velocities, row, limit)
+        velocity = crossing(velocities, row, limit)
         if math.isfinite(velocity):
             found.append((velocity, point))
     for velocity, point in found:

@@ -6,12 +6,12 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
+import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from pipeline.analysis.attributes import attributes_of
-from pipeline.analysis.results import Results
 from pipeline.figures.style import BLACK, GREY, celsius
 from pipeline.sweep.criterion import Conditions
 from pipeline.sweep.lubrication import Lubrication
@@ -25,7 +25,7 @@ _DOTS = (0, (1, 2))
 _STYLES = ((0, (4, 2)), (0, (6, 2, 1, 2)), (0, (2, 1)), (0, (8, 3)))
 
 
-def film_lines(axes: Axes, ds: Results, conditions: Conditions) -> list[Artist]:
+def film_lines(axes: Axes, ds: xr.Dataset, conditions: Conditions) -> list[Artist]:
     """Draw where mixed lubrication and the full film begin, as far as that lies in the figure."""
     lubrication = Lubrication.stored(attributes_of(ds))
     if lubrication is None:
@@ -50,7 +50,7 @@ def film_lines(axes: Axes, ds: Results, conditions: Conditions) -> list[Artist]:
 
 
 def rival_lines(
-    axes: Axes, ds: Results, conditions: Conditions, names: Sequence[str]
+    axes: Axes, ds: xr.Dataset, conditions: Conditions, names: Sequence[str]
 ) -> list[Artist]:
     """Draw where simpler criteria put the transition.
 
@@ -91,7 +91,7 @@ def rival_lines(
     return legend
 
 
-def _calibrated(ds: Results, name: str, contact: SmoothContact, friction: float) -> float:
+def _calibrated(ds: xr.Dataset, name: str, contact: SmoothContact, friction: float) -> float:
     """Mean of a criterion's values at the measured transitions, in the logarithms."""
     measured = attributes_of(ds).get("measured") or []
     if not measured:
@@ -110,8 +110,8 @@ def _calibrated(ds: Results, name: str, contact: SmoothContact, friction: float)
     return math.exp(sum(logarithms) / len(logarithms))
 
 
-def _plane(ds: Results) -> tuple[Array, Array]:
+def _plane(ds: xr.Dataset) -> tuple[Array, Array]:
     """Loads and velocities over the figure."""
-    ends = ((axis[0], axis[-1]) for axis in (ds.loads, ds.velocities))
+    ends = ((ds[name].values[0], ds[name].values[-1]) for name in ("load", "velocity"))
     loads, velocities = (np.linspace(*each, _RESOLUTION) for each in ends)
     return loads, velocities

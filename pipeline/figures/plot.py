@@ -10,19 +10,17 @@ import inspect
 import pkgutil
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+import xarray as xr
 from matplotlib.figure import Figure
 
-from pipeline.analysis.results import Results
+from pipeline.analysis.dataset import dataset_of
 from pipeline.analysis.tables import writable_path
 from pipeline.figures.fit import fitted
 from pipeline.figures.style import figure_path, save_figure
 from pipeline.scene.quantities import in_si
 from tribo import InputError
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 _COLUMN = 0.12  # [m], below which panels lie below each other
 _DPI = (20, 2400)
@@ -38,7 +36,7 @@ _KINDS = {
 
 
 def plot(
-    ds: xr.Dataset | str | Path | Results,
+    ds: xr.Dataset | str | Path,
     kind: str,
     out: str | Path | None = None,
     width: float | str | None = None,
@@ -50,7 +48,7 @@ def plot(
 
     Parameters
     ----------
-    ds : Dataset, path or Results
+    ds : Dataset or path
         Dataset of `pipeline.open_sweep`, or folder or address of the store.
     kind : {"diagram", "ramp", "fields", "temperature", "histogram", "animation"}
         Name of the figure; the animation shows the fields while the load grows.
@@ -98,7 +96,7 @@ def plot(
     metres = None if width is None else in_si("width", width, "1 m")
     if "stacked" in allowed and metres is not None and metres < _COLUMN:
         options = {"stacked": True} | options
-    drawn = _draw(kind)(Results.of(ds) if kind == "diagram" else _dataset_of(ds), **options)
+    drawn = _draw(kind)(dataset_of(ds), **options)
     for figure in drawn if isinstance(drawn, list) else [drawn]:
         fitted(figure, metres, with_title)
     if path is None:
@@ -108,12 +106,6 @@ def plot(
 
         return save_animation(drawn, path, dpi)
     return save_figure(drawn, path, dpi)
-
-
-def _dataset_of(source: xr.Dataset | str | Path | Results) -> xr.Dataset:
-    from pipeline.analysis.dataset import dataset_of  # with its libraries
-
-    return dataset_of(source)
 
 
 def options_of(kind: str) -> list[str]:

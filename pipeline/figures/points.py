@@ -22,7 +22,7 @@ def chosen_points(
     conditions: Conditions,
 ) -> list[tuple[int, int]]:
     """Find the indices of the points asked for, or of the one nearest to the transition."""
-    r = decisive_rise(ds, conditions.failing_share).values
+    r = decisive_rise(ds, conditions).values
     known = np.isfinite(r)
     if not known.any():
         raise InputError(

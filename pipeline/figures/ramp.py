@@ -14,7 +14,7 @@ from matplotlib.lines import Line2D
 
 from pipeline.analysis.boundary import rise_exceeded
 from pipeline.analysis.conditions import Bulk, conditions_of
-from pipeline.analysis.dataset import at_bulks, on_surface, ordered
+from pipeline.analysis.dataset import at_bulks, dataset_of, on_surface
 from pipeline.figures.points import chosen_points, name_of
 from pipeline.figures.style import (
     BLACK,
@@ -26,7 +26,7 @@ from pipeline.figures.style import (
     in_house_style,
     title_of,
 )
-from pipeline.store import DONE
+from pipeline.store.schema import DONE
 from pipeline.sweep.criterion import Conditions, contact_temperature
 from tribo.types import Array
 
@@ -63,10 +63,9 @@ def ramp(
         Seed of the surface to draw; the first if not given.
     """
     conditions = conditions_of(ds, friction, bulk_temperature, critical_temperature, share)
-    ds = on_surface(ordered(at_bulks(ds, conditions)), realization).transpose(
-        "load", "velocity", "step", ...
-    )
+    ds = on_surface(dataset_of(ds), realization)
     points = chosen_points(ds, load, velocity, conditions)
+    ds = at_bulks(ds, conditions).transpose("load", "velocity", "step", ...)
 
     depth, volume = 1e6 * ds["wear_depth_max"].values, 1e9 * ds["wear_volume"].values
     is_worn = any(np.nanmax(volume[point]) > 0 for point in points)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,7 @@ from matplotlib.figure import Figure
 
 from pipeline.analysis.boundary import decisive_rise
 from pipeline.analysis.conditions import Bulk, conditions_of
-from pipeline.analysis.dataset import at_bulks, end_of_point, on_surface, ordered
+from pipeline.analysis.dataset import at_bulks, dataset_of, end_of_point, on_surface
 from pipeline.analysis.interpolation import crossing, interpolated
 from pipeline.figures.points import index_of_load
 from pipeline.figures.style import (
@@ -56,7 +57,7 @@ def temperature(
         Seed of the surface to draw; the first if not given.
     """
     conditions = conditions_of(ds, friction, bulk_temperature, critical_temperature, share)
-    row = _row(ds, load, conditions, realization)
+    row = _row(ds, load, realization)
     velocities = row["velocity"].values
     figure = Picture(figsize=(7.2, 5.0))
     axes = figure.add_subplot()
@@ -65,7 +66,7 @@ def temperature(
         look = {"ls": "-", "marker": "o"}
         shares.append((conditions.failing_share, exceeding(conditions), look))
     for of, name, look in shares:
-        rises = decisive_rise(row, of).values[0]
+        rises = decisive_rise(row, replace(conditions, failing_share=of)).values[0]
         known = velocities[np.isfinite(rises)]
         if not known.size:
             raise InputError(
@@ -127,14 +128,14 @@ def histogram(
         If the load has no transition and no velocity is given, or the points do not reach that far.
     """
     conditions = conditions_of(ds, friction, bulk_temperature, critical_temperature, share)
-    row = _row(ds, load, conditions, realization)
+    row = _row(ds, load, realization)
     newtons = float(row["load"][0])
     at = (
         _transition(row, conditions) if velocity is None else in_si("velocity", velocity, "1.5 m/s")
     )
     if not np.isfinite(at):
         raise InputError(f"there is no transition at {newtons:g} N; give a velocity")
-    quantiles = _quantiles_at(row, at)
+    quantiles = _quantiles_at(at_bulks(row, conditions), at)
     if not np.isfinite(quantiles).all():
         ends = row["velocity"].values[[0, -1]]
         raise InputError(
@@ -166,11 +167,9 @@ def histogram(
     return figure
 
 
-def _row(
-    ds: xr.Dataset, load: float | str | None, conditions: Conditions, realization: int | None
-) -> xr.Dataset:
+def _row(ds: xr.Dataset, load: float | str | None, realization: int | None) -> xr.Dataset:
     """The points at one load on one surface, the velocities ascending."""
-    ds = on_surface(ordered(at_bulks(ds, conditions)), realization)
+    ds = on_surface(dataset_of(ds), realization)
     return ds.isel(load=[index_of_load(ds, load)])
 
 
@@ -178,7 +177,7 @@ def _transition(row: xr.Dataset, conditions: Conditions) -> float:
     """Velocity at which wear turns severe at the load of a row; NaN if it does not [m/s]."""
     if conditions.critical_temperature is None:
         return float("nan")
-    rises = decisive_rise(row, conditions.failing_share).values[0]
+    rises = decisive_rise(row, conditions).values[0]
     return crossing(row["velocity"].values, rises, rise_limit(conditions))
 
 

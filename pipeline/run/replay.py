@@ -20,9 +20,8 @@ from pipeline.analysis.interpolation import crossing
 from pipeline.run.boundary_search import BoundarySearch
 from pipeline.store.schema import DONE, FAILED, LEADING, PENDING, chunks_of
 from pipeline.store.write import Store
-from pipeline.sweep.criterion import Conditions, at_bulks, rise_limit, worst_moment
+from pipeline.sweep.criterion import Conditions, decisive_rises, rise_limit
 from pipeline.sweep.model import Point
-from tribo.thermal import rise_exceeded
 from tribo.types import Array
 
 _Place = tuple[int | None, int | None]  # surface and sample of a point
@@ -252,8 +251,7 @@ class _Held:
         for conditions in each:
             judged = conditions.failing_share, conditions.bulk_ratio
             if judged not in rises:
-                r = rise_exceeded(at_bulks(columns, conditions), conditions.failing_share)
-                rises[judged] = float(r[worst_moment(r, columns["normal_load"], point.load)])
+                rises[judged] = float(decisive_rises(columns, point.load, conditions))
         return np.array([rises[own.failing_share, own.bulk_ratio] for own in each])
 
     def _at(self, name: str, point: Point) -> Array:

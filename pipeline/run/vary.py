@@ -13,13 +13,12 @@ import numpy as np
 from pipeline.analysis.band import CROSSES, MILD, OUTCOMES, SEVERE
 from pipeline.analysis.interpolation import crossing
 from pipeline.run.boundary_search import BoundarySearch, searched
-from pipeline.sweep.criterion import Conditions, at_bulks, rise_limit, worst_moment
+from pipeline.sweep.criterion import Conditions, decisive_rises, rise_limit
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import chains, run_point
 from pipeline.sweep.stages import staged
 from pipeline.sweep.warned import NO_WARNING, Warned
 from tribo import PointWarning, Scene
-from tribo.thermal import rise_exceeded
 from tribo.types import Array
 
 _APART = (  # fields of a sweep that count after the simulation
@@ -213,12 +212,10 @@ class _Plane:
         return velocities, outcomes
 
     def _rises(self, conditions: Conditions) -> dict[Point, float]:
-        found = {}
-        for point, columns in self.known.items():
-            rises = rise_exceeded(at_bulks(columns, conditions), conditions.failing_share)
-            worst = int(worst_moment(rises, columns["normal_load"], point.load))
-            found[point] = float(rises[worst])
-        return found
+        return {
+            point: float(decisive_rises(columns, point.load, conditions))
+            for point, columns in self.known.items()
+        }
 
     def _simulate(self, wanted: tuple[Point, ...]) -> None:
         for chain in chains(wanted, self._sweep.independent):

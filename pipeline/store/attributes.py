@@ -75,6 +75,7 @@ def present_attributes(sweep: Sweep) -> dict[str, Any]:
             "loads": list(sweep.loads),
             "velocities": list(sweep.velocities),
             "realizations": list(sweep.realizations),
+            "boundary_only": sweep.chosen is not None,
         }
     )
 

@@ -96,7 +96,9 @@ class _Masked(BackendArray):
     """A variable of which the entries of some points alone are shown."""
 
     def __init__(self, variable: xr.Variable, mask: Mask, fault: str, fill: Any) -> None:
-        self.shape, self.dtype = variable.shape, variable.dtype
+        # Text as Python's, since xarray writes no other to netCDF.
+        is_text = variable.dtype.kind == "T"
+        self.shape, self.dtype = variable.shape, np.dtype(object) if is_text else variable.dtype
         self._variable, self._mask, self._fault, self._fill = variable, mask, fault, fill
 
     def __getitem__(self, key: indexing.ExplicitIndexer) -> Any:
@@ -107,7 +109,7 @@ class _Masked(BackendArray):
     def _read(self, key: tuple[Any, ...]) -> Any:
         """Read a part that is given by an orthogonal index."""
         try:
-            values = np.array(self._variable[key].values)
+            values = np.array(self._variable[key].values, self.dtype)
         except UNREADABLE as error:
             raise StoreError(self._fault) from error
         mask = xr.Variable(self._variable.dims[: self._mask.ndim], self._mask)

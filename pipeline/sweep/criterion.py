@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
-from tribo import BULK_RATIOS, InputError, failed_share
+from tribo import BULK_RATIOS, QUANTILES, InputError, failed_share
 from tribo.thermal import at_bulk_ratio, require_share, rise_exceeded
 from tribo.types import Array, Indices
 
@@ -253,28 +253,43 @@ def rise_limit(conditions: Conditions) -> float:
     return warming / conditions.rise_factor
 
 
-def at_bulks(columns: Mapping[str, Array], conditions: Conditions) -> Array:
-    """Quantiles of the rise at friction 1 and the bulk temperatures of the conditions [K].
+RISES = ("max_rise", "mean_rise", "rise_quantile")
+"""Columns that depend on the bulk temperatures where these differ."""
+
+
+def at_bulks(columns: Mapping[str, Array], conditions: Conditions) -> Mapping[str, Array]:
+    """Rises of the contact at friction 1 and the bulk temperatures of the conditions [K].
 
     Parameters
     ----------
     columns : mapping of ndarray
-        ``rise_quantile`` (..., n_quantile) [K], and ``bulk_rise_quantile``
-        (..., n_ratio, n_quantile) [K] where the bulk temperatures may differ.
+        ``rise_quantile`` (..., n_quantile) [K], ``mean_rise`` and ``max_rise`` (...) [K] as far as
+        they are needed, and where the bulk temperatures may differ ``bulk_rise_quantile``
+        (..., n_ratio, n_quantile) [K] and ``mean_bulk_response`` (...).
     conditions : Conditions
         Conditions to judge by.
+
+    Returns
+    -------
+    mapping of ndarray
+        The columns, with those of `RISES` at the bulk temperatures of the conditions.
 
     Raises
     ------
     InputError
         If the bulk temperatures differ, and nothing is kept for that.
     """
-    if conditions.bulk_ratio == 0:
-        return columns["rise_quantile"]
+    ratio = conditions.bulk_ratio
+    if ratio == 0:
+        return columns
     require_bulks(columns, conditions)
-    return at_bulk_ratio(
-        columns["rise_quantile"], columns["bulk_rise_quantile"], conditions.bulk_ratio
-    )
+    quantiles = at_bulk_ratio(columns["rise_quantile"], columns["bulk_rise_quantile"], ratio)
+    rises = {"rise_quantile": quantiles}
+    if "max_rise" in columns:
+        rises["max_rise"] = quantiles[..., -1]
+    if "mean_rise" in columns:
+        rises["mean_rise"] = columns["mean_rise"] + ratio * columns["mean_bulk_response"]
+    return {**columns, **rises}
 
 
 def require_bulks(columns: Container[Any] | xr.Dataset, conditions: Conditions) -> None:
@@ -338,6 +353,34 @@ def worst_moment(rise: Array, normal_load: Array, load: Array | float) -> Indice
     return np.where(counts.any(axis=-1), at, rise.shape[-1] - 1)
 
 
+def decisive_rises(
+    columns: Mapping[str, Array], load: Array | float, conditions: Conditions
+) -> Array:
+    """Rise at friction 1 that decides at points, each at its worst moment [K].
+
+    Parameters
+    ----------
+    columns : mapping of ndarray
+        ``normal_load`` (..., n_step) [N] and those of `at_bulks` by step; ``quantile`` where they
+        are not at all of `tribo.QUANTILES`.
+    load : float or ndarray, shape (..., 1)
+        Loads that the points are named after [N].
+    conditions : Conditions
+        Conditions to judge by.
+
+    Returns
+    -------
+    ndarray, shape (...)
+        NaN where the rise is not known.
+    """
+    quantiles = at_bulks(columns, conditions)["rise_quantile"]
+    known = columns.get("quantile", np.array(QUANTILES))
+    rises = rise_exceeded(quantiles, conditions.failing_share, known)
+    worst = worst_moment(rises, columns["normal_load"], load)
+    found: Array = np.take_along_axis(rises, worst[..., None], axis=-1)[..., 0]
+    return found
+
+
 def verdict(columns: Mapping[str, Array], load: float, conditions: Conditions) -> Verdict:
     """Tell whether wear is severe at a point.
 
@@ -351,7 +394,7 @@ def verdict(columns: Mapping[str, Array], load: float, conditions: Conditions) -
     conditions : Conditions
         Friction, temperatures and failing share to judge by.
     """
-    of_all = at_bulks(columns, conditions)
+    of_all = at_bulks(columns, conditions)["rise_quantile"]
     rises = rise_exceeded(of_all, conditions.failing_share)
     worst = int(worst_moment(rises, columns["normal_load"], load))
     rise, quantiles = float(rises[worst]), of_all[worst]

@@ -11,8 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from pipeline.store.layout import block_of
-from pipeline.store.variables import COORDINATES, variables
+from pipeline.store.schema import AT_END, is_coordinate, variables
 from pipeline.sweep.left_out import left_out
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.plan import step_count
@@ -215,11 +214,9 @@ def _too_many_nodes(nodes: int, seconds: float) -> Iterator[str]:
 
 
 def _disk_bytes(sweep: Sweep) -> float:
-    """Size of the store, uncompressed [B]: points share files, but those of their fields."""
+    """Size of the store, uncompressed [B]; each field of a point has a file of its own."""
     each = min(2, len(sweep.velocities)) if sweep.samples else len(sweep.velocities)
     variants, loads = len(sweep.simulated), len(sweep.loads)
-    along = zip((loads, each), block_of(loads, 2), strict=True)
-    chunks = variants * math.prod(math.ceil(n / size) for n, size in along)
     points = variants * loads * each
     nx, ny = sweep.grid.shape
     sizes = {
@@ -229,14 +226,13 @@ def _disk_bytes(sweep: Sweep) -> float:
         "x": nx,
         "y": ny,
     }
-    kinds = variables(None, sweep.store_fields, sweep.unequal_bulks)
-    found = 0
-    for name, kind in kinds.items():
-        if name not in COORDINATES:
-            files = points if "x" in kind.dims else chunks
-            numbers = points / files * math.prod(sizes[dim] for dim in kind.dims[2:])
-            found += files * math.ceil(8 * numbers / _BLOCK)
-    return float(_BLOCK * found)
+    blocks = 0
+    for name, kind in variables(None, sweep.store_fields, sweep.unequal_bulks, {}).items():
+        if not is_coordinate(name):
+            of_a_point = 8 * math.prod(sizes[dim] for dim in kind.dims[2:])
+            files = points if name in AT_END else 1 + variants // 64
+            blocks += files * math.ceil(points * of_a_point / files / _BLOCK)
+    return float(_BLOCK * blocks)
 
 
 def _idle_rows(sweep: Sweep, contact_rows: int) -> Iterator[str]:

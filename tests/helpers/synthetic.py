@@ -4,6 +4,7 @@ import numpy as np
 import xarray as xr
 
 from pipeline.store import DONE, FAILED
+from pipeline.sweep.criterion import Conditions
 from tribo import QUANTILES
 
 FACTOR, LOAD_EXPONENT, VELOCITY_EXPONENT = 24.0, 0.58, 0.7
@@ -36,6 +37,10 @@ def rise(load, velocity, quantile=1.0):
 
 def limit(friction=0.1, bulk=298.15, critical=418.15):
     return (critical - bulk) / friction
+
+
+def conditions(share=0.1):
+    return Conditions(**CONDITIONS | {"failing_share": share})
 
 
 def critical_velocity(load, limit_rise, share=0.1):
@@ -89,6 +94,7 @@ def sweep(
     data["rise_quantile"] = (("load", "velocity", "step", "quantile"), quantiles, {"units": "K"})
     data["status"] = (("load", "velocity"), flags, {"flag_values": [0, 1, 2]})
     data["wall_time"] = (("load", "velocity"), np.where(flags == DONE, 1.0, np.nan))
+    data["warning_flags"] = (("load", "velocity"), np.zeros(shape[:2], np.int32))
     data["message"] = (("load", "velocity"), messages)
     coords = {
         "load": ("load", loads, {"units": "N"}),

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 import pipeline
-from pipeline.analysis.results import Results
 from pipeline.cli import main
 from pipeline.store import Store
 from pipeline.sweep.criterion import Conditions
@@ -69,7 +68,7 @@ def test_temperatures_are_those_of_the_fields(unequal):
     contact = last["pressure"].values > 0
     rise = 0.07 * last["rise"].values - 35.0 * last["bulk_response"].values
     temperature = 333.15 + rise[contact]
-    at_end = last.isel(step=-1) if np.isfinite(last["time"][-1]) else last.dropna("step", how="all")
+    at_end = pipeline.temperatures(pipeline.end_of_point(last))
     assert float(at_end["max_temperature"]) == pytest.approx(temperature.max(), rel=1e-9)
     assert float(at_end["mean_temperature"]) == pytest.approx(temperature.mean(), rel=1e-9)
     hot = at_end["temperature_quantile"].sel(quantile=0.9)
@@ -150,11 +149,9 @@ def test_the_friction_band_of_a_diagram_follows_each_friction(unequal):
 
     for friction in (0.05, 0.09):
         conditions = replace(CONDITIONS, friction=friction)
-        (plane,) = _planes(Results.of(unequal), conditions)
+        (plane,) = _planes(unequal, conditions)
         corner = pipeline.decisive_temperature(unequal, friction).isel(load=-1, velocity=-1)
-        assert 333.15 + friction * float(plane.rises[-1, -1]) == pytest.approx(
-            float(corner), rel=1e-6
-        )
+        assert 333.15 + friction * float(plane[-1, -1]) == pytest.approx(float(corner), rel=1e-6)
 
 
 SCENE = """

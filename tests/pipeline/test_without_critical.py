@@ -27,9 +27,9 @@ def store(tmp_path_factory):
 
 
 def test_temperatures_are_known_and_the_failed_share_is_not(store):
-    ds = pipeline.open_sweep(store)
-    assert np.isfinite(ds["max_temperature"].values).any()
-    assert "failed_fraction" not in ds
+    found = pipeline.temperatures(store)
+    assert np.isfinite(found["max_temperature"].values).any()
+    assert "failed_fraction" not in found
 
 
 def test_the_boundary_asks_for_it_by_its_key(store):

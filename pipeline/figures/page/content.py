@@ -15,10 +15,9 @@ from numpy.typing import NDArray
 
 from pipeline.analysis.attributes import attributes_of
 from pipeline.analysis.boundary import decisive_rise
-from pipeline.analysis.dataset import at_bulks, end_of_point, ordered
-from pipeline.analysis.results import Results
+from pipeline.analysis.dataset import asked, end_of_point, ordered, variant_of
 from pipeline.figures.page.fields import FIELDS, packed_fields
-from pipeline.store import DONE
+from pipeline.store.schema import DONE
 from pipeline.sweep.criterion import Conditions, rise_limit
 from tribo import WarningKind
 from tribo.types import Array, Mask
@@ -43,7 +42,7 @@ def content(ds: xr.Dataset, most_fields: int = MOST_FIELDS) -> dict[str, Any]:
         Number of points whose fields to take, those nearest to the transition.
     """
     ds = ordered(ds)
-    axis = next((name for name in ("realization", "sample") if name in ds.dims), None)
+    axis = variant_of(ds)
     surfaces = [ds] if axis is None else [ds.isel({axis: at}) for at in range(ds.sizes[axis])]
     parts = [_on_surface(part) for part in surfaces]
     done = np.array([part["status"] == DONE for part in parts], dtype=bool)
@@ -56,7 +55,7 @@ def content(ds: xr.Dataset, most_fields: int = MOST_FIELDS) -> dict[str, Any]:
         "conditions": _conditions(ds, conditions),
         "friction_heat": attributes.get("scene", {}).get("friction_heat", True),
         "measured": attributes.get("measured") or [],
-        "chosen": attributes.get("chosen") is not None,
+        "chosen": bool(attributes.get("boundary_only")),
         "loads": ds["load"].values.tolist(),
         "velocities": ds["velocity"].values.tolist(),
         "quantiles": ds["quantile"].values.tolist(),
@@ -102,11 +101,11 @@ def _on_surface(ds: xr.Dataset) -> dict[str, Any]:
         rises.append(every[place][counts])
         at.append(times[place][counts])
     end = end_of_point(ds[[name for name in _SHOWN if name in ds]])
-    flags = ds["warning_flags"].values if "warning_flags" in ds else np.zeros(status.shape, int)
-    kinds = [[kind.label for kind in WarningKind if flag & kind] for flag in flags.ravel().tolist()]
+    flags = ds["warning_flags"].values.ravel().tolist()
+    kinds = [[kind.label for kind in WarningKind if flag & kind] for flag in flags]
     return {
         "status": status,
-        "asked": Results.of(ds).asked(),
+        "asked": asked(ds).transpose("load", "velocity").values,
         "moments": moments,
         "times": np.concatenate(at),
         "rises": np.concatenate(rises)[:, 0].ravel(),
@@ -169,8 +168,7 @@ def _nearest(
     """Choose the points whose fields to show: all, or those nearest to the transition."""
     places = np.argwhere(done)
     if len(places) > most:
-        at = [at_bulks(part, conditions) for part in surfaces]
-        rises = np.array([decisive_rise(part, conditions.failing_share) for part in at])
+        rises = np.array([decisive_rise(part, conditions) for part in surfaces])
         judged = conditions.critical_temperature is not None and conditions.rise_factor > 0
         limit = rise_limit(conditions) if judged else math.inf
         rise = np.nan_to_num(rises[done])

@@ -5,10 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pipeline.analysis.boundary import boundary, decisive_rise, decisive_temperature
-from pipeline.analysis.crossings import crossings
+from pipeline.analysis.boundary import boundary, decisive_rise, decisive_temperature, refined
 from pipeline.analysis.interpolation import crossing, exponent, interpolated
-from pipeline.analysis.results import Results
 from pipeline.cli.crossings import document_of, text_of
 from pipeline.store import FAILED, PENDING
 from pipeline.sweep.lubrication import Lubrication
@@ -108,7 +106,7 @@ def test_at_the_boundary_just_the_failing_share_is_too_hot(share):
     )
     stored = ds["rise_quantile"].isel(load=3, velocity=5, step=9).values
     # the share of that very point, computed as a simulation's own
-    rise = float(decisive_rise(ds, share).isel(load=3, velocity=5))
+    rise = float(decisive_rise(ds, synthetic.conditions(share)).isel(load=3, velocity=5))
     assert failed_share(stored, rise) == pytest.approx(share, abs=1e-12)
     found = boundary(ds, critical_temperature=298.15 + 0.1 * rise, share=share)
     assert float(found["critical_velocity"][3]) == pytest.approx(VELOCITIES[5], rel=1e-12)
@@ -257,7 +255,7 @@ def test_the_plane_passes_through_the_boundary():
 
 def test_the_plane_ends_with_the_known_points():
     ds = synthetic.sweep(status={(750.0, 4.0): PENDING, (200.0, 0.5): FAILED, (400.0, 2.0): FAILED})
-    fine = decisive_rise(ds, 0.1, resolution=50)
+    fine = refined(decisive_rise(ds, synthetic.conditions()), 50)
     assert np.isnan(fine[-1, -1])
     assert np.isnan(fine[0, 0])
     assert np.isfinite(fine).sum() > 0.97 * fine.size
@@ -365,14 +363,14 @@ def test_each_crossing_has_its_film_parameter_where_the_scene_has_an_oil():
 
 
 def test_the_regime_of_each_crossing_is_told_in_words_and_in_the_document():
-    found = crossings(Results.of(synthetic.sweep(lubrication=OILED)))
+    found = boundary(synthetic.sweep(lubrication=OILED))
     (said,) = [line for line in text_of(found) if line.startswith("       200")]
     assert said == "       200   3.678  Λ 0.87 boundary"
     document = document_of(found)
     assert document["critical_velocity_regime"][0] == "boundary lubrication"
     assert document["critical_velocity_film_parameter"][0] == pytest.approx(0.87, abs=0.005)
     assert "no crossing" in document["critical_load_regime"]
-    assert "Λ" not in "".join(text_of(crossings(Results.of(synthetic.sweep()))))
+    assert "Λ" not in "".join(text_of(boundary(synthetic.sweep())))
 
 
 def test_the_exponent_of_the_rise_is_known_at_each_crossing():
@@ -411,7 +409,7 @@ def test_a_rise_that_grows_slowly_with_the_velocity_is_told(exponents):
         return synthetic.limit() * part * (velocity / 2.1) ** np.interp(load, loads, exponents)
 
     sweep = synthetic.sweep(rise=rise, loads=loads)
-    found = crossings(Results.of(sweep))
+    found = boundary(sweep)
     assert document_of(found)["critical_velocity_rise_exponent"] == pytest.approx(exponents)
     told = "".join(line for line in text_of(found) if "grows slowly" in line)
     slow = {load: each for load, each in zip(loads, exponents, strict=True) if each < 0.4}
@@ -419,5 +417,5 @@ def test_a_rise_that_grows_slowly_with_the_velocity_is_told(exponents):
     if slow:
         assert told.startswith(f"at {', '.join(f'{load:g}' for load in slow)} N the rise grows")
         assert told.endswith(f"by up to {1 / min(slow.values()):.2g} %")
-    both = crossings(Results.of(sweep), friction=[0.1, 0.1])
+    both = boundary(sweep, friction=[0.1, 0.1])
     assert "".join(line for line in text_of(both) if "grows slowly" in line) == told

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.interpolate import PchipInterpolator
 
-from pipeline.analysis.interpolation import crossing, cubic, interpolated
+from pipeline.analysis.interpolation import crossing, interpolated
 
 
 @given(seed=st.integers(0, 2**32 - 1), size=st.integers(2, 12), rising=st.booleans())
@@ -20,17 +20,6 @@ def test_values_are_those_of_scipy(seed, size, rising):
     at = np.concatenate([x, rng.uniform(x[0], x[-1], 50)])
     expected = PchipInterpolator(x, y)(at)
     assert interpolated(x, y, at) == pytest.approx(expected, rel=1e-12, abs=1e-13 * (1 + np.ptp(y)))
-
-
-@given(seed=st.integers(0, 2**32 - 1), size=st.integers(2, 12))
-def test_rows_are_those_of_scipy(seed, size):
-    rng = np.random.default_rng(seed)
-    x = np.cumsum(rng.uniform(0.05, 2.0, size))
-    y = rng.normal(size=(2, 3, size))
-    at = rng.uniform(x[0], x[-1], 20)
-    expected = PchipInterpolator(x, y, axis=-1)(at)
-    assert cubic(x, y, at) == pytest.approx(expected, rel=1e-12, abs=1e-12)
-    assert cubic(x, y, float(at[0])) == pytest.approx(expected[..., 0], rel=1e-12, abs=1e-12)
 
 
 @given(seed=st.integers(0, 2**32 - 1), size=st.integers(2, 12))

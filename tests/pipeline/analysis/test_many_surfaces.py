@@ -1,12 +1,10 @@
-"""Reading a sweep over many surfaces takes no look at its store for each of them."""
+"""A sweep over many surfaces is judged as each of them alone."""
 
 import numpy as np
 import pytest
 
 import pipeline
-from pipeline.analysis import results
-from pipeline.analysis.results import Results
-from pipeline.store.snapshot import Snapshot
+from pipeline.analysis.dataset import asked
 from pipeline.sweep.model import Point
 from tests.helpers import tiny
 from tests.pipeline.conftest import commit_all
@@ -29,10 +27,8 @@ def store(tmp_path_factory):
     return path
 
 
-@pytest.mark.parametrize("at_once", [1, 4, 100])
-def test_each_surface_is_as_if_it_were_alone(store, monkeypatch, at_once):
+def test_each_surface_is_as_if_it_were_alone(store):
     ds = pipeline.open_sweep(store)
-    monkeypatch.setattr(results, "_READ", at_once * ds["rise_quantile"].nbytes / len(SEEDS))
     found = pipeline.boundary(ds)
     for seed in SEEDS:
         alone = pipeline.boundary(pipeline.open_sweep(store).sel(realization=seed))
@@ -44,23 +40,6 @@ def test_each_surface_is_as_if_it_were_alone(store, monkeypatch, at_once):
     assert missing.sum() == found.attrs["missing_points"] == 1
 
 
-def test_the_store_is_looked_at_as_often_for_many_as_for_few(store, monkeypatch):
-    looks = []
-    is_current = Snapshot.is_current
-    monkeypatch.setattr(Snapshot, "is_current", lambda self: looks.append(1) or is_current(self))
-    ds = pipeline.open_sweep(store)
-    counts = []
-    for part in (ds.isel(realization=slice(0, 2)), ds):
-        looks.clear()
-        pipeline.boundary(part)
-        pipeline.warned(part)
-        counts.append(len(looks))
-    assert counts[0] == counts[1] > 0
-
-
-def test_what_was_chosen_is_read_from_text_and_from_lists(store):
-    ds = pipeline.open_sweep(store).sel(realization=4)
-    lists = ds.assign_attrs(chosen=[list(point[:3]) for point in CHOSEN])
-    for source in (ds, lists, Results.of(store).on_surface(4)):
-        asked = Results.of(source).asked()
-        assert asked.tolist() == [[False, False], [False, True], [False, True]]
+def test_points_are_asked_for_on_their_own_surface(store):
+    wanted = asked(pipeline.open_sweep(store)).sel(realization=4)
+    assert wanted.values.tolist() == [[False, False], [False, True], [False, True]]

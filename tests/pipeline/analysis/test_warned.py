@@ -9,7 +9,6 @@ import pytest
 import xarray as xr
 
 import pipeline
-from pipeline.analysis.results import Results
 from pipeline.analysis.warned import Warned, has_warning, warned
 from pipeline.cli import main
 from pipeline.figures.diagram import diagram
@@ -60,19 +59,10 @@ def test_a_neighbour_that_is_missing_is_passed_over():
 
 
 def test_a_failed_point_carries_no_warning():
-    ds = with_flags({}, status={(400.0, 1.75): 2})
-    assert (ds["message"] != "").sum() == 0
-    failed = synthetic.sweep(status={(400.0, 1.75): 2})  # as in an older store, with its message
-    assert (failed["message"] != "").sum() == 1
-    for each in (ds, failed):
-        assert warned(each) == Warned(0, {}, 0)
-        assert not list(warned(each).lines())
-
-
-def test_a_store_without_flags_goes_by_its_messages():
-    ds = with_flags({(400.0, 2.0): EDGE}).drop_vars("warning_flags")
-    found = warned(ds)
-    assert (found.points, found.at_boundary, found.kinds) == (1, 1, {"of unknown kind": 1})
+    ds = synthetic.sweep(status={(400.0, 1.75): 2})
+    assert (ds["message"] != "").sum() == 1
+    assert warned(ds) == Warned(0, {}, 0)
+    assert not list(warned(ds).lines())
 
 
 def test_each_surface_has_its_own_boundary():
@@ -107,12 +97,12 @@ def narrow(tmp_path_factory):
 
 def test_a_summary_counts_the_same_points(narrow, tmp_path):
     store = Store(shutil.copytree(narrow, tmp_path / "out.zarr"))
-    results = Results.of(store.path)
-    there = has_warning(results)
+    ds = pipeline.open_sweep(store.path)
+    there = has_warning(ds)
     count = int(there.sum())
     assert pipeline.summary(store.path).warned == count > 0
-    row, column = np.argwhere(there)[0]
-    load, velocity = float(results.loads[row]), float(results.velocities[column])
+    row, column = np.argwhere(there.values)[0]
+    load, velocity = float(ds["load"][row]), float(ds["velocity"][column])
     store.forget(Point(load, velocity))
     store.fail(Point(load, velocity), "it did not converge")
     assert pipeline.summary(store.path).warned == count - 1
@@ -126,7 +116,7 @@ def printed(capsys, *arguments):
 @pytest.mark.parametrize("command", ["status", "boundary", "verify", "plot"])
 def test_every_command_on_a_store_tells(command, narrow, tmp_path, capsys):
     ds = pipeline.open_sweep(narrow)
-    there = has_warning(Results.of(ds))
+    there = has_warning(ds)
     assert 0 < there.sum() < there.size
     options = ["--kind", "diagram", "-o", tmp_path / "out.png"] if command == "plot" else []
     text = printed(capsys, command, narrow, *options)

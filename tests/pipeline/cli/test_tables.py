@@ -6,10 +6,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from pipeline.analysis import results
+import pipeline
 from pipeline.analysis.boundary import boundary
-from pipeline.analysis.crossings import crossings
-from pipeline.analysis.results import Results
 from pipeline.cli import main
 from pipeline.cli.crossings import rows_of
 from tests.helpers import synthetic
@@ -19,7 +17,7 @@ HEADS = ["at each", "friction", "load [N]", "velocity [m/s]", "outcome"]
 
 @pytest.fixture
 def store(monkeypatch):
-    monkeypatch.setattr(results, "_of_store", lambda path: Results.of(synthetic.sweep()))
+    monkeypatch.setattr(pipeline, "open_sweep", lambda path: synthetic.sweep())
     return "out.zarr"
 
 
@@ -49,7 +47,7 @@ def test_a_band_is_written_with_how_many_surfaces_cross():
     both = xr.concat(
         [synthetic.sweep(), hot], xr.Variable("realization", [0, 1]), combine_attrs="override"
     )
-    row = next(iter(rows_of(crossings(Results.of(both)))))
+    row = next(iter(rows_of(boundary(both))))
     assert row["10 %"] < row["velocity [m/s]"] < row["90 %"]
     assert (row["surfaces that cross"], row["surfaces"]) == (2, 2)
 

@@ -7,10 +7,9 @@ import matplotlib
 import numpy as np
 import pytest
 
-from pipeline.analysis import results
+import pipeline.analysis.dataset
 from pipeline.analysis.ensemble import Ensemble
 from pipeline.analysis.posterior import posterior
-from pipeline.analysis.results import Results
 from pipeline.analysis.risk import probabilities, risk_lines
 from pipeline.figures.diagram import diagram
 from pipeline.figures.fields import fields
@@ -333,7 +332,7 @@ def test_png_is_large_enough_to_read(sweep, tmp_path):
 
 
 def test_a_store_may_be_given_instead_of_its_dataset(sweep, tmp_path, monkeypatch):
-    monkeypatch.setattr(results, "_of_store", {"somewhere.zarr": Results.of(sweep)}.get)
+    monkeypatch.setattr(pipeline.analysis.dataset, "open_sweep", {"somewhere.zarr": sweep}.get)
     figure = plot("somewhere.zarr", "diagram")
     assert figure.axes[0].get_title() == "White oil on ground steel"
 

@@ -80,7 +80,7 @@ def test_a_sweep_runs_resumes_and_grows(address):
     assert_is_as_computed(address, points(SWEEP))
     assert verify_store(address).is_clean
     with open_sweep(address) as ds:
-        assert ds["max_temperature"].sel(load=600).notnull().any()
+        assert ds["max_rise"].sel(load=600).notnull().any()
 
 
 def test_objects_are_removed_by_how_their_keys_begin(address):

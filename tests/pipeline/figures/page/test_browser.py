@@ -148,7 +148,7 @@ def test_the_line_that_is_drawn_lies_on_the_plane_of_the_diagram(page):
     return [sweep.decisive(conditions).fine, sweep.drawn(0, conditions)[0].loads];
     """
     fine, loads = page(ds).execute_script(drawn)
-    rise = decisive_rise(ds, 0.1)
+    rise = decisive_rise(ds, synthetic.conditions())
     at = np.array(fine)
     columns = np.array([interpolated(ds["velocity"].values, row, at) for row in rise.values]).T
     expected = [crossing(ds["load"].values, column, synthetic.limit()) for column in columns]

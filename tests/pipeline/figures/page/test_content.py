@@ -64,7 +64,7 @@ def test_moments_left_out_decide_for_no_share():
     for share in (0.0, 0.1, 0.37, 0.9):
         exceeded = np.array([np.interp(1 - share, held["quantile"], row) for row in rises])
         worst = np.maximum.reduceat(exceeded, begins)
-        expected = decisive_rise(held, share).values.ravel()
+        expected = decisive_rise(held, synthetic.conditions(share)).values.ravel()
         np.testing.assert_allclose(worst, expected[done], rtol=1e-12)
         assert np.isnan(expected[~done]).all()
 
@@ -105,7 +105,7 @@ def test_fields_of_the_points_nearest_to_the_transition_are_held(tmp_path):
     assert (page.points_with_fields, page.stored_fields) == (5, page.points)
     assert "fields of 5 of 180, those nearest to the transition" in str(page)
     chosen = [divmod(int(at), ds.sizes["velocity"]) for at in content(ds, 5)["fields"]["points"]]
-    rise = decisive_rise(ds, 0.1).values
+    rise = decisive_rise(ds, synthetic.conditions()).values
     distance = np.abs(rise - synthetic.limit())
     assert sorted(distance[place] for place in chosen) == sorted(distance.ravel())[:5]
 
