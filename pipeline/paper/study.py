@@ -11,7 +11,8 @@ from typing import TypeVar
 import numpy as np
 
 from pipeline.figures.style import celsius
-from pipeline.run.sweep import Outcome, Progress, run_sweep
+from pipeline.run.sweep import Outcome, run_sweep
+from pipeline.run.tally import Progress
 from pipeline.scene.scenefile import load_scene
 from pipeline.scene.shipped import WORKFLOWS
 from pipeline.sweep.criterion import (

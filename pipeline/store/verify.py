@@ -119,7 +119,8 @@ def examined(
     """Read all of an open store; see `verify_store`."""
     shared = [*_shared_faults(store, repair)]
     missing = missing_chunks(store.place, Root(store.attributes, store.metadata), store.flags)
-    if missing.pop("asked", None) is not None or not store.is_readable("asked", ...):
+    asked_lost = missing.pop("asked", None) is not None or not store.is_readable("asked", ...)
+    if asked_lost:
         shared.append("the points that the last run asked for are damaged")
     total, count = int(np.count_nonzero(store.flags == DONE)), 0
     blocks = []
@@ -132,7 +133,8 @@ def examined(
     if repair:
         for each in blocks:
             _repair(store, each)
-        store.ask((store.asked == 1) | (store.flags != PENDING))
+        if asked_lost:
+            store.ask((store.asked == 1) | (store.flags != PENDING))
     damaged = _damages(each.damaged for each in blocks)
     return Verification(
         done=total - len(damaged) + (sum(len(each.complete) for each in blocks) if repair else 0),
