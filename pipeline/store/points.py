@@ -7,9 +7,11 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from pipeline.store.place import Place
 from pipeline.store.root import Root
-from pipeline.store.schema import LEADING
+from pipeline.store.schema import DONE, LEADING, chunks_of, is_coordinate
 from pipeline.sweep.model import Point, Sweep
 from tribo.types import Indices, Mask
 
@@ -99,3 +101,27 @@ class Places:
             slice(i * size, min((i + 1) * size, n))
             for i, size, n in zip(chunk, sizes, self.shape, strict=False)
         )
+
+
+def missing_chunks(place: Place, root: Root, flags: NDArray[np.int8]) -> dict[str, Mask]:
+    """Points that are done, but lack a chunk: a mask by the names of variables that lack any."""
+    done = flags == DONE
+    missing: dict[str, Mask] = {}
+    for name, array in root.arrays.items():
+        if is_coordinate(name):
+            continue
+        sizes, names = chunks_of(array), place.names(name)
+        tail = [-(-n // size) for n, size in zip(array["shape"], sizes, strict=True)][done.ndim :]
+        for chunk in _chunks_with(done, sizes[: done.ndim]):
+            keys = (".".join(map(str, ("c", *chunk, *rest))) for rest in np.ndindex(*tail))
+            if not names.issuperset(keys):
+                block = tuple(slice(i * n, (i + 1) * n) for i, n in zip(chunk, sizes, strict=False))
+                mask = missing.setdefault(name, np.zeros_like(done))
+                mask[block] = done[block]
+    return missing
+
+
+def _chunks_with(mask: Mask, sizes: list[int]) -> list[tuple[int, ...]]:
+    """Numbers of the chunks with any of the points of a mask."""
+    numbers = np.argwhere(mask) // np.array(sizes)
+    return [tuple(row) for row in np.unique(numbers, axis=0).tolist()]

@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 from xarray.backends import BackendArray
 from xarray.core import indexing
 
-from pipeline.store.place import PathLike, Place, StoreError, place_of
-from pipeline.store.root import Root, read_root
-from pipeline.store.schema import COORDINATES, DONE, PENDING, RECORDS, chunks_of, is_coordinate
+from pipeline.store.place import PathLike, StoreError, place_of
+from pipeline.store.points import missing_chunks
+from pipeline.store.root import read_root
+from pipeline.store.schema import DONE, PENDING, RECORDS, is_coordinate
 from pipeline.store.write import DAMAGED, UNREADABLE
 from tribo.types import Mask
 
@@ -49,7 +50,7 @@ def open_store(path: PathLike) -> xr.Dataset:
     except (*UNREADABLE, KeyError, TypeError) as error:
         raise StoreError(DAMAGED.format(place, "status")) from error
     for name in ds.coords:
-        if not is_as_written(ds[name].values, root.axes.get(str(name))):
+        if ds[name].values.tolist() != root.axes.get(str(name)):
             raise StoreError(DAMAGED.format(place, f"the axis {name}"))
     if missing := missing_chunks(place, root, flags):
         names = ", ".join(sorted(missing))
@@ -61,35 +62,6 @@ def open_store(path: PathLike) -> xr.Dataset:
             variables[name] = _where(ds[name].variable, mask, DAMAGED.format(place, name))
     opened: xr.Dataset = ds.assign(variables).assign_attrs(root.attributes)
     return opened
-
-
-def is_as_written(values: NDArray[Any], written: list[Any] | None) -> bool:
-    """Return whether a coordinate has the values that the root has of it."""
-    return written is not None and values.tolist() == written
-
-
-def missing_chunks(place: Place, root: Root, flags: NDArray[np.int8]) -> dict[str, Mask]:
-    """Points that are done, but lack a chunk: a mask by the names of variables that lack any."""
-    done = flags == DONE
-    missing: dict[str, Mask] = {}
-    for name, array in root.arrays.items():
-        if name in COORDINATES or "velocity" not in array["dimension_names"]:
-            continue
-        sizes, names = chunks_of(array), place.names(name)
-        tail = [-(-n // size) for n, size in zip(array["shape"], sizes, strict=True)][done.ndim :]
-        for chunk in _chunks_with(done, sizes[: done.ndim]):
-            keys = (".".join(map(str, ("c", *chunk, *rest))) for rest in np.ndindex(*tail))
-            if not names.issuperset(keys):
-                block = tuple(slice(i * n, (i + 1) * n) for i, n in zip(chunk, sizes, strict=False))
-                mask = missing.setdefault(name, np.zeros_like(done))
-                mask[block] = done[block]
-    return missing
-
-
-def _chunks_with(mask: Mask, sizes: list[int]) -> list[tuple[int, ...]]:
-    """Numbers of the chunks with any of the points of a mask."""
-    numbers = np.argwhere(mask) // np.array(sizes)
-    return [tuple(row) for row in np.unique(numbers, axis=0).tolist()]
 
 
 class _Masked(BackendArray):

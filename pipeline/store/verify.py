@@ -18,8 +18,7 @@ from numpy.typing import NDArray
 from pipeline.store.create import repairing
 from pipeline.store.identity import checksum, record_checksum
 from pipeline.store.place import ROOT, PathLike, StoreError, place_of
-from pipeline.store.points import Slices
-from pipeline.store.read import missing_chunks
+from pipeline.store.points import Slices, missing_chunks
 from pipeline.store.root import Root, read_root
 from pipeline.store.schema import AT_END, DONE, PENDING, STEPPED, is_coordinate
 from pipeline.store.write import ABOUT, Store
