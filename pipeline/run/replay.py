@@ -30,7 +30,7 @@ _Status = NDArray[np.int8]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Variant:
-    """What has points of its own: a surface, a sample, or the scene itself.
+    """A surface, a sample or the scene itself, with points of its own.
 
     Attributes
     ----------
@@ -50,7 +50,7 @@ class Variant:
 
 @dataclass(slots=True)
 class _Seen:
-    """What the search for the boundary of a variant has come to know, and what it waits for."""
+    """Points that the search for the boundary of a variant has seen, and those it waits for."""
 
     rises: dict[Point, Array] = field(default_factory=dict)
     failed: set[Point] = field(default_factory=set)
@@ -132,7 +132,7 @@ class Replay:
                 self._fits[load] = _plane(inputs[at], column[at])
 
     def _missing(self, variant: Variant) -> Sequence[Point]:
-        """What the search for the boundary of a variant asks for, and the store does not have."""
+        """Points that the search for the boundary of a variant asks for, and the store lacks."""
         seen, held = self._seen.setdefault(variant.place, _Seen()), self._held
         if held and held.has_others(variant.place):
             seen.note(self._read(held, variant, held.ended(variant.place)))
@@ -151,7 +151,7 @@ class Replay:
         return ()
 
     def _asked(self, variant: Variant, seen: _Seen) -> tuple[Point, ...]:
-        """What the search for the boundary of a variant asks for, given what it has seen."""
+        """Points that the search for the boundary of a variant asks for next."""
         asked: set[Point] = set()
         for number, conditions in enumerate(variant.conditions):
             search = replace(self._search, limit=rise_limit(conditions))
@@ -173,7 +173,7 @@ class Replay:
         }
 
     def _expected(self, inputs: tuple[float, ...]) -> dict[float, float]:
-        """Where the critical velocity of a sample is to be expected, by load."""
+        """Critical velocity that is expected of a sample, by load [m/s]."""
         at, lowest, highest = np.array([1.0, *inputs]), self._search.lowest, self._search.highest
         return {
             load: min(max(math.exp(float(at @ fit)), lowest), highest)
@@ -192,7 +192,7 @@ class Replay:
 
 
 class _Held:
-    """What a store has of the variants that are searched.
+    """Points of a store that belong to the variants that are searched.
 
     Parameters
     ----------
@@ -227,7 +227,7 @@ class _Held:
         return [Point(self._loads[i], self._velocities[j]) for i, j in found.tolist()]
 
     def has_others(self, place: _Place) -> bool:
-        """Whether any of them is one that the search never asks for."""
+        """Return whether the search never asks for one of them."""
         found = (self._row(place) != PENDING) & self._are_searched & self._are_others
         return bool(found.any())
 

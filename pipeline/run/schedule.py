@@ -172,7 +172,7 @@ class _Run:
         return chain
 
     def _are_many(self, threads: int) -> bool:
-        """Whether more chains wait than are needed to keep the workers busy to the end."""
+        """Return whether more chains wait than keep the workers busy to the end."""
         return len(self.waiting) + len(self.running) >= 2 * threads
 
     def _joined(self, chain: _Chain, threads: int) -> _Chain:
@@ -192,9 +192,9 @@ class _Run:
     ) -> None:
         """Let points wait again, each ramp as a chain; the first one has a trunk."""
         ramps = itertools.groupby(left, key=lambda point: point[1:])
-        found = [tuple(points) for _, points in ramps]
-        self.waiting.extendleft(_Chain(each, None, is_wary) for each in reversed(found[1:]))
-        self.waiting.extendleft(_Chain(each, trunk, is_wary) for each in found[:1])
+        ramps_left = [tuple(points) for _, points in ramps]
+        self.waiting.extendleft(_Chain(each, None, is_wary) for each in reversed(ramps_left[1:]))
+        self.waiting.extendleft(_Chain(each, trunk, is_wary) for each in ramps_left[:1])
 
     def _start(self, chain: _Chain, worker: str | None = None) -> None:
         parcel = self._parcel
@@ -258,7 +258,7 @@ class _Run:
 
     @property
     def at_work(self) -> str:
-        """What the run waits for, in words."""
+        """Tasks that the run waits for, in words."""
         if not self.running:
             return f"{len(self.waiting)} ramps wait for a worker"
         others = f" and {n} more" if (n := len(self.running) - 1) else ""

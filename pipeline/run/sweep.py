@@ -38,7 +38,7 @@ from tribo import InputError
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """What a run leaves.
+    """Result of a run.
 
     Attributes
     ----------
@@ -166,7 +166,7 @@ _Round = tuple[Sweep, Store, tuple[tuple[Point, ...], ...]]
 def _rounds(
     store: Store, sweep: Sweep, further: Callable[[Store], Sweep | None] | None
 ) -> Iterator[_Round]:
-    """What there is to compute: for the sweep, then for each that comes after it."""
+    """Pending points of the sweep, then of each that follows it."""
     asked: Sweep | None = sweep
     while asked is not None:
         if waiting := chains(store.pending(), asked.independent):

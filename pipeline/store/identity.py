@@ -1,4 +1,4 @@
-"""What a store belongs to: its scene's description, how two differ, and points' checksums."""
+"""Identity of a store and its points: description of the scene, differences, checksums."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from tribo import Scene
 
 
 def describe(sweep: Sweep) -> dict[str, Any]:
-    """What decides a scene's numbers, as plain data in SI: its parts, arrays as their digest.
+    """Describe what decides a scene's numbers, as plain data in SI, arrays as their digest.
 
     The seed is left out where there are realizations, each with its own. Unknown inputs are part of
     it where there are samples, as far as the simulation depends on them.

@@ -1,4 +1,4 @@
-"""How far a sweep has come, by its store."""
+"""Progress of a sweep, by its store."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class FailedPoint:
 
 @dataclass(frozen=True, slots=True)
 class Summary:
-    """How far a sweep has come.
+    """Progress of a sweep.
 
     Attributes
     ----------

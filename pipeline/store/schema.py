@@ -98,13 +98,13 @@ BULK_COLUMNS = {
         f"quantile of the contact's rise above the pin's bulk at a bulk ratio, {_RISE}",
     ),
 }
-"""What scenes with unequal bulk temperatures have besides `COLUMNS`."""
+"""Variables of scenes with unequal bulk temperatures besides `COLUMNS`."""
 BULK_FIELDS = {
     "bulk_response": _field(
         "1", "rise of the pin for each kelvin by which the disk's bulk is warmer"
     ),
 }
-"""What they have besides `FIELDS`."""
+"""Variables of such scenes besides `FIELDS`."""
 RECORDS = {
     "status": Variable(
         _POINT,
@@ -138,9 +138,9 @@ RECORDS = {
 VARIABLES = COORDINATES | RECORDS | COLUMNS | BULK_COLUMNS | FIELDS | BULK_FIELDS
 """All that a store may hold."""
 STEPPED = COLUMNS | BULK_COLUMNS
-"""What is stored at each step."""
+"""Variables at each step."""
 AT_END = FIELDS | BULK_FIELDS
-"""What is stored at the end of a point."""
+"""Variables at the end of a point."""
 
 
 LEADING = ("realization", "sample")

@@ -183,7 +183,7 @@ def _examined_block(
             except StoreError:
                 unreadable.append(name)
     about = {name: values[name] for name in (*ABOUT, "record_checksum") if name in values}
-    found = _Examination({}, {}, [], about, block)
+    examination = _Examination({}, {}, [], about, block)
     places = np.argwhere((flags != PENDING) | unknown)
     first = [part.start for part in block]
     for within, point in zip(places.tolist(), store.points_at((places + first).T), strict=True):
@@ -196,12 +196,12 @@ def _examined_block(
         )
         if unknown[index]:
             if not (data or record):
-                found.complete.append(point)
+                examination.complete.append(point)
         elif data or record == _OTHER:
-            found.damaged[point] = data or _OTHER
+            examination.damaged[point] = data or _OTHER
         elif record:
-            found.records[point] = record
-    return found
+            examination.records[point] = record
+    return examination
 
 
 def _fault_of_record(
