@@ -11,6 +11,7 @@ from pipeline.run.boundary_search import BoundarySearch, searched
 from pipeline.run.replay import Replay, Variant
 from pipeline.run.sweep import Outcome, run_sweep
 from pipeline.run.tally import Progress
+from pipeline.scene.scenefile import sweep_of
 from pipeline.store.place import PathLike, place_of
 from pipeline.store.root import read_root
 from pipeline.store.write import Store
@@ -23,7 +24,7 @@ _MOST = 1024  # samples that are searched at a time, since what is known of them
 
 
 def follow_boundary(
-    sweep: Sweep,
+    sweep: Sweep | PathLike,
     out: PathLike,
     tolerance: float = 0.01,
     workers: int | None = None,
@@ -43,7 +44,8 @@ def follow_boundary(
 
     Parameters
     ----------
-    sweep : Sweep
+    sweep : Sweep, str or path
+        The scene, or its path.
     out, workers, scheduler, progress, retry_failed, tell
         See `pipeline.run_sweep`.
     tolerance : float
@@ -59,11 +61,12 @@ def follow_boundary(
     Examples
     --------
     >>> import pipeline
-    >>> scene = pipeline.load_scene("workflows/first_try.toml")
+    >>> scene = "workflows/first_try.toml"
     >>> outcome = pipeline.follow_boundary(scene, "results/edge.zarr")  # doctest: +SKIP
     >>> outcome.done  # doctest: +SKIP
     11
     """
+    sweep = sweep_of(sweep)
     variants = _variants(sweep)
     limits = [rise_limit(each) for variant in variants for each in variant.conditions]
     moving = searched(sweep, limits)

@@ -24,6 +24,7 @@ from pipeline.run.order import coarse_first
 from pipeline.run.schedule import compute
 from pipeline.run.tally import Progress, Tally
 from pipeline.run.writer import Writer
+from pipeline.scene.scenefile import sweep_of
 from pipeline.store.attributes import versions
 from pipeline.store.create import grown, writing
 from pipeline.store.place import PathLike, place_of
@@ -60,7 +61,7 @@ class Outcome:
 
 
 def run_sweep(
-    sweep: Sweep,
+    sweep: Sweep | PathLike,
     out: PathLike,
     workers: int | None = None,
     scheduler: str | None = None,
@@ -76,7 +77,8 @@ def run_sweep(
 
     Parameters
     ----------
-    sweep : Sweep
+    sweep : Sweep, str or path
+        The scene, or its path.
     out : str or path
         Path of the store, which is created, resumed or extended.
     workers : int, optional
@@ -109,14 +111,14 @@ def run_sweep(
     Examples
     --------
     >>> import pipeline
-    >>> scene = pipeline.load_scene("workflows/first_try.toml")
-    >>> outcome = pipeline.run_sweep(scene, "results/first_try.zarr")  # goes on where it stopped
+    >>> outcome = pipeline.run_sweep("workflows/first_try.toml", "results/first_try.zarr")
     >>> outcome.done, outcome.failed
     (24, ())
     """
     if workers is not None and workers < 1:
         raise InputError(f"workers is {workers}; it must be at least 1")
     _refuse_in_a_worker(scheduler)
+    sweep = sweep_of(sweep)
     began = time.monotonic()
     if scheduler is not None and not place_of(out).exists():
         with connected(1, scheduler, patience):

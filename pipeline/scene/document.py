@@ -18,6 +18,7 @@ from typing import Any
 from pipeline.scene.entries import did_you_mean, quoted
 from pipeline.scene.faults import Fault, SceneFileError
 from pipeline.scene.format import EXTENDS, WITHOUT
+from pipeline.scene.shipped import scene_path
 
 _LARGEST_FILE = 10_000_000
 _LEVELS = 10  # of tables in tables, more than the format has
@@ -110,7 +111,7 @@ def read_document(path: Path, faults: list[Fault], above: tuple[Path, ...] = ())
     name = EXTENDS.read(extends, "extends", found)
     if found:
         raise SceneFileError(path, [document.line(found[0])])
-    other, chain = path.parent / name, (*above, path)
+    other, chain = scene_path(name, path.parent), (*above, path)
     if any(_is_same(other, file) for file in chain):
         circle = " extends ".join(str(file) for file in (*chain, other))
         raise SceneFileError(

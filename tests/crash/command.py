@@ -19,9 +19,9 @@ from contextlib import suppress
 from pathlib import Path
 
 import xarray as xr
+from pipeline.store.variables import COLUMNS
 
 from pipeline.store import StoreError, summary, verify_store
-from pipeline.store.variables import COLUMNS
 from tests.crash.bounded import add_seconds, until
 
 ROOT = Path(__file__).parents[2]

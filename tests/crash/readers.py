@@ -14,6 +14,7 @@ from collections import Counter
 from pathlib import Path
 
 import numpy as np
+from pipeline.store.variables import COLUMNS
 
 from pipeline.analysis.boundary import boundary
 from pipeline.analysis.dataset import open_sweep
@@ -27,7 +28,6 @@ from pipeline.store import (
     summary,
     verify_store,
 )
-from pipeline.store.variables import COLUMNS
 from pipeline.sweep.plan import points, run_point
 from tests.helpers import tiny
 

@@ -8,12 +8,12 @@ from unittest import mock
 
 import numpy as np
 import xarray as xr
+from pipeline.store.variables import COLUMNS, FIELDS
 
 import tribo
 from pipeline.run import sweep as execute
 from pipeline.run import work
 from pipeline.store import DONE, FAILED, Store, compact_store, files, verify_store
-from pipeline.store.variables import COLUMNS, FIELDS
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import points, run_point
 from tests.helpers import tiny

@@ -8,13 +8,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import xarray as xr
+from pipeline.store.finished import Finished
+from pipeline.store.variables import COLUMNS, FIELDS
 
 import pipeline
 from pipeline.cli import main
 from pipeline.store import DONE, Store, locked, prepare, summary
-from pipeline.store.finished import Finished
 from pipeline.store.pace import pace
-from pipeline.store.variables import COLUMNS, FIELDS
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import points, run_point
 from tests.helpers import tiny

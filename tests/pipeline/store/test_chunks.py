@@ -5,10 +5,6 @@ import json
 import numpy as np
 import pytest
 import zarr
-from zarr.api.asynchronous import create_array
-from zarr.codecs import ZstdCodec
-from zarr.storage import MemoryStore
-
 from pipeline.store.chunks import (
     ChunkedArray,
     _content_size,
@@ -22,6 +18,9 @@ from pipeline.store.layout import LEVEL
 from pipeline.store.shape import _described
 from pipeline.store.together import together
 from pipeline.store.variables import BY_POINT, VARIABLES
+from zarr.api.asynchronous import create_array
+from zarr.codecs import ZstdCodec
+from zarr.storage import MemoryStore
 
 CASES = {
     "scalar": ("float64", (), (), 1.5),

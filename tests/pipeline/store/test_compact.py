@@ -8,6 +8,8 @@ from contextlib import nullcontext
 import numpy as np
 import pytest
 import xarray as xr
+from pipeline.store.files import Files
+from pipeline.store.variables import COLUMNS, KEPT_COMPACT
 
 from pipeline.analysis.dataset import open_sweep
 from pipeline.cli import main
@@ -25,8 +27,6 @@ from pipeline.store import (
     summary,
     verify_store,
 )
-from pipeline.store.files import Files
-from pipeline.store.variables import COLUMNS, KEPT_COMPACT
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import points, run_point
 from tests.helpers import tiny

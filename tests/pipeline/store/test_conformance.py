@@ -6,11 +6,11 @@ from pathlib import Path
 import boto3
 import pytest
 import s3fs
+from pipeline.store.files import Files, RemoteFiles
 from zarr.core.buffer import cpu
 from zarr.storage import FsspecStore, LocalStore
 from zarr.testing.store import StoreTests
 
-from pipeline.store.files import Files, RemoteFiles
 from tests.pipeline.store.test_s3 import server
 
 __all__ = ["server"]

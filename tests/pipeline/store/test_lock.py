@@ -7,9 +7,9 @@ import subprocess
 import sys
 
 import pytest
+from pipeline.store.folder import user
 
 from pipeline.store import StoreError, locked
-from pipeline.store.folder import user
 from pipeline.store.lock import LockWarning, _lives, _self
 
 

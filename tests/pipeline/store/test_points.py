@@ -18,6 +18,7 @@ import xarray as xr
 import zarr
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from pipeline.store.variables import COLUMNS, COORDINATES, FIELDS
 
 import tribo
 from pipeline.store import (
@@ -34,7 +35,6 @@ from pipeline.store import (
     summary,
 )
 from pipeline.store.identity import describe
-from pipeline.store.variables import COLUMNS, COORDINATES, FIELDS
 from pipeline.sweep.criterion import Conditions
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import points, run_point

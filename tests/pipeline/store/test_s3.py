@@ -6,18 +6,18 @@ import subprocess
 import sys
 
 import boto3
+import pipeline.store.shape as shape_module
 import pytest
 import xarray as xr
 from moto.server import ThreadedMotoServer
+from pipeline.store.files import files_in
+from pipeline.store.folder import folder_of
+from pipeline.store.variables import COLUMNS, FIELDS
 
-import pipeline.store.shape as shape_module
 from pipeline.analysis.dataset import open_sweep
 from pipeline.cli import main
 from pipeline.run.sweep import run_sweep
 from pipeline.store import StoreError, folder, locked, prepare, summary, verify_store
-from pipeline.store.files import files_in
-from pipeline.store.folder import folder_of
-from pipeline.store.variables import COLUMNS, FIELDS
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import points, run_point
 from tests.helpers import tiny

@@ -14,6 +14,7 @@ import time
 import numpy as np
 import pytest
 import xarray as xr
+from pipeline.store.variables import COLUMNS, FIELDS, RECORDS
 
 from pipeline.analysis.dataset import open_sweep
 from pipeline.run import work
@@ -33,7 +34,6 @@ from pipeline.store import (
     summary,
     verify_store,
 )
-from pipeline.store.variables import COLUMNS, FIELDS, RECORDS
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import points, run_point
 from tests.helpers import tiny

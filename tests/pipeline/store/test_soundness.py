@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import zarr
+from pipeline.store.variables import COLUMNS, FIELDS, RECORDS
 
 from pipeline.run.sweep import run_sweep
 from pipeline.store import (
@@ -20,7 +21,6 @@ from pipeline.store import (
     verify_store,
 )
 from pipeline.store.identity import checksum, checksums
-from pipeline.store.variables import COLUMNS, FIELDS, RECORDS
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import points
 from tests.helpers import tiny

@@ -4,16 +4,16 @@ import json
 import shutil
 
 import numpy as np
+import pipeline.store.shape as shape_module
 import pytest
 import xarray as xr
 from numcodecs.zstd import Zstd
+from pipeline.store.variables import COLUMNS, COORDINATES, FIELDS, RECORDS
 
-import pipeline.store.shape as shape_module
 from pipeline.analysis.dataset import open_sweep
 from pipeline.cli import main
 from pipeline.run.sweep import run_sweep
 from pipeline.store import Store, StoreError, locked, prepare, summary, verify_store
-from pipeline.store.variables import COLUMNS, COORDINATES, FIELDS, RECORDS
 from pipeline.sweep.model import Point
 from tests.helpers import tiny
 from tests.pipeline.conftest import commit_all
