@@ -3,7 +3,7 @@
 ::
 
     TriboError
-    └── ExecutionError   the cluster does not start, or is lost
+    └── ExecutionError   the cluster does not start, is lost, or runs other code
 """
 
 from __future__ import annotations
@@ -16,6 +16,8 @@ from collections import Counter
 from collections.abc import Callable, Collection, Iterator
 from concurrent.futures import CancelledError
 from contextlib import ExitStack, contextmanager, suppress
+from typing import Any
+from weakref import WeakKeyDictionary
 
 import dask
 from distributed import Client, Future, LocalCluster, Security, Status, wait
@@ -24,10 +26,12 @@ from distributed.utils import silence_logging_cmgr
 
 from pipeline.run import forkserver
 from pipeline.run.forkserver import UNGUARDED, WORKER_ENVIRONMENT, interrupts_put_off
+from pipeline.run.versions import Versions, other_packages, versions
 from tribo import TriboError
 
 SAFE = "finished points are safe, run the sweep again to go on"
 LOST = f"the Dask scheduler is lost; {SAFE}"
+_INSTALL = f"install the same version in both places and restart the workers; {SAFE}"
 PATIENCE = 30.0
 """Time to wait for a scheduler, and for workers if there are none [s]."""
 
@@ -57,12 +61,14 @@ _WORD = 10.0  # [s] without a worker, after which the user is told
 _ATTEMPTS = 3  # to reach a worker, which may be killed meanwhile
 _START = 120.0  # [s] that the workers may take to start
 _END = 60.0  # [s] that the cluster may take to end, after which its processes are killed
+_ANSWER = 10.0  # [s] that a worker may take to tell its versions
 _LIGHT = 8000  # bytes, of which a scheduler has room for as many as there are tasks
 _COPIED = 1.0  # [s] to wait until each worker has a copy of the shared content
+_asked: WeakKeyDictionary[Client, dict[str, Versions | None]] = WeakKeyDictionary()
 
 
 class ExecutionError(TriboError):
-    """A cluster that does not start, or is lost."""
+    """A cluster that does not start, is lost, or runs other code."""
 
 
 @contextmanager
@@ -206,7 +212,8 @@ def threads_of(
     Raises
     ------
     ExecutionError
-        If the scheduler is lost or does not answer, or no worker comes back.
+        If the scheduler is lost or does not answer, no worker comes back, or a worker that has
+        joined runs other code.
     """
     end = time.monotonic() + patience
     word = min(_WORD, patience / 2)
@@ -216,6 +223,7 @@ def threads_of(
         if client.cluster is not None:
             _replace_lost(client.cluster)
         if threads:
+            _ask(client, threads, tell)
             return threads
         left = end - time.monotonic()
         if left < 0:
@@ -237,6 +245,56 @@ def _replace_lost(cluster: LocalCluster) -> None:
         del cluster.workers[name]
     if lost:
         cluster.scale(len(cluster.worker_spec))
+
+
+def worker_versions(client: Client) -> dict[str, Versions]:
+    """Versions of each worker that a client has had, by its address."""
+    return {worker: theirs for worker, theirs in _asked.get(client, {}).items() if theirs}
+
+
+def _ask(
+    client: Client, workers: Collection[str], tell: Callable[[str], None] | None = None
+) -> None:
+    """Ask workers that have joined for their versions, once; refuse those with other code."""
+    asked = _asked.setdefault(client, {})
+    if not (new := [worker for worker in workers if worker not in asked]):
+        return
+    asked.update(dict.fromkeys(new))
+    answers: dict[str, Any] = {}
+    with _losses_told(), suppress(TimeoutError):  # of one that is frozen, results are refused
+        answers = client.sync(
+            client.run, versions, workers=new, on_error="return", callback_timeout=_ANSWER
+        )
+    differences = {other_packages(theirs) for theirs in asked.values() if theirs}
+    for worker, answer in answers.items():
+        if isinstance(answer, OSError):  # it has died meanwhile
+            continue
+        if isinstance(answer, Exception):
+            raise ExecutionError(
+                f"the Dask worker {worker} cannot run this program: {answer}; {_INSTALL}"
+            )
+        require_same_code(answer, worker)
+        asked[worker] = answer
+        difference = other_packages(answer)
+        if tell and difference and difference not in differences:
+            tell(f"the Dask worker {worker} has {difference}: last digits may differ there")
+        differences.add(difference)
+
+
+def require_same_code(theirs: Versions, worker: str) -> None:
+    """Refuse a worker with other code than this process.
+
+    Raises
+    ------
+    ExecutionError
+        If the code differs.
+    """
+    if theirs["code"] != (ours := versions())["code"]:
+        raise ExecutionError(
+            f"the Dask worker {worker} runs code {theirs['code']} of tribo and pipeline from "
+            f"{theirs['folder']}, and this program code {ours['code']} from {ours['folder']}; "
+            f"{_INSTALL}"
+        )
 
 
 def is_processed(client: Client, keys: Collection[str], patience: float) -> bool:
