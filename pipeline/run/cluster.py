@@ -298,7 +298,7 @@ def require_same_code(theirs: Versions, worker: str) -> None:
 
 
 def is_processed(client: Client, keys: Collection[str], patience: float) -> bool:
-    """Whether a live worker has been given any of these tasks.
+    """Presence of any of these tasks on a live worker.
 
     Raises
     ------

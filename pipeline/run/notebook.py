@@ -1,4 +1,4 @@
-"""The progress of a run in a notebook, where nobody asked for another report of it."""
+"""Progress bar of a run in a notebook, unless another report of it is asked for."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from pipeline.sweep.stages import duration
 
 
 def in_notebook() -> bool:
-    """Whether this is a kernel of Jupyter."""
+    """Presence of a Jupyter kernel."""
     return "ipykernel" in sys.modules
 
 
@@ -19,7 +19,7 @@ def in_notebook() -> bool:
 def reported(
     progress: Callable[[Any], None] | None,
 ) -> Iterator[Callable[[Any], None] | None]:
-    """Give the callable that was given; in a notebook without one, a bar below the cell."""
+    """The callable itself; in a notebook without one, a progress bar below the cell."""
     if progress is not None or not in_notebook():
         yield progress
         return
