@@ -32,6 +32,7 @@ from tribo import TriboError
 SAFE = "finished points are safe, run the sweep again to go on"
 LOST = f"the Dask scheduler is lost; {SAFE}"
 _INSTALL = f"install the same version in both places and restart the workers; {SAFE}"
+_UNSTARTED = "the worker processes do not start"
 PATIENCE = 30.0
 """Time to wait for a scheduler, and for workers if there are none [s]."""
 
@@ -58,7 +59,7 @@ _LOCAL: dict[str, object] = {
 }
 _THREADS = 2  # of a worker: while one waits, the other computes
 _WORD = 10.0  # [s] without a worker, after which the user is told
-_ATTEMPTS = 3  # to reach a worker, which may be killed meanwhile
+_ATTEMPTS = 3  # to start workers, or to reach one, which may be killed meanwhile
 _START = 120.0  # [s] that the workers may take to start
 _END = 60.0  # [s] that the cluster may take to end, after which its processes are killed
 _ANSWER = 10.0  # [s] that a worker may take to tell its versions
@@ -114,24 +115,7 @@ def _client_of(scheduler: str, patience: float) -> Client:
 def _local_cluster(workers: int) -> Iterator[LocalCluster]:
     forkserver.start()
     with interrupts_put_off():
-        try:
-            cluster = LocalCluster(
-                n_workers=workers,
-                threads_per_worker=_THREADS,
-                security=Security.temporary(),
-                death_timeout=_START,
-                dashboard_address="127.0.0.1:0",  # a free port, for the little that is served
-                scheduler_kwargs={"dashboard": False},
-                silence_logs=logging.CRITICAL,
-            )
-        except (OSError, RuntimeError, AssertionError) as error:
-            is_late = isinstance(error, TimeoutError | AssertionError)  # the latter in Dask's end
-            reason = f"none has after {_START:g} s" if is_late else error
-            raise ExecutionError(
-                f"the worker processes do not start: {reason}; "
-                "memory, threads or processes may be limited (ulimit -a): take fewer workers; "
-                + UNGUARDED
-            ) from None
+        cluster = _started(workers)
     try:
         yield cluster
     finally:
@@ -141,6 +125,28 @@ def _local_cluster(workers: int) -> Iterator[LocalCluster]:
             except (OSError, AssertionError):  # not in time, or a worker was just starting
                 for process in multiprocessing.active_children():
                     process.kill()  # or Python would wait for them in the end
+
+
+def _started(workers: int, attempts: int = _ATTEMPTS) -> LocalCluster:
+    try:
+        return LocalCluster(
+            n_workers=workers,
+            threads_per_worker=_THREADS,
+            security=Security.temporary(),
+            death_timeout=_START,
+            dashboard_address="127.0.0.1:0",  # a free port, for the little that is served
+            scheduler_kwargs={"dashboard": False},
+            silence_logs=logging.CRITICAL,
+        )
+    except (TimeoutError, AssertionError):  # the latter if a process has not even begun
+        raise ExecutionError(f"{_UNSTARTED}: none has after {_START:g} s") from None
+    except (OSError, RuntimeError) as error:
+        if attempts > 1:  # one that is killed as it starts fails all of them
+            return _started(workers, attempts - 1)
+        raise ExecutionError(
+            f"{_UNSTARTED}: {error}; memory, threads or processes may be limited (ulimit -a): "
+            f"take fewer workers; {UNGUARDED}"
+        ) from None
 
 
 def dashboard_of(client: Client, patience: float) -> str | None:
