@@ -235,6 +235,19 @@ def test_workers_that_do_not_start_are_an_error_and_not_waited_for(monkeypatch):
         server.resume()
 
 
+def test_workers_start_although_one_of_them_is_killed_meanwhile(monkeypatch):
+    outcomes = iter([RuntimeError("Nanny failed to start worker process"), None])
+
+    def start(**options):
+        if error := next(outcomes):
+            raise error
+        return LocalCluster(**options)
+
+    monkeypatch.setattr(cluster_module, "LocalCluster", start)
+    with connected(workers=1, scheduler=None, patience=30.0) as client:
+        assert len(client.nthreads()) == 1
+
+
 def test_the_recipe_for_batch_systems_runs(tmp_path, alone):
     """With the jobs of dask-jobqueue's local cluster, which are processes on this machine."""
     (tmp_path / "small.toml").write_text(SCENE)
