@@ -1,6 +1,8 @@
 """The process that workers are forked from: it imports once the modules that all of them need.
 
-Started before the cluster, it imports at the same time as the driver.
+Started before the cluster, it imports at the same time as the driver. The boundary of first_try at
+`standard` takes 2.4 s so (least of 9 runs in turns), 3.4 s if it is started with the cluster, and
+4.4 s without it, by Dask's own method `spawn`.
 """
 
 from __future__ import annotations
