@@ -51,7 +51,7 @@ _LOCAL: dict[str, object] = {
     "distributed.worker.http.routes": [],
     "distributed.nanny.http.routes": [],
     # Dask gives up a worker that is away at this time after a death, although its nanny may just
-    # be starting it again.
+    # be starting it again: with its 15 s, sweeps with deadly points ended without any worker.
     "distributed.deploy.lost-worker-timeout": "1000 days",
     # Dask would take heavy shared content from all workers but one: 24 tasks of 0.3 s then took
     # 3.0 s in place of 2.4.
