@@ -33,11 +33,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")  # rather than to fail in ASCII
-    options = parse(arguments)
-    if (reason := _too_little_memory()) is not None:
-        print(f"irg: {reason}", file=sys.stderr)
-        return WRONG_USE
-    return _carried_out(options)
+    try:
+        options = parse(arguments)
+        if (reason := _too_little_memory()) is not None:
+            print(f"irg: {reason}", file=sys.stderr)
+            return WRONG_USE
+        return _carried_out(options)
+    except KeyboardInterrupt:  # before a command began
+        return INTERRUPTED
 
 
 def _carried_out(options: argparse.Namespace) -> int:

@@ -26,6 +26,7 @@ from pipeline.run.cluster import (
     ExecutionError,
     gathered,
     is_processed,
+    require_same_code,
     share,
     threads_of,
     wait_for_any,
@@ -222,9 +223,11 @@ class _Run:
         if died or error:
             self._recover(task, error)
             return True
-        content = gathered(task.records, self._patience)
-        if content is None:
+        result = gathered(task.records, self._patience)
+        if result is None:
             return False  # lost on the way; Dask computes it again
+        theirs, content = result
+        require_same_code(theirs, f"that computed {task.points[0]}")
         records: tuple[PointRecord, ...] = pickle.loads(content)
         self._settle(records)
         if left := task.points[len(records) :]:

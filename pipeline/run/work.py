@@ -14,17 +14,13 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
+from pipeline.run.versions import Versions, versions
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import PointRecord, Trunk, run_point
 
 # Buffers of the transforms are shared within a process. The second thread computes while the
 # results of the first are on their way.
 _one_at_a_time = threading.Lock()
-
-
-def same(content: bytes) -> bytes:
-    """Return the argument, as the result of a task."""
-    return content
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,9 +89,9 @@ def compute_points(
     return Stretch(tuple(records), trunk, ramp)
 
 
-def records_of(stretch: Stretch) -> bytes:
-    """Pickled records of a task, which the driver gathers without its trunk."""
-    return pickle.dumps(stretch.records)
+def records_of(stretch: Stretch) -> tuple[Versions, bytes]:
+    """Pickled records of a task, without its trunk, and the versions that computed them."""
+    return versions(), pickle.dumps(stretch.records)
 
 
 @functools.lru_cache(maxsize=1)

@@ -1,6 +1,5 @@
 """Sweeps on clusters that others run (pipeline/run/cluster.py)."""
 
-import inspect
 import json
 import os
 import signal
@@ -8,24 +7,23 @@ import socket
 import subprocess
 import sys
 import time
-from contextlib import ExitStack, suppress
+import urllib.error
+import urllib.request
+from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
-import distributed
+import dask
 import psutil
 import pytest
-from distributed import Client, LocalCluster
-from distributed.nanny import WorkerProcess
+from distributed import Client, LocalCluster, Security
 from distributed.scheduler import KilledWorker
-from packaging.version import Version
 
 from pipeline.cli import main
 from pipeline.run import cluster as cluster_module
 from pipeline.run import forkserver, work
 from pipeline.run.cluster import connected, share, threads_of
-from pipeline.run.forkserver import METHOD
 from pipeline.run.schedule import compute
 from pipeline.run.sweep import ExecutionError, run_sweep
 from pipeline.store import Store, prepare, summary
@@ -36,6 +34,7 @@ from tests.pipeline.run.test_sweep import content
 
 ROOT = Path(__file__).parents[3]
 SWEEP = tiny.full()
+SHORT = tiny.sweep(velocities=(1.0,))
 SLOW = tiny.sweep(
     loading=tiny.SlowRamp(150.0, 750.0), velocities=tuple(0.5 + 0.1 * n for n in range(12))
 )
@@ -44,8 +43,9 @@ SLOW = tiny.sweep(
 class Cluster:
     """A scheduler and two workers, each a command of Dask's in a process of its own."""
 
-    def __init__(self, folder, protocol="tcp", settings=(), security=None):
+    def __init__(self, folder, protocol="tcp", settings=(), security=None, code=ROOT):
         self._stack, file = ExitStack(), folder / "scheduler.json"
+        self._code = os.fspath(code)
         self._protocol, self._settings = protocol, dict(settings)
         self.scheduler = self._start("scheduler", "--port=0", f"--scheduler-file={file}")
         self.workers = [  # one of them with threads that may not compute at the same time
@@ -64,7 +64,8 @@ class Cluster:
         command = [sys.executable, "-m", f"distributed.cli.dask_{role}", "--host=127.0.0.1"]
         process = subprocess.Popen(
             [*command, f"--protocol={self._protocol}", "--dashboard-address=127.0.0.1:0", *options],
-            env={**os.environ, **self._settings, "PYTHONPATH": str(ROOT)},
+            env={**os.environ, **self._settings, "PYTHONPATH": self._code},
+            cwd=self._code,
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
         )
@@ -196,10 +197,6 @@ def test_all_workers_compute_from_the_beginning(tmp_path):
     assert list(begun.values()) == [1, 1]
 
 
-def test_dask_still_looks_for_its_workers_as_often_as_it_is_told_here():
-    assert "sleep(self._init_msg_interval)" in inspect.getsource(WorkerProcess)
-
-
 @pytest.mark.parametrize(
     "error", [TimeoutError(), AssertionError("can only join a started process")]
 )
@@ -221,22 +218,16 @@ def test_a_worker_that_its_nanny_gives_up_is_replaced():
         assert threads_of(client, patience=30.0).total() > 0
 
 
-@pytest.mark.skipif(METHOD != "forkserver", reason="workers are not forked here")
-@pytest.mark.skipif(
-    Version(distributed.__version__) < Version("2026.8"),
-    reason="older versions of distributed wait without end for a process that was never forked",
-)
 def test_workers_that_do_not_start_are_an_error_and_not_waited_for(monkeypatch):
     forkserver.start()
-    monkeypatch.setattr(forkserver, "wake", lambda: None)
     monkeypatch.setattr(cluster_module, "_START", 0.5)
     (server,) = (
-        each for each in psutil.Process().children() if "forkserver" in str(each.cmdline())
+        child for child in psutil.Process().children() if "forkserver" in str(child.cmdline())
     )
     server.suspend()
     try:
         with (
-            pytest.raises(ExecutionError, match="do not start: there is none after"),
+            pytest.raises(ExecutionError, match=r"do not start: none has after 0\.5 s"),
             connected(workers=1, scheduler=None, patience=30.0),
         ):
             pass
@@ -244,28 +235,17 @@ def test_workers_that_do_not_start_are_an_error_and_not_waited_for(monkeypatch):
         server.resume()
 
 
-@pytest.mark.skipif(METHOD != "forkserver", reason="workers are not forked here")
-def test_workers_that_do_not_end_are_killed(monkeypatch):
-    forkserver.start()
-    wake, calls = forkserver.wake, []
+def test_workers_start_although_one_of_them_is_killed_meanwhile(monkeypatch):
+    outcomes = iter([RuntimeError("Nanny failed to start worker process"), None])
 
-    def second_call_only():
-        calls.append(1)
-        if len(calls) > 1:
-            wake()
+    def start(**options):
+        if error := next(outcomes):
+            raise error
+        return LocalCluster(**options)
 
-    (server,) = (
-        each for each in psutil.Process().children() if "forkserver" in str(each.cmdline())
-    )
-    monkeypatch.setattr(cluster_module, "_END", 1.0)
+    monkeypatch.setattr(cluster_module, "LocalCluster", start)
     with connected(workers=1, scheduler=None, patience=30.0) as client:
-        (worker,) = client.run(os.getpid).values()
-        monkeypatch.setattr(forkserver, "wake", second_call_only)
-        server.suspend()
-    assert len(calls) == 2
-    with suppress(psutil.NoSuchProcess):
-        psutil.Process(worker).wait(10)
-    assert not psutil.pid_exists(worker)
+        assert len(client.nthreads()) == 1
 
 
 def test_the_recipe_for_batch_systems_runs(tmp_path, alone):
@@ -295,3 +275,40 @@ def test_where_no_scheduler_answers_no_store_is_made(tmp_path):
         with pytest.raises(ExecutionError, match=f"no Dask scheduler answers at {address}"):
             run_sweep(SWEEP, tmp_path / "out.zarr", scheduler=address, patience=1.0)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_local_cluster_talks_to_its_own_driver_only():
+    with connected(1, None, 30.0) as client:
+        address = client.scheduler.address
+        info = client.scheduler_info(n_workers=-1)
+        (worker,) = info["workers"].items()
+        for end in (address, worker[0], worker[1]["nanny"]):
+            assert end.startswith("tls://127.0.0.1:")
+        with pytest.raises(OSError, match="certificate does not match"):
+            Client(address, security=Security.temporary(), set_as_default=False, timeout=5)
+        for services in (info["services"], worker[1]["services"]):
+            for page in ("json/identity.json", "api/v1/retire_workers", "metrics"):
+                with pytest.raises(urllib.error.HTTPError, match="404"):
+                    urllib.request.urlopen(f"http://127.0.0.1:{services['dashboard']}/{page}")
+
+
+def test_a_scheduler_with_certificates_is_used_by_whoever_has_them(tmp_path):
+    security, tls = Security.temporary(), "distributed.comm.tls"
+    for name in ("ca_file", "client_cert", "client_key"):
+        (tmp_path / name).write_text(getattr(security, f"tls_{name}"))
+    configured = {f"{tls}.ca-file": str(tmp_path / "ca_file")}
+    for role in ("client", "scheduler", "worker"):
+        configured[f"{tls}.{role}.cert"] = str(tmp_path / "client_cert")
+        configured[f"{tls}.{role}.key"] = str(tmp_path / "client_key")
+    variables = {
+        f"DASK_{key}".replace(".", "__").replace("-", "_").upper(): file
+        for key, file in configured.items()
+    }
+    cluster = Cluster(tmp_path, "tls", variables, security)
+    try:
+        with pytest.raises(ExecutionError, match=r"needs certificates: .* distributed\.comm\.tls"):
+            run_sweep(SHORT, tmp_path / "out.zarr", scheduler=cluster.address)
+        with dask.config.set(configured):
+            assert run_sweep(SHORT, tmp_path / "out.zarr", scheduler=cluster.address).done == 3
+    finally:
+        cluster.close()
