@@ -8,7 +8,7 @@ import pytest
 from pipeline.run.cluster import ExecutionError, threads_of, worker_versions
 from pipeline.run.sweep import run_sweep
 from pipeline.run.versions import hash_of_code, versions
-from pipeline.store import summary
+from pipeline.store.progress import summary
 from tests.helpers import tiny
 from tests.pipeline.run.test_cluster import ROOT, Cluster
 
