@@ -30,6 +30,7 @@ from pipeline.store.place import (
     place_of,
     unwritable,
 )
+from pipeline.store.points import Places
 from pipeline.store.root import Root, read_root, root_document
 from pipeline.store.schema import (
     Variable,
@@ -96,7 +97,7 @@ def grown(place: Folder | Bucket, sweep: Sweep, lock: Lock | None) -> Store:
     attributes = with_present_versions(attributes)
     if attributes != root.attributes:
         try:
-            root = _rewritten(place, root, attributes, sweep, lock)
+            root = _rewritten(place, root, attributes, sweep)
         except OSError as error:
             raise unwritable(place, error) from error
     store = Store(place, root, lock)
@@ -105,15 +106,14 @@ def grown(place: Folder | Bucket, sweep: Sweep, lock: Lock | None) -> Store:
 
 
 def _rewritten(
-    place: Folder | Bucket, root: Root, attributes: dict[str, Any], sweep: Sweep, lock: Lock | None
+    place: Folder | Bucket, root: Root, attributes: dict[str, Any], sweep: Sweep
 ) -> Root:
     """Give a store other attributes and longer axes: the arrays first, then the root."""
     contents = _documents(attributes, sweep, "pressure" in root.arrays)
     arrays = metadata_of(contents)
     place.put({key: new for key, new in contents.items() if new != place.read(key)})
-    before, after = len(root.axes["step"]), len(attributes["axes"]["step"])
-    if after > before:
-        fill_new_steps(Store(place, Root(attributes, arrays), lock), before, place.names)
+    if len(attributes["axes"]["step"]) > len(root.axes["step"]):
+        fill_new_steps(place, Places(Root(attributes, arrays)))
     place.put({ROOT: root_document(attributes, arrays)})
     return read_root(place)
 

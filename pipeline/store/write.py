@@ -7,7 +7,7 @@ never move, so a reader sees each point either as it was or as it is.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import replace
@@ -256,30 +256,30 @@ class Store(Places):
                 yield chunk, block
 
 
-def fill_new_steps(store: Store, before: int, names: Callable[[str], set[str]]) -> None:
+def fill_new_steps(place: Folder | Bucket, points: Places) -> None:
     """Write empty chunks for the steps that a store was given, where it has points already.
+
+    So a done point has all its chunks, and one that is missing was lost.
 
     Parameters
     ----------
-    store : Store
-        Store with more steps than before.
-    before : int
-        Number of its steps before.
-    names : callable
-        Gives the names of the chunks of a variable.
+    place : Folder or Bucket
+    points : Places
+        Its points, with metadata that the arrays have, but not yet the root.
     """
-    for name in sorted(set(STEPPED) & set(store.arrays)):
-        array, sizes = store.arrays[name], chunks_of(store.metadata[name])
-        first = -(-before // sizes[store.ndim])
-        if first * sizes[store.ndim] >= array.shape[store.ndim]:
-            continue
-        present = {tuple(each) for each in _places(names(name), store.ndim)}
-        for chunk in present:
-            array[(*store.block(chunk, sizes), slice(first * sizes[store.ndim], None))] = np.nan
+    with zarr.config.set({"array.write_empty_chunks": True}):
+        group = zarr.open_group(place.zarr(read_only=False), mode="r+", use_consolidated=False)
+        for name in sorted(set(STEPPED) & set(points.metadata)):
+            array, sizes = group[name], chunks_of(points.metadata[name])
+            names = place.names(name)
+            for chunk in {_numbers(key)[: points.ndim] for key in names if key.startswith("c.")}:
+                for step in range(sizes[points.ndim], array.shape[points.ndim], sizes[points.ndim]):
+                    numbers = (*chunk, step // sizes[points.ndim])
+                    tail = (0,) * (len(sizes) - len(numbers))
+                    if ".".join(map(str, ("c", *numbers, *tail))) not in names:
+                        steps = slice(step, step + sizes[points.ndim])
+                        array[(*points.block(chunk, sizes), steps)] = np.nan
 
 
-def _places(names: Iterable[str], ndim: int) -> Iterable[Sequence[int]]:
-    for name in names:
-        first, *numbers = name.split(".")
-        if first == "c" and all(each.isdecimal() for each in numbers):
-            yield [int(each) for each in numbers[:ndim]]
+def _numbers(key: str) -> tuple[int, ...]:
+    return tuple(map(int, key.split(".")[1:]))
