@@ -26,6 +26,7 @@ from pipeline.store.place import (
     Bucket,
     Folder,
     PathLike,
+    StoreError,
     StoreMismatchError,
     place_of,
     unwritable,
@@ -139,6 +140,10 @@ def _created(place: Folder | Bucket, sweep: Sweep, stack: ExitStack) -> Lock | N
         place.put(root)
         return None
     partial = Folder(place.path.with_name(place.path.name + PARTIAL))
+    if not partial.is_unfinished():
+        raise StoreError(
+            f"{partial} is no store that was being made; move it, or write to another store"
+        )
     with ExitStack() as creation:
         lock = creation.enter_context(held(partial))
         if lock is None or not lock.is_in_place(partial.path / LOCK) or place.exists():

@@ -12,7 +12,6 @@ import hashlib
 import os
 import re
 import socket
-import stat
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -109,10 +108,10 @@ def holder_of(place: Folder | Bucket) -> str | None:
 @contextmanager
 def _locked(file: Path, store: str) -> Iterator[Lock]:
     file.parent.mkdir(parents=True, exist_ok=True)
+    if os.path.lexists(file) and (file.is_symlink() or not file.is_file()):
+        raise OSError(f"{file} is not a file; delete it")
     descriptor = os.open(file, os.O_RDWR | os.O_CREAT | _AS_IT_IS, 0o644)
     try:
-        if not stat.S_ISREG(os.fstat(descriptor).st_mode):
-            raise OSError(f"{file} is not a file; delete it")
         try:
             fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:

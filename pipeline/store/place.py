@@ -126,14 +126,23 @@ class Folder:
         """Names of the files in the folder of an array."""
         try:
             with os.scandir(self.path / name) as entries:
-                return {entry.name for entry in entries}
+                return {entry.name for entry in entries if entry.is_file()}
         except FileNotFoundError:
             return set()
+
+    def is_unfinished(self) -> bool:
+        """Return whether a creation that was cut short left the folder, if there is one."""
+        if not os.path.lexists(self.path):
+            return True
+        if self.path.is_symlink() or not self.path.is_dir():
+            return False
+        only_begun = {entry.name for entry in self.path.iterdir()} <= {Path(LOCK).parts[0]}
+        return only_begun or (self.path / LOCK).is_file()
 
     def clear(self) -> None:
         """Remove all but the lock."""
         for entry in self.path.iterdir():
-            if entry.is_dir() and entry.name != Path(LOCK).parent.name:
+            if entry.is_dir() and entry.name != Path(LOCK).parts[0]:
                 shutil.rmtree(entry)
             elif not entry.is_dir():
                 entry.unlink()

@@ -49,6 +49,8 @@ def open_store(path: PathLike) -> xr.Dataset:
         ds["asked"].load()
     except (*UNREADABLE, KeyError, TypeError) as error:
         raise StoreError(DAMAGED.format(place, "status")) from error
+    if ds.attrs["axes"] != root.axes:
+        return open_store(path)  # it has grown in between
     for name in ds.coords:
         if ds[name].values.tolist() != root.axes.get(str(name)):
             raise StoreError(DAMAGED.format(place, f"the axis {name}"))

@@ -1,7 +1,6 @@
 """The root of a store: its attributes and the metadata of all its arrays, replaced at one stroke.
 
-A hash over conditions, axes and metadata, which decide what is read from the store, tells whether
-it is what was written.
+A hash over the whole document tells whether it is what was written.
 """
 
 from __future__ import annotations
@@ -51,18 +50,19 @@ def read_root(place: Place) -> Root:
     try:
         root = json.loads(content)
         attributes, arrays = root["attributes"], root[_CONSOLIDATED]["metadata"]
-        version = attributes["format"]
+        version, expected = attributes["format"], attributes.pop(_HASH, None)
+        is_as_written = _hash(root) == expected
     except (ValueError, KeyError, TypeError, RecursionError):
         raise StoreError(
             f"{place} is not the store of a sweep, or its {ROOT} is damaged; give a folder that "
             f"irg run made, or {_ELSEWHERE}"
         ) from None
-    if version != FORMAT:
+    if isinstance(version, int) and version != FORMAT:
         raise StoreError(
-            f"{place} has format {str(version)[:20]}, and this program reads format {FORMAT}; "
+            f"{place} has format {version}, and this program reads format {FORMAT}; "
             "compute it again, or use the version that made it"
         )
-    if not (isinstance(attributes, dict) and attributes.pop(_HASH, 0) == _hash(attributes, arrays)):
+    if not is_as_written:
         raise StoreError(f"{place}: {ROOT} is damaged: it is not what was written; {_ELSEWHERE}")
     return Root(attributes, arrays)
 
@@ -76,9 +76,10 @@ def root_document(attributes: Mapping[str, Any], arrays: Mapping[str, Any]) -> b
     document = {
         "zarr_format": 3,
         "node_type": "group",
-        "attributes": {**attributes, _HASH: _hash(attributes, arrays)},
+        "attributes": attributes,
         _CONSOLIDATED: {"kind": "inline", "must_understand": False, "metadata": arrays},
     }
+    document["attributes"] = {**attributes, _HASH: _hash(document)}
     return json.dumps(document, allow_nan=False).encode()
 
 
@@ -94,8 +95,8 @@ def read_attributes(path: PathLike) -> dict[str, Any] | None:
     return read_root(place).attributes if place.exists() else None
 
 
-def _hash(attributes: Mapping[str, Any], arrays: Any) -> str:
-    return hashlib.sha256(json.dumps([attributes, arrays], sort_keys=True).encode()).hexdigest()
+def _hash(document: Mapping[str, Any]) -> str:
+    return hashlib.sha256(json.dumps(document, sort_keys=True).encode()).hexdigest()
 
 
 def _nothing_at(place: Place) -> StoreError:

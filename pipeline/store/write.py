@@ -11,11 +11,12 @@ from collections.abc import Iterable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import replace
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 import zarr
 from numpy.typing import NDArray
+from zarr.storage import StorePath
 
 from pipeline.store.identity import checksum, record_checksum
 from pipeline.store.lock import Lock
@@ -81,13 +82,7 @@ class Store(Places):
         super().__init__(root)
         self.place, self.lock = place, lock
         is_written = lock is not None or isinstance(place, Bucket)
-        self._threads = ThreadPoolExecutor(_THREADS)
-        # An array takes this from the time when it is opened. A chunk of nothing but fill values
-        # that is not written looks like one that was lost.
-        with zarr.config.set({"array.write_empty_chunks": True}):
-            mode: Literal["r", "r+"] = "r+" if is_written else "r"
-            group = zarr.open_group(place.zarr(read_only=not is_written), mode=mode)
-            self.arrays: dict[str, Any] = dict(group.arrays())
+        self.arrays = arrays_of(place, root.arrays, read_only=not is_written)
         self.flags = self._whole("status", is_damaged)
         self.asked = self._whole("asked", is_damaged)
 
@@ -170,7 +165,9 @@ class Store(Places):
 
     def _values(self, record: PointRecord) -> dict[str, Any]:
         """All that is stored of a point by name, its status included."""
-        record = replace(record, message=record.message[:_LONGEST])
+        # Names of files in a message may be no text.
+        message = record.message[:_LONGEST].encode(errors="backslashreplace").decode()
+        record = replace(record, message=message)
         about = {name: getattr(record, name) for name in ABOUT}
         about["record_checksum"] = record_checksum(record)
         if record.data is None:
@@ -192,7 +189,8 @@ class Store(Places):
                 chunk = tuple(i // n for i, n in zip(index, sizes, strict=True))
                 jobs.setdefault((name, chunk), {})[index] = value
         try:
-            list(self._threads.map(lambda job: self._put(job[0], job[1], jobs[job]), jobs))
+            with ThreadPoolExecutor(_THREADS) as threads:  # which ends when all have
+                list(threads.map(lambda job: self._put(*job, jobs[job]), jobs))
         except OSError as error:
             raise StoreError(
                 f"{self.place} cannot be written: {error.strerror or error}; what is finished is "
@@ -256,6 +254,20 @@ class Store(Places):
                 yield chunk, block
 
 
+def arrays_of(
+    place: Folder | Bucket, metadata: Mapping[str, Any], read_only: bool = False
+) -> dict[str, Any]:
+    """Open the arrays of a store by the metadata of its root, which may have changed since."""
+    store = place.zarr(read_only)
+    # An array takes this from the time when it is opened. A chunk of nothing but fill values that
+    # is not written looks like one that was lost.
+    with zarr.config.set({"array.write_empty_chunks": True}):
+        return {
+            name: zarr.Array.from_dict(StorePath(store, name), array)
+            for name, array in metadata.items()
+        }
+
+
 def fill_new_steps(place: Folder | Bucket, points: Places) -> None:
     """Write empty chunks for the steps that a store was given, where it has points already.
 
@@ -267,19 +279,17 @@ def fill_new_steps(place: Folder | Bucket, points: Places) -> None:
     points : Places
         Its points, with metadata that the arrays have, but not yet the root.
     """
-    with zarr.config.set({"array.write_empty_chunks": True}):
-        group = zarr.open_group(place.zarr(read_only=False), mode="r+", use_consolidated=False)
-        arrays: dict[str, Any] = dict(group.arrays())
-        for name in sorted(set(STEPPED) & set(points.metadata)):
-            array, sizes = arrays[name], chunks_of(points.metadata[name])
-            names = place.names(name)
-            for chunk in {_numbers(key)[: points.ndim] for key in names if key.startswith("c.")}:
-                for step in range(sizes[points.ndim], array.shape[points.ndim], sizes[points.ndim]):
-                    numbers = (*chunk, step // sizes[points.ndim])
-                    tail = (0,) * (len(sizes) - len(numbers))
-                    if ".".join(map(str, ("c", *numbers, *tail))) not in names:
-                        steps = slice(step, step + sizes[points.ndim])
-                        array[(*points.block(chunk, sizes), steps)] = np.nan
+    for name, array in arrays_of(place, points.metadata).items():
+        if name not in STEPPED:
+            continue
+        sizes, names = chunks_of(points.metadata[name]), place.names(name)
+        for chunk in {_numbers(key)[: points.ndim] for key in names if key.startswith("c.")}:
+            for step in range(sizes[points.ndim], array.shape[points.ndim], sizes[points.ndim]):
+                numbers = (*chunk, step // sizes[points.ndim])
+                tail = (0,) * (len(sizes) - len(numbers))
+                if ".".join(map(str, ("c", *numbers, *tail))) not in names:
+                    steps = slice(step, step + sizes[points.ndim])
+                    array[(*points.block(chunk, sizes), steps)] = np.nan
 
 
 def _numbers(key: str) -> tuple[int, ...]:
