@@ -38,11 +38,8 @@ def open_store(path: PathLike) -> xr.Dataset:
         If there is no readable store, or done points lack chunks.
     """
     place = place_of(path)
-    root = read_root(place)
     try:
-        ds = xr.open_zarr(
-            place.zarr(read_only=True), chunks=None, consolidated=True, decode_cf=False
-        )
+        root, ds = _opened(place)
         ds = ds.set_coords([str(name) for name in ds.variables if is_coordinate(str(name))])
         flags: NDArray[np.int8] = ds["status"].values
         ds["asked"].load()
@@ -61,6 +58,17 @@ def open_store(path: PathLike) -> xr.Dataset:
             variables[name] = _where(ds[name].variable, mask, DAMAGED.format(place, name))
     opened: xr.Dataset = ds.assign(variables).assign_attrs(root.attributes)
     return opened
+
+
+def _opened(place: Place) -> tuple[Root, xr.Dataset]:
+    """Root of a store, and the dataset as of the same root, which a driver may replace."""
+    while True:
+        root = read_root(place)
+        ds = xr.open_zarr(
+            place.zarr(read_only=True), chunks=None, consolidated=True, decode_cf=False
+        )
+        if ds.attrs["axes"] == root.axes:
+            return root, ds
 
 
 def is_as_written(values: NDArray[Any], written: list[Any] | None) -> bool:

@@ -11,11 +11,12 @@ from collections.abc import Iterable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import replace
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 import zarr
 from numpy.typing import NDArray
+from zarr.storage import StorePath
 
 from pipeline.store.identity import checksum, record_checksum
 from pipeline.store.lock import Lock
@@ -82,12 +83,15 @@ class Store(Places):
         self.place, self.lock = place, lock
         is_written = lock is not None or isinstance(place, Bucket)
         self._threads = ThreadPoolExecutor(_THREADS)
+        files = place.zarr(read_only=not is_written)
         # An array takes this from the time when it is opened. A chunk of nothing but fill values
         # that is not written looks like one that was lost.
         with zarr.config.set({"array.write_empty_chunks": True}):
-            mode: Literal["r", "r+"] = "r+" if is_written else "r"
-            group = zarr.open_group(place.zarr(read_only=not is_written), mode=mode)
-            self.arrays: dict[str, Any] = dict(group.arrays())
+            # By this root, since a driver may have made the store longer meanwhile.
+            self.arrays: dict[str, Any] = {
+                name: zarr.Array.from_dict(StorePath(files, name), dict(metadata))
+                for name, metadata in self.metadata.items()
+            }
         self.flags = self._whole("status", is_damaged)
         self.asked = self._whole("asked", is_damaged)
 
