@@ -169,6 +169,7 @@ class Store(Places):
                 by_name.setdefault(name, {})[index] = value
         self._put_all(by_name)
         self._put_all({"status": flags})
+        self._require_lock()  # a driver that came meanwhile may have read the statuses before
         for index, flag in flags.items():
             self.flags[index] = flag
 

@@ -6,10 +6,11 @@ import pytest
 
 from pipeline.store import read, verify
 from pipeline.store.create import writing
-from pipeline.store.place import place_of
+from pipeline.store.place import LOCK, StoreError, place_of
 from pipeline.store.progress import summary
 from pipeline.store.root import read_root
 from pipeline.store.verify import verify_store
+from pipeline.store.write import Store
 from pipeline.sweep.plan import run_point
 from tests.helpers import tiny
 
@@ -52,3 +53,18 @@ def test_a_store_that_is_made_longer_meanwhile_is_verified_as_it_was(path, earli
 def test_and_counted_as_it_was(path, earlier, monkeypatch):
     monkeypatch.setattr("pipeline.store.progress.read_root", lambda place: earlier)
     assert (summary(path).total, summary(path).done) == (1, 1)
+
+
+def test_a_commit_during_which_the_lock_is_deleted_is_not_told_as_done(path, monkeypatch):
+    """Since another driver may have come, and read the statuses before."""
+    put = Store._put
+
+    def deleted(self, name, *arguments):
+        if name == "status":
+            (path / LOCK).unlink(missing_ok=True)
+        put(self, name, *arguments)
+
+    with writing(path, LONGER) as store:
+        monkeypatch.setattr(Store, "_put", deleted)
+        with pytest.raises(StoreError, match="was deleted or replaced"):
+            store.commit([run_point(LONGER, 600.0, 1.0).record(with_fields=True)])
