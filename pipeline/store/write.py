@@ -160,6 +160,7 @@ class Store(Places):
                 by_name.setdefault(name, {})[index] = value
         self._put_all(by_name)
         self._put_all({"status": flags})
+        self._require_lock()  # a driver that came meanwhile may have read the statuses before
         for index, flag in flags.items():
             self.flags[index] = flag
 
@@ -190,7 +191,7 @@ class Store(Places):
                 jobs.setdefault((name, chunk), {})[index] = value
         try:
             with ThreadPoolExecutor(_THREADS) as threads:  # which ends when all have
-                list(threads.map(lambda job: self._put(*job, jobs[job]), jobs))
+                list(threads.map(lambda job: self._put(job[0], job[1], jobs[job]), jobs))
         except OSError as error:
             raise StoreError(
                 f"{self.place} cannot be written: {error.strerror or error}; what is finished is "
