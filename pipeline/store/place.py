@@ -19,6 +19,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
+from pipeline.store.schema import is_coordinate
 from tribo import TriboError
 
 if TYPE_CHECKING:
@@ -170,8 +171,11 @@ class Bucket:
         return FsspecStore.from_url(self.address, read_only=read_only, storage_options=_OPTIONS)
 
     def exists(self) -> bool:
-        """Return whether there is a root, which is written last."""
-        return self.read(ROOT) is not None
+        """Return whether there is anything but the beginning of a store that has no point."""
+        return self.read(ROOT) is not None or any(
+            key != LOCK and not key.endswith(f"/{ROOT}") and not is_coordinate(key.split("/")[0])
+            for key in self._keys()
+        )
 
     def read(self, key: str) -> bytes | None:
         """Content of an object; None if there is none."""
@@ -213,6 +217,11 @@ class Bucket:
         with self._as_os_error():
             self._objects.rm_file(self._key(key))
 
+    def _keys(self) -> list[str]:
+        with self._as_os_error():
+            listed = self._objects.find(self._key(""))
+        return [address.removeprefix(self._key("")) for address in listed]
+
     def _key(self, key: str) -> str:
         return f"{self.address.removeprefix(SCHEME)}/{key}"
 
@@ -232,7 +241,7 @@ class Bucket:
             raise OSError(f"{self.address}: {error}") from error
 
 
-_OPTIONS = {"use_listings_cache": False, "skip_instance_cache": True}
+_OPTIONS = {"use_listings_cache": False}
 
 
 def place_of(path: PathLike) -> Folder | Bucket:

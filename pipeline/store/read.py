@@ -48,7 +48,7 @@ def open_store(path: PathLike) -> xr.Dataset:
         flags: NDArray[np.int8] = ds["status"].values
         ds["asked"].load()
     except (*UNREADABLE, KeyError, TypeError) as error:
-        raise StoreError(DAMAGED.format(place, "status")) from error
+        raise StoreError(DAMAGED.format(place, "its axes or statuses")) from error
     if ds.attrs["axes"] != root.axes:
         return open_store(path)  # it has grown in between
     for name in ds.coords:

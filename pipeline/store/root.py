@@ -101,7 +101,8 @@ def _hash(document: Mapping[str, Any]) -> str:
 
 def _nothing_at(place: Place) -> StoreError:
     """Error for a place without a root, by what there is instead."""
-    if not place.exists():
+    is_empty = isinstance(place, Folder) and place.path.is_dir()
+    if not place.exists() and not is_empty:
         return StoreError(f"{place} does not exist; give a store that irg run made")
     if place.names("status"):
         return StoreError(f"{place} has lost its {ROOT}; {_ELSEWHERE}")

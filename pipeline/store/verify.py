@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -117,139 +117,146 @@ def examined(
 ) -> Verification:
     """Read all of an open store; see `verify_store`."""
     shared = [*_shared_faults(store, repair)]
-    missing = missing_chunks(store.place, Root(store.attributes, store.metadata), store.flags)
-    asked_lost = missing.pop("asked", None) is not None or not store.is_readable("asked", ...)
-    if asked_lost:
-        shared.append("the points that the last run asked for are damaged")
-    total, count = int(np.count_nonzero(store.flags == DONE)), 0
-    blocks = []
-    unknown = _without_status(store)
-    for _, block in store.blocks((store.flags != PENDING) | unknown):
-        blocks.append(_examined_block(store, block, unknown[block], missing))
+    unknown = _on_disk(store, "checksum")
+    unknown &= ~_on_disk(store, "status") | store.unreadable["status"]
+    is_there = (store.flags != PENDING) | unknown
+    missing = missing_chunks(
+        store.place,
+        Root(store.attributes, store.metadata),
+        np.where(is_there, DONE, PENDING).astype(np.int8),
+    )
+    if "asked" in missing:
+        store.unreadable["asked"] |= missing["asked"]
+    for name, kind in (("status", "statuses"), ("asked", "points that the last run asked for")):
+        if store.unreadable[name].any():
+            shared.append(f"the {kind} are damaged")
+    total, count, examinations = int(np.count_nonzero(store.flags == DONE)), 0, []
+    for _, block in store.blocks(is_there | _on_disk(store, "message")):
+        gone = {name: mask[block] for name, mask in missing.items() if mask[block].any()}
+        examinations.append(_examined_block(store, block, unknown[block], gone))
         count += int(np.count_nonzero(store.flags[block] == DONE))
         if progress:
             progress(count, total)
+    damaged = [point for each in examinations for point in each.damaged]
+    done = total - sum(map(store.is_done, damaged))
     if repair:
-        for each in blocks:
+        for each in examinations:
             _repair(store, each)
-        if asked_lost:
-            store.ask((store.asked == 1) | (store.flags != PENDING))
-    damaged = _damages(each.damaged for each in blocks)
+        store.restore_flags()
+        done = int(np.count_nonzero(store.flags == DONE))
     return Verification(
-        done=total - len(damaged) + (sum(len(each.complete) for each in blocks) if repair else 0),
-        damaged=damaged,
-        records=_damages(each.records for each in blocks),
+        done=done,
+        damaged=_damages(each.damaged for each in examinations),
+        records=_damages(each.records for each in examinations),
         shared=tuple(shared),
-        without_status=tuple(point for each in blocks for point in each.complete),
+        without_status=tuple(point for each in examinations for point in each.complete),
         repaired=repair,
     )
 
 
 class _Examination(NamedTuple):
-    """Damage of points that share chunks, by their reasons; and points that lack their status."""
+    """Points that share chunks: their damage by its reason, and those that lack a status alone."""
 
+    block: Slices
+    lost: list[str]
     damaged: dict[Point, str]
     records: dict[Point, str]
+    restored: dict[Point, PointRecord]
     complete: list[Point]
-    about: dict[str, NDArray[Any]]
-    block: Slices
 
 
-def _without_status(store: Store) -> Mask:
-    """Points of chunks that are on the disk, while their statuses are missing or unreadable."""
-    written, flagged = store.place.names("checksum"), store.place.names("status")
+def _on_disk(store: Store, name: str) -> Mask:
+    """Points whose chunk of a small variable is on the disk."""
+    names = store.place.names(name)
     mask = np.zeros(store.shape, bool)
-    for chunk, block in store.blocks(np.ones(store.shape, bool)):
-        key = ".".join(map(str, ("c", *chunk)))
-        if key in written:
-            try:
-                store.read("status", block)
-                mask[block] = key not in flagged
-            except StoreError:
-                mask[block] = True
+    for chunk, block in store.blocks(~mask):
+        mask[block] = ".".join(map(str, ("c", *chunk))) in names
     return mask
 
 
 def _examined_block(
     store: Store, block: Slices, unknown: Mask, missing: Mapping[str, Mask]
 ) -> _Examination:
-    flags = store.flags[block]
     values: dict[str, NDArray[Any]] = {}
-    unreadable = []
-    for name in store.names:
-        if name not in AT_END and name not in ("status", "asked"):
-            try:
-                values[name] = store.read(name, block)
-            except StoreError:
-                unreadable.append(name)
-    about = {name: values[name] for name in (*ABOUT, "record_checksum") if name in values}
-    examination = _Examination({}, {}, [], about, block)
-    places = np.argwhere((flags != PENDING) | unknown)
+    lost = []
+    for name in set(store.names) - set(AT_END) - {"status", "asked"}:
+        try:
+            if name in missing:
+                raise StoreError
+            values[name] = store.read(name, block)
+        except StoreError:
+            lost.append(name)
+    examination = _Examination(block, lost, {}, {}, {}, [])
+    flags = np.where(unknown, DONE, store.flags[block])
+    places = np.argwhere(flags != PENDING)
     first = [part.start for part in block]
     for within, point in zip(places.tolist(), store.points_at((places + first).T), strict=True):
         index = tuple(within)
-        lacks = [name for name, mask in missing.items() if mask[block][index]]
-        flag = DONE if unknown[index] else flags[index]
-        record = _fault_of_record(point, index, values, unreadable, lacks)
-        data = (
-            _fault_of_data(store, point, index, values, unreadable, lacks) if flag == DONE else None
-        )
+        entries = {name: array[index] for name, array in values.items()}
+        gone = {name for name in AT_END if name in missing and missing[name][index]}
+        is_done = flags[index] == DONE
+        record, fault = _record(point, entries, is_done)
+        fault_of_data = _fault_of_data(store, point, entries, gone) if is_done else None
         if unknown[index]:
-            if not (data or record):
+            if not (fault or fault_of_data):
                 examination.complete.append(point)
-        elif data or record == _OTHER:
-            examination.damaged[point] = data or _OTHER
-        elif record:
-            examination.records[point] = record
+        elif fault_of_data or (fault and record is None):
+            examination.damaged[point] = fault_of_data or fault or ""
+        elif fault and record:
+            examination.records[point], examination.restored[point] = fault, record
     return examination
 
 
-def _fault_of_record(
-    point: Point,
-    index: tuple[int, ...],
-    values: Mapping[str, NDArray[Any]],
-    unreadable: list[str],
-    missing: list[str],
-) -> str | None:
-    names = (*ABOUT, "record_checksum")
-    if fault := _fault_of_chunks(
-        [n for n in names if n in unreadable], [n for n in names if n in missing]
-    ):
-        return fault
-    message, kinds, *times = (values[name][index] for name in ABOUT)
+def _record(
+    point: Point, entries: Mapping[str, Any], is_done: bool
+) -> tuple[PointRecord | None, str | None]:
+    """Record of a point, as far as it can be read or follows from the rest, and its fault."""
+    if fault := _unreadable(name for name in (*ABOUT, "record_checksum") if name not in entries):
+        return _restored(point, entries, is_done), fault
+    message, kinds, *times = (entries[name] for name in ABOUT)
     record = PointRecord(point, None, str(message), int(kinds), *map(float, times))
-    return None if values["record_checksum"][index] == record_checksum(record) else _OTHER
+    is_sound = entries["record_checksum"] == record_checksum(record)
+    return (record, None) if is_sound else (None, _OTHER)
+
+
+def _restored(point: Point, entries: Mapping[str, Any], is_done: bool) -> PointRecord | None:
+    message, kinds = entries.get("message"), int(entries.get("warning_flags", -1))
+    times = [float(entries.get(name, np.nan)) for name in ("wall_time", "finished_at")]
+    if kinds < 0 and message != "":
+        every = (
+            PointRecord(point, None, str(message or ""), number, *times)
+            for number in range(2 * max(WarningKind))
+        )
+        expected = entries.get("record_checksum")
+        return next((each for each in every if record_checksum(each) == expected), None)
+    if message is None:
+        labels = ", ".join(kind.label for kind in WarningKind if kind & kinds)
+        message = _LOST.format(labels) if labels else "" if is_done else _LOST_REASON
+    return PointRecord(point, None, str(message), max(kinds, 0), *times)
 
 
 def _fault_of_data(
-    store: Store,
-    point: Point,
-    index: tuple[int, ...],
-    values: Mapping[str, NDArray[Any]],
-    unreadable: list[str],
-    missing: list[str],
+    store: Store, point: Point, entries: Mapping[str, Any], gone: set[str]
 ) -> str | None:
     data: dict[str, NDArray[Any]] = {}
-    fields_unreadable = []
-    for name in AT_END:
-        if name in store.arrays:
-            try:
-                data[name] = store.read(name, store.index(point))
-            except StoreError:
-                fields_unreadable.append(name)
-    broken = [name for name in unreadable if name in STEPPED or name == "checksum"]
-    lacks = [name for name in missing if name in STEPPED | AT_END or name == "checksum"]
-    if fault := _fault_of_chunks(broken + fields_unreadable, lacks):
-        return fault
-    steps = np.count_nonzero(np.isfinite(values["time"][index]))
-    data |= {name: values[name][index][:steps] for name in values if name in STEPPED}
-    return None if values["checksum"][index] == checksum(point, data) else _OTHER
+    lost = [name for name in (*STEPPED, "checksum") if name in store.arrays.keys() - entries.keys()]
+    for name in store.arrays.keys() & AT_END.keys():
+        try:
+            if name in gone:
+                raise StoreError
+            data[name] = store.read(name, store.index(point))
+        except StoreError:
+            lost.append(name)
+    if lost:
+        return _unreadable(sorted(lost))
+    steps = np.count_nonzero(np.isfinite(entries["time"]))
+    data |= {name: entries[name][:steps] for name in STEPPED if name in entries}
+    return None if entries["checksum"] == checksum(point, data) else _OTHER
 
 
-def _fault_of_chunks(unreadable: list[str], missing: list[str]) -> str | None:
-    if unreadable:
-        return f"{', '.join(unreadable)} cannot be read"
-    return f"{', '.join(missing)} is missing" if missing else None
+def _unreadable(names: Iterable[str]) -> str | None:
+    lost = ", ".join(names)
+    return f"{lost} cannot be read" if lost else None
 
 
 def _damages(reasons: Iterable[Mapping[Point, str]]) -> tuple[Damage, ...]:
@@ -262,34 +269,18 @@ def _damages(reasons: Iterable[Mapping[Point, str]]) -> tuple[Damage, ...]:
 
 def _repair(store: Store, examination: _Examination) -> None:
     """Make damaged points pending, and write anew what is told of the others."""
-    values = {}
-    for point in examination.records:
-        index = store.index(point)
-        within = tuple(i - part.start for i, part in zip(index, examination.block, strict=True))
-        told = {name: each[within] for name, each in examination.about.items()}
-        record = _restored(point, told, store.is_done(point))
-        if record is None:
-            examination.damaged[point] = examination.records[point]
-        else:
-            about = {name: getattr(record, name) for name in ABOUT}
-            values[index] = about | {"record_checksum": record_checksum(record)}
-    store.discard_unreadable(examination.block, examination.damaged)
+    for name in examination.lost:
+        store.arrays[name][examination.block] = store.arrays[name].fill_value
+    for point in examination.damaged:
+        for name in store.arrays.keys() & AT_END.keys():
+            store.arrays[name][store.index(point)] = store.arrays[name].fill_value
+    values = {
+        store.index(point): {name: getattr(record, name) for name in ABOUT}
+        | {"record_checksum": record_checksum(record)}
+        for point, record in examination.restored.items()
+    }
     store.write(values, {store.index(point): DONE for point in examination.complete})
     store.forget(examination.damaged)
-
-
-def _restored(point: Point, told: Mapping[str, Any], is_done: bool) -> PointRecord | None:
-    """Record of a point, as far as it can be read or follows from the rest; None if too little."""
-    times = (float(told.get(name, np.nan)) for name in ("wall_time", "finished_at"))
-    kinds = int(told.get("warning_flags", 0))
-    labels = ", ".join(kind.label for kind in WarningKind if kind & kinds)
-    lost = _LOST.format(labels) if labels else "" if is_done else _LOST_REASON
-    record = PointRecord(point, None, str(told.get("message", lost)), kinds, *times)
-    if not record.message or "warning_flags" in told:
-        return record
-    of_any_kinds = (replace(record, warning_flags=n) for n in range(2 * max(WarningKind)))
-    expected = told.get("record_checksum")
-    return next((each for each in of_any_kinds if record_checksum(each) == expected), None)
 
 
 def _shared_faults(store: Store, repair: bool) -> Iterator[str]:

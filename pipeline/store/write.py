@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import suppress
 from dataclasses import replace
 from typing import Any
 
@@ -24,7 +23,6 @@ from pipeline.store.place import LOCK, Bucket, Folder, StoreError
 from pipeline.store.points import Places, Slices
 from pipeline.store.root import Root
 from pipeline.store.schema import (
-    AT_END,
     DONE,
     FAILED,
     PENDING,
@@ -65,6 +63,8 @@ class Store(Places):
         Status of each point.
     asked : ndarray of int
         1 for each point that the last run asked for.
+    unreadable : dict of ndarray of bool
+        Points of which these two cannot be read, by the names ``status`` and ``asked``.
 
     Raises
     ------
@@ -83,6 +83,7 @@ class Store(Places):
         self.place, self.lock = place, lock
         is_written = lock is not None or isinstance(place, Bucket)
         self.arrays = arrays_of(place, root.arrays, read_only=not is_written)
+        self.unreadable: dict[str, Mask] = {}
         self.flags = self._whole("status", is_damaged)
         self.asked = self._whole("asked", is_damaged)
 
@@ -93,16 +94,26 @@ class Store(Places):
 
     def _whole(self, name: str, is_damaged: bool) -> NDArray[np.int8]:
         """All of a small variable; fill values where a chunk is damaged, if any may be."""
+        self.unreadable[name] = np.zeros(self.shape, bool)
         try:
             values: NDArray[np.int8] = self.read(name, ...)
         except StoreError:
             if not is_damaged:
                 raise
             values = np.zeros(self.shape, np.int8)
-            for _, block in self.blocks(np.ones(self.shape, bool)):
-                with suppress(StoreError):
+            for _, block in self.blocks(values == 0):
+                try:
                     values[block] = self.read(name, block)
+                except StoreError:
+                    self.unreadable[name][block] = True
         return values
+
+    def restore_flags(self) -> None:
+        """Write anew where statuses and points that were asked for cannot be read."""
+        self.asked[self.unreadable["asked"] & (self.flags != PENDING)] = 1
+        for name, values in (("status", self.flags), ("asked", self.asked)):
+            for _, block in self.blocks(self.unreadable[name]):
+                self.arrays[name][block] = values[block]
 
     def read(self, name: str, key: Any) -> Any:
         """Read a part of a variable.
@@ -219,22 +230,6 @@ class Store(Places):
             else:
                 part[within] = value
         array[block] = part
-
-    def is_readable(self, name: str, key: Any) -> bool:
-        """Return whether a part of a variable can be read."""
-        try:
-            self.read(name, key)
-        except StoreError:
-            return False
-        return True
-
-    def discard_unreadable(self, block: Slices, damaged: Iterable[Point]) -> None:
-        """Empty the chunks of a block that cannot be read, so that its points can be written."""
-        for name in set(self.names) - {"status", "asked"}:
-            parts = [self.index(point) for point in damaged] if name in AT_END else [block]
-            for part in parts:
-                if not self.is_readable(name, part):
-                    self.arrays[name][part] = self.arrays[name].fill_value
 
     def _require_lock(self) -> None:
         if not self.lock or not isinstance(self.place, Folder):

@@ -3,6 +3,7 @@
 import io
 import os
 import resource
+import shutil
 import subprocess
 import sys
 import tracemalloc
@@ -14,15 +15,18 @@ import pytest
 
 import tribo
 from pipeline import load_scene
+from pipeline.analysis.dataset import open_sweep
 from pipeline.cli import main
 from pipeline.figures.style import as_text
 from pipeline.scene import surfaces
 from pipeline.scene.surfaces import read_surface
-from pipeline.store import prepare, summary, verify_store
-from pipeline.sweep.model import Point
-from pipeline.sweep.plan import run_point
+from pipeline.store.place import StoreError
+from pipeline.store.progress import summary
+from pipeline.store.root import read_attributes
+from pipeline.store.verify import verify_store
 from pipeline.sweep.stages import duration
 from tests.helpers import tiny
+from tests.helpers.stores import commit
 
 ROOT = Path(__file__).parents[2]
 
@@ -61,16 +65,17 @@ def test_an_archive_that_unpacks_to_more_than_a_surface_can_be_is_none(tmp_path,
         read_surface(tmp_path / "a.x3p")
 
 
-def test_a_fifo_in_place_of_a_chunk_is_damage(tmp_path):
-    store = prepare(tmp_path / "a.zarr", tiny.sweep())
-    point = Point(250.0, 1.0)
-    store.commit(run_point(tiny.sweep(), *point))
-    (store.path / "time" / "c.0.0.0").unlink()
-    os.mkfifo(store.path / "time" / "c.0.0.0")
-    assert point in {each.point for each in verify_store(store.path).damaged}
-    (store.path / "status" / "c.0.0").unlink()
-    os.mkfifo(store.path / "status" / "c.0.0")
-    assert summary(store.path).pending == 9
+def test_a_fifo_in_place_of_a_chunk_is_damage(alone, tmp_path):
+    path = shutil.copytree(alone, tmp_path / "a.zarr")
+    (path / "time" / "c.0.0.0").unlink()
+    os.mkfifo(path / "time" / "c.0.0.0")
+    assert len(verify_store(path).damaged) == 9
+    with pytest.raises(StoreError, match="time cannot be read"):
+        open_sweep(path)
+    (path / "zarr.json").unlink()
+    os.mkfifo(path / "zarr.json")
+    with pytest.raises(StoreError, match="is not a file"):
+        summary(path)
 
 
 TITLES = {"formula": r"$\frac$ and $x", "escapes": "\x1b[31mred\x9b0m", "endless": "long " * 10**6}
@@ -79,7 +84,7 @@ TITLES = {"formula": r"$\frac$ and $x", "escapes": "\x1b[31mred\x9b0m", "endless
 @pytest.mark.parametrize("title", TITLES.values(), ids=TITLES.keys())
 def test_any_title_is_shown_and_drawn(tmp_path, alone, capsys, title):
     path = tmp_path / "a.zarr"
-    store = prepare(path, tiny.sweep(title=title, store_fields=False))
+    commit(path, tiny.sweep(title=title, store_fields=False), ())
     assert main(["status", str(path)]) == 0
     shown = capsys.readouterr().out
     assert shown.replace("\n", "").isprintable()
@@ -87,7 +92,7 @@ def test_any_title_is_shown_and_drawn(tmp_path, alone, capsys, title):
     assert main(["status", str(path), "--json"]) == 0
     assert "\x9b" not in capsys.readouterr().out
     assert main(["plot", str(path), "--kind", "diagram", "-o", str(tmp_path / "a.png")]) in (0, 2)
-    assert store.attributes["title"] == title
+    assert read_attributes(path)["title"] == title
 
 
 def test_a_scene_is_checked_without_a_word_to_the_terminal(tmp_path, capsys):

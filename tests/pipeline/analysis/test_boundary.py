@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from pipeline.analysis.boundary import boundary, decisive_rise, decisive_temperature, refined
 from pipeline.analysis.interpolation import crossing, exponent, interpolated
 from pipeline.cli.crossings import document_of, text_of
-from pipeline.store import FAILED, PENDING
+from pipeline.store.schema import FAILED, PENDING
 from pipeline.sweep.lubrication import Lubrication
 from tests.helpers import synthetic
 from tests.helpers.synthetic import LOADS, VELOCITIES

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from pipeline.store.variables import COLUMNS
 
 import tribo
+from pipeline.store.schema import COLUMNS
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import advance_trunk, chains, points, run_point, step_count
 from tests.helpers import tiny
