@@ -16,7 +16,7 @@ from tests.crash.loop import code_of, end, faults_of, job, started
 from tests.crash.sweeps import Expected
 from tests.helpers import tiny
 
-TRIALS = 10
+TRIALS = 2
 MISTAKE = "all blamed"
 _DEADLY = 250.0
 _BUSY = "import os; driver = os.getppid()\nwhile os.getppid() == driver: pass"
@@ -44,7 +44,7 @@ def campaign(folder, trials, chance, report, mistake=None):
         for number in range(trials):
             place = folder / str(number)
             place.mkdir()
-            sweep = sweep_of(chance.randint(6, 20))
+            sweep = sweep_of(chance.randint(3, 5))
             expected = Expected(replace(sweep, loading=tiny.SlowRamp(150.0, 750.0)))
             path, log = place / "out.zarr", place / "acknowledged"
             run = started(log, *job(place, sweep, path, log, None, mistake, 0.0, 2 - number % 2))

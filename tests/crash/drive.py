@@ -81,7 +81,7 @@ def computing(known, pace):
 
     with (
         mock.patch.object(running, "compute", compute),
-        mock.patch.object(running, "connected", lambda *_: nullcontext()),
+        mock.patch.object(running, "connected", return_value=nullcontext()),
         mock.patch.multiple(writer, _PAUSE=0.0, _SHARE=0.0),
     ):
         yield
@@ -98,7 +98,7 @@ def _status_first():
 
 
 def _unsynced():
-    return mock.patch.object(durable.os, "fsync", lambda _: None)
+    return mock.patch.object(durable.os, "fsync")
 
 
 class _NoLock(Lock):

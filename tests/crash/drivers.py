@@ -4,16 +4,18 @@ Links, a path with dots, and a bind mount of the store itself, as containers hav
 lost that either was told is done; one that finds the other at work ends with a word.
 """
 
+import signal
 import subprocess
 import sys
 from contextlib import contextmanager
+from functools import partial
 
 from pipeline.store.place import LOCK
 from tests.crash.drive import GIVEN_UP
-from tests.crash.loop import Forked, Trial, code_of
+from tests.crash.loop import Forked, Trial, code_of, end
 from tests.crash.sweeps import STAGES, Expected
 
-TRIALS = 60
+TRIALS = 8
 MISTAKE = "unlocked"
 _PACE = 0.03  # [s] between commits
 _MANNERS = ("together", "later", "lock deleted", "lock a link")
@@ -59,19 +61,25 @@ class _Pair:
         if manner != "together":
             code_of(run, self._chance.uniform(0.0, 0.6))
         if manner == "lock deleted":
+            self._trial.may_repeat = True
             lock.unlink(missing_ok=True)
         if manner == "lock a link" and lock.parent.is_dir():
             precious.write_text("nothing to be emptied")
             lock.unlink(missing_ok=True)
             lock.symlink_to(precious)
         second = self._other(STAGES[-1])
+        if self._chance.random() < 0.5:
+            self._report.counts["pairs killed"] += 1
+            self._trial.wait(second, self._chance)
+            run.kill()
+            second.kill()
         codes = code_of(run), code_of(second)
         second.kill()
         second.wait()
-        if set(codes) - {0, 1, GIVEN_UP}:
+        if set(codes) - {0, 1, GIVEN_UP, -signal.SIGKILL}:
             self._trial.fault(f"{manner}: the drivers end with {codes}")
         if lock.is_symlink():
-            if codes[1] != GIVEN_UP or precious.read_text() != "nothing to be emptied":
+            if codes[1] in (0, 1) or precious.read_text() != "nothing to be emptied":
                 self._trial.fault(f"{manner}: a lock that is a link was followed, {codes}")
             lock.unlink()
         self._report.counts["drivers that gave way"] += codes.count(GIVEN_UP)
@@ -89,12 +97,13 @@ def campaign(folder, trials, chance, report, mistake=None):
         def start(sweep, to=path, log=log):
             return Forked(sweep, to, log, known, mistake, _PACE)
 
-        # A bind mount of the store needs one that is there.
-        code_of(start(STAGES[0]))
+        run = start(STAGES[0])
+        while run.poll() is None and not path.exists():
+            code_of(run, 0.01)
+        end(run)
         with _bound(path) as mounted:
             report.counts["bind mounts"] += mounted is not None
             paths = list(_paths(path, mounted))
             trial = Trial(report, path, expected, log, start)
-            seconds = [lambda s, to=chance.choice(paths): start(s, to) for _ in range(2)]
-            trial.go([_Pair(trial, other, chance, report) for other in seconds])
+            trial.go([_Pair(trial, partial(start, to=chance.choice(paths)), chance, report)] * 3)
         print(f"drivers: {number + 1} of {trials}, {len(report.faults)} faults", file=sys.stderr)

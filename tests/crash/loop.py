@@ -24,7 +24,6 @@ from pipeline.store.place import place_of
 from pipeline.store.schema import DONE, FAILED, FIELDS, STEPPED
 from pipeline.store.verify import verify_store
 from pipeline.sweep.model import Point
-from pipeline.sweep.plan import points
 from tests.crash.drive import drive
 from tests.crash.sweeps import FAILING, REASON, STAGES
 
@@ -188,7 +187,14 @@ class Trial:
         Starts a driver, given one of the `stages`.
     stages : sequence
         Sweeps, the one after the other; the last one is completed in the end.
+
+    Attributes
+    ----------
+    may_repeat : bool
+        Whether points may be computed again that were told as done.
     """
+
+    may_repeat = False
 
     def __init__(self, report, path, expected, log, start, stages=STAGES):
         self.report, self.path, self.expected, self.log = report, path, expected, Path(log)
@@ -196,11 +202,9 @@ class Trial:
 
     @property
     def acknowledged(self):
-        """Points that drivers were told are done."""
-        if not self.log.exists():
-            return set()
-        lines = self.log.read_text().splitlines(keepends=True)
-        return {Point(*json.loads(line)) for line in lines if line.endswith("\n")}
+        """Number of times that drivers were told that each point is done."""
+        lines = self.log.read_text().splitlines(keepends=True) if self.log.exists() else ()
+        return Counter(Point(*json.loads(line)) for line in lines if line.endswith("\n"))
 
     def go(self, disturbances):
         """Disturb one run after the other, then complete the sweep; add faults to the report."""
@@ -222,19 +226,17 @@ class Trial:
         end(run)
         if code != 0:
             word = "it hangs" if code is None else f"it ends with {code}"
-            self.fault(f"resumed, {word}: {self._last_words()}")
+            self.fault(f"resumed, {word}: {self.last_words()}")
         self.look()
-        with suppress(AttributeError):  # the scene of a command, of which only the run knows
-            missing = set(points(self._stages[-1])) - self.done()
-            self.report.faults += [f"resumed, {point} is not done" for point in missing]
+        if pending := pipeline.summary(self.path).pending:
+            self.fault(f"resumed, {pending} points are not done")
         if isinstance(self.path, Path):
             left = [*self.path.rglob("*.partial"), *self.path.parent.glob("*.partial")]
             self.report.faults += [f"left over: {file}" for file in left]
-        self.report.counts["acknowledged"] += len(self.acknowledged)
-
-    def done(self):
-        with pipeline.open_sweep(self.path) as ds:
-            return {point for index, point in places(ds) if ds["status"].values[index] == DONE}
+        told = self.acknowledged
+        self.report.counts["acknowledged"] += len(told)
+        for point in (point for point, times in told.items() if times > 1 and not self.may_repeat):
+            self.fault(f"{point} was told as done, and computed again")
 
     def wait(self, run, chance):
         """Let a driver go on until some moment, soon or after some points more."""
@@ -268,6 +270,7 @@ class Trial:
     def fault(self, text):
         self.report.faults.append(f"{Path(self.path).parent.name}: {text}")
 
-    def _last_words(self):
+    def last_words(self):
+        """End of what drivers have said."""
         file = self.log.with_suffix(".err")
         return file.read_text()[-400:] if file.exists() else ""

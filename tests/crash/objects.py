@@ -11,7 +11,7 @@ from unittest import mock
 from tests.crash.loop import Trial, job, started
 from tests.crash.sweeps import STAGES, Expected
 
-TRIALS = 6
+TRIALS = 1
 MISTAKE = "status first"
 _KILLS = 3  # of a trial
 _START = 60.0  # [s] that the server may take

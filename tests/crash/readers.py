@@ -11,7 +11,7 @@ from pipeline.store.place import place_of
 from tests.crash.loop import Forked, Trial, code_of, faults_of
 from tests.crash.sweeps import STAGES, Expected
 
-TRIALS = 25
+TRIALS = 5
 MISTAKE = "status first"
 _PACE = 0.03  # [s] between commits
 
