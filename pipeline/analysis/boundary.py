@@ -11,13 +11,13 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from pipeline.analysis.attributes import attributes_of
-from pipeline.analysis.band import CROSSES, MILD, SEVERE, UNKNOWN, with_band
+from pipeline.analysis.band import with_band
 from pipeline.analysis.conditions import Bulk, conditions_by_variant, conditions_of
 from pipeline.analysis.dataset import asked, at_bulks, dataset_of, values_of, variant_of
-from pipeline.analysis.interpolation import crossing, exponent, interpolated
+from pipeline.analysis.interpolation import exponent, interpolated
+from pipeline.analysis.transition import OUTCOMES, UNITS, Transition, range_of
 from pipeline.store import DONE, PathLike
 from pipeline.sweep import criterion
 from pipeline.sweep.criterion import Conditions, contact_temperature, failed_fraction, rise_limit
@@ -28,8 +28,8 @@ from tribo.types import Array
 
 _OUTCOMES = {
     "long_name": "why there is no crossing",
-    "flag_values": np.array([CROSSES, MILD, SEVERE, UNKNOWN], dtype=np.int8),
-    "flag_meanings": "crosses mild_throughout severe_from_the_lowest unknown",
+    "flag_values": np.array(list(OUTCOMES), dtype=np.int8),
+    "flag_meanings": " ".join(words.replace(" ", "_") for words in OUTCOMES.values()),
 }
 
 
@@ -64,9 +64,12 @@ def boundary(
     -------
     Dataset
         ``critical_velocity(load)`` [m/s] and ``critical_load(velocity)`` [N]: the first crossing
-        from mild to severe wear, NaN where the sweep does not cross. ``outcome_at_load`` and
-        ``outcome_at_velocity`` say why not: mild or severe (at the lowest point already)
-        throughout, or unknown for want of points. ``rise_exponent_at_load`` is d ln(rise) over
+        from mild to severe wear, NaN where the computed points do not cross. ``outcome_at_load``
+        and ``outcome_at_velocity`` give the reason: mild throughout or severe from the lowest,
+        where the outermost points of the scene's own range are done and say so; above or below what
+        was computed, where they are not; or not known for want of points. ``computed_from_at_load``
+        and ``computed_to_at_load`` are the lowest and highest velocity computed [m/s], likewise
+        ``computed_from_at_velocity``. ``rise_exponent_at_load`` is d ln(rise) over
         d ln(velocity) at the crossing: an error of the rise, divided by it, is that of the critical
         velocity. ``missing_at_load`` and
         ``missing_at_velocity`` count the points that are pending or failed. The conditions are
@@ -144,7 +147,7 @@ def _boundary(
     wanted = asked(ds).transpose(..., "load", "velocity").values.reshape(planes.shape)
     missing = wanted & ~np.isfinite(planes)
     lubrication = Lubrication.stored(attributes_of(ds))
-    columns: dict[str, tuple[str, Array, dict[str, Any]]] = {}
+    columns: dict[str, tuple[str, Any, dict[str, Any]]] = {}
     for name, other, x, lines, attrs in (
         (
             "load", "velocity", velocities, planes,
@@ -155,11 +158,21 @@ def _boundary(
             {"units": "N", "long_name": "normal load at the transition to severe wear"},
         ),
     ):  # fmt: skip
-        each = list(zip(lines, limits, strict=True))
-        at = np.array([[crossing(x, row, limit) for row in plane] for plane, limit in each])
+        ends = range_of(ds, other)
+        found = [
+            [Transition.along(x, row, limit, ends) for row in plane]
+            for plane, limit in zip(lines, limits, strict=True)
+        ]
+        at = np.array([[each.place for each in row] for row in found])
         columns[f"critical_{other}"] = name, at, attrs
-        outcome = [_outcome(*part) for part in zip(at, lines, limits, strict=True)]
-        columns[f"outcome_at_{name}"] = name, np.array(outcome), _OUTCOMES
+        outcome = np.array([[each.outcome for each in row] for row in found], np.int8)
+        columns[f"outcome_at_{name}"] = name, outcome, _OUTCOMES
+        for number, end in enumerate(("from", "to")):
+            columns[f"computed_{end}_at_{name}"] = (
+                name,
+                np.array([[each.computed[number] for each in row] for row in found]),
+                {"units": UNITS[other], "long_name": f"{other} computed {end} at this {name}"},
+            )
         columns[f"missing_at_{name}"] = (
             name,
             np.count_nonzero(missing, axis=2 if name == "load" else 1),
@@ -192,7 +205,7 @@ def _boundary(
                 {"units": "1", "long_name": "film parameter at the crossing"},
             )
     kept = ("load", "velocity", "realization", "sample")
-    found = xr.Dataset(
+    boundaries = xr.Dataset(
         {
             name: ((axis, dim), values, attrs) if axis else ((dim,), values[0], attrs)
             for name, (dim, values, attrs) in columns.items()
@@ -201,17 +214,7 @@ def _boundary(
         (conditions if axis else by_variant[0]).as_dict()
         | {"missing_points": int(np.count_nonzero(missing))},
     )
-    return with_band(found, axis) if axis else found
-
-
-def _outcome(at: Array, plane: Array, limit: float) -> NDArray[np.int8]:
-    """Reason why lines of points do not cross, one for each line."""
-    known = np.isfinite(plane)
-    lowest = np.take_along_axis(plane, known.argmax(axis=1)[:, None], axis=1)[:, 0]
-    outcome = np.where(lowest > limit, SEVERE, MILD)
-    outcome[~known.any(axis=1)] = UNKNOWN
-    outcome[np.isfinite(at)] = CROSSES
-    return outcome.astype(np.int8)
+    return with_band(boundaries, axis) if axis else boundaries
 
 
 def decisive_temperature(
@@ -381,7 +384,7 @@ def decisive_rise(ds: xr.Dataset, conditions: Conditions | Sequence[Conditions])
     )
 
 
-def refined(rise: xr.DataArray, resolution: int, continued: bool = False) -> xr.DataArray:
+def refined(rise: xr.DataArray, resolution: int, limit: float | None = None) -> xr.DataArray:
     """Interpolate a decisive rise onto many loads and velocities, evenly spaced.
 
     The surface passes through the boundary that `boundary` finds for each load and each velocity.
@@ -393,14 +396,15 @@ def refined(rise: xr.DataArray, resolution: int, continued: bool = False) -> xr.
         Rise of `decisive_rise` [K].
     resolution : int
         Number of loads and of velocities.
-    continued : bool, optional
-        Whether at each load to go on beyond the outermost known points, as a power of the velocity.
+    limit : float, optional
+        Rise above which wear is severe [K]: at each load, go on below mild points and above severe
+        ones, as a power of the velocity. Not if not given.
     """
     loads, velocities = rise["load"].values, rise["velocity"].values
     fine_loads = np.linspace(loads[0], loads[-1], resolution)
     fine = np.linspace(velocities[0], velocities[-1], resolution)
     rows = np.apply_along_axis(
-        lambda row: interpolated(velocities, row, fine, continued), -1, rise.values
+        lambda row: _continued(velocities, row, fine, limit), -1, rise.values
     )
     plane = np.apply_along_axis(lambda column: interpolated(loads, column, fine_loads), -2, rows)
     axes = {"load": fine_loads, "velocity": fine}
@@ -409,6 +413,21 @@ def refined(rise: xr.DataArray, resolution: int, continued: bool = False) -> xr.
         for name, coord in rise.coords.items()
     }
     return xr.DataArray(plane, coords, rise.dims, rise.name, rise.attrs)
+
+
+def _continued(x: Array, y: Array, at: Array, limit: float | None) -> Array:
+    """Interpolate, and go on where that leaves the kind of wear as it is."""
+    within = interpolated(x, y, at)
+    if limit is None or np.isnan(within).all():
+        return within
+    known = np.flatnonzero(np.isfinite(y))
+    first, last = known[0], known[-1]
+    beyond = interpolated(x, y, at, continued=True)
+    if y[first] <= limit:
+        within = np.where(at < x[first], np.minimum(beyond, y[first]), within)
+    if y[last] > limit:
+        within = np.where(at > x[last], np.maximum(beyond, y[last]), within)
+    return within
 
 
 def rise_exceeded(ds: xr.Dataset, share: float) -> xr.DataArray:

@@ -37,13 +37,15 @@ _MORE_AREA = {2: "14 to 17", 4: "40 to 50"}
 def boundary(options: argparse.Namespace) -> int:
     """Print critical velocities and loads."""
     out = table_path(options)
-    from pipeline.cli.crossings import document_of, rows_of, text_of  # with xarray
+    from pipeline.cli.crossings import command_for, document_of, rows_of, text_of  # with xarray
 
     ds, conditions = pipeline.open_sweep(options.store), given(options, *CONDITIONS)
     found, warned = pipeline.boundary(ds, **conditions), pipeline.warned(ds, **conditions)
     document = document_of(found) | {"warnings": warned.as_dict()}
+    command = command_for(found, options.store, ds)
+    document |= {"command": command}
     told = written(out, rows_of(found), document)
-    show(options, document, [*text_of(found), *warned.lines(), *told])
+    show(options, document, [*text_of(found, command), *warned.lines(), *told])
     return DONE
 
 

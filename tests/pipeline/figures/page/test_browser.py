@@ -12,9 +12,9 @@ from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 
 import pipeline
-from pipeline.analysis.band import MILD
 from pipeline.analysis.boundary import decisive_rise
 from pipeline.analysis.interpolation import crossing, interpolated
+from pipeline.analysis.transition import MILD
 from tests.helpers import synthetic
 from tests.helpers.browser import chromium
 from tests.pipeline.figures.page import sweeps
