@@ -19,8 +19,13 @@ from pipeline.analysis.dataset import asked, at_bulks, dataset_of, values_of, va
 from pipeline.analysis.interpolation import exponent, interpolated
 from pipeline.analysis.transition import OUTCOMES, UNITS, Transition, range_of
 from pipeline.store import DONE, PathLike
-from pipeline.sweep import criterion
-from pipeline.sweep.criterion import Conditions, contact_temperature, failed_fraction, rise_limit
+from pipeline.sweep.criterion import (
+    Conditions,
+    contact_temperature,
+    decisive_rises,
+    failed_fraction,
+    rise_limit,
+)
 from pipeline.sweep.lubrication import Lubrication
 from tribo import InputError
 from tribo.thermal import quantiles
@@ -39,6 +44,7 @@ def boundary(
     bulk_temperature: Bulk | None = None,
     critical_temperature: float | str | None = None,
     share: float | str | None = None,
+    criterion: str | None = None,
 ) -> xr.Dataset:
     """Critical velocity for each load and critical load for each velocity.
 
@@ -59,6 +65,9 @@ def boundary(
     share : float or str, optional
         Wear is severe where more than this share of the contact area is hotter than the critical
         temperature, such as 0.1 or ``"10%"``; 0 is Blok's criterion, the maximum temperature.
+    criterion : str, optional
+        Temperature that decides: ``"share"``, which that share exceeds, ``"highest"`` or
+        ``"mean"``; see `tribo.CRITERIA`.
 
     Returns
     -------
@@ -108,7 +117,7 @@ def boundary(
     if isinstance(friction, str):
         raise InputError(f'friction: "{friction}" is text; give a number such as 0.1, or several')
     ds = dataset_of(ds)
-    others = (bulk_temperature, critical_temperature, share)
+    others = (bulk_temperature, critical_temperature, share, criterion)
     frictions = list(friction) if isinstance(friction, Iterable) else [friction]
     several = [conditions_of(ds, value, *others) for value in frictions]
     by_variant = [
@@ -223,15 +232,16 @@ def decisive_temperature(
     bulk_temperature: Bulk | None = None,
     critical_temperature: float | str | None = None,
     share: float | str | None = None,
+    criterion: str | None = None,
     resolution: int | None = None,
 ) -> xr.DataArray:
-    """Temperature that just the failing share of the contact area exceeds, at the highest.
+    """Temperature of the contact that decides, at the highest.
 
     Wear is severe where it lies above the critical temperature.
 
     Parameters
     ----------
-    ds, friction, bulk_temperature, critical_temperature, share
+    ds, friction, bulk_temperature, critical_temperature, share, criterion
         See `boundary`.
     resolution : int, optional
         Interpolate onto so many loads and velocities, evenly spaced.
@@ -250,14 +260,16 @@ def decisive_temperature(
     444.0
     """
     ds = dataset_of(ds)
-    conditions = conditions_of(ds, friction, bulk_temperature, critical_temperature, share)
+    conditions = conditions_of(
+        ds, friction, bulk_temperature, critical_temperature, share, criterion
+    )
     rise = decisive_rise(ds, conditions)
     if resolution is not None:
         rise = refined(rise, resolution)
     temperature = contact_temperature(rise, conditions)
     temperature.attrs = {
         "units": "K",
-        "long_name": "temperature exceeded by the failing share of the contact",
+        "long_name": f"deciding temperature, {conditions.decisive.temperature}",
         **conditions.as_dict(),
     }
     return temperature.rename("decisive_temperature")
@@ -325,17 +337,19 @@ def temperatures(
 
 def with_rises(ds: xr.Dataset, conditions: Sequence[Conditions]) -> xr.Dataset:
     """Load what decides under some conditions, and leave out the other quantiles."""
-    stored = ds["quantile"].values
-    cooler = [1 - own.failing_share for own in conditions]
-    first, last = 0, len(stored) - 1
-    if stored[0] <= min(cooler) <= max(cooler) <= stored[-1]:  # else they are refused later
-        first = max(int(np.searchsorted(stored, min(cooler))) - 1, 0)
-        last = max(int(np.searchsorted(stored, max(cooler))), first + 1)
-    names = ["normal_load", "rise_quantile"]
-    if any(own.bulk_ratio for own in conditions) and "bulk_rise_quantile" in ds:
-        names.append("bulk_rise_quantile")
-    narrow = ds.isel(quantile=slice(first, last + 1))
-    return narrow.assign({name: narrow[name].load() for name in names})
+    stored, names = ds["quantile"].values, ["normal_load"]
+    columns = {own.decisive.column for own in conditions}
+    unequal = any(own.bulk_ratio for own in conditions)
+    if "mean_rise" in columns:
+        names += ["mean_rise", *(["mean_bulk_response"] if unequal else [])]
+    if "rise_quantile" in columns:
+        names += ["rise_quantile", *(["bulk_rise_quantile"] if unequal else [])]
+        shares = [0.0 if own.criterion == "highest" else own.failing_share for own in conditions]
+        if stored[0] <= 1 - max(shares) <= 1 - min(shares) <= stored[-1]:  # else they are refused
+            first = max(int(np.searchsorted(stored, 1 - max(shares))) - 1, 0)
+            last = max(int(np.searchsorted(stored, 1 - min(shares))), first + 1)
+            ds = ds.isel(quantile=slice(first, last + 1))
+    return ds.assign({name: ds[name].load() for name in names if name in ds})
 
 
 def decisive_rise(ds: xr.Dataset, conditions: Conditions | Sequence[Conditions]) -> xr.DataArray:
@@ -359,16 +373,17 @@ def decisive_rise(ds: xr.Dataset, conditions: Conditions | Sequence[Conditions])
     ds, axis = dataset_of(ds), variant_of(ds)
     several = [conditions] if isinstance(conditions, Conditions) else list(conditions)
     ds = with_rises(ds, several)
-    names = ["normal_load", "rise_quantile"]
-    names += ["bulk_rise_quantile"] if "bulk_rise_quantile" in ds else []
-    columns = {name: values_of(ds, name) for name in names}
+    names = ["normal_load", *(own.decisive.column for own in several)]
+    if any(own.bulk_ratio for own in several):
+        names += [name for name in ("bulk_rise_quantile", "mean_bulk_response") if name in ds]
+    columns = {name: values_of(ds, name) for name in dict.fromkeys(names)}
     loads, own = ds["load"].values[:, None, None], {"quantile": ds["quantile"].values}
-    if len({(each.failing_share, each.bulk_ratio) for each in several}) == 1:
-        rises = criterion.decisive_rises(columns | own, loads, several[0])
+    if len({(each.decisive, each.bulk_ratio) for each in several}) == 1:
+        rises = decisive_rises(columns | own, loads, several[0])
     else:
         rises = np.array(
             [
-                criterion.decisive_rises(
+                decisive_rises(
                     {name: values[number] for name, values in columns.items()} | own, loads, each
                 )
                 for number, each in enumerate(several)

@@ -135,7 +135,7 @@ def critical_temperatures(
             sweep.on_surface(seed),
             transitions[number : number + 1],
             conditions.bulk_temperature,
-            conditions.failing_share,
+            conditions.decisive,
             conditions.bulk_difference,
         )
         found[number] += result.temperatures

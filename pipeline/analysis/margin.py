@@ -47,7 +47,7 @@ class Margin:
     sample : int or None
         Number of the sample of unknown inputs, in a sweep over several.
     decisive_temperature : float
-        Temperature that just the failing share of the contact area exceeds [K].
+        Temperature of the contact that decides [K].
     temperature_error : float or None
         Error of interpolating between the points of the sweep [K]; 0 at a point of the sweep, None
         where there are too few points about it to tell.
@@ -132,6 +132,7 @@ def margins(
     bulk_temperature: Bulk | None = None,
     critical_temperature: float | str | None = None,
     share: float | str | None = None,
+    criterion: str | None = None,
 ) -> tuple[Margin, ...]:
     """Tell how far an operating point lies from severe wear, without a new simulation.
 
@@ -144,7 +145,7 @@ def margins(
         Normal load on the whole pin [N], or text such as ``"500 N"``, within those of the sweep.
     velocity : float or str
         Sliding velocity [m/s], or text with a unit, above 0 and within those of the sweep.
-    friction, bulk_temperature, critical_temperature, share
+    friction, bulk_temperature, critical_temperature, share, criterion
         See `pipeline.boundary`.
 
     Returns
@@ -167,7 +168,9 @@ def margins(
     (True, '-13 K')
     """
     ds = dataset_of(ds)
-    conditions = conditions_of(ds, friction, bulk_temperature, critical_temperature, share)
+    conditions = conditions_of(
+        ds, friction, bulk_temperature, critical_temperature, share, criterion
+    )
     if conditions.friction == 0:
         raise InputError(
             "friction is 0; without friction there is no heat and no boundary; give one above 0"
@@ -178,13 +181,14 @@ def margins(
         ("load", load, ds["load"].values, "N"),
         ("velocity", velocity, ds["velocity"].values, "m/s"),
     ):
-        lowest, highest = float(axis[0]), float(axis[-1])
+        first, last = range_of(ds, name)
+        lowest, highest = min(axis[0], first), max(axis[-1], last)
         if not (lowest <= value <= highest and value > 0):
             raise InputError(
                 f"{name} is {value:g} {unit}; the sweep has {lowest:g} to {highest:g} {unit}: give "
                 "one within, above 0, or add points to the sweep"
             )
-    given = (friction, bulk_temperature, critical_temperature, share)
+    given = (friction, bulk_temperature, critical_temperature, share, criterion)
     several = conditions_by_variant(ds, conditions, given)
     ends = {name: range_of(ds, name) for name in ("load", "velocity")}
     rise = decisive_rise(ds, several)

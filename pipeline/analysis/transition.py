@@ -154,7 +154,9 @@ def command_of(
     settings = []
     for name, value in conditions.items():
         if name in _ENTRIES and value is not None and own.get(name) != value:
-            text = f"'{value - 273.15:.6g} degC'" if "temperature" in name else f"{value:g}"
+            text = str(value) if isinstance(value, str) else f"{value:g}"
+            if name.endswith("temperature"):
+                text = f"'{value - 273.15:.6g} degC'"
             settings.append(f"--set {_ENTRIES[name]}={text}")
     return " ".join([f"{run} --boundary-only", *settings])
 
@@ -164,4 +166,5 @@ _ENTRIES = {
     "bulk_temperature": "temperature.bulk",
     "critical_temperature": "temperature.critical",
     "failing_share": "temperature.failing_share",
+    "criterion": "temperature.criterion",
 }

@@ -35,7 +35,7 @@ _KINDS = {"realization": "surfaces", "sample": "samples"}
 
 def document_of(found: xr.Dataset) -> dict[str, Any]:
     """Plain data of `pipeline.boundary`."""
-    conditions = ["bulk_temperature", "critical_temperature", "failing_share"]
+    conditions = ["bulk_temperature", "critical_temperature", "failing_share", "criterion"]
     conditions += [name for name in ("disk_temperature",) if name in found.attrs]
     frictions = _frictions(found)
     shown = ["load", "critical_velocity", "velocity", "critical_load"]
@@ -99,6 +99,7 @@ def rows_of(found: xr.Dataset) -> Iterator[dict[str, Any]]:
         ),
         "critical [°C]": found.attrs["critical_temperature"] - 273.15,
         "failing share": found.attrs["failing_share"],
+        "criterion": found.attrs["criterion"],
     }
     units = {"load": "load [N]", "velocity": "velocity [m/s]"}
     for name, axis, _ in _BOUNDARIES:
@@ -160,7 +161,11 @@ def text_of(found: xr.Dataset, command: str | None = None) -> Iterator[str]:
         f"friction {frictions}, "
         f"bulk {_bulk(found)}, "
         f"critical {pipeline.display(found.attrs['critical_temperature'], '°C')}, "
-        f"failing share {found.attrs['failing_share']:g}"
+        + (
+            f"failing share {found.attrs['failing_share']:g}"
+            if found.attrs["criterion"] == "share"
+            else f"criterion {found.attrs['criterion']}"
+        )
     )
     several = _variant(found) is not None
     parts = _by_friction(found) if several else [("", found)]

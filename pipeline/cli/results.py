@@ -18,7 +18,7 @@ from pipeline.sweep.criterion import Verdict
 from pipeline.sweep.facts import require_bearable_load
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import PointResult
-from tribo import InputError, measures, specific_wear_rate
+from tribo import Criterion, InputError, measures, specific_wear_rate
 
 if TYPE_CHECKING:
     from pipeline.analysis.inference import CriticalTemperatures
@@ -142,12 +142,12 @@ def _on_point(
         yield (
             f"  failed share      {100 * verdict.failed_fraction:.1f} % of the contact above "
             f"{pipeline.display(conditions.critical_temperature, '°C')} "
-            f"(severe above {100 * conditions.failing_share:g} %)"
+            f"(severe: {conditions.decisive.severe} it)"
         )
-    if conditions.failing_share:
+    if conditions.decisive.temperature != Criterion("highest").temperature:
         yield (
-            f"  exceeded          {pipeline.display(verdict.decisive_temperature, '°C', 4)} on "
-            f"{100 * conditions.failing_share:g} % of the contact"
+            f"  deciding          {pipeline.display(verdict.decisive_temperature, '°C', 4)}, "
+            f"{conditions.decisive.temperature}"
         )
     yield (
         f"  max temperature   {pipeline.display(verdict.max_temperature, '°C', 4)} at friction "

@@ -57,6 +57,7 @@ def diagram(
     bulk_temperature: Bulk | None = None,
     critical_temperature: float | str | None = None,
     share: float | str | None = None,
+    criterion: str | None = None,
     realization: int | None = None,
     rivals: Sequence[str] = (),
     log: bool = False,
@@ -76,7 +77,7 @@ def diagram(
     ----------
     ds : Dataset
         Dataset of `pipeline.open_sweep`.
-    bulk_temperature, critical_temperature, share
+    bulk_temperature, critical_temperature, share, criterion
         See `pipeline.boundary`.
     friction : float or several, optional
         The lowest and highest of several make the band in place of the sweep's own, and the
@@ -95,7 +96,7 @@ def diagram(
     """
     ds = dataset_of(ds)
     if variant_of(ds) == "sample" or given_measured or scatter is not None:
-        told = (friction, bulk_temperature, critical_temperature, share, realization)
+        told = (friction, bulk_temperature, critical_temperature, share, criterion, realization)
         if rivals or any(each is not None for each in told):
             raise InputError(_AS_DRAWN)
         return _probability(ds, given_measured, scatter, log)
@@ -103,7 +104,9 @@ def diagram(
     if isinstance(friction, Sequence):
         band = min(friction), max(friction)
         friction = float(np.median(friction))
-    conditions = conditions_of(ds, friction, bulk_temperature, critical_temperature, share)
+    conditions = conditions_of(
+        ds, friction, bulk_temperature, critical_temperature, share, criterion
+    )
     if realization is not None:
         ds = on_surface(ds, realization)
     beyond = _beyond(ds, conditions)

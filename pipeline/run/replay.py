@@ -31,6 +31,7 @@ from pipeline.store import (
 )
 from pipeline.sweep.criterion import Conditions, decisive_rises, rise_limit
 from pipeline.sweep.model import Point
+from tribo import Criterion
 from tribo.types import Array
 
 _Place = tuple[int | None, int | None]  # surface and sample of a point
@@ -290,11 +291,12 @@ def _plane(inputs: Array, values: Array) -> Array:
 
 def _rises(store: Store, point: Point, each: Sequence[Conditions]) -> Array:
     """Decisive rise at a point under each of some conditions [K]."""
-    names = [name for name in ("rise_quantile", "bulk_rise_quantile") if name in store.names]
+    columns = ("rise_quantile", "mean_rise", "bulk_rise_quantile", "mean_bulk_response")
+    names = [name for name in columns if name in store.names]
     found = store.at(point, [*names, "normal_load"])
-    known: dict[tuple[float, float], float] = {}
+    known: dict[tuple[Criterion, float], float] = {}
     for conditions in each:
-        judged = conditions.failing_share, conditions.bulk_ratio
+        judged = conditions.decisive, conditions.bulk_ratio
         if judged not in known:
             known[judged] = float(decisive_rises(found, point.load, conditions))
-    return np.array([known[own.failing_share, own.bulk_ratio] for own in each])
+    return np.array([known[own.decisive, own.bulk_ratio] for own in each])
