@@ -47,10 +47,12 @@ def with_band(boundaries: xr.Dataset, variant: str) -> xr.Dataset:
         known = np.isin(outcome, (CROSSES, MILD, SEVERE)).sum(axis=0)
         rows = zip(values.T, outcome.T, *(each.T for each in computed), strict=True)
         ends = [_ends(*row) for row in rows]
-        of_all = [np.mean(low) if np.isfinite(low).all() else math.nan for low, _ in ends]
+        all_cross = [np.isfinite(low).all() and (low == high).all() for low, high in ends]
+        several = list(zip(ends, all_cross, strict=True))
+        of_all = [np.mean(low) if crosses else math.nan for (low, _), crosses in several]
         spread = [
-            np.std(low, ddof=1) if len(low) > 1 and np.isfinite(low).all() else math.nan
-            for low, _ in ends
+            np.std(low, ddof=1) if crosses and len(low) > 1 else math.nan
+            for (low, _), crosses in several
         ]
         quantiles = [[quantile(*each, share) for each in ends] for share in BAND]
         found = found.assign(
