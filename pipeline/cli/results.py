@@ -207,8 +207,7 @@ def infer(options: argparse.Namespace) -> int:
     measured = counted(len(found.transitions), "measured transition", "measured transitions")
     several = f" on {len(found.surfaces)} surfaces" if len(found.surfaces) > 1 else ""
     text = [
-        f"critical temperature from {measured}{several}: "
-        f"exceeded on {100 * found.share:g} % of the contact",
+        f"critical temperature from {measured}{several}: {found.criterion.temperature}",
         *(
             f"  {at.normal_load:g} N, {at.velocity:g} m/s, friction {at.friction:g}: "
             f"{pipeline.display(mean, '°C', 4)}" + (f" ± {spread:.1f} K" if spread else "")
