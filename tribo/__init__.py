@@ -9,6 +9,8 @@ from .contact import ElasticHalfSpace as ElasticHalfSpace
 from .contact import elastic_influence as elastic_influence
 from .contact import solve_contact as solve_contact
 from .convolution import Convolution as Convolution
+from .criterion import CRITERIA as CRITERIA
+from .criterion import Criterion as Criterion
 from .errors import ConvergenceError as ConvergenceError
 from .errors import InputError as InputError
 from .errors import InvariantError as InvariantError

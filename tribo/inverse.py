@@ -14,12 +14,12 @@ from typing import NamedTuple
 import numpy as np
 
 from tribo.analytic import hertz_point_radius
+from tribo.criterion import Criterion, columns_of, rises_at
 from tribo.errors import InputError, require_positive
 from tribo.grid import Grid
 from tribo.loading import Ramp
 from tribo.material import Material, contact_modulus
 from tribo.simulation import Ball, Fidelity, Scene, advance, measures, simulate, start
-from tribo.thermal import require_share, rise_exceeded
 from tribo.wear import Wear, WearPattern
 
 _WEAR_RATES = 1e-20, 1e-8  # where one is looked for [m²/N]; boundary lubrication has about 1e-15
@@ -78,10 +78,10 @@ def critical_temperature(
     scene: Scene,
     transitions: Sequence[tuple[float, float, float]],
     bulk_temperature: float,
-    share: float = 0.1,
+    criterion: Criterion | float = 0.1,
     bulk_difference: float = 0.0,
 ) -> CriticalTemperature:
-    """Critical temperature from measured transitions: what the failing share exceeds there.
+    """Critical temperature from measured transitions: the deciding temperature there.
 
     Bosman & de Rooij propose this for oils whose critical temperature no rig can measure
     (Table 6). A good model gives the same temperature at all transitions.
@@ -94,9 +94,9 @@ def critical_temperature(
         Loads, velocities and frictions at which mild wear became severe.
     bulk_temperature : float
         Bulk temperature of both bodies, or of the pin where they differ [K] or [°C].
-    share : float
-        Share of the contact area above the critical temperature at a transition, from 0 to below 1;
-        0 takes the maximum temperature, as Blok does.
+    criterion : Criterion or float
+        Criterion of severe wear, or the share of the contact area that is above the critical
+        temperature at a transition, from 0 (the maximum temperature, as Blok has it) to below 1.
     bulk_difference : float
         Bulk temperature of the disk less that of the pin [K]; the scene must have `unequal_bulks`
         if it is not 0.
@@ -122,13 +122,14 @@ def critical_temperature(
     """
     if not transitions:
         raise InputError("there is no transition; at least one is needed")
-    require_share(share)
+    decisive = Criterion.of(criterion)
     for _, _, friction in transitions:
         require_positive(friction=friction)
     found = []
     for normal_load, velocity, friction in transitions:
+        ratio = bulk_difference / friction
         rise = max(
-            float(rise_exceeded(state.heat.rise_quantile_at(bulk_difference / friction), share))
+            float(decisive.rise(rises_at(columns_of(state.heat), ratio)))
             for state in simulate(scene, normal_load, velocity)
             if state.heat and state.normal_load >= normal_load
         )

@@ -2,30 +2,20 @@
 
 Where a surface has no transition within the sweep, its transition lies above all of the sweep's
 velocities (or loads) if wear is mild throughout, and below them if it is severe from the lowest.
-Quantiles count it there, and are known as long as they fall within the sweep. A mean is given only
+Quantiles count it there, and are known as long as they fall within the sweep and do not depend on
+where transitions beyond computed points lie. A mean is given only
 where every surface crosses: the mean of those that do would be biased towards the sweep's middle.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 
 import numpy as np
 import xarray as xr
 
+from pipeline.analysis.transition import ABOVE, BELOW, CROSSES, MILD, SEVERE
 from tribo.types import Array
-
-CROSSES, MILD, SEVERE, UNKNOWN = range(4)
-"""Values of the variables ``outcome_at_load`` and ``outcome_at_velocity``."""
-
-OUTCOMES = {
-    CROSSES: "crosses",
-    MILD: "mild throughout",
-    SEVERE: "severe from the lowest",
-    UNKNOWN: "not known yet",
-}
-"""What they mean, in words."""
 
 BAND = (0.1, 0.5, 0.9)
 """Shares of the surfaces whose transition lies lower: lower end, middle and upper end."""
@@ -49,17 +39,22 @@ def with_band(boundaries: xr.Dataset, variant: str) -> xr.Dataset:
         outcome = boundaries[f"outcome_at_{axis}"].transpose(variant, axis).values
         values = boundaries[name].transpose(variant, axis).values
         unit, count = {"units": boundaries[name].attrs["units"]}, {"units": "1"}
-        columns = [
-            np.select([why == MILD, why == SEVERE, why == UNKNOWN], [np.inf, -np.inf, np.nan], at)
-            for at, why in zip(values.T, outcome.T, strict=True)
+        computed = [
+            boundaries[f"computed_{end}_at_{axis}"].transpose(variant, axis).values
+            for end in ("from", "to")
         ]
-        of_all = [np.mean(c) if np.isfinite(c).all() else math.nan for c in _known(columns)]
+        crossing = (outcome == CROSSES).sum(axis=0)
+        known = np.isin(outcome, (CROSSES, MILD, SEVERE)).sum(axis=0)
+        rows = zip(values.T, outcome.T, *(each.T for each in computed), strict=True)
+        ends = [_ends(*row) for row in rows]
+        all_cross = [np.isfinite(low).all() and (low == high).all() for low, high in ends]
+        several = list(zip(ends, all_cross, strict=True))
+        of_all = [np.mean(low) if crosses else math.nan for (low, _), crosses in several]
         spread = [
-            np.std(c, ddof=1) if len(c) > 1 and np.isfinite(c).all() else math.nan
-            for c in _known(columns)
+            np.std(low, ddof=1) if crosses and len(low) > 1 else math.nan
+            for (low, _), crosses in several
         ]
-        quantiles = [[quantile(c, share) for c in columns] for share in BAND]
-        crossing, known = (outcome == CROSSES).sum(axis=0), (outcome != UNKNOWN).sum(axis=0)
+        quantiles = [[quantile(*each, share) for each in ends] for share in BAND]
         found = found.assign(
             {
                 f"{name}_mean": (axis, of_all, unit | {"long_name": "mean over the surfaces"}),
@@ -84,37 +79,48 @@ def with_band(boundaries: xr.Dataset, variant: str) -> xr.Dataset:
     return found
 
 
-def _known(columns: Sequence[Array]) -> list[Array]:
-    """Leave out unknown values from each column; NaN alone where all are unknown."""
-    return [c[~np.isnan(c)] if not np.isnan(c).all() else np.array([math.nan]) for c in columns]
+def _ends(at: Array, outcome: Array, first: Array, last: Array) -> tuple[Array, Array]:
+    """Least and greatest place that each transition may have, of those of which any is known.
+
+    One above what was computed may lie anywhere there, and one below likewise.
+    """
+    infinite = np.full(at.shape, np.inf)
+    why = [outcome == kind for kind in (CROSSES, MILD, SEVERE, ABOVE, BELOW)]
+    low = np.select(why, [at, infinite, -infinite, last, -infinite], math.nan)
+    high = np.select(why, [at, infinite, -infinite, infinite, first], math.nan)
+    known = ~np.isnan(low)
+    return (low[known], high[known]) if known.any() else (np.array([math.nan]),) * 2
 
 
-def quantile(values: Array, share: float) -> float:
-    """Value that a share of all stays below, linear between them; infinite ones beyond the rest.
+def quantile(low: Array, high: Array, share: float) -> float:
+    """Value that a share of all stays below, linear between them.
 
     Parameters
     ----------
-    values : ndarray
-        Values, also infinite ones; NaN is left out.
+    low, high : ndarray
+        Least and greatest that each value may be, infinite where beyond the rest.
     share : float
         Share of the values that lie lower, from 0 to 1.
 
     Returns
     -------
     float
-        The quantile; NaN where it does not lie between finite values.
+        The quantile; NaN where it does not lie between finite values, or is not the same whatever
+        the values are.
 
     Examples
     --------
-    >>> values = np.array([2.0, 1.0, np.inf, np.nan, -np.inf, 3.0])
-    >>> quantile(values, 0.5), quantile(values, 0.375), quantile(values, 0.9)
-    (2.0, 1.5, nan)
+    >>> values = np.array([2.0, 1.0, np.inf, -np.inf, 3.0])
+    >>> quantile(values, values, 0.5), quantile(values, values, 0.375)
+    (2.0, 1.5)
+    >>> beyond = np.array([2.0, 1.0, 2.5, -np.inf, 3.0]), np.array([2.0, 1.0, np.inf, -np.inf, 3.0])
+    >>> quantile(*beyond, 0.5), quantile(*beyond, 0.75)
+    (2.0, nan)
     """
-    ranked = np.sort(values[~np.isnan(values)])
-    if not ranked.size:
+    place = share * (len(low) - 1)
+    below, above = math.floor(place), math.ceil(place)
+    ranked, greatest = np.sort(low), np.sort(high)
+    ends = ranked[[below, above]]
+    if not np.isfinite(ends).all() or (ends != greatest[[below, above]]).any():
         return math.nan
-    place = share * (len(ranked) - 1)
-    low, high = ranked[math.floor(place)], ranked[math.ceil(place)]
-    if not (np.isfinite(low) and np.isfinite(high)):
-        return math.nan
-    return float(low + (place - math.floor(place)) * (high - low))
+    return float(ends[0] + (place - below) * (ends[1] - ends[0]))

@@ -11,17 +11,22 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from pipeline.analysis.attributes import attributes_of
-from pipeline.analysis.band import CROSSES, MILD, SEVERE, UNKNOWN, with_band
+from pipeline.analysis.band import with_band
 from pipeline.analysis.conditions import Bulk, conditions_by_variant, conditions_of
 from pipeline.analysis.dataset import asked, at_bulks, dataset_of, values_of, variant_of
-from pipeline.analysis.interpolation import crossing, exponent, interpolated
+from pipeline.analysis.interpolation import exponent, interpolated
+from pipeline.analysis.transition import OUTCOMES, UNITS, Transition, range_of
 from pipeline.store.place import PathLike
 from pipeline.store.schema import DONE
-from pipeline.sweep import criterion
-from pipeline.sweep.criterion import Conditions, contact_temperature, failed_fraction, rise_limit
+from pipeline.sweep.criterion import (
+    Conditions,
+    contact_temperature,
+    decisive_rises,
+    failed_fraction,
+    rise_limit,
+)
 from pipeline.sweep.lubrication import Lubrication
 from tribo import InputError
 from tribo.thermal import quantiles
@@ -29,8 +34,8 @@ from tribo.types import Array
 
 _OUTCOMES = {
     "long_name": "why there is no crossing",
-    "flag_values": np.array([CROSSES, MILD, SEVERE, UNKNOWN], dtype=np.int8),
-    "flag_meanings": "crosses mild_throughout severe_from_the_lowest unknown",
+    "flag_values": np.array(list(OUTCOMES), dtype=np.int8),
+    "flag_meanings": " ".join(words.replace(" ", "_") for words in OUTCOMES.values()),
 }
 
 
@@ -40,6 +45,7 @@ def boundary(
     bulk_temperature: Bulk | None = None,
     critical_temperature: float | str | None = None,
     share: float | str | None = None,
+    criterion: str | None = None,
 ) -> xr.Dataset:
     """Critical velocity for each load and critical load for each velocity.
 
@@ -60,14 +66,20 @@ def boundary(
     share : float or str, optional
         Wear is severe where more than this share of the contact area is hotter than the critical
         temperature, such as 0.1 or ``"10%"``; 0 is Blok's criterion, the maximum temperature.
+    criterion : str, optional
+        Temperature that decides: ``"share"``, which that share exceeds, ``"highest"`` or
+        ``"mean"``; see `tribo.CRITERIA`.
 
     Returns
     -------
     Dataset
         ``critical_velocity(load)`` [m/s] and ``critical_load(velocity)`` [N]: the first crossing
-        from mild to severe wear, NaN where the sweep does not cross. ``outcome_at_load`` and
-        ``outcome_at_velocity`` say why not: mild or severe (at the lowest point already)
-        throughout, or unknown for want of points. ``rise_exponent_at_load`` is d ln(rise) over
+        from mild to severe wear, NaN where the computed points do not cross. ``outcome_at_load``
+        and ``outcome_at_velocity`` give the reason: mild throughout or severe from the lowest,
+        where the outermost points of the scene's own range are done and say so; above or below what
+        was computed, where they are not; or not known for want of points. ``computed_from_at_load``
+        and ``computed_to_at_load`` are the lowest and highest velocity computed [m/s], likewise
+        ``computed_from_at_velocity``. ``rise_exponent_at_load`` is d ln(rise) over
         d ln(velocity) at the crossing: an error of the rise, divided by it, is that of the critical
         velocity. ``missing_at_load`` and
         ``missing_at_velocity`` count the points that are pending or failed. The conditions are
@@ -106,7 +118,7 @@ def boundary(
     if isinstance(friction, str):
         raise InputError(f'friction: "{friction}" is text; give a number such as 0.1, or several')
     ds = dataset_of(ds)
-    others = (bulk_temperature, critical_temperature, share)
+    others = (bulk_temperature, critical_temperature, share, criterion)
     frictions = list(friction) if isinstance(friction, Iterable) else [friction]
     several = [conditions_of(ds, value, *others) for value in frictions]
     by_variant = [
@@ -145,7 +157,7 @@ def _boundary(
     wanted = asked(ds).transpose(..., "load", "velocity").values.reshape(planes.shape)
     missing = wanted & ~np.isfinite(planes)
     lubrication = Lubrication.stored(attributes_of(ds))
-    columns: dict[str, tuple[str, Array, dict[str, Any]]] = {}
+    columns: dict[str, tuple[str, Any, dict[str, Any]]] = {}
     for name, other, x, lines, attrs in (
         (
             "load", "velocity", velocities, planes,
@@ -156,11 +168,21 @@ def _boundary(
             {"units": "N", "long_name": "normal load at the transition to severe wear"},
         ),
     ):  # fmt: skip
-        each = list(zip(lines, limits, strict=True))
-        at = np.array([[crossing(x, row, limit) for row in plane] for plane, limit in each])
+        ends = range_of(ds, other)
+        found = [
+            [Transition.along(x, row, limit, ends) for row in plane]
+            for plane, limit in zip(lines, limits, strict=True)
+        ]
+        at = np.array([[each.place for each in row] for row in found])
         columns[f"critical_{other}"] = name, at, attrs
-        outcome = [_outcome(*part) for part in zip(at, lines, limits, strict=True)]
-        columns[f"outcome_at_{name}"] = name, np.array(outcome), _OUTCOMES
+        outcome = np.array([[each.outcome for each in row] for row in found], np.int8)
+        columns[f"outcome_at_{name}"] = name, outcome, _OUTCOMES
+        for number, end in enumerate(("from", "to")):
+            columns[f"computed_{end}_at_{name}"] = (
+                name,
+                np.array([[each.computed[number] for each in row] for row in found]),
+                {"units": UNITS[other], "long_name": f"{other} computed {end} at this {name}"},
+            )
         columns[f"missing_at_{name}"] = (
             name,
             np.count_nonzero(missing, axis=2 if name == "load" else 1),
@@ -193,7 +215,7 @@ def _boundary(
                 {"units": "1", "long_name": "film parameter at the crossing"},
             )
     kept = ("load", "velocity", "realization", "sample")
-    found = xr.Dataset(
+    boundaries = xr.Dataset(
         {
             name: ((axis, dim), values, attrs) if axis else ((dim,), values[0], attrs)
             for name, (dim, values, attrs) in columns.items()
@@ -202,17 +224,7 @@ def _boundary(
         (conditions if axis else by_variant[0]).as_dict()
         | {"missing_points": int(np.count_nonzero(missing))},
     )
-    return with_band(found, axis) if axis else found
-
-
-def _outcome(at: Array, plane: Array, limit: float) -> NDArray[np.int8]:
-    """Reason why lines of points do not cross, one for each line."""
-    known = np.isfinite(plane)
-    lowest = np.take_along_axis(plane, known.argmax(axis=1)[:, None], axis=1)[:, 0]
-    outcome = np.where(lowest > limit, SEVERE, MILD)
-    outcome[~known.any(axis=1)] = UNKNOWN
-    outcome[np.isfinite(at)] = CROSSES
-    return outcome.astype(np.int8)
+    return with_band(boundaries, axis) if axis else boundaries
 
 
 def decisive_temperature(
@@ -221,15 +233,16 @@ def decisive_temperature(
     bulk_temperature: Bulk | None = None,
     critical_temperature: float | str | None = None,
     share: float | str | None = None,
+    criterion: str | None = None,
     resolution: int | None = None,
 ) -> xr.DataArray:
-    """Temperature that just the failing share of the contact area exceeds, at the highest.
+    """Temperature of the contact that decides, at the highest.
 
     Wear is severe where it lies above the critical temperature.
 
     Parameters
     ----------
-    ds, friction, bulk_temperature, critical_temperature, share
+    ds, friction, bulk_temperature, critical_temperature, share, criterion
         See `boundary`.
     resolution : int, optional
         Interpolate onto so many loads and velocities, evenly spaced.
@@ -248,14 +261,16 @@ def decisive_temperature(
     444.0
     """
     ds = dataset_of(ds)
-    conditions = conditions_of(ds, friction, bulk_temperature, critical_temperature, share)
+    conditions = conditions_of(
+        ds, friction, bulk_temperature, critical_temperature, share, criterion
+    )
     rise = decisive_rise(ds, conditions)
     if resolution is not None:
         rise = refined(rise, resolution)
     temperature = contact_temperature(rise, conditions)
     temperature.attrs = {
         "units": "K",
-        "long_name": "temperature exceeded by the failing share of the contact",
+        "long_name": f"deciding temperature, {conditions.decisive.temperature}",
         **conditions.as_dict(),
     }
     return temperature.rename("decisive_temperature")
@@ -323,17 +338,19 @@ def temperatures(
 
 def with_rises(ds: xr.Dataset, conditions: Sequence[Conditions]) -> xr.Dataset:
     """Load what decides under some conditions, and leave out the other quantiles."""
-    stored = ds["quantile"].values
-    cooler = [1 - own.failing_share for own in conditions]
-    first, last = 0, len(stored) - 1
-    if stored[0] <= min(cooler) <= max(cooler) <= stored[-1]:  # else they are refused later
-        first = max(int(np.searchsorted(stored, min(cooler))) - 1, 0)
-        last = max(int(np.searchsorted(stored, max(cooler))), first + 1)
-    names = ["normal_load", "rise_quantile"]
-    if any(own.bulk_ratio for own in conditions) and "bulk_rise_quantile" in ds:
-        names.append("bulk_rise_quantile")
-    narrow = ds.isel(quantile=slice(first, last + 1))
-    return narrow.assign({name: narrow[name].load() for name in names})
+    stored, names = ds["quantile"].values, ["normal_load"]
+    columns = {own.decisive.column for own in conditions}
+    unequal = any(own.bulk_ratio for own in conditions)
+    if "mean_rise" in columns:
+        names += ["mean_rise", *(["mean_bulk_response"] if unequal else [])]
+    if "rise_quantile" in columns:
+        names += ["rise_quantile", *(["bulk_rise_quantile"] if unequal else [])]
+        shares = [0.0 if own.criterion == "highest" else own.failing_share for own in conditions]
+        if stored[0] <= 1 - max(shares) <= 1 - min(shares) <= stored[-1]:  # else they are refused
+            first = max(int(np.searchsorted(stored, 1 - max(shares))) - 1, 0)
+            last = max(int(np.searchsorted(stored, 1 - min(shares))), first + 1)
+            ds = ds.isel(quantile=slice(first, last + 1))
+    return ds.assign({name: ds[name].load() for name in names if name in ds})
 
 
 def decisive_rise(ds: xr.Dataset, conditions: Conditions | Sequence[Conditions]) -> xr.DataArray:
@@ -357,16 +374,17 @@ def decisive_rise(ds: xr.Dataset, conditions: Conditions | Sequence[Conditions])
     ds, axis = dataset_of(ds), variant_of(ds)
     several = [conditions] if isinstance(conditions, Conditions) else list(conditions)
     ds = with_rises(ds, several)
-    names = ["normal_load", "rise_quantile"]
-    names += ["bulk_rise_quantile"] if "bulk_rise_quantile" in ds else []
-    columns = {name: values_of(ds, name) for name in names}
+    names = ["normal_load", *(own.decisive.column for own in several)]
+    if any(own.bulk_ratio for own in several):
+        names += [name for name in ("bulk_rise_quantile", "mean_bulk_response") if name in ds]
+    columns = {name: values_of(ds, name) for name in dict.fromkeys(names)}
     loads, own = ds["load"].values[:, None, None], {"quantile": ds["quantile"].values}
-    if len({(each.failing_share, each.bulk_ratio) for each in several}) == 1:
-        rises = criterion.decisive_rises(columns | own, loads, several[0])
+    if len({(each.decisive, each.bulk_ratio) for each in several}) == 1:
+        rises = decisive_rises(columns | own, loads, several[0])
     else:
         rises = np.array(
             [
-                criterion.decisive_rises(
+                decisive_rises(
                     {name: values[number] for name, values in columns.items()} | own, loads, each
                 )
                 for number, each in enumerate(several)
@@ -382,7 +400,7 @@ def decisive_rise(ds: xr.Dataset, conditions: Conditions | Sequence[Conditions])
     )
 
 
-def refined(rise: xr.DataArray, resolution: int, continued: bool = False) -> xr.DataArray:
+def refined(rise: xr.DataArray, resolution: int, limit: float | None = None) -> xr.DataArray:
     """Interpolate a decisive rise onto many loads and velocities, evenly spaced.
 
     The surface passes through the boundary that `boundary` finds for each load and each velocity.
@@ -394,14 +412,15 @@ def refined(rise: xr.DataArray, resolution: int, continued: bool = False) -> xr.
         Rise of `decisive_rise` [K].
     resolution : int
         Number of loads and of velocities.
-    continued : bool, optional
-        Whether at each load to go on beyond the outermost known points, as a power of the velocity.
+    limit : float, optional
+        Rise above which wear is severe [K]: at each load, go on below mild points and above severe
+        ones, as a power of the velocity. Not if not given.
     """
     loads, velocities = rise["load"].values, rise["velocity"].values
     fine_loads = np.linspace(loads[0], loads[-1], resolution)
     fine = np.linspace(velocities[0], velocities[-1], resolution)
     rows = np.apply_along_axis(
-        lambda row: interpolated(velocities, row, fine, continued), -1, rise.values
+        lambda row: _continued(velocities, row, fine, limit), -1, rise.values
     )
     plane = np.apply_along_axis(lambda column: interpolated(loads, column, fine_loads), -2, rows)
     axes = {"load": fine_loads, "velocity": fine}
@@ -410,6 +429,21 @@ def refined(rise: xr.DataArray, resolution: int, continued: bool = False) -> xr.
         for name, coord in rise.coords.items()
     }
     return xr.DataArray(plane, coords, rise.dims, rise.name, rise.attrs)
+
+
+def _continued(x: Array, y: Array, at: Array, limit: float | None) -> Array:
+    """Interpolate, and go on where that leaves the kind of wear as it is."""
+    within = interpolated(x, y, at)
+    if limit is None or np.isnan(within).all():
+        return within
+    known = np.flatnonzero(np.isfinite(y))
+    first, last = known[0], known[-1]
+    beyond = interpolated(x, y, at, continued=True)
+    if y[first] <= limit:
+        within = np.where(at < x[first], np.minimum(beyond, y[first]), within)
+    if y[last] > limit:
+        within = np.where(at > x[last], np.maximum(beyond, y[last]), within)
+    return within
 
 
 def rise_exceeded(ds: xr.Dataset, share: float) -> xr.DataArray:

@@ -18,7 +18,7 @@ from tribo import InputError
 Bulk = float | str | Mapping[str, float | str]
 """A bulk temperature [K] or with a unit; or one for each body, by ``"pin"`` and ``"disk"``."""
 
-CONDITIONS = ("friction", "bulk_temperature", "critical_temperature", "share")
+CONDITIONS = ("friction", "bulk_temperature", "critical_temperature", "share", "criterion")
 """Names of the conditions that may be given in place of the sweep's own."""
 
 _COLDEST_OIL, _HOTTEST_OIL = 220.0, 900.0  # bulk temperatures [K]
@@ -30,6 +30,7 @@ def conditions_of(
     bulk_temperature: Bulk | None = None,
     critical_temperature: float | str | None = None,
     share: float | str | None = None,
+    criterion: str | None = None,
 ) -> Conditions:
     """Take the sweep's own conditions, and those that are given in their place.
 
@@ -42,6 +43,7 @@ def conditions_of(
         "friction": friction,
         "critical_temperature": _kelvin("critical_temperature", critical_temperature),
         "failing_share": None if share is None else share_of(share),
+        "criterion": "share" if criterion is None and share is not None else criterion,
     }
     values = dict(attributes_of(ds).get("conditions") or {})
     values |= {name: value for name, value in given.items() if value is not None}
@@ -52,8 +54,8 @@ def conditions_of(
             else _kelvin("bulk_temperature", bulk_temperature)
         )
         values |= of_bulks(each)
-    for name in (*given, "bulk_temperature"):
-        if values.get(name) is None and name != "critical_temperature":
+    for name in ("friction", "failing_share", "bulk_temperature"):
+        if values.get(name) is None:
             raise InputError(f"the sweep has no {name} of its own; give one")
     conditions = Conditions(**values)
     require_bulks(ds, conditions)
@@ -95,11 +97,12 @@ def conditions_by_variant(
     given : iterable
         Values given of `CONDITIONS`, in this order; None where the sweep's own holds.
     """
-    free = [entry for entry, value in zip(_DRAWN.items(), given, strict=True) if value is None]
-    return [
-        replace(conditions, **{name: float(place[path]) for name, path in free if path in place})
-        for place in variants(ds)
-    ]
+    free = [entry for entry, value in zip(_DRAWN.items(), given, strict=False) if value is None]
+    found = []
+    for place in variants(ds):
+        drawn: dict[str, Any] = {n: float(place[path]) for n, path in free if path in place}
+        found.append(replace(conditions, **drawn))
+    return found
 
 
 _DRAWN = {

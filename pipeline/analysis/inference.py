@@ -10,7 +10,7 @@ import numpy as np
 
 from pipeline.sweep.model import Measurement, Sweep
 from pipeline.sweep.stages import staged
-from tribo import InputError, Transition, critical_temperature
+from tribo import Criterion, InputError, Transition, critical_temperature
 from tribo.errors import require_positive
 
 
@@ -26,14 +26,15 @@ class CriticalTemperatures:
         Seeds of the surfaces; None for a surface that is not random.
     temperatures : tuple of tuple of float
         Critical temperature by transition and surface [K].
-    share : float
-        Share of the contact area that exceeds the critical temperature.
+    criterion : Criterion
+        Criterion of severe wear by which they are found.
 
     Examples
     --------
-    >>> from tribo import Transition
+    >>> from tribo import Criterion, Transition
     >>> measured = Transition(600.0, 1.5, 0.1), Transition(200.0, 3.75, 0.094)
-    >>> found = CriticalTemperatures(measured, (0, 1), ((418.0, 420.0), (412.0, 414.0)), share=0.1)
+    >>> kelvins = (418.0, 420.0), (412.0, 414.0)
+    >>> found = CriticalTemperatures(measured, (0, 1), kelvins, Criterion())
     >>> found.means, found.mean
     ((419.0, 413.0), 416.0)
     """
@@ -41,7 +42,7 @@ class CriticalTemperatures:
     transitions: tuple[Transition, ...]
     surfaces: tuple[int | None, ...]
     temperatures: tuple[tuple[float, ...], ...]
-    share: float
+    criterion: Criterion
 
     @property
     def means(self) -> tuple[float, ...]:
@@ -67,7 +68,8 @@ class CriticalTemperatures:
         """Return all values as plain data."""
         rows = zip(self.transitions, self.temperatures, self.means, self.spreads, strict=True)
         return {
-            "share": self.share,
+            "criterion": self.criterion.name,
+            "share": self.criterion.share,
             "surfaces": list(self.surfaces),
             "transitions": [
                 at._asdict() | {"temperatures": list(row), "mean": mean, "spread": spread}
@@ -135,12 +137,12 @@ def critical_temperatures(
             sweep.on_surface(seed),
             transitions[number : number + 1],
             conditions.bulk_temperature,
-            conditions.failing_share,
+            conditions.decisive,
             conditions.bulk_difference,
         )
         found[number] += result.temperatures
     return CriticalTemperatures(
-        transitions, surfaces, tuple(map(tuple, found)), conditions.failing_share
+        transitions, surfaces, tuple(map(tuple, found)), conditions.decisive
     )
 
 

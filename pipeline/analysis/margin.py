@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
@@ -20,23 +20,21 @@ import xarray as xr
 from pipeline.analysis.boundary import decisive_rise
 from pipeline.analysis.conditions import Bulk, conditions_by_variant, conditions_of
 from pipeline.analysis.dataset import dataset_of, variants
-from pipeline.analysis.interpolation import crossing, interpolated
+from pipeline.analysis.interpolation import interpolated
+from pipeline.analysis.transition import OUTCOMES, Transition, range_of
 from pipeline.scene.quantities import in_si
 from pipeline.store.place import PathLike
 from pipeline.sweep.criterion import Conditions, contact_temperature, rise_limit
 from tribo import InputError
 from tribo.types import Array
 
-CROSSES, MILD, SEVERE = "crosses", "mild throughout", "severe throughout"
-"""What is known of the way from an operating point to the boundary."""
-
 
 @dataclass(frozen=True, slots=True)
 class Margin:
     """The distance of an operating point from severe wear.
 
-    Where a sweep has points about its boundary alone, the rise is continued beyond them as a power
-    of the velocity.
+    Beyond the velocities computed at a load, such as in a sweep that has points about its boundary
+    alone, the rise is continued as a power of the velocity; the boundary is not.
 
     Attributes
     ----------
@@ -49,20 +47,21 @@ class Margin:
     sample : int or None
         Number of the sample of unknown inputs, in a sweep over several.
     decisive_temperature : float
-        Temperature that just the failing share of the contact area exceeds [K].
+        Temperature of the contact that decides [K].
     temperature_error : float or None
-        What interpolating between the points of the sweep may be off by [K]; 0 at a point of the
-        sweep, None where there are too few points about it to tell.
+        Error of interpolating between the points of the sweep [K]; 0 at a point of the sweep, None
+        where there are too few points about it to tell.
+    is_continued : bool
+        Whether the temperature is continued beyond the computed points.
     critical_temperature : float
         Temperature above which the lubricant fails [K].
     critical_velocity, critical_load : float
         Velocity [m/s] at this load, and load [N] at this velocity, at which wear turns severe; NaN
         where the sweep does not reach the transition.
     velocity_outcome, load_outcome : str
-        Whether the sweep crosses the boundary along the velocity and along the load, or wear is
-        mild or severe throughout.
+        One of `pipeline.analysis.transition.OUTCOMES`, along the velocity and along the load.
     velocity_range, load_range : tuple of float
-        The lowest and highest velocity [m/s] and load [N] at which that is known.
+        Lowest and highest velocity [m/s] and load [N] computed there.
 
     Examples
     --------
@@ -79,6 +78,7 @@ class Margin:
     sample: int | None
     decisive_temperature: float
     temperature_error: float | None
+    is_continued: bool
     critical_temperature: float
     critical_velocity: float
     critical_load: float
@@ -132,6 +132,7 @@ def margins(
     bulk_temperature: Bulk | None = None,
     critical_temperature: float | str | None = None,
     share: float | str | None = None,
+    criterion: str | None = None,
 ) -> tuple[Margin, ...]:
     """Tell how far an operating point lies from severe wear, without a new simulation.
 
@@ -144,7 +145,7 @@ def margins(
         Normal load on the whole pin [N], or text such as ``"500 N"``, within those of the sweep.
     velocity : float or str
         Sliding velocity [m/s], or text with a unit, above 0 and within those of the sweep.
-    friction, bulk_temperature, critical_temperature, share
+    friction, bulk_temperature, critical_temperature, share, criterion
         See `pipeline.boundary`.
 
     Returns
@@ -167,7 +168,9 @@ def margins(
     (True, '-13 K')
     """
     ds = dataset_of(ds)
-    conditions = conditions_of(ds, friction, bulk_temperature, critical_temperature, share)
+    conditions = conditions_of(
+        ds, friction, bulk_temperature, critical_temperature, share, criterion
+    )
     if conditions.friction == 0:
         raise InputError(
             "friction is 0; without friction there is no heat and no boundary; give one above 0"
@@ -178,18 +181,20 @@ def margins(
         ("load", load, ds["load"].values, "N"),
         ("velocity", velocity, ds["velocity"].values, "m/s"),
     ):
-        lowest, highest = float(axis[0]), float(axis[-1])
+        first, last = range_of(ds, name)
+        lowest, highest = min(axis[0], first), max(axis[-1], last)
         if not (lowest <= value <= highest and value > 0):
             raise InputError(
                 f"{name} is {value:g} {unit}; the sweep has {lowest:g} to {highest:g} {unit}: give "
                 "one within, above 0, or add points to the sweep"
             )
-    given = (friction, bulk_temperature, critical_temperature, share)
+    given = (friction, bulk_temperature, critical_temperature, share, criterion)
     several = conditions_by_variant(ds, conditions, given)
+    ends = {name: range_of(ds, name) for name in ("load", "velocity")}
     rise = decisive_rise(ds, several)
     planes = rise.values.reshape(len(several), *rise.shape[-2:])
     return tuple(
-        _margin(ds["load"].values, ds["velocity"].values, plane, load, velocity, own, place)
+        _margin(ds["load"].values, ds["velocity"].values, plane, load, velocity, own, place, ends)
         for plane, own, place in zip(planes, several, variants(ds), strict=True)
     )
 
@@ -202,6 +207,7 @@ def _margin(
     velocity: float,
     conditions: Conditions,
     place: Mapping[str, Any],
+    ends: Mapping[str, tuple[float, float]],
 ) -> Margin:
     """The margin on one surface."""
     column = np.array([_along(velocities, each, velocity, continued=True) for each in r])
@@ -211,59 +217,55 @@ def _margin(
             f"too few points about {load:g} N and {velocity:g} m/s are done to tell; run the sweep "
             "to its end, or add points there"
         )
-    within = [_along(velocities, each, velocity) for each in r]
-    is_within = math.isfinite(_along(loads, np.array(within), load))
+    within = np.array([_along(velocities, each, velocity) for each in r])
+    is_within = math.isfinite(_along(loads, within, load))
     error = _error(loads, velocities, r, load, velocity) if is_within else None
     limit = rise_limit(conditions)
-    row = np.array([_along(loads, each, load) for each in r.T])
-    across = _Line.of(velocities, row).with_point(velocity, rise)
-    upwards = _Line.of(loads, column).with_point(load, rise)
+    # Along a line of the sweep's own points the boundary is that of `boundary`; between such lines
+    # it agrees with the rise at the operating point, if that is computed.
+    if load in loads:
+        across = _line(velocities, r[loads == load][0])
+    else:
+        across = _line(velocities, [_along(loads, each, load) for each in r.T])
+        across = _with_point(*across, velocity, rise) if is_within else across
+    if velocity in velocities:
+        upwards = _line(loads, r[:, velocities == velocity][:, 0])
+    else:
+        upwards = (
+            _with_point(*_line(loads, within), load, rise) if is_within else _line(loads, within)
+        )
+    along_velocity = Transition.along(*across, limit, ends["velocity"])
+    along_load = Transition.along(*upwards, limit, ends["load"])
     return Margin(
         load=load,
         velocity=velocity,
         realization=place.get("realization"),
         sample=place.get("sample"),
         decisive_temperature=contact_temperature(rise, conditions),
-        temperature_error=None if error is None else conditions.friction * rise * error,
+        temperature_error=None if error is None else conditions.rise_factor * rise * error,
+        is_continued=not is_within,
         critical_temperature=conditions.known_critical_temperature(),
-        critical_velocity=across.crossing(limit),
-        critical_load=upwards.crossing(limit),
-        velocity_outcome=across.outcome(limit),
-        load_outcome=upwards.outcome(limit),
-        velocity_range=across.range,
-        load_range=upwards.range,
+        critical_velocity=along_velocity.place,
+        critical_load=along_load.place,
+        velocity_outcome=OUTCOMES[along_velocity.outcome],
+        load_outcome=OUTCOMES[along_load.outcome],
+        velocity_range=along_velocity.computed,
+        load_range=along_load.computed,
     )
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Line:
-    """Decisive rise y [K] over velocities or loads x, where it is known."""
+def _line(x: Array, y: Array | list[float]) -> tuple[Array, Array]:
+    """Velocities or loads and the rises there, as far as they are known."""
+    rises = np.asarray(y)
+    known = np.isfinite(rises)
+    return x[known], rises[known]
 
-    x: Array
-    y: Array
 
-    @classmethod
-    def of(cls, x: Array, y: Array) -> _Line:
-        known = np.isfinite(y)
-        return cls(x[known], y[known])
-
-    def with_point(self, x: float, y: float) -> _Line:
-        """The line through one more point, so that what follows from both agrees."""
-        others = self.x != x
-        at = int(np.searchsorted(self.x[others], x))
-        return replace(self, x=np.insert(self.x[others], at, x), y=np.insert(self.y[others], at, y))
-
-    def crossing(self, limit: float) -> float:
-        return crossing(self.x, self.y, limit)
-
-    def outcome(self, limit: float) -> str:
-        if math.isfinite(self.crossing(limit)):
-            return CROSSES
-        return SEVERE if self.y[0] > limit else MILD
-
-    @property
-    def range(self) -> tuple[float, float]:
-        return float(self.x[0]), float(self.x[-1])
+def _with_point(x: Array, y: Array, at: float, rise: float) -> tuple[Array, Array]:
+    """The line through one more point."""
+    x, y = x[x != at], y[x != at]
+    place = int(np.searchsorted(x, at))
+    return np.insert(x, place, at), np.insert(y, place, rise)
 
 
 def _along(x: Array, y: Array, at: float, continued: bool = False) -> float:

@@ -10,23 +10,32 @@ import numpy as np
 import xarray as xr
 
 import pipeline
-from pipeline.analysis.band import BAND, CROSSES, OUTCOMES
+from pipeline.analysis.attributes import attributes_of
+from pipeline.analysis.band import BAND
+from pipeline.analysis.transition import (
+    BEYOND,
+    CROSSES,
+    OUTCOMES,
+    UNKNOWN,
+    command_of,
+    in_words,
+)
 from tribo import lubrication_regime
 from tribo.lubricant import BOUNDARY, FULL_FILM
 from tribo.types import Array
 
-_NO_CROSSING = {why: words for why, words in OUTCOMES.items() if why != CROSSES}
 _BOUNDARIES = (
     ("critical_velocity", "load", "  load [N]   critical velocity [m/s]"),
     ("critical_load", "velocity", "  velocity [m/s]   critical load [N]"),
 )
+_ENDS = ("from", "to")
 _SLOW = 0.4  # exponent of the rise over the velocity, below which its errors are said to count more
 _KINDS = {"realization": "surfaces", "sample": "samples"}
 
 
 def document_of(found: xr.Dataset) -> dict[str, Any]:
     """Plain data of `pipeline.boundary`."""
-    conditions = ["bulk_temperature", "critical_temperature", "failing_share"]
+    conditions = ["bulk_temperature", "critical_temperature", "failing_share", "criterion"]
     conditions += [name for name in ("disk_temperature",) if name in found.attrs]
     frictions = _frictions(found)
     shown = ["load", "critical_velocity", "velocity", "critical_load"]
@@ -46,6 +55,11 @@ def document_of(found: xr.Dataset) -> dict[str, Any]:
         | {
             f"{name}_outcome": _worded(found[f"outcome_at_{axis}"].values.tolist())
             for name, axis, _ in _BOUNDARIES
+        }
+        | {
+            f"{name}_computed_{end}": found[f"computed_{end}_at_{axis}"].values.tolist()
+            for name, axis, _ in _BOUNDARIES
+            for end in _ENDS
         }
     )
     for name, axis, _ in _BOUNDARIES:
@@ -85,6 +99,7 @@ def rows_of(found: xr.Dataset) -> Iterator[dict[str, Any]]:
         ),
         "critical [°C]": found.attrs["critical_temperature"] - 273.15,
         "failing share": found.attrs["failing_share"],
+        "criterion": found.attrs["criterion"],
     }
     units = {"load": "load [N]", "velocity": "velocity [m/s]"}
     for name, axis, _ in _BOUNDARIES:
@@ -109,6 +124,7 @@ def _crossing(at: xr.Dataset, name: str, axis: str, other: str) -> dict[str, Any
         found = {other: float(at[f"{name}_quantile"][BAND.index(0.5)])} | found
     else:
         found = {other: float(at[name]), "outcome": OUTCOMES[int(at[f"outcome_at_{axis}"])]}
+        found |= {f"computed {end}": float(at[f"computed_{end}_at_{axis}"]) for end in _ENDS}
     if f"film_parameter_at_{axis}" in at:
         found["film parameter"] = _middle(at[f"film_parameter_at_{axis}"].values)
     return found
@@ -119,8 +135,25 @@ def _middle(film: Array) -> float | None:
     return float(np.nanmedian(film)) if not np.isnan(film).all() else None
 
 
-def text_of(found: xr.Dataset) -> Iterator[str]:
-    """Lines of text on `pipeline.boundary`; a column or block for each friction."""
+def command_for(found: xr.Dataset, store: Any, ds: xr.Dataset) -> str | None:
+    """The command that computes transitions beyond what was computed; None where there are none."""
+    frictions = zip(_frictions(found), _by_friction(found), strict=True)
+    beyond = [
+        friction
+        for friction, (_, part) in frictions
+        if part["outcome_at_load"].isin((*BEYOND, UNKNOWN)).any()
+    ]
+    if not beyond:
+        return None
+    is_pending = bool(found.attrs["missing_points"])
+    return command_of(store, attributes_of(ds), found.attrs | {"friction": beyond[0]}, is_pending)
+
+
+def text_of(found: xr.Dataset, command: str | None = None) -> Iterator[str]:
+    """Lines of text on `pipeline.boundary`; a column or block for each friction.
+
+    The command computes points that it lacks, if any.
+    """
     frictions = ", ".join(f"{value:g}" for value in _frictions(found))
     if "sample" in found.sizes:
         yield "each sample under its own inputs as drawn, the others as here:"
@@ -128,7 +161,11 @@ def text_of(found: xr.Dataset) -> Iterator[str]:
         f"friction {frictions}, "
         f"bulk {_bulk(found)}, "
         f"critical {pipeline.display(found.attrs['critical_temperature'], '°C')}, "
-        f"failing share {found.attrs['failing_share']:g}"
+        + (
+            f"failing share {found.attrs['failing_share']:g}"
+            if found.attrs["criterion"] == "share"
+            else f"criterion {found.attrs['criterion']}"
+        )
     )
     several = _variant(found) is not None
     parts = _by_friction(found) if several else [("", found)]
@@ -148,6 +185,9 @@ def text_of(found: xr.Dataset) -> Iterator[str]:
     if missing := found.attrs["missing_points"]:
         yield ""
         yield f"{missing} points are pending or failed and were left out"
+    if command:
+        yield ""
+        yield f"compute more of the boundary with: {command}"
 
 
 def _slow_rise(found: xr.Dataset) -> Iterator[str]:
@@ -194,18 +234,28 @@ def _by_friction(found: xr.Dataset) -> list[tuple[str, xr.Dataset]]:
 
 def _columns(found: xr.Dataset, name: str, axis: str) -> Iterator[str]:
     """Where one surface crosses, a column for each friction."""
-    several = "friction" in found.sizes
-    if several:
-        heads = "".join(f"{f'{value:g}':<24}" for value in _frictions(found))
-        yield f"{'friction':>10}   {heads}".rstrip()
-    for place in range(found.sizes[axis]):
-        cells = []
-        for _, part in _by_friction(found):
-            at = part.isel({axis: place})
-            why = int(at[f"outcome_at_{axis}"])
-            cells.append(_NO_CROSSING.get(why, f"{float(at[name]):.4g}{_film(at, axis)}"))
-        row = "".join(f"{cell:<24}" for cell in cells)
-        yield f"{float(found[axis][place]):10g}   {row}".rstrip()
+    rows = [
+        [f"{float(found[axis][place]):10g}", *_cells(found, place, name, axis)]
+        for place in range(found.sizes[axis])
+    ]
+    if "friction" in found.sizes:
+        rows.insert(0, [f"{'friction':>10}", *(f"{value:g}" for value in _frictions(found))])
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    for row in rows:
+        cells = (f"{cell:<{width}}" for cell, width in zip(row, widths, strict=True))
+        yield "   ".join(cells).rstrip()
+
+
+def _cells(found: xr.Dataset, place: int, name: str, axis: str) -> Iterator[str]:
+    """Crossing or outcome at one load or velocity, by friction."""
+    for _, part in _by_friction(found):
+        at = part.isel({axis: place})
+        outcome = int(at[f"outcome_at_{axis}"])
+        computed = float(at[f"computed_from_at_{axis}"]), float(at[f"computed_to_at_{axis}"])
+        if outcome == CROSSES:
+            yield f"{float(at[name]):.4g}{_film(at, axis)}"
+        else:
+            yield in_words(outcome, computed, name.removeprefix("critical_"))
 
 
 def _band(found: xr.Dataset, name: str, axis: str) -> Iterator[str]:
@@ -222,8 +272,8 @@ def _band(found: xr.Dataset, name: str, axis: str) -> Iterator[str]:
         counts = [f"{outcomes.count(CROSSES)} of {len(outcomes)} cross"]
         counts += [
             f"{outcomes.count(why)} {meaning}"
-            for why, meaning in _NO_CROSSING.items()
-            if why in outcomes
+            for why, meaning in OUTCOMES.items()
+            if why in outcomes and why != CROSSES
         ]
         row = " ".join(f"{cell:>8}" for cell in cells)
         yield f"{float(at[axis]):10g}   {row}   {', '.join(counts)}{_film(at, axis)}"

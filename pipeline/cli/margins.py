@@ -82,7 +82,7 @@ def _on_one(found: Margin) -> Iterator[str]:
     yield f"{found.load:g} N at {found.velocity:g} m/s: {verdict}{unsure}"
     yield (
         f"  deciding temperature  {pipeline.display(found.decisive_temperature, '°C', 4)}"
-        f"{_error(found.temperature_error)}"
+        f"{_error(found)}"
     )
     side = "above" if found.is_severe else "below"
     critical = pipeline.display(found.critical_temperature, "°C", 4)
@@ -100,12 +100,15 @@ def _on_one(found: Margin) -> Iterator[str]:
         way = (
             f"{factor:.3g} times, severe from {critical_value:.4g} {unit} on"
             if outcome == "crosses"
-            else f"{outcome}, from {ends[0]:.4g} to {ends[1]:.4g} {unit}"
+            else f"{outcome}: {ends[0]:.4g} to {ends[1]:.4g} {unit}"
         )
         yield f"  in {name:<19}{way}"
 
 
-def _error(error: float | None) -> str:
+def _error(found: Margin) -> str:
+    error = found.temperature_error
+    if found.is_continued:
+        return ", continued as a power of the velocity beyond the computed points"
     if error == 0:
         return ", at a point of the sweep"
     if error is None:

@@ -142,9 +142,15 @@ SHARE = _option(
     help="share of the contact above the critical temperature beyond which wear is severe, like "
     "10%% or 0.1; 0 for the maximum temperature",
 )
+CRITERION = _option(
+    "--criterion",
+    metavar="NAME",
+    type=values.criterion,
+    help="temperature that decides: share (the one that the share exceeds), highest or mean",
+)
 _INSTEAD = "conditions, in place of the scene's own"
-CONDITIONS = Group(_INSTEAD, (FRICTION, BULK, CRITICAL, SHARE))
-CONDITIONS_AT_FRICTIONS = Group(_INSTEAD, (FRICTIONS, BULK, CRITICAL, SHARE))
+CONDITIONS = Group(_INSTEAD, (FRICTION, BULK, CRITICAL, SHARE, CRITERION))
+CONDITIONS_AT_FRICTIONS = Group(_INSTEAD, (FRICTIONS, BULK, CRITICAL, SHARE, CRITERION))
 
 OVER = _option(
     "--over",

@@ -19,7 +19,7 @@ from pipeline.sweep.criterion import Verdict
 from pipeline.sweep.facts import require_bearable_load
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import PointResult
-from tribo import InputError, measures, specific_wear_rate
+from tribo import Criterion, InputError, measures, specific_wear_rate
 
 if TYPE_CHECKING:
     from pipeline.analysis.inference import CriticalTemperatures
@@ -38,13 +38,15 @@ _MORE_AREA = {2: "14 to 17", 4: "40 to 50"}
 def boundary(options: argparse.Namespace) -> int:
     """Print critical velocities and loads."""
     out = table_path(options)
-    from pipeline.cli.crossings import document_of, rows_of, text_of  # with xarray
+    from pipeline.cli.crossings import command_for, document_of, rows_of, text_of  # with xarray
 
     ds, conditions = pipeline.open_sweep(options.store), given(options, *CONDITIONS)
     found, warned = pipeline.boundary(ds, **conditions), pipeline.warned(ds, **conditions)
     document = document_of(found) | {"warnings": warned.as_dict()}
+    command = command_for(found, options.store, ds)
+    document |= {"command": command}
     told = written(out, rows_of(found), document)
-    show(options, document, [*text_of(found), *warned.lines(), *told])
+    show(options, document, [*text_of(found, command), *warned.lines(), *told])
     return DONE
 
 
@@ -141,12 +143,12 @@ def _on_point(
         yield (
             f"  failed share      {100 * verdict.failed_fraction:.1f} % of the contact above "
             f"{pipeline.display(conditions.critical_temperature, '°C')} "
-            f"(severe above {100 * conditions.failing_share:g} %)"
+            f"(severe: {conditions.decisive.severe} it)"
         )
-    if conditions.failing_share:
+    if conditions.decisive.temperature != Criterion("highest").temperature:
         yield (
-            f"  exceeded          {pipeline.display(verdict.decisive_temperature, '°C', 4)} on "
-            f"{100 * conditions.failing_share:g} % of the contact"
+            f"  deciding          {pipeline.display(verdict.decisive_temperature, '°C', 4)}, "
+            f"{conditions.decisive.temperature}"
         )
     yield (
         f"  max temperature   {pipeline.display(verdict.max_temperature, '°C', 4)} at friction "
@@ -206,8 +208,7 @@ def infer(options: argparse.Namespace) -> int:
     measured = counted(len(found.transitions), "measured transition", "measured transitions")
     several = f" on {len(found.surfaces)} surfaces" if len(found.surfaces) > 1 else ""
     text = [
-        f"critical temperature from {measured}{several}: "
-        f"exceeded on {100 * found.share:g} % of the contact",
+        f"critical temperature from {measured}{several}: {found.criterion.temperature}",
         *(
             f"  {at.normal_load:g} N, {at.velocity:g} m/s, friction {at.friction:g}: "
             f"{pipeline.display(mean, '°C', 4)}" + (f" ± {spread:.1f} K" if spread else "")

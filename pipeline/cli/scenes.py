@@ -14,7 +14,7 @@ from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.selection import KEPT_FIELDS
 from tribo import InputError
 
-CONDITIONS = ("friction", "bulk_temperature", "critical_temperature", "share")
+CONDITIONS = ("friction", "bulk_temperature", "critical_temperature", "share", "criterion")
 """Options that `pipeline.boundary` and `Conditions.changed` take by these names."""
 PLACE = ("load", "velocity", "realization")
 """Options that `pipeline.plot` takes by these names."""

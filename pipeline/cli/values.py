@@ -176,6 +176,15 @@ def failing_share(text: str) -> float:
         raise argparse.ArgumentTypeError(str(error)) from None
 
 
+def criterion(text: str) -> str:
+    """Read the name of a criterion."""
+    from tribo import CRITERIA  # with its solvers, which help does not need
+
+    if text not in CRITERIA:
+        raise argparse.ArgumentTypeError(f'"{text}": give one of {", ".join(CRITERIA)}')
+    return text
+
+
 def settings(text: str) -> tuple[str, list[Any]]:
     """Read ``KEY=VALUE,VALUE``, the values as in `setting`.
 

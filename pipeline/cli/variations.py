@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 import pipeline
-from pipeline.analysis.band import CROSSES, OUTCOMES
+from pipeline.analysis.transition import CROSSES, OUTCOMES
 from pipeline.cli.exit_codes import DONE
 from pipeline.cli.output import drawn_or_written, output_path, show, tell
 from pipeline.cli.scenes import scene_of, settings_of

@@ -29,6 +29,7 @@ def animation(
     bulk_temperature: Bulk | None = None,
     critical_temperature: float | str | None = None,
     share: float | str | None = None,
+    criterion: str | None = None,
     realization: int | None = None,
     stacked: bool = False,
 ) -> list[Figure]:
@@ -43,7 +44,7 @@ def animation(
     velocity : float or str, optional
         Velocity of the points [m/s], or text with a unit; the one nearest to the transition at
         that load if not given.
-    friction, bulk_temperature, critical_temperature, share
+    friction, bulk_temperature, critical_temperature, share, criterion
         See `pipeline.boundary`.
     realization : int, optional
         Seed of the surface to draw; the first if not given.
@@ -60,7 +61,9 @@ def animation(
     InputError
         If the sweep holds no fields, or was run without them at the last point.
     """
-    conditions = conditions_of(ds, friction, bulk_temperature, critical_temperature, share)
+    conditions = conditions_of(
+        ds, friction, bulk_temperature, critical_temperature, share, criterion
+    )
     ds = with_fields(ds, conditions, realization)
     last, at = chosen_points(ds, load, velocity, conditions)[0]
     require_fields(ds, (last, at))

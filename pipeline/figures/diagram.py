@@ -19,7 +19,7 @@ from pipeline.analysis.band import BAND
 from pipeline.analysis.boundary import decisive_rise, refined
 from pipeline.analysis.conditions import Bulk, conditions_of
 from pipeline.analysis.dataset import asked, dataset_of, on_surface, variant_of
-from pipeline.analysis.interpolation import crossing
+from pipeline.analysis.transition import BEYOND, CROSSES, Transition, range_of
 from pipeline.analysis.warned import has_warning
 from pipeline.figures.measured import at_own_friction, measured_transitions
 from pipeline.figures.overlays import film_lines, rival_lines
@@ -57,6 +57,7 @@ def diagram(
     bulk_temperature: Bulk | None = None,
     critical_temperature: float | str | None = None,
     share: float | str | None = None,
+    criterion: str | None = None,
     realization: int | None = None,
     rivals: Sequence[str] = (),
     log: bool = False,
@@ -76,7 +77,7 @@ def diagram(
     ----------
     ds : Dataset
         Dataset of `pipeline.open_sweep`.
-    bulk_temperature, critical_temperature, share
+    bulk_temperature, critical_temperature, share, criterion
         See `pipeline.boundary`.
     friction : float or several, optional
         The lowest and highest of several make the band in place of the sweep's own, and the
@@ -95,7 +96,7 @@ def diagram(
     """
     ds = dataset_of(ds)
     if variant_of(ds) == "sample" or given_measured or scatter is not None:
-        told = (friction, bulk_temperature, critical_temperature, share, realization)
+        told = (friction, bulk_temperature, critical_temperature, share, criterion, realization)
         if rivals or any(each is not None for each in told):
             raise InputError(_AS_DRAWN)
         return _probability(ds, given_measured, scatter, log)
@@ -103,9 +104,12 @@ def diagram(
     if isinstance(friction, Sequence):
         band = min(friction), max(friction)
         friction = float(np.median(friction))
-    conditions = conditions_of(ds, friction, bulk_temperature, critical_temperature, share)
+    conditions = conditions_of(
+        ds, friction, bulk_temperature, critical_temperature, share, criterion
+    )
     if realization is not None:
         ds = on_surface(ds, realization)
+    beyond = _beyond(ds, conditions)
     if log:
         ds = ds.sel(velocity=ds["velocity"] > 0)
     figure = Picture(figsize=(8.0, 6.4))
@@ -118,6 +122,7 @@ def diagram(
         plane = _quantile(planes, 0.5)
         _regions(axes, plane, rise_limit(conditions))
         legend += _boundary(axes, plane, conditions)
+        legend += beyond
         if variant_of(ds):
             legend += _surface_band(axes, planes, conditions)
         legend += _band(axes, ds, conditions, band)
@@ -180,9 +185,9 @@ def _label(figure: Figure, axes: Axes, legend: list[Artist], conditions: Conditi
 
 def _planes(ds: xr.Dataset, conditions: Conditions) -> Sequence[xr.DataArray]:
     """Decisive rise over the plane, on each surface of which something is known."""
-    # A sweep that only follows the boundary knows the plane nowhere else.
-    along_boundary = not bool(asked(ds).all())
-    planes = refined(decisive_rise(ds, conditions), _RESOLUTION, along_boundary)
+    # A sweep that only follows the boundary knows the plane elsewhere as mild or severe alone.
+    limit = None if asked(ds).all() else rise_limit(conditions)
+    planes = refined(decisive_rise(ds, conditions), _RESOLUTION, limit)
     axis = variant_of(ds)
     found = [planes.isel({axis: row}) for row in range(ds.sizes[axis])] if axis else [planes]
     known = [plane for plane in found if plane.notnull().any()]
@@ -215,6 +220,26 @@ def _boundary(axes: Axes, plane: xr.DataArray, conditions: Conditions) -> list[A
     if not _isoline(axes, plane, rise_limit(conditions), "boundary", colors=BLACK, linewidths=2.2):
         return []
     return [Line2D([], [], color=BLACK, lw=2.2, label="computed transition")]
+
+
+def _beyond(ds: xr.Dataset, conditions: Conditions) -> list[Artist]:
+    """Say at which loads transitions lie beyond what was computed."""
+    rises = decisive_rise(ds, conditions).transpose("load", ..., "velocity")
+    loads, velocities = rises["load"].values, rises["velocity"].values
+    limit, ends = rise_limit(conditions), range_of(ds, "velocity")
+    beyond = [
+        load
+        for load, rows in zip(loads, rises.values, strict=True)
+        if any(
+            Transition.along(velocities, row, limit, ends).outcome in BEYOND
+            for row in rows.reshape(-1, len(velocities))
+        )
+    ]
+    if not beyond:
+        return []
+    span = " to ".join(f"{load:g}" for load in dict.fromkeys((beyond[0], beyond[-1])))
+    text = f"beyond what was computed: at {len(beyond)} of {len(loads)} loads, {span} N"
+    return [Line2D([], [], ls="none", label=text)]
 
 
 def _band(
@@ -333,14 +358,12 @@ def _on_a_line(axes: Axes, ds: xr.Dataset, conditions: Conditions) -> list[Artis
     axes_of = {name: ds[name].values for name in ("velocity", "load")}
     axis, other = ("velocity", "load") if ds.sizes["velocity"] > 1 else ("load", "velocity")
     rises = decisive_rise(ds, conditions).values.reshape(-1, ds.sizes[axis])
-    limit = rise_limit(conditions)
-    found = [crossing(axes_of[axis], rise, limit) for rise in rises]
-    found = [value for value in found if np.isfinite(value)]
+    limit, ends = rise_limit(conditions), range_of(ds, axis)
+    lines = [Transition.along(axes_of[axis], rise, limit, ends) for rise in rises]
+    found = [line.place for line in lines if line.outcome == CROSSES]
     if not found:
-        known = rises[np.isfinite(rises)]
-        why = "no point is done" if not known.size else None
-        why = why or ("mild" if (known <= limit).all() else "severe") + " throughout"
-        return [Line2D([], [], ls="none", label=f"no transition: {why}")]
+        reasons = dict.fromkeys(line.worded(axis) for line in lines)
+        return [Line2D([], [], ls="none", label=f"no transition: {', '.join(reasons)}")]
     places = {axis: found, other: [float(axes_of[other][0])] * len(found)}
     look: dict[str, Any] = {"ls": "none", "marker": "|" if axis == "velocity" else "_"}
     look |= {"color": BLACK, "mew": 2.2}

@@ -26,6 +26,7 @@ def fields(
     bulk_temperature: Bulk | None = None,
     critical_temperature: float | str | None = None,
     share: float | str | None = None,
+    criterion: str | None = None,
     realization: int | None = None,
     stacked: bool = False,
 ) -> Figure:
@@ -40,7 +41,7 @@ def fields(
     velocity : float or str, optional
         Velocity of the point [m/s], or text with a unit; the one nearest to the transition at that
         load if not given.
-    friction, bulk_temperature, critical_temperature, share
+    friction, bulk_temperature, critical_temperature, share, criterion
         See `pipeline.boundary`.
     realization : int, optional
         Seed of the surface to draw; the first if not given.
@@ -52,7 +53,9 @@ def fields(
     InputError
         If the sweep holds no fields, or was run without them at this point.
     """
-    conditions = conditions_of(ds, friction, bulk_temperature, critical_temperature, share)
+    conditions = conditions_of(
+        ds, friction, bulk_temperature, critical_temperature, share, criterion
+    )
     ds = with_fields(ds, conditions, realization)
     point = chosen_points(ds, load, velocity, conditions)[0]
     require_fields(ds, point)
@@ -96,6 +99,7 @@ def shown(ds: xr.Dataset, point: tuple[int, int], conditions: Conditions) -> tup
     rise = here["rise"].values
     if conditions.bulk_ratio:
         rise = rise + conditions.bulk_ratio * here["bulk_response"].values
+        rise += max(0.0, -conditions.bulk_ratio)  # above the colder body
     return (
         here["pressure"].values / 1e9,
         celsius(contact_temperature(rise, conditions)),

@@ -12,7 +12,6 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from pipeline.analysis.boundary import rise_exceeded
 from pipeline.analysis.conditions import Bulk, conditions_of
 from pipeline.analysis.dataset import at_bulks, dataset_of, on_surface
 from pipeline.figures.points import chosen_points, name_of
@@ -28,6 +27,7 @@ from pipeline.figures.style import (
 )
 from pipeline.store.schema import DONE
 from pipeline.sweep.criterion import Conditions, contact_temperature
+from tribo import Criterion
 from tribo.types import Array
 
 
@@ -40,6 +40,7 @@ def ramp(
     bulk_temperature: Bulk | None = None,
     critical_temperature: float | str | None = None,
     share: float | str | None = None,
+    criterion: str | None = None,
     realization: int | None = None,
 ) -> Figure:
     """Draw what happens while the load grows.
@@ -57,12 +58,14 @@ def ramp(
     velocity : float, str or several, optional
         Velocities of the ramps [m/s], or text with a unit; the one nearest to the transition at
         the load if not given.
-    friction, bulk_temperature, critical_temperature, share
+    friction, bulk_temperature, critical_temperature, share, criterion
         See `pipeline.boundary`.
     realization : int, optional
         Seed of the surface to draw; the first if not given.
     """
-    conditions = conditions_of(ds, friction, bulk_temperature, critical_temperature, share)
+    conditions = conditions_of(
+        ds, friction, bulk_temperature, critical_temperature, share, criterion
+    )
     ds = on_surface(dataset_of(ds), realization)
     points = chosen_points(ds, load, velocity, conditions)
     ds = at_bulks(ds, conditions).transpose("load", "velocity", "step", ...)
@@ -105,9 +108,10 @@ def _temperatures(
 ) -> None:
     highest = ds["max_rise"].values
     rises: list[tuple[Array, str, Any]] = [(highest, "maximum", {"ls": "--", "marker": "^"})]
-    if conditions.failing_share:
-        rise = rise_exceeded(ds, conditions.failing_share).values
-        rises.append((rise, exceeding(conditions), {"ls": "-", "marker": "o"}))
+    decisive = conditions.decisive
+    if decisive.temperature != Criterion("highest").temperature:
+        columns = {name: ds[name].values for name in (decisive.column, "quantile")}
+        rises.append((decisive.rise(columns), exceeding(conditions), {"ls": "-", "marker": "o"}))
     for number, point in enumerate(points):
         for rise, _, look in rises:
             time, kelvin = _along_ramp(ds, rise, point)

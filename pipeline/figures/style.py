@@ -154,9 +154,7 @@ def exceeding(conditions: Conditions) -> str:
     >>> exceeding(Conditions(0.1, 298.15, 418.15, failing_share=0.1))
     'exceeded on 10 % of the contact'
     """
-    if conditions.failing_share == 0:
-        return "maximum"
-    return f"exceeded on {100 * conditions.failing_share:g} % of the contact"
+    return conditions.decisive.temperature
 
 
 def criterion(conditions: Conditions) -> str:
@@ -169,9 +167,8 @@ def criterion(conditions: Conditions) -> str:
     >>> criterion(Conditions(0.1, 298.15, 418.15, failing_share=0.0))
     'any of the contact above 145 °C'
     """
-    share = conditions.failing_share
-    part = f"more than {100 * share:g} %" if share else "any"
-    return f"{part} of the contact above {celsius(conditions.known_critical_temperature()):g} °C"
+    critical = celsius(conditions.known_critical_temperature())
+    return f"{conditions.decisive.severe} {critical:g} °C"
 
 
 def heating(conditions: Conditions) -> str:

@@ -41,6 +41,7 @@ def temperature(
     bulk_temperature: Bulk | None = None,
     critical_temperature: float | str | None = None,
     share: float | str | None = None,
+    criterion: str | None = None,
     realization: int | None = None,
 ) -> Figure:
     """Draw how the temperatures of the contact grow with the velocity at one load.
@@ -51,22 +52,24 @@ def temperature(
         Dataset of `pipeline.open_sweep`.
     load : float or str, optional
         Load [N], or text with a unit; the highest if not given.
-    friction, bulk_temperature, critical_temperature, share
+    friction, bulk_temperature, critical_temperature, share, criterion
         See `pipeline.boundary`.
     realization : int, optional
         Seed of the surface to draw; the first if not given.
     """
-    conditions = conditions_of(ds, friction, bulk_temperature, critical_temperature, share)
+    conditions = conditions_of(
+        ds, friction, bulk_temperature, critical_temperature, share, criterion
+    )
     row = _row(ds, load, realization)
     velocities = row["velocity"].values
     figure = Picture(figsize=(7.2, 5.0))
     axes = figure.add_subplot()
-    shares: list[tuple[float, str, Any]] = [(0.0, "highest", {"ls": "--", "marker": "^"})]
-    if conditions.failing_share:
-        look = {"ls": "-", "marker": "o"}
-        shares.append((conditions.failing_share, exceeding(conditions), look))
-    for of, name, look in shares:
-        rises = decisive_rise(row, replace(conditions, failing_share=of)).values[0]
+    highest = replace(conditions, criterion="highest")
+    shown: list[tuple[Conditions, str, Any]] = [(highest, "highest", {"ls": "--", "marker": "^"})]
+    if conditions.decisive.temperature != highest.decisive.temperature:
+        shown.append((conditions, exceeding(conditions), {"ls": "-", "marker": "o"}))
+    for judged, name, look in shown:
+        rises = decisive_rise(row, judged).values[0]
         known = velocities[np.isfinite(rises)]
         if not known.size:
             raise InputError(
@@ -103,6 +106,7 @@ def histogram(
     bulk_temperature: Bulk | None = None,
     critical_temperature: float | str | None = None,
     share: float | str | None = None,
+    criterion: str | None = None,
     realization: int | None = None,
 ) -> Figure:
     """Draw how the temperature is distributed over the contact at the end of a point.
@@ -117,7 +121,7 @@ def histogram(
         Load [N], or text with a unit; the highest if not given.
     velocity : float or str, optional
         Velocity [m/s], or text with a unit; that of the transition at the load if not given.
-    friction, bulk_temperature, critical_temperature, share
+    friction, bulk_temperature, critical_temperature, share, criterion
         See `pipeline.boundary`.
     realization : int, optional
         Seed of the surface to draw; the first if not given.
@@ -127,7 +131,9 @@ def histogram(
     InputError
         If the load has no transition and no velocity is given, or the points do not reach that far.
     """
-    conditions = conditions_of(ds, friction, bulk_temperature, critical_temperature, share)
+    conditions = conditions_of(
+        ds, friction, bulk_temperature, critical_temperature, share, criterion
+    )
     row = _row(ds, load, realization)
     newtons = float(row["load"][0])
     at = (

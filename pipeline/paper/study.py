@@ -18,7 +18,6 @@ from pipeline.scene.shipped import WORKFLOWS
 from pipeline.sweep.criterion import (
     Conditions,
     contact_temperature,
-    decisive_rise,
     failed_fraction,
 )
 from pipeline.sweep.model import Sweep
@@ -30,7 +29,7 @@ from tribo import (
     measures,
     simulate,
 )
-from tribo.types import Array
+from tribo.criterion import Columns, columns_of
 
 T = TypeVar("T")
 
@@ -124,20 +123,20 @@ class End:
     bearing_width : float
         Width of the rows of elements across the sliding direction that carry at least 5 % of
         what the most loaded one carries [m].
-    rise_quantile : ndarray
-        Rise at friction 1 that each of `tribo.QUANTILES` of the contact area stays below [K].
+    rises : mapping
+        Rises of the contact at friction 1 [K], as `tribo.criterion.columns_of` has them.
     """
 
     contact_width: float
     bearing_width: float
-    rise_quantile: Array
+    rises: Columns
 
     def decisive_rise(self, conditions: Conditions) -> float:
-        """Rise at friction 1 that just the failing share of the contact area exceeds [K]."""
-        return decisive_rise(self.rise_quantile, conditions)
+        """Rise at friction 1 that decides [K]."""
+        return float(conditions.decisive.rise(self.rises))
 
     def exceeded(self, conditions: Conditions) -> float:
-        """Temperature that just the failing share of the contact area exceeds [°C]."""
+        """Temperature that decides [°C]."""
         return float(celsius(contact_temperature(self.decisive_rise(conditions), conditions)))
 
     def highest(self, conditions: Conditions) -> float:
@@ -146,7 +145,7 @@ class End:
 
     def failed_fraction(self, conditions: Conditions) -> float:
         """Share of the contact area above the critical temperature."""
-        return failed_fraction(self.rise_quantile, conditions)
+        return failed_fraction(self.rises["rise_quantile"], conditions)
 
 
 def end_of(scene: Scene, normal_load: float, velocity: float) -> End:
@@ -161,6 +160,5 @@ def summary_of(scene: Scene, state: State) -> End:
         raise InputError("a point ended without a temperature")
     carried = state.pressure.mean(axis=1)
     bearing = np.count_nonzero(carried >= 0.05 * carried.max()) * scene.grid.spacing[0]
-    return End(
-        measures(scene, state)["contact_width"], float(bearing), state.heat.rise_quantile.copy()
-    )
+    rises = {name: np.array(rise) for name, rise in columns_of(state.heat).items()}
+    return End(measures(scene, state)["contact_width"], float(bearing), rises)

@@ -22,8 +22,16 @@ from pipeline.store.schema import DONE, FAILED, LEADING, PENDING, chunks_of
 from pipeline.store.write import Store
 from pipeline.sweep.criterion import Conditions, decisive_rises, rise_limit
 from pipeline.sweep.model import Point
+from tribo import Criterion
 from tribo.types import Array
 
+_COLUMNS = (
+    "normal_load",
+    "rise_quantile",
+    "mean_rise",
+    "bulk_rise_quantile",
+    "mean_bulk_response",
+)
 _Place = tuple[int | None, int | None]  # surface and sample of a point
 _Status = NDArray[np.int8]
 
@@ -245,14 +253,13 @@ class _Held:
 
     def rises(self, point: Point, each: Sequence[Conditions]) -> Array:
         """Decisive rise at a point under each of some conditions [K]."""
-        names = {"normal_load", "rise_quantile", "bulk_rise_quantile"} & set(self._store.arrays)
-        columns = {name: self._at(name, point) for name in names}
-        rises: dict[tuple[float, float], float] = {}
+        columns = {name: self._at(name, point) for name in _COLUMNS if name in self._store.arrays}
+        rises: dict[tuple[Criterion, float], float] = {}
         for conditions in each:
-            judged = conditions.failing_share, conditions.bulk_ratio
+            judged = conditions.decisive, conditions.bulk_ratio
             if judged not in rises:
                 rises[judged] = float(decisive_rises(columns, point.load, conditions))
-        return np.array([rises[own.failing_share, own.bulk_ratio] for own in each])
+        return np.array([rises[own.decisive, own.bulk_ratio] for own in each])
 
     def _at(self, name: str, point: Point) -> Array:
         """Column of a point, out of its chunk, which is kept for its neighbours."""

@@ -10,8 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from pipeline.analysis.band import CROSSES, MILD, OUTCOMES, SEVERE
-from pipeline.analysis.interpolation import crossing
+from pipeline.analysis.transition import OUTCOMES, Transition
 from pipeline.run.boundary_search import BoundarySearch, searched
 from pipeline.sweep.criterion import Conditions, decisive_rises, rise_limit
 from pipeline.sweep.model import Point, Sweep
@@ -207,7 +206,8 @@ class _Plane:
             self._simulate(wanted)
         self.beside.update(_beside(rises, limit))
         velocities, outcomes = zip(
-            *(_crossing(rises, load, limit) for load in asked.loads), strict=True
+            *(_crossing(rises, load, limit, (moving[0], moving[-1])) for load in asked.loads),
+            strict=True,
         )
         return velocities, outcomes
 
@@ -253,10 +253,11 @@ def _warned(planes: Iterable[_Plane]) -> Warned:
     )
 
 
-def _crossing(rises: Mapping[Point, float], load: float, limit: float) -> tuple[float, str]:
+def _crossing(
+    rises: Mapping[Point, float], load: float, limit: float, ends: tuple[float, float]
+) -> tuple[float, str]:
     """Critical velocity at a load, and the outcome in words."""
     row = sorted((point.velocity, rise) for point, rise in rises.items() if point.load == load)
     velocities, values = np.array(row).T
-    found = crossing(velocities, values, limit)
-    outcome = CROSSES if np.isfinite(found) else SEVERE if values[0] > limit else MILD
-    return found, OUTCOMES[outcome]
+    found = Transition.along(velocities, values, limit, ends)
+    return found.place, OUTCOMES[found.outcome]

@@ -166,6 +166,7 @@ FORMAT = Table({
         ),
         "critical": Optional(TEMPERATURE),  # needed where wear is judged
         "failing_share": Optional(Number(at_least=0, below=1), 0.1),
+        "criterion": Optional(Choice(tuple(tribo.CRITERIA)), "share"),
     }),
     "fidelity": Optional(Table({"preset": Optional(PRESET, USUAL_PRESET), **FIDELITY})),
     "sweep": Table({

@@ -124,6 +124,8 @@ _ENTRIES = {
     "wear is judged.",
     "temperature.failing_share": "Share of the contact area above the critical temperature beyond "
     "which wear is severe; 0 for the highest temperature alone.",
+    "temperature.criterion": "Temperature that decides: the one that the failing share of the "
+    "contact area exceeds, the highest, or the mean of the contact.",
     "fidelity.preset": 'Preset to begin with: "draft" is the fastest, "reference" the best.',
     "sweep.loads": "Normal loads.",
     "sweep.velocities": "Sliding velocities.",

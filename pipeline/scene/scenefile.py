@@ -251,6 +251,7 @@ def _entries(name: str, found: dict[str, Any]) -> dict[str, Any]:
             friction=friction["coefficient"],
             critical_temperature=temperature["critical"],
             failing_share=temperature["failing_share"],
+            criterion=temperature["criterion"],
             **bulks,
         ),
         "friction_band": friction["band"],

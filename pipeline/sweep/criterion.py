@@ -1,13 +1,12 @@
-"""The criterion of severe wear: too much of the contact is above the critical temperature.
+"""The conditions under which wear is judged: too hot a contact is severe.
 
 The contact temperature is that of the bulk and a rise, which is proportional to friction and is
-kept at friction 1. With r the rise that just the failing share of the contact area exceeds (the
-decisive rise), wear is severe where
+kept at friction 1. With r the rise that decides (`tribo.Criterion`), wear is severe where
 
     bulk + µ r > critical,  that is  r > (critical − bulk)/µ.
 
-Where the disk's bulk is Δ warmer than the pin's, bulk is that of the pin, and r the rise at the
-ratio Δ/µ (`tribo.thermal.quantiles`): see `at_bulks`.
+Where the disk's bulk is Δ warmer than the pin's, bulk is that of the colder body, and r the rise
+above it at the ratio Δ/µ (`tribo.thermal.quantiles`), which is never negative: see `at_bulks`.
 
 A point counts by its worst moment: where the load is held, r is the highest one from when the
 load is reached on.
@@ -22,8 +21,8 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
-from tribo import BULK_RATIOS, QUANTILES, InputError, failed_share
-from tribo.thermal import at_bulk_ratio, require_share, rise_exceeded
+from tribo import BULK_RATIOS, Criterion, Heat, InputError, failed_share
+from tribo.criterion import columns_of, rises_at
 from tribo.types import Array, Indices
 
 if TYPE_CHECKING:
@@ -49,6 +48,8 @@ class Conditions:
         0 (Blok's criterion, the maximum temperature) to below 1.
     disk_temperature : float or None
         Temperature of the disk far from the contact [K]; None where it is that of the pin.
+    criterion : str
+        Kind of criterion, one of `tribo.CRITERIA`; the failing share belongs to "share" alone.
 
     Raises
     ------
@@ -70,9 +71,12 @@ class Conditions:
     critical_temperature: float | None
     failing_share: float = 0.1
     disk_temperature: float | None = None
+    criterion: str = "share"
 
     def __post_init__(self) -> None:
         for name in self.__slots__:
+            if name == "criterion":
+                continue
             value = getattr(self, name)
             if value is None and name in ("critical_temperature", "disk_temperature"):
                 continue
@@ -93,13 +97,23 @@ class Conditions:
                 f"critical_temperature is {_in_celsius(critical)}; it must lie above the bulk "
                 f"temperature, {_in_celsius(warmest)}"
             )
-        require_share(self.failing_share)
+        Criterion(self.criterion, self.failing_share)
+
+    @property
+    def decisive(self) -> Criterion:
+        """Criterion of severe wear."""
+        return Criterion(self.criterion, self.failing_share)
 
     @property
     def bulk_difference(self) -> float:
         """Bulk temperature of the disk less that of the pin [K]."""
         disk = self.disk_temperature
         return 0.0 if disk is None else disk - self.bulk_temperature
+
+    @property
+    def coldest_bulk_temperature(self) -> float:
+        """Bulk temperature of the colder body, from which rises count [K]."""
+        return self.bulk_temperature + min(0.0, self.bulk_difference)
 
     @property
     def mean_bulk_temperature(self) -> float:
@@ -150,6 +164,7 @@ class Conditions:
         bulk_temperature: float | Mapping[str, float] | None = None,
         critical_temperature: float | None = None,
         share: float | None = None,
+        criterion: str | None = None,
     ) -> Conditions:
         """Return the conditions with those that are given in place of their own.
 
@@ -159,11 +174,14 @@ class Conditions:
             Coefficient, temperature [K] and share in place of their own.
         bulk_temperature : float or mapping, optional
             Temperature of both bodies [K]; or one for each, by ``"pin"`` and ``"disk"``.
+        criterion : str, optional
+            Kind of criterion; "share" if a share alone is given.
         """
         given: dict[str, Any] = {
             "friction": friction,
             "critical_temperature": critical_temperature,
             "failing_share": share,
+            "criterion": "share" if criterion is None and share is not None else criterion,
         }
         changes = {name: value for name, value in given.items() if value is not None}
         if bulk_temperature is not None:
@@ -209,12 +227,11 @@ class Verdict:
     Attributes
     ----------
     is_severe : bool or None
-        Whether more than the failing share of the contact area is above the critical temperature;
-        None where that is not known.
+        Whether the deciding temperature is above the critical one; None where that is not known.
     time : float
         The worst moment, from the start of the ramp [s].
     decisive_temperature : float
-        Temperature that just the failing share of the contact area exceeds [K].
+        Temperature that decides [K].
     max_temperature : float
         Highest temperature of the contact [K].
     failed_fraction : float or None
@@ -236,7 +253,7 @@ def contact_temperature(rise: Rise, conditions: Conditions) -> Rise:
     >>> contact_temperature(1250.0, Conditions(0.1, 298.15, 418.15))
     423.15
     """
-    return conditions.bulk_temperature + conditions.rise_factor * rise
+    return conditions.coldest_bulk_temperature + conditions.rise_factor * rise
 
 
 def rise_limit(conditions: Conditions) -> float:
@@ -249,7 +266,7 @@ def rise_limit(conditions: Conditions) -> float:
     """
     if conditions.rise_factor == 0:
         return math.inf
-    warming = conditions.known_critical_temperature() - conditions.bulk_temperature
+    warming = conditions.known_critical_temperature() - conditions.coldest_bulk_temperature
     return warming / conditions.rise_factor
 
 
@@ -257,15 +274,15 @@ RISES = ("max_rise", "mean_rise", "rise_quantile")
 """Columns that depend on the bulk temperatures where these differ."""
 
 
-def at_bulks(columns: Mapping[str, Array], conditions: Conditions) -> Mapping[str, Array]:
-    """Rises of the contact at friction 1 and the bulk temperatures of the conditions [K].
+def at_bulks(columns: Mapping[str, Any], conditions: Conditions) -> Mapping[str, Any]:
+    """Rises of the contact above the colder body, for each unit of `Conditions.rise_factor` [K].
 
     Parameters
     ----------
     columns : mapping of ndarray
-        ``rise_quantile`` (..., n_quantile) [K], ``mean_rise`` and ``max_rise`` (...) [K] as far as
-        they are needed, and where the bulk temperatures may differ ``bulk_rise_quantile``
-        (..., n_ratio, n_quantile) [K] and ``mean_bulk_response`` (...).
+        ``rise_quantile`` (..., n_quantile), ``mean_rise`` and ``max_rise`` (...) above the pin's
+        bulk at friction 1 [K], as far as they are needed; and where the bulk temperatures differ
+        what `tribo.criterion.rises_at` needs.
     conditions : Conditions
         Conditions to judge by.
 
@@ -283,18 +300,15 @@ def at_bulks(columns: Mapping[str, Array], conditions: Conditions) -> Mapping[st
     if ratio == 0:
         return columns
     require_bulks(columns, conditions)
-    quantiles = at_bulk_ratio(columns["rise_quantile"], columns["bulk_rise_quantile"], ratio)
-    rises = {"rise_quantile": quantiles}
-    if "max_rise" in columns:
-        rises["max_rise"] = quantiles[..., -1]
-    if "mean_rise" in columns:
-        rises["mean_rise"] = columns["mean_rise"] + ratio * columns["mean_bulk_response"]
-    return {**columns, **rises}
+    at_ratio = rises_at(columns, ratio)
+    above_pin = max(0.0, -ratio)
+    return {**at_ratio, **{name: at_ratio[name] + above_pin for name in RISES if name in at_ratio}}
 
 
 def require_bulks(columns: Container[Any] | xr.Dataset, conditions: Conditions) -> None:
     """Refuse unequal bulk temperatures where nothing is kept for them."""
-    if conditions.disk_temperature is None or "bulk_rise_quantile" in columns:
+    kept = "bulk_rise_quantile" in columns or "mean_bulk_response" in columns
+    if conditions.disk_temperature is None or kept:
         return
     raise InputError(
         f"bulk_temperature is {_in_celsius(conditions.bulk_temperature)} of the pin and "
@@ -310,19 +324,16 @@ def failed_fraction(rise_quantile: Array, conditions: Conditions) -> float:
     Parameters
     ----------
     rise_quantile : ndarray, shape (n_quantile,)
-        Rise at friction 1 that each of `tribo.QUANTILES` of the contact area stays below [K].
+        Rise that each of `tribo.QUANTILES` of the contact area stays below [K], of `at_bulks`.
     conditions : Conditions
-        Friction, temperatures and failing share to judge by.
+        Friction and temperatures to judge by.
     """
     return failed_share(rise_quantile, rise_limit(conditions))
 
 
-def decisive_rise(rise_quantile: Array, conditions: Conditions) -> float:
-    """Rise at friction 1 that just the failing share of the contact area exceeds [K].
-
-    Parameters are those of `failed_fraction`.
-    """
-    return float(rise_exceeded(rise_quantile, conditions.failing_share))
+def decisive_rise(heat: Heat, conditions: Conditions) -> float:
+    """Rise that decides at one moment of a simulation [K]."""
+    return float(conditions.decisive.rise(at_bulks(columns_of(heat), conditions)))
 
 
 def worst_moment(rise: Array, normal_load: Array, load: Array | float) -> Indices:
@@ -354,9 +365,9 @@ def worst_moment(rise: Array, normal_load: Array, load: Array | float) -> Indice
 
 
 def decisive_rises(
-    columns: Mapping[str, Array], load: Array | float, conditions: Conditions
+    columns: Mapping[str, Any], load: Array | float, conditions: Conditions
 ) -> Array:
-    """Rise at friction 1 that decides at points, each at its worst moment [K].
+    """Rise that decides at points, each at its worst moment [K].
 
     Parameters
     ----------
@@ -373,9 +384,7 @@ def decisive_rises(
     ndarray, shape (...)
         NaN where the rise is not known.
     """
-    quantiles = at_bulks(columns, conditions)["rise_quantile"]
-    known = columns.get("quantile", np.array(QUANTILES))
-    rises = rise_exceeded(quantiles, conditions.failing_share, known)
+    rises = conditions.decisive.rise(at_bulks(columns, conditions))
     worst = worst_moment(rises, columns["normal_load"], load)
     found: Array = np.take_along_axis(rises, worst[..., None], axis=-1)[..., 0]
     return found
@@ -392,12 +401,12 @@ def verdict(columns: Mapping[str, Array], load: float, conditions: Conditions) -
     load : float
         The load that the point is named after [N].
     conditions : Conditions
-        Friction, temperatures and failing share to judge by.
+        Conditions to judge by.
     """
-    of_all = at_bulks(columns, conditions)["rise_quantile"]
-    rises = rise_exceeded(of_all, conditions.failing_share)
+    columns = at_bulks(columns, conditions)
+    rises = conditions.decisive.rise(columns)
     worst = int(worst_moment(rises, columns["normal_load"], load))
-    rise, quantiles = float(rises[worst]), of_all[worst]
+    rise, quantiles = float(rises[worst]), columns["rise_quantile"][worst]
     judged = conditions.critical_temperature is not None
     return Verdict(
         is_severe=rise > rise_limit(conditions) if judged else None,

@@ -98,7 +98,7 @@ def on_conditions(conditions: Conditions) -> Iterator[Row]:
     yield "friction", f"{conditions.friction:g}, {bulk}"
     if conditions.critical_temperature is not None:
         critical = f"{conditions.critical_temperature - 273.15:g} °C"
-        yield "severe", f"more than {100 * conditions.failing_share:g} % above {critical}"
+        yield "severe", f"{conditions.decisive.severe} {critical}"
 
 
 def on_point(columns: Mapping[str, Array], warnings: Iterable[PointWarning]) -> Iterator[Row]:

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pipeline.sweep.criterion import decisive_rise, failed_fraction, rise_limit
+from pipeline.sweep.criterion import at_bulks, decisive_rise, failed_fraction, rise_limit
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import chains
 from tribo import (
@@ -22,6 +22,7 @@ from tribo import (
     measures,
     simulate,
 )
+from tribo.criterion import columns_of
 from tribo.simulation import leads_to
 
 _USUAL_EXPONENT, _FLATTEST = 0.6, 0.3  # of the rise over velocity; where few nodes touch, it jumps
@@ -36,7 +37,7 @@ class Reading:
     Attributes
     ----------
     rise : float
-        Rise at friction 1 that the failing share of the contact exceeds [K].
+        Rise that decides [K].
     failed_share : float
         Share of the contact above the critical temperature.
     contact_width : float
@@ -163,8 +164,7 @@ def _run(scene: Sweep, load: float, velocity: float, trunk: State | None = None)
         if state.on_trunk:
             trunk = state.history or replace(state, heat=None)
         if state.heat is not None and state.normal_load >= load:
-            quantiles = state.heat.rise_quantile_at(scene.conditions.bulk_ratio)
-            hot.append((decisive_rise(quantiles, scene.conditions), state))
+            hot.append((decisive_rise(state.heat, scene.conditions), state))
     hottest = max(hot, key=lambda found: found[0])[1] if hot else state
     return _Run(hottest, trunk, convolutions, work)
 
@@ -172,11 +172,11 @@ def _run(scene: Sweep, load: float, velocity: float, trunk: State | None = None)
 def _reading(sweep: Sweep, scene: Sweep, state: State) -> Reading:
     if state.heat is None:
         raise InputError("a point ended without a temperature")
-    quantiles = state.heat.rise_quantile_at(sweep.conditions.bulk_ratio)
+    columns = at_bulks(columns_of(state.heat), sweep.conditions)
     found = measures(scene, state)
     return Reading(
-        rise=decisive_rise(quantiles, sweep.conditions),
-        failed_share=failed_fraction(quantiles, sweep.conditions),
+        rise=decisive_rise(state.heat, sweep.conditions),
+        failed_share=failed_fraction(columns["rise_quantile"], sweep.conditions),
         contact_width=found["contact_width"],
         contact_nodes=int(np.count_nonzero(state.pressure)),
         contact_fraction=found["contact_fraction"],

@@ -26,7 +26,7 @@ def boundary_velocity(sweep, fidelity, load, velocity, ratio=1.0, exponent=None)
     trusted, exponent = exponent is not None, exponent or 0.6
     for _ in range(12):
         *_, state = simulate(scene, load, velocity)
-        short = math.log(decisive_rise(state.heat.rise_quantile, sweep.conditions) / limit)
+        short = math.log(decisive_rise(state.heat, sweep.conditions) / limit)
         if before is not None and abs(math.log(velocity / before[0])) > 1e-6:
             slope = (short - before[1]) / math.log(velocity / before[0])
             exponent = min(max(slope, 0.2), 2.0)
@@ -45,7 +45,7 @@ def exponent_at(sweep, fidelity, load, velocity, apart=0.03):
     scene, rises = replace(sweep, fidelity=fidelity), []
     for at in (velocity * math.exp(-apart), velocity * math.exp(apart)):
         *_, state = simulate(scene, load, at)
-        rises.append(math.log(decisive_rise(state.heat.rise_quantile, sweep.conditions)))
+        rises.append(math.log(decisive_rise(state.heat, sweep.conditions)))
     return min(max((rises[1] - rises[0]) / (2 * apart), 0.2), 2.0)
 
 
@@ -61,7 +61,7 @@ def heat_of_the_past(sweep, load, velocity):
             heat_model=model,
         )
         *_, state = simulate(replace(sweep, fidelity=fidelity), load, velocity)
-        rises.append(decisive_rise(state.heat.rise_quantile, sweep.conditions))
+        rises.append(decisive_rise(state.heat, sweep.conditions))
     return rises[0] / rises[1]
 
 

@@ -88,7 +88,7 @@ def _in_window(sweep, lengths, velocity):
 def _with_boundary(sweep, velocity):
     """Set the critical temperature to what a rough look gives in the middle of the diagram."""
     state = _end(sweep, sweep.loads[2], velocity)
-    rise = decisive_rise(state.heat.rise_quantile, sweep.conditions)
+    rise = decisive_rise(state.heat, sweep.conditions)
     critical = sweep.conditions.bulk_temperature + sweep.conditions.friction * rise
     return replace(sweep, conditions=replace(sweep.conditions, critical_temperature=critical))
 

@@ -142,6 +142,17 @@ def test_a_width_that_no_wear_makes_is_refused(width):
         specific_wear_rate(small_scene(), width, 750.0, 1.25)
 
 
+def test_a_width_must_differ_from_both_ends_by_half_an_element():
+    scene = small_scene()
+    side = scene.grid.spacing[0]
+    plain = replace(scene, wear=None)
+    unworn = measures(plain, last(simulate(plain, 750.0, 1.25)))["contact_width"]
+    for width in (unworn + 0.4 * side, scene.grid.size[0] - 0.4 * side):
+        with pytest.raises(InputError, match="must lie between"):
+            specific_wear_rate(scene, width, 750.0, 1.25)
+    assert specific_wear_rate(scene, unworn + 0.6 * side, 750.0, 1.25).lowest > 0
+
+
 def test_rig_at_rest_is_as_warm_as_a_hertzian_source():
     # By the same integral as Hertz' displacement, a source q0·√(1 − r²/a²) on each of two equal
     # bodies at rest warms its centre by π(q0/2)a/(4K).

@@ -5,8 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from tribo.errors import InputError
-from tribo.thermal import HeatHistory, at_bulk_ratio
+from tribo.thermal import HeatHistory
 from tribo.types import Array
 
 
@@ -53,23 +52,6 @@ class Heat:
     bulk_response: Array | None = None
     mean_bulk_response: float = math.nan
     bulk_rise_quantile: Array | None = None
-
-    def rise_quantile_at(self, bulk_ratio: float) -> Array:
-        """Quantiles of the rise at friction 1 and a bulk ratio [K]; see `at_bulk_ratio`.
-
-        Raises
-        ------
-        InputError
-            If the ratio is not 0, and the scene had no unequal bulk temperatures.
-        """
-        if bulk_ratio == 0:
-            return self.rise_quantile
-        if self.bulk_rise_quantile is None:
-            raise InputError(
-                "the bulk temperatures differ, and the scene was simulated with equal ones; set "
-                "unequal_bulks"
-            )
-        return at_bulk_ratio(self.rise_quantile, self.bulk_rise_quantile, bulk_ratio)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -12,6 +12,11 @@ function hasTwoBulks() {
   return content.bulk_ratios.length > 0;
 }
 
+/** Whether a share of the contact decides. */
+function hasShare() {
+  return (content.conditions.criterion ?? "share") === "share";
+}
+
 /** @type {Control[]} */
 const CONTROLS = [
   {
@@ -57,10 +62,10 @@ const CONTROLS = [
     low: 0,
     high: Math.max(50, Math.ceil(100 * content.conditions.failing_share)),
     step: 0.5,
-    show: (value) => 100 * value,
-    read: (value) => value / 100,
+    show: (/** @type {number} */ value) => 100 * value,
+    read: (/** @type {number} */ value) => value / 100,
   },
-];
+].filter(({ name }) => name !== "failing_share" || hasShare());
 
 /**
  * What is wrong with conditions; empty if nothing.
@@ -186,6 +191,9 @@ function conditionsText() {
   const disk = disk_temperature === undefined ? "" : ` (pin) and ${celsius(disk_temperature, 6)} (disk)`;
   return (
     `friction ${shown(friction, 6)}, bulk ${celsius(bulk_temperature, 6)}${disk}, ` +
-    `critical ${critical}, failing share ${shown(100 * failing_share, 6)} %`
+    `critical ${critical}, ` +
+    (hasShare()
+      ? `failing share ${shown(100 * failing_share, 6)} %`
+      : `criterion ${content.conditions.criterion}`)
   );
 }

@@ -16,10 +16,11 @@ from numpy.typing import NDArray
 from pipeline.analysis.attributes import attributes_of
 from pipeline.analysis.boundary import decisive_rise
 from pipeline.analysis.dataset import asked, end_of_point, ordered, variant_of
+from pipeline.analysis.transition import OUTCOMES, range_of
 from pipeline.figures.page.fields import FIELDS, packed_fields
 from pipeline.store.schema import DONE
 from pipeline.sweep.criterion import Conditions, rise_limit
-from tribo import WarningKind
+from tribo import Criterion, WarningKind
 from tribo.types import Array, Mask
 
 MOST_FIELDS = 500
@@ -44,10 +45,11 @@ def content(ds: xr.Dataset, most_fields: int = MOST_FIELDS) -> dict[str, Any]:
     ds = ordered(ds)
     axis = variant_of(ds)
     surfaces = [ds] if axis is None else [ds.isel({axis: at}) for at in range(ds.sizes[axis])]
-    parts = [_on_surface(part) for part in surfaces]
-    done = np.array([part["status"] == DONE for part in parts], dtype=bool)
     attributes = attributes_of(ds)
     conditions = Conditions(**attributes["conditions"])
+    parts = [_on_surface(part, conditions.decisive) for part in surfaces]
+    done = np.array([part["status"] == DONE for part in parts], dtype=bool)
+    by_share = conditions.criterion == "share"
     chosen = _nearest(surfaces, done, conditions, most_fields) if _has_fields(ds) else []
     return {
         "title": attributes.get("title"),
@@ -56,6 +58,10 @@ def content(ds: xr.Dataset, most_fields: int = MOST_FIELDS) -> dict[str, Any]:
         "friction_heat": attributes.get("scene", {}).get("friction_heat", True),
         "measured": attributes.get("measured") or [],
         "chosen": bool(attributes.get("boundary_only")),
+        "range": {name: range_of(ds, name) for name in ("load", "velocity")},
+        "outcomes": list(OUTCOMES.values()),
+        "deciding": conditions.decisive.temperature,
+        "decisive": "" if by_share else _packed([part["decisive"] for part in parts], "<f8"),
         "loads": ds["load"].values.tolist(),
         "velocities": ds["velocity"].values.tolist(),
         "quantiles": ds["quantile"].values.tolist(),
@@ -83,7 +89,7 @@ def content(ds: xr.Dataset, most_fields: int = MOST_FIELDS) -> dict[str, Any]:
     }
 
 
-def _on_surface(ds: xr.Dataset) -> dict[str, Any]:
+def _on_surface(ds: xr.Dataset, criterion: Criterion) -> dict[str, Any]:
     """What is known of each point on one surface."""
     ds = ds.transpose("load", "velocity", "step", ...)
     status = ds["status"].values
@@ -92,14 +98,18 @@ def _on_surface(ds: xr.Dataset) -> dict[str, Any]:
     every = quantiles[..., None, :]
     if "bulk_rise_quantile" in ds:
         every = np.concatenate([every, ds["bulk_rise_quantile"].values], axis=-2)
+    decisive = _decisive(ds, criterion, every)
     moments = np.zeros(status.shape, dtype=int)
     rises, at = [np.empty((0, *every.shape[-2:]))], [np.empty(0)]
+    decided = [np.empty((0, every.shape[-2]))]
     for place in zip(*np.nonzero(status == DONE), strict=True):
         rows = every[place].reshape(len(normal_load[place]), -1)
+        rows = np.hstack([rows, decisive[place]])
         counts = _moments(rows, normal_load[place], float(ds["load"][place[0]]))
         moments[place] = counts.size
         rises.append(every[place][counts])
         at.append(times[place][counts])
+        decided.append(decisive[place][counts])
     end = end_of_point(ds[[name for name in _SHOWN if name in ds]])
     flags = ds["warning_flags"].values.ravel().tolist()
     kinds = [[kind.label for kind in WarningKind if flag & kind] for flag in flags]
@@ -108,6 +118,7 @@ def _on_surface(ds: xr.Dataset) -> dict[str, Any]:
         "asked": asked(ds).transpose("load", "velocity").values,
         "moments": moments,
         "times": np.concatenate(at),
+        "decisive": np.concatenate(decided).ravel(),
         "rises": np.concatenate(rises)[:, 0].ravel(),
         "bulk_rises": np.concatenate(rises)[:, 1:].ravel(),
         "numbers": {
@@ -116,6 +127,17 @@ def _on_surface(ds: xr.Dataset) -> dict[str, Any]:
         "messages": [str(message) for message in ds["message"].values.ravel()],
         "warnings": kinds,
     }
+
+
+def _decisive(ds: xr.Dataset, criterion: Criterion, quantiles: Array) -> Array:
+    """Deciding rise by load, velocity, step and bulk ratio, that of equal bulks first [K]."""
+    mean = ds["mean_rise"].values[..., None]
+    if "mean_bulk_response" in ds:
+        ratios = np.append(0.0, ds["bulk_ratio"].values)
+        mean = mean + ratios * ds["mean_bulk_response"].values[..., None]
+    columns = {"rise_quantile": quantiles, "mean_rise": mean, "quantile": ds["quantile"].values}
+    found: Array = criterion.rise(columns)
+    return found
 
 
 def _moments(quantiles: Array, normal_load: Array, load: float) -> NDArray[np.intp]:

@@ -1,10 +1,11 @@
 // @ts-check
 "use strict";
-/* When wear is severe, as pipeline.sweep.criterion has it. */
+/* The limit of the rise under conditions, as pipeline.sweep.criterion has it; the rises are Python's. */
 
 /**
  * @typedef {{friction: number, bulk_temperature: number, disk_temperature?: number,
- *   critical_temperature: number | null, failing_share: number}} Conditions temperatures in kelvin;
+ *   critical_temperature: number | null, failing_share: number, criterion?: string}} Conditions
+ *   temperatures in kelvin;
  *   that of the disk's bulk only where it may differ from the pin's
  */
 
@@ -33,13 +34,23 @@ function bulkRatio(conditions) {
   return difference === 0 ? 0 : difference / riseFactor(conditions);
 }
 
+/** What is added to a rise above the pin's bulk, so that it counts from the colder body [K]. @param {number} ratio */
+function aboveColder(ratio) {
+  return Math.max(0, -ratio);
+}
+
+/** Bulk temperature of the colder body [K]. @param {Conditions} conditions */
+function coldestBulk(conditions) {
+  return conditions.bulk_temperature + Math.min(0, bulkDifference(conditions));
+}
+
 /**
  * Rise at friction 1 above which wear is severe [K]; infinite without friction.
  * @param {Conditions} conditions
  */
 function riseLimit(conditions) {
-  const { bulk_temperature, critical_temperature } = conditions;
+  const { critical_temperature } = conditions;
   if (critical_temperature === null) return NaN;
   const factor = riseFactor(conditions);
-  return factor === 0 ? Infinity : (critical_temperature - bulk_temperature) / factor;
+  return factor === 0 ? Infinity : (critical_temperature - coldestBulk(conditions)) / factor;
 }

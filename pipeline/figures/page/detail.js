@@ -36,8 +36,10 @@ function showDistribution(found) {
     const look = curves.length > 1 ? "faint" : "curve";
     inside.append(svg("path", { class: look, d: path(curve.map(frame.x), shares.map(frame.y)) }));
   }
-  const y = frame.y(100 * chosen.conditions.failing_share);
-  inside.append(svg("line", { class: "guide", x1: frame.left, x2: frame.right, y1: y, y2: y }));
+  if (hasShare()) {
+    const y = frame.y(100 * chosen.conditions.failing_share);
+    inside.append(svg("line", { class: "guide", x1: frame.left, x2: frame.right, y1: y, y2: y }));
+  }
   if (critical !== null) {
     const x = frame.x(critical - ZERO_CELSIUS);
     inside.append(svg("line", { class: "guide", x1: x, x2: x, y1: frame.top, y2: frame.bottom }));
@@ -45,7 +47,7 @@ function showDistribution(found) {
   root.setAttribute("role", "img");
   const share = shown(100 * chosen.conditions.failing_share);
   const text =
-    critical === null
+    critical === null || !hasShare()
       ? "How the temperature is distributed over the contact."
       : "How the temperature is distributed over the contact. Wear is severe where the curve passes " +
         `above the crossing of the dashed lines: more than ${share} % hotter than ${celsius(critical, 6)}.`;

@@ -10,9 +10,9 @@ function expectedVelocity(at) {
     const { across } = sweep.decisive(conditions);
     const row = lineOf(sweep.velocities, across[surface].map((line) => valueAt(line, at.normal_load)));
     const velocity = crossing(row, limit);
-    return beyond(velocity, outcomeOf(row, velocity, limit));
+    return endsOf(row, velocity, outcomeOf(row, velocity, limit, sweep.range.velocity));
   });
-  return quantileOf(found, 0.5);
+  return quantileOfEnds(found, 0.5);
 }
 
 function showMeasured() {
@@ -74,11 +74,12 @@ function showMargin() {
   }
   const limit = riseLimit(conditions);
   const found = surfaces().map((surface) => {
-    const { rise, alongVelocity, alongLoad } = sweep.lines(surface, load, velocity, conditions);
+    const { rise, isWithin, ...along } = sweep.lines(surface, load, velocity, conditions);
     return {
       rise,
-      velocity: wayTo(alongVelocity, limit),
-      load: wayTo(alongLoad, limit),
+      isWithin,
+      velocity: wayTo(along.alongVelocity, limit, sweep.range.velocity),
+      load: wayTo(along.alongLoad, limit, sweep.range.load),
     };
   });
   const known = found.filter(({ rise }) => Number.isFinite(rise));
@@ -95,13 +96,18 @@ function showMargin() {
     rows.push(["severe at this load", wayText(known.map((each) => each.velocity), velocity, "m/s")]);
     rows.push(["severe at this velocity", wayText(known.map((each) => each.load), load, "N")]);
   }
+  if (!known.every(({ isWithin }) => isWithin)) {
+    rows.push(["note", "the temperature is continued beyond the computed points"]);
+  }
   box.replaceChildren(pairs(rows));
 }
 
-/** Crossing of a line, or on which side beyond it lies. @param {Line} line @param {number} limit */
-function wayTo(line, limit) {
-  const found = crossing(line, limit);
-  return beyond(found, outcomeOf(line, found, limit));
+/**
+ * Crossing of a line, or the places that it may have beyond it.
+ * @param {Line} line @param {number} limit @param {[number, number]} range
+ */
+function wayTo(line, limit, range) {
+  return crossings([line], limit, range).ends[0];
 }
 
 /**
@@ -109,26 +115,36 @@ function wayTo(line, limit) {
  * @param {number[]} values also infinite ones @param {string} unit @param {number} [digits]
  */
 function banded(values, unit, digits = 4) {
-  const [low, middle, high] = BAND.map((share) => {
-    const value = quantileOf(values, share);
-    return Number.isFinite(value) ? `${shown(value, digits)} ${unit}` : "beyond the sweep";
-  });
+  return bandedText(BAND.map((share) => quantileOf(values, share)), unit, digits);
+}
+
+/**
+ * Lower end, median and upper end in words.
+ * @param {number[]} quantiles @param {string} unit @param {number} [digits]
+ */
+function bandedText(quantiles, unit, digits = 4) {
+  const [low, middle, high] = quantiles.map((value) =>
+    Number.isFinite(value) ? `${shown(value, digits)} ${unit}` : "beyond the sweep",
+  );
   if (low === high) return middle;
   return `${middle} (${low} to ${high})`;
 }
 
 /** Where wear turns severe, and how many times the present value that is. */
 function wayText(
-  /** @type {number[]} */ found,
+  /** @type {Ends[]} */ found,
   /** @type {number} */ now,
   /** @type {string} */ unit,
 ) {
-  if (found.every((each) => each === Infinity)) return "nowhere in the sweep";
-  if (found.every((each) => each === -Infinity)) return "already from the lowest";
-  if (found.every(Number.isNaN)) return "not known";
-  const middle = quantileOf(found, 0.5);
+  const all = (/** @type {(ends: Ends) => boolean} */ holds) => found.every(holds);
+  if (all(([low]) => low === Infinity)) return "nowhere in the sweep";
+  if (all(([, high]) => high === -Infinity)) return "already from the lowest";
+  if (all(([low]) => Number.isNaN(low))) return "not known";
+  if (all(([low, high]) => high === Infinity && low < high)) return "above what was computed";
+  if (all(([low, high]) => low === -Infinity && low < high)) return "below what was computed";
+  const middle = quantileOfEnds(found, 0.5);
   const times = Number.isFinite(middle) ? `, ${shown(middle / now, 3)} times` : "";
-  return `${banded(found, unit)}${times}`;
+  return `${bandedText(BAND.map((share) => quantileOfEnds(found, share)), unit)}${times}`;
 }
 
 /** Names and texts as a table without heads. @param {[string, string][]} rows */

@@ -13,9 +13,12 @@
  *   quantiles: number[], bulk_ratios: number[], bulk_rises: string, surfaces: Surfaces | null,
  *   done: number, status: string, asked: string,
  *   moments: string, moment_times: string, rises: string, numbers: Object<string, string>,
+ *   decisive: string, deciding: string, outcomes: string[],
+ *   range: {velocity: [number, number], load: [number, number]},
  *   messages: Object<string, string>, warnings: Object<string, string[]>, fields: Fields,
  *   record: Object<string, any>}} Content what pipeline.figures.page.content gives
- * @typedef {{at: number[], outcome: number[]}} Crossings
+ * @typedef {[number, number]} Ends least and greatest place that a transition may have
+ * @typedef {{at: number[], outcome: number[], ends: Ends[], computed: Ends[]}} Crossings
  * @typedef {{velocity: Crossings, load: Crossings, missing: number}} Boundary
  * @typedef {{rise: number, moment: number}} Worst
  * @typedef {{rises: number[][][], along: Line[][], across: Line[][], fine: number[],
@@ -27,6 +30,8 @@ const CROSSES = 0;
 const MILD = 1;
 const SEVERE = 2;
 const UNKNOWN = 3;
+const ABOVE = 4;
+const BELOW = 5;
 const POINT_DONE = 1;
 const POINT_FAILED = 2;
 
@@ -42,6 +47,15 @@ function quantileOf(values, share) {
   const high = ranked[Math.ceil(place)];
   if (!Number.isFinite(low) || !Number.isFinite(high)) return low + high;
   return low + (place - Math.floor(place)) * (high - low);
+}
+
+/**
+ * The same of transitions; NaN where it depends on where those lie that were not computed.
+ * @param {Ends[]} ends @param {number} share
+ */
+function quantileOfEnds(ends, share) {
+  const [low, high] = [0, 1].map((end) => quantileOf(ends.map((each) => each[end]), share));
+  return low === high ? low : NaN;
 }
 
 /** The sweep of a page. */
@@ -61,6 +75,9 @@ class Sweep {
     this.moments = new Int32Array(bytes(content.moments));
     this.times = new Float32Array(bytes(content.moment_times));
     this.rises = new Float64Array(bytes(content.rises));
+    /** Deciding rise by moment and bulk ratio, for another criterion than the share. */
+    this.decided = content.decisive ? new Float64Array(bytes(content.decisive)) : null;
+    this.range = content.range;
     /** Ratios of the bulk temperatures' difference to friction, and rises at all but 0 of them. */
     this.ratios = [...content.bulk_ratios, 0].sort((a, b) => a - b);
     this.bulkRises = new Float64Array(bytes(content.bulk_rises));
@@ -84,16 +101,38 @@ class Sweep {
   }
 
   /**
-   * Quantiles of the rise of a point at one of its moments [K], linear between the bulk ratios.
+   * Quantiles of the rise of a point at one of its moments above the colder body [K].
    * @param {number} moment @param {number} ratio
    */
   riseQuantiles(moment, ratio) {
-    if (ratio === 0) return this.riseAtRatio(moment, 0);
+    return this.betweenRatios(ratio, (kept) => this.riseAtRatio(moment, kept));
+  }
+
+  /**
+   * Rises above the colder body [K], linear between the bulk ratios that are kept.
+   * @param {number} ratio @param {(kept: number) => Float64Array} rises
+   */
+  betweenRatios(ratio, rises) {
+    if (ratio === 0) return rises(0);
     const { ratios } = this;
     const high = Math.min(Math.max(above(ratios, ratio), 1), ratios.length - 1);
     const weight = (ratio - ratios[high - 1]) / (ratios[high] - ratios[high - 1]);
-    const [low, next] = [high - 1, high].map((k) => this.riseAtRatio(moment, ratios[k]));
-    return low.map((rise, k) => (1 - weight) * rise + weight * next[k]);
+    const [low, next] = [high - 1, high].map((k) => rises(ratios[k]));
+    return low.map((rise, k) => (1 - weight) * rise + weight * next[k] + aboveColder(ratio));
+  }
+
+  /**
+   * Deciding rise at a moment above the colder body, by a criterion without a share [K].
+   * @param {Float64Array} decided @param {number} moment @param {number} ratio
+   */
+  decidedRise(decided, moment, ratio) {
+    const n = this.ratios.length;
+    const place = (/** @type {number} */ kept) =>
+      kept === 0 ? 0 : this.ratios.indexOf(kept) + (kept > 0 ? 0 : 1);
+    return this.betweenRatios(ratio, (kept) => {
+      const begin = moment * n + place(kept);
+      return decided.subarray(begin, begin + 1);
+    })[0];
   }
 
   /** Quantiles of the rise at one of the ratios kept. @param {number} moment @param {number} ratio */
@@ -122,8 +161,11 @@ class Sweep {
     let found = { rise: NaN, moment: -1 };
     for (let k = 0; k < this.moments[place]; k++) {
       const moment = this.begins[place] + k;
-      const row = this.riseQuantiles(moment, ratio);
-      const rise = (1 - weight) * row[high - 1] + weight * row[high];
+      const row = this.decided ? null : this.riseQuantiles(moment, ratio);
+      const rise =
+        row && !this.decided
+          ? (1 - weight) * row[high - 1] + weight * row[high]
+          : this.decidedRise(/** @type {Float64Array} */ (this.decided), moment, ratio);
       if (!(rise <= found.rise)) found = { rise, moment };
     }
     return found;
@@ -166,7 +208,7 @@ class Sweep {
     );
     const fine = this.fineVelocities();
     const columns = along.map((rows) =>
-      fine.map((at) => lineOf(loads, rows.map((row) => valueAt(row, at, this.continued)))),
+      fine.map((at) => lineOf(loads, rows.map((row) => valueAt(row, at)))),
     );
     const found = { rises, along, across, fine, columns };
     if (this.kept.size > 10) this.kept.clear();
@@ -201,8 +243,8 @@ class Sweep {
       }),
     );
     return {
-      velocity: crossings(along[surface], limit),
-      load: crossings(across[surface], limit),
+      velocity: crossings(along[surface], limit, this.range.velocity),
+      load: crossings(across[surface], limit, this.range.load),
       missing,
     };
   }
@@ -214,15 +256,21 @@ class Sweep {
    * @param {number | null} surface @param {Conditions} conditions
    */
   drawn(surface, conditions) {
-    const { columns, along } = this.decisive(conditions);
+    const { columns, along, fine } = this.decisive(conditions);
     const limit = riseLimit(conditions);
-    const [loads, velocities] = [columns, along].map((lines) =>
-      (surface === null ? lines : [lines[surface]])
-        .map((each) => crossings(each, limit))
-        .map(({ at, outcome }) => at.map((value, k) => beyond(value, outcome[k]))),
+    const upwards = this.continued
+      ? along.map((rows) =>
+          fine.map((at) => lineOf(this.loads, rows.map((row) => certainAt(row, at, limit)))),
+        )
+      : columns;
+    const { load, velocity } = this.range;
+    /** @type {[Line[][], [number, number]][]} */
+    const sides = [[upwards, load], [along, velocity]];
+    const [loads, velocities] = sides.map(([lines, range]) =>
+      (surface === null ? lines : [lines[surface]]).map((each) => crossings(each, limit, range).ends),
     );
-    const over = (/** @type {number[][]} */ each, /** @type {number} */ share) =>
-      each[0].map((_, k) => quantileOf(each.map((values) => values[k]), share));
+    const over = (/** @type {Ends[][]} */ each, /** @type {number} */ share) =>
+      each[0].map((_, k) => quantileOfEnds(each.map((values) => values[k]), share));
     return (surface === null ? BAND : [0.5]).map((share) => ({
       loads: over(loads, share),
       velocities: over(velocities, share),
@@ -231,42 +279,82 @@ class Sweep {
 
   /**
    * Decisive rise at any load and velocity within the sweep [K], interpolated along the velocity
-   * at each load, and beyond its points by their power law, and then along the load; and the lines
-   * through that place.
+   * at each load, and beyond its points by their power law, and then along the load; whether it lies
+   * within the points; and the lines through that place, without what lies beyond them.
    * @param {number} surface @param {number} load @param {number} velocity
    * @param {Conditions} conditions
    */
   lines(surface, load, velocity, conditions) {
     const { along, across } = this.decisive(conditions);
     const column = along[surface].map((line) => valueAt(line, velocity, true));
+    const within = along[surface].map((line) => valueAt(line, velocity));
     const row = across[surface].map((line) => valueAt(line, load));
     const rise = valueAt(lineOf(this.loads, column), load);
+    const isWithin = Number.isFinite(valueAt(lineOf(this.loads, within), load));
+    const between = (
+      /** @type {number[]} */ x,
+      /** @type {number[]} */ y,
+      /** @type {number} */ at,
+    ) => (isWithin ? withPoint(x, y, at, rise) : lineOf(x, y));
+    const [i, j] = [this.loads.indexOf(load), this.velocities.indexOf(velocity)];
     return {
       rise,
-      alongVelocity: withPoint(this.velocities, row, velocity, rise),
-      alongLoad: withPoint(this.loads, column, load, rise),
+      isWithin,
+      alongVelocity: i < 0 ? between(this.velocities, row, velocity) : along[surface][i],
+      alongLoad: j < 0 ? between(this.loads, within, load) : across[surface][j],
     };
   }
 }
 
-/** @param {Line[]} lines @param {number} limit @returns {Crossings} */
-function crossings(lines, limit) {
+/**
+ * Transitions along lines of points.
+ * @param {Line[]} lines @param {number} limit @param {[number, number]} range of the sweep itself
+ * @returns {Crossings}
+ */
+function crossings(lines, limit, range) {
   const at = lines.map((line) => crossing(line, limit));
-  return { at, outcome: at.map((value, k) => outcomeOf(lines[k], value, limit)) };
+  const outcome = at.map((value, k) => outcomeOf(lines[k], value, limit, range));
+  return {
+    at,
+    outcome,
+    ends: at.map((value, k) => endsOf(lines[k], value, outcome[k])),
+    computed: lines.map(({ x }) => (x.length ? [x[0], x[x.length - 1]] : [NaN, NaN])),
+  };
 }
 
-/** @param {Line} line @param {number} found @param {number} limit */
-function outcomeOf({ y }, found, limit) {
+/**
+ * Outcome along a line (pipeline.analysis.transition).
+ * @param {Line} line @param {number} found @param {number} limit @param {[number, number]} range
+ */
+function outcomeOf({ x, y }, found, limit, range) {
   if (Number.isFinite(found)) return CROSSES;
   if (!y.length || Number.isNaN(limit)) return UNKNOWN;
-  return y[0] > limit ? SEVERE : MILD;
+  if (y[0] > limit) return x[0] <= range[0] ? SEVERE : BELOW;
+  return x[x.length - 1] >= range[1] ? MILD : ABOVE;
 }
 
-/** A crossing, or on which side beyond the sweep it lies. @param {number} at @param {number} outcome */
-function beyond(at, outcome) {
-  if (outcome === MILD) return Infinity;
-  if (outcome === SEVERE) return -Infinity;
-  return at;
+/**
+ * Least and greatest place that a transition may have.
+ * @param {Line} line @param {number} at @param {number} outcome @returns {Ends}
+ */
+function endsOf({ x }, at, outcome) {
+  if (outcome === MILD) return [Infinity, Infinity];
+  if (outcome === SEVERE) return [-Infinity, -Infinity];
+  if (outcome === ABOVE) return [x[x.length - 1], Infinity];
+  if (outcome === BELOW) return [-Infinity, x[0]];
+  return [at, at];
+}
+
+/**
+ * Value of a line, and beyond its ends by its power law where that leaves the kind of wear as it is.
+ * @param {Line} line @param {number} at @param {number} limit
+ */
+function certainAt(line, at, limit) {
+  const { x, y } = line;
+  const last = x.length - 1;
+  if (last < 0 || (at >= x[0] && at <= x[last])) return valueAt(line, at);
+  if (at < x[0]) return y[0] <= limit ? Math.min(valueAt(line, at, true), y[0]) : NaN;
+  return y[last] > limit ? Math.max(valueAt(line, at, true), y[last]) : NaN;
 }
 
 /** Bytes of base64. @param {string} text */

@@ -3,7 +3,6 @@
 /* What the page shows, and what its reader has set: in SI, with units on display only. */
 
 const ZERO_CELSIUS = 273.15;
-const NO_CROSSING = ["crosses", "mild throughout", "severe from the lowest", "not known"];
 
 /** @type {Content} */
 const content = JSON.parse(element("content").textContent ?? "");
@@ -48,7 +47,7 @@ function celsius(kelvin, digits = 4) {
 
 /** @param {number} rise */
 function temperature(rise) {
-  return chosen.conditions.bulk_temperature + riseFactor(chosen.conditions) * rise;
+  return coldestBulk(chosen.conditions) + riseFactor(chosen.conditions) * rise;
 }
 
 /** Whether it is known what is severe. */

@@ -4,7 +4,7 @@
 
 /**
  * @typedef {{middle: number[], low: number[], high: number[], mean: number[], spread: number[],
- *   crossing: number[], known: number[], outcome: number[][]}} Side
+ *   crossing: number[], known: number[], outcome: number[][], computed: Ends[][]}} Side
  */
 
 /**
@@ -22,17 +22,19 @@ function summary() {
 
 /** @param {Crossings[]} each @returns {Side} */
 function sideOf(each) {
-  const columns = each[0].at.map((_, k) => each.map(({ at, outcome }) => beyond(at[k], outcome[k])));
-  const all = columns.map((column) => column.filter((value) => !Number.isNaN(value)));
+  const ends = each[0].at.map((_, k) => each.map((one) => one.ends[k]));
+  // A transition that was not computed has no mean.
+  const columns = ends.map((column) => column.map(([low, high]) => (low === high ? low : Infinity)));
+  const all = ends.map((column, k) => columns[k].filter((_, n) => !Number.isNaN(column[n][0])));
   const isFinite = (/** @type {number[]} */ column) => column.every(Number.isFinite);
   const mean = all.map((column) =>
     column.length && isFinite(column) ? column.reduce((sum, x) => sum + x, 0) / column.length : NaN,
   );
   const outcome = each[0].outcome.map((_, k) => each.map((one) => one.outcome[k]));
   return {
-    low: columns.map((column) => quantileOf(column, BAND[0])),
-    middle: columns.map((column) => quantileOf(column, BAND[1])),
-    high: columns.map((column) => quantileOf(column, BAND[2])),
+    low: ends.map((column) => quantileOfEnds(column, BAND[0])),
+    middle: ends.map((column) => quantileOfEnds(column, BAND[1])),
+    high: ends.map((column) => quantileOfEnds(column, BAND[2])),
     mean,
     spread: all.map((column, k) =>
       column.length > 1 && isFinite(column)
@@ -40,8 +42,9 @@ function sideOf(each) {
         : NaN,
     ),
     crossing: outcome.map((column) => column.filter((why) => why === CROSSES).length),
-    known: outcome.map((column) => column.filter((why) => why !== UNKNOWN).length),
+    known: outcome.map((column) => column.filter((why) => why < UNKNOWN).length),
     outcome,
+    computed: each[0].at.map((_, k) => each.map((one) => one.computed[k])),
   };
 }
 
@@ -69,13 +72,21 @@ function table(
   );
 }
 
-/** How many cross, and why the others do not. @param {number[]} outcomes */
-function outcomeText(outcomes) {
-  if (outcomes.length === 1) return NO_CROSSING[outcomes[0]];
-  return [0, 1, 2, 3]
+/**
+ * How many cross, and why the others do not.
+ * @param {number[]} outcomes @param {Ends[]} computed @param {string} unit
+ */
+function outcomeText(outcomes, computed, unit) {
+  const words = content.outcomes;
+  if (outcomes.length === 1) {
+    const span = [...new Set(computed[0])].map((end) => shown(end)).join(" to ");
+    return words[outcomes[0]] + (outcomes[0] > UNKNOWN ? `: ${span} ${unit}` : "");
+  }
+  return words
+    .map((_, why) => why)
     .map((why) => [outcomes.filter((each) => each === why).length, why])
     .filter(([count]) => count)
-    .map(([count, why]) => `${count} ${why === CROSSES ? `of ${outcomes.length} cross` : NO_CROSSING[why]}`)
+    .map(([count, why]) => `${count} ${why === CROSSES ? `of ${outcomes.length} cross` : words[why]}`)
     .join(", ");
 }
 
@@ -96,7 +107,8 @@ function showTables() {
       const values = several
         ? [side.middle, side.low, side.high, side.mean, side.spread].map((each) => shown(each[k]))
         : [shown(side.middle[k])];
-      return [shown(value, 6), ...values, outcomeText(side.outcome[k])];
+      const outcome = outcomeText(side.outcome[k], side.computed[k], unit.slice(1, -1));
+      return [shown(value, 6), ...values, outcome];
     });
     element(id).replaceChildren(table(conditionsText(), heads, rows, 1));
     const link = /** @type {HTMLAnchorElement} */ (element(`${id}-csv`));
@@ -111,7 +123,12 @@ function showTables() {
 function crossingText(side) {
   if (!isJudged()) return "Give a critical temperature to see where wear turns severe.";
   const known = sweep.loads.map((load, k) => [load, side.middle[k]]).filter(([, at]) => Number.isFinite(at));
-  if (!known.length) return "Wear does not turn severe within the sweep.";
+  if (!known.length) {
+    const isKnown = side.outcome.flat().every((why) => why < UNKNOWN);
+    return isKnown
+      ? "Wear does not turn severe within the sweep."
+      : "The transition lies beyond what was computed.";
+  }
   const named = known.length > 1 ? [known[0], known[known.length - 1]] : known;
   const places = named.map(([load, at]) => `${shown(at)} m/s at ${shown(load, 6)} N`);
   return `Wear turns severe at ${places.join(", at ")}.`;
@@ -126,7 +143,9 @@ function csv(
 ) {
   const { friction, bulk_temperature, critical_temperature, failing_share } = chosen.conditions;
   const disk = chosen.conditions.disk_temperature ?? bulk_temperature;
-  const conditions = [friction, bulk_temperature, disk, critical_temperature ?? "", failing_share];
+  const criterion = content.conditions.criterion ?? "share";
+  const temperatures = [bulk_temperature, disk, critical_temperature ?? ""];
+  const conditions = [friction, ...temperatures, failing_share, criterion];
   const several = surfaces().length > 1;
   const heads = several
     ? [head, `${what} median`, `${what} 10 %`, `${what} 90 %`, "mean", "spread", "crossing", "known"]
@@ -136,10 +155,10 @@ function csv(
     const { middle, low, high, mean, spread } = side;
     const values = several
       ? [...[middle, low, high, mean, spread].map(number), side.crossing[k], side.known[k]]
-      : [number(middle), NO_CROSSING[side.outcome[k][0]]];
+      : [number(middle), content.outcomes[side.outcome[k][0]]];
     return [value, ...values, ...conditions];
   });
   const bulks = ["bulk temperature [K]", "bulk temperature of the disk [K]"];
-  const of = ["friction", ...bulks, "critical temperature [K]", "failing share"];
+  const of = ["friction", ...bulks, "critical temperature [K]", "failing share", "criterion"];
   return [[...heads, ...of], ...rows].map((row) => `${row.join(",")}\r\n`).join("");
 }

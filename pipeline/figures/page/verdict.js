@@ -89,9 +89,9 @@ function told(i, j, full) {
   /** @type {[string, string][]} */
   const rows = [["wear", verdictOf(found, kindOf(i, j))]];
   if (found.length) {
-    if (chosen.conditions.failing_share > 0) {
+    if (!hasShare() || chosen.conditions.failing_share > 0) {
       const decisive = found.map((each) => each.decisive - ZERO_CELSIUS);
-      rows.push([`exceeded on ${share}`, span(decisive, "°C")]);
+      rows.push([hasShare() ? `exceeded on ${share}` : content.deciding, span(decisive, "°C")]);
     }
     rows.push(["highest temperature", span(found.map((each) => each.highest - ZERO_CELSIUS), "°C")]);
     if (isJudged()) {

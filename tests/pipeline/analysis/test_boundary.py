@@ -270,6 +270,7 @@ def test_result_says_its_conditions_and_units(sweep):
         "bulk_temperature": 298.15,
         "critical_temperature": 418.15,
         "failing_share": 0.2,
+        "criterion": "share",
         "missing_points": 0,
     }
     assert found["critical_velocity"].attrs["units"] == "m/s"

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 import pipeline
+from pipeline.analysis.intervals import Interval
 from pipeline.analysis.risk import Draws, prior
 from pipeline.sweep.unknown import drawn
-from tests.helpers.samples import ALL, CRITICAL, critical_velocity, ensemble, limit, rise
+from tests.helpers.samples import ALL, CRITICAL, EXPONENT, critical_velocity, ensemble, limit, rise
 from tribo import InputError
 
 SHARES = (0.05, 0.5, 0.95)
@@ -31,6 +32,21 @@ def test_intervals_are_those_of_the_closed_form():
     at_velocity = np.quantile((limit(DIRECT) / rise(DIRECT, 1.0, 2.0)) ** (1 / 0.58), SHARES)
     assert values(found.critical_load) == pytest.approx(at_velocity, rel=0.015)
     assert found.risk.probability == pytest.approx(np.mean(hot > DIRECT[:, 0]), abs=0.01)
+
+
+def test_an_interval_leaves_out_a_twentieth_at_either_end():
+    draws = Draws(np.empty((1001, 0)), np.full(1001, 1 / 1001))
+    found = Interval.of(draws, np.random.default_rng(0).permutation(1001.0 * np.arange(1001)))
+    assert values(found) == pytest.approx(1001.0 * np.array([49.55, 500.0, 950.45]), rel=1e-9)
+
+
+def test_a_fit_that_misses_upwards_is_hotter_and_turns_severe_earlier():
+    samples = ensemble()
+    axis = np.geomspace(0.5, 6.0, 41)
+    fit = dataclasses.replace(samples.surrogate(400.0, axis), error=np.full(41, 0.05))
+    inputs = DIRECT[:50]
+    mean, above = (samples.crossings(fit, axis, inputs, chance) for chance in (0.0, 1.0))
+    np.testing.assert_allclose(above - mean, -0.05 / EXPONENT, rtol=1e-3)
 
 
 def test_what_samples_scatter_by_widens_the_interval():

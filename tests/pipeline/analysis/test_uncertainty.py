@@ -5,11 +5,12 @@ import math
 
 import numpy as np
 import pytest
+import xarray as xr
 
 import pipeline
 from pipeline.analysis.ensemble import Ensemble
 from pipeline.analysis.risk import Draws, prior
-from pipeline.analysis.sobol import indices
+from pipeline.analysis.sobol import _first_of, indices
 from pipeline.analysis.surrogate import fitted, redrawn, terms
 from pipeline.sweep.unknown import Unknown, correlations, drawn
 from tests.helpers import synthetic
@@ -234,6 +235,46 @@ def test_weighted_draws_give_the_same_first_indices_and_none_by_chance():
         for inputs in (drawn((CRITICAL, idle), seed, 4096) for seed in range(5))
     ]
     assert np.mean([each.first[:, 1] for each in others]) < 0.015
+
+
+def test_weighted_first_indices_are_the_variance_of_means_less_what_chance_gives_them():
+    draw = np.random.default_rng(4)
+    column = draw.choice([1.0, 2.0, 5.0], 40)
+    column[0] = 9.0  # a part with a single draw, which tells nothing
+    y = 0.3 * column + draw.normal(size=40)
+    weights = draw.exponential(size=40)
+    weights /= weights.sum()
+    y -= weights @ y
+    chance = sum((w * each) ** 2 for w, each in zip(weights, y, strict=True))
+    explained = 0.0
+    for value in set(column) - {9.0}:
+        rows = [(w, each) for w, each, x in zip(weights, y, column, strict=True) if x == value]
+        part = sum(w for w, _ in rows)
+        mean = sum(w * each for w, each in rows) / part
+        scatter = sum((w * (each - mean)) ** 2 for w, each in rows) / part**2
+        scatter /= 1 - sum(w**2 for w, _ in rows) / part**2  # as n - 1 in place of n
+        explained += part * (mean**2 - scatter)
+    expected = (explained + chance) / (weights @ y**2 + chance)
+    found = _first_of(Draws(column[:, None], weights), 3.0 + y[:, None])
+    assert 0.1 < expected < 0.9
+    assert found == pytest.approx(np.array([[expected]]), rel=1e-9)
+
+
+def test_every_sample_that_is_done_counts():
+    """The last one, too; and one that is not done is left out and told."""
+    parts = [
+        synthetic.sweep(rise=lambda *at, k=k: (1 + 0.1 * k) * synthetic.rise(*at)) for k in range(6)
+    ]
+    pending = {(F, V): 0 for F in synthetic.LOADS for V in synthetic.VELOCITIES}
+    parts[2] = synthetic.sweep(status=pending)
+    unknown = Unknown(LENGTH.path, "uniform", (0.0, 1.0))
+    about = {"samples": 6, "sample_seed": 0, "unknown": [unknown.as_dict()]}
+    ds = xr.concat(parts, xr.Variable("sample", range(6)), combine_attrs="override")
+    ds = ds.assign_coords({LENGTH.path: ("sample", 0.1 * np.arange(6))}).assign_attrs(about)
+    found = Ensemble.of(ds)
+    assert found.inputs[:, 0] == pytest.approx([0.0, 0.1, 0.3, 0.4, 0.5])
+    assert found.missing == 1
+    assert found.rises[:, 0, 0] / found.rises[0, 0, 0] == pytest.approx([1.0, 1.1, 1.3, 1.4, 1.5])
 
 
 def test_a_polynomial_that_is_not_good_enough_is_told():

@@ -82,9 +82,7 @@ def _answers(port):
 
 
 @needs_another_user
-@pytest.mark.filterwarnings(
-    "ignore:Mismatched versions"
-)  # of Python, in its last digit
+@pytest.mark.filterwarnings("ignore:Mismatched versions")  # of Python, in its last digit
 @pytest.mark.timeout(300)
 def test_workers_of_another_user_need_not_see_the_store(tmp_path, scheduler):
     hidden = tmp_path / "hidden"

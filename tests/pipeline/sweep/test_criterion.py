@@ -8,9 +8,11 @@ import pytest
 
 from pipeline.sweep.criterion import (
     Conditions,
+    at_bulks,
     boundary_velocity_error,
     contact_temperature,
     decisive_rise,
+    decisive_rises,
     failed_fraction,
     rise_limit,
     verdict,
@@ -18,7 +20,7 @@ from pipeline.sweep.criterion import (
 )
 from pipeline.sweep.plan import run_point
 from tests.helpers import tiny
-from tribo import QUANTILES, InputError, Ramp
+from tribo import BULK_RATIOS, QUANTILES, InputError, Ramp, critical_temperature
 
 OWN = Conditions(friction=0.1, bulk_temperature=298.15, critical_temperature=418.15)
 EVEN = 2000.0 * np.array(QUANTILES)
@@ -37,15 +39,50 @@ def columns(*rises, loads):
 @pytest.mark.parametrize("share", [0.0, 0.07, 0.1, 0.5])
 def test_at_the_limit_just_the_failing_share_is_above_the_critical_temperature(friction, share):
     conditions = replace(OWN, friction=friction, failing_share=share)
-    rises = EVEN * rise_limit(conditions) / decisive_rise(EVEN, conditions)
+    at_limit = rise_limit(conditions)
+    rises = EVEN * at_limit / conditions.decisive.rise({"rise_quantile": EVEN})
     assert failed_fraction(rises, conditions) == pytest.approx(share, abs=1e-12)
-    assert contact_temperature(decisive_rise(rises, conditions), conditions) == pytest.approx(
+    decisive = conditions.decisive.rise({"rise_quantile": rises})
+    assert contact_temperature(decisive, conditions) == pytest.approx(
         conditions.critical_temperature
     )
     for factor, is_severe in ((1.001, True), (0.999, False)):
         found = verdict(columns(factor * rises, loads=[600.0]), 600.0, conditions)
         assert found.is_severe is is_severe
         assert (found.failed_fraction > share) is is_severe
+
+
+@pytest.mark.parametrize("criterion", ["share", "highest", "mean"])
+def test_each_criterion_decides_by_its_own_temperature_everywhere(criterion):
+    sweep = tiny.sweep(temperature_interval=1)
+    result = run_point(sweep, 600.0, 1.5)
+    heat, contact = result.state.heat, result.state.pressure > 0
+    expected = {
+        "share": np.quantile(heat.rise[contact], 0.9),
+        "highest": heat.rise[contact].max(),
+        "mean": heat.rise[contact].mean(),
+    }[criterion]
+    conditions = replace(sweep.conditions, criterion=criterion)
+    assert decisive_rise(heat, conditions) == pytest.approx(expected, rel=1e-9)
+    assert decisive_rises(result.columns, 600.0, conditions) == pytest.approx(expected, rel=1e-9)
+    found = result.verdict(conditions)
+    assert found.decisive_temperature == pytest.approx(298.15 + 0.1 * expected, rel=1e-9)
+    measured = critical_temperature(sweep, [(600.0, 1.5, 0.1)], 298.15, conditions.decisive)
+    assert measured.mean == pytest.approx(found.decisive_temperature, rel=1e-9)
+
+
+@pytest.mark.parametrize(("pin", "disk"), [(403.15, 298.15), (298.15, 403.15)])
+def test_rises_count_from_the_colder_body_and_temperatures_do_not_depend_on_it(pin, disk):
+    conditions = Conditions(0.1, pin, 418.15, disk_temperature=disk)
+    ratio = 10 * (disk - pin)
+    kept = np.array([EVEN + 0.4 * each for each in BULK_RATIOS])  # 0.4 K for each by which it warms
+    at_ratio = at_bulks({"rise_quantile": EVEN, "bulk_rise_quantile": kept}, conditions)
+    rises = at_ratio["rise_quantile"]
+    assert (rises > 0).all()
+    np.testing.assert_allclose(
+        contact_temperature(rises, conditions), pin + 0.1 * (EVEN + 0.4 * ratio)
+    )
+    assert contact_temperature(rise_limit(conditions), conditions) == pytest.approx(418.15)
 
 
 def test_without_friction_nothing_is_warm_and_nothing_severe():

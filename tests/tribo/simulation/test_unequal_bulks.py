@@ -26,6 +26,7 @@ from tribo import (
     partition_with_history,
     simulate,
 )
+from tribo.criterion import columns_of, rises_at
 from tribo.simulation.heating import _bodies, _conductor
 
 NINE_TENTHS = QUANTILES.index(0.9)
@@ -99,6 +100,10 @@ def test_the_rise_is_the_same_with_the_response_and_without_bit_for_bit(preset):
     assert alone.bulk_rise_quantile is None
 
 
+def quantiles_at(heat, ratio):
+    return rises_at(columns_of(heat), ratio)["rise_quantile"]
+
+
 def test_quantiles_are_exact_at_the_kept_ratios_and_near_between(rough):
     _, state = rough
     heat, contact = state.heat, state.pressure > 0
@@ -107,10 +112,10 @@ def test_quantiles_are_exact_at_the_kept_ratios_and_near_between(rough):
         return contact_quantiles(heat.rise + ratio * heat.bulk_response, contact)
 
     for ratio in (0.0, *BULK_RATIOS):
-        assert heat.rise_quantile_at(ratio) == pytest.approx(exact(ratio), rel=1e-12)
+        assert quantiles_at(heat, ratio) == pytest.approx(exact(ratio), rel=1e-12)
     scale = heat.mean_rise
     ratios = np.linspace(-1000.0, 1000.0, 41)
-    errors = np.array([(heat.rise_quantile_at(r) - exact(r)) / scale for r in ratios])
+    errors = np.array([(quantiles_at(heat, r) - exact(r)) / scale for r in ratios])
     assert np.abs(errors[:, NINE_TENTHS]).max() < 3e-3
     assert np.abs(errors).max() < 2e-2
     assert (errors[:, -1] > -1e-12).all()  # the highest is convex: never too cold
@@ -147,7 +152,7 @@ def test_without_motion_or_friction_the_difference_alone_warms(heat_model):
         heat = end(scene, velocity).heat
         assert not heat.rise.any()
         assert 0.3 < heat.mean_bulk_response < 1.0
-        kelvins = heat.rise_quantile_at(BULK_RATIOS[-1]) / BULK_RATIOS[-1]
+        kelvins = quantiles_at(heat, BULK_RATIOS[-1]) / BULK_RATIOS[-1]
         assert 0.0 < kelvins[0] <= kelvins[-1] < 1.0
 
 
@@ -158,13 +163,13 @@ def test_a_plane_counts_all_the_rows_that_it_stands_for():
     rise = (state.heat.rise + 500.0 * state.heat.bulk_response).repeat(rows, 1)
     expected = contact_quantiles(rise, (state.pressure > 0).repeat(rows, 1))
     assert rows > 1
-    assert state.heat.rise_quantile_at(500.0) == pytest.approx(expected, rel=1e-12)
+    assert quantiles_at(state.heat, 500.0) == pytest.approx(expected, rel=1e-12)
 
 
 def test_a_critical_temperature_knows_both_bulk_temperatures(rough):
     scene, state = rough
     found = critical_temperature(scene, [(750.0, 1.25, 0.1)], 60.0, bulk_difference=-50.0)
-    expected = 60.0 + 0.1 * state.heat.rise_quantile_at(-500.0)[NINE_TENTHS]
+    expected = 60.0 + 0.1 * quantiles_at(state.heat, -500.0)[NINE_TENTHS]
     assert found.mean == pytest.approx(expected, rel=1e-12)
     with pytest.raises(InputError, match="unequal_bulks"):
         critical_temperature(

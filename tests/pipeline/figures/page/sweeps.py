@@ -10,7 +10,7 @@ _VELOCITIES = np.array([0.5, 0.75, 1.0, 1.4, 1.8, 2.4, 3.0, 4.0])
 _LOADS = np.array([150.0, 200.0, 300.0, 450.0, 600.0, 750.0])
 
 
-def _uneven(seed):
+def uneven(seed):
     """The closed form with a wave that differs from point to point, and from seed to seed."""
     generator = np.random.default_rng(seed)
     a, b, c = generator.uniform(0.5, 3.0, 3)
@@ -26,18 +26,18 @@ def _uneven(seed):
 def one(**changes):
     """One surface, with points that are failed and pending."""
     status = {(300.0, 1.4): 2, (600.0, 0.5): 0, (750.0, 4.0): 0}
-    options = {"status": status, "rise": _uneven(0)} | changes
+    options = {"status": status, "rise": uneven(0)} | changes
     return synthetic.sweep(_LOADS, _VELOCITIES, **options)
 
 
 def with_zero_velocity():
     """From rest on, where nothing is heated."""
-    return synthetic.sweep(_LOADS, np.append(0.0, _VELOCITIES), rise=_uneven(1))
+    return synthetic.sweep(_LOADS, np.append(0.0, _VELOCITIES), rise=uneven(1))
 
 
 def over_surfaces(axis="realization"):
     """Five surfaces, some points of which are not done."""
-    parts = [one(rise=_uneven(seed), scene={"friction_heat": True}) for seed in range(5)]
+    parts = [one(rise=uneven(seed), scene={"friction_heat": True}) for seed in range(5)]
     return xr.concat(parts, xr.Variable(axis, np.arange(5)), combine_attrs="override")
 
 
@@ -64,12 +64,12 @@ def held():
     return ds.assign_attrs(one().attrs)
 
 
-def along_boundary(seed=0, left_out=(), sample=None):
-    """Chosen points only, each load at velocities of its own, on both sides of the boundary."""
-    ds = one(status={}, rise=_uneven(seed))
+def along_boundary(seed=0, left_out=()):
+    """Points about the boundary alone, each load at velocities of its own on both sides of it."""
+    ds = one(status={}, rise=uneven(seed))
     severe = ds["rise_quantile"].isel(quantile=22).max("step") > synthetic.limit()
     chosen = [
-        [float(load), float(velocity), None, sample]
+        (float(load), float(velocity))
         for i, load in enumerate(ds["load"].values)
         for j, velocity in enumerate(ds["velocity"].values)
         if (i + j) % 3 == 0
@@ -80,18 +80,35 @@ def along_boundary(seed=0, left_out=(), sample=None):
         (float(load), float(velocity)): 0
         for load in ds["load"].values
         for velocity in ds["velocity"].values
-        if [float(load), float(velocity), None, sample] not in chosen
+        if (float(load), float(velocity)) not in chosen
     } | dict.fromkeys(left_out, 0)
-    return one(status=status, chosen=chosen, rise=_uneven(seed))
+    found = one(status=status, rise=uneven(seed))
+    asked = [
+        [(float(load), float(velocity)) in chosen for velocity in found["velocity"].values]
+        for load in found["load"].values
+    ]
+    return found.assign(asked=(("load", "velocity"), np.array(asked, np.int8)))
 
 
 def samples():
     """Five samples, each along its own boundary; two are mild throughout 200 N, one lacks 750 N."""
     lacking = [(750.0, velocity) for velocity in _VELOCITIES]
-    parts = [along_boundary(k, lacking if k == 4 else (), k) for k in range(5)]
-    chosen = [place for part in parts for place in part.attrs["chosen"]]
-    found = xr.concat(parts, xr.Variable("sample", np.arange(5)), combine_attrs="override")
-    return found.assign_attrs(chosen=chosen)
+    parts = [along_boundary(k, lacking if k == 4 else ()) for k in range(5)]
+    return xr.concat(parts, xr.Variable("sample", np.arange(5)), combine_attrs="override")
+
+
+def by_mean():
+    """A sweep whose mean temperature decides."""
+    conditions = synthetic.CONDITIONS | {"criterion": "mean"}
+    return held().assign_attrs(one().attrs | {"conditions": conditions})
+
+
+def of_a_warm_pin():
+    """Bodies of unequal bulk temperatures, the pin the warmer one, judged by the mean."""
+    conditions = synthetic.CONDITIONS | {"bulk_temperature": 378.15, "disk_temperature": 298.15}
+    return of_two_bulks().assign_attrs(
+        one().attrs | {"conditions": conditions | {"criterion": "mean"}}
+    )
 
 
 def of_two_bulks():
@@ -116,4 +133,6 @@ KINDS = {
     "boundary only": along_boundary,
     "samples": samples,
     "two bulk temperatures": of_two_bulks,
+    "mean temperature": by_mean,
+    "a warm pin": of_a_warm_pin,
 }

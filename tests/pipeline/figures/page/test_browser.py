@@ -1,9 +1,8 @@
-"""The page in a browser: what it computes beside `irg boundary` and `irg margin`, and its use."""
+"""The use of the page in a browser."""
 
 import csv
 import io
 import json
-import math
 from urllib.parse import unquote
 
 import numpy as np
@@ -12,20 +11,10 @@ from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 
 import pipeline
-from pipeline.analysis.band import MILD
-from pipeline.analysis.boundary import decisive_rise
-from pipeline.analysis.interpolation import crossing, interpolated
+from pipeline.analysis.transition import MILD
 from tests.helpers import synthetic
 from tests.helpers.browser import chromium
 from tests.pipeline.figures.page import sweeps
-
-BOUNDARY = """
-const [friction, bulk_temperature, critical_temperature, failing_share, disk] = arguments;
-chosen.conditions = { friction, bulk_temperature, critical_temperature, failing_share };
-if (disk !== undefined) chosen.conditions.disk_temperature = disk;
-update();
-return ["velocities", "loads"].map((id) => element(`${id}-csv`).href);
-"""
 
 
 @pytest.fixture(scope="module")
@@ -55,21 +44,6 @@ def page(browser, tmp_path):
     assert not [url for url in sent if url.startswith(("http:", "https:", "ws:", "wss:"))]
 
 
-def random_conditions(seed, count=20):
-    """Conditions of all kinds, the first those of the sweep."""
-    draw = np.random.default_rng(seed)
-    yield (0.1, 298.15, 418.15, 0.1)
-    yield (0.0, 298.15, 418.15, 0.1)
-    for _ in range(count - 2):
-        bulk = draw.uniform(250.0, 400.0)
-        yield (
-            round(draw.uniform(0.04, 0.25), 4),
-            bulk,
-            bulk + draw.uniform(20.0, 250.0),
-            draw.choice([0.0, 0.1, draw.uniform(0.0, 0.6)]),
-        )
-
-
 def rows(link):
     text = unquote(link.removeprefix("data:text/csv;charset=utf-8,"))
     return list(csv.DictReader(io.StringIO(text)))
@@ -81,89 +55,6 @@ def column(table, name):
 
 def same(found, expected, rtol=1e-9):
     np.testing.assert_allclose(found, expected, rtol=rtol, atol=0)
-
-
-@pytest.mark.parametrize("kind", sweeps.KINDS)
-def test_the_boundary_is_that_of_the_command(page, kind):
-    ds = sweeps.KINDS[kind]()
-    driver, crossings = page(ds), 0
-    for conditions in random_conditions(seed=len(kind)):
-        friction, bulk, *others = map(float, conditions)
-        disk = [bulk + 12.0 * math.sin(friction * 300)] if "bulk_ratio" in ds.coords else []
-        found = driver.execute_script(BOUNDARY, friction, bulk, *others, *disk)
-        tables = [rows(link) for link in found]
-        bulks = {"pin": bulk, "disk": disk[0]} if disk else bulk
-        expected = pipeline.boundary(ds, friction, bulks, *others)
-        for table, axis, name, unit in zip(
-            tables,
-            ("load", "velocity"),
-            ("critical_velocity", "critical_load"),
-            ("[m/s]", "[N]"),
-            strict=True,
-        ):
-            words = f"{name.replace('_', ' ')} {unit}"
-            if "crossing_at_load" in expected:
-                for k, part in enumerate(("10 %", "median", "90 %")):
-                    same(column(table, f"{words} {part}"), expected[f"{name}_quantile"][k])
-                same(column(table, "mean"), expected[f"{name}_mean"])
-                same(column(table, "spread"), expected[f"{name}_spread"], rtol=1e-6)
-                same(column(table, "crossing"), expected[f"crossing_at_{axis}"])
-                same(column(table, "known"), expected[f"known_at_{axis}"])
-                crossings += int(expected[f"crossing_at_{axis}"].sum())
-            else:
-                same(column(table, words), expected[name])
-                outcomes = [row["outcome"] for row in table]
-                meanings = ("crosses", "mild throughout", "severe from the lowest", "not known")
-                assert outcomes == [meanings[k] for k in expected[f"outcome_at_{axis}"].values]
-                crossings += int(np.isfinite(expected[name]).sum())
-            same(column(table, "bulk temperature [K]"), conditions[1], rtol=0)
-    assert crossings > 40
-
-
-@pytest.mark.parametrize(
-    "kind", ["one surface", "boundary only", "a hold", "two bulk temperatures"]
-)
-def test_the_margin_is_that_of_the_command(page, kind):
-    ds = sweeps.KINDS[kind]()
-    driver = page(ds)
-    margin = """
-    const [load, velocity] = arguments;
-    const { rise, alongVelocity, alongLoad } = sweep.lines(0, load, velocity, chosen.conditions);
-    return [temperature(rise), crossing(alongVelocity, riseLimit(chosen.conditions)),
-            crossing(alongLoad, riseLimit(chosen.conditions))];
-    """
-    draw = np.random.default_rng(3)
-    for _ in range(10):
-        place = float(draw.uniform(160, 740)), float(draw.uniform(0.6, 3.9))
-        found = driver.execute_script(margin, *place)
-        (expected,) = pipeline.margins(ds, *place)
-        values = expected.decisive_temperature, expected.critical_velocity, expected.critical_load
-        same([math.nan if value is None else value for value in found], values)
-
-
-def test_the_line_that_is_drawn_lies_on_the_plane_of_the_diagram(page):
-    ds = sweeps.one(status={})
-    drawn = """
-    const { conditions } = chosen;
-    return [sweep.decisive(conditions).fine, sweep.drawn(0, conditions)[0].loads];
-    """
-    fine, loads = page(ds).execute_script(drawn)
-    rise = decisive_rise(ds, synthetic.conditions())
-    at = np.array(fine)
-    columns = np.array([interpolated(ds["velocity"].values, row, at) for row in rise.values]).T
-    expected = [crossing(ds["load"].values, column, synthetic.limit()) for column in columns]
-    assert np.isfinite(expected).sum() > 50
-    same([load if load and math.isfinite(load) else math.nan for load in loads], expected)
-
-
-@pytest.mark.parametrize("kind", ["several surfaces", "samples"])
-def test_the_lines_over_several_meet_the_quantiles_of_the_command_at_each_load(page, kind):
-    ds = sweeps.KINDS[kind]()
-    expected = pipeline.boundary(ds)["critical_velocity_quantile"].values
-    drawn = "return sweep.drawn(null, chosen.conditions).map((each) => each.velocities);"
-    found = np.array(page(ds).execute_script(drawn), dtype=float)  # None where infinite or NaN
-    same(found, expected)
-    assert np.isfinite(expected[1, 1:]).all()
 
 
 def test_the_median_goes_on_where_one_sample_has_no_boundary(page):
@@ -191,7 +82,8 @@ def test_a_page_begins_with_the_conditions_of_the_store(page):
     }
     ds = sweeps.one(conditions=conditions)
     driver = page(ds)
-    assert driver.execute_script("return chosen.conditions") == conditions
+    own = driver.execute_script("return chosen.conditions")
+    assert own == conditions | {"criterion": "share"}
     link = driver.find_element(By.ID, "velocities-csv").get_attribute("href")
     same(column(rows(link), "critical velocity [m/s]"), pipeline.boundary(ds)["critical_velocity"])
 
@@ -318,7 +210,7 @@ def test_an_operating_point_gets_its_margin(page):
 
 def test_each_measured_transition_is_judged_at_its_own_friction(page):
     driver = page(synthetic.sweep())
-    driver.execute_script(BOUNDARY, 0.14, 298.15, 418.15, 0.1)
+    driver.execute_script("chosen.conditions.friction = 0.14; update();")
     found = [row.text for row in driver.find_elements(By.CSS_SELECTOR, "#measured tbody tr")]
     for text, at in zip(found, synthetic.MEASURED, strict=True):
         limit = synthetic.limit(friction=at["friction"] or 0.14)

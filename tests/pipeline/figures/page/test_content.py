@@ -71,8 +71,9 @@ def test_moments_left_out_decide_for_no_share():
 
 @pytest.mark.parametrize("axis", ["realization", "sample"])
 def test_points_are_asked_for_on_their_own_surface_or_sample(axis):
-    place = {"realization": [1, None], "sample": [None, 1]}[axis]
-    ds = sweeps.over_surfaces(axis).assign_attrs(chosen=[[200.0, 1.8, *place]])
+    ds = sweeps.over_surfaces(axis)
+    wanted = (ds[axis] == 1) & (ds["load"] == 200.0) & (ds["velocity"] == 1.8)
+    ds = ds.assign(asked=wanted.astype(np.int8))
     found = content(ds)
     asked = unpacked(found["asked"], "u1").reshape(5, ds.sizes["load"], ds.sizes["velocity"])
     assert np.argwhere(asked).tolist() == [[1, 1, 4]]

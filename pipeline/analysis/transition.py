@@ -1,0 +1,170 @@
+"""The transition to severe wear along a line of points, and as much of it as was computed.
+
+Wear is mild or severe throughout only where the outermost points of the sweep's own range say so.
+Where these are not done, or were never asked for, the transition lies beyond what was computed.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from pipeline.analysis.attributes import attributes_of
+from pipeline.analysis.interpolation import crossing
+from tribo.types import Array
+
+CROSSES, MILD, SEVERE, UNKNOWN, ABOVE, BELOW = range(6)
+"""Values of the variables ``outcome_at_load`` and ``outcome_at_velocity``."""
+
+OUTCOMES = {
+    CROSSES: "crosses",
+    MILD: "mild throughout",
+    SEVERE: "severe from the lowest",
+    UNKNOWN: "not known yet",
+    ABOVE: "above what was computed",
+    BELOW: "below what was computed",
+}
+"""Their meanings in words."""
+
+BEYOND = (ABOVE, BELOW)
+"""Outcomes that more points would tell."""
+
+UNITS = {"velocity": "m/s", "load": "N"}
+
+
+@dataclass(frozen=True, slots=True)
+class Transition:
+    """The first crossing from mild to severe wear along a line of points.
+
+    Attributes
+    ----------
+    place : float
+        Velocity [m/s] or load [N] of the crossing; NaN where there is none.
+    outcome : int
+        One of `OUTCOMES`.
+    computed : tuple of float
+        Lowest and highest velocity [m/s] or load [N] computed; NaN where no point is done.
+
+    Examples
+    --------
+    >>> velocity, rise = np.array([1.2, 2.2]), np.array([700.0, 900.0])
+    >>> Transition.along(velocity, rise, 1200.0, (1.0, 4.0)).worded("velocity")
+    'above what was computed: 1.2 to 2.2 m/s'
+    >>> Transition.along(velocity, rise, 1200.0, (1.2, 2.2)).worded("velocity")
+    'mild throughout'
+    """
+
+    place: float
+    outcome: int
+    computed: tuple[float, float]
+
+    @classmethod
+    def along(cls, x: Array, rise: Array, limit: float, ends: tuple[float, float]) -> Transition:
+        """Find the transition along a line.
+
+        Parameters
+        ----------
+        x : ndarray, shape (n,)
+            Velocities [m/s] or loads [N], ascending.
+        rise : ndarray, shape (n,)
+            Decisive rise [K]; NaN where it was not computed.
+        limit : float
+            Rise above which wear is severe [K].
+        ends : tuple of float
+            Lowest and highest velocity or load of the sweep's own range.
+        """
+        known = np.isfinite(rise)
+        if not known.any():
+            return cls(math.nan, UNKNOWN, (math.nan, math.nan))
+        x, rise = x[known], rise[known]
+        computed = float(x[0]), float(x[-1])
+        place = crossing(x, rise, limit)
+        if math.isfinite(place):
+            outcome = CROSSES
+        elif rise[0] > limit:
+            outcome = SEVERE if computed[0] <= ends[0] else BELOW
+        else:
+            outcome = MILD if computed[1] >= ends[1] else ABOVE
+        return cls(place, outcome, computed)
+
+    def worded(self, along: str) -> str:
+        """Say the outcome along ``"velocity"`` or ``"load"`` in words."""
+        return in_words(self.outcome, self.computed, along)
+
+
+def in_words(outcome: int, computed: tuple[float, float], along: str) -> str:
+    """Say an outcome along ``"velocity"`` or ``"load"``, with the range where it is too narrow.
+
+    Examples
+    --------
+    >>> in_words(BELOW, (600.0, 600.0), "load")
+    'below what was computed: 600 N'
+    """
+    if outcome not in BEYOND:
+        return OUTCOMES[outcome]
+    span = " to ".join(f"{end:.4g}" for end in dict.fromkeys(computed))
+    return f"{OUTCOMES[outcome]}: {span} {UNITS[along]}"
+
+
+def range_of(ds: xr.Dataset, axis: str) -> tuple[float, float]:
+    """Lowest and highest velocity [m/s] or load [N] of the scene that a sweep is of.
+
+    Examples
+    --------
+    >>> ds = xr.Dataset(coords={"velocity": [1.2, 2.2]}, attrs={"velocities": [1.0, 2.0, 4.0]})
+    >>> range_of(ds, "velocity")
+    (1.0, 4.0)
+    """
+    names = {"load": "loads", "velocity": "velocities"}
+    own = attributes_of(ds).get(names[axis]) or ds[axis].values.tolist()
+    return float(min(own)), float(max(own))
+
+
+def command_of(
+    store: Any, attributes: Mapping[str, Any], conditions: Mapping[str, Any], is_pending: bool
+) -> str:
+    """The command that computes more of a store's boundary under some conditions.
+
+    Parameters
+    ----------
+    store : str or path
+        Path of the store.
+    attributes : mapping
+        Attributes of the sweep.
+    conditions : mapping
+        Conditions, as `pipeline.sweep.criterion.Conditions.as_dict` has them.
+    is_pending : bool
+        Whether the last run asked for points that are not done, which come first.
+
+    Examples
+    --------
+    >>> attributes = {"name": "edge", "conditions": {"friction": 0.1, "failing_share": 0.1}}
+    >>> command_of("edge.zarr", attributes, {"friction": 0.12}, is_pending=False)
+    'irg run edge.toml -o edge.zarr --boundary-only --set friction.coefficient=0.12'
+    """
+    run = f"irg run {attributes.get('name')}.toml -o {store}"
+    if is_pending:
+        return run
+    own = attributes.get("conditions") or {}
+    settings = []
+    for name, value in conditions.items():
+        if name in _ENTRIES and value is not None and own.get(name) != value:
+            text = str(value) if isinstance(value, str) else f"{value:g}"
+            if name.endswith("temperature"):
+                text = f"'{value - 273.15:.6g} degC'"
+            settings.append(f"--set {_ENTRIES[name]}={text}")
+    return " ".join([f"{run} --boundary-only", *settings])
+
+
+_ENTRIES = {
+    "friction": "friction.coefficient",
+    "bulk_temperature": "temperature.bulk",
+    "critical_temperature": "temperature.critical",
+    "failing_share": "temperature.failing_share",
+    "criterion": "temperature.criterion",
+}

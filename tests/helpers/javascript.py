@@ -1,0 +1,52 @@
+"""The computing scripts of a page, run by Node on what the page of a sweep holds."""
+
+import json
+import math
+import os
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+import pipeline.figures.page
+from pipeline.figures.page.content import content
+
+_FOLDER = Path(pipeline.figures.page.__file__).parent
+_SCRIPTS = (
+    "interpolation", "criterion", "model", "plot", "state", "conditions", "verdict", "tables",
+    "margin",
+)  # fmt: skip
+_STUB = """
+const held = JSON.parse(require("fs").readFileSync(0, "utf8"));
+const document = { getElementById: () => ({ textContent: held.content }) };
+"""
+
+
+def run(ds, script, argument=None):
+    """Result of a script that sees the page's functions and its argument; NaN where null."""
+    node = shutil.which("node")
+    if node is None:
+        if os.environ.get("WITH_BROWSER"):
+            pytest.fail("no node")
+        pytest.skip("no node")
+    sources = [(_FOLDER / f"{name}.js").read_text("utf-8") for name in _SCRIPTS]
+    ask = f"const result = ((argument) => {{ {script} }})(held.argument);"
+    code = "\n".join([_STUB, *sources, ask, "console.log(JSON.stringify(result));"])
+    done = subprocess.run(
+        [node, "-e", code],
+        input=json.dumps({"content": json.dumps(content(ds, 0)), "argument": argument}),
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr[-2000:]
+    return _with_nan(json.loads(done.stdout))
+
+
+def _with_nan(value):
+    if isinstance(value, list):
+        return [_with_nan(each) for each in value]
+    if isinstance(value, dict):
+        return {key: _with_nan(each) for key, each in value.items()}
+    return math.nan if value is None else value

@@ -1,0 +1,157 @@
+"""What a page computes, beside `irg boundary` and `irg margin`: its scripts, run by Node."""
+
+import csv
+import io
+import math
+
+import numpy as np
+import pytest
+
+import pipeline
+from pipeline.analysis.boundary import decisive_rise
+from pipeline.analysis.interpolation import crossing, interpolated
+from pipeline.analysis.transition import OUTCOMES
+from tests.helpers import synthetic
+from tests.helpers.javascript import run
+from tests.pipeline.figures.page import sweeps
+
+BOUNDARY = """
+return argument.map((given) => {
+  chosen.conditions = { ...content.conditions, ...given };
+  const { velocity, load } = summary();
+  return [csv(sweep.loads, velocity, "load", "critical velocity"),
+          csv(sweep.velocities, load, "velocity", "critical load")];
+});
+"""
+SIDES = (("load", "critical_velocity"), ("velocity", "critical_load"))
+
+
+def random_conditions(ds, count=20):
+    """Conditions of all kinds, the first those of the sweep."""
+    draw = np.random.default_rng(ds.sizes["velocity"])
+    yield {}
+    yield {"friction": 0.0}
+    for _ in range(count - 2):
+        bulk = draw.uniform(250.0, 400.0)
+        given = {
+            "friction": round(draw.uniform(0.04, 0.25), 4),
+            "bulk_temperature": bulk,
+            "critical_temperature": bulk + draw.uniform(20.0, 250.0),
+        }
+        if "bulk_ratio" in ds.coords:
+            given["disk_temperature"] = bulk + 12.0 * math.sin(given["friction"] * 300)
+        if "criterion" not in ds.attrs["conditions"]:
+            given["failing_share"] = draw.choice([0.0, 0.1, draw.uniform(0.0, 0.6)])
+        yield given
+
+
+def boundary(ds, given):
+    """The boundary under conditions as the page has them."""
+    given = dict(given)
+    if "disk_temperature" in given:
+        pin = given["bulk_temperature"]
+        given["bulk_temperature"] = {"pin": pin, "disk": given.pop("disk_temperature")}
+    if "failing_share" in given:
+        given["share"] = given.pop("failing_share")
+    return pipeline.boundary(ds, **given)
+
+
+def column(table, name):
+    return np.array([float(row[name] or "nan") for row in table])
+
+
+def same(found, expected, rtol=1e-9):
+    np.testing.assert_allclose(found, expected, rtol=rtol, atol=0)
+
+
+@pytest.mark.parametrize("kind", sweeps.KINDS)
+def test_the_boundary_is_that_of_the_command(kind):
+    ds = sweeps.KINDS[kind]()
+    asked, crossings = list(random_conditions(ds)), 0
+    for given, texts in zip(asked, run(ds, BOUNDARY, asked), strict=True):
+        expected = boundary(ds, given)
+        for text, (axis, name) in zip(texts, SIDES, strict=True):
+            table, words = list(csv.DictReader(io.StringIO(text))), name.replace("_", " ")
+            if "crossing_at_load" in expected:
+                for k, part in enumerate(("10 %", "median", "90 %")):
+                    same(column(table, f"{words} {part}"), expected[f"{name}_quantile"][k])
+                same(column(table, "mean"), expected[f"{name}_mean"])
+                same(column(table, "spread"), expected[f"{name}_spread"], rtol=1e-6)
+                same(column(table, "crossing"), expected[f"crossing_at_{axis}"])
+                same(column(table, "known"), expected[f"known_at_{axis}"])
+                crossings += int(expected[f"crossing_at_{axis}"].sum())
+            else:
+                same(column(table, words), expected[name])
+                outcomes = expected[f"outcome_at_{axis}"].values.tolist()
+                assert [row["outcome"] for row in table] == [OUTCOMES[each] for each in outcomes]
+                crossings += int(np.isfinite(expected[name]).sum())
+            if "bulk_temperature" in given:
+                same(column(table, "bulk temperature [K]"), given["bulk_temperature"], rtol=0)
+    assert crossings > 40
+
+
+@pytest.mark.parametrize(
+    "kind", ["one surface", "boundary only", "a hold", "two bulk temperatures", "a warm pin"]
+)
+def test_the_margin_is_that_of_the_command(kind):
+    ds = sweeps.KINDS[kind]()
+    margin = """
+    const limit = riseLimit(chosen.conditions);
+    return argument.map(([load, velocity]) => {
+      const found = sweep.lines(0, load, velocity, chosen.conditions);
+      const along = [[found.alongVelocity], sweep.range.velocity];
+      const up = [[found.alongLoad], sweep.range.load];
+      return [temperature(found.rise), ...[along, up].flatMap(([lines, range]) => {
+        const { at, outcome } = crossings(lines, limit, range);
+        return [at[0], outcome[0]];
+      })];
+    });
+    """
+    draw = np.random.default_rng(3)
+    places = [[float(draw.uniform(160, 740)), float(draw.uniform(0.6, 3.9))] for _ in range(10)]
+    places += [[450.0, 1.55], [333.0, 1.8]]
+    for place, found in zip(places, run(ds, margin, places), strict=True):
+        (expected,) = pipeline.margins(ds, *place)
+        temperature, velocity, along, load, up = found
+        same(
+            [temperature, velocity, load],
+            [expected.decisive_temperature, expected.critical_velocity, expected.critical_load],
+        )
+        assert (OUTCOMES[along], OUTCOMES[up]) == (expected.velocity_outcome, expected.load_outcome)
+
+
+def test_the_line_that_is_drawn_lies_on_the_plane_of_the_diagram():
+    ds = sweeps.one(status={})
+    drawn = """
+    const { conditions } = chosen;
+    return [sweep.decisive(conditions).fine, sweep.drawn(0, conditions)[0].loads];
+    """
+    fine, loads = run(ds, drawn)
+    rise = decisive_rise(ds, synthetic.conditions())
+    at = np.array(fine)
+    columns = np.array([interpolated(ds["velocity"].values, row, at) for row in rise.values]).T
+    expected = [crossing(ds["load"].values, column, synthetic.limit()) for column in columns]
+    assert np.isfinite(expected).sum() > 50
+    same(loads, expected)
+
+
+@pytest.mark.parametrize("kind", ["several surfaces", "samples"])
+def test_the_lines_over_several_meet_the_quantiles_of_the_command_at_each_load(kind):
+    ds = sweeps.KINDS[kind]()
+    expected = pipeline.boundary(ds)["critical_velocity_quantile"].values
+    drawn = "return sweep.drawn(null, chosen.conditions).map((each) => each.velocities);"
+    same(np.array(run(ds, drawn), dtype=float), expected)
+    assert np.isfinite(expected[1, 2:]).all()
+
+
+def test_no_line_is_drawn_beyond_what_was_computed():
+    ds = sweeps.along_boundary()
+    drawn = """
+    chosen.conditions = { ...chosen.conditions, friction: argument };
+    return sweep.drawn(0, chosen.conditions)[0];
+    """
+    for friction in (0.02, 0.05, 0.1, 0.3):
+        found = run(ds, drawn, friction)
+        crosses = pipeline.boundary(ds, friction)["outcome_at_load"].values == 0
+        assert (np.isfinite(found["velocities"]) == crosses).all()
+        assert np.isfinite(found["loads"]).any() == crosses.any()

@@ -1,0 +1,236 @@
+"""One question asked of every command: their answers agree, and none says more than is known."""
+
+import itertools
+import json
+import shlex
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import pipeline
+from pipeline.analysis.boundary import decisive_rise
+from pipeline.analysis.conditions import conditions_of
+from pipeline.analysis.transition import ABOVE, BELOW, BEYOND, CROSSES, MILD, OUTCOMES, SEVERE
+from pipeline.cli import main
+from pipeline.cli.crossings import document_of, rows_of
+from pipeline.figures.diagram import diagram
+from pipeline.sweep.criterion import rise_limit
+from tests.helpers import javascript
+from tests.pipeline.cli.test_commands import SCENE
+from tests.pipeline.figures.page import sweeps
+
+CONDITIONS = (
+    {},
+    {"friction": 0.05},
+    {"friction": 0.07, "bulk_temperature": 330.0},
+    {"friction": 0.13, "critical_temperature": 400.0},
+    {"friction": 0.3},
+    {"share": 0.0},
+    {"share": 0.4, "friction": 0.12},
+    {"criterion": "mean", "friction": 0.13},
+)
+
+
+def done_only(ds, is_done):
+    """The sweep with the other points pending."""
+    mask = is_done & (ds["status"] == 1)
+    steps = ["normal_load", "time", "rise_quantile", "mean_rise", "max_rise", "bulk_rise_quantile"]
+    columns = {name: ds[name].where(mask) for name in steps if name in ds}
+    return ds.assign(columns | {"status": ds["status"].where(mask, 0).astype(np.int8)})
+
+
+def full(seed=0):
+    return sweeps.one(status={}, rise=sweeps.uneven(seed))
+
+
+def interrupted(ds):
+    """Half of the velocities are done, and one more point."""
+    velocity, load = ds["velocity"], ds["load"]
+    return done_only(ds, (velocity < 1.6) | ((load == load[-1]) & (velocity == 3.0)))
+
+
+def several(axis, parts):
+    return xr.concat(
+        parts, xr.Variable(axis, np.arange(len(parts))), combine_attrs="override", join="override"
+    )
+
+
+CASES = {
+    "a grid": lambda: (full(), full()),
+    "a hold": lambda: (sweeps.held(), sweeps.held()),
+    "interrupted": lambda: (interrupted(full()), full()),
+    "interrupted from above": lambda: (done_only(full(), full()["velocity"] > 1.6), full()),
+    "boundary only": lambda: (sweeps.along_boundary(0), full()),
+    "realizations": lambda: (
+        several("realization", [interrupted(full(k)) for k in range(3)]),
+        several("realization", [full(k) for k in range(3)]),
+    ),
+    "samples": lambda: (
+        several("sample", [sweeps.along_boundary(k) for k in range(3)]),
+        several("sample", [full(k) for k in range(3)]),
+    ),
+    "one load": lambda: (interrupted(full()).isel(load=[3]), full().isel(load=[3])),
+    "one velocity": lambda: (
+        done_only(full(), full()["load"] < 500.0).isel(velocity=[3]),
+        full().isel(velocity=[3]),
+    ),
+    "a warm pin": lambda: (interrupted(warm_pin()), warm_pin()),
+    "a warm disk": lambda: (interrupted(sweeps.of_two_bulks()), sweeps.of_two_bulks()),
+}
+
+
+def warm_pin():
+    ds = sweeps.of_a_warm_pin()
+    return ds.assign_attrs(conditions=ds.attrs["conditions"] | {"criterion": "share"})
+
+
+@pytest.fixture(params=CASES, scope="module")
+def case(request):
+    return CASES[request.param]()
+
+
+@pytest.fixture(params=CONDITIONS, ids=str, scope="module")
+def given(request, case):
+    if "bulk_temperature" in request.param and "bulk_ratio" in case[0].coords:
+        pytest.skip("has two")
+    return request.param
+
+
+def test_the_command_that_is_named_computes_what_was_beyond(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "small.toml").write_text(SCENE)
+    run = ["run", "small.toml", "-o", "small.zarr", "--boundary-only", "-q", "--workers", "1"]
+    assert main(run) == 0
+    capsys.readouterr()
+    ask = ["boundary", "small.zarr", "--json", "--friction", "0.085", "--critical-temperature"]
+    ask += ["150 degC"]
+    assert main(ask) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert set(found["critical_velocity_outcome"]) & {OUTCOMES[each] for each in BEYOND}
+    assert main([*shlex.split(found["command"])[1:], "-q", "--workers", "1"]) == 0
+    capsys.readouterr()
+    assert main(ask) == 0
+    again = json.loads(capsys.readouterr().out)
+    assert again["command"] is None
+    sweep = pipeline.load_scene("small.toml")
+    conditions = sweep.conditions.changed(friction=0.085, critical_temperature=423.15)
+    for load, velocity in zip(again["load"], again["critical_velocity"], strict=True):
+        if velocity is not None:
+            point = pipeline.run_point(sweep, load, velocity).verdict(conditions)
+            assert point.decisive_temperature == pytest.approx(423.15, abs=2.0)
+
+
+def planes(rises):
+    return rises.values.reshape(-1, *rises.shape[-2:])
+
+
+def test_no_outcome_is_contradicted_by_points_that_were_not_computed(case, given):
+    ds, truth = case
+    conditions = conditions_of(ds, **given)
+    limit = rise_limit(conditions)
+    found = pipeline.boundary(ds, **given)
+    for axis, along in (("load", "velocity"), ("velocity", "load")):
+        x = ds[along].values
+        own, true = (
+            decisive_rise(each, conditions).transpose(..., axis, along).values.reshape(-1, len(x))
+            for each in (ds, truth)
+        )
+        places = found[f"critical_{along}"].values.ravel()
+        outcomes = found[f"outcome_at_{axis}"].values.ravel()
+        for rises, all_rises, place, outcome in zip(own, true, places, outcomes, strict=True):
+            done, severe = np.isfinite(rises), all_rises > limit
+            if outcome == CROSSES:  # between neighbours of which one is mild and the next severe
+                lower, upper = severe[done & (x <= place)], severe[done & (x >= place)]
+                assert place in x or (not lower[-1] and upper[0])
+            elif outcome == MILD:
+                assert done[-1]
+                assert not severe[np.isfinite(all_rises)].any()
+            elif outcome == SEVERE:
+                assert done[0]
+                assert severe[0]
+            elif outcome == ABOVE:
+                assert not done[-1]
+                assert not severe[done].any()
+            elif outcome == BELOW:
+                assert not done[0]
+                assert severe[done][0]
+            else:
+                assert not done.any()
+
+
+def test_margins_say_what_the_boundary_says(case, given):
+    ds, truth = case
+    conditions = conditions_of(ds, **given)
+    found = pipeline.boundary(ds, **given)
+    true = planes(decisive_rise(truth, conditions)) > rise_limit(conditions)
+    done = np.isfinite(planes(decisive_rise(ds, conditions)))
+    places = list(itertools.product(range(ds.sizes["load"]), range(ds.sizes["velocity"])))
+    for i, j in places[::5]:
+        if not done[:, i, j].all():
+            continue
+        load, velocity = float(ds["load"][i]), float(ds["velocity"][j])
+        for k, margin in enumerate(pipeline.margins(ds, load, velocity, **given)):
+            at = found.isel({name: k for name in ("realization", "sample") if name in found.dims})
+            assert margin.is_severe == true[k, i, j]
+            assert margin.velocity_outcome == OUTCOMES[int(at["outcome_at_load"][i])]
+            assert margin.load_outcome == OUTCOMES[int(at["outcome_at_velocity"][j])]
+            np.testing.assert_equal(margin.critical_velocity, float(at["critical_velocity"][i]))
+            np.testing.assert_equal(margin.critical_load, float(at["critical_load"][j]))
+
+
+def test_documents_and_tables_say_what_the_boundary_says(case, given):
+    found = pipeline.boundary(case[0], **given)
+    document, rows = document_of(found), list(rows_of(found))
+    for name, axis in (("critical_velocity", "load"), ("critical_load", "velocity")):
+        outcome = found[f"outcome_at_{axis}"].values
+        worded = np.vectorize(OUTCOMES.get)(outcome).tolist()
+        assert document[f"{name}_outcome"] == worded
+        if "quantile" not in found:
+            assert [row["outcome"] for row in rows if row["at each"] == axis] == worded
+
+
+def test_a_diagram_draws_no_boundary_that_was_not_found(case, given):
+    ds = case[0]
+    if "sample" in ds.dims:
+        pytest.skip("draws probabilities")
+    found = pipeline.boundary(ds, **given)
+    figure = diagram(ds, **given)
+    axes, texts = figure.axes[0], [text.get_text() for text in figure.legends[0].texts]
+    is_drawn = any(each.get_gid() == "boundary" for each in [*axes.collections, *axes.lines])
+    crosses = [(found[f"outcome_at_{axis}"] == CROSSES).any() for axis in ("load", "velocity")]
+    assert is_drawn <= bool(any(crosses))
+    single = [axis for axis in ("load", "velocity") if ds.sizes[axis] == 1]
+    if not single:
+        expected = bool(found["outcome_at_load"].isin(BEYOND).any())
+        assert any("beyond what was computed" in text for text in texts) == expected
+    elif not is_drawn:
+        words = OUTCOMES[found[f"outcome_at_{single[0]}"].item()]
+        assert any("no transition" in text and words in text for text in texts)
+
+
+def test_a_page_says_what_the_boundary_says(case):
+    ds = case[0]
+    asked = [each for each in CONDITIONS if "criterion" not in each]
+    if "bulk_ratio" in ds.coords:
+        asked = [each for each in asked if "bulk_temperature" not in each]
+    judged = [conditions_of(ds, **each).as_dict() for each in asked]
+    script = """
+    return argument.map((given) => {
+      chosen.conditions = { ...content.conditions, ...given };
+      const { velocity, load } = summary();
+      return [velocity, load].map(({ outcome, middle }) => ({ outcome, middle }));
+    });
+    """
+    for given, sides in zip(asked, javascript.run(ds, script, judged), strict=True):
+        found = pipeline.boundary(ds, **given)
+        for side, name, axis in zip(
+            sides, ("critical_velocity", "critical_load"), ("load", "velocity"), strict=True
+        ):
+            outcome = found[f"outcome_at_{axis}"].values.reshape(-1, ds.sizes[axis])
+            assert np.array(side["outcome"]).T.tolist() == outcome.tolist()
+            if len(outcome) == 1:
+                np.testing.assert_allclose(side["middle"], found[name], rtol=1e-9)
+            else:
+                middle = found[f"{name}_quantile"].sel(quantile=0.5)
+                np.testing.assert_allclose(side["middle"], middle, rtol=1e-9)

@@ -1,0 +1,194 @@
+"""The temperature of the contact that decides about severe adhesive wear (scuffing).
+
+Wear is severe where the deciding temperature exceeds the critical one: the temperature that a
+share of the contact area exceeds (Bosman & de Rooij), the highest (Blok), or the mean. A further
+criterion is one more entry of `CRITERIA`.
+
+Temperatures follow from rises at friction 1. Nothing else in the program picks the deciding one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from tribo.errors import InputError
+from tribo.simulation import Heat
+from tribo.thermal import QUANTILES, at_bulk_ratio, require_share, rise_exceeded
+from tribo.types import Array
+
+Columns = Mapping[str, Any]
+"""Rises by name, each an array with steps, points or nothing in front."""
+
+
+@dataclass(frozen=True, slots=True)
+class Rule:
+    """A kind of criterion.
+
+    Attributes
+    ----------
+    column : str
+        Column that decides, ``"rise_quantile"`` or ``"mean_rise"``.
+    rise : callable
+        Called with that column [K], the share and the quantiles; gives the deciding rise [K].
+    temperature, severe : str
+        The deciding temperature and severe wear in words, with the ``{share}`` [%].
+    """
+
+    column: str
+    rise: Callable[[Array, float, Array], Array]
+    temperature: str
+    severe: str
+
+
+CRITERIA: dict[str, Rule] = {
+    "share": Rule(
+        "rise_quantile",
+        rise_exceeded,
+        "exceeded on {share:g} % of the contact",
+        "more than {share:g} % of the contact above",
+    ),
+    "highest": Rule(
+        "rise_quantile",
+        lambda rises, _, quantiles: rise_exceeded(rises, 0.0, quantiles),
+        "maximum",
+        "any of the contact above",
+    ),
+    "mean": Rule(
+        "mean_rise",
+        lambda rises, *_: rises,
+        "mean of the contact",
+        "the mean of the contact above",
+    ),
+}
+"""Kinds of criteria by name."""
+
+
+@dataclass(frozen=True, slots=True)
+class Criterion:
+    """A criterion of severe wear.
+
+    A quantile q of the temperature is the share 1 − q.
+
+    Attributes
+    ----------
+    name : str
+        One of `CRITERIA`.
+    share : float
+        Share of the contact area above the critical temperature beyond which wear is severe, from
+        0 (the highest temperature) to below 1; for the kind "share" alone.
+
+    Raises
+    ------
+    InputError
+        If the name is unknown, or the share lies outside its range.
+
+    Examples
+    --------
+    >>> columns = {"rise_quantile": np.linspace(0, 100, len(QUANTILES)), "mean_rise": 40.0}
+    >>> Criterion("mean").rise(columns)
+    40.0
+    >>> float(Criterion("highest").rise(columns)) == float(Criterion(share=0.0).rise(columns))
+    True
+    >>> Criterion(share=0.1).temperature
+    'exceeded on 10 % of the contact'
+    """
+
+    name: str = "share"
+    share: float = 0.1
+
+    def __post_init__(self) -> None:
+        if self.name not in CRITERIA:
+            raise InputError(f"criterion is {self.name!r}; allowed are {', '.join(CRITERIA)}")
+        require_share(self.share)
+
+    @classmethod
+    def of(cls, given: Criterion | float) -> Criterion:
+        """A criterion, or that of a share."""
+        return given if isinstance(given, Criterion) else cls(share=given)
+
+    @property
+    def _rule(self) -> Rule:
+        is_highest = self.name == "share" and self.share == 0
+        return CRITERIA["highest" if is_highest else self.name]
+
+    @property
+    def column(self) -> str:
+        """Column that decides, ``"rise_quantile"`` or ``"mean_rise"``."""
+        return self._rule.column
+
+    @property
+    def temperature(self) -> str:
+        """The deciding temperature in words."""
+        return self._rule.temperature.format(share=100 * self.share)
+
+    @property
+    def severe(self) -> str:
+        """Severe wear in words, to be followed by the critical temperature."""
+        return self._rule.severe.format(share=100 * self.share)
+
+    def rise(self, columns: Columns) -> Any:
+        """Deciding rise [K], from columns at the bulk temperatures to judge by.
+
+        Parameters
+        ----------
+        columns : mapping
+            The deciding column [K], ``rise_quantile`` (..., n_quantile) or ``mean_rise`` (...);
+            ``quantile`` where the former is not at all of `tribo.QUANTILES`.
+        """
+        quantiles = columns.get("quantile", np.array(QUANTILES))
+        return self._rule.rise(columns[self.column], self.share, quantiles)
+
+
+def rises_at(columns: Columns, bulk_ratio: float) -> Columns:
+    """Rises at friction 1 above the pin's bulk at a bulk ratio [K].
+
+    Parameters
+    ----------
+    columns : mapping
+        ``rise_quantile`` (..., n_quantile), ``mean_rise`` and ``max_rise`` (...) at the bulk ratio
+        0 [K], as far as they are needed; ``bulk_rise_quantile`` (..., n_ratio, n_quantile) [K] and
+        ``mean_bulk_response`` (...).
+    bulk_ratio : float
+        Disk's less pin's bulk temperature, over friction [K].
+
+    Returns
+    -------
+    mapping
+        The columns, with the first three at that ratio.
+
+    Raises
+    ------
+    InputError
+        If the ratio is not 0, and nothing is kept for that.
+    """
+    if bulk_ratio == 0:
+        return columns
+    if not {"bulk_rise_quantile", "mean_bulk_response"} & set(columns):
+        raise InputError(
+            "the bulk temperatures differ, and the scene was simulated with equal ones; set "
+            "unequal_bulks"
+        )
+    rises: dict[str, Any] = {}
+    if "rise_quantile" in columns:
+        quantiles = at_bulk_ratio(
+            columns["rise_quantile"], columns["bulk_rise_quantile"], bulk_ratio
+        )
+        rises["rise_quantile"] = quantiles
+        if "max_rise" in columns:
+            rises["max_rise"] = quantiles[..., -1]
+    if "mean_rise" in columns:
+        rises["mean_rise"] = columns["mean_rise"] + bulk_ratio * columns["mean_bulk_response"]
+    return {**columns, **rises}
+
+
+def columns_of(heat: Heat) -> Columns:
+    """Rises of the contact at one moment, as columns."""
+    columns: dict[str, Any] = {"rise_quantile": heat.rise_quantile, "mean_rise": heat.mean_rise}
+    if heat.bulk_rise_quantile is not None:
+        columns["bulk_rise_quantile"] = heat.bulk_rise_quantile
+        columns["mean_bulk_response"] = heat.mean_bulk_response
+    return columns
