@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import xarray as xr
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -168,11 +169,11 @@ def test_numbers_of_a_point_that_is_not_done_do_not_count(sweep):
 def test_points_that_only_an_earlier_run_asked_for_are_not_missing():
     elsewhere = {(450.0, velocity): PENDING for velocity in (1.5, 1.75, 2.0)}
     ds = synthetic.sweep(status=elsewhere | {(300.0, 1.75): FAILED})
-    loads, velocities = LOADS[LOADS != 450.0].tolist(), VELOCITIES[VELOCITIES != 2.0].tolist()
     assert boundary(ds).attrs["missing_points"] == 4
-    asked = {"velocities": velocities}
-    assert boundary(ds.assign_attrs(asked)).attrs["missing_points"] == 3
-    assert boundary(ds.assign_attrs(asked, loads=loads)).attrs["missing_points"] == 1
+    asked = xr.ones_like(ds["status"]).where(ds["velocity"] != 2.0, 0)
+    assert boundary(ds.assign(asked=asked)).attrs["missing_points"] == 3
+    asked = asked.where(ds["load"] != 450.0, 0)
+    assert boundary(ds.assign(asked=asked)).attrs["missing_points"] == 1
 
 
 def test_missing_points_at_the_boundary_are_bridged():
