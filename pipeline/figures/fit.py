@@ -44,6 +44,8 @@ def fitted(figure: Figure, width: float | None = None, with_title: bool = True) 
         for axes in figure.axes:
             axes.set_title("")
     if width is None:
+        for legend in list(figure.legends):
+            _narrow(figure, legend)
         return figure
     if not _NARROWEST <= width <= _WIDEST:
         raise InputError(f"width is {100 * width:g} cm; it must be from 4 to 100 cm")
