@@ -5,6 +5,7 @@ import os
 import resource
 import subprocess
 import sys
+import tracemalloc
 import zipfile
 from pathlib import Path
 
@@ -12,6 +13,7 @@ import numpy as np
 import pytest
 
 import tribo
+from pipeline import load_scene
 from pipeline.cli import main
 from pipeline.figures.style import as_text
 from pipeline.scene import surfaces
@@ -106,6 +108,40 @@ def test_of_thousands_of_faults_some_are_shown(tmp_path, capsys):
     assert shown.startswith(f"irg: {scene}: 10")
     assert shown.count("\n") < 200
     assert shown.rstrip().endswith(" more")
+
+
+@pytest.mark.parametrize(
+    "entry",
+    [
+        ".".join("a" * 20_000) + " = 1",
+        "[" + ".".join("a" * 20_000) + "]",
+        "pin = { " + " . ".join(['"a"'] * 20_000) + " = 1 }",
+    ],
+    ids=["key", "table", "inline"],
+)
+def test_a_key_of_too_many_parts_is_an_error_that_takes_no_memory(tmp_path, capsys, entry):
+    """Python's reader of TOML takes memory by the square of the parts: here 1.2 GB."""
+    scene = tmp_path / "a.toml"
+    scene.write_text(f"title = 'deep'\n{entry}\n")
+    tracemalloc.start()
+    try:
+        assert main(["check", str(scene)]) == 2
+        assert tracemalloc.get_traced_memory()[1] < 20_000_000
+    finally:
+        tracemalloc.stop()
+    shown = capsys.readouterr().err
+    assert shown.count("\n") == 1
+    assert "a.toml: line 2 has a key of more than 10 parts" in shown
+
+
+def test_text_and_numbers_with_many_points_are_no_key(tmp_path):
+    scene = tmp_path / "a.toml"
+    title, loads = "1.2.3.4.5.6.7.8.9.10.11.12 ... " * 30, [f"{n}.5 N" for n in range(200, 230)]
+    scene.write_text(
+        f'extends = "{ROOT}/workflows/first_try.toml"\ntitle = "{title}"\n'
+        f"[sweep]\nloads = {loads}\n"
+    )
+    assert len(load_scene(scene).loads) == 30
 
 
 def test_the_root_of_all_files_is_no_store(capsys):

@@ -220,9 +220,9 @@ def test_entries_of_any_kind_are_read_or_refused(tmp_path, data):
 
 
 def test_tables_that_are_nested_too_deeply_are_one_unknown_key(write):
-    deep = ".".join(["deep"] * 900)
-    write(base=f"{TEXT.replace('title =', f'{deep} = 1{chr(10)}title =')}")
-    (fault,) = faults_of(write(own=f"{EXTENDS}{deep} = 2"))
+    deep = "deep = " + "{ deep = " * 100 + "1" + " }" * 100
+    write(base=f"{TEXT.replace('title =', f'{deep}{chr(10)}title =')}")
+    (fault,) = faults_of(write(own=f"{EXTENDS}{deep}"))
     assert fault.startswith("deep: unknown key")
 
 
