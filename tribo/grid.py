@@ -10,7 +10,7 @@ import numpy as np
 from tribo.errors import InputError, require_integer, require_positive
 from tribo.types import Array
 
-_MOST_ELONGATED = 1e6  # the influences of an element sum over scales from its short side to its long
+_MOST_ELONGATED = 1e6  # influences are summed over scales from the short side to the long one
 
 
 @dataclass(frozen=True, slots=True)

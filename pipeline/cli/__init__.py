@@ -7,9 +7,8 @@ scene, 130 interrupted.
 
 from __future__ import annotations
 
-import atexit
+import argparse
 import errno
-import gc
 import io
 import os
 import sys
@@ -18,9 +17,8 @@ from collections.abc import Sequence
 from contextlib import suppress
 
 import pipeline
-from pipeline.cli.output import DONE, INTERRUPTED, OTHER_SCENE, WRONG_USE, complain, hushed, tell
+from pipeline.cli.exit_codes import DONE, INTERRUPTED, OTHER_SCENE, WRONG_USE
 from pipeline.cli.parser import function_of, parse
-from tribo import TriboError
 
 try:
     import resource
@@ -32,16 +30,22 @@ _LEAST_MEMORY = 450 * 2**20  # [bytes] of addresses, with which the packages can
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; return its exit code."""
-    # Imported modules stay: looking for garbage among them takes 0.1 s now and 0.2 s at the end.
-    gc.set_threshold(100_000)
-    atexit.register(gc.freeze)
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")  # rather than to fail in ASCII
     options = parse(arguments)
     if (reason := _too_little_memory()) is not None:
-        complain(reason)
+        print(f"irg: {reason}", file=sys.stderr)
         return WRONG_USE
+    return _carried_out(options)
+
+
+def _carried_out(options: argparse.Namespace) -> int:
+    """Exit code of a command, after a line on the error that may have ended it."""
+    # Here, since they import NumPy, which --help needs not and cannot do with little memory.
+    from pipeline.cli.output import complain, hushed, tell
+    from tribo import TriboError
+
     try:
         with hushed(options.quiet), warnings.catch_warnings():
             warnings.showwarning = lambda message, *_: tell(f"note: {message}")

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import pipeline
-from pipeline.cli.output import DONE, show
+from pipeline.cli.exit_codes import DONE
+from pipeline.cli.output import show
 from pipeline.cli.scenes import CONDITIONS, given
 from pipeline.cli.unknowns import notes, samples_of
 from tribo import InputError

@@ -22,9 +22,6 @@ if TYPE_CHECKING:
 
     from pipeline.store import Damage, FailedPoint
 
-DONE, SOME_FAILED, WRONG_USE, OTHER_SCENE, INTERRUPTED = 0, 1, 2, 3, 130
-"""Exit codes."""
-
 _CONTROLS = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f]")
 _LONGEST = 2000  # characters of a line
 _QUIET = threading.Event()

@@ -9,10 +9,10 @@ import re
 import sys
 import textwrap
 from collections.abc import Callable, Sequence
+from importlib.metadata import PackageNotFoundError, version
 from typing import Any, NamedTuple
 
 from pipeline.cli import options as o
-from pipeline.cli.values import Version
 
 
 class Command(NamedTuple):
@@ -181,7 +181,12 @@ def parse(arguments: Sequence[str] | None) -> argparse.Namespace:
         'Completion in bash and zsh:\n  eval "$(register-python-argcomplete irg)"',
         formatter_class=_Help,
     )
-    parser.add_argument("--version", action=Version, nargs=0, help="print the version and exit")
+    parser.add_argument(
+        "--version",
+        action="version",
+        version=f"irg {_version()}",
+        help="print the version and exit",
+    )
     parser.set_defaults(parser=parser)
     parsers = parser.add_subparsers(metavar="COMMAND")
     for command in COMMANDS:
@@ -202,6 +207,13 @@ def parse(arguments: Sequence[str] | None) -> argparse.Namespace:
         parser.print_help(sys.stderr)
         parser.exit(2, "irg: give a command\n")
     return options
+
+
+def _version() -> str:
+    try:
+        return version("irg-transition")
+    except PackageNotFoundError:
+        return "of unknown version, since it is not installed"
 
 
 def _joined(arguments: Sequence[str]) -> list[str]:

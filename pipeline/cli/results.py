@@ -10,7 +10,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pipeline
-from pipeline.cli.output import DONE, counted, micrometres, show, table_path, tell, written
+from pipeline.cli.exit_codes import DONE
+from pipeline.cli.output import counted, micrometres, show, table_path, tell, written
 from pipeline.cli.progress import working
 from pipeline.cli.scenes import CONDITIONS, PLACE, given, scene_of, selected
 from pipeline.cli.unknowns import posterior

@@ -7,7 +7,8 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 import pipeline
-from pipeline.cli.output import DONE, SOME_FAILED, failed_points, show
+from pipeline.cli.exit_codes import DONE, SOME_FAILED
+from pipeline.cli.output import failed_points, show
 from pipeline.cli.progress import working
 from pipeline.sweep.stages import duration
 from pipeline.sweep.warned import NO_WARNING

@@ -8,7 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pipeline
-from pipeline.cli.output import DONE, drawn_or_written, output_path, show, tell
+from pipeline.cli.exit_codes import DONE
+from pipeline.cli.output import drawn_or_written, output_path, show, tell
 from pipeline.cli.scenes import given, scene_of
 
 if TYPE_CHECKING:

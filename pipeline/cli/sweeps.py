@@ -8,16 +8,9 @@ from pathlib import Path
 from typing import Any
 
 import pipeline
+from pipeline.cli.exit_codes import DONE, SOME_FAILED
 from pipeline.cli.meaning import library_lines, meaning
-from pipeline.cli.output import (
-    DONE,
-    SOME_FAILED,
-    counted,
-    failed_points,
-    show,
-    show_text,
-    tell,
-)
+from pipeline.cli.output import counted, failed_points, show, show_text, tell
 from pipeline.cli.progress import ProgressLine
 from pipeline.cli.scenes import given, scene_of, selected
 from pipeline.sweep.doubts import doubts

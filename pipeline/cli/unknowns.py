@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import pipeline
-from pipeline.cli.output import DONE, counted, drawn_or_written, output_path, show
+from pipeline.cli.exit_codes import DONE
+from pipeline.cli.output import counted, drawn_or_written, output_path, show
 from pipeline.cli.progress import working
 from pipeline.cli.scenes import given
 from tribo import InputError

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import pipeline
 from pipeline.analysis.transition import CROSSES, OUTCOMES
-from pipeline.cli.output import DONE, drawn_or_written, output_path, show, tell
+from pipeline.cli.exit_codes import DONE
+from pipeline.cli.output import drawn_or_written, output_path, show, tell
 from pipeline.cli.scenes import scene_of, settings_of
 from tribo import InputError
 
