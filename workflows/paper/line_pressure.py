@@ -11,13 +11,13 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION, in_house_style
-from pipeline.paper.printed import CYLINDER_HALF_WIDTH, CYLINDER_PEAK_PRESSURE
-from pipeline.paper.report import Finding, Report, Table
-from pipeline.paper.study import Study
 from pipeline.sweep.model import Sweep
 from tribo import Cylinder, Grid, InputError, contact_modulus, simulate
 from tribo.analytic import hertz_line_half_width, hertz_line_peak_pressure, hertz_pressure
 from tribo.types import Array
+from workflows.paper.printed import CYLINDER_HALF_WIDTH, CYLINDER_PEAK_PRESSURE
+from workflows.paper.report import Finding, Report, Table
+from workflows.paper.study import Study
 
 _UM = 1e6  # in a metre
 

@@ -10,9 +10,9 @@ import xarray as xr
 from pipeline.analysis.boundary import boundary
 from pipeline.analysis.dataset import open_sweep
 from pipeline.figures.diagram import diagram
-from pipeline.paper.report import Finding, Report, Table
-from pipeline.paper.study import Study
 from pipeline.sweep.model import Measurement, Sweep
+from workflows.paper.report import Finding, Report, Table
+from workflows.paper.study import Study
 
 _GOOD = 0.15  # relative: what this project holds itself to
 

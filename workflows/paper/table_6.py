@@ -10,7 +10,9 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from pipeline.figures.style import celsius, in_house_style
-from pipeline.paper.ensemble import (
+from pipeline.sweep.criterion import Conditions
+from pipeline.sweep.model import Measurement
+from workflows.paper.ensemble import (
     PATTERNS,
     Values,
     Variants,
@@ -22,11 +24,9 @@ from pipeline.paper.ensemble import (
     range_of,
     with_wear,
 )
-from pipeline.paper.printed import ROOM_CELSIUS, TABLE_4, TABLE_6, Row4, Row6
-from pipeline.paper.report import Finding, Report, Table, mean_and_spread, statistics
-from pipeline.paper.study import End, Study
-from pipeline.sweep.criterion import Conditions
-from pipeline.sweep.model import Measurement
+from workflows.paper.printed import ROOM_CELSIUS, TABLE_4, TABLE_6, Row4, Row6
+from workflows.paper.report import Finding, Report, Table, mean_and_spread, statistics
+from workflows.paper.study import End, Study
 
 _PRINTED = [row.max_celsius for row in TABLE_6]  # [°C]
 _GOOD = 0.15  # relative, of a rise

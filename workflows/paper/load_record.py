@@ -10,13 +10,13 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION, celsius, heating, in_house_style
-from pipeline.paper.printed import LOADING_RATE
-from pipeline.paper.report import Finding, Report, Table
-from pipeline.paper.study import Study, summary_of
 from pipeline.sweep.criterion import Conditions, contact_temperature
 from pipeline.sweep.model import Sweep
 from tribo import InputError, MeasuredLoad, Ramp, simulate
 from tribo.types import Array
+from workflows.paper.printed import LOADING_RATE
+from workflows.paper.report import Finding, Report, Table
+from workflows.paper.study import Study, summary_of
 
 _RECORD, _FIT = "record", "its linear fit"
 _SAME = 2.0  # K: within what a linear fit serves as well as the record

@@ -11,12 +11,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, VERMILION, celsius, in_house_style
-from pipeline.paper.printed import TABLE_4
-from pipeline.paper.report import Finding, Report, Table, statistics
-from pipeline.paper.study import Study, end_of
 from pipeline.sweep.criterion import boundary_velocity_error, rise_limit
 from pipeline.sweep.model import Sweep
 from tribo import InputError, SelfAffineRoughness
+from workflows.paper.printed import TABLE_4
+from workflows.paper.report import Finding, Report, Table, statistics
+from workflows.paper.study import Study, end_of
 
 LENGTHS = (2.0, 3.0, 4.0, 5.0, 6.0, 8.0)  # µm
 LAYS = ((1.0, 1.0), (1.0, 4.0), (4.0, 1.0))  # factors on the length along x and along y

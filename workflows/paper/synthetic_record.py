@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from pipeline.paper.printed import LOADING_RATE
 from tribo.types import Array
+from workflows.paper.printed import LOADING_RATE
 
 
 def synthetic_record(
@@ -54,7 +54,7 @@ def synthetic_record(
     F += noise * np.random.default_rng(seed).standard_normal(len(t))
     head = (
         "# Synthetic: the record of Fig. 8 of Bosman & de Rooij is not published as numbers. Made\n"
-        f"# from their description by pipeline.paper: {rate:g} N/s to {load:g} N from {onset:g} s "
+        f"# from their description by workflows.paper: {rate:g} N/s to {load:g} N from {onset:g} s "
         f"on,\n# rounded off by a lag of {rounding:g} s, with a noise of {noise:g} N "
         "(standard deviation).\n#\n"
     )

@@ -11,14 +11,14 @@ import numpy as np
 import pytest
 
 import tribo
-from pipeline import paper
-from pipeline.paper import measured
-from pipeline.paper.printed import TABLE_4, TABLE_6
-from pipeline.paper.report import Finding, mean_and_spread
-from pipeline.paper.rivals import _Computed, _Criterion, _on_constancy
-from pipeline.paper.synthetic_record import synthetic_record
 from pipeline.scene.scenefile import load_scene
 from pipeline.scene.shipped import WORKFLOWS
+from workflows import paper
+from workflows.paper import measured
+from workflows.paper.printed import TABLE_4, TABLE_6
+from workflows.paper.report import Finding, mean_and_spread
+from workflows.paper.rivals import _Computed, _Criterion, _on_constancy
+from workflows.paper.synthetic_record import synthetic_record
 
 mpl.use("agg")
 SMALL = {"preset": "draft", "surfaces": 2, "workers": 1}

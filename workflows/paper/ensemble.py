@@ -10,10 +10,10 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from pipeline.figures.style import BLACK, BLUE, GREEN, VERMILION
-from pipeline.paper.report import statistics
-from pipeline.paper.study import End, Study, end_of
 from pipeline.sweep.model import Measurement, Sweep
 from tribo import InputError
+from workflows.paper.report import statistics
+from workflows.paper.study import End, Study, end_of
 
 WearPattern = Literal["swept", "local"]
 PATTERNS: tuple[WearPattern, ...] = get_args(WearPattern)

@@ -10,10 +10,10 @@ import xarray as xr
 from pipeline.analysis.boundary import boundary
 from pipeline.analysis.dataset import open_sweep
 from pipeline.figures.diagram import diagram
-from pipeline.paper.report import Finding, Report, Table
-from pipeline.paper.study import Study
 from pipeline.sweep.model import Measurement
 from tribo import InputError
+from workflows.paper.report import Finding, Report, Table
+from workflows.paper.study import Study
 
 _SURFACES = 8
 # Six loads and seven velocities place the boundary on each surface to a few parts in a thousand.

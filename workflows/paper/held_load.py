@@ -9,12 +9,12 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION, celsius, heating, in_house_style
-from pipeline.paper.report import Finding, Report, Table
-from pipeline.paper.study import Study
 from pipeline.sweep.criterion import Conditions, contact_temperature
 from pipeline.sweep.model import Sweep
 from tribo import InputError, Ramp, simulate
 from tribo.types import Array
+from workflows.paper.report import Finding, Report, Table
+from workflows.paper.study import Study
 
 _LOOKS = {
     "no wear": (BLACK, "--"),

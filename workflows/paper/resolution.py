@@ -10,10 +10,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
 
 from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, VERMILION, celsius, in_house_style
-from pipeline.paper.refinement import PUBLISHED, SCHEMES, Refinement, Row, refined
-from pipeline.paper.report import Finding, Report, Table, mean_and_spread, statistics
-from pipeline.paper.study import Study
 from tribo.types import Array
+from workflows.paper.refinement import PUBLISHED, SCHEMES, Refinement, Row, refined
+from workflows.paper.report import Finding, Report, Table, mean_and_spread, statistics
+from workflows.paper.study import Study
 
 _SHOWN = 48  # elements of the pressure field
 _NO_EFFECT = 2.0  # K: what the text may mean by "little to no effect", 1 % in the figure

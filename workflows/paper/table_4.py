@@ -8,7 +8,10 @@ from dataclasses import dataclass, replace
 from matplotlib.figure import Figure
 
 from pipeline.figures.style import GREY, celsius, in_house_style
-from pipeline.paper.ensemble import (
+from pipeline.sweep.criterion import Conditions, rise_limit
+from pipeline.sweep.model import Measurement
+from tribo import Grid
+from workflows.paper.ensemble import (
     PATTERNS,
     Values,
     Variants,
@@ -20,12 +23,9 @@ from pipeline.paper.ensemble import (
     range_of,
     with_wear,
 )
-from pipeline.paper.printed import TABLE_4
-from pipeline.paper.report import Finding, Report, Table, mean_and_spread
-from pipeline.paper.study import End, Study
-from pipeline.sweep.criterion import Conditions, rise_limit
-from pipeline.sweep.model import Measurement
-from tribo import Grid
+from workflows.paper.printed import TABLE_4
+from workflows.paper.report import Finding, Report, Table, mean_and_spread
+from workflows.paper.study import End, Study
 
 _BAND = 10.0  # K: within which the paper's highest temperatures lie
 _GOOD = 0.05  # relative, of a friction coefficient

@@ -6,10 +6,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from pipeline.paper.study import End, Study, summary_of
 from pipeline.sweep.model import Measurement, Sweep
 from tribo import ConvergenceError, Fidelity, InputError, simulate, warnings
 from tribo.types import Array
+from workflows.paper.study import End, Study, summary_of
 
 BLOCKS = (8, 6, 4, 3, 2, 1)  # pixels along a side of an element
 INCREMENTS = (20, 30, 40, 50, 75, 100, 150, 200)

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from pipeline.paper.printed import PAPER
-from pipeline.paper.report import Report, Table
+from workflows.paper.printed import PAPER
+from workflows.paper.report import Report, Table
 
 _HEAD = f"""# Everything that the paper shows, computed
 

@@ -12,24 +12,24 @@ from dataclasses import replace
 from pathlib import Path
 
 from pipeline.figures.style import figure_path, save_figure
-from pipeline.paper.gallery import page
-from pipeline.paper.held_load import fig5
-from pipeline.paper.line_pressure import fig4
-from pipeline.paper.load_record import fig8
-from pipeline.paper.measured import inverse
-from pipeline.paper.report import Finding, Report, Table
-from pipeline.paper.resolution import fig6
-from pipeline.paper.rivals import rivals
-from pipeline.paper.sensitivity import sensitivity
-from pipeline.paper.study import Study
-from pipeline.paper.surface_band import band
-from pipeline.paper.table_4 import table4
-from pipeline.paper.table_6 import table6
-from pipeline.paper.transition_diagram import fig10
 from pipeline.scene.entries import did_you_mean
 from pipeline.scene.shipped import WORKFLOWS
 from pipeline.sweep.stages import staged
 from tribo import PRESETS, InputError
+from workflows.paper.gallery import page
+from workflows.paper.held_load import fig5
+from workflows.paper.line_pressure import fig4
+from workflows.paper.load_record import fig8
+from workflows.paper.measured import inverse
+from workflows.paper.report import Finding, Report, Table
+from workflows.paper.resolution import fig6
+from workflows.paper.rivals import rivals
+from workflows.paper.sensitivity import sensitivity
+from workflows.paper.study import Study
+from workflows.paper.surface_band import band
+from workflows.paper.table_4 import table4
+from workflows.paper.table_6 import table6
+from workflows.paper.transition_diagram import fig10
 
 __all__ = ["RESULTS", "Finding", "Report", "Study", "Table", "reproduce", "write_gallery"]
 
@@ -92,8 +92,8 @@ def reproduce(
 
     Examples
     --------
-    >>> import pipeline
-    >>> print(pipeline.reproduce("fig4"))  # doctest: +SKIP
+    >>> from workflows import paper
+    >>> print(paper.reproduce("fig4"))  # doctest: +SKIP
     """
     if name not in _MAKERS:
         raise InputError(
@@ -146,8 +146,8 @@ def write_gallery(
 
     Examples
     --------
-    >>> import pipeline
-    >>> pipeline.write_gallery("gallery", ["fig4", "table4"])  # doctest: +SKIP
+    >>> from workflows import paper
+    >>> paper.write_gallery("gallery", ["fig4", "table4"])  # doctest: +SKIP
     """
     folder = Path(folder)
     try:

@@ -11,7 +11,14 @@ from matplotlib.figure import Figure
 
 from pipeline.analysis.inference import critical_temperatures
 from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, VERMILION, celsius, in_house_style
-from pipeline.paper.printed import (
+from pipeline.sweep.model import Sweep
+from tribo import (
+    InputError,
+    Ramp,
+    rig_heating,
+    specific_wear_rate,
+)
+from workflows.paper.printed import (
     RIG_HEATING,
     ROOM_CELSIUS,
     SPECIFIC_WEAR_RATE,
@@ -20,15 +27,8 @@ from pipeline.paper.printed import (
     Row4,
     Row6,
 )
-from pipeline.paper.report import Finding, Report, Table, mean_and_spread, statistics
-from pipeline.paper.study import Study, end_of
-from pipeline.sweep.model import Sweep
-from tribo import (
-    InputError,
-    Ramp,
-    rig_heating,
-    specific_wear_rate,
-)
+from workflows.paper.report import Finding, Report, Table, mean_and_spread, statistics
+from workflows.paper.study import Study, end_of
 
 _SURFACES = 8
 _DURATIONS = (6.0, 7.0, 8.0, 9.0, 10.0)  # s, of the whole test: not published

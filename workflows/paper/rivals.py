@@ -11,15 +11,15 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, VERMILION, celsius, in_house_style
-from pipeline.paper.ensemble import matching, name_of, range_of
-from pipeline.paper.printed import TABLE_4
-from pipeline.paper.report import Finding, Report, Table
-from pipeline.paper.study import Study, end_of
 from pipeline.sweep.criterion import boundary_velocity_error, rise_limit
 from pipeline.sweep.lubrication import Lubrication
 from pipeline.sweep.model import Measurement, Sweep
 from pipeline.sweep.rivals import SmoothContact, load_speed_exponent
 from tribo import InputError, lubrication_regime
+from workflows.paper.ensemble import matching, name_of, range_of
+from workflows.paper.printed import TABLE_4
+from workflows.paper.report import Finding, Report, Table
+from workflows.paper.study import Study, end_of
 
 _SURFACES = 4
 _STEP = 0.05  # of the logarithm of the velocity, to find an exponent
