@@ -66,10 +66,10 @@ def reproduce(options: argparse.Namespace) -> int:
         return DONE
     chosen = given(options, "preset", "surfaces", "workers")
     if options.name == "all":
-        reports = paper.write_gallery(options.output or Path("results"), progress=tell, **chosen)
+        reports = paper.write_gallery(options.output or Path("results"), tell=tell, **chosen)
         text = [line for report in reports for line in (*report.lines(), "")]
         show(options, {report.name: report.as_dict() for report in reports}, text)
         return DONE
-    report = paper.reproduce(options.name, options.output, progress=tell, **chosen)
+    report = paper.reproduce(options.name, options.output, tell=tell, **chosen)
     show(options, report.as_dict(), report.lines())
     return DONE

@@ -10,18 +10,18 @@ import time
 from collections.abc import Callable, Iterable
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 from pipeline.figures.style import figure_path, save_figure
 from pipeline.scene.entries import did_you_mean
-from pipeline.scene.shipped import WORKFLOWS
 from pipeline.sweep.stages import staged
-from tribo import PRESETS, InputError
+from tribo import InputError
 from workflows.paper.gallery import page
 from workflows.paper.held_load import fig5
+from workflows.paper.inference import inverse
 from workflows.paper.line_pressure import fig4
 from workflows.paper.load_record import fig8
-from workflows.paper.measured import inverse
-from workflows.paper.report import Finding, Report, Table
+from workflows.paper.report import WORDS, Report
 from workflows.paper.resolution import fig6
 from workflows.paper.rivals import rivals
 from workflows.paper.sensitivity import sensitivity
@@ -31,40 +31,19 @@ from workflows.paper.table_4 import table4
 from workflows.paper.table_6 import table6
 from workflows.paper.transition_diagram import fig10
 
-__all__ = ["RESULTS", "Finding", "Report", "Study", "Table", "reproduce", "write_gallery"]
+RESULTS: dict[str, str] = {name: words["summary"] for name, words in WORDS.items()}
+"""Results that can be reproduced, by name, in a line each."""
 
-_MAKERS: dict[str, tuple[Callable[[Study], Report], str]] = {
-    "fig4": (fig4, "pressure of a cylinder: free ends, nearest images, all images, Hertz"),
-    "fig5": (fig5, "highest temperature through a ramp and a hold, with and without wear"),
-    "fig6": (fig6, "highest temperature against the number of elements and of increments"),
-    "fig8": (fig8, "a recorded load (synthetic) and its linear fit"),
-    "fig10": (fig10, "the transition diagram, with the measured transitions"),
-    "band": (band, "the transition over several surfaces, and within the measured friction"),
-    "table4": (table4, "contact width, failed share and temperatures at the transitions"),
-    "table6": (table6, "temperatures at the transitions of oil A, at 25 and 100 °C"),
-    "rivals": (rivals, "simpler criteria at the transitions: Blok, power, PV, and the film"),
-    "sensitivity": (
-        sensitivity,
-        "to correlation length, lay, Hurst exponent and Ra of the roughness",
-    ),
-    "inverse": (inverse, "critical temperature, wear rate and rig heating from measurements"),
+_MAKERS: dict[str, Callable[[Study], Report]] = {
+    maker.__name__: maker
+    for maker in (
+        *(fig4, fig5, fig6, fig8, fig10, band),
+        *(table4, table6, rivals, sensitivity, inverse),
+    )
 }
 
-RESULTS: dict[str, str] = {name: what for name, (_, what) in _MAKERS.items()}
-"""What can be reproduced, by name, in a line each."""
 
-
-def reproduce(
-    name: str,
-    out: str | Path | None = None,
-    *,
-    preset: str | None = None,
-    surfaces: int | None = None,
-    workers: int | None = None,
-    scenes: str | Path = WORKFLOWS,
-    results: str | Path = "results",
-    progress: Callable[[str], None] | None = None,
-) -> Report:
+def reproduce(name: str, out: str | Path | None = None, **choices: Any) -> Report:
     """Compute a figure or table of the paper.
 
     Parameters
@@ -73,16 +52,8 @@ def reproduce(
         One of `RESULTS`.
     out : path, optional
         File to write the figure to; .pdf, .png or .svg.
-    preset : str, optional
-        Fidelity in place of the one that belongs to the result.
-    surfaces : int, optional
-        Number of random surfaces in place of the result's own.
-    workers : int, optional
-        Number of workers for a sweep; one for each core if not given.
-    scenes, results : path
-        Folders of the scene files and of the stores.
-    progress : callable, optional
-        Called with a line on what comes next.
+    **choices
+        Fields of `Study`, such as ``preset`` and ``surfaces``.
 
     Raises
     ------
@@ -92,46 +63,25 @@ def reproduce(
 
     Examples
     --------
-    >>> from workflows import paper
-    >>> print(paper.reproduce("fig4"))  # doctest: +SKIP
+    >>> print(reproduce("fig8", preset="draft").title)
+    a recorded load (synthetic) and its linear fit, 600 N at 1.5 m/s
     """
     if name not in _MAKERS:
         raise InputError(
             f"{name!r} is not a figure or table{did_you_mean(name, _MAKERS)}; "
             f"there are {', '.join(_MAKERS)}"
         )
-    if preset is not None and preset not in PRESETS:
-        raise InputError(
-            f"preset is {preset!r}{did_you_mean(preset, PRESETS)}; allowed are {', '.join(PRESETS)}"
-        )
-    if surfaces is not None and not 1 <= surfaces <= 1000:
-        raise InputError(f"surfaces is {surfaces!r}; it must be from 1 to 1000")
+    study = Study(**choices)
     file = None if out is None else figure_path(out)
     began = time.perf_counter()
-    study = Study(
-        scenes=Path(scenes),
-        results=Path(results),
-        preset=preset,
-        surfaces=surfaces,
-        workers=workers,
-        tell=progress or (lambda line: None),
-    )
-    report = _MAKERS[name][0](study)
+    report = _MAKERS[name](study)
     if file is not None:
         save_figure(report.figure, file)
     return replace(report, seconds=time.perf_counter() - began, file=file)
 
 
 def write_gallery(
-    folder: str | Path,
-    names: Iterable[str] = RESULTS,
-    *,
-    preset: str | None = None,
-    surfaces: int | None = None,
-    workers: int | None = None,
-    scenes: str | Path = WORKFLOWS,
-    results: str | Path = "results",
-    progress: Callable[[str], None] | None = None,
+    folder: str | Path, names: Iterable[str] = RESULTS, **choices: Any
 ) -> list[Report]:
     """Compute every result, and write its figure and the page that shows them.
 
@@ -141,31 +91,21 @@ def write_gallery(
         Folder for ``README.md`` and the figures; made if it does not exist.
     names : iterable of str
         Names of the results to write, all if not given.
-    preset, surfaces, workers, scenes, results, progress
-        See `reproduce`.
+    **choices
+        Fields of `Study`.
 
     Examples
     --------
-    >>> from workflows import paper
-    >>> paper.write_gallery("gallery", ["fig4", "table4"])  # doctest: +SKIP
+    >>> write_gallery("gallery", ["fig4", "table4"])  # doctest: +SKIP
     """
-    folder = Path(folder)
+    folder, tell = Path(folder), Study(**choices).tell
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise InputError(f"cannot write to {folder}: {error.strerror or error}") from error
-    reports = []
-    for name in staged(names, progress, lambda name: f"{name}: {RESULTS.get(name, '')}"):
-        report = reproduce(
-            name,
-            folder / f"{name}.png",
-            preset=preset,
-            surfaces=surfaces,
-            workers=workers,
-            scenes=scenes,
-            results=results,
-            progress=progress,
-        )
-        reports.append(report)
+    reports = [
+        reproduce(name, folder / f"{name}.png", **choices)
+        for name in staged(names, tell, lambda name: f"{name}: {RESULTS.get(name, '')}")
+    ]
     (folder / "README.md").write_text(page(reports), encoding="utf-8")
     return reports

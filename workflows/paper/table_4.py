@@ -2,275 +2,186 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from typing import Any
 
 from matplotlib.figure import Figure
 
 from pipeline.figures.style import GREY, celsius, in_house_style
 from pipeline.sweep.criterion import Conditions, rise_limit
 from pipeline.sweep.model import Measurement
-from tribo import Grid
 from workflows.paper.ensemble import (
-    PATTERNS,
-    Values,
-    Variants,
     beside,
+    ensemble,
     matching,
-    means,
     name_of,
-    over_surfaces,
-    range_of,
-    with_wear,
+    worn,
 )
-from workflows.paper.printed import TABLE_4
-from workflows.paper.report import Finding, Report, Table, mean_and_spread
+from workflows.paper.publication import TABLE_4
+from workflows.paper.report import Report, Table, line, means, statistics
 from workflows.paper.study import End, Study
 
 _BAND = 10.0  # K: within which the paper's highest temperatures lie
 _GOOD = 0.05  # relative, of a friction coefficient
 _LONGER = 4  # patches of the disk in a row, to see what hangs on the length of the patch
 _FEW = 4  # surfaces for that
-
-
-@dataclass(frozen=True, slots=True)
-class _Computed:
-    """Quantities at each measured transition, over the surfaces, some by the kind of wear."""
-
-    measured: Sequence[Measurement]
-    conditions: Conditions
-    needed: Values  # friction with which swept wear gives the printed share
-    width: Values  # unworn, between the outermost elements in contact [µm]
-    bearing: Values  # unworn, between the rows that bear load [µm]
-    worn_width: Values  # with swept wear [µm]
-    failed: dict[str, Values]  # share of the contact [%]
-    level: Values  # the same with swept wear, at the scene's friction [%]
-    highest: dict[str, Values]  # [°C]
-    exceeded: dict[str, Values]  # on the failing share [°C]
-    longer: list[float]  # highest at the lowest load, on a longer patch [°C]
-
-    @property
-    def critical(self) -> float:
-        """Critical temperature [°C]."""
-        return float(celsius(self.conditions.known_critical_temperature()))
+_WIDTHS = [1e6 * row.unworn_width for row in TABLE_4]  # [µm]
+_MAXIMA = [row.max_celsius for row in TABLE_4]
+_SHARES = [100 * row.failed_share for row in TABLE_4]  # [%]
 
 
 def table4(study: Study) -> Report:
     """Contact width, failed share and temperatures at the four measured transitions."""
-    found = _computed(study)
-    return Report(
-        name="table4",
-        title=f"the measured transitions, over {len(found.width[0])} surfaces (mean ± spread)",
-        table=_table(found),
-        findings=_findings(found),
-        notes=(
-            "Measured friction at each transition. Chosen by us: the lateral structure of the "
-            "roughness (see sensitivity).",
-            "The measured widths include sliding at full load, for a time that is not printed "
-            "(see inverse).",
-        ),
-        data={
-            "load": [entry.normal_load for entry in found.measured],
-            "unworn_width_um": found.width,
-            "bearing_width_um": found.bearing,
-            "failed_percent": found.failed,
-            "failed_percent_at_scene_friction": found.level,
-            "friction_for_printed_share": found.needed,
-            "max_celsius_on_longer_patch": found.longer,
-            "max_celsius": found.highest,
-            "exceeded_celsius": found.exceeded,
-            "worn_width_um": found.worn_width,
-        },
-        figure=_draw(found),
-    )
-
-
-def _computed(study: Study) -> _Computed:
     sweep = study.scene("irg_transition")
+    conditions = sweep.conditions
     measured = matching(sweep, [row.normal_load for row in TABLE_4])
-    kinds = {"unworn": replace(sweep, wear=None)}
-    kinds |= {pattern: with_wear(sweep, pattern) for pattern in PATTERNS}
-    ends: Variants = {
-        name: over_surfaces(study, scene, measured, name) for name, scene in kinds.items()
-    }
-    own = [sweep.conditions.changed(friction=entry.friction) for entry in measured]
-    limit = rise_limit(sweep.conditions.changed(friction=1.0))
-    longer = replace(with_wear(sweep, "swept"), pixels=_longer(sweep.pixels))
+    kinds = {"unworn": replace(sweep, wear=None), **worn(sweep)}
+    transitions = ensemble(study, kinds, measured)
+
+    patch = sweep.pixels
+    long_patch = replace(patch, shape=(patch.shape[0], _LONGER * patch.shape[1]))
     few = replace(study, surfaces=min(_FEW, len(study.seeds(_FEW))))
-    (highest_on_longer,) = over_surfaces(few, longer, measured[-1:], "swept, longer patch")
+    longer = {"swept": replace(kinds["swept"], pixels=long_patch)}
+    on_longer = ensemble(few, longer, measured[-1:], "swept, longer patch")
 
-    def of(name: str, quantity: Callable[[End, Conditions], float]) -> Values:
-        return [
-            [quantity(end, at) for end in column]
-            for at, column in zip(own, ends[name], strict=True)
-        ]
-
-    return _Computed(
-        measured=measured,
-        conditions=sweep.conditions,
-        needed=[
-            [
-                limit / end.decisive_rise(sweep.conditions.changed(share=row.failed_share))
-                for end in column
-            ]
-            for row, column in zip(TABLE_4, ends["swept"], strict=True)
+    limit = rise_limit(conditions.changed(friction=1.0))
+    printed = zip(TABLE_4, transitions.ends["swept"], strict=True)
+    data: dict[str, Any] = {
+        "load": [entry.normal_load for entry in measured],
+        "unworn_width_um": transitions.widths("unworn"),
+        "bearing_width_um": transitions.of("unworn", lambda end, _: 1e6 * end.bearing_width),
+        "failed_percent": transitions.of_all(lambda end, its: 100 * end.failed_fraction(its)),
+        "failed_percent_at_scene_friction": transitions.of(
+            "swept", lambda end, _: 100 * end.failed_fraction(conditions)
+        ),
+        "friction_for_printed_share": [
+            [limit / end.decisive_rise(conditions.changed(share=row.failed_share)) for end in ends]
+            for row, ends in printed
         ],
-        width=of("unworn", lambda end, _: 1e6 * end.contact_width),
-        bearing=of("unworn", lambda end, _: 1e6 * end.bearing_width),
-        worn_width=of("swept", lambda end, _: 1e6 * end.contact_width),
-        failed={n: of(n, lambda end, at: 100 * end.failed_fraction(at)) for n in ends},
-        level=of("swept", lambda end, _: 100 * end.failed_fraction(sweep.conditions)),
-        highest={name: of(name, End.highest) for name in ends},
-        exceeded={name: of(name, End.exceeded) for name in ends},
-        longer=[end.highest(own[-1]) for end in highest_on_longer],
+        "max_celsius_on_longer_patch": on_longer.of("swept", End.highest)[0],
+        "max_celsius": transitions.of_all(End.highest),
+        "exceeded_celsius": transitions.of_all(End.exceeded),
+        "worn_width_um": transitions.widths("swept"),
+    }
+    critical = float(celsius(conditions.known_critical_temperature()))
+    values = {
+        "surfaces": len(data["unworn_width_um"][0]),
+        "critical": critical,
+        "friction": conditions.friction,
+        **_widths(data),
+        **_shares(data, conditions.friction),
+        **_temperatures(data, critical, float(celsius(conditions.bulk_temperature))),
+        "local_highest": means(data["max_celsius"]["local"]),
+        "local_share": max(means(data["failed_percent"]["local"])),
+    }
+    return Report.of(
+        "table4",
+        values,
+        verdicts={
+            "width": max(map(abs, values["width_off"])) < 15,
+            "share": max(abs(mu / conditions.friction - 1) for mu in values["needed"]) < _GOOD,
+            "highest": max(map(abs, values["apart"])) < _BAND and values["interval"] <= _BAND,
+            "local": min(means(data["failed_percent"]["local"])) > 5,
+        },
+        table=_table(data, measured, conditions),
+        data=data,
+        figure=_draw(data, measured, critical),
     )
 
 
-def _longer(patch: Grid) -> Grid:
-    """The same patch several times as long across the sliding direction."""
-    return replace(patch, shape=(patch.shape[0], _LONGER * patch.shape[1]))
+def _widths(data: dict[str, Any]) -> dict[str, Any]:
+    """Unworn widths against the printed ones [%], by both ways to take them."""
+    off, below = (
+        [100 * (mean / width - 1) for mean, width in zip(means(data[key]), _WIDTHS, strict=True)]
+        for key in ("unworn_width_um", "bearing_width_um")
+    )
+    why = "why_between" if max(below) <= 0 <= min(off) else "why"
+    return {"width_off": off, "bearing_off": below, "why": why}
 
 
-def _table(found: _Computed) -> Table:
-    names = ("swept", "local", "unworn")
+def _shares(data: dict[str, Any], friction: float) -> dict[str, Any]:
+    """Failed shares with the measured frictions and with one, and the effect of friction."""
+    shares, alike = (
+        means(data["failed_percent"]["swept"]),
+        means(data["failed_percent_at_scene_friction"]),
+    )
+    steep = [
+        _GOOD * friction * (share - other) / (row.friction - friction)
+        for share, other, row in zip(shares, alike, TABLE_4, strict=True)
+        if row.friction != friction
+    ]
+    needed = means(data["friction_for_printed_share"])
+    return {"needed": needed, "good": _GOOD, "shares": shares, "alike": alike, "steep": steep}
 
-    def printed(values: Iterable[float], digits: int = 0) -> tuple[str, ...]:
-        return ("  printed", *(f"{value:.{digits}f}" for value in values))
 
-    def computed(name: str, values: Values, digits: int = 0) -> tuple[str, ...]:
-        return (f"  {name}", *(mean_and_spread(column, digits) for column in values))
+def _temperatures(data: dict[str, Any], critical: float, bulk: float) -> dict[str, Any]:
+    """Highest temperatures with swept wear beside the printed ones."""
+    maxima, tenths = means(data["max_celsius"]["swept"]), means(data["exceeded_celsius"]["swept"])
+    return {
+        "maxima": maxima,
+        "apart": [ours - printed for ours, printed in zip(maxima, _MAXIMA, strict=True)],
+        "interval": max(maxima) - min(maxima),
+        "above": sum(maxima) / len(maxima) / critical - 1,
+        "ratios": [(t - bulk) / (m - bulk) for t, m in zip(tenths, maxima, strict=True)],
+        "printed_ratios": [(critical - bulk) / (printed - bulk) for printed in _MAXIMA],
+        "times_longer": _LONGER,
+        "longer": statistics(data["max_celsius_on_longer_patch"])[0],
+        "last": maxima[-1],
+        "last_load": data["load"][-1],
+    }
+
+
+def _table(data: dict[str, Any], measured: list[Measurement], conditions: Conditions) -> Table:
+    wears = ("swept", "local", "unworn")
+    critical = celsius(conditions.known_critical_temperature())
+
+    def by_wear(key: str, form: str = ".0f") -> list[tuple[str, ...]]:
+        return [line(f"  {wear}", data[key][wear], form) for wear in wears]
 
     return Table(
-        ("", *(name_of(entry) for entry in found.measured)),
+        ("", *map(name_of, measured)),
         (
             ("unworn contact width [µm]",),
-            printed(1e6 * row.unworn_width for row in TABLE_4),
-            computed("outermost elements in contact", found.width),
-            computed("rows that bear 5 % of the most loaded", found.bearing),
-            (f"share of the contact above {found.critical:g} °C [%]",),
-            printed((100 * row.failed_share for row in TABLE_4), 1),
-            *(computed(name, found.failed[name], 1) for name in names),
-            computed(f"swept, friction {found.conditions.friction:g} at each", found.level, 1),
-            ("friction coefficient",),
-            ("  measured", *(f"{row.friction:.3f}" for row in TABLE_4)),
-            computed("that gives the printed share, swept", found.needed, 4),
-            ("highest temperature [°C]",),
-            printed(row.max_celsius for row in TABLE_4),
-            *(computed(name, found.highest[name]) for name in names),
-            (
-                f"temperature exceeded on {100 * found.conditions.failing_share:g} % of the "
-                "contact [°C]",
+            line("  printed", _WIDTHS),
+            line("  outermost elements in contact", data["unworn_width_um"]),
+            line("  rows that bear 5 % of the most loaded", data["bearing_width_um"]),
+            (f"share of the contact above {critical:g} °C [%]",),
+            line("  printed", _SHARES, ".1f"),
+            *by_wear("failed_percent", ".1f"),
+            line(
+                f"  swept, friction {conditions.friction:g} at each",
+                data["failed_percent_at_scene_friction"],
+                ".1f",
             ),
-            *(computed(name, found.exceeded[name]) for name in names),
+            ("friction coefficient",),
+            line("  measured", [row.friction for row in TABLE_4], ".3f"),
+            line(
+                "  that gives the printed share, swept", data["friction_for_printed_share"], ".4f"
+            ),
+            ("highest temperature [°C]",),
+            line("  printed", _MAXIMA),
+            *by_wear("max_celsius"),
+            (f"temperature exceeded on {100 * conditions.failing_share:g} % of the contact [°C]",),
+            *by_wear("exceeded_celsius"),
             ("contact width at the end of the ramp [µm]",),
-            ("  printed, measured later", *(f"{1e6 * row.measured_width:.0f}" for row in TABLE_4)),
-            computed("swept", found.worn_width),
+            line("  printed, measured later", [1e6 * row.measured_width for row in TABLE_4]),
+            line("  swept", data["worn_width_um"]),
         ),
-    )
-
-
-def _findings(found: _Computed) -> tuple[Finding, ...]:
-    return (
-        _on_width(found),
-        _on_share(found),
-        _on_highest(found),
-        _on_local_wear(found),
-    )
-
-
-def _on_width(found: _Computed) -> Finding:
-    off, below = (
-        [
-            100 * (mean / (1e6 * row.unworn_width) - 1)
-            for mean, row in zip(means(widths), TABLE_4, strict=True)
-        ]
-        for widths in (found.width, found.bearing)
-    )
-    return Finding(
-        "unworn contact width of 186, 171, 153, 129 µm",
-        f"{min(off):+.0f} to {max(off):+.0f} % between the outermost elements in contact, "
-        f"{min(below):+.0f} to {max(below):+.0f} % between the rows that bear load",
-        max(map(abs, off)) < 15,
-        "The paper does not say how it takes the width"
-        + ("; it lies between the two." if max(below) <= 0 <= min(off) else "."),
-    )
-
-
-def _on_share(found: _Computed) -> Finding:
-    friction, needed = found.conditions.friction, means(found.needed)
-    own, alike = means(found.failed["swept"]), means(found.level)
-    steep = [
-        _GOOD * found.conditions.friction * (share - other) / (mu - friction)
-        for share, other, mu in zip(own, alike, (row.friction for row in TABLE_4), strict=True)
-        if mu != friction
-    ]
-    return Finding(
-        "a failed share of about 10 % at every transition, 8.7 to 12.1 %",
-        f"swept wear gives the printed shares with a friction of {_listed(needed, 4)}, where "
-        f"{friction:g} is used for prediction; with that it gives {_listed(alike, 1)} %",
-        max(abs(mu / friction - 1) for mu in needed) < _GOOD,
-        f"With the measured frictions, by which the paper says to have calculated them, it gives "
-        f"{_listed(own, 1)} %: {100 * _GOOD:g} % of friction are {range_of(steep)} points, and "
-        "the measured ones scatter by more. The printed shares look like those of "
-        f"{friction:g} at every transition.",
-    )
-
-
-def _listed(values: Sequence[float], digits: int) -> str:
-    return ", ".join(f"{value:.{digits}f}" for value in values)
-
-
-def _on_highest(found: _Computed) -> Finding:
-    """The one disagreement on the highest temperatures, which is not counted again elsewhere."""
-    maxima, tenths = means(found.highest["swept"]), means(found.exceeded["swept"])
-    apart = [m - row.max_celsius for m, row in zip(maxima, TABLE_4, strict=True)]
-    bulk = float(celsius(found.conditions.bulk_temperature))
-    ratios = [(t - bulk) / (m - bulk) for t, m in zip(tenths, maxima, strict=True)]
-    printed = [(found.critical - bulk) / (row.max_celsius - bulk) for row in TABLE_4]
-    last = found.measured[-1]
-    return Finding(
-        "highest temperatures of 153 to 162 °C, all within 10 °C, about 10 % above the critical "
-        "one",
-        f"{range_of(maxima)} °C with swept wear, {min(apart):+.0f} to {max(apart):+.0f} K "
-        f"against the printed ones, {max(maxima) - min(maxima):.0f} K apart, "
-        f"{100 * (sum(maxima) / len(maxima) / found.critical - 1):.0f} % above",
-        max(map(abs, apart)) < _BAND and max(maxima) - min(maxima) <= _BAND,
-        f"Beside the shares this remains unexplained: if a tenth of the contact is at "
-        f"{found.critical:g} °C, the printed highest rises leave it {range_of(printed, 2)} of "
-        f"themselves, ours {range_of(ratios, 2)}. The highest temperature is that of one element, "
-        "and grows with the number of them: on a patch "
-        f"{_LONGER} times as long it is {sum(found.longer) / len(found.longer):.0f} °C at "
-        f"{last.normal_load:g} N, on this one {maxima[-1]:.0f} °C.",
-    )
-
-
-def _on_local_wear(found: _Computed) -> Finding:
-    shares = means(found.failed["local"])
-    return Finding(
-        "wear by the local pressure, Eq. (26), gives these values",
-        f"local wear leaves {range_of(means(found.highest['local']))} °C at the highest, and a "
-        f"failed share of {max(shares):.1f} % at most",
-        min(shares) > 5,
-        "Taken point by point, the pin becomes the negative of one patch of the disk within "
-        "the ramp, and the peaks are gone; but a disk that moves sweeps past. Explicit steps "
-        "as large as the paper's do not resolve this (see fig6).",
     )
 
 
 @in_house_style
-def _draw(found: _Computed) -> Figure:
-    critical = found.critical
-    printed_shares = [100 * row.failed_share for row in TABLE_4]
+def _draw(data: dict[str, Any], measured: list[Measurement], critical: float) -> Figure:
     figure = Figure(figsize=(9.6, 7.0))
     (first, second), (third, fourth) = figure.subplots(2, 2)
-    ticks = [f"{entry.normal_load:g} N\n{entry.velocity:g} m/s" for entry in found.measured]
-    widths = [1e6 * row.unworn_width for row in TABLE_4]
-    beside(first, ticks, widths, {"unworn": found.width}, "unworn contact width [µm]")
-    title = f"share of the contact above {critical:g} °C [%]"
-    beside(second, ticks, printed_shares, found.failed, title)
-    maxima = [row.max_celsius for row in TABLE_4]
-    beside(third, ticks, maxima, found.highest, "highest temperature [°C]")
-    beside(fourth, ticks, None, found.exceeded, "temperature exceeded on 10 % [°C]")
+    ticks = [f"{entry.normal_load:g} N\n{entry.velocity:g} m/s" for entry in measured]
+    unworn = {"unworn": data["unworn_width_um"]}
+    share = f"share of the contact above {critical:g} °C [%]"
+    beside(first, ticks, _WIDTHS, unworn, "unworn contact width [µm]")
+    beside(second, ticks, _SHARES, data["failed_percent"], share)
+    beside(third, ticks, _MAXIMA, data["max_celsius"], "highest temperature [°C]")
+    exceeded = "temperature exceeded on 10 % [°C]"
+    beside(fourth, ticks, None, data["exceeded_celsius"], exceeded)
     first.set_ylim(0, None)
     for axes in (third, fourth):
         axes.axhline(critical, color=GREY, ls=":", lw=1.2)

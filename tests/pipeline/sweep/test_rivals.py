@@ -8,7 +8,7 @@ import pipeline
 from pipeline.store.identity import describe
 from pipeline.sweep.rivals import RIVALS, SmoothContact, load_speed_exponent
 from tribo import InputError, Motion
-from workflows.paper.printed import TABLE_4
+from workflows.paper.publication import TABLE_4
 
 WORKFLOWS = Path(__file__).parents[3] / "workflows"
 
