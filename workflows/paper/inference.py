@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -35,88 +35,76 @@ _FRICTIONS = (0.1, 0.2, 0.4)  # before the friction of the rig jumps, and after 
 _UNIT = 1e15  # of 1e-6 mm³/(N m) in a m²/N
 
 
-@dataclass(frozen=True, slots=True)
-class _Inferred:
-    """Quantities that the measurements lead to."""
-
-    oils: dict[str, tuple[Sweep, ...]]
-    critical: dict[str, Values]  # by oil, transition and surface [°C]
-    rates: dict[float, list[float]]  # by load and duration of the test [m²/N]
-    rates_of_a: list[float]  # of oil A, by transition, for the duration shown [m²/N]
-    heating: dict[float, float]  # of the rig, by friction [K]
-
-    @property
-    def printed_critical(self) -> float:
-        """Critical temperature of the white oil as printed [°C]."""
-        (white,) = self.oils["white oil"]
-        return float(celsius(white.conditions.known_critical_temperature()))
-
-    @property
-    def shown_rates(self) -> list[float]:
-        """Wear rates of the white oil for the duration shown [m²/N]."""
-        return [row[_CHOSEN] for row in self.rates.values()]
-
-    @property
-    def durations(self) -> dict[float, float]:
-        """Duration of the test at each load that gives the printed wear rate [s]."""
-        return {load: _duration_for(row, SPECIFIC_WEAR_RATE) for load, row in self.rates.items()}
-
-
 def inverse(study: Study) -> Report:
     """Critical temperature, specific wear rate and heating of the rig."""
     white = study.scene("irg_transition")
-    inferred = _inferred(study, white)
-    widening = _widening(white)
-    values = {
-        "widening": widening,
-        "lower_rates": -((1 + widening) ** -3 - 1),
-        **_of_temperatures(inferred),
-        **_of_rates(inferred),
-        **_of_heating(inferred),
-    }
-    cold, hot = (values[name] for name in ("cold_rates", "hot_rates"))
-    return Report.of(
-        "inverse",
-        values,
-        verdicts={
-            "white_oil": abs(values["mean"] - inferred.printed_critical) < 5,
-            "oil_a": values["oil_a_spread"] < 15,
-            "wear_rate": 0.7 < statistics(inferred.shown_rates)[0] / SPECIFIC_WEAR_RATE < 1.4,
-            "wear_rates_of_oil_a": all(max(pair) < 1.4 * min(pair) for pair in (cold, hot))
-            and max(values["pair_means"]) < _UNIT * min(SPECIFIC_WEAR_RATE, *inferred.shown_rates),
-            "heating": inferred.heating[_FRICTIONS[1]] < RIG_HEATING * 1.01,
-        },
-        table=Table(("", "printed", "computed"), tuple(_rows(inferred))),
-        data={
-            "critical_celsius": inferred.critical,
-            "wear_rate": {f"{load:g}": row for load, row in inferred.rates.items()},
-            "wear_rate_of_oil_a": inferred.rates_of_a,
-            "durations": list(_DURATIONS),
-            "duration_for_printed_rate": {f"{load:g}": s for load, s in inferred.durations.items()},
-            "widening_by_roughness": widening,
-            "rig_heating": {f"{mu:g}": value for mu, value in inferred.heating.items()},
-        },
-        figure=_draw(inferred),
-    )
-
-
-def _inferred(study: Study, white: Sweep) -> _Inferred:
-    oils = {
-        "white oil": (white,),
-        "oil A": tuple(study.scene(name) for name in ("oil_a", "oil_a_hot")),
-    }
-    critical = {name: _critical(study, scenes) for name, scenes in oils.items()}
+    oils_a = tuple(study.scene(name) for name in ("oil_a", "oil_a_hot"))
+    critical = {"white oil": _critical(study, (white,)), "oil A": _critical(study, oils_a)}
     study.tell("specific wear rate")
     rates = _wear_rates(white, TABLE_4, _DURATIONS)
     rates_of_a = [
         rate
-        for scene in oils["oil A"]
+        for scene in oils_a
         for row in _wear_rates(scene, _rows_of(scene), (_DURATIONS[_CHOSEN],)).values()
         for rate in row
     ]
+    widening = _widening(white)
     study.tell("friction heating of the rig")
     heating = {friction: rig_heating(friction) for friction in _FRICTIONS}
-    return _Inferred(oils, critical, rates, rates_of_a, heating)
+    durations = {load: _duration_for(row, SPECIFIC_WEAR_RATE) for load, row in rates.items()}
+    printed = float(celsius(white.conditions.known_critical_temperature()))
+    shown = [row[_CHOSEN] for row in rates.values()]
+    values = {
+        "printed_critical": printed,
+        **_of_temperatures(critical),
+        "rates": [_UNIT * rate for rate in shown],
+        "durations": list(durations.values()),
+        "widening": widening,
+        "lower_rates": -((1 + widening) ** -3 - 1),
+        **_of_oil_a(rates_of_a, oils_a),
+        "printed_heating": RIG_HEATING,
+        "heating": ", ".join(f"{value:.1f} K at friction {mu:g}" for mu, value in heating.items()),
+        "most_friction": _FRICTIONS[0] * RIG_HEATING / heating[_FRICTIONS[0]],
+    }
+    pairs = values["cold_rates"], values["hot_rates"]
+    return Report.of(
+        "inverse",
+        values,
+        verdicts={
+            "white_oil": abs(values["mean"] - printed) < 5,
+            "oil_a": values["oil_a_spread"] < 15,
+            "wear_rate": 0.7 < statistics(shown)[0] / SPECIFIC_WEAR_RATE < 1.4,
+            "wear_rates_of_oil_a": all(max(pair) < 1.4 * min(pair) for pair in pairs)
+            and max(values["pair_means"]) < _UNIT * min(SPECIFIC_WEAR_RATE, *shown),
+            "heating": heating[_FRICTIONS[1]] < RIG_HEATING * 1.01,
+        },
+        table=Table(
+            ("", "printed", "computed"),
+            (
+                ("critical temperature [°C], from each transition",),
+                *_temperatures("white oil", (white,), critical, f"{printed:g}"),
+                *_temperatures("oil A", oils_a, critical, ""),
+                *_rates(rates, rates_of_a),
+                ("duration of the test that gives the printed wear rate [s]",),
+                *(line(f"  {load:g} N", ["", time], ".1f") for load, time in durations.items()),
+                ("friction heating of the critical-temperature rig [K]",),
+                *(
+                    line(f"  at friction {friction:g}", [f"up to {RIG_HEATING:g}", value], ".1f")
+                    for friction, value in heating.items()
+                ),
+            ),
+        ),
+        data={
+            "critical_celsius": critical,
+            "wear_rate": {f"{load:g}": row for load, row in rates.items()},
+            "wear_rate_of_oil_a": rates_of_a,
+            "durations": list(_DURATIONS),
+            "duration_for_printed_rate": {f"{load:g}": time for load, time in durations.items()},
+            "widening_by_roughness": widening,
+            "rig_heating": {f"{mu:g}": value for mu, value in heating.items()},
+        },
+        figure=_draw(critical, printed, rates),
+    )
 
 
 def _critical(study: Study, scenes: Sequence[Sweep]) -> Values:
@@ -174,99 +162,83 @@ def _duration_for(rates: Sequence[float], wanted: float) -> float:
     return math.exp((math.log(wanted) - offset) / slope)
 
 
-def _of_temperatures(inferred: _Inferred) -> dict[str, Any]:
+def _of_temperatures(critical: dict[str, Values]) -> dict[str, Any]:
     """Critical temperatures of both oils, over surfaces and from single transitions [°C]."""
-    on_surfaces = [
-        float(np.mean(column)) for column in zip(*inferred.critical["white oil"], strict=True)
-    ]
+    by_surface = zip(*critical["white oil"], strict=True)
+    on_surfaces = [float(np.mean(column)) for column in by_surface]
     mean, spread = statistics(on_surfaces)
-    of_transition = means(inferred.critical["white oil"])
-    oil_a_mean, oil_a_spread = statistics(means(inferred.critical["oil A"]))
+    of_transition = means(critical["white oil"])
+    oil_a_mean, oil_a_spread = statistics(means(critical["oil A"]))
     return {
         "surfaces": len(on_surfaces),
-        "printed_critical": inferred.printed_critical,
         "mean": mean,
         "spread": spread,
         "of_transition": of_transition,
         "farthest": max(abs(value - mean) for value in of_transition),
-        "of_oil_a": means(inferred.critical["oil A"]),
+        "of_oil_a": means(critical["oil A"]),
         "oil_a_mean": oil_a_mean,
         "oil_a_spread": oil_a_spread,
         "printed_spread": statistics([row.max_celsius for row in TABLE_6])[1],
     }
 
 
-def _of_rates(inferred: _Inferred) -> dict[str, Any]:
-    """Specific wear rates [1e-6 mm³/(N m)], and durations of the test that they rest on."""
-    pairs = list(zip(TABLE_6, inferred.rates_of_a, strict=True))
+def _of_oil_a(rates: list[float], scenes: Sequence[Sweep]) -> dict[str, Any]:
+    """Specific wear rates of oil A [1e-6 mm³/(N m)], from its widths and in its scenes."""
+    pairs = list(zip(TABLE_6, rates, strict=True))
     cold = [_UNIT * rate for row, rate in pairs if row.bulk_celsius == ROOM_CELSIUS]
     hot = [_UNIT * rate for row, rate in pairs if row.bulk_celsius != ROOM_CELSIUS]
     pair_means = [math.sqrt(math.prod(pair)) for pair in (cold, hot)]
-    scenes = [
-        _UNIT * scene.wear.specific_wear_rate for scene in inferred.oils["oil A"] if scene.wear
-    ]
-    ratios = (rate / mean for rate, mean in zip(scenes, pair_means, strict=True))
+    in_scenes = [_UNIT * scene.wear.specific_wear_rate for scene in scenes if scene.wear]
+    ratios = (rate / mean for rate, mean in zip(in_scenes, pair_means, strict=True))
     return {
         "printed_rate": _UNIT * SPECIFIC_WEAR_RATE,
-        "rates": [_UNIT * rate for rate in inferred.shown_rates],
         "duration": _DURATIONS[_CHOSEN],
-        "durations": list(inferred.durations.values()),
         "room": ROOM_CELSIUS,
         "hot_bulk": TABLE_6[-1].bulk_celsius,
         "cold_rates": cold,
         "hot_rates": hot,
         "pair_means": pair_means,
-        "scene_rates": [f"{rate:.2f}" for rate in scenes],
+        "scene_rates": [f"{rate:.2f}" for rate in in_scenes],
         "scenes_off": max(abs(ratio - 1) for ratio in ratios),
     }
 
 
-def _of_heating(inferred: _Inferred) -> dict[str, Any]:
-    """Friction heating of the rig [K]."""
-    texts = (f"{value:.1f} K at friction {mu:g}" for mu, value in inferred.heating.items())
-    return {
-        "printed_heating": RIG_HEATING,
-        "heating": ", ".join(texts),
-        "most_friction": _FRICTIONS[0] * RIG_HEATING / inferred.heating[_FRICTIONS[0]],
-    }
+def _temperatures(
+    name: str, scenes: Sequence[Sweep], critical: dict[str, Values], printed: str
+) -> Iterator[tuple[str, ...]]:
+    """Rows with the critical temperature from each transition of an oil."""
+    entries = [(entry, scene.conditions) for scene in scenes for entry in scene.measured]
+    for (entry, conditions), column in zip(entries, critical[name], strict=True):
+        bulk = celsius(conditions.bulk_temperature)
+        label = f"  {name}, {entry.normal_load:g} N, {entry.velocity:g} m/s, {bulk:g} °C"
+        yield line(label, [printed, column], ".1f")
 
 
-def _rows(inferred: _Inferred) -> Iterator[tuple[str, ...]]:
-    yield ("critical temperature [°C], from each transition",)
-    for name, scenes in inferred.oils.items():
-        entries = [(entry, scene) for scene in scenes for entry in scene.measured]
-        for (entry, scene), column in zip(entries, inferred.critical[name], strict=True):
-            bulk = celsius(scene.conditions.bulk_temperature)
-            printed = f"{inferred.printed_critical:g}" if name == "white oil" else ""
-            label = f"  {name}, {entry.normal_load:g} N, {entry.velocity:g} m/s, {bulk:g} °C"
-            yield line(label, [printed, column], ".1f")
+def _rates(
+    rates: dict[float, list[float]], rates_of_a: Sequence[float]
+) -> Iterator[tuple[str, ...]]:
+    """Rows with the specific wear rates of both oils."""
     yield (f"specific wear rate [1e-6 mm³/(N m)], if the test lasts {_DURATIONS[_CHOSEN]:g} s",)
-    for load, row in inferred.rates.items():
+    for load, row in rates.items():
         printed = f"{_UNIT * SPECIFIC_WEAR_RATE:g}"
         yield line(f"  white oil, {load:g} N", [printed, _UNIT * row[_CHOSEN]], ".2f")
-    for of_a, rate in zip(TABLE_6, inferred.rates_of_a, strict=True):
+    for of_a, rate in zip(TABLE_6, rates_of_a, strict=True):
         label = f"  oil A, {of_a.normal_load:g} N, {of_a.bulk_celsius:g} °C"
         yield line(label, ["", _UNIT * rate], ".2f")
-    yield ("duration of the test that gives the printed wear rate [s]",)
-    for load, seconds in inferred.durations.items():
-        yield line(f"  {load:g} N", ["", seconds], ".1f")
-    yield ("friction heating of the critical-temperature rig [K]",)
-    for friction, value in inferred.heating.items():
-        yield line(f"  at friction {friction:g}", [f"up to {RIG_HEATING:g}", value], ".1f")
 
 
 @in_house_style
-def _draw(inferred: _Inferred) -> Figure:
+def _draw(critical: dict[str, Values], printed: float, rates: dict[float, list[float]]) -> Figure:
     figure = Figure(figsize=(9.6, 4.4))
     left, right = figure.subplots(1, 2)
-    _draw_temperatures(left, inferred)
-    _draw_rates(right, inferred)
+    _draw_temperatures(left, critical, printed)
+    _draw_rates(right, rates)
     return figure
 
 
-def _draw_temperatures(axes: Axes, inferred: _Inferred) -> None:
+def _draw_temperatures(axes: Axes, critical: dict[str, Values], printed: float) -> None:
     start = 0
-    for (name, columns), colour in zip(inferred.critical.items(), (BLUE, VERMILION), strict=True):
+    for (name, columns), colour in zip(critical.items(), (BLUE, VERMILION), strict=True):
         mean, spread = np.array([statistics(column) for column in columns]).T
         places = np.arange(start, start + len(columns))
         axes.errorbar(
@@ -274,7 +246,6 @@ def _draw_temperatures(axes: Axes, inferred: _Inferred) -> None:
         )
         axes.hlines(mean.mean(), places[0] - 0.3, places[-1] + 0.3, color=colour, lw=0.9)
         start += len(columns)
-    printed = inferred.printed_critical
     label = f"white oil on the rig, {printed:g} °C"
     axes.axhline(printed, color=GREY, ls=":", lw=1.4, label=label)
     ticks = [f"{row.normal_load:g} N" for row in TABLE_4]
@@ -288,9 +259,9 @@ def _draw_temperatures(axes: Axes, inferred: _Inferred) -> None:
     axes.legend(loc="upper left")
 
 
-def _draw_rates(axes: Axes, inferred: _Inferred) -> None:
+def _draw_rates(axes: Axes, rates: dict[float, list[float]]) -> None:
     colours = (BLACK, BLUE, VERMILION, GREEN)
-    for (load, row), colour in zip(inferred.rates.items(), colours, strict=True):
+    for (load, row), colour in zip(rates.items(), colours, strict=True):
         axes.plot(_DURATIONS, _UNIT * np.array(row), "o-", color=colour, label=f"{load:g} N")
     axes.axhline(_UNIT * SPECIFIC_WEAR_RATE, color=GREY, ls=":", lw=1.4, label="printed")
     axes.set_xlabel("duration of the test [s]")

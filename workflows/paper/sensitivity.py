@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -31,20 +31,9 @@ _EXPONENT = 0.6  # of the rise over velocity, for a second guess
 _GOOD = 0.15  # relative, of the boundary velocity
 
 
-@dataclass(frozen=True, slots=True)
-class _Outcome:
-    """Outcome on one kind of surface; by transition and surface."""
-
-    exceeded: list[list[float]]  # at the measured friction [°C]
-    highest: list[list[float]]  # at the measured friction [°C]
-    off: list[list[float]]  # of the critical velocity at the scene's friction, relative
-
-    @property
-    def worst(self) -> float:
-        """Largest relative error of a critical velocity, averaged over the surfaces."""
-        return max(map(abs, means(self.off)))
-
-
+_Outcome = dict[str, list[list[float]]]
+"""Temperatures at the measured friction [°C], and errors of the critical velocity at the scene's
+friction, relative; by transition and surface."""
 _Outcomes = Mapping[str, Mapping[str, _Outcome]]
 """Outcomes by the kind of change, and by the change."""
 
@@ -86,22 +75,11 @@ def sensitivity(study: Study) -> Report:
         "sensitivity",
         values,
         verdicts={
-            "velocities": by_surface[rough].worst < _GOOD,
+            "velocities": _worst(by_surface[rough]) < _GOOD,
             "widths": values["nearest"] == f"{rough.ra * 1e6:g} µm",
         },
         table=_table(sweep, outcomes, widths),
-        data={
-            kind: {
-                name: {
-                    "exceeded_celsius": outcome.exceeded,
-                    "max_celsius": outcome.highest,
-                    "critical_velocity_off": outcome.off,
-                }
-                for name, outcome in row.items()
-            }
-            for kind, row in outcomes.items()
-        }
-        | {"unworn_width_um": widths},
+        data={**outcomes, "unworn_width_um": widths},
         figure=_draw(sweep, outcomes),
     )
 
@@ -128,25 +106,28 @@ def _kinds(rough: SelfAffineRoughness) -> dict[str, dict[str, SelfAffineRoughnes
 
 def _outcome(study: Study, sweep: Sweep) -> _Outcome:
     limit = rise_limit(sweep.conditions)
-    exceeded, highest, off = (_empty(len(sweep.measured)) for _ in range(3))
+    names = ("exceeded_celsius", "max_celsius", "critical_velocity_off")
+    outcome: _Outcome = {name: [[] for _ in sweep.measured] for name in names}
     for seed in study.seeds(_SURFACES):
         surface = sweep.on_surface(seed)
         for number, entry in enumerate(sweep.measured):
             end = end_of(surface, entry.normal_load, entry.velocity)
             at_its_friction = sweep.conditions.changed(friction=entry.friction)
-            exceeded[number].append(end.exceeded(at_its_friction))
-            highest[number].append(end.highest(at_its_friction))
+            outcome["exceeded_celsius"][number].append(end.exceeded(at_its_friction))
+            outcome["max_celsius"][number].append(end.highest(at_its_friction))
 
             rise = end.decisive_rise(sweep.conditions)
             step = math.log(limit / rise) / _EXPONENT or 0.01
             other = end_of(surface, entry.normal_load, entry.velocity * math.exp(step))
             exponent = math.log(other.decisive_rise(sweep.conditions) / rise) / step
-            off[number].append(boundary_velocity_error(rise, limit, exponent))
-    return _Outcome(exceeded, highest, off)
+            off = boundary_velocity_error(rise, limit, exponent)
+            outcome["critical_velocity_off"][number].append(off)
+    return outcome
 
 
-def _empty(number: int) -> list[list[float]]:
-    return [[] for _ in range(number)]
+def _worst(outcome: _Outcome) -> float:
+    """Largest relative error of a critical velocity, averaged over the surfaces."""
+    return max(map(abs, means(outcome["critical_velocity_off"])))
 
 
 def _unworn_widths(study: Study, sweep: Sweep) -> list[float]:
@@ -162,18 +143,18 @@ def _unworn_widths(study: Study, sweep: Sweep) -> list[float]:
 def _of_velocities(outcomes: _Outcomes, usual: _Outcome) -> dict[str, Any]:
     """Errors of the critical velocities, averaged over transitions and surfaces."""
     off = {
-        kind: [float(np.mean(outcome.off)) for outcome in variants.values()]
+        kind: [float(np.mean(outcome["critical_velocity_off"])) for outcome in variants.values()]
         for kind, variants in outcomes.items()
     }
     lengths = outcomes["correlation length"]
-    good = [name for name, outcome in lengths.items() if outcome.worst < _GOOD]
+    good = [name for name, outcome in lengths.items() if _worst(outcome) < _GOOD]
     return {
         "shortest": off["correlation length"][0],
         "longest": off["correlation length"][-1],
         "lengths": ", ".join(good) or "none",
         "lays": off["lay"],
         "hursts": off["Hurst exponent"],
-        "seeds": max(100 * statistics(column)[1] for column in usual.off),
+        "seeds": max(100 * statistics(column)[1] for column in usual["critical_velocity_off"]),
     }
 
 
@@ -186,7 +167,7 @@ def _of_widths(widths: Mapping[str, list[float]], smoother: _Outcome) -> dict[st
         "nearest": min(of_ra, key=lambda name: abs(of_ra[name])),
         "smoother": _SMOOTHER,
         "smoother_off": off[_SMOOTHER],
-        "smoother_velocities": [100 * mean for mean in means(smoother.off)],
+        "smoother_velocities": [100 * mean for mean in means(smoother["critical_velocity_off"])],
     }
 
 
@@ -203,9 +184,12 @@ def _table(sweep: Sweep, outcomes: _Outcomes, widths: Mapping[str, list[float]])
         rows += [
             (
                 f"  {name}",
-                f"{np.mean(outcome.exceeded):.0f}",
-                f"{np.mean(outcome.highest):.0f}",
-                *(f"{round(100 * mean) + 0:+d} %" for mean in means(outcome.off)),
+                f"{np.mean(outcome['exceeded_celsius']):.0f}",
+                f"{np.mean(outcome['max_celsius']):.0f}",
+                *(
+                    f"{round(100 * mean) + 0:+d} %"
+                    for mean in means(outcome["critical_velocity_off"])
+                ),
                 f"{100 * _width_off(widths[name]):+.0f} %" if kind == "Ra" else "",
             )
             for name, outcome in variants.items()
@@ -224,8 +208,8 @@ def _draw(sweep: Sweep, outcomes: _Outcomes) -> Figure:
     for number, (kind, variants) in enumerate(outcomes.items()):
         upper, lower = rows[0][number], rows[1][number]
         highest, exceeded, off = (
-            np.array([np.mean(getattr(outcome, name), axis=1) for outcome in variants.values()])
-            for name in ("highest", "exceeded", "off")
+            np.array([np.mean(outcome[name], axis=1) for outcome in variants.values()])
+            for name in ("max_celsius", "exceeded_celsius", "critical_velocity_off")
         )
         _line(upper, highest, BLUE, "highest")
         _line(upper, exceeded, GREEN, "exceeded on 10 %")
