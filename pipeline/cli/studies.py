@@ -5,12 +5,13 @@ from __future__ import annotations
 import argparse
 import importlib
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pipeline
 from pipeline.cli.exit_codes import DONE
-from pipeline.cli.output import drawn_or_written, output_path, show, tell
+from pipeline.cli.output import output_path, show, tell
 from pipeline.cli.scenes import given, scene_of
 from tribo import InputError
 
@@ -24,9 +25,9 @@ def trade(options: argparse.Namespace) -> int:
     found = pipeline.trade(
         scene_of(options), base=options.base, diagram=options.diagram, progress=tell
     )
-    document = found.as_dict()
-    told = drawn_or_written(out, lambda: pipeline.draw_trade(found), _choices(found), document)
-    show(options, document, [str(found), *told])
+    rows = _choices(found)
+    draw = partial(pipeline.draw_trade, found)
+    show(options, found.as_dict(), [str(found)], out=out, rows=rows, draw=draw)
     return DONE
 
 
