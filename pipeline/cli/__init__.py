@@ -8,7 +8,9 @@ scene, 130 interrupted.
 from __future__ import annotations
 
 import argparse
+import atexit
 import errno
+import gc
 import io
 import os
 import sys
@@ -30,6 +32,7 @@ _LEAST_MEMORY = 450 * 2**20  # [bytes] of addresses, with which the packages can
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; return its exit code."""
+    atexit.register(gc.freeze)  # saves 0.3 s of searching imported modules for garbage at the end
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")  # rather than to fail in ASCII

@@ -135,7 +135,7 @@ COMMANDS = (
     ),
     Command(
         "reproduce", "studies:reproduce",
-        "recompute a figure or table of the paper, beside what it prints", "table4",
+        "recompute a figure or table of the paper, beside what it prints, in a checkout", "table4",
         (
             o.RESULT, o.LIST.but(help="list the figures and tables"),
             o.output("FILE.png", "figure to draw; for all, the folder of their common page"),
