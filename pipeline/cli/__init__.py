@@ -83,7 +83,7 @@ def _carried_out(options: argparse.Namespace) -> int:
 
 
 def _too_little_memory() -> str | None:
-    """Why not to begin, where this process may take too little memory.
+    """Reason not to begin with the memory that this process may take; None with enough.
 
     With less, OpenBLAS tries for ever to get some when it is loaded.
     """
@@ -105,7 +105,7 @@ def _drop_output() -> None:
 
 
 def _is_lack_of_memory(error: BaseException) -> bool:
-    """Whether an error is one by which Python reports that memory has run out."""
+    """True for an error by which Python reports that memory has run out."""
     if isinstance(error, OSError):
         return error.errno in (errno.ENOMEM, errno.EAGAIN)
     said = ("start new thread", "failed to map segment", "annot allocate memory")

@@ -90,7 +90,7 @@ def rows_of(found: xr.Dataset) -> Iterator[dict[str, Any]]:
 
 
 def _crossing(at: xr.Dataset, name: str, axis: str, other: str) -> dict[str, Any]:
-    """Where it crosses at one load or velocity, or the surfaces do."""
+    """Crossing at one load or velocity, or those of the surfaces."""
     found: dict[str, Any] = {}
     if variant := _variant(at):
         kind_of = _KINDS[variant]
@@ -211,7 +211,7 @@ def _by_friction(found: xr.Dataset) -> list[tuple[str, xr.Dataset]]:
 
 
 def _columns(found: xr.Dataset, name: str, axis: str) -> Iterator[str]:
-    """Where one surface crosses, a column for each friction."""
+    """Crossings of one surface, a column for each friction."""
     rows = [
         [f"{float(found[axis][place]):10g}", *_cells(found, place, name, axis)]
         for place in range(found.sizes[axis])

@@ -116,7 +116,7 @@ def _error(found: Margin) -> str:
 
 
 def _kind(found: Sequence[Margin]) -> str:
-    """What there are several of."""
+    """Kind of the several margins."""
     return "surfaces" if found[0].sample is None else "samples"
 
 

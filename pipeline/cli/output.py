@@ -1,4 +1,4 @@
-"""What the command shows: results on stdout, notes and errors on stderr."""
+"""Output of the command: results on stdout, notes and errors on stderr."""
 
 from __future__ import annotations
 
@@ -115,7 +115,7 @@ def hushed(is_quiet: bool) -> Iterator[None]:
 
 
 def is_hushed() -> bool:
-    """Whether the user asked for no progress and no notes."""
+    """True if the user asked for no progress and no notes."""
     return _QUIET.is_set()
 
 

@@ -1,4 +1,4 @@
-"""What can be typed after ``irg``: a table of the commands, and how it is read."""
+"""Commands of ``irg``: their table, and the parser that is made of it."""
 
 from __future__ import annotations
 

@@ -113,7 +113,7 @@ def point(options: argparse.Namespace) -> int:
 
 
 def _of_elements(sweep: Sweep, result: PointResult) -> Iterator[str]:
-    """What the size of the elements decides, where a rough surface touches on larger ones."""
+    """Effect of the size of the elements, if a rough surface touches on larger ones."""
     block = sweep.pixels.shape[0] // len(result.state.pressure)
     if block > 1 and sweep.roughness is not None:
         room = " " * 20

@@ -47,7 +47,7 @@ def status(options: argparse.Namespace) -> int:
 
 
 def _more_text(found: Summary) -> Iterable[str]:
-    """What there is besides the points that were asked for, and how it goes on."""
+    """Points beyond those that were asked for, and the pace of a run."""
     if found.earlier:
         yield f"{found.earlier} more are done, for which an earlier run asked"
     if found.running:

@@ -108,7 +108,7 @@ def check(options: argparse.Namespace) -> int:
 
 
 def _unknown(sweep: Sweep) -> dict[str, Any]:
-    """What is not known exactly, as plain data; nothing where all is."""
+    """Inputs that are not known exactly, as plain data; nothing where all are."""
     if sweep.samples is None:
         return {}
     simulated = sweep.samples.simulated

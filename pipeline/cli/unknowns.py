@@ -150,7 +150,7 @@ def on_draws(found: Posterior) -> Iterator[str]:
 
 
 def _beside(store: Path | str, kind: str) -> Path:
-    """Where a figure goes if that is not said."""
+    """File of a figure if none is named."""
     path = store if isinstance(store, Path) else Path(Path(store).name)
     return path.with_name(f"{path.stem}_{kind}.png")
 
@@ -234,12 +234,12 @@ def _indices(found: Sensitivity) -> Iterator[str]:
 
 
 def _why_dependent(found: Sensitivity) -> str:
-    """Why there are no total indices, which presume that no input tells of another."""
+    """Reason for no total indices, which presume that no input tells of another."""
     return "given the measurements" if found.given_measured else "as the scene correlates them,"
 
 
 def _scattered(found: Posterior) -> str:
-    """How far the measured velocities are taken to scatter."""
+    """Scatter that the measured velocities are taken to have, in words."""
     own = sum("velocity_scatter" in entry for entry in found.measured)
     if found.measured and own == len(found.measured):
         return "velocities scattered as the scene says of each"

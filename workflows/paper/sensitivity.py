@@ -1,4 +1,4 @@
-"""What the agreement rests on: the lateral structure of the roughness, which is not published."""
+"""Sensitivity to the lateral structure of the roughness, which is not published."""
 
 from __future__ import annotations
 
