@@ -30,9 +30,6 @@ from .figures.tradeoff import draw_trade as draw_trade
 from .figures.uncertainty import draw_posterior as draw_posterior
 from .figures.uncertainty import draw_risk as draw_risk
 from .figures.uncertainty import draw_sensitivity as draw_sensitivity
-from .paper import RESULTS as RESULTS
-from .paper import reproduce as reproduce
-from .paper import write_gallery as write_gallery
 from .run.follow import follow_boundary as follow_boundary
 from .run.sweep import run_sweep as run_sweep
 from .run.vary import Variation as Variation

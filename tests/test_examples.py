@@ -14,10 +14,8 @@ LONG = {
     "choose_fidelity",
     "draw_trade",
     "follow_boundary",
-    "reproduce",
     "trade",
     "vary",
-    "write_gallery",
 }
 PUBLIC = [
     (module.__name__, name)

@@ -2,6 +2,8 @@
 
 import ast
 import os
+import pydoc
+import rlcompleter
 import subprocess
 import sys
 from pathlib import Path
@@ -59,3 +61,10 @@ def test_every_public_name_is_there():
     assert not modules & set(pipeline.__all__)
     with pytest.raises(AttributeError, match="attribute nonsense"):
         _ = pipeline.nonsense
+
+
+def test_help_and_completion_offer_the_public_names():
+    shown = pydoc.render_doc(pipeline, renderer=pydoc.plaintext)
+    assert all(name in shown for name in pipeline.__all__)
+    completer = rlcompleter.Completer({"pipeline": pipeline})
+    assert completer.complete("pipeline.open_s", 0).startswith("pipeline.open_sweep")

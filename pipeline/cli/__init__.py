@@ -8,7 +8,9 @@ scene, 130 interrupted.
 from __future__ import annotations
 
 import argparse
+import atexit
 import errno
+import gc
 import io
 import os
 import sys
@@ -30,6 +32,7 @@ _LEAST_MEMORY = 450 * 2**20  # [bytes] of addresses, with which the packages can
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; return its exit code."""
+    atexit.register(gc.freeze)  # saves 0.3 s of searching imported modules for garbage at the end
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")  # rather than to fail in ASCII
@@ -83,7 +86,7 @@ def _carried_out(options: argparse.Namespace) -> int:
 
 
 def _too_little_memory() -> str | None:
-    """Why not to begin, where this process may take too little memory.
+    """Reason not to begin with the memory that this process may take; None with enough.
 
     With less, OpenBLAS tries for ever to get some when it is loaded.
     """
@@ -105,7 +108,7 @@ def _drop_output() -> None:
 
 
 def _is_lack_of_memory(error: BaseException) -> bool:
-    """Whether an error is one by which Python reports that memory has run out."""
+    """True for an error by which Python reports that memory has run out."""
     if isinstance(error, OSError):
         return error.errno in (errno.ENOMEM, errno.EAGAIN)
     said = ("start new thread", "failed to map segment", "annot allocate memory")

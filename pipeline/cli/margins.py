@@ -27,7 +27,6 @@ def margin(options: argparse.Namespace) -> int:
 
     ds, conditions = pipeline.open_sweep(options.store), given(options, *CONDITIONS)
     found = pipeline.margins(ds, options.load, options.velocity, **conditions)
-    warned = pipeline.warned(ds, **conditions)
     document = found[0].as_dict() if len(found) == 1 else _document(found)
     text = _on_one(found[0]) if len(found) == 1 else _on_several(found)
     if attributes_of(ds).get("samples") and not conditions:
@@ -41,7 +40,7 @@ def margin(options: argparse.Namespace) -> int:
             "--given-measured and --scatter need samples of what is not known, and the conditions "
             "as they were drawn: give [unknown] and sweep.samples in the scene, and no conditions"
         )
-    show(options, document | {"warnings": warned.as_dict()}, [*text, *warned.lines()])
+    show(options, document, text, warned=pipeline.warned(ds, **conditions))
     return DONE
 
 
@@ -117,7 +116,7 @@ def _error(found: Margin) -> str:
 
 
 def _kind(found: Sequence[Margin]) -> str:
-    """What there are several of."""
+    """Kind of the several margins."""
     return "surfaces" if found[0].sample is None else "samples"
 
 

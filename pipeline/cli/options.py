@@ -37,7 +37,7 @@ def _flag(*names: str, **settings: Any) -> Option:
 
 
 def output(name: str, what: str) -> Option:
-    """Where to write what a command makes."""
+    """Option for the file that a command writes."""
     return _option("-o", "--output", metavar=name, type=Path, help=what)
 
 

@@ -1,4 +1,4 @@
-"""What can be typed after ``irg``: a table of the commands, and how it is read."""
+"""Commands of ``irg``: their table, and the parser that is made of it."""
 
 from __future__ import annotations
 
@@ -130,7 +130,7 @@ COMMANDS = (
     ),
     Command(
         "reproduce", "studies:reproduce",
-        "recompute a figure or table of the paper, beside what it prints", "table4",
+        "recompute a figure or table of the paper, beside what it prints, in a checkout", "table4",
         (
             o.RESULT, o.LIST.but(help="list the figures and tables"),
             o.output("FILE.png", "figure to draw; for all, the folder of their common page"),

@@ -1,4 +1,4 @@
-"""How far a command is: on one line of a terminal, or else in lines on stderr now and then."""
+"""Progress of a command: on one line of a terminal, or else in lines on stderr now and then."""
 
 from __future__ import annotations
 

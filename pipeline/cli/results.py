@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import pipeline
 from pipeline.cli.exit_codes import DONE
-from pipeline.cli.output import counted, micrometres, show, table_path, tell, written
+from pipeline.cli.output import counted, micrometres, show, table_path, tell
 from pipeline.cli.progress import working
 from pipeline.cli.scenes import CONDITIONS, PLACE, given, scene_of, selected
 from pipeline.cli.unknowns import posterior
@@ -42,11 +42,9 @@ def boundary(options: argparse.Namespace) -> int:
 
     ds, conditions = pipeline.open_sweep(options.store), given(options, *CONDITIONS)
     found, warned = pipeline.boundary(ds, **conditions), pipeline.warned(ds, **conditions)
-    document = document_of(found) | {"warnings": warned.as_dict()}
     command = command_for(found, options.store, ds)
-    document |= {"command": command}
-    told = written(out, rows_of(found), document)
-    show(options, document, [*text_of(found, command), *warned.lines(), *told])
+    document = document_of(found) | {"command": command}
+    show(options, document, text_of(found, command), warned=warned, out=out, rows=rows_of(found))
     return DONE
 
 
@@ -63,9 +61,8 @@ def plot(options: argparse.Namespace) -> int:
     suffix = "gif" if options.kind == "animation" else "png"
     out = options.output or store.with_name(f"{store.stem}_{options.kind}.{suffix}")
     written = pipeline.plot(ds, options.kind, out, **shown, **conditions)
-    warned = pipeline.warned(ds, **conditions)
-    document = {"kind": options.kind, "file": str(written), "warnings": warned.as_dict()}
-    show(options, document, [f"{written}", *warned.lines()])
+    document = {"kind": options.kind, "file": str(written)}
+    show(options, document, [f"{written}"], warned=pipeline.warned(ds, **conditions))
     return DONE
 
 
@@ -87,8 +84,7 @@ def explore(options: argparse.Namespace) -> int:
     fields = {"most_fields": 0} if options.no_fields else given(options, "most_fields")
     with working("writing the page"):
         page = pipeline.explore(ds, out, **fields)
-    warned = pipeline.warned(ds)
-    show(options, page.as_dict() | {"warnings": warned.as_dict()}, [str(page), *warned.lines()])
+    show(options, page.as_dict(), [str(page)], warned=pipeline.warned(ds))
     return DONE
 
 
@@ -117,7 +113,7 @@ def point(options: argparse.Namespace) -> int:
 
 
 def _of_elements(sweep: Sweep, result: PointResult) -> Iterator[str]:
-    """What the size of the elements decides, where a rough surface touches on larger ones."""
+    """Effect of the size of the elements, if a rough surface touches on larger ones."""
     block = sweep.pixels.shape[0] // len(result.state.pressure)
     if block > 1 and sweep.roughness is not None:
         room = " " * 20
@@ -217,9 +213,7 @@ def infer(options: argparse.Namespace) -> int:
         f"on average {pipeline.display(found.mean, '°C', 4)}"
         + (f", {found.spread:.1f} K apart (standard deviation)" if found.spread else ""),
     ]
-    document = found.as_dict()
-    text += written(out, _transitions(found), document)
-    show(options, document, text)
+    show(options, found.as_dict(), text, out=out, rows=_transitions(found))
     return DONE
 
 
@@ -249,5 +243,5 @@ def _wear_rate(options: argparse.Namespace, sweep: Sweep, out: Path | None) -> i
     )
     document = asdict(found)
     row = {f"{name} [mm³/(N m)]": 1e9 * rate for name, rate in document.items()}
-    show(options, document, [text, *written(out, [row], document)])
+    show(options, document, [text], out=out, rows=[row])
     return DONE

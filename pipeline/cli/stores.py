@@ -32,7 +32,6 @@ def status(options: argparse.Namespace) -> int:
         "running": found.running is not None,
         "points_per_minute": None if found.rate is None else 60 * found.rate,
         "time_to_go": found.time_to_go,
-        "warnings": warned.as_dict(),
         "selection": selection.as_dict() if selection else None,
     }
     text = [
@@ -42,14 +41,13 @@ def status(options: argparse.Namespace) -> int:
         *_more_text(found),
         *([str(selection)] if selection else []),
         *(f"failed: {point}" for point in found.failed),
-        *warned.lines(),
     ]
-    show(options, document, text)
+    show(options, document, text, warned=warned)
     return SOME_FAILED if found.failed else DONE
 
 
 def _more_text(found: Summary) -> Iterable[str]:
-    """What there is besides the points that were asked for, and how it goes on."""
+    """Points beyond those that were asked for, and the pace of a run."""
     if found.earlier:
         yield f"{found.earlier} more are done, for which an earlier run asked"
     if found.running:
@@ -90,11 +88,8 @@ def verify(options: argparse.Namespace) -> int:
             if found.repaired
             else "set damaged points to be computed again with: irg verify --repair"
         )
-    if found.is_clean or found.repaired:  # else they cannot be read
-        warned = pipeline.warned(options.store)
-        document["warnings"] = warned.as_dict()
-        text += warned.lines()
-    show(options, document, text)
+    is_readable = found.is_clean or found.repaired
+    show(options, document, text, warned=pipeline.warned(options.store) if is_readable else None)
     return DONE if found.is_clean else SOME_FAILED
 
 

@@ -18,7 +18,7 @@ from pipeline.sweep.facts import facts_of, require_bearable_load
 from pipeline.sweep.left_out import left_out
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.stages import duration
-from pipeline.sweep.warned import NO_WARNING, Warned
+from pipeline.sweep.warned import NO_WARNING
 from pipeline.tradeoff.forecast import Estimate, machine_bytes, worker_bytes
 
 
@@ -48,7 +48,6 @@ def computed(options: argparse.Namespace) -> int:
         "done": outcome.done,
         "failed": failed_points(outcome.failed),
         "wall_time": outcome.wall_time,
-        "warnings": (found := _warned(out)).as_dict(),
         **selected(sweep),
     }
     text = [
@@ -58,14 +57,9 @@ def computed(options: argparse.Namespace) -> int:
     ]
     if outcome.failed:
         text.append("try these again with: irg run --retry-failed")
-    text += found.lines()
-    show(options, document, text)
+    warned = pipeline.warned(out) if pipeline.summary(out).warned else NO_WARNING
+    show(options, document, text, warned=warned)
     return SOME_FAILED if outcome.failed else DONE
-
-
-def _warned(store: Path) -> Warned:
-    """Warnings of a store, whose results are read only if it has any."""
-    return pipeline.warned(store) if pipeline.summary(store).warned else NO_WARNING
 
 
 def check(options: argparse.Namespace) -> int:
@@ -114,7 +108,7 @@ def check(options: argparse.Namespace) -> int:
 
 
 def _unknown(sweep: Sweep) -> dict[str, Any]:
-    """What is not known exactly, as plain data; nothing where all is."""
+    """Inputs that are not known exactly, as plain data; nothing where all are."""
     if sweep.samples is None:
         return {}
     simulated = sweep.samples.simulated

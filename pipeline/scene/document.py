@@ -182,7 +182,7 @@ def _table(entries: dict[str, Any], *keys: str) -> dict[str, Any] | None:
 
 
 def _depth(entries: Any, parts: list[str]) -> int:
-    """How many parts of a key path the entries hold."""
+    """Number of parts of a key path that the entries hold."""
     for depth, part in enumerate(parts):
         if not isinstance(entries, dict) or part not in entries:
             return depth
@@ -249,7 +249,7 @@ def _require_short_keys(path: Path, text: str) -> None:
 
 
 def _hint(lines: list[str], reason: str) -> str:
-    """What is probably meant in the line where TOML cannot be read."""
+    """Advice on the line where TOML cannot be read; empty without any."""
     place = re.search(r"at line (\d+)", reason)
     line = lines[int(place[1]) - 1] if place and int(place[1]) <= len(lines) else ""
     if any(mark in line for mark in "“”„‘’"):

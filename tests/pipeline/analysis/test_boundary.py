@@ -369,9 +369,9 @@ def test_the_regime_of_each_crossing_is_told_in_words_and_in_the_document():
     (said,) = [line for line in text_of(found) if line.startswith("       200")]
     assert said == "       200   3.678  Λ 0.87 boundary"
     document = document_of(found)
-    assert document["critical_velocity_regime"][0] == "boundary lubrication"
-    assert document["critical_velocity_film_parameter"][0] == pytest.approx(0.87, abs=0.005)
-    assert "no crossing" in document["critical_load_regime"]
+    assert document["regime_at_load"][0] == "boundary lubrication"
+    assert document["film_parameter_at_load"][0] == pytest.approx(0.87, abs=0.005)
+    assert "no crossing" in document["regime_at_velocity"]
     assert "Λ" not in "".join(text_of(boundary(synthetic.sweep())))
 
 
@@ -412,7 +412,7 @@ def test_a_rise_that_grows_slowly_with_the_velocity_is_told(exponents):
 
     sweep = synthetic.sweep(rise=rise, loads=loads)
     found = boundary(sweep)
-    assert document_of(found)["critical_velocity_rise_exponent"] == pytest.approx(exponents)
+    assert document_of(found)["rise_exponent_at_load"] == pytest.approx(exponents)
     told = "".join(line for line in text_of(found) if "grows slowly" in line)
     slow = {load: each for load, each in zip(loads, exponents, strict=True) if each < 0.4}
     assert bool(told) == bool(slow)

@@ -286,7 +286,7 @@ def test_friction_0_is_mild_in_every_command(swept, tmp_path, capsys, kind):
     slippery, rubbing = document["critical_velocity"]
     assert not any(slippery)
     assert any(rubbing)
-    slippery, rubbing = document["critical_velocity_outcome"]
+    slippery, rubbing = document["outcome_at_load"]
     assert set(slippery) == {"mild throughout"}
     assert "crosses" in rubbing
 
@@ -295,9 +295,9 @@ def test_the_document_says_why_there_is_no_crossing(swept, capsys):
     for friction, why in ((0.001, "mild throughout"), (1.0, "severe from the lowest")):
         assert run("boundary", swept / "small.zarr", "--friction", friction, "--json") == 0
         document = json.loads(capsys.readouterr().out)
-        for name in ("critical_velocity", "critical_load"):
+        for name, axis in (("critical_velocity", "load"), ("critical_load", "velocity")):
             assert not any(document[name])
-            assert set(document[f"{name}_outcome"]) == {why}
+            assert set(document[f"outcome_at_{axis}"]) == {why}
 
 
 def test_a_point_without_friction_is_as_cold_as_its_bulk(swept, capsys):

@@ -6,15 +6,15 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from pipeline.paper.study import End, Study, summary_of
 from pipeline.sweep.model import Measurement, Sweep
-from tribo import ConvergenceError, Fidelity, InputError, simulate, warnings
+from tribo import ConvergenceError, Fidelity, simulate, warnings
 from tribo.types import Array
+from workflows.paper.study import End, Study, WearPattern, summary_of, with_wear
 
-BLOCKS = (8, 6, 4, 3, 2, 1)  # pixels along a side of an element
-INCREMENTS = (20, 30, 40, 50, 75, 100, 150, 200)
+_BLOCKS = (8, 6, 4, 3, 2, 1)  # pixels along a side of an element
+_INCREMENTS = (20, 30, 40, 50, 75, 100, 150, 200)
 PUBLISHED = 100  # increments
-SCHEMES: dict[str, tuple[str, Mapping[str, Any]]] = {  # pattern of wear, changes of fidelity
+SCHEMES: dict[str, tuple[WearPattern, Mapping[str, Any]]] = {  # the latter of the fidelity
     "implicit, swept": ("swept", {"wear_scheme": "implicit"}),
     "explicit, swept": ("swept", {"wear_scheme": "explicit"}),
     "implicit, local": ("local", {"wear_scheme": "implicit"}),
@@ -30,10 +30,10 @@ Row = dict[int, list[float]]
 
 @dataclass(frozen=True, slots=True)
 class Steps:
-    """What the number of increments does under a scheme of wear."""
+    """Effect of the number of increments under a scheme of wear."""
 
     highest: Row
-    unstable: dict[int, str]  # what is said of unstable steps, by the number of increments
+    unstable: dict[int, str]  # warnings of unstable steps, by the number of increments
     pressure: Array | None  # after the increments that are shown [Pa]
 
 
@@ -50,20 +50,18 @@ class Refinement:
     @property
     def fields(self) -> dict[str, Array]:
         """Pressures after the increments that are shown [Pa]."""
-        steps = self.by_increments.items()
-        return {name: each.pressure for name, each in steps if each.pressure is not None}
+        items = self.by_increments.items()
+        return {name: steps.pressure for name, steps in items if steps.pressure is not None}
 
 
 def refined(study: Study) -> Refinement:
     """Simulate the paper's system at its highest measured load, on each grid, with each step."""
     sweep = study.scene("irg_transition")
-    if sweep.wear is None or not sweep.measured:
-        raise InputError(f"the scene {sweep.name} must have a [wear] and [[measured]] transitions")
     if study.preset is None:
         sweep = replace(sweep, fidelity=_PAPER)
     measured = max(sweep.measured, key=lambda entry: entry.normal_load)
-    blocks = [n for n in BLOCKS if study.preset is None or n >= sweep.fidelity.pixels_per_element]
-    counts = [n for n in INCREMENTS if study.preset is None or n <= 50]
+    blocks = [n for n in _BLOCKS if study.preset is None or n >= sweep.fidelity.pixels_per_element]
+    counts = [n for n in _INCREMENTS if study.preset is None or n <= 50]
     shown = max(count for count in counts if count <= PUBLISHED)
     surfaces = [sweep.on_surface(seed) for seed in study.seeds(1)]
     by_elements: dict[str, Row] = {"maximum": {}, "10 %": {}, "one step": {}}
@@ -107,28 +105,24 @@ def _with_steps(
     pattern, changes = SCHEMES[name]
     highest: Row = {}
     unstable: dict[int, str] = {}
-    kept = None
+    shown_pressure = None
     for count in study.each(counts, (name + ", {} increments").format, weight=float):
         for surface in surfaces:
             scene = _with(
-                replace(surface, wear=replace(surface.wear, pattern=pattern)),  # type: ignore[type-var]
-                increments=count,
-                history_coarsening=1,
-                **changes,
+                with_wear(surface, pattern), increments=count, history_coarsening=1, **changes
             )
             try:
-                end, told, pressure = _end(scene, measured)
+                end, doubts, pressure = _end(scene, measured)
             except ConvergenceError as error:
                 unstable[count] = str(error)
                 continue
             conditions = scene.conditions.changed(friction=measured.friction)
             highest.setdefault(count, []).append(end.highest(conditions))
             if pattern == "local" and count == shown and surface is surfaces[0]:
-                kept = pressure
-            for line in told:
-                if "explicit" in line:
-                    unstable[count] = line
-    return Steps(highest, unstable, kept)
+                shown_pressure = pressure
+            for doubt in filter(lambda doubt: "explicit" in doubt, doubts):
+                unstable[count] = doubt
+    return Steps(highest, unstable, shown_pressure)
 
 
 def _with(scene: Sweep, **changes: Any) -> Sweep:

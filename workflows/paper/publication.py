@@ -1,4 +1,4 @@
-"""What the paper of Bosman & de Rooij prints, as far as it is compared with here.
+"""Numbers that the paper of Bosman & de Rooij prints, as far as they are compared with here.
 
 Every number is the paper's own, from its tables, its text or its figures.
 """

@@ -1,18 +1,19 @@
-"""What the results share: their scenes, the ensemble of surfaces, and the end of a point."""
+"""Scenes and surfaces of the results, and the end of a point."""
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TypeVar
+from typing import Literal, TypeVar
 
 import numpy as np
+import xarray as xr
 
+from pipeline.analysis.dataset import open_sweep
+from pipeline.cli.progress import ProgressLine
 from pipeline.figures.style import celsius
 from pipeline.run.sweep import Outcome, run_sweep
-from pipeline.run.tally import Progress
 from pipeline.scene.scenefile import load_scene
 from pipeline.scene.shipped import WORKFLOWS
 from pipeline.sweep.criterion import (
@@ -21,30 +22,23 @@ from pipeline.sweep.criterion import (
     failed_fraction,
 )
 from pipeline.sweep.model import Sweep
-from pipeline.sweep.stages import duration, staged
-from tribo import (
-    InputError,
-    Scene,
-    State,
-    measures,
-    simulate,
-)
+from pipeline.sweep.stages import staged
+from tribo import InputError, Scene, State, measures, simulate
 from tribo.criterion import Columns, columns_of
 
 T = TypeVar("T")
-
-_BETWEEN_LINES = 10.0  # [s]
+WearPattern = Literal["swept", "local"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Study:
-    """Where a result takes its scenes from, and how much is spent on it.
+    """Scenes of a result, and the work that may be spent on it.
 
     Attributes
     ----------
-    scenes : Path
+    scenes : path
         Folder of the scene files.
-    results : Path
+    results : path
         Folder of stores, as `irg run` fills it.
     preset : str or None
         Fidelity in place of the one that the scene, or else the result, chooses.
@@ -56,8 +50,8 @@ class Study:
         Called with a line on what comes next.
     """
 
-    scenes: Path = WORKFLOWS
-    results: Path = Path("results")
+    scenes: str | Path = WORKFLOWS
+    results: str | Path = "results"
     preset: str | None = None
     surfaces: int | None = None
     workers: int | None = None
@@ -65,13 +59,7 @@ class Study:
 
     def scene(self, name: str) -> Sweep:
         """The scene of this name, with its own fidelity or the one asked for."""
-        path = self.scenes / f"{name}.toml"
-        if not path.exists():
-            raise InputError(
-                f"{path} is missing; give the folder of the paper's scenes, which is workflows/ "
-                "of the source"
-            )
-        return load_scene(path, preset=self.preset)
+        return load_scene(Path(self.scenes, f"{name}.toml"), preset=self.preset)
 
     def scene_with_history(self, name: str) -> Sweep:
         """The scene of this name, with temperatures on the way also where a preset asks for none.
@@ -93,19 +81,13 @@ class Study:
         """Go through what is computed one after the other, and tell; see `staged`."""
         return staged(items, self.tell, name, weight)
 
-    def sweep(self, sweep: Sweep, store: Path) -> Outcome:
-        """Run or resume a sweep, and tell how far it is every ten seconds."""
+    def sweep(self, sweep: Sweep, name: str) -> tuple[Outcome, xr.Dataset]:
+        """Run or resume a sweep in the store of a name, with its progress on stderr."""
+        store = Path(self.results, f"{name}.zarr")
         self.tell(f"the sweep in {store}, including what is there already")
-        last = time.monotonic()
-
-        def progress(found: Progress) -> None:
-            nonlocal last
-            if found.time_to_go and time.monotonic() - last >= _BETWEEN_LINES:
-                last = time.monotonic()
-                to_go = duration(found.time_to_go)
-                self.tell(f"{found.done} of {found.total} points done, {to_go} to go")
-
-        return run_sweep(sweep, store, workers=self.workers, progress=progress)
+        with ProgressLine() as progress:
+            outcome = run_sweep(sweep, store, workers=self.workers, progress=progress)
+        return outcome, open_sweep(store)
 
     def seeds(self, usual: int) -> range:
         """Seeds of the random surfaces."""
@@ -146,6 +128,13 @@ class End:
     def failed_fraction(self, conditions: Conditions) -> float:
         """Share of the contact area above the critical temperature."""
         return failed_fraction(self.rises["rise_quantile"], conditions)
+
+
+def with_wear(sweep: Sweep, pattern: WearPattern) -> Sweep:
+    """The scene with its wear in another pattern."""
+    if sweep.wear is None:
+        raise InputError(f"the scene {sweep.name} must have a [wear]")
+    return replace(sweep, wear=replace(sweep.wear, pattern=pattern))
 
 
 def end_of(scene: Scene, normal_load: float, velocity: float) -> End:
