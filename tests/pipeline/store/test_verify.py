@@ -164,9 +164,10 @@ def test_data_in_the_place_of_others_are_found(copy):
     assert reasons(verify_store(copy).damaged) == {POINT: OTHER, Point(150.0, 0.5): OTHER}
 
 
-def test_points_in_the_places_of_each_other_are_found(copy):
-    """All that is stored of them, so that data and checksums agree, but not their place."""
-    for name in (*COLUMNS, *FIELDS, *ABOUT, "checksum", "record_checksum"):
+@pytest.mark.parametrize("also", [(), (*ABOUT, "record_checksum")])
+def test_points_in_the_places_of_each_other_are_found(copy, also):
+    """Data with their checksums, with which they agree, but not with their place."""
+    for name in (*COLUMNS, *FIELDS, "checksum", *also):
         array = values(copy, name)
         array[1, 1], array[2, 1] = array[2, 1], array[1, 1]
     assert reasons(verify_store(copy).damaged) == {POINT: OTHER, NEXT: OTHER}
