@@ -26,6 +26,7 @@ from pipeline.store.place import (
     Bucket,
     Folder,
     PathLike,
+    Place,
     StoreError,
     StoreMismatchError,
     place_of,
@@ -86,7 +87,7 @@ def repairing(path: PathLike) -> Iterator[Store]:
         yield Store(place, root, lock, is_damaged=True)
 
 
-def grown(place: Folder | Bucket, sweep: Sweep, lock: Lock | None) -> Store:
+def grown(place: Place, sweep: Sweep, lock: Lock | None) -> Store:
     """Open a store whose lock is held, with room for what a sweep adds; raise as `writing` does."""
     root = read_root(place)
     if fault := next(_mismatches(root, sweep), None):
@@ -106,9 +107,7 @@ def grown(place: Folder | Bucket, sweep: Sweep, lock: Lock | None) -> Store:
     return store
 
 
-def _rewritten(
-    place: Folder | Bucket, root: Root, attributes: dict[str, Any], sweep: Sweep
-) -> Root:
+def _rewritten(place: Place, root: Root, attributes: dict[str, Any], sweep: Sweep) -> Root:
     """Give a store other attributes and longer axes: the arrays first, then the root."""
     contents = _documents(attributes, sweep, "pressure" in root.arrays)
     arrays = metadata_of(contents)
@@ -119,7 +118,7 @@ def _rewritten(
     return read_root(place)
 
 
-def _created(place: Folder | Bucket, sweep: Sweep, stack: ExitStack) -> Lock | None:
+def _created(place: Place, sweep: Sweep, stack: ExitStack) -> Lock | None:
     """Create a store, beside its place if that is a folder; its lock is held from then on.
 
     None in a bucket, or if another process was faster.
@@ -219,7 +218,7 @@ def _inputs_drawn_otherwise(axes: Mapping[str, Any], sweep: Sweep) -> Iterator[s
                 yield path
 
 
-def _remove_partial(place: Folder | Bucket) -> None:
+def _remove_partial(place: Place) -> None:
     """Remove what a killed writer was writing."""
     if isinstance(place, Folder):
         for file in place.path.glob(f"*/*{PARTIAL}"):

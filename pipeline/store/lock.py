@@ -18,7 +18,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-from pipeline.store.place import LOCK, Bucket, Folder, StoreError
+from pipeline.store.place import LOCK, Bucket, Folder, Place, StoreError
 
 try:
     import fcntl
@@ -55,7 +55,7 @@ class Lock:
 
 
 @contextmanager
-def held(place: Folder | Bucket) -> Iterator[Lock | None]:
+def held(place: Place) -> Iterator[Lock | None]:
     """Hold the lock of a store, at once or not at all.
 
     Raises
@@ -87,7 +87,7 @@ def held(place: Folder | Bucket) -> Iterator[Lock | None]:
             place.remove(LOCK)
 
 
-def holder_of(place: Folder | Bucket) -> str | None:
+def holder_of(place: Place) -> str | None:
     """Name the process that writes to a store; None if there is none.
 
     A process of another machine counts as long as its name stands in the lock.

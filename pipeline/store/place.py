@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 from pipeline.store.schema import is_coordinate
 from tribo import TriboError
@@ -60,25 +60,6 @@ class StoreMismatchError(StoreError):
     ...     print("another scene: give another folder")
     another scene: give another folder
     """
-
-
-class Place(Protocol):
-    """Files of a store by their keys; what goes wrong is an `OSError`."""
-
-    def zarr(self, read_only: bool) -> Store:
-        """Zarr's view of the place."""
-
-    def exists(self) -> bool:
-        """Return whether there is anything."""
-
-    def read(self, key: str) -> bytes | None:
-        """Content of a key; None if it has none."""
-
-    def put(self, contents: Mapping[str, bytes]) -> None:
-        """Replace the contents of keys, each at one stroke."""
-
-    def names(self, name: str) -> set[str]:
-        """Names of the keys directly below the name of an array."""
 
 
 @dataclass(frozen=True)
@@ -244,7 +225,11 @@ class Bucket:
 _OPTIONS = {"use_listings_cache": False}
 
 
-def place_of(path: PathLike) -> Folder | Bucket:
+Place = Folder | Bucket
+"""Files of a store by their keys; what goes wrong is an `OSError`."""
+
+
+def place_of(path: PathLike) -> Place:
     """Place of a store.
 
     Raises
@@ -289,7 +274,7 @@ def require_writable(path: PathLike) -> None:
         raise unwritable(place, error) from error
 
 
-def unwritable(place: Folder | Bucket, error: OSError) -> StoreError:
+def unwritable(place: Place, error: OSError) -> StoreError:
     """Error for a place that cannot be written, with the reason."""
     above = place.path.parents if isinstance(place, Folder) else ()
     in_the_way = (f"{folder} is a file, not a folder" for folder in above if folder.is_file())

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from pipeline.store.place import Place
 from pipeline.store.root import Root
-from pipeline.store.schema import DONE, LEADING, chunks_of, is_coordinate
+from pipeline.store.schema import DONE, LEADING, chunk_name, chunks_of, is_coordinate
 from pipeline.sweep.model import Point, Sweep
 from tribo.types import Indices, Mask
 
@@ -113,7 +113,7 @@ def missing_chunks(place: Place, root: Root, flags: NDArray[np.int8]) -> dict[st
         sizes, names = chunks_of(array), place.names(name)
         tail = [-(-n // size) for n, size in zip(array["shape"], sizes, strict=True)][done.ndim :]
         for chunk in _chunks_with(done, sizes[: done.ndim]):
-            keys = (".".join(map(str, ("c", *chunk, *rest))) for rest in np.ndindex(*tail))
+            keys = (chunk_name((*chunk, *rest)) for rest in np.ndindex(*tail))
             if not names.issuperset(keys):
                 block = tuple(slice(i * n, (i + 1) * n) for i, n in zip(chunk, sizes, strict=False))
                 mask = missing.setdefault(name, np.zeros_like(done))

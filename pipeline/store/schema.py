@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -283,6 +283,17 @@ def metadata_of(documents: Mapping[str, bytes]) -> dict[str, Any]:
         for key, content in documents.items()
         if key.endswith(ending)
     }
+
+
+def chunk_name(numbers: Iterable[int]) -> str:
+    """Name of a chunk in the folder of its array.
+
+    Examples
+    --------
+    >>> chunk_name((0, 2))
+    'c.0.2'
+    """
+    return ".".join(map(str, ("c", *numbers)))
 
 
 def chunks_of(array: Mapping[str, Any]) -> list[int]:

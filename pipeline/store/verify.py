@@ -20,7 +20,7 @@ from pipeline.store.identity import checksum, record_checksum
 from pipeline.store.place import ROOT, PathLike, StoreError, place_of
 from pipeline.store.points import Slices, missing_chunks
 from pipeline.store.root import Root, read_root
-from pipeline.store.schema import AT_END, DONE, PENDING, STEPPED, is_coordinate
+from pipeline.store.schema import AT_END, DONE, PENDING, STEPPED, chunk_name, is_coordinate
 from pipeline.store.write import ABOUT, Store
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import PointRecord
@@ -170,7 +170,7 @@ def _on_disk(store: Store, name: str) -> Mask:
     names = store.place.names(name)
     mask = np.zeros(store.shape, bool)
     for chunk, block in store.blocks(~mask):
-        mask[block] = ".".join(map(str, ("c", *chunk))) in names
+        mask[block] = chunk_name(chunk) in names
     return mask
 
 

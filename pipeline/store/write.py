@@ -19,7 +19,7 @@ from zarr.storage import StorePath
 
 from pipeline.store.identity import checksum, record_checksum
 from pipeline.store.lock import Lock
-from pipeline.store.place import LOCK, Bucket, Folder, StoreError
+from pipeline.store.place import LOCK, Bucket, Folder, Place, StoreError
 from pipeline.store.points import Places, Slices
 from pipeline.store.root import Root
 from pipeline.store.schema import (
@@ -27,6 +27,7 @@ from pipeline.store.schema import (
     FAILED,
     PENDING,
     STEPPED,
+    chunk_name,
     chunks_of,
     is_coordinate,
 )
@@ -74,7 +75,7 @@ class Store(Places):
 
     def __init__(
         self,
-        place: Folder | Bucket,
+        place: Place,
         root: Root,
         lock: Lock | None = None,
         is_damaged: bool = False,
@@ -250,9 +251,7 @@ class Store(Places):
                 yield chunk, block
 
 
-def arrays_of(
-    place: Folder | Bucket, metadata: Mapping[str, Any], read_only: bool = False
-) -> dict[str, Any]:
+def arrays_of(place: Place, metadata: Mapping[str, Any], read_only: bool = False) -> dict[str, Any]:
     """Open the arrays of a store by the metadata of its root, which may have changed since."""
     store = place.zarr(read_only)
     # An array takes this from the time when it is opened. A chunk of nothing but fill values that
@@ -264,7 +263,7 @@ def arrays_of(
         }
 
 
-def fill_new_steps(place: Folder | Bucket, points: Places) -> None:
+def fill_new_steps(place: Place, points: Places) -> None:
     """Write empty chunks for the steps that a store was given, where it has points already.
 
     So a done point has all its chunks, and one that is missing was lost.
@@ -283,7 +282,7 @@ def fill_new_steps(place: Folder | Bucket, points: Places) -> None:
             for step in range(sizes[points.ndim], array.shape[points.ndim], sizes[points.ndim]):
                 numbers = (*chunk, step // sizes[points.ndim])
                 tail = (0,) * (len(sizes) - len(numbers))
-                if ".".join(map(str, ("c", *numbers, *tail))) not in names:
+                if chunk_name((*numbers, *tail)) not in names:
                     steps = slice(step, step + sizes[points.ndim])
                     array[(*points.block(chunk, sizes), steps)] = np.nan
 
