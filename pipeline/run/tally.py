@@ -13,6 +13,8 @@ from pipeline.store.write import Store
 from pipeline.sweep.plan import PointRecord
 from tribo.types import Array
 
+_ENOUGH = 3.0  # [s] since the first points, which tell how fast the others go
+
 
 @dataclass(frozen=True, slots=True)
 class Progress:
@@ -58,6 +60,7 @@ class Tally:
         self._progress, self._began = progress, began
         self._computing = began
         self._worked = 0.0
+        self._first: tuple[float, float] | None = None
         self.computed = 0
         self._take(store)
         self._report()
@@ -79,6 +82,7 @@ class Tally:
             self._worked += record.wall_time
             self._durations[self._store.index(record.point)] = record.wall_time
         if any_new:
+            self._first = self._first or (time.monotonic(), self._worked)
             self._report()
 
     def _take(self, store: Store) -> None:
@@ -96,9 +100,19 @@ class Tally:
             pending = asked & (flags != DONE) & (flags != FAILED)
             expected = expected_durations(self._durations, self._store.axes["velocity"])
             work = float(expected[pending].sum())
-            time_to_go = work * (now - self._computing) / self._worked
+            time_to_go = work * self._seconds_of_work(now)
         total = int(np.count_nonzero(asked))
         self._progress(Progress(done, failed, total, now - self._began, time_to_go))
+
+    def _seconds_of_work(self, now: float) -> float:
+        """Time that a second of a worker's work takes, all workers together [s].
+
+        Without the start of the workers, as soon as there is enough to tell it from.
+        """
+        began, before = self._first or (self._computing, 0.0)
+        if now - began < _ENOUGH or self._worked <= before:
+            began, before = self._computing, 0.0
+        return (now - began) / (self._worked - before)
 
 
 def expected_durations(durations: Array, velocities: Iterable[float]) -> Array:

@@ -12,6 +12,7 @@ from pipeline.sweep.plan import PointRecord
 
 _PAUSE = 1.0  # [s] between commits: as much work as a kill may cost
 _SHARE = 10.0  # durations of a commit between two, so that they take a tenth of a core at most
+_LONGEST = 10.0  # [s] between commits, however slow the disk or busy the machine
 
 
 class Writer:
@@ -106,4 +107,4 @@ class Writer:
             self._written += () if error else records
             self._is_idle = True
             self._changed.notify_all()
-        return max(_PAUSE, _SHARE * (time.monotonic() - began))
+        return min(max(_PAUSE, _SHARE * (time.monotonic() - began)), _LONGEST)

@@ -107,21 +107,27 @@ def missing_chunks(place: Place, root: Root, flags: NDArray[np.int8]) -> dict[st
     """Points that are done, but lack a chunk: a mask by the names of variables that lack any."""
     done = flags == DONE
     missing: dict[str, Mask] = {}
+    needed: dict[tuple[int, ...], list[tuple[int, ...]]] = {}  # by the sizes, alike for most
     for name, array in root.arrays.items():
         if is_coordinate(name):
             continue
         sizes, names = chunks_of(array), place.names(name)
         tail = [-(-n // size) for n, size in zip(array["shape"], sizes, strict=True)][done.ndim :]
-        for chunk in _chunks_with(done, sizes[: done.ndim]):
+        block = tuple(sizes[: done.ndim])
+        if block not in needed:
+            needed[block] = _chunks_with(done, block)
+        for chunk in needed[block]:
             keys = (chunk_name((*chunk, *rest)) for rest in np.ndindex(*tail))
             if not names.issuperset(keys):
-                block = tuple(slice(i * n, (i + 1) * n) for i, n in zip(chunk, sizes, strict=False))
+                points = tuple(slice(i * n, (i + 1) * n) for i, n in zip(chunk, block, strict=True))
                 mask = missing.setdefault(name, np.zeros_like(done))
-                mask[block] = done[block]
+                mask[points] = done[points]
     return missing
 
 
-def _chunks_with(mask: Mask, sizes: list[int]) -> list[tuple[int, ...]]:
+def _chunks_with(mask: Mask, sizes: tuple[int, ...]) -> list[tuple[int, ...]]:
     """Numbers of the chunks with any of the points of a mask."""
+    counts = [-(-n // size) for n, size in zip(mask.shape, sizes, strict=True)]
     numbers = np.argwhere(mask) // np.array(sizes)
-    return [tuple(row) for row in np.unique(numbers, axis=0).tolist()]
+    chunks = np.unique(np.ravel_multi_index(tuple(numbers.T), counts))
+    return [tuple(row) for row in np.array(np.unravel_index(chunks, counts)).T.tolist()]

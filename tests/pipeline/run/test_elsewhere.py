@@ -2,7 +2,6 @@
 
 import os
 import shutil
-import signal
 import socket
 import subprocess
 import sys
@@ -12,6 +11,7 @@ from contextlib import ExitStack
 from pathlib import Path
 
 import numpy as np
+import psutil
 import pytest
 
 import pipeline
@@ -65,12 +65,19 @@ def scheduler(tmp_path):
             f"{python} distributed.cli.dask_worker {address} {options} --nworkers 2 --nthreads 1",
         ):
             process = _as_stranger(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-            stack.callback(process.wait)
-            stack.callback(os.killpg, process.pid, signal.SIGKILL)
+            stack.callback(_end, process)
             while process.poll() is None and not _answers(port):
                 time.sleep(0.1)
         yield address
     shutil.rmtree(folder, ignore_errors=True)
+
+
+def _end(process):
+    """Kill a process with all that it has started, which `su` puts into another session."""
+    for child in psutil.Process(process.pid).children(recursive=True):
+        child.kill()
+    process.kill()
+    process.wait()
 
 
 def _answers(port):
