@@ -45,7 +45,8 @@ class Fidelity:
     kernel : {"periodic", "nearest-image"}
         How a periodic patch feels its images; see `tribo.elastic_influence`.
     contact_tolerance : float
-        Residual of the contact at which its solver stops; see `tribo.solve_contact`.
+        Residual of the contact at which its solver stops; see `tribo.solve_contact`. At most 0.03
+        is taken where the wear is local, which keeps what each contact has wrong.
     contact_criterion : {"gap", "pressure-change"}
         What the contact's residual is a measure of; see `tribo.solve_contact`.
     precision : {"double", "single"}

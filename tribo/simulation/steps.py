@@ -80,12 +80,14 @@ def simulate(
         heat_model = scene.fidelity.heat_model
         raise InputError(f"heat model {heat_model!r} cannot go on from a state of the other one")
     interval = scene.fidelity.temperature_interval
-    levels = tuple(scene.levels())
+    levels, unloaded = tuple(scene.levels()), start(scene)
     closer = _Closer(scene, normal_load, velocity)
     stations = list(scene.stations(normal_load, after=state.normal_load))
     for station in stations:
-        before = state
-        state = advance(levels[0], state, station, velocity, observed=len(levels) == 1)
+        # Where nothing remembers the way, not even a first guess may, or results would depend on
+        # the stations at which a temperature is asked for.
+        before = state if scene.remembers_steps else unloaded
+        state = advance(levels[0], before, station, velocity, observed=len(levels) == 1)
         reached = station.normal_load == normal_load and not station.holding
         asked = reached or station is stations[-1] or (interval and station.index % interval == 0)
         shown = state

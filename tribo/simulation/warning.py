@@ -139,9 +139,8 @@ def _fits(scene: Scene, state: State) -> bool:
 
 def _few_steps(scene: Scene, state: State) -> list[PointWarning]:
     """Warn where a pin that wears has come here in too few steps for its shape to be known."""
-    wears = scene.wear is not None and scene.wear.specific_wear_rate > 0
     stages = len(WEAR_SCHEMES[scene.fidelity.wear_scheme].weights)
-    if not wears or not 0 < stages * state.index < _FEWEST_STEPS:
+    if not scene.wears or not 0 < stages * state.index < _FEWEST_STEPS:
         return []
     count = f"{state.index} steps" if state.index > 1 else "a single step"
     text = (

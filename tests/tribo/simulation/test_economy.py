@@ -221,6 +221,16 @@ def test_without_wear_the_steps_are_those_that_are_asked_for():
     assert np.array_equal(rest[-1].pressure, alone[-1].pressure)
 
 
+@pytest.mark.parametrize("interval", [1, 3])
+def test_without_wear_a_temperature_on_the_way_changes_no_other(interval):
+    alone, on_the_way = (
+        last(simulate(small_scene(wear=False, contact_tolerance=0.1, **asked), 600.0, 1.25))
+        for asked in ({}, {"temperature_interval": interval})
+    )
+    assert np.array_equal(alone.pressure, on_the_way.pressure)
+    assert np.array_equal(alone.heat.rise, on_the_way.heat.rise)
+
+
 # Both bodies smooth.
 
 
