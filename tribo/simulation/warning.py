@@ -9,7 +9,7 @@ import numpy as np
 
 from tribo.simulation.kernels import elastic_bodies
 from tribo.simulation.passes import parts
-from tribo.simulation.past import excess_of_present_heat
+from tribo.simulation.past import excess_of_present_heat, stations_so_far
 from tribo.simulation.scene import Scene
 from tribo.simulation.state import State
 from tribo.wear import EXPLICIT_LIMIT, WEAR_SCHEMES
@@ -170,8 +170,7 @@ def _step_lengths(scene: Scene, state: State, holding: bool) -> list[float]:
     """Durations of the steps so far, those of the hold or those before it [s]."""
     if state.on_trunk:
         return [] if holding else [state.time / state.index] * state.index
-    loading = scene.loading.stations(state.normal_load, scene.fidelity.increments)
-    stations = [station for station in loading if station.time <= state.time]
+    stations = stations_so_far(scene, state)
     times = [0.0, *(station.time for station in stations)]
     return [
         station.time - before
