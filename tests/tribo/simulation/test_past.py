@@ -69,7 +69,9 @@ def test_a_hold_makes_it_less():
     foretold = excess_of_present_heat(held, last(held, 600.0, 0.001))
     assert foretold < 0.3 * excess_of_present_heat(WORN, grown)
     assert foretold / true_excess(held, 600.0, 0.001) == WITHIN
-    at_once = replace(WORN, loading=MeasuredLoad(np.array([0.0, 1e-9, 5.0]), np.array([0.0, 599.0, 600.0])))
+    at_once = replace(
+        WORN, loading=MeasuredLoad(np.array([0.0, 1e-9, 5.0]), np.array([0.0, 599.0, 600.0]))
+    )
     assert abs(excess_of_present_heat(at_once, last(at_once, 600.0, 0.001))) < 1e-3
 
 
