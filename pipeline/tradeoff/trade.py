@@ -20,7 +20,7 @@ from pipeline.analysis.interpolation import crossing
 from pipeline.sweep.criterion import boundary_velocity_error, rise_limit
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.stages import staged
-from pipeline.tradeoff.probe import Probe, fitted, probe, some_loads
+from pipeline.tradeoff.probe import Place, Probe, fitted, probe, some_places
 from pipeline.tradeoff.table import Choice, Finding, Trade, shown
 from pipeline.tradeoff.yardstick import measured
 from tribo import PRESETS, ConvergenceError, Fidelity, InputError
@@ -75,8 +75,9 @@ def trade(
             raise InputError(f"preset {name!r} is unknown; known are {', '.join(PRESETS)}")
     if not math.isfinite(rise_limit(sweep.conditions)):
         raise InputError("without friction there is no heat, and no boundary to be wrong about")
-    asked = tuple(loads) if loads else some_loads(sweep, _LOADS)
-    near = measured(sweep, asked, progress)
+    own = replace(sweep, realizations=())
+    asked = tuple(loads) if loads else tuple(at.load for at in some_places(own, _LOADS))
+    near = measured(sweep, [Place(load) for load in asked], progress)
     places = _around(near.boundary) if diagram else near.boundary
     exponents = near.exponents[::2]
     exact = fitted(sweep, PRESETS["reference"])

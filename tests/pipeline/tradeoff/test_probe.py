@@ -9,12 +9,13 @@ import pytest
 from pipeline.sweep.model import Point
 from pipeline.tradeoff import probe as module
 from pipeline.tradeoff.probe import (
+    Place,
     _run,
     critical_velocity,
     fitted,
     near_the_boundary,
     probe,
-    some_loads,
+    some_places,
 )
 from tests.helpers import tiny
 from tribo import PRESETS, QUANTILES, Fidelity, Heat, InputError, start
@@ -165,7 +166,7 @@ def test_elements_divide_the_pixels_along_both_axes(shape, asked, taken):
 )
 def test_loads_are_some_of_the_sweep_s_with_both_ends(number, chosen):
     sweep = replace(SWEEP, loads=(200.0, 300.0, 400.0, 500.0, 600.0))
-    assert some_loads(sweep, number) == tuple(sweep.loads[k] for k in chosen)
+    assert [at.load for at in some_places(sweep, number)] == [sweep.loads[k] for k in chosen]
 
 
 def made_up(monkeypatch, exponent, at=2.0):
@@ -184,13 +185,15 @@ def made_up(monkeypatch, exponent, at=2.0):
 @pytest.mark.parametrize(("exponent", "found"), [(0.7, 0.7), (0.31, 0.31), (0.1, 0.3)])
 def test_points_lie_at_the_boundary_with_its_exponent(monkeypatch, exponent, found):
     asked = made_up(monkeypatch, exponent)
-    (point,), exponents = near_the_boundary(SWEEP, [300.0])
+    (point,), exponents = near_the_boundary(SWEEP, [Place(300.0)])
     assert point.load == 300.0
     assert abs(exponent * math.log(point.velocity / 2.0)) < 0.0101
     assert exponents == (pytest.approx(found, rel=1e-9),)
     assert set(asked) == {fitted(SWEEP, PRESETS["draft"])}
     made_up(monkeypatch, 0.5)
-    points, _ = near_the_boundary(SWEEP, [150.0, 300.0, 450.0], PRESETS["standard"])
+    points, _ = near_the_boundary(
+        SWEEP, [Place(at) for at in (150.0, 300.0, 450.0)], PRESETS["standard"]
+    )
     ratios = [point.velocity * (point.load / 300.0) ** 2 for point in points]
     assert ratios == pytest.approx([2.0] * 3, rel=0.025)
 
@@ -201,19 +204,19 @@ def test_the_exponent_is_that_beside_the_boundary(monkeypatch):
         yield state(load, rise=1200.0 * math.exp(0.6 * x + 0.5 * x**3))
 
     monkeypatch.setattr(module, "simulate", simulate)
-    assert near_the_boundary(SWEEP, [300.0])[1] == (pytest.approx(0.6, abs=0.005),)
+    assert near_the_boundary(SWEEP, [Place(300.0)])[1] == (pytest.approx(0.6, abs=0.005),)
 
 
 @pytest.mark.parametrize(("at", "found"), [(0.01, 0.25), (100.0, 16.0)])
 def test_beyond_half_and_twice_the_velocities_the_nearer_end_is_taken(monkeypatch, at, found):
     made_up(monkeypatch, 0.7, at)
-    (point,), _ = near_the_boundary(SWEEP, [300.0])
+    (point,), _ = near_the_boundary(SWEEP, [Place(300.0)])
     assert point.velocity == pytest.approx(found, rel=1e-6)
 
 
 def test_without_a_velocity_there_is_no_boundary():
     with pytest.raises(InputError, match="no velocity but 0"):
-        near_the_boundary(replace(SWEEP, velocities=(0.0,)), [300.0])
+        near_the_boundary(replace(SWEEP, velocities=(0.0,)), [Place(300.0)])
 
 
 @pytest.mark.parametrize("exponent", [0.05, 0.2, 0.5, 1.0, 3.0, 8.0])

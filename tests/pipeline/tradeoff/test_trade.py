@@ -10,7 +10,7 @@ from matplotlib.text import Text
 from pipeline.figures.tradeoff import draw_trade
 from pipeline.sweep.model import Point
 from pipeline.tradeoff import trade as tradeoff
-from pipeline.tradeoff.probe import fitted, near_the_boundary, probe
+from pipeline.tradeoff.probe import Place, fitted, near_the_boundary, probe
 from pipeline.tradeoff.trade import trade
 from tests.helpers.kept import PAPER, SCENES
 from tribo import PRESETS, Fidelity, Grid, InputError
@@ -194,7 +194,7 @@ def test_a_diagram_without_a_transition_is_refused():
 
 
 def test_points_lie_on_the_boundary():
-    points, exponents = near_the_boundary(SCENE, LOADS, PRESETS["fine"])
+    points, exponents = near_the_boundary(SCENE, [Place(at) for at in LOADS], PRESETS["fine"])
     found = probe(SCENE, PRESETS["fine"], points)
     for reading in found.readings:
         assert reading.rise == pytest.approx(1200.0, rel=0.02)

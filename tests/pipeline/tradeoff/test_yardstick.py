@@ -8,8 +8,8 @@ import pytest
 from pipeline.sweep.criterion import boundary_velocity_error, rise_limit
 from pipeline.sweep.model import Point
 from pipeline.tradeoff import choose, yardstick
-from pipeline.tradeoff.choose import _probed, _steps_to_probe, choose_fidelity
-from pipeline.tradeoff.probe import Probe, Reading
+from pipeline.tradeoff.choose import _first_within, _steps_to_probe
+from pipeline.tradeoff.probe import Place, Probe, Reading
 from pipeline.tradeoff.yardstick import (
     YARDSTICK,
     OwnError,
@@ -19,7 +19,8 @@ from pipeline.tradeoff.yardstick import (
     own_error,
 )
 from tests.helpers.kept import SCENES
-from tribo import ConvergenceError, Grid, Wear
+from tests.helpers.scenes import STEEL
+from tribo import Ball, ConvergenceError, Grid, Wear
 
 VELOCITIES = (1.0, 2.0, 4.0, 8.0)
 SWEEP = replace(SCENES["no wear"], velocities=VELOCITIES, wear=Wear(1e-15))
@@ -93,8 +94,8 @@ def test_the_yardstick_takes_two_readings_at_each_load_and_counts_its_work(monke
     law = Law(nodes=700)
     monkeypatch.setattr(yardstick, "probe", law)
     starts = tuple(Point(load, 3.0) for load in (100.0, 200.0))
-    monkeypatch.setattr(yardstick, "near_the_boundary", lambda sweep, loads: (starts, (0.5, 0.5)))
-    found = measured(SWEEP, (100.0, 200.0))
+    monkeypatch.setattr(yardstick, "near_the_boundary", lambda sweep, places: (starts, (0.5, 0.5)))
+    found = measured(SWEEP, (Place(100.0), Place(200.0)))
     assert [point.load for point in found.points] == [100.0, 100.0, 200.0, 200.0]
     assert found.exponents == pytest.approx((0.5,) * 4)
     assert found.fewest_nodes == 700
@@ -109,32 +110,49 @@ def test_its_own_error_is_half_of_what_half_the_steps_move_and_a_fifth_more(monk
     law = Law(of_steps=0.01)
     monkeypatch.setattr(yardstick, "probe", law)
     points, exponents = [Point(load, 3.0) for load in (100.0, 200.0, 300.0)], [0.5, 1.0, 1.0]
-    own = own_error(SWEEP, points, exponents)
+    readings = law(SWEEP, YARDSTICK, points).readings
+    own = own_error(SWEEP, points, exponents, readings)
     rises = (law.rise(YARDSTICK, 3.0), law.rise(replace(YARDSTICK, increments=12), 3.0))
     moved = abs(boundary_velocity_error(*rises, 0.5))
     assert own.steps == pytest.approx(1.2 * 0.5 * moved)
     assert own.heat_model == 0.0
-    assert own.work == 300.0 + 300.0 + 200.0 + 200.0
-    readings = law(SWEEP, YARDSTICK, points).readings
-    assert own_error(SWEEP, points, exponents, readings) == replace(own, work=own.work - 300.0)
-    assert own_error(replace(SWEEP, wear=None), points, exponents).steps == 0.0
+    assert own.work == 300.0 + 200.0 + 200.0
+    assert own_error(replace(SWEEP, wear=None), points, exponents, readings).steps == 0.0
 
 
-def test_the_error_of_the_present_heat_is_measured_at_the_first_and_the_last_load(monkeypatch):
+def test_under_a_ball_all_of_what_half_the_steps_move_is_left_to_any_number(monkeypatch):
+    law = Law(of_steps=0.01)
+    monkeypatch.setattr(yardstick, "probe", law)
+    ball = replace(
+        SWEEP, pin=Ball(5e-3, STEEL), pixels=Grid((96, 96), (1e-6, 1e-6), (False, False))
+    )
+    points = [Point(300.0, 3.0)]
+    readings = law(ball, YARDSTICK, points).readings
+    line, point = (own_error(each, points, [1.0], readings) for each in (SWEEP, ball))
+    assert point.steps == pytest.approx(2 * line.steps)
+    finer = replace(YARDSTICK, increments=100)
+    assert point.of(finer) == point.of(YARDSTICK)
+    assert line.of(finer) < line.of(YARDSTICK)
+
+
+def test_the_error_of_the_present_heat_is_measured_at_the_lowest_and_the_highest_load(monkeypatch):
     law = Law(of_heat=0.02)
     monkeypatch.setattr(yardstick, "probe", law)
-    points = [Point(load, 3.0) for load in (100.0, 200.0, 300.0)]
-    own = own_error(replace(SWEEP, wear=None), points, [0.5, 0.1, 1.0])
+    points = [Point(load, 3.0) for load in (200.0, 100.0, 300.0)]
+    readings = (None,) * 3
+    own = own_error(replace(SWEEP, wear=None), points, [0.1, 0.5, 1.0], readings)
     assert own.heat_model == pytest.approx(1.2 * abs(boundary_velocity_error(1.02, 1.0, 0.5)))
     assert [fidelity.heat_model for fidelity, _ in law.asked] == ["elapsed", "history"]
     for fidelity, asked in law.asked:
         assert (fidelity.increments, fidelity.pixels_per_element) == (50, 1)
-        assert asked == (points[0], points[2])
+        assert asked == (points[1], points[2])
     law.asked.clear()
-    own_error(replace(SWEEP, wear=None, pixels=Grid((200, 102), (1e-6, 1e-6))), points[:1], [0.5])
+    large = replace(SWEEP, wear=None, pixels=Grid((200, 102), (1e-6, 1e-6)))
+    own_error(large, points[:1], [0.5], readings[:1])
     assert [fidelity.pixels_per_element for fidelity, _ in law.asked] == [2, 2]
     fidelity = replace(SWEEP.fidelity, heat_model="history", history_coarsening=1)
-    assert own_error(replace(SWEEP, wear=None, fidelity=fidelity), points, [0.5] * 3).work == 0.0
+    remembering = replace(SWEEP, wear=None, fidelity=fidelity)
+    assert own_error(remembering, points, [0.5] * 3, readings).work == 0.0
 
 
 def test_of_another_fidelity_steps_count_in_proportion_and_heat_where_it_is_the_present():
@@ -158,11 +176,10 @@ def judged(monkeypatch, accuracy, errors, heat_model=0.0, nodes=2000, loads=SWEE
         return Probe(fidelity, (reading,) * len(points), 0.0, 10, 50.0)
 
     readings = (Reading(LIMIT, 0.1, 1e-4, nodes, 0.1, 1e9, 0.0),) * len(points)
-    exact = Yardstick(points[::2], points, (1.0,) * len(points), readings, 1000.0, 400.0)
-    monkeypatch.setattr(choose, "measured", lambda *_: exact)
-    monkeypatch.setattr(choose, "own_error", lambda *_: OwnError(0.001, heat_model, 30.0))
+    exact = Yardstick(points, (1.0,) * len(points), readings, 1000.0, 400.0)
+    own = OwnError(0.001, heat_model, 30.0)
     monkeypatch.setattr(choose, "probe", probe)
-    return _probed(SWEEP, accuracy, loads, 0.0, lambda _: None)
+    return _first_within(SWEEP, accuracy, exact, own, True, lambda _: None)
 
 
 def test_the_first_choice_within_the_accuracy_is_taken_with_all_margins(monkeypatch):
@@ -196,17 +213,7 @@ def test_all_heat_is_taken_where_the_present_errs_by_more_than_seven_tenths(
     assert found.fidelity.history_coarsening == (1 if taken == "history" else 4)
 
 
-@pytest.mark.parametrize(("steps", "taken"), [(499, "a probe"), (501, "the reference")])
-def test_a_probe_may_take_half_the_steps_of_the_sweep_at_the_reference(steps, taken, monkeypatch):
-    monkeypatch.setattr(choose, "_steps_to_probe", lambda *_: steps)
-    monkeypatch.setattr(choose, "_steps_of_sweep", lambda *_: 1000)
-    monkeypatch.setattr(choose, "_probed", lambda *_: "a probe")
-    monkeypatch.setattr(choose, "_unprobed", lambda *_: "the reference")
-    assert choose_fidelity(SWEEP, 0.02) == taken
-    assert choose_fidelity(SWEEP, 0.02, points=[Point(300.0, 1.0)]) == "the reference"
-
-
 def test_a_probe_takes_six_times_the_steps_of_the_yardstick_at_each_load():
     top = SWEEP.loading.reference_load
-    assert _steps_to_probe(SWEEP, [top]) == 6 * 25
-    assert _steps_to_probe(SWEEP, [top, top / 2]) == 6 * (25 + 13)
+    assert _steps_to_probe(SWEEP, [Place(top)]) == 6 * 25
+    assert _steps_to_probe(SWEEP, [Place(top), Place(top / 2)]) == 6 * (25 + 13)
