@@ -61,8 +61,8 @@ COMMANDS = (
     ),
     Command(
         "check", "sweeps:check", "say what a scene means, what would run and what it would cost",
-        "scene.toml",
-        (*o.OF_SCENE, o.WORKERS),
+        "scene.toml --accuracy 2%",
+        (*o.OF_SCENE, o.WORKERS, o.BOUNDARY_ONLY, o.ACCURACY),
     ),
     Command(
         "status", "stores:status", "count the points done, failed and pending",
