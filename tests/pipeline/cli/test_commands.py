@@ -250,7 +250,7 @@ def test_an_accuracy_is_stored_with_what_it_picked(swept, tmp_path, capsys):
     assert "probing" not in second.err
     assert "0 of them now" in second.out
     assert run("status", out) == 0
-    assert f"accuracy 10 %: took {picked['name']}" in capsys.readouterr().out
+    assert f"accuracy 10 %: picked {picked['name']}" in capsys.readouterr().out
     assert run(*arguments, "--set", "increments=7") == 2
     assert "leave out --set increments" in capsys.readouterr().err
 
