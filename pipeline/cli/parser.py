@@ -110,7 +110,7 @@ COMMANDS = (
         'scene.toml --contact-width "348 um" --load "750 N" --velocity "1.25 m/s"',
         (
             o.SCENE.but(help="the scene file; or a store of samples"), *o.OF_SCENE[1:],
-            o.NEXT, o.SCATTER, o.CONTACT_WIDTH, o.BULK,
+            o.NEXT, o.SCATTER, o.CONTACT_WIDTH, o.DURATION, o.BULK,
             o.output(
                 "TABLE.csv", "write the table, to .csv or .md; or, of samples, draw a figure"
             ),

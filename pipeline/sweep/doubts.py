@@ -10,7 +10,13 @@ from pipeline.sweep.facts import Facts
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.surface import SurfaceFacts
 from tribo import Ball, Crowned, Cylinder, Material, SelfAffineRoughness, analytic
-from tribo.simulation.warning import FEWEST_PIXELS, FEWEST_TURNS, WIDEST
+from tribo.simulation.warning import (
+    FEWEST_ACROSS,
+    FEWEST_PIXELS,
+    FEWEST_ROWS,
+    FEWEST_TURNS,
+    WIDEST,
+)
 
 
 class Usual(NamedTuple):
@@ -69,7 +75,7 @@ def doubts(sweep: Sweep, facts: Facts) -> tuple[str, ...]:
     return (
         *_of_bodies(sweep),
         *_of_conditions(sweep),
-        *_of_motion(facts),
+        *_of_motion(sweep, facts),
         *_of_contact(sweep, facts),
         *(_of_surface(sweep, facts.surface) if facts.surface else ()),
     )
@@ -115,22 +121,36 @@ def _of_conditions(sweep: Sweep) -> Iterator[str]:
         yield from _WEAR_RATE.doubt("the ", sweep.wear.specific_wear_rate)
 
 
-def _of_motion(facts: Facts) -> Iterator[str]:
-    if facts.pin_turns is None or not 0 < facts.pin_turns.low < FEWEST_TURNS:
-        return
-    yield (
-        f"the pin turns only {facts.pin_turns.low:.2g} times until the end at the lowest load and "
-        f"velocity, where its wear is taken to spread evenly around it: {FEWEST_TURNS} turns or "
-        "more are sound"
-    )
+def _of_motion(sweep: Sweep, facts: Facts) -> Iterator[str]:
+    turns = [
+        facts.duration.low * abs(sweep.velocities_at(velocity).pin) / sweep.track_length
+        for velocity in sweep.velocities
+        if velocity
+    ]
+    few = sum(each < FEWEST_TURNS for each in turns)
+    if sweep.wears and few and any(turns):
+        yield (
+            f"the pin turns only {min(turns):.2g} times until the end at the lowest load, fewer "
+            f"than {FEWEST_TURNS} at {few} of {len(turns)} velocities, and its wear is taken to "
+            "spread evenly around it: leave such velocities out, or let the pin turn faster"
+        )
 
 
 def _of_contact(sweep: Sweep, facts: Facts) -> Iterator[str]:
-    share = facts.hertz_half_width.high / sweep.pin.radius
+    share = facts.contact_width.high / 2 / sweep.pin.radius
     if share > WIDEST:
         yield (
-            f"Hertz's half-width is {share:.2g} of the pin's radius, where at most {WIDEST:g} is "
-            "sound: such bodies are no half-spaces"
+            f"half of the contact's width is expected to reach {share:.2g} of the pin's radius, "
+            f"where at most {WIDEST:g} is sound: the bodies are no half-spaces, and a worn pin has "
+            "lost its shape"
+        )
+    across = facts.contact_width.low / sweep.pixels.spacing[0]
+    fewest = FEWEST_ROWS if isinstance(sweep.pin, Cylinder) else FEWEST_ACROSS
+    if across < fewest:
+        yield (
+            f"the contact is expected to be {across:.2g} pixels wide at the lowest load and "
+            f"velocity; with fewer than {fewest} the rise is mostly too low, by 5 to 70 %: give a "
+            "smaller window.pixel_size"
         )
     side, window = facts.window[0], "window"
     if not isinstance(sweep.pin, Cylinder):

@@ -26,7 +26,7 @@ _FITS = 10.0
 # Elements across a smooth contact. With 12 under a ball its rise was up to 2 % low, with 8 up to
 # 3 %, with 4 up to 5 %, with 3 up to 15 %; with 6 rows under a cylinder up to 4 %, with 4 up to
 # 8 %, with 2 up to 28 %.
-_FEWEST_ACROSS, _FEWEST_ROWS = 12, 6
+FEWEST_ACROSS, FEWEST_ROWS = 12, 6
 FEWEST_PIXELS = 2.0  # in a correlation length, to know the slopes of the roughness
 FEWEST_TURNS = 10  # of a pin that rolls, over which its wear is even around it to about a tenth
 WIDEST = 0.3  # half-width in radii up to which a pin is a parabola and a half-space, about
@@ -127,7 +127,7 @@ def _at_edge(scene: Scene, state: State) -> Iterator[Found]:
 def _coarse_pixels(scene: Scene, state: State) -> Iterator[Found]:
     """Warn where elements are too large for the contact, or pixels for the roughness."""
     axes = (0,) if isinstance(scene.pin, Cylinder) else (0, 1)
-    fewest = _FEWEST_ROWS if len(axes) == 1 else _FEWEST_ACROSS
+    fewest = FEWEST_ROWS if len(axes) == 1 else FEWEST_ACROSS
     across = min(_extent(state.pressure, axis) for axis in axes)
     if 0 < across < fewest:
         smaller = "window.pixel_size" if on_pixels(scene, state) else "fidelity.pixels_per_element"
