@@ -96,7 +96,12 @@ class Selection:
         asked, err = f"accuracy {100 * self.accuracy:g} %", f"errs by {100 * self.error:.2g} %"
         if self.error > self.accuracy:
             err += ", more than asked for: nothing finer is known"
-        dropped = [f"{trial.name} errs by {100 * trial.error:.2g} %" for trial in self.trials[:-1]]
+        picked = self.trials[-1]
+        dropped = [
+            f"{trial.name} errs by {100 * trial.error:.2g} % with {picked.work / trial.work:.2g} "
+            "times less"
+            for trial in self.trials[:-1]
+        ]
         why = f" ({', '.join(dropped)})" if dropped else ""
         saves = self.saving >= 1
         less = f"{self.saving:.2g} times less" if saves else f"{1 / self.saving:.2g} times the"

@@ -33,6 +33,7 @@ _LOADS, _PLACES = 4, 6  # to look at, and with several surfaces
 # largest.
 _MARGIN, _DEVIATIONS, _BETWEEN = 1.3, 2.5, 1.1
 _ONE = 0.1  # by how much more the staircase moves the yardstick itself, where but one touches
+_SAME = 1.05  # of the finest error, up to which a cheaper choice is no worse
 _BETWEEN_FEW = 1.5  # where few elements touch, whose quantile is a staircase
 _MANY_NODES = 1000  # from which a loose contact errs no more than its tolerance lets it
 _TIGHT = 1e-3  # tolerance of the contact where fewer touch
@@ -234,6 +235,9 @@ def _first_within(
             break
     else:
         trials += _finest(sweep, accuracy, own, past, exact.own_work)
+        if trials[-1].error > accuracy:  # the cheapest that errs no more than the finest
+            enough = [trial for trial in trials if trial.error <= _SAME * trials[-1].error]
+            trials = trials[: trials.index(enough[0]) + 1]
     picked = trials[-1]
     return Selection(
         accuracy=accuracy,

@@ -163,7 +163,9 @@ def test_of_another_fidelity_steps_count_in_proportion_and_heat_where_it_is_the_
     assert own.of(replace(history, increments=100)) == pytest.approx(0.0025 + 2e-3)
 
 
-def judged(monkeypatch, accuracy, errors, heat_model=0.0, nodes=2000, loads=SWEEP.loads):
+def judged(
+    monkeypatch, accuracy, errors, heat_model=0.0, nodes=2000, loads=SWEEP.loads, steps=0.001
+):
     """What is picked where choices have some errors, one after the other, and a work of 50."""
     points = tuple(Point(load, 3.0) for load in loads for _ in range(2))
     rises = iter(errors)
@@ -177,7 +179,7 @@ def judged(monkeypatch, accuracy, errors, heat_model=0.0, nodes=2000, loads=SWEE
 
     readings = (Reading(LIMIT, 0.1, 1e-4, nodes, 0.1, 1e9, 0.0),) * len(points)
     exact = Yardstick(points, (1.0,) * len(points), readings, 1000.0, 400.0)
-    own = OwnError(0.001, heat_model, 30.0)
+    own = OwnError(steps, heat_model, 30.0)
     monkeypatch.setattr(choose, "probe", probe)
     return _first_within(SWEEP, accuracy, exact, own, True, lambda _: None)
 
@@ -198,6 +200,13 @@ def test_where_none_is_within_it_the_reference_is_taken(monkeypatch):
     assert found.name == "reference"
     assert found.error == pytest.approx(0.001 / 4 + 2e-3)
     assert found.saving == pytest.approx(0.25)
+
+
+def test_where_not_even_the_finest_is_within_it_the_cheapest_as_good_is_taken(monkeypatch):
+    found = judged(monkeypatch, 1e-4, [0.09, 1e-5, *[0.09] * 20], steps=0.0)
+    assert found.name == "draft, finer elements, solved tightly"
+    assert "more than asked for" in str(found)
+    assert "(draft, solved tightly errs by" in str(found)
 
 
 @pytest.mark.parametrize(("heat_model", "taken"), [(0.034, "elapsed"), (0.036, "history")])
