@@ -9,20 +9,15 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
+
 from pipeline.store import ROOT, PathLike, StoreMismatchError, folder_of, locked, read_metadata
 from pipeline.sweep.criterion import rise_limit
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import step_count
 from pipeline.sweep.selection import Selection, Trial
 from pipeline.tradeoff.probe import Place, fitted, near_the_boundary, probe, some_places
-from pipeline.tradeoff.yardstick import (
-    YARDSTICK,
-    OwnError,
-    Yardstick,
-    measured,
-    measured_at,
-    own_error,
-)
+from pipeline.tradeoff.yardstick import YARDSTICK, OwnError, Yardstick, measured, own_error
 from tribo import PRESETS, ConvergenceError, Fidelity, InputError
 from tribo.simulation.warning import FEW_NODES
 
@@ -37,7 +32,8 @@ _SAME = 1.05  # of the finest error, up to which a cheaper choice is no worse
 _BETWEEN_FEW = 1.5  # where few elements touch, whose quantile is a staircase
 _MANY_NODES = 1000  # from which a loose contact errs no more than its tolerance lets it
 _TIGHT = 1e-3  # tolerance of the contact where fewer touch
-_PASSES = 6.0  # of the yardstick's steps at each load that a probe takes, trials included
+_APART = 0.05  # of the logarithms of the two velocities at a load from that of the boundary
+_PASSES = 5.0  # of the yardstick's steps at each load that a probe takes, trials included
 _WORTH = 0.5  # of the reference's steps in the whole sweep that a thorough probe may take
 _OF_HEAT = 0.7  # of the accuracy, that the present heat alone may err
 _FEWEST_STEPS = 50  # to know the heat of all the past
@@ -156,8 +152,8 @@ def choose_fidelity(
 ) -> Selection:
     """Find the cheapest numerical choice whose measured error is within a bound.
 
-    Ever dearer choices are tried on the boundary that nearly exact steps give, and compared with
-    these, until one is good enough: at two velocities for some of the loads or, where that would
+    Ever dearer choices are tried near the boundary, and compared with nearly exact steps, until one
+    is good enough: at two velocities for some of the loads or, where that would
     take about as long as the sweep at the reference, at one. The choice does not depend on timings,
     so it is the same on every machine.
 
@@ -195,11 +191,16 @@ def choose_fidelity(
     tell = progress or (lambda name: None)
     places = some_places(sweep, _PLACES if sweep.realizations else _LOADS)
     thorough = not points and _steps_to_probe(sweep, places) <= _WORTH * _steps_of_sweep(sweep)
-    if thorough:
-        exact = measured(sweep, places, tell)
-    else:
-        tell("the boundary, and a few points by nearly exact steps")
-        exact = _measured_at_few(sweep, points, places)
+    if points:
+        places = tuple(dict.fromkeys(Place(at.load, at.realization) for at in points))
+    tell("the boundary by the preset standard")
+    near, exponents = near_the_boundary(sweep, places, PRESETS["standard"])
+    if points:
+        by_place = dict(zip(places, exponents, strict=True))
+        exponents = tuple(by_place[Place(at.load, at.realization)] for at in points)
+    elif thorough:
+        near, exponents = _on_both_sides(near), tuple(np.repeat(exponents, 2).tolist())
+    exact = measured(sweep, points or near, exponents, tell)
     tell("the error of these steps themselves")
     every = 2 if thorough else 1  # of the two points at each place
     own = own_error(sweep, exact.points[::every], exact.exponents[::every], exact.readings[::every])
@@ -253,17 +254,14 @@ def _first_within(
     )
 
 
-def _measured_at_few(
-    sweep: Sweep, points: Sequence[Point] | None, places: Sequence[Place]
-) -> Yardstick:
-    """Readings of the yardstick at the points that are asked for, or at one at each place."""
-    if points:
-        places = tuple(dict.fromkeys(Place(at.load, at.realization) for at in points))
-    near, exponents = near_the_boundary(sweep, places)
-    if not points:
-        return measured_at(sweep, near, exponents)
-    by_place = dict(zip(places, exponents, strict=True))
-    return measured_at(sweep, points, [by_place[Place(at.load, at.realization)] for at in points])
+def _on_both_sides(points: Sequence[Point]) -> tuple[Point, ...]:
+    """Two points for each, at velocities a little below and above."""
+    apart = math.exp(_APART)
+    return tuple(
+        point._replace(velocity=velocity)
+        for point in points
+        for velocity in (point.velocity / apart, point.velocity * apart)
+    )
 
 
 def _number_of_places(sweep: Sweep) -> int:

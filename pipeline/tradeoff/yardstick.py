@@ -1,4 +1,4 @@
-"""The yardstick of accuracy: nearly exact steps, at the boundary that they give themselves."""
+"""The yardstick of accuracy: nearly exact steps, and what they err themselves."""
 
 from __future__ import annotations
 
@@ -6,10 +6,10 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
-from pipeline.sweep.criterion import boundary_velocity_error, rise_limit
+from pipeline.sweep.criterion import boundary_velocity_error
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.stages import staged
-from pipeline.tradeoff.probe import Place, Probe, Reading, fitted, near_the_boundary, probe
+from pipeline.tradeoff.probe import Probe, Reading, fitted, probe
 from tribo import PRESETS, Fidelity
 
 YARDSTICK = replace(
@@ -18,9 +18,6 @@ YARDSTICK = replace(
 """A quarter of the steps of the reference, and looser tolerances."""
 
 _TOLERANCES = 2e-3  # the largest error seen that neither steps nor the heat model account for
-_APART = 0.05  # of the logarithms of the two velocities at a load from that of the boundary
-_MOVED, _ROUNDS = 0.1, 4  # how far the boundary may lie from where it was sought; how often to move
-_FLATTEST, _STEEPEST = 0.2, 2.0  # exponents of the rise over the velocity
 _HEAT_STEPS, _SMALL = 50, 2e4  # steps, and elements up to which they are the scene's own
 _LEFT = 0.5  # of what half the steps move is left to whole ones; a third, at second order
 _COARSER = replace(YARDSTICK, pixels_per_element=2, averaging="sample")
@@ -58,21 +55,19 @@ class OwnError:
 
 @dataclass(frozen=True, slots=True)
 class Yardstick:
-    """Results of the yardstick about its own boundary, or at points that were asked for.
+    """Results of the yardstick.
 
     Attributes
     ----------
     points : tuple of Point
-        Points on either side of the boundary at each place, or those that were asked for.
+        Points near the boundary, or those that were asked for.
     exponents : tuple of float
         d ln(rise)/d ln(velocity) at each.
     readings : tuple of Reading
         Results of the yardstick at these points.
     work, own_work : float
-        Elements times convolutions that were spent, the search included; and those of the yardstick
-        at these points alone.
-    boundary : tuple of Point
-        The velocity of the boundary at each place.
+        Elements times convolutions that were spent, those on larger elements included; and those of
+        the yardstick alone.
     coarser : float or None
         Largest relative change of the boundary by elements of twice the pixels' size; None where
         pixels cannot be joined.
@@ -83,7 +78,6 @@ class Yardstick:
     readings: tuple[Reading, ...]
     work: float
     own_work: float
-    boundary: tuple[Point, ...] = ()
     coarser: float | None = None
 
     def errors(self, other: Probe) -> list[float]:
@@ -98,52 +92,28 @@ class Yardstick:
 
 
 def measured(
-    sweep: Sweep, places: Sequence[Place], tell: Callable[[str], None] | None = None
+    sweep: Sweep,
+    points: Sequence[Point],
+    exponents: Sequence[float],
+    tell: Callable[[str], None] | None = None,
 ) -> Yardstick:
-    """Find the yardstick's boundary, and take readings at two velocities about it at each place.
+    """Take readings of the yardstick at some points, whose exponents are known.
 
-    It is sought from where the preset ``draft`` has it, first on larger elements, and again
-    wherever it has moved. A line is told before each place.
+    A line is told before each of them.
     """
     exact, coarse = fitted(sweep, YARDSTICK), fitted(sweep, _COARSER)
-    searches, found = [], []
-    starts = near_the_boundary(sweep, places)[0]
-    for start in staged(
-        starts,
-        tell,
-        lambda at: f"the boundary by nearly exact steps, {at.load:g} N",
-        lambda at: at.load,
-    ):
-        nearer = _followed(sweep, coarse, start)
-        searches.append(nearer)
-        found.append(_followed(sweep, exact, nearer.boundary))
-    moves = (
-        abs(one.boundary.velocity / other.boundary.velocity - 1)
-        for one, other in zip(searches, found, strict=True)
-    )
-    return Yardstick(
-        points=tuple(point for each in found for point in each.points),
-        exponents=tuple(each.exponent for each in found for _ in each.points),
-        readings=tuple(reading for each in found for reading in each.readings),
-        work=sum(each.work for each in (*searches, *found)),
-        own_work=sum(each.last_work for each in found),
-        boundary=tuple(each.boundary for each in found),
-        coarser=max(moves) if coarse.pixels_per_element > 1 else None,
-    )
-
-
-def measured_at(sweep: Sweep, points: Sequence[Point], exponents: Sequence[float]) -> Yardstick:
-    """Take readings of the yardstick at some points, whose exponents are known."""
-    exact, coarse = fitted(sweep, YARDSTICK), fitted(sweep, _COARSER)
-    found = probe(sweep, exact, points)
-    work, coarser = found.work, None
+    found = [
+        probe(sweep, exact, [point])
+        for point in staged(points, tell, lambda point: f"nearly exact steps at {point}")
+    ]
+    readings = tuple(reading for each in found for reading in each.readings)
+    own_work = sum(each.work for each in found)
+    work, coarser = own_work, None
     if coarse.pixels_per_element > 1:
         on_larger = probe(sweep, coarse, points)
         work += on_larger.work
-        coarser = _difference(on_larger.readings, found.readings, exponents)
-    return Yardstick(
-        tuple(points), tuple(exponents), found.readings, work, found.work, coarser=coarser
-    )
+        coarser = _difference(on_larger.readings, readings, exponents)
+    return Yardstick(tuple(points), tuple(exponents), readings, work, own_work, coarser)
 
 
 def own_error(
@@ -204,35 +174,3 @@ def _difference(
         abs(boundary_velocity_error(one.rise, other.rise, exponent))
         for one, other, exponent in zip(ones, others, exponents, strict=True)
     )
-
-
-@dataclass(frozen=True, slots=True)
-class _Found:
-    """Readings on either side of the boundary at a load, and where it lies according to them."""
-
-    points: tuple[Point, Point]
-    readings: tuple[Reading, ...]
-    exponent: float
-    boundary: Point
-    work: float
-    last_work: float
-
-
-def _followed(sweep: Sweep, fidelity: Fidelity, start: Point) -> _Found:
-    """Take readings at two velocities about a boundary, and again about where these place it."""
-    moving = [abs(velocity) for velocity in sweep.velocities if velocity]
-    limit, at, work = rise_limit(sweep.conditions), start.velocity, 0.0
-    for _ in range(_ROUNDS):
-        low, high = at * math.exp(-_APART), at * math.exp(_APART)
-        points = start._replace(velocity=low), start._replace(velocity=high)
-        found = probe(sweep, fidelity, points)
-        work += found.work
-        below, above = (math.log(reading.rise / limit) for reading in found.readings)
-        exponent = min(max((above - below) / (2 * _APART), _FLATTEST), _STEEPEST)
-        sought = at
-        at *= math.exp(-(below + above) / 2 / exponent)
-        at = min(max(at, min(moving) / 2), 2 * max(moving))
-        if abs(math.log(at / sought)) <= _MOVED:
-            break
-    boundary = start._replace(velocity=at)
-    return _Found(points, found.readings, exponent, boundary, work, found.work)

@@ -9,7 +9,6 @@ import pytest
 
 import pipeline
 from pipeline.analysis.attributes import attributes_of
-from pipeline.sweep.criterion import rise_limit
 from pipeline.sweep.model import Point
 from pipeline.sweep.selection import Selection
 from pipeline.tradeoff import choose as accuracy_module
@@ -23,7 +22,7 @@ from pipeline.tradeoff.choose import (
     stored_selection,
 )
 from pipeline.tradeoff.probe import some_places
-from pipeline.tradeoff.yardstick import YARDSTICK, OwnError, _followed
+from pipeline.tradeoff.yardstick import OwnError
 from tests.helpers import tiny
 from tests.helpers.kept import PAPER, SCENES
 from tribo import PRESETS, Fidelity, Grid, InputError
@@ -110,15 +109,6 @@ def test_every_surface_and_sample_is_a_sweep_that_a_cheaper_choice_saves_on():
     uncertain = pipeline.load_scene("workflows/uncertain.toml")
     alone = _steps_of_sweep(replace(uncertain, samples=None))
     assert _steps_of_sweep(uncertain) == len(uncertain.simulated) * alone > alone
-
-
-@pytest.mark.parametrize("away", [0.3, 1.0, 3.0])
-def test_the_boundary_is_followed_to_where_the_yardstick_has_it(away):
-    load, limit = UNWORN.loads[0], rise_limit(UNWORN.conditions)
-    near = _followed(UNWORN, YARDSTICK, Point(load, 2.0)).boundary
-    found = _followed(UNWORN, YARDSTICK, Point(load, near.velocity * away))
-    assert found.readings[0].rise < limit < found.readings[1].rise
-    assert found.boundary.velocity == pytest.approx(near.velocity, rel=0.01)
 
 
 def test_few_nodes_are_solved_tightly():

@@ -23,9 +23,8 @@ SCENE = SCENES["finer pixels"]
 def measured():
     said = []
     found = trade(SCENE, loads=LOADS, progress=said.append)
-    assert said[0].startswith("1 of 2: the boundary by nearly exact steps, 200 N")
-    assert said[2] == f"1 of {len(found.choices)}: reference"
-    assert len(said) == 2 + len(found.choices)
+    assert said[0] == f"1 of {len(found.choices)}: reference"
+    assert len(said) == len(found.choices)
     assert said[-1].startswith("{0} of {0}: ".format(len(found.choices)))
     return found
 
@@ -49,7 +48,8 @@ def test_errors_and_costs_go_opposite_ways_from_draft_to_reference(measured):
 
 def test_every_choice_says_what_it_costs_and_where_it_errs(measured):
     for choice in measured.choices:
-        assert choice.name == "reference" or (choice.area_error, choice.pressure_error) != (0, 0)
+        if choice.fidelity.pixels_per_element > 1:
+            assert choice.area_error > 0 > choice.pressure_error
         assert choice.seconds > 0
         assert choice.convolutions > 0
         assert choice.peak_bytes > 1e5

@@ -8,13 +8,12 @@ import pytest
 from pipeline.sweep.criterion import boundary_velocity_error, rise_limit
 from pipeline.sweep.model import Point
 from pipeline.tradeoff import choose, yardstick
-from pipeline.tradeoff.choose import _first_within, _steps_to_probe
+from pipeline.tradeoff.choose import _first_within, _on_both_sides, _steps_to_probe
 from pipeline.tradeoff.probe import Place, Probe, Reading
 from pipeline.tradeoff.yardstick import (
     YARDSTICK,
     OwnError,
     Yardstick,
-    _followed,
     measured,
     own_error,
 )
@@ -49,61 +48,28 @@ class Law:
         return Probe(fidelity, readings, 0.0, 10, 100.0 * len(points))
 
 
-@pytest.mark.parametrize(
-    ("start", "rounds"), [(3.0, 1), (3.0 * 1.09, 1), (3.0 * 1.11, 2), (1.2, 2), (8.0, 2)]
-)
-def test_the_boundary_is_sought_again_only_if_it_has_moved_by_a_tenth(start, rounds, monkeypatch):
-    law = Law()
-    monkeypatch.setattr(yardstick, "probe", law)
-    found = _followed(SWEEP, YARDSTICK, Point(300.0, start))
-    assert found.boundary == (300.0, pytest.approx(3.0), None, None)
-    assert found.exponent == pytest.approx(0.5)
-    assert len(law.asked) == rounds
-    assert (found.work, found.last_work) == (200.0 * rounds, 200.0)
-    about = 3.0 if rounds > 1 else start
-    assert [point.velocity for point in found.points] == pytest.approx(
-        [about * math.exp(-0.05), about * math.exp(0.05)]
-    )
-
-
-@pytest.mark.parametrize(("at", "found"), [(0.01, 0.5), (100.0, 16.0)])
-def test_it_is_not_sought_beyond_half_the_lowest_and_twice_the_highest_velocity(
-    at, found, monkeypatch
-):
-    law = Law(at=at)
-    monkeypatch.setattr(yardstick, "probe", law)
-    assert _followed(SWEEP, YARDSTICK, Point(300.0, 3.0)).boundary.velocity == found
-    assert len(law.asked) == 2
-
-
-@pytest.mark.parametrize(("exponent", "taken"), [(0.01, 0.2), (0.7, 0.7), (5.0, 2.0)])
-def test_exponents_are_kept_within_what_a_rise_may_have(exponent, taken, monkeypatch):
-    monkeypatch.setattr(yardstick, "probe", Law(exponent=exponent))
-    assert _followed(SWEEP, YARDSTICK, Point(300.0, 3.0)).exponent == pytest.approx(taken)
-
-
-def test_a_boundary_that_keeps_moving_is_left_after_four_times(monkeypatch):
-    law = Law(exponent=0.01)
-    monkeypatch.setattr(yardstick, "probe", law)
-    law.rise = lambda fidelity, velocity: LIMIT * 0.9  # flat, so each step is by half
-    _followed(replace(SWEEP, velocities=(1e-3, 1e3)), YARDSTICK, Point(300.0, 0.1))
-    assert len(law.asked) == 4
-
-
-def test_the_yardstick_takes_two_readings_at_each_load_and_counts_its_work(monkeypatch):
+def test_the_yardstick_reads_each_point_and_once_more_on_larger_elements(monkeypatch):
     law = Law(nodes=700)
     monkeypatch.setattr(yardstick, "probe", law)
-    starts = tuple(Point(load, 3.0) for load in (100.0, 200.0))
-    monkeypatch.setattr(yardstick, "near_the_boundary", lambda sweep, places: (starts, (0.5, 0.5)))
-    found = measured(SWEEP, (Place(100.0), Place(200.0)))
-    assert [point.load for point in found.points] == [100.0, 100.0, 200.0, 200.0]
-    assert found.exponents == pytest.approx((0.5,) * 4)
+    points, told = tuple(Point(load, 3.0) for load in (100.0, 200.0)), []
+    found = measured(SWEEP, points, (0.5, 1.0), told.append)
+    assert found.points == points
     assert found.fewest_nodes == 700
-    assert (found.work, found.own_work) == (800.0, 400.0)
-    assert [fidelity.pixels_per_element for fidelity, _ in law.asked] == [2, 1, 2, 1]
+    assert (found.work, found.own_work) == (400.0, 200.0)
+    assert found.coarser == 0.0
+    assert [fidelity.pixels_per_element for fidelity, _ in law.asked] == [1, 1, 2]
+    assert len(told) == 2
+    assert "nearly exact steps at 100 N, 3 m/s" in told[0]
     warm = Law(of_heat=0.01)
     errors = found.errors(warm(SWEEP, YARDSTICK, found.points))
-    assert errors == pytest.approx([1.01**-2 - 1] * 4)
+    assert errors == pytest.approx([1.01**-2 - 1, 1.01**-1 - 1])
+
+
+def test_two_points_lie_on_either_side_of_each():
+    low, high = _on_both_sides([Point(300.0, 2.0, realization=7)])
+    assert (low.load, low.realization) == (300.0, 7)
+    assert math.log(high.velocity / low.velocity) == pytest.approx(0.1)
+    assert low.velocity * high.velocity == pytest.approx(4.0)
 
 
 def test_its_own_error_is_half_of_what_half_the_steps_move_and_a_fifth_more(monkeypatch):
@@ -222,7 +188,7 @@ def test_all_heat_is_taken_where_the_present_errs_by_more_than_seven_tenths(
     assert found.fidelity.history_coarsening == (1 if taken == "history" else 4)
 
 
-def test_a_probe_takes_six_times_the_steps_of_the_yardstick_at_each_load():
+def test_a_probe_takes_five_times_the_steps_of_the_yardstick_at_each_load():
     top = SWEEP.loading.reference_load
-    assert _steps_to_probe(SWEEP, [Place(top)]) == 6 * 25
-    assert _steps_to_probe(SWEEP, [Place(top), Place(top / 2)]) == 6 * (25 + 13)
+    assert _steps_to_probe(SWEEP, [Place(top)]) == 5 * 25
+    assert _steps_to_probe(SWEEP, [Place(top), Place(top / 2)]) == 5 * (25 + 13)
