@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Collection, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -118,7 +118,7 @@ def check(options: argparse.Namespace) -> int:
     searched = options.boundary_only is not None
     found = pipeline.estimate(sweep, workers=options.workers, boundary_only=searched)
     document |= found.as_dict() | {"warnings": [*doubted, *found.warnings]} | selected(sweep)
-    show(options, document, _cost(sweep, found, searched, reasons))
+    show(options, document, _cost(sweep, found, searched))
     return DONE
 
 
@@ -151,8 +151,8 @@ def _on_unknown(sweep: Sweep) -> Iterator[str]:
         yield "           all of one simulation, since nothing unknown acts before it ends"
 
 
-def _cost(sweep: Sweep, found: Estimate, searched: bool, said: Collection[str]) -> Iterator[str]:
-    """Say what a sweep would cost, and what is left out besides what was said."""
+def _cost(sweep: Sweep, found: Estimate, searched: bool) -> Iterator[str]:
+    """Say what a sweep would cost."""
     loads = counted(len(sweep.loads), "load", "loads")
     velocities = counted(len(sweep.velocities), "velocity", "velocities")
     if sweep.samples or searched:
@@ -170,4 +170,3 @@ def _cost(sweep: Sweep, found: Estimate, searched: bool, said: Collection[str]) 
     size = found.disk_bytes / 1e6
     yield "  disk     " + (f"about {size:.0f} MB" if size >= 1 else "less than 1 MB")
     yield from (f"  warning  {what}" for what in found.warnings)
-    yield from (f"  left out {reason}" for reason in found.left_out if reason not in said)

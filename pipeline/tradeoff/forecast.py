@@ -11,7 +11,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from pipeline.sweep.left_out import left_out
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.plan import step_count
 from pipeline.sweep.stages import duration
@@ -45,8 +44,6 @@ class Estimate:
         Memory of each worker; size of the store, uncompressed [B].
     warnings : tuple of str
         Points that will fail.
-    left_out : tuple of str
-        Computations that the scene does not require, and why.
     """
 
     points: int
@@ -58,7 +55,6 @@ class Estimate:
     worker_bytes: float
     disk_bytes: float
     warnings: tuple[str, ...] = ()
-    left_out: tuple[str, ...] = ()
 
     def as_dict(self) -> dict[str, Any]:
         """Return the fields by name."""
@@ -125,7 +121,6 @@ def estimate(sweep: Sweep, workers: int | None = None, boundary_only: bool = Fal
         worker_bytes=worker_bytes(sweep, nodes),
         disk_bytes=points * _point_bytes(sweep, costs[-1].state),
         warnings=tuple(_too_many_nodes(sweep, nodes)) if moving else (),
-        left_out=tuple(left_out(sweep)),
     )
 
 

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import pytest
 
+from pipeline.sweep.left_out import left_out
 from pipeline.sweep.plan import chains, points, run_point
 from pipeline.tradeoff import forecast
 from pipeline.tradeoff.forecast import _Timed, estimate
@@ -138,4 +139,4 @@ def test_what_is_left_out_is_named_with_its_reason(changes, said):
     )
     if said.startswith("fields"):
         kept = replace(kept, store_fields=False)
-    assert any(said in reason for reason in estimate(replace(kept, **changes)).left_out)
+    assert any(said in reason for reason in left_out(replace(kept, **changes)))

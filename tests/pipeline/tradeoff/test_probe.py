@@ -58,14 +58,6 @@ def ramps(monkeypatch):
     return asked, made
 
 
-def test_all_convolutions_count_those_of_heat_on_the_way_too(ramps):
-    _, made = ramps
-    made[300.0] = [state(100.0, rise=9.0), state(200.0, iterations=7), state(300.0, rise=1.0)]
-    run = _run(SWEEP, 300.0, 1.0)
-    assert run.convolutions == (3 + 5) + 7 + (3 + 5)
-    assert run.work == run.convolutions * NODES
-
-
 def test_the_hottest_state_under_full_load_is_read(ramps):
     _, made = ramps
     made[300.0] = [
@@ -82,26 +74,6 @@ def test_the_hottest_state_under_full_load_is_read(ramps):
         probe(SWEEP, SWEEP.fidelity, [Point(300.0, 1.0)])
 
 
-def test_a_run_leaves_the_last_state_on_its_trunk_without_heat_or_where_it_goes_on(ramps):
-    _, made = ramps
-    coarse = state(200.0)
-    made[300.0] = [state(100.0), state(200.0, rise=1.0), state(300.0, rise=1.0, on_trunk=False)]
-    found = _run(SWEEP, 300.0, 1.0).trunk
-    assert (found.normal_load, found.heat) == (200.0, None)
-    made[300.0][1] = replace(made[300.0][1], history=coarse)
-    assert _run(SWEEP, 300.0, 1.0).trunk is coarse
-    made[300.0] = [state(300.0, on_trunk=False)]
-    assert _run(SWEEP, 300.0, 1.0).trunk is None
-
-
-@pytest.mark.parametrize(("load", "index", "goes_on"), [(125.0, 1, True), (126.0, 1, False)])
-def test_a_trunk_is_gone_on_with_where_it_leads_to_the_load(ramps, load, index, goes_on):
-    asked, _ = ramps
-    trunk = replace(state(load), index=index)
-    _run(SWEEP, 600.0, 1.0, trunk)
-    assert asked[0][3] is (trunk if goes_on else None)
-
-
 def test_a_probe_sums_its_runs_and_reads_its_points_in_their_order(ramps):
     asked, _ = ramps
     points = [Point(600.0, 1.0), Point(300.0, 2.0), Point(300.0, 1.0)]
@@ -116,39 +88,6 @@ def test_a_probe_sums_its_runs_and_reads_its_points_in_their_order(ramps):
     assert (found.convolutions, found.work) == (24, 24.0 * NODES)
     assert found.peak_bytes is None
     assert 0 <= found.seconds < 60
-
-
-@pytest.mark.parametrize(
-    ("changes", "steps"),
-    [
-        ({"increments": 50}, 3),
-        ({"increments": 2}, 2),
-        ({"increments": 50, "heat_model": "history"}, 50),
-        ({"increments": 50, "wear_scheme": "explicit"}, 50),
-    ],
-)
-def test_memory_is_that_of_the_heaviest_point_in_as_few_steps_as_have_it(ramps, changes, steps):
-    asked, _ = ramps
-    points = [Point(300.0, 2.0), Point(600.0, 1.0), Point(600.0, 1.5)]
-    found = probe(SWEEP, replace(SWEEP.fidelity, **changes), points, with_memory=True)
-    heaviest, warm_up, *rest = asked
-    assert heaviest[1:3] == (600.0, 1.5)
-    assert heaviest[0].fidelity.increments == steps
-    assert warm_up[1:3] == (150.0, 1.8)
-    assert warm_up[0].fidelity.increments == changes["increments"]
-    assert len(rest) == 3
-    assert found.peak_bytes > NODES * 8
-    assert found.convolutions == 24
-
-
-def test_the_memory_of_a_run_that_fails_is_counted_no_longer(monkeypatch):
-    def fails(*_):
-        raise InputError("no contact")
-
-    monkeypatch.setattr(module, "simulate", fails)
-    with pytest.raises(InputError, match="no contact"):
-        probe(SWEEP, SWEEP.fidelity, [Point(300.0, 1.0)], with_memory=True)
-    assert not module.tracemalloc.is_tracing()
 
 
 @pytest.mark.parametrize(
