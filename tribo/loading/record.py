@@ -125,8 +125,12 @@ class MeasuredLoad:
             raise InputError(f"cannot go on from {after:g} N: points of a record share no trunk")
         begin, end = float(self.times[0]), self.time_at(1.0)
         scale = normal_load / self.peak
-        times = np.interp(np.arange(1, increments + 1) / increments, *_pace(self)) - begin
-        times[-1] = end - begin
+        number = np.arange(1, increments + 1)
+        if (pace := _pace(self)) is None:
+            times = (end - begin) * number / increments
+        else:
+            times = np.interp(number / increments, *pace) - begin
+            times[-1] = end - begin
         loads = scale * np.maximum(0.0, np.interp(begin + times, self.times, self.loads))
         loads[-1] = normal_load
         impulses = scale * self._impulses(begin + times)
@@ -172,8 +176,8 @@ class MeasuredLoad:
 
 
 @functools.lru_cache(maxsize=4)  # a sweep asks for the stations of every point
-def _pace(record: MeasuredLoad) -> tuple[Array, Array]:
-    """Shares of the steps that a record has taken, and when [s].
+def _pace(record: MeasuredLoad) -> tuple[Array, Array] | None:
+    """Shares of the steps that a record has taken, and when [s]; None if they are equal in time.
 
     The load's way is that of a hand which the readings push and pull with some play.
     """
@@ -189,7 +193,7 @@ def _pace(record: MeasuredLoad) -> tuple[Array, Array]:
         hand = moved
     gone, passed = np.array(way) / way[-1], (times - begin) / (end - begin)
     if np.abs(gone - passed).max() < _EVEN:  # equal steps, whose heat takes fewer kernels
-        return np.array([0.0, 1.0]), np.array([begin, end])
+        return None
     return (gone + passed) / 2, times
 
 
