@@ -179,6 +179,12 @@ CONTACT_WIDTH = _option(
     help='width measured at --load and --velocity, like "348 um": find the specific wear rate '
     "instead",
 )
+DURATION = _option(
+    "--duration",
+    metavar="T",
+    type=values.positive("8 s"),
+    help="sliding from the start of the ramp until the width was measured; default: the scene's",
+)
 BASE = _option("--base", metavar="NAME", default="fine", help="preset to vary choice by choice")
 DIAGRAM = _flag("--diagram", help="compare whole small diagrams")
 RESULT = _option("name", metavar="NAME", nargs="?", help="one of --list, or all")

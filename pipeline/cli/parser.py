@@ -61,8 +61,8 @@ COMMANDS = (
     ),
     Command(
         "check", "sweeps:check", "say what a scene means, what would run and what it would cost",
-        "scene.toml",
-        (*o.OF_SCENE, o.WORKERS),
+        "scene.toml --accuracy 2%",
+        (*o.OF_SCENE, o.WORKERS, o.BOUNDARY_ONLY, o.ACCURACY),
     ),
     Command(
         "status", "stores:status", "count the points done, failed and pending",
@@ -105,7 +105,7 @@ COMMANDS = (
         'scene.toml --contact-width "348 um" --load "750 N" --velocity "1.25 m/s"',
         (
             o.SCENE.but(help="the scene file; or a store of samples"), *o.OF_SCENE[1:],
-            o.NEXT, o.SCATTER, o.CONTACT_WIDTH, o.BULK,
+            o.NEXT, o.SCATTER, o.CONTACT_WIDTH, o.DURATION, o.BULK,
             o.output(
                 "TABLE.csv", "write the table, to .csv or .md; or, of samples, draw a figure"
             ),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import math
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -19,7 +19,7 @@ from pipeline.sweep.criterion import Verdict
 from pipeline.sweep.facts import require_bearable_load
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import PointResult
-from tribo import Criterion, InputError, measures, specific_wear_rate
+from tribo import Criterion, InputError, Ramp, measures, specific_wear_rate
 
 if TYPE_CHECKING:
     from pipeline.analysis.inference import CriticalTemperatures
@@ -173,7 +173,7 @@ def _on_point(
 def infer(options: argparse.Namespace) -> int:
     """Find what was not measured from what was."""
     if options.scene.is_dir():
-        if names := [*given(options, "contact_width", "preset", *PLACE)]:
+        if names := [*given(options, "contact_width", "duration", "preset", *PLACE)]:
             flags = ", ".join(f"--{name.replace('_', '-')}" for name in names)
             raise InputError(
                 f"{options.scene} is a store, to which {flags} does not belong; give the scene"
@@ -234,6 +234,8 @@ def _transitions(found: CriticalTemperatures) -> Iterator[dict[str, Any]]:
 def _wear_rate(options: argparse.Namespace, sweep: Sweep, out: Path | None) -> int:
     if options.load is None or options.velocity is None:
         raise InputError("--contact-width needs --load and --velocity: where it was measured")
+    sweep = _slid_for(sweep, options.load, options.duration)
+    *_, end = sweep.loading.stations(options.load, sweep.fidelity.increments)
     with working("seeking the wear rate, one simulation after the other"):
         found = specific_wear_rate(sweep, options.contact_width, options.load, options.velocity)
     value, lowest, highest = (1e9 * rate for rate in (found.value, found.lowest, found.highest))
@@ -241,7 +243,30 @@ def _wear_rate(options: argparse.Namespace, sweep: Sweep, out: Path | None) -> i
         f"specific wear rate {value:.3g} mm³/(N m), from {lowest:.3g} to {highest:.3g} within half "
         "an element of the width"
     )
-    document = asdict(found)
-    row = {f"{name} [mm³/(N m)]": 1e9 * rate for name, rate in document.items()}
-    show(options, document, [text], out=out, rows=[row])
+    longer = end.normal_load / (end.impulse + end.normal_load)  # as wear goes with load times time
+    basis = (
+        f"for {end.time:.3g} s of sliding until the width was measured; each second more at full "
+        f"load lowers it by about {100 * longer:.2g} %"
+    )
+    if options.duration is None:
+        basis += ": give --duration, if the test went on"
+    document = asdict(found) | {"duration": end.time}
+    row = {f"{name} [mm³/(N m)]": 1e9 * rate for name, rate in asdict(found).items()}
+    row["duration [s]"] = end.time
+    show(options, document, [text, basis], out=out, rows=[row])
     return DONE
+
+
+def _slid_for(sweep: Sweep, load: float, duration: float | None) -> Sweep:
+    """The sweep with the load held from when it is reached until the end of a test [s]."""
+    if duration is None:
+        return sweep
+    if not isinstance(sweep.loading, Ramp):
+        raise InputError("--duration holds a ramp; a recorded load ends where the record does")
+    ramp = load / sweep.loading.rate
+    if duration < ramp:
+        raise InputError(
+            f"--duration is {duration:g} s; it must be at least the {ramp:g} s of the ramp to "
+            f"{load:g} N"
+        )
+    return replace(sweep, loading=replace(sweep.loading, hold=duration - ramp, hold_steps=None))

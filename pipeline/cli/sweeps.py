@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Collection, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -101,9 +101,10 @@ def check(options: argparse.Namespace) -> int:
         return DONE
     if not options.json:
         show_text(text)
-    found = pipeline.estimate(sweep, workers=options.workers)
-    document |= found.as_dict() | {"warnings": [*doubted, *found.warnings]}
-    show(options, document, _cost(sweep, found, reasons))
+    searched = options.boundary_only is not None
+    found = pipeline.estimate(sweep, workers=options.workers, boundary_only=searched)
+    document |= found.as_dict() | {"warnings": [*doubted, *found.warnings]} | selected(sweep)
+    show(options, document, _cost(sweep, found, searched))
     return DONE
 
 
@@ -136,14 +137,14 @@ def _on_unknown(sweep: Sweep) -> Iterator[str]:
         yield "           all of one simulation, since nothing unknown acts before it ends"
 
 
-def _cost(sweep: Sweep, found: Estimate, said: Collection[str]) -> Iterator[str]:
-    """Say what a sweep would cost, and what is left out besides what was said."""
+def _cost(sweep: Sweep, found: Estimate, searched: bool) -> Iterator[str]:
+    """Say what a sweep would cost."""
     loads = counted(len(sweep.loads), "load", "loads")
     velocities = counted(len(sweep.velocities), "velocity", "velocities")
-    if sweep.samples:
+    if sweep.samples or searched:
         sought = f"the boundary is sought between {sweep.velocities[0]:g} and "
         sought += f"{sweep.velocities[-1]:g} m/s, {loads}"
-        variants = f", {len(sweep.samples)} samples" if sweep.axis else ""
+        variants = f", {len(sweep.axis[1])} {sweep.axis[0]}s" if sweep.axis else ""
         yield f"  points   about {found.points}: {sought}{variants}"
     else:
         surfaces = f", {len(sweep.realizations)} surfaces" if sweep.realizations else ""
@@ -155,4 +156,3 @@ def _cost(sweep: Sweep, found: Estimate, said: Collection[str]) -> Iterator[str]
     size = found.disk_bytes / 1e6
     yield "  disk     " + (f"about {size:.0f} MB" if size >= 1 else "less than 1 MB")
     yield from (f"  warning  {what}" for what in found.warnings)
-    yield from (f"  left out {reason}" for reason in found.left_out if reason not in said)
