@@ -11,8 +11,9 @@ from __future__ import annotations
 import itertools
 import multiprocessing
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from dask.system import CPU_COUNT
@@ -27,8 +28,10 @@ from pipeline.run.writer import Writer
 from pipeline.scene.scenefile import sweep_of
 from pipeline.store.attributes import versions
 from pipeline.store.create import grown, writing
+from pipeline.store.identity import differences
 from pipeline.store.place import PathLike, place_of
 from pipeline.store.progress import FailedPoint, summarized
+from pipeline.store.root import read_attributes
 from pipeline.store.schema import FAILED
 from pipeline.store.verify import examined
 from pipeline.store.write import Store
@@ -123,11 +126,12 @@ def run_sweep(
     if scheduler is not None and not place_of(out).exists():
         with connected(1, scheduler, patience):
             pass  # an address where nobody answers makes no store
+    before = read_attributes(out) or {}
     with writing(out, sweep) as store, reported(progress) as report:
         damaged = _repaired(store)
         if retry_failed:
             store.forget(store.points_at(np.nonzero((store.asked == 1) & (store.flags == FAILED))))
-        for note in _notes(store, damaged):
+        for note in _notes(store, before, damaged):
             if tell:
                 tell(note)
         tally = Tally(store, report, began)
@@ -185,13 +189,20 @@ def _repaired(store: Store) -> int:
     return 0 if is_new else len(examined(store, repair=True).damaged)
 
 
-def _notes(store: Store, damaged: int) -> Iterator[str]:
-    """Notes on a store that is resumed."""
+def _notes(store: Store, before: Mapping[str, Any], damaged: int) -> Iterator[str]:
+    """Notes on a store that is resumed, which had these attributes before."""
+    present = store.attributes["conditions"]
+    changed = [*differences(before.get("conditions", present), present, "conditions")]
+    if changed:
+        yield (
+            f"the conditions of {store.place} are now those of the scene, and every command judges "
+            f"by them: {'; '.join(changed)}"
+        )
     if damaged:
         yield f"{damaged} damaged points of {store.place} are computed again"
-    for name, present in versions().items():
-        if (before := store.attributes["versions"][name]) != present:
+    for name, version in versions().items():
+        if (first := store.attributes["versions"][name]) != version:
             yield (
-                f"{store.place} was begun with {name} {before}, and goes on with {present}: "
+                f"{store.place} was begun with {name} {first}, and goes on with {version}: "
                 "new points may differ from the others in the last digits"
             )

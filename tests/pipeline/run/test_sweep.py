@@ -11,6 +11,7 @@ import sys
 import tempfile
 import time
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -127,6 +128,16 @@ def test_other_versions_are_told_and_noted(path, alone, monkeypatch):
     assert about["versions"]["numpy"] == np.__version__
     (later,) = about["later_versions"]
     assert later["versions"]["numpy"] == "99.0"
+
+
+def test_other_conditions_of_the_scene_are_told(path, alone):
+    shutil.copytree(alone, path)
+    told = []
+    warmer = replace(SWEEP, conditions=replace(SWEEP.conditions, friction=0.12))
+    for _ in range(2):
+        run_sweep(warmer, path, tell=told.append)
+    assert len(told) == 1  # not again, since the store has them then
+    assert "conditions.friction: 0.1 in the store, 0.12 in the scene" in told[0]
 
 
 def test_nothing_to_do_starts_no_cluster(alone, path, monkeypatch):
