@@ -28,7 +28,6 @@ from pipeline.sweep.criterion import (
 )
 from pipeline.sweep.lubrication import Lubrication
 from tribo import InputError
-from tribo.thermal import quantiles
 from tribo.types import Array
 
 _OUTCOMES = {
@@ -443,21 +442,3 @@ def _continued(x: Array, y: Array, at: Array, limit: float | None) -> Array:
     if y[last] > limit:
         within = np.where(at > x[last], np.maximum(beyond, y[last]), within)
     return within
-
-
-def rise_exceeded(ds: xr.Dataset, share: float) -> xr.DataArray:
-    """Rise, at friction 1, that just a share of the contact area exceeds.
-
-    Returns
-    -------
-    DataArray
-        Rise [K], with the dimensions of ``rise_quantile`` but the quantile; NaN where the
-        temperature is not known.
-    """
-    found: xr.DataArray = xr.apply_ufunc(
-        quantiles.rise_exceeded,
-        ds["rise_quantile"],
-        input_core_dims=[["quantile"]],
-        kwargs={"share": share, "quantiles": ds["quantile"].values},
-    )
-    return found

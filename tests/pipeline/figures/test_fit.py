@@ -44,7 +44,7 @@ def test_a_long_legend_leaves_the_diagram_its_room():
     shapes = []
     for figure in (plot(ds, "diagram", friction=[0.09, 0.11], width=w) for w in (None, "8.5 cm")):
         figure.draw_without_rendering()
-        assert len(figure.legends[0].get_texts()) == 8
+        assert len(figure.legends[0].get_texts()) == 9
         shapes.append(figure.axes[0].bbox.height / figure.axes[0].bbox.width)
     assert shapes[1] > 0.9 * shapes[0]
 
