@@ -343,10 +343,13 @@ def with_rises(ds: xr.Dataset, conditions: Sequence[Conditions]) -> xr.Dataset:
         names += ["mean_rise", *(["mean_bulk_response"] if unequal else [])]
     if "rise_quantile" in columns:
         names += ["rise_quantile", *(["bulk_rise_quantile"] if unequal else [])]
-        shares = [0.0 if own.criterion == "highest" else own.failing_share for own in conditions]
-        if stored[0] <= 1 - max(shares) <= 1 - min(shares) <= stored[-1]:  # else they are refused
-            first = max(int(np.searchsorted(stored, 1 - max(shares))) - 1, 0)
-            last = max(int(np.searchsorted(stored, 1 - min(shares))), first + 1)
+        wanted = [
+            own.decisive.quantile for own in conditions if own.decisive.column == "rise_quantile"
+        ]
+        known = [each for each in wanted if each is not None]
+        if len(known) == len(wanted) and stored[0] <= min(known) <= max(known) <= stored[-1]:
+            first = max(int(np.searchsorted(stored, min(known))) - 1, 0)
+            last = max(int(np.searchsorted(stored, max(known))), first + 1)
             ds = ds.isel(quantile=slice(first, last + 1))
     return ds.assign({name: ds[name].load() for name in names if name in ds})
 
