@@ -16,7 +16,7 @@ from pipeline.analysis.attributes import attributes_of
 from pipeline.analysis.band import with_band
 from pipeline.analysis.conditions import Bulk, conditions_by_variant, conditions_of
 from pipeline.analysis.dataset import asked, at_bulks, dataset_of, values_of, variant_of
-from pipeline.analysis.interpolation import exponent, interpolated
+from pipeline.analysis.interpolation import certain, exponent, interpolated
 from pipeline.analysis.transition import OUTCOMES, UNITS, Transition, range_of
 from pipeline.store import DONE, PathLike
 from pipeline.sweep.criterion import (
@@ -28,7 +28,6 @@ from pipeline.sweep.criterion import (
 )
 from pipeline.sweep.lubrication import Lubrication
 from tribo import InputError
-from tribo.types import Array
 
 _OUTCOMES = {
     "long_name": "why there is no crossing",
@@ -421,7 +420,13 @@ def refined(rise: xr.DataArray, resolution: int, limit: float | None = None) -> 
     fine_loads = np.linspace(loads[0], loads[-1], resolution)
     fine = np.linspace(velocities[0], velocities[-1], resolution)
     rows = np.apply_along_axis(
-        lambda row: _continued(velocities, row, fine, limit), -1, rise.values
+        lambda row: (
+            interpolated(velocities, row, fine)
+            if limit is None
+            else certain(velocities, row, fine, limit)
+        ),
+        -1,
+        rise.values,
     )
     plane = np.apply_along_axis(lambda column: interpolated(loads, column, fine_loads), -2, rows)
     axes = {"load": fine_loads, "velocity": fine}
@@ -430,18 +435,3 @@ def refined(rise: xr.DataArray, resolution: int, limit: float | None = None) -> 
         for name, coord in rise.coords.items()
     }
     return xr.DataArray(plane, coords, rise.dims, rise.name, rise.attrs)
-
-
-def _continued(x: Array, y: Array, at: Array, limit: float | None) -> Array:
-    """Interpolate, and go on where that leaves the kind of wear as it is."""
-    within = interpolated(x, y, at)
-    if limit is None or np.isnan(within).all():
-        return within
-    known = np.flatnonzero(np.isfinite(y))
-    first, last = known[0], known[-1]
-    beyond = interpolated(x, y, at, continued=True)
-    if y[first] <= limit:
-        within = np.where(at < x[first], np.minimum(beyond, y[first]), within)
-    if y[last] > limit:
-        within = np.where(at > x[last], np.maximum(beyond, y[last]), within)
-    return within

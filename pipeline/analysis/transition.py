@@ -150,7 +150,7 @@ def command_of(
     run = f"irg run {attributes.get('name')}.toml -o {store}"
     if is_pending:
         return run
-    own = attributes.get("conditions") or {}
+    own = {"criterion": "share"} | (attributes.get("conditions") or {})
     settings = []
     for name, value in conditions.items():
         if name in _ENTRIES and value is not None and own.get(name) != value:

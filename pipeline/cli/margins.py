@@ -44,9 +44,9 @@ def margin(options: argparse.Namespace) -> int:
             "as they were drawn: give [unknown] and sweep.samples in the scene, and no conditions"
         )
     command = _command(options, ds, conditions, found)
-    text = [*text, *([f"compute more of the boundary with: {command}"] if command else [])]
+    lines = [*text, *([f"compute more of the boundary with: {command}"] if command else [])]
     document |= {"command": command, "warnings": warned.as_dict()}
-    show(options, document, [*text, *warned.lines()])
+    show(options, document, [*lines, *warned.lines()])
     return DONE
 
 
