@@ -114,15 +114,18 @@ def in_words(outcome: int, computed: tuple[float, float], along: str) -> str:
 def range_of(ds: xr.Dataset, axis: str) -> tuple[float, float]:
     """Lowest and highest velocity [m/s] or load [N] of the scene that a sweep is of.
 
+    Rest is left out where the sweep has no point at it, as one that searches the boundary alone.
+
     Examples
     --------
-    >>> ds = xr.Dataset(coords={"velocity": [1.2, 2.2]}, attrs={"velocities": [1.0, 2.0, 4.0]})
+    >>> ds = xr.Dataset(coords={"velocity": [1.2, 2.2]}, attrs={"velocities": [0.0, 1.0, 4.0]})
     >>> range_of(ds, "velocity")
     (1.0, 4.0)
     """
     names = {"load": "loads", "velocity": "velocities"}
-    own = attributes_of(ds).get(names[axis]) or ds[axis].values.tolist()
-    return float(min(own)), float(max(own))
+    present = ds[axis].values.tolist()
+    own = [each for each in attributes_of(ds).get(names[axis]) or present if each or 0.0 in present]
+    return float(min(own or present)), float(max(own or present))
 
 
 def command_of(
