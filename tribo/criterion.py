@@ -111,9 +111,9 @@ class Criterion:
         require_share(self.share)
 
     @classmethod
-    def of(cls, given: Criterion | float) -> Criterion:
+    def of(cls, value: Criterion | float) -> Criterion:
         """A criterion, or that of a share."""
-        return given if isinstance(given, Criterion) else cls(share=given)
+        return value if isinstance(value, Criterion) else cls(share=value)
 
     @property
     def _rule(self) -> Rule:

@@ -194,8 +194,10 @@ def margins(
     rise = decisive_rise(ds, several)
     planes = rise.values.reshape(len(several), *rise.shape[-2:])
     return tuple(
-        _margin(ds["load"].values, ds["velocity"].values, plane, load, velocity, own, place, ends)
-        for plane, own, place in zip(planes, several, variants(ds), strict=True)
+        _margin(
+            ds["load"].values, ds["velocity"].values, plane, load, velocity, judged, place, ends
+        )
+        for plane, judged, place in zip(planes, several, variants(ds), strict=True)
     )
 
 
@@ -210,14 +212,14 @@ def _margin(
     ends: Mapping[str, tuple[float, float]],
 ) -> Margin:
     """The margin on one surface."""
-    column = np.array([_along(velocities, each, velocity, continued=True) for each in r])
+    column = np.array([_along(velocities, line, velocity, continued=True) for line in r])
     rise = _along(loads, column, load)
     if not math.isfinite(rise):
         raise InputError(
             f"too few points about {load:g} N and {velocity:g} m/s are done to tell; run the sweep "
             "to its end, or add points there"
         )
-    within = np.array([_along(velocities, each, velocity) for each in r])
+    within = np.array([_along(velocities, line, velocity) for line in r])
     is_within = math.isfinite(_along(loads, within, load))
     error = _error(loads, velocities, r, load, velocity) if is_within else None
     limit = rise_limit(conditions)
@@ -230,18 +232,18 @@ def _margin(
         rows = np.array([certain(velocities, row, velocities, limit) for row in r])
         rows = np.where(np.isfinite(r), r, rows)
         computed, going_on = (
-            _with_point(velocities, [_along(loads, y, load) for y in each.T], velocity, at_point)
-            for each in (r, rows)
+            _with_point(velocities, [_along(loads, y, load) for y in lines.T], velocity, at_point)
+            for lines in (r, rows)
         )
         along_velocity = _transition(computed, going_on, limit, ends["velocity"])
     if velocity in velocities:
         column = r[:, velocities == velocity][:, 0]
         along_load = Transition.along(loads, column, limit, ends["load"])
     else:
-        at = np.array([velocity])
+        here = np.array([velocity])
         computed, going_on = (
             _with_point(loads, y, load, at_point)
-            for y in (within, [certain(velocities, row, at, limit)[0] for row in r])
+            for y in (within, [certain(velocities, row, here, limit)[0] for row in r])
         )
         along_load = _transition(computed, going_on, limit, ends["load"])
     return Margin(
@@ -269,8 +271,8 @@ def _transition(
     computed: _Line, going_on: _Line, limit: float, ends: tuple[float, float]
 ) -> Transition:
     """The transition along a line that goes on where it is certain, else along computed points."""
-    own, found = (Transition.along(*line, limit, ends) for line in (computed, going_on))
-    return replace(found, computed=own.computed) if found.outcome == CROSSES else own
+    inside, beyond = (Transition.along(*line, limit, ends) for line in (computed, going_on))
+    return replace(beyond, computed=inside.computed) if beyond.outcome == CROSSES else inside
 
 
 def _with_point(x: Array, y: Array | list[float], at: float, rise: float) -> _Line:
