@@ -54,27 +54,18 @@ slow: .venv/test      ## the long checks: random scenes, large capped contacts, 
 promises: .venv/test  ## judge --accuracy and the presets on random scenes, for an hour at most
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises
 
-samples: .venv/test   ## judge irg risk by 2000 simulations, irg infer by 40 truths; kill and resume
+samples: .venv/test   ## judge irg risk by 2000 simulations, and irg infer by 40 truths
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.risk
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.coverage
-	$(BIN)/python -m tests.crash.samples
 
 mutants: .venv/test   ## change the code at random, and see whether a test notices, for an hour
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.mutants
 
-crash: .venv/test     ## kill sweeps, cut their power, damage their files, read beside writers, for 40 minutes
-	OMP_NUM_THREADS=1 $(BIN)/python -m tests.crash --seconds 300
-	$(BIN)/python -m tests.crash.kills --seconds 300
-	OMP_NUM_THREADS=1 $(BIN)/python -m tests.crash.workers --busy --seconds 300
-	OMP_NUM_THREADS=1 $(BIN)/python -m tests.crash.writers --seconds 120
-	$(BIN)/python -m tests.crash.command --seconds 240
-	OMP_NUM_THREADS=1 $(BIN)/python -m tests.crash.replay --seconds 300
-	OMP_NUM_THREADS=1 $(BIN)/python -m tests.crash.power --seconds 600
-	OMP_NUM_THREADS=1 $(BIN)/python -m tests.crash.damage --seconds 300
-	OMP_NUM_THREADS=1 $(BIN)/python -m tests.crash.readers --seconds 60
+crash: .venv/test     ## kill sweeps, cut their power, damage their files, read beside them, for 25 minutes
+	$(BIN)/python -m tests.crash
 
-many: .venv/test      ## store 100000 cheap points through kills, resume and read them, in 5 to 20 minutes
-	OMP_NUM_THREADS=1 $(BIN)/python -m tests.crash.many
+many: .venv/test      ## 10000 and 100000 cheap points: what is seen early, and what they cost, in 10 to 30 minutes
+	$(BIN)/python -m tests.crash.many
 
 bench: .venv/test     ## measure speed, as ratios within one run
 	$(MEASURE) tests/benchmarks

@@ -30,9 +30,6 @@ from .figures.tradeoff import draw_trade as draw_trade
 from .figures.uncertainty import draw_posterior as draw_posterior
 from .figures.uncertainty import draw_risk as draw_risk
 from .figures.uncertainty import draw_sensitivity as draw_sensitivity
-from .paper import RESULTS as RESULTS
-from .paper import reproduce as reproduce
-from .paper import write_gallery as write_gallery
 from .run.follow import follow_boundary as follow_boundary
 from .run.sweep import run_sweep as run_sweep
 from .run.vary import Variation as Variation
@@ -45,9 +42,8 @@ from .scene.scenefile import load_scene as load_scene
 from .scene.scenefile import scene_entry as scene_entry
 from .scene.template import new_scene as new_scene
 from .scene.units import to_si as to_si
-from .store.compact import compact_store as compact_store
-from .store.folder import StoreError as StoreError
-from .store.folder import StoreMismatchError as StoreMismatchError
+from .store.place import StoreError as StoreError
+from .store.place import StoreMismatchError as StoreMismatchError
 from .store.progress import summary as summary
 from .store.verify import verify_store as verify_store
 from .sweep.criterion import Conditions as Conditions

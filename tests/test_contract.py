@@ -27,7 +27,7 @@ def test_every_contract_is_tried():
 @pytest.mark.parametrize("name", VIOLATIONS)
 def test_a_violation_breaks_its_contract(name, tmp_path):
     shutil.copy(ROOT / "pyproject.toml", tmp_path)
-    for package in ("tribo", "pipeline"):
+    for package in ("tribo", "pipeline", "workflows"):
         shutil.copytree(ROOT / package, tmp_path / package)
     file, statement = VIOLATIONS[name]
     with (tmp_path / file).open("a") as module:

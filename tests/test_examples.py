@@ -14,16 +14,14 @@ LONG = {
     "choose_fidelity",
     "draw_trade",
     "follow_boundary",
-    "reproduce",
     "trade",
     "vary",
-    "write_gallery",
 }
 PUBLIC = [
     (module.__name__, name)
-    for module in (pipeline, tribo)
-    for name in module.__all__
-    if callable(getattr(module, name))
+    for module, names in ((pipeline, pipeline.__all__), (tribo, vars(tribo)))
+    for name in names
+    if callable(getattr(module, name)) and not name.startswith("_")
 ]
 
 

@@ -1,34 +1,76 @@
 """Simulation of one point of the transition diagram: contact, wear and heat of rough bodies.
 
-The public names stand in ``__init__.pyi``. Each is loaded when it is first used, without a library
-for that: this package needs NumPy and SciPy alone.
+Needs NumPy and SciPy alone.
 """
 
-import ast
-import importlib
-from pathlib import Path
-from typing import Any
-
-
-def _homes() -> dict[str, str]:
-    """Module of each public name, by the stub."""
-    stub = ast.parse(Path(__file__).with_suffix(".pyi").read_text(encoding="utf-8"))
-    imports = (line for line in stub.body if isinstance(line, ast.ImportFrom))
-    return {name.name: f".{line.module or name.name}" for line in imports for name in line.names}
-
-
-_HOMES = _homes()
-__all__ = sorted(_HOMES)
-
-
-def __getattr__(name: str) -> Any:
-    if name not in _HOMES:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    home = importlib.import_module(_HOMES[name], __name__)
-    found = home if _HOMES[name] == f".{name}" else getattr(home, name)
-    globals()[name] = found
-    return found
-
-
-def __dir__() -> list[str]:
-    return list(__all__)
+from . import analytic as analytic
+from .contact import ContactSolution as ContactSolution
+from .contact import ElasticHalfSpace as ElasticHalfSpace
+from .contact import elastic_influence as elastic_influence
+from .contact import solve_contact as solve_contact
+from .convolution import Convolution as Convolution
+from .criterion import CRITERIA as CRITERIA
+from .criterion import Criterion as Criterion
+from .errors import ConvergenceError as ConvergenceError
+from .errors import InputError as InputError
+from .errors import InvariantError as InvariantError
+from .errors import RangeError as RangeError
+from .errors import TriboError as TriboError
+from .files import read_heights as read_heights
+from .files import read_load as read_load
+from .grid import Grid as Grid
+from .inverse import AISI_316 as AISI_316
+from .inverse import CriticalTemperature as CriticalTemperature
+from .inverse import Transition as Transition
+from .inverse import WearRate as WearRate
+from .inverse import critical_temperature as critical_temperature
+from .inverse import critical_temperature_rig as critical_temperature_rig
+from .inverse import rig_heating as rig_heating
+from .inverse import specific_wear_rate as specific_wear_rate
+from .loading import MeasuredLoad as MeasuredLoad
+from .loading import Ramp as Ramp
+from .loading import Station as Station
+from .lubricant import Oil as Oil
+from .lubricant import lubrication_regime as lubrication_regime
+from .lubricant import minimum_line_film as minimum_line_film
+from .lubricant import minimum_point_film as minimum_point_film
+from .material import Material as Material
+from .material import contact_modulus as contact_modulus
+from .simulation import PRESETS as PRESETS
+from .simulation import Ball as Ball
+from .simulation import Crowned as Crowned
+from .simulation import Cylinder as Cylinder
+from .simulation import Fidelity as Fidelity
+from .simulation import Heat as Heat
+from .simulation import MeasuredRoughness as MeasuredRoughness
+from .simulation import Motion as Motion
+from .simulation import PointWarning as PointWarning
+from .simulation import Scene as Scene
+from .simulation import SelfAffineRoughness as SelfAffineRoughness
+from .simulation import State as State
+from .simulation import Velocities as Velocities
+from .simulation import WarningKind as WarningKind
+from .simulation import advance as advance
+from .simulation import forget_kernels as forget_kernels
+from .simulation import heat as heat
+from .simulation import measures as measures
+from .simulation import simulate as simulate
+from .simulation import start as start
+from .simulation import warnings as warnings
+from .thermal import BULK_RATIOS as BULK_RATIOS
+from .thermal import QUANTILES as QUANTILES
+from .thermal import ConductingHalfSpace as ConductingHalfSpace
+from .thermal import Conductor as Conductor
+from .thermal import HeatHistory as HeatHistory
+from .thermal import HeatPartition as HeatPartition
+from .thermal import contact_quantiles as contact_quantiles
+from .thermal import failed_share as failed_share
+from .thermal import partition_heat as partition_heat
+from .thermal import partition_with_history as partition_with_history
+from .topography import average_roughness as average_roughness
+from .topography import block_average as block_average
+from .topography import rms_height as rms_height
+from .topography import rms_slope as rms_slope
+from .topography import self_affine as self_affine
+from .wear import WEAR_SCHEMES as WEAR_SCHEMES
+from .wear import Wear as Wear

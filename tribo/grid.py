@@ -10,6 +10,8 @@ import numpy as np
 from tribo.errors import InputError, require_integer, require_positive
 from tribo.types import Array
 
+_MOST_ELONGATED = 1e6  # influences are summed over scales from the short side to the long one
+
 
 @dataclass(frozen=True, slots=True)
 class Grid:
@@ -29,7 +31,8 @@ class Grid:
     Raises
     ------
     InputError
-        If a number of elements is not a positive integer or a side is not positive and finite.
+        If a number of elements is not a positive integer, a side is not positive and finite, or
+        one side is more than a million times the other.
 
     Examples
     --------
@@ -48,6 +51,11 @@ class Grid:
                 raise InputError(f"{name} is {getattr(self, name)!r}; it must hold two values")
         require_integer(1, **dict(zip(("nx", "ny"), self.shape, strict=True)))
         require_positive(**dict(zip(("dx", "dy"), self.spacing, strict=True)))
+        if max(self.spacing) > _MOST_ELONGATED * min(self.spacing):
+            raise InputError(
+                f"spacing is {self.spacing}; one side must be at most {_MOST_ELONGATED:g} times "
+                "the other"
+            )
         require_positive(element_area=self.element_area, area=self.area)
 
     @property

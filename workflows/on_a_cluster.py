@@ -7,8 +7,8 @@
 
 Start it where jobs can be submitted and reached, such as a login node, inside `tmux` or in a job
 of its own. It needs little more than a core. Jobs come and go as the queue has it; what is
-finished is in OUT.zarr, which must lie where all of them see it: on a shared file system, or at an
-``s3://`` address. Whatever ends this program, start it again in the same way to go on.
+finished is in OUT.zarr, which this program alone writes. Whatever ends it, start it again in the
+same way to go on.
 
 Settings of the site, such as its account and queue, are read from ``~/.config/dask/jobqueue.yaml``;
 see https://jobqueue.dask.org. ``--system local`` tries everything out on this machine.
@@ -53,7 +53,8 @@ def main():
     options = parser.parse_args()
     sweep = pipeline.load_scene(options.scene)
     with dask.config.set(CONFIGURATION), cluster_of(options.system) as cluster:
-        cluster.adapt(minimum_jobs=1, maximum_jobs=options.jobs)
+        # As many as are asked for: fewer tasks wait than would make Dask start more jobs.
+        cluster.adapt(minimum_jobs=options.jobs, maximum_jobs=options.jobs)
         outcome = pipeline.run_sweep(
             sweep,
             options.store,

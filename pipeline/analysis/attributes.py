@@ -25,7 +25,8 @@ def portable(attributes: Mapping[Any, Any]) -> dict[str, Any]:
     What is neither text nor a number becomes JSON; `attributes_of` reads it again.
     """
     kept = {k: v for k, v in attributes.items() if v is not None and k not in _INTERNAL}
-    encoded = [name for name, value in kept.items() if not isinstance(value, str | int | float)]
+    plain = (name for name, value in kept.items() if type(value) in (str, int, float))
+    encoded = sorted(kept.keys() - set(plain))
     return (
         kept
         | {name: json.dumps(kept[name], ensure_ascii=False) for name in encoded}

@@ -18,7 +18,8 @@ from pipeline.analysis.conditions import Bulk, conditions_by_variant, conditions
 from pipeline.analysis.dataset import asked, at_bulks, dataset_of, values_of, variant_of
 from pipeline.analysis.interpolation import certain, exponent, interpolated
 from pipeline.analysis.transition import OUTCOMES, UNITS, Transition, range_of
-from pipeline.store import DONE, PathLike
+from pipeline.store.place import PathLike
+from pipeline.store.schema import DONE
 from pipeline.sweep.criterion import (
     Conditions,
     contact_temperature,

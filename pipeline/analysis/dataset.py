@@ -7,10 +7,11 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from pipeline.analysis.attributes import attributes_of, portable
-from pipeline.store import Committed, PathLike, as_needed, folder_of
+from pipeline.analysis.attributes import portable
 from pipeline.store.identity import simulated_inputs
-from pipeline.store.variables import LEADING, chosen_of
+from pipeline.store.place import PathLike
+from pipeline.store.read import open_store
+from pipeline.store.schema import LEADING
 from pipeline.sweep import criterion
 from pipeline.sweep.criterion import Conditions
 from pipeline.sweep.unknown import first_alike
@@ -55,7 +56,9 @@ def open_sweep(path: PathLike) -> xr.Dataset:
     >>> end["contact_width"].sel(load=600, velocity=1.6).round(6).item()
     0.00029
     """
-    ds = _shared(ordered(_stored(path)))
+    ds = _shared(ordered(open_store(path)))
+    ds["finished_at"].attrs |= _IN_UTC
+    ds = ds.drop_vars(["checksum", "record_checksum"])
     return ds.drop_attrs(deep=False).assign_attrs(portable(ds.attrs))
 
 
@@ -121,27 +124,7 @@ def asked(ds: xr.Dataset) -> xr.DataArray:
 
     The other points in the store were asked for by an earlier run.
     """
-    if "asked" in ds:
-        return ds["asked"] != 0
-    about, axis = attributes_of(ds), variant_of(ds)
-    loads, velocities = ds["load"].values, ds["velocity"].values
-    places = [
-        (place.get("realization"), place.get("simulation", place.get("sample")))
-        for place in variants(ds)
-    ]
-    if (chosen := chosen_of(about)) is not None:
-        mask = chosen.over(places, loads.tolist(), velocities.tolist())
-    else:
-        seeds = about.get("realizations")
-        on_surface = [seeds is None or seed is None or seed in seeds for seed, _ in places]
-        mask = (
-            np.array(on_surface)[:, None, None]
-            & np.isin(loads, about.get("loads", loads))[:, None]
-            & np.isin(velocities, about.get("velocities", velocities))
-        )
-    if axis is None:
-        return xr.DataArray(mask[0], dims=("load", "velocity"))
-    return xr.DataArray(mask, dims=(axis, "load", "velocity"))
+    return ds["asked"] != 0 if "asked" in ds else xr.ones_like(ds["status"], bool)
 
 
 def at_bulks(ds: xr.Dataset, conditions: Conditions) -> xr.Dataset:
@@ -203,21 +186,6 @@ def end_of_point(ds: xr.Dataset) -> xr.Dataset:
     """
     steps = ds["time"].notnull().sum("step")
     return ds.isel(step=(steps - 1).clip(min=0)).drop_vars("step")
-
-
-def _stored(path: PathLike) -> xr.Dataset:
-    """The variables and attributes of a store as they are."""
-    ds = xr.open_dataset(str(folder_of(path)), engine=Committed)
-    ds["finished_at"].attrs |= _IN_UTC
-    text = ds["message"].variable  # as Python's; xarray 2025.6 does not write NumPy's to netCDF
-    ds["message"] = as_needed(
-        text.dims,
-        text.shape,
-        object,
-        lambda key: np.asarray(text[key].values, dtype=object),
-        text.attrs,
-    )
-    return ds.drop_vars("checksum", errors="ignore")
 
 
 def _shared(ds: xr.Dataset) -> xr.Dataset:

@@ -23,7 +23,7 @@ from pipeline.analysis.dataset import dataset_of, variants
 from pipeline.analysis.interpolation import certain, interpolated
 from pipeline.analysis.transition import CROSSES, OUTCOMES, Transition, range_of
 from pipeline.scene.quantities import in_si
-from pipeline.store import PathLike
+from pipeline.store.place import PathLike
 from pipeline.sweep.criterion import Conditions, contact_temperature, rise_limit
 from tribo import InputError
 from tribo.types import Array

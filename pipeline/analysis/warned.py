@@ -11,7 +11,8 @@ import xarray as xr
 from pipeline.analysis.boundary import decisive_rise
 from pipeline.analysis.conditions import CONDITIONS, conditions_by_variant, conditions_of
 from pipeline.analysis.dataset import dataset_of, variant_of
-from pipeline.store import DONE, PathLike
+from pipeline.store.place import PathLike
+from pipeline.store.schema import DONE
 from pipeline.sweep.criterion import rise_limit
 from pipeline.sweep.model import Point
 from pipeline.sweep.warned import NO_WARNING, Warned

@@ -5,7 +5,8 @@ from __future__ import annotations
 import argparse
 
 import pipeline
-from pipeline.cli.output import DONE, show
+from pipeline.cli.exit_codes import DONE
+from pipeline.cli.output import show
 from pipeline.scene.editors import write_schema
 from pipeline.scene.shipped import shipped_scenes
 from tribo import InputError

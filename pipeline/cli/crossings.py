@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
@@ -34,58 +34,36 @@ _KINDS = {"realization": "surfaces", "sample": "samples"}
 
 
 def document_of(found: xr.Dataset) -> dict[str, Any]:
-    """Plain data of `pipeline.boundary`."""
-    conditions = ["bulk_temperature", "critical_temperature", "failing_share", "criterion"]
-    conditions += [name for name in ("disk_temperature",) if name in found.attrs]
+    """Plain data of `pipeline.boundary`, under its names; outcomes and regimes in words."""
+    names = ("bulk_temperature", "disk_temperature", "critical_temperature", "failing_share")
+    conditions = {name: found.attrs[name] for name in names if name in found.attrs}
     frictions = _frictions(found)
-    shown = ["load", "critical_velocity", "velocity", "critical_load"]
-    if variant := _variant(found):
-        shown += [variant, "quantile"]
-        for name, axis, _ in _BOUNDARIES:
-            shown += [f"{name}_{kind}" for kind in ("mean", "spread", "quantile")]
-            shown += [f"crossing_at_{axis}", f"known_at_{axis}"]
-    document = (
-        {
-            "conditions": {"friction": frictions if "friction" in found.sizes else frictions[0]}
-            | {name: found.attrs[name] for name in conditions},
-            "missing_points": found.attrs["missing_points"],
-        }
-        | {name: found[name].values.tolist() for name in shown}
-        | {"critical_velocity_rise_exponent": found["rise_exponent_at_load"].values.tolist()}
-        | {
-            f"{name}_outcome": _worded(found[f"outcome_at_{axis}"].values.tolist())
-            for name, axis, _ in _BOUNDARIES
-        }
-        | {
-            f"{name}_computed_{end}": found[f"computed_{end}_at_{axis}"].values.tolist()
-            for name, axis, _ in _BOUNDARIES
-            for end in _ENDS
-        }
-    )
-    for name, axis, _ in _BOUNDARIES:
-        if f"film_parameter_at_{axis}" in found:
-            values = found[f"film_parameter_at_{axis}"].values.tolist()
-            document |= {f"{name}_film_parameter": values, f"{name}_regime": _regimes(values)}
-    return document
+    conditions["criterion"] = found.attrs["criterion"]
+    conditions["friction"] = frictions if "friction" in found.sizes else frictions[0]
+    document = {str(name): values.values.tolist() for name, values in found.variables.items()}
+    for _, axis, _ in _BOUNDARIES:
+        outcome, film = f"outcome_at_{axis}", f"film_parameter_at_{axis}"
+        document[outcome] = _nested(OUTCOMES.__getitem__, document[outcome])
+        if film in document:
+            document[f"regime_at_{axis}"] = _nested(_regime, document[film])
+    missing = found.attrs["missing_points"]
+    return {"conditions": conditions, "missing_points": missing, **document}
 
 
-def _regimes(values: Any) -> Any:
-    """Regimes of lubrication in words, in lists as deep as those of the film parameters."""
+def _nested(write: Callable[[Any], str], values: Any) -> Any:
+    """Values in words, in lists as deep as theirs."""
     if isinstance(values, list):
-        return [_regimes(value) for value in values]
-    return lubrication_regime(values) if math.isfinite(values) else "no crossing"
+        return [_nested(write, value) for value in values]
+    return write(values)
+
+
+def _regime(film_parameter: float) -> str:
+    return lubrication_regime(film_parameter) if math.isfinite(film_parameter) else "no crossing"
 
 
 def _variant(found: xr.Dataset) -> str | None:
     """Dimension of the surfaces or samples, if there are several."""
     return next((name for name in _KINDS if name in found.sizes), None)
-
-
-def _worded(outcomes: Any) -> Any:
-    """Outcomes in words, in lists as deep as theirs."""
-    if isinstance(outcomes, list):
-        return [_worded(outcome) for outcome in outcomes]
-    return OUTCOMES[outcomes]
 
 
 def rows_of(found: xr.Dataset) -> Iterator[dict[str, Any]]:
@@ -112,7 +90,7 @@ def rows_of(found: xr.Dataset) -> Iterator[dict[str, Any]]:
 
 
 def _crossing(at: xr.Dataset, name: str, axis: str, other: str) -> dict[str, Any]:
-    """Where it crosses at one load or velocity, or the surfaces do."""
+    """Crossing at one load or velocity, or those of the surfaces."""
     found: dict[str, Any] = {}
     if variant := _variant(at):
         kind_of = _KINDS[variant]
@@ -233,7 +211,7 @@ def _by_friction(found: xr.Dataset) -> list[tuple[str, xr.Dataset]]:
 
 
 def _columns(found: xr.Dataset, name: str, axis: str) -> Iterator[str]:
-    """Where one surface crosses, a column for each friction."""
+    """Crossings of one surface, a column for each friction."""
     rows = [
         [f"{float(found[axis][place]):10g}", *_cells(found, place, name, axis)]
         for place in range(found.sizes[axis])

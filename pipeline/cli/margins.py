@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import pipeline
-from pipeline.cli.output import DONE, show
+from pipeline.cli.exit_codes import DONE
+from pipeline.cli.output import show
 from pipeline.cli.scenes import CONDITIONS, given
 from pipeline.cli.unknowns import notes, samples_of
-from pipeline.store import PENDING
+from pipeline.store.schema import PENDING
 from tribo import InputError
 
 if TYPE_CHECKING:
@@ -29,7 +30,6 @@ def margin(options: argparse.Namespace) -> int:
 
     ds, conditions = pipeline.open_sweep(options.store), given(options, *CONDITIONS)
     found = pipeline.margins(ds, options.load, options.velocity, **conditions)
-    warned = pipeline.warned(ds, **conditions)
     document = found[0].as_dict() if len(found) == 1 else _document(found)
     text = _on_one(found[0]) if len(found) == 1 else _on_several(found)
     if attributes_of(ds).get("samples") and not conditions:
@@ -45,8 +45,8 @@ def margin(options: argparse.Namespace) -> int:
         )
     command = _command(options, ds, conditions, found)
     lines = [*text, *([f"compute more of the boundary with: {command}"] if command else [])]
-    document |= {"command": command, "warnings": warned.as_dict()}
-    show(options, document, [*lines, *warned.lines()])
+    warned = pipeline.warned(ds, **conditions)
+    show(options, document | {"command": command}, lines, warned=warned)
     return DONE
 
 
@@ -142,7 +142,7 @@ def _error(found: Margin) -> str:
 
 
 def _kind(found: Sequence[Margin]) -> str:
-    """What there are several of."""
+    """Kind of the several margins."""
     return "surfaces" if found[0].sample is None else "samples"
 
 

@@ -1,4 +1,4 @@
-"""What a scene means, in words: the lines that ``irg check`` prints first."""
+"""Meaning of a scene in words: the lines that ``irg check`` prints first."""
 
 from __future__ import annotations
 

@@ -37,7 +37,7 @@ def _flag(*names: str, **settings: Any) -> Option:
 
 
 def output(name: str, what: str) -> Option:
-    """Where to write what a command makes."""
+    """Option for the file that a command writes."""
     return _option("-o", "--output", metavar=name, type=Path, help=what)
 
 
@@ -82,10 +82,6 @@ WORKERS = _option(
     help="number of workers; default: one for each core",
 )
 SCHEDULER = _option("--scheduler", metavar="ADDRESS", help="a running Dask scheduler to use")
-FILL_FIELDS = _flag(
-    "--fill-fields",
-    help="compute points again that were finished before the scene asked for fields",
-)
 RETRY_FAILED = _flag("--retry-failed", help="compute failed points again")
 NEW_STORE = output("OUT.zarr", "where to store it; default: results/<scene>.zarr").but(
     type=values.new_store
@@ -182,6 +178,12 @@ CONTACT_WIDTH = _option(
     type=values.positive("348 um"),
     help='width measured at --load and --velocity, like "348 um": find the specific wear rate '
     "instead",
+)
+DURATION = _option(
+    "--duration",
+    metavar="T",
+    type=values.positive("8 s"),
+    help="sliding from the start of the ramp until the width was measured; default: the scene's",
 )
 BASE = _option("--base", metavar="NAME", default="fine", help="preset to vary choice by choice")
 DIAGRAM = _flag("--diagram", help="compare whole small diagrams")

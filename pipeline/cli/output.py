@@ -1,4 +1,4 @@
-"""What the command shows: results on stdout, notes and errors on stderr."""
+"""Output of the command: results on stdout, notes and errors on stderr."""
 
 from __future__ import annotations
 
@@ -20,10 +20,9 @@ from pipeline.analysis.tables import TABLES, is_table, writable_path, write_tabl
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from pipeline.store import Damage, FailedPoint
-
-DONE, SOME_FAILED, WRONG_USE, OTHER_SCENE, INTERRUPTED = 0, 1, 2, 3, 130
-"""Exit codes."""
+    from pipeline.store.progress import FailedPoint
+    from pipeline.store.verify import Damage
+    from pipeline.sweep.warned import Warned
 
 _CONTROLS = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f]")
 _LONGEST = 2000  # characters of a line
@@ -54,13 +53,50 @@ def failed_points(points: Iterable[FailedPoint | Damage]) -> list[dict[str, Any]
     ]
 
 
-def show(options: argparse.Namespace, document: dict[str, Any], text: Iterable[str]) -> None:
-    """Print a result as text, or as one JSON document if the user asked for that."""
+def show(
+    options: argparse.Namespace,
+    document: dict[str, Any],
+    text: Iterable[str],
+    *,
+    warned: Warned | None = None,
+    out: Path | None = None,
+    rows: Iterable[Mapping[str, Any]] = (),
+    draw: Callable[[], Figure] | None = None,
+) -> None:
+    """Show a result, as text or as one JSON document, and write it to a file.
+
+    Parameters
+    ----------
+    options : Namespace
+        Options of the command.
+    document : dict
+        Result as plain values.
+    text : iterable of str
+        Result in lines.
+    warned : Warned, optional
+        Warnings that its points carry.
+    out : Path, optional
+        File of a figure or of a table.
+    rows : iterable of mapping
+        Result as rows of a table.
+    draw : callable, optional
+        Draws the result.
+    """
+    lines = list(text)
+    if warned is not None:
+        document = document | {"warnings": warned.as_dict()}
+        lines += warned.lines()
+    if out is not None and (draw is None or is_table(out)):
+        document = document | {"table": str(write_table(rows, out))}
+        lines.append(f"table: {out}")
+    elif out is not None and draw is not None:
+        document = document | {"figure": str(pipeline.save_figure(draw(), out))}
+        lines.append(str(out))
     if options.json:
         written = json.dumps(_without_nan(document), indent=2, ensure_ascii=False, allow_nan=False)
         print(_CONTROLS.sub(lambda found: f"\\u{ord(found[0]):04x}", written))
     else:
-        show_text(text)
+        show_text(lines)
 
 
 def show_text(text: Iterable[str]) -> None:
@@ -80,7 +116,7 @@ def hushed(is_quiet: bool) -> Iterator[None]:
 
 
 def is_hushed() -> bool:
-    """Whether the user asked for no progress and no notes."""
+    """True if the user asked for no progress and no notes."""
     return _QUIET.is_set()
 
 
@@ -89,34 +125,11 @@ def table_path(options: argparse.Namespace) -> Path | None:
     return None if options.output is None else writable_path(options.output, TABLES)
 
 
-def written(
-    out: Path | None, rows: Iterable[Mapping[str, Any]], document: dict[str, Any]
-) -> list[str]:
-    """Write a table if it was asked for; note it in the document, and return a line on it."""
-    if out is None:
-        return []
-    document["table"] = str(write_table(rows, out))
-    return [f"table: {out}"]
-
-
 def output_path(options: argparse.Namespace) -> Path | None:
     """Give the path of the figure or table that the user asked for, if any, before the work."""
     if options.output is None or is_table(options.output):
         return table_path(options)
     return pipeline.figure_path(options.output)
-
-
-def drawn_or_written(
-    out: Path | None,
-    draw: Callable[[], Figure],
-    rows: Iterable[Mapping[str, Any]],
-    document: dict[str, Any],
-) -> list[str]:
-    """Draw a figure or write a table, as `out` asks; note it in the document, and say so."""
-    if out is None or is_table(out):
-        return written(out, rows, document)
-    document["figure"] = str(pipeline.save_figure(draw(), out))
-    return [str(out)]
 
 
 def tell(message: str) -> None:

@@ -1,4 +1,4 @@
-"""What can be typed after ``irg``: a table of the commands, and how it is read."""
+"""Commands of ``irg``: their table, and the parser that is made of it."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ import re
 import sys
 import textwrap
 from collections.abc import Callable, Sequence
+from importlib.metadata import PackageNotFoundError, version
 from typing import Any, NamedTuple
 
 from pipeline.cli import options as o
-from pipeline.cli.values import Version
 
 
 class Command(NamedTuple):
@@ -56,13 +56,13 @@ COMMANDS = (
             *o.OF_SCENE,
             o.NEW_STORE,
             o.Group("", (o.WORKERS, o.SCHEDULER)),
-            o.FILL_FIELDS, o.RETRY_FAILED, o.BOUNDARY_ONLY, o.ACCURACY,
+            o.RETRY_FAILED, o.BOUNDARY_ONLY, o.ACCURACY,
         ),
     ),
     Command(
         "check", "sweeps:check", "say what a scene means, what would run and what it would cost",
-        "scene.toml",
-        (*o.OF_SCENE, o.WORKERS),
+        "scene.toml --accuracy 2%",
+        (*o.OF_SCENE, o.WORKERS, o.BOUNDARY_ONLY, o.ACCURACY),
     ),
     Command(
         "status", "stores:status", "count the points done, failed and pending",
@@ -73,11 +73,6 @@ COMMANDS = (
         "verify", "stores:verify", "read a whole store and name each damaged point",
         "results/scene.zarr --repair",
         (o.STORE, o.REPAIR),
-    ),
-    Command(
-        "compact", "stores:compact", "rewrite a store in few files, to open faster",
-        "results/scene.zarr",
-        (o.STORE,),
     ),
     Command(
         "boundary", "results:boundary",
@@ -110,7 +105,7 @@ COMMANDS = (
         'scene.toml --contact-width "348 um" --load "750 N" --velocity "1.25 m/s"',
         (
             o.SCENE.but(help="the scene file; or a store of samples"), *o.OF_SCENE[1:],
-            o.NEXT, o.SCATTER, o.CONTACT_WIDTH, o.BULK,
+            o.NEXT, o.SCATTER, o.CONTACT_WIDTH, o.DURATION, o.BULK,
             o.output(
                 "TABLE.csv", "write the table, to .csv or .md; or, of samples, draw a figure"
             ),
@@ -135,7 +130,7 @@ COMMANDS = (
     ),
     Command(
         "reproduce", "studies:reproduce",
-        "recompute a figure or table of the paper, beside what it prints", "table4",
+        "recompute a figure or table of the paper, beside what it prints, in a checkout", "table4",
         (
             o.RESULT, o.LIST.but(help="list the figures and tables"),
             o.output("FILE.png", "figure to draw; for all, the folder of their common page"),
@@ -181,7 +176,12 @@ def parse(arguments: Sequence[str] | None) -> argparse.Namespace:
         'Completion in bash and zsh:\n  eval "$(register-python-argcomplete irg)"',
         formatter_class=_Help,
     )
-    parser.add_argument("--version", action=Version, nargs=0, help="print the version and exit")
+    parser.add_argument(
+        "--version",
+        action="version",
+        version=f"irg {_version()}",
+        help="print the version and exit",
+    )
     parser.set_defaults(parser=parser)
     parsers = parser.add_subparsers(metavar="COMMAND")
     for command in COMMANDS:
@@ -202,6 +202,13 @@ def parse(arguments: Sequence[str] | None) -> argparse.Namespace:
         parser.print_help(sys.stderr)
         parser.exit(2, "irg: give a command\n")
     return options
+
+
+def _version() -> str:
+    try:
+        return version("irg-transition")
+    except PackageNotFoundError:
+        return "of unknown version, since it is not installed"
 
 
 def _joined(arguments: Sequence[str]) -> list[str]:

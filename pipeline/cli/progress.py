@@ -1,4 +1,4 @@
-"""How far a command is: on one line of a terminal, or else in lines on stderr now and then."""
+"""Progress of a command: on one line of a terminal, or else in lines on stderr now and then."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from pipeline.cli.output import is_hushed, tell
 from pipeline.sweep.stages import duration
 
 if TYPE_CHECKING:
-    from pipeline.run.sweep import Progress
+    from pipeline.run.tally import Progress
 
 _BETWEEN_LINES = 10.0  # [s], where stderr is no terminal
 _BETWEEN_LOOKS = 0.5  # [s], where it is one

@@ -5,12 +5,13 @@ from __future__ import annotations
 import argparse
 import math
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pipeline
-from pipeline.cli.output import DONE, counted, micrometres, show, table_path, tell, written
+from pipeline.cli.exit_codes import DONE
+from pipeline.cli.output import counted, micrometres, show, table_path, tell
 from pipeline.cli.progress import working
 from pipeline.cli.scenes import CONDITIONS, PLACE, given, scene_of, selected
 from pipeline.cli.unknowns import posterior
@@ -18,7 +19,7 @@ from pipeline.sweep.criterion import Verdict
 from pipeline.sweep.facts import require_bearable_load
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import PointResult
-from tribo import Criterion, InputError, measures, specific_wear_rate
+from tribo import Criterion, InputError, Ramp, measures, specific_wear_rate
 
 if TYPE_CHECKING:
     from pipeline.analysis.inference import CriticalTemperatures
@@ -41,11 +42,9 @@ def boundary(options: argparse.Namespace) -> int:
 
     ds, conditions = pipeline.open_sweep(options.store), given(options, *CONDITIONS)
     found, warned = pipeline.boundary(ds, **conditions), pipeline.warned(ds, **conditions)
-    document = document_of(found) | {"warnings": warned.as_dict()}
     command = command_for(found, options.store, ds)
-    document |= {"command": command}
-    told = written(out, rows_of(found), document)
-    show(options, document, [*text_of(found, command), *warned.lines(), *told])
+    document = document_of(found) | {"command": command}
+    show(options, document, text_of(found, command), warned=warned, out=out, rows=rows_of(found))
     return DONE
 
 
@@ -62,9 +61,8 @@ def plot(options: argparse.Namespace) -> int:
     suffix = "gif" if options.kind == "animation" else "png"
     out = options.output or store.with_name(f"{store.stem}_{options.kind}.{suffix}")
     written = pipeline.plot(ds, options.kind, out, **shown, **conditions)
-    warned = pipeline.warned(ds, **conditions)
-    document = {"kind": options.kind, "file": str(written), "warnings": warned.as_dict()}
-    show(options, document, [f"{written}", *warned.lines()])
+    document = {"kind": options.kind, "file": str(written)}
+    show(options, document, [f"{written}"], warned=pipeline.warned(ds, **conditions))
     return DONE
 
 
@@ -86,8 +84,7 @@ def explore(options: argparse.Namespace) -> int:
     fields = {"most_fields": 0} if options.no_fields else given(options, "most_fields")
     with working("writing the page"):
         page = pipeline.explore(ds, out, **fields)
-    warned = pipeline.warned(ds)
-    show(options, page.as_dict() | {"warnings": warned.as_dict()}, [str(page), *warned.lines()])
+    show(options, page.as_dict(), [str(page)], warned=pipeline.warned(ds))
     return DONE
 
 
@@ -116,7 +113,7 @@ def point(options: argparse.Namespace) -> int:
 
 
 def _of_elements(sweep: Sweep, result: PointResult) -> Iterator[str]:
-    """What the size of the elements decides, where a rough surface touches on larger ones."""
+    """Effect of the size of the elements, if a rough surface touches on larger ones."""
     block = sweep.pixels.shape[0] // len(result.state.pressure)
     if block > 1 and sweep.roughness is not None:
         room = " " * 20
@@ -176,7 +173,7 @@ def _on_point(
 def infer(options: argparse.Namespace) -> int:
     """Find what was not measured from what was."""
     if options.scene.is_dir():
-        if names := [*given(options, "contact_width", "preset", *PLACE)]:
+        if names := [*given(options, "contact_width", "duration", "preset", *PLACE)]:
             flags = ", ".join(f"--{name.replace('_', '-')}" for name in names)
             raise InputError(
                 f"{options.scene} is a store, to which {flags} does not belong; give the scene"
@@ -216,9 +213,7 @@ def infer(options: argparse.Namespace) -> int:
         f"on average {pipeline.display(found.mean, '°C', 4)}"
         + (f", {found.spread:.1f} K apart (standard deviation)" if found.spread else ""),
     ]
-    document = found.as_dict()
-    text += written(out, _transitions(found), document)
-    show(options, document, text)
+    show(options, found.as_dict(), text, out=out, rows=_transitions(found))
     return DONE
 
 
@@ -239,6 +234,8 @@ def _transitions(found: CriticalTemperatures) -> Iterator[dict[str, Any]]:
 def _wear_rate(options: argparse.Namespace, sweep: Sweep, out: Path | None) -> int:
     if options.load is None or options.velocity is None:
         raise InputError("--contact-width needs --load and --velocity: where it was measured")
+    sweep = _slid_for(sweep, options.load, options.duration)
+    *_, end = sweep.loading.stations(options.load, sweep.fidelity.increments)
     with working("seeking the wear rate, one simulation after the other"):
         found = specific_wear_rate(sweep, options.contact_width, options.load, options.velocity)
     value, lowest, highest = (1e9 * rate for rate in (found.value, found.lowest, found.highest))
@@ -246,7 +243,30 @@ def _wear_rate(options: argparse.Namespace, sweep: Sweep, out: Path | None) -> i
         f"specific wear rate {value:.3g} mm³/(N m), from {lowest:.3g} to {highest:.3g} within half "
         "an element of the width"
     )
-    document = asdict(found)
-    row = {f"{name} [mm³/(N m)]": 1e9 * rate for name, rate in document.items()}
-    show(options, document, [text, *written(out, [row], document)])
+    longer = end.normal_load / (end.impulse + end.normal_load)  # as wear goes with load times time
+    basis = (
+        f"for {end.time:.3g} s of sliding until the width was measured; each second more at full "
+        f"load lowers it by about {100 * longer:.2g} %"
+    )
+    if options.duration is None:
+        basis += ": give --duration, if the test went on"
+    document = asdict(found) | {"duration": end.time}
+    row = {f"{name} [mm³/(N m)]": 1e9 * rate for name, rate in asdict(found).items()}
+    row["duration [s]"] = end.time
+    show(options, document, [text, basis], out=out, rows=[row])
     return DONE
+
+
+def _slid_for(sweep: Sweep, load: float, duration: float | None) -> Sweep:
+    """The sweep with the load held from when it is reached until the end of a test [s]."""
+    if duration is None:
+        return sweep
+    if not isinstance(sweep.loading, Ramp):
+        raise InputError("--duration holds a ramp; a recorded load ends where the record does")
+    ramp = load / sweep.loading.rate
+    if duration < ramp:
+        raise InputError(
+            f"--duration is {duration:g} s; it must be at least the {ramp:g} s of the ramp to "
+            f"{load:g} N"
+        )
+    return replace(sweep, loading=replace(sweep.loading, hold=duration - ramp, hold_steps=None))

@@ -7,13 +7,14 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 import pipeline
-from pipeline.cli.output import DONE, SOME_FAILED, failed_points, show
+from pipeline.cli.exit_codes import DONE, SOME_FAILED
+from pipeline.cli.output import failed_points, show
 from pipeline.cli.progress import working
 from pipeline.sweep.stages import duration
 from pipeline.sweep.warned import NO_WARNING
 
 if TYPE_CHECKING:
-    from pipeline.store import Summary
+    from pipeline.store.progress import Summary
 
 
 def status(options: argparse.Namespace) -> int:
@@ -31,7 +32,6 @@ def status(options: argparse.Namespace) -> int:
         "running": found.running is not None,
         "points_per_minute": None if found.rate is None else 60 * found.rate,
         "time_to_go": found.time_to_go,
-        "warnings": warned.as_dict(),
         "selection": selection.as_dict() if selection else None,
     }
     text = [
@@ -41,14 +41,13 @@ def status(options: argparse.Namespace) -> int:
         *_more_text(found),
         *([str(selection)] if selection else []),
         *(f"failed: {point}" for point in found.failed),
-        *warned.lines(),
     ]
-    show(options, document, text)
+    show(options, document, text, warned=warned)
     return SOME_FAILED if found.failed else DONE
 
 
 def _more_text(found: Summary) -> Iterable[str]:
-    """What there is besides the points that were asked for, and how it goes on."""
+    """Points beyond those that were asked for, and the pace of a run."""
     if found.earlier:
         yield f"{found.earlier} more are done, for which an earlier run asked"
     if found.running:
@@ -67,46 +66,31 @@ def verify(options: argparse.Namespace) -> int:
     document = {
         "done": found.done,
         "damaged": failed_points(found.damaged),
+        "damaged_records": failed_points(found.records),
         "shared": found.shared,
-        "without_status": [point._asdict() for point in found.found],
-        "is_protected": found.is_protected,
+        "without_status": [point._asdict() for point in found.without_status],
         "repaired": found.repaired,
     }
     text = [
         f"{found.done} points are done and intact, {len(found.damaged)} are damaged",
         *(f"damaged: {damage}" for damage in found.damaged),
+        *(f"damaged, but not its data: {damage}" for damage in found.records),
         *(f"damaged: {fault}" for fault in found.shared),
         *(
             f"complete, but without a status: {point}; "
             + ("done again" if found.repaired else "the next run takes it as done")
-            for point in found.found
+            for point in found.without_status
         ),
     ]
-    if not found.is_protected:
-        text.append(
-            "note: a store of format 1 has no hash that would show changes of its conditions, axes "
-            "and metadata"
-        )
     if not found.is_clean:
         text.append(
             "repaired; damaged points are pending, and computed again by: irg run"
             if found.repaired
             else "set damaged points to be computed again with: irg verify --repair"
         )
-    if found.is_clean or found.repaired:  # else they cannot be read
-        warned = pipeline.warned(options.store)
-        document["warnings"] = warned.as_dict()
-        text += warned.lines()
-    show(options, document, text)
+    is_readable = found.is_clean or found.repaired
+    show(options, document, text, warned=pipeline.warned(options.store) if is_readable else None)
     return DONE if found.is_clean else SOME_FAILED
-
-
-def compact(options: argparse.Namespace) -> int:
-    """Rewrite a store in large chunks."""
-    with working("rewriting the store"):
-        pipeline.compact_store(options.store)
-    show(options, {"store": str(options.store)}, [f"{options.store} is compact"])
-    return DONE
 
 
 def _pace(per_minute: float) -> str:

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import argparse
+import importlib
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pipeline
-from pipeline.cli.output import DONE, drawn_or_written, output_path, show, tell
+from pipeline.cli.exit_codes import DONE
+from pipeline.cli.output import output_path, show, tell
 from pipeline.cli.scenes import given, scene_of
+from tribo import InputError
 
 if TYPE_CHECKING:
     from pipeline.tradeoff.table import Trade
@@ -21,9 +25,9 @@ def trade(options: argparse.Namespace) -> int:
     found = pipeline.trade(
         scene_of(options), base=options.base, diagram=options.diagram, progress=tell
     )
-    document = found.as_dict()
-    told = drawn_or_written(out, lambda: pipeline.draw_trade(found), _choices(found), document)
-    show(options, document, [str(found), *told])
+    rows = _choices(found)
+    draw = partial(pipeline.draw_trade, found)
+    show(options, found.as_dict(), [str(found)], out=out, rows=rows, draw=draw)
     return DONE
 
 
@@ -41,18 +45,32 @@ def _choices(found: Trade) -> Iterator[dict[str, Any]]:
         }
 
 
+def _study_of_the_paper() -> Any:
+    """The package of the source that recomputes the paper, which no installed one depends on."""
+    try:
+        return importlib.import_module("workflows.paper")
+    except ModuleNotFoundError as error:
+        if error.name not in ("workflows", "workflows.paper"):
+            raise
+        raise InputError(
+            "the figures and tables of the paper are recomputed by workflows/paper of the source, "
+            "which is not installed with the command; run irg reproduce in a checkout"
+        ) from error
+
+
 def reproduce(options: argparse.Namespace) -> int:
     """Recompute a figure or table of the paper, all of them, or list them."""
+    paper = _study_of_the_paper()
     if options.list or options.name is None:
-        results = pipeline.RESULTS
+        results = paper.RESULTS
         show(options, results, [f"{name:12} {what}" for name, what in results.items()])
         return DONE
     chosen = given(options, "preset", "surfaces", "workers")
     if options.name == "all":
-        reports = pipeline.write_gallery(options.output or Path("results"), progress=tell, **chosen)
+        reports = paper.write_gallery(options.output or Path("results"), tell=tell, **chosen)
         text = [line for report in reports for line in (*report.lines(), "")]
         show(options, {report.name: report.as_dict() for report in reports}, text)
         return DONE
-    report = pipeline.reproduce(options.name, options.output, progress=tell, **chosen)
+    report = paper.reproduce(options.name, options.output, tell=tell, **chosen)
     show(options, report.as_dict(), report.lines())
     return DONE

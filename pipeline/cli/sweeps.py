@@ -3,21 +3,14 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Collection, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pipeline
+from pipeline.cli.exit_codes import DONE, SOME_FAILED
 from pipeline.cli.meaning import library_lines, meaning
-from pipeline.cli.output import (
-    DONE,
-    SOME_FAILED,
-    counted,
-    failed_points,
-    show,
-    show_text,
-    tell,
-)
+from pipeline.cli.output import counted, failed_points, show, show_text, tell
 from pipeline.cli.progress import ProgressLine
 from pipeline.cli.scenes import given, scene_of, selected
 from pipeline.sweep.doubts import doubts
@@ -25,7 +18,7 @@ from pipeline.sweep.facts import facts_of, require_bearable_load
 from pipeline.sweep.left_out import left_out
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.stages import duration
-from pipeline.sweep.warned import NO_WARNING, Warned
+from pipeline.sweep.warned import NO_WARNING
 from pipeline.tradeoff.forecast import Estimate, machine_bytes, worker_bytes
 
 
@@ -44,7 +37,7 @@ def computed(options: argparse.Namespace) -> int:
             "tell": tell,
         }
         if options.boundary_only is None and sweep.samples is None:
-            outcome = pipeline.run_sweep(sweep, out, **cluster, fill_fields=options.fill_fields)
+            outcome = pipeline.run_sweep(sweep, out, **cluster)
         else:
             asked = given(options, "boundary_only")
             outcome = pipeline.follow_boundary(sweep, out, *asked.values(), **cluster)
@@ -55,7 +48,6 @@ def computed(options: argparse.Namespace) -> int:
         "done": outcome.done,
         "failed": failed_points(outcome.failed),
         "wall_time": outcome.wall_time,
-        "warnings": (found := _warned(out)).as_dict(),
         **selected(sweep),
     }
     text = [
@@ -65,14 +57,9 @@ def computed(options: argparse.Namespace) -> int:
     ]
     if outcome.failed:
         text.append("try these again with: irg run --retry-failed")
-    text += found.lines()
-    show(options, document, text)
+    warned = pipeline.warned(out) if pipeline.summary(out).warned else NO_WARNING
+    show(options, document, text, warned=warned)
     return SOME_FAILED if outcome.failed else DONE
-
-
-def _warned(store: Path) -> Warned:
-    """Warnings of a store, whose results are read only if it has any."""
-    return pipeline.warned(store) if pipeline.summary(store).warned else NO_WARNING
 
 
 def check(options: argparse.Namespace) -> int:
@@ -114,14 +101,15 @@ def check(options: argparse.Namespace) -> int:
         return DONE
     if not options.json:
         show_text(text)
-    found = pipeline.estimate(sweep, workers=options.workers)
-    document |= found.as_dict() | {"warnings": [*doubted, *found.warnings]}
-    show(options, document, _cost(sweep, found, reasons))
+    searched = options.boundary_only is not None
+    found = pipeline.estimate(sweep, workers=options.workers, boundary_only=searched)
+    document |= found.as_dict() | {"warnings": [*doubted, *found.warnings]} | selected(sweep)
+    show(options, document, _cost(sweep, found, searched))
     return DONE
 
 
 def _unknown(sweep: Sweep) -> dict[str, Any]:
-    """What is not known exactly, as plain data; nothing where all is."""
+    """Inputs that are not known exactly, as plain data; nothing where all are."""
     if sweep.samples is None:
         return {}
     simulated = sweep.samples.simulated
@@ -149,14 +137,14 @@ def _on_unknown(sweep: Sweep) -> Iterator[str]:
         yield "           all of one simulation, since nothing unknown acts before it ends"
 
 
-def _cost(sweep: Sweep, found: Estimate, said: Collection[str]) -> Iterator[str]:
-    """Say what a sweep would cost, and what is left out besides what was said."""
+def _cost(sweep: Sweep, found: Estimate, searched: bool) -> Iterator[str]:
+    """Say what a sweep would cost."""
     loads = counted(len(sweep.loads), "load", "loads")
     velocities = counted(len(sweep.velocities), "velocity", "velocities")
-    if sweep.samples:
+    if sweep.samples or searched:
         sought = f"the boundary is sought between {sweep.velocities[0]:g} and "
         sought += f"{sweep.velocities[-1]:g} m/s, {loads}"
-        variants = f", {len(sweep.samples)} samples" if sweep.axis else ""
+        variants = f", {len(sweep.axis[1])} {sweep.axis[0]}s" if sweep.axis else ""
         yield f"  points   about {found.points}: {sought}{variants}"
     else:
         surfaces = f", {len(sweep.realizations)} surfaces" if sweep.realizations else ""
@@ -168,4 +156,3 @@ def _cost(sweep: Sweep, found: Estimate, said: Collection[str]) -> Iterator[str]
     size = found.disk_bytes / 1e6
     yield "  disk     " + (f"about {size:.0f} MB" if size >= 1 else "less than 1 MB")
     yield from (f"  warning  {what}" for what in found.warnings)
-    yield from (f"  left out {reason}" for reason in found.left_out if reason not in said)

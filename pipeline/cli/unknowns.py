@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 import pipeline
-from pipeline.cli.output import DONE, counted, drawn_or_written, output_path, show
+from pipeline.cli.exit_codes import DONE
+from pipeline.cli.output import counted, output_path, show
 from pipeline.cli.progress import working
 from pipeline.cli.scenes import given
 from tribo import InputError
@@ -29,6 +31,7 @@ def risk(options: argparse.Namespace) -> int:
     ensemble, found = samples_of(options, ds)
     draws = found.draws if found else None
     document: dict[str, Any] = {"given_measured": found is not None, **_about(ensemble)}
+    figure: dict[str, Any] = {}
     text = list(notes(ensemble, found))
     if options.load is not None:
         with working("finding the probability"):
@@ -48,14 +51,10 @@ def risk(options: argparse.Namespace) -> int:
         place = given(options, "load", "velocity")
         document |= _lines(at_loads)
         text += [] if place else _table(at_loads)
-        text += drawn_or_written(
-            out or _beside(options.store, "risk"),
-            lambda: pipeline.draw_risk(ensemble, plane, place, found),
-            _cells(plane),
-            document,
-        )
-    warned = pipeline.warned(ds)
-    show(options, document | {"warnings": warned.as_dict()}, [*text, *warned.lines()])
+        figure["out"] = out or _beside(options.store, "risk")
+        figure["rows"] = _cells(plane)
+        figure["draw"] = partial(pipeline.draw_risk, ensemble, plane, place, found)
+    show(options, document, text, warned=pipeline.warned(ds), **figure)
     return DONE
 
 
@@ -65,16 +64,12 @@ def sensitivity(options: argparse.Namespace) -> int:
     ensemble, found = samples_of(options, ds)
     with working("finding Sobol' indices"):
         indices = pipeline.sensitivity(ensemble, found.draws if found else None)
-    document: dict[str, Any] = _about(ensemble) | indices.as_dict()
+    draw = partial(pipeline.draw_sensitivity, indices, ensemble.title)
     text = [*notes(ensemble, found), *_indices(indices)]
-    text += drawn_or_written(
-        out,
-        lambda: pipeline.draw_sensitivity(indices, ensemble.title),
-        _index_rows(indices),
-        document,
-    )
-    warned = pipeline.warned(ds)
-    show(options, document | {"warnings": warned.as_dict()}, [*text, *warned.lines()])
+    show(
+        options, _about(ensemble) | indices.as_dict(), text,
+        warned=pipeline.warned(ds), out=out, rows=_index_rows(indices), draw=draw,
+    )  # fmt: skip
     return DONE
 
 
@@ -102,10 +97,13 @@ def posterior(options: argparse.Namespace, store: Path | str) -> int:
                 for each in ranked
             ),
         ]
-    rows = (_flat(row) for row in found.summary())
-    text += drawn_or_written(out, lambda: pipeline.draw_posterior(found), rows, document)
-    warned = pipeline.warned(ds)
-    show(options, document | {"warnings": warned.as_dict()}, [*text, *warned.lines()])
+    show(
+        options, document, text,
+        warned=pipeline.warned(ds),
+        out=out,
+        rows=map(_flat, found.summary()),
+        draw=partial(pipeline.draw_posterior, found),
+    )  # fmt: skip
     return DONE
 
 
@@ -152,7 +150,7 @@ def on_draws(found: Posterior) -> Iterator[str]:
 
 
 def _beside(store: Path | str, kind: str) -> Path:
-    """Where a figure goes if that is not said."""
+    """File of a figure if none is named."""
     path = store if isinstance(store, Path) else Path(Path(store).name)
     return path.with_name(f"{path.stem}_{kind}.png")
 
@@ -236,12 +234,12 @@ def _indices(found: Sensitivity) -> Iterator[str]:
 
 
 def _why_dependent(found: Sensitivity) -> str:
-    """Why there are no total indices, which presume that no input tells of another."""
+    """Reason for no total indices, which presume that no input tells of another."""
     return "given the measurements" if found.given_measured else "as the scene correlates them,"
 
 
 def _scattered(found: Posterior) -> str:
-    """How far the measured velocities are taken to scatter."""
+    """Scatter that the measured velocities are taken to have, in words."""
     own = sum("velocity_scatter" in entry for entry in found.measured)
     if found.measured and own == len(found.measured):
         return "velocities scattered as the scene says of each"

@@ -5,13 +5,12 @@ from __future__ import annotations
 import argparse
 import math
 import re
+import tomllib
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pipeline
-from pipeline.scene.quantities import share_of
-from tribo import InputError
 
 _DECIMAL_POINT = re.compile(r"\s*[+-]?(\d+\.\d*|\.\d+)(e[+-]?\d+)?\s*", re.IGNORECASE)
 _EACH_BULK = re.compile(r"\s*pin\s*=(?P<pin>[^=]+),\s*disk\s*=(?P<disk>[^=]+)")
@@ -141,26 +140,6 @@ class Several(argparse.Action):
         setattr(namespace, self.dest, found if len(found) > 1 else found[0])
 
 
-class Version(argparse.Action):
-    """Print the version of the program, and exit."""
-
-    def __call__(
-        self,
-        parser: argparse.ArgumentParser,
-        namespace: argparse.Namespace,
-        values: Any,
-        option_string: str | None = None,
-    ) -> None:
-        """Look the version up only now, since that takes longer than reading all options."""
-        from importlib.metadata import PackageNotFoundError, version
-
-        try:
-            print(parser.prog, version("irg-transition"))
-        except PackageNotFoundError:
-            print(parser.prog, "of unknown version, since it is not installed")
-        parser.exit()
-
-
 def share(text: str) -> float:
     """Read a share such as 2% or 0.02."""
     try:
@@ -189,9 +168,11 @@ def failing_share(text: str) -> float:
     >>> failing_share("10%"), failing_share("0.1"), failing_share("0")
     (0.1, 0.1, 0.0)
     """
+    from pipeline.scene.quantities import share_of  # imports NumPy, which --help needs not
+
     try:
         return share_of(text)
-    except InputError as error:
+    except ValueError as error:
         raise argparse.ArgumentTypeError(str(error)) from None
 
 
@@ -233,8 +214,6 @@ def setting(text: str) -> tuple[str, Any]:
     key, separator, value = text.partition("=")
     if not (separator and key and value):
         raise argparse.ArgumentTypeError(f'"{text}" is not a setting; give one like increments=50')
-    import tomllib  # takes 5 ms, which --help would take, too
-
     try:
         return key, tomllib.loads(f"value = {value}")["value"]
     except tomllib.TOMLDecodeError:

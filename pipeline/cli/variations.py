@@ -6,11 +6,13 @@ import argparse
 import math
 import re
 from collections.abc import Iterator
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import pipeline
 from pipeline.analysis.transition import CROSSES, OUTCOMES
-from pipeline.cli.output import DONE, drawn_or_written, output_path, show, tell
+from pipeline.cli.exit_codes import DONE
+from pipeline.cli.output import output_path, show, tell
 from pipeline.cli.scenes import scene_of, settings_of
 from tribo import InputError
 
@@ -30,9 +32,11 @@ def vary(options: argparse.Namespace) -> int:
         for value in _absolute(options, key, values)
     }
     found = pipeline.vary(scene_of(options), others, tell=tell)
-    document = found.as_dict()
-    told = drawn_or_written(out, lambda: pipeline.draw_variations(found), _rows(found), document)
-    show(options, document, [*_text(found), *found.warned.lines(), *told])
+    draw = partial(pipeline.draw_variations, found)
+    show(
+        options, found.as_dict(), _text(found),
+        warned=found.warned, out=out, rows=_rows(found), draw=draw,
+    )  # fmt: skip
     return DONE
 
 

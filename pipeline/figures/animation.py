@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from pipeline.analysis.conditions import Bulk, conditions_of
 from pipeline.figures.fields import contact, has_fields, require_fields, scales, shown, with_fields
 from pipeline.figures.points import chosen_points
-from pipeline.store import DONE
+from pipeline.store.schema import DONE
 from tribo import InputError
 
 _PACE = 2  # pictures a second

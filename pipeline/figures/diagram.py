@@ -38,7 +38,7 @@ from pipeline.figures.style import (
     plain_numbers,
     title_of,
 )
-from pipeline.store import PENDING
+from pipeline.store.schema import PENDING
 from pipeline.sweep.criterion import Conditions, rise_limit
 from tribo import InputError
 from tribo.types import Array, Mask

@@ -44,6 +44,7 @@ def fitted(figure: Figure, width: float | None = None, with_title: bool = True) 
         for axes in figure.axes:
             axes.set_title("")
     if width is None:
+        _narrow_legends(figure)
         return figure
     if not _NARROWEST <= width <= _WIDEST:
         raise InputError(f"width is {100 * width:g} cm; it must be from 4 to 100 cm")
@@ -61,8 +62,7 @@ def fitted(figure: Figure, width: float | None = None, with_title: bool = True) 
     for axes in figure.axes:
         if legend := axes.get_legend():
             legend.set_in_layout(False)
-    for legend in list(figure.legends):
-        _narrow(figure, legend)
+    _narrow_legends(figure)
     _wrap_labels(figure)
     for axes in figure.axes:
         if legend := axes.get_legend():
@@ -117,6 +117,11 @@ def _stack(axes: Axes, legend: Legend) -> None:
     for each in (other for other in axes.figure.axes if other.bbox.bounds == axes.bbox.bounds):
         bottom, top = each.get_ylim()
         each.set_ylim(bottom, bottom + (top - bottom) * (1 + max(0.0, room - 0.15)))
+
+
+def _narrow_legends(figure: Figure) -> None:
+    for legend in list(figure.legends):
+        _narrow(figure, legend)
 
 
 def _narrow(figure: Figure, legend: Legend) -> None:

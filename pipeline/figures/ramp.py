@@ -25,7 +25,7 @@ from pipeline.figures.style import (
     in_house_style,
     title_of,
 )
-from pipeline.store import DONE
+from pipeline.store.schema import DONE
 from pipeline.sweep.criterion import Conditions, contact_temperature
 from tribo import Criterion
 from tribo.types import Array

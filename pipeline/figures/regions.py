@@ -58,6 +58,7 @@ def _roomiest(
             inside[np.abs(y - point[1]).argmin(), np.abs(x - point[0]).argmin()] = False
     width, height = _LABEL_SIZE
     steps = (np.ptp(y) / (len(y) - 1) / height, np.ptp(x) / (len(x) - 1) / width)
+    # Padded, since the edges of the diagram count as edges of the region.
     room = distance_transform_edt(np.pad(inside, 1), sampling=steps)[1:-1, 1:-1]
     if room.max() < 0.4:
         return None

@@ -1,4 +1,4 @@
-"""Which points are called failed when workers die: those that kill even a worker of their own.
+"""Blame for the death of workers: points fail that kill even a worker of their own.
 
 A worker that dies takes with it whatever it was given to do, and does not say what it died of. So
 the point at which each lost task was is suspected, and tried again later on a worker that computes

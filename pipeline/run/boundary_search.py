@@ -1,4 +1,4 @@
-"""Where to look next, if the boundary is all that is wanted.
+"""Search for the boundary with few points.
 
 At one load the rise grows with velocity about as a power of it. Between two velocities, one mild
 and one severe, a straight line through both in logarithms finds the crossing to κh²/8, where h is
@@ -146,7 +146,7 @@ class BoundarySearch:
         return found
 
     def may_ask(self, velocity: float) -> bool:
-        """Whether it may ever ask for points at a velocity."""
+        """Return whether it may ever ask for points at a velocity."""
         if not self.lowest <= velocity <= self.highest:
             return False
         finest = self._span() / 2 ** (_FINEST - 1)

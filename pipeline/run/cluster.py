@@ -1,48 +1,50 @@
-"""The Dask cluster of a sweep: started here, or given.
+"""The Dask cluster of a sweep: started here, or already running elsewhere.
 
 ::
 
     TriboError
-    └── ExecutionError   the cluster does not start, or is lost
+    └── ExecutionError   the cluster does not start, is lost, or runs other code
 """
 
 from __future__ import annotations
 
 import logging
 import multiprocessing
-import os
 import time
 import warnings
 from collections import Counter
 from collections.abc import Callable, Collection, Iterator
 from concurrent.futures import CancelledError
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
+from typing import Any
+from weakref import WeakKeyDictionary
 
 import dask
-from distributed import Client, Future, LocalCluster, Status, versions, wait
-from distributed.nanny import WorkerProcess
+from distributed import Client, Future, LocalCluster, Security, Status, wait
 from distributed.scheduler import KilledWorker
+from distributed.utils import silence_logging_cmgr
 
 from pipeline.run import forkserver
-from pipeline.run.certificate import private_security
-from pipeline.run.forkserver import METHOD, UNGUARDED, WORKER_ENVIRONMENT, interrupts_put_off
-from pipeline.run.work import same
+from pipeline.run.forkserver import UNGUARDED, WORKER_ENVIRONMENT, interrupts_put_off
+from pipeline.run.versions import Versions, other_packages, versions
 from tribo import TriboError
 
 SAFE = "finished points are safe, run the sweep again to go on"
 LOST = f"the Dask scheduler is lost; {SAFE}"
+_INSTALL = f"install the same version in both places and restart the workers; {SAFE}"
+_UNSTARTED = "the worker processes do not start"
+PATIENCE = 30.0
+"""Time to wait for a scheduler, and for workers if there are none [s]."""
 
 CONFIGURATION = {
-    # What a dead worker leaves is tried again by `pipeline.run.schedule`, which tells bystanders.
+    # `pipeline.run.schedule` tries again the points of a dead worker, and spares bystanders.
     "distributed.scheduler.allowed-failures": 0,
-    "distributed.worker.multiprocessing-method": METHOD,
+    "distributed.worker.multiprocessing-method": "forkserver",
     "distributed.nanny.pre-spawn-environ": WORKER_ENVIRONMENT,
-    # Nothing here is worth a spill to disk, and a worker that pauses never ends.
-    "distributed.worker.memory.target": False,
-    "distributed.worker.memory.spill": False,
+    # A worker that goes on holding 80 % of its memory would be paused, and the run never end.
     "distributed.worker.memory.pause": False,
-    # Nobody looks at a profile. To look after itself as often as it would, Dask takes 3 % of the
-    # time of two cores.
+    # Dask looks after itself every few milliseconds. On a machine that is busy with other programs,
+    # this was a fifth of the CPU time of 12 × 30 points at `standard` (34.6 s, 26.8 s before).
     "distributed.worker.profile.enabled": False,
     "distributed.worker.memory.monitor-interval": "1s",
     "distributed.admin.tick.interval": "1s",
@@ -50,33 +52,30 @@ CONFIGURATION = {
     "distributed.admin.large-graph-warning-threshold": "1 TB",
 }
 _LOCAL: dict[str, object] = {
-    # Dask would take commands there from whoever else is on the machine.
+    # Anybody on this machine could give commands there.
     "distributed.scheduler.http.routes": [],
     "distributed.worker.http.routes": [],
     "distributed.nanny.http.routes": [],
-    # A nanny starts its worker again. Dask would take off who is away at this time after a loss,
-    # and so, where workers die again and again, one that is just coming back.
+    # Dask gives up a worker that is away at this time after a death, although its nanny may just
+    # be starting it again: with its 15 s, sweeps with deadly points ended without any worker.
     "distributed.deploy.lost-worker-timeout": "1000 days",
-    # What workers share stays with all of them.
+    # Dask would take heavy shared content from all workers but one: 24 tasks of 0.3 s then took
+    # 3.0 s in place of 2.4.
     "distributed.scheduler.active-memory-manager.start": False,
 }
-_THREADS = 2  # of a worker: while one waits for the disk, the other computes
+_THREADS = 2  # of a worker: while one waits, the other computes
 _WORD = 10.0  # [s] without a worker, after which the user is told
 _ATTEMPTS = 3  # to start workers, or to reach one, which may be killed meanwhile
-# [s] after which a nanny looks again whether its worker has started. With Dask's 0.05 s it takes a
-# worker that has died by then for the next one, which it is about to start.
-_LOOK = 0.002
-_START = 120.0  # [s] that a worker may take to start, after which its nanny is given up
-_LIGHT = 8000  # bytes, of which a scheduler has room for as many as there are tasks
-_COPIED = 1.0  # [s] for which to wait until each worker has a copy of what they share
+_START = 120.0  # [s] that the workers may take to start
 _END = 60.0  # [s] that the cluster may take to end, after which its processes are killed
-_UNSTARTED = "the worker processes do not start"
-PATIENCE = 30.0
-"""Time to wait for a scheduler, and for workers if there are none [s]."""
+_ANSWER = 10.0  # [s] that a worker may take to tell its versions
+_LIGHT = 8000  # bytes, of which a scheduler has room for as many as there are tasks
+_COPIED = 1.0  # [s] to wait until each worker has a copy of the shared content
+_asked: WeakKeyDictionary[Client, dict[str, Versions | None]] = WeakKeyDictionary()
 
 
 class ExecutionError(TriboError):
-    """A cluster that does not start, or is lost."""
+    """A cluster that does not start, is lost, or runs other code."""
 
 
 @contextmanager
@@ -88,108 +87,76 @@ def connected(workers: int, scheduler: str | None, patience: float) -> Iterator[
     ExecutionError
         If there is no scheduler, or the workers do not start.
     """
-    if scheduler is not None:
+    with ExitStack() as stack:
+        if scheduler is None:
+            stack.enter_context(dask.config.set({**CONFIGURATION, **_LOCAL}))
+            cluster = stack.enter_context(_local_cluster(workers))
+            client = Client(cluster, set_as_default=False)
+        else:
+            stack.enter_context(silence_logging_cmgr(logging.CRITICAL))  # it logs tracebacks
+            client = _client_of(scheduler, patience)
+        stack.enter_context(client)
+        stack.enter_context(client.as_current())
         try:
-            client = Client(scheduler, set_as_default=False, timeout=patience)
-        except (OSError, ValueError, RuntimeError) as error:
-            raise ExecutionError(f"no Dask scheduler answers at {scheduler}: {error}") from error
-        except TypeError as error:  # as Dask has it
-            raise ExecutionError(
-                f"{scheduler} needs certificates: name the files under distributed.comm.tls in "
-                "Dask's configuration, as DASK_DISTRIBUTED__COMM__TLS__CA_FILE, "
-                "…__CLIENT__CERT and …__CLIENT__KEY do"
-            ) from error
-        with client, client.as_current(), _quiet_if_interrupted():
             yield client
-        return
-    cluster = None
-    with dask.config.set({**CONFIGURATION, **_LOCAL}):
-        try:
-            forkserver.start()
-            with interrupts_put_off(), _nothing_imported_for_the_forkserver():
-                cluster = _local_cluster(workers)
-            with (
-                Client(cluster, set_as_default=False) as client,
-                client.as_current(),
-                _quiet_if_interrupted(),
-            ):
-                yield client
-        finally:
-            if cluster is not None:
-                with interrupts_put_off():
-                    _end(cluster)
+        except KeyboardInterrupt:  # in the middle of a call to Dask
+            warnings.filterwarnings("ignore", "coroutine .* was never awaited", RuntimeWarning)
+            raise
 
 
-def _end(cluster: LocalCluster) -> None:
-    forkserver.wake()
+def _client_of(scheduler: str, patience: float) -> Client:
     try:
-        cluster.close(timeout=_END)
-    except (OSError, AssertionError):
-        # Not in time; or a connection broke that Ctrl-C had reached the other end of; or a worker
-        # had died as soon as it had started, and the next one was just about to start.
-        forkserver.wake()  # or Python itself waits for these processes in the end
-        for process in multiprocessing.active_children():
-            process.kill()
+        return Client(scheduler, set_as_default=False, timeout=patience)
+    except (OSError, ValueError, RuntimeError) as error:
+        raise ExecutionError(f"no Dask scheduler answers at {scheduler}: {error}") from error
+    except TypeError as error:  # as Dask has it
+        raise ExecutionError(
+            f"{scheduler} needs certificates: name the files under distributed.comm.tls in "
+            "Dask's configuration, as DASK_DISTRIBUTED__COMM__TLS__CA_FILE, "
+            "…__CLIENT__CERT and …__CLIENT__KEY do"
+        ) from error
 
 
 @contextmanager
-def _quiet_if_interrupted() -> Iterator[None]:
-    """Keep Python from complaining about the call to Dask that Ctrl-C broke off."""
+def _local_cluster(workers: int) -> Iterator[LocalCluster]:
+    forkserver.start()
+    with interrupts_put_off():
+        cluster = _started(workers)
     try:
-        yield
-    except KeyboardInterrupt:
-        warnings.filterwarnings("ignore", "coroutine .* was never awaited", RuntimeWarning)
-        raise
-
-
-@contextmanager
-def _nothing_imported_for_the_forkserver() -> Iterator[None]:
-    """Spare this process the packages that Dask imports only to name them to the forkserver.
-
-    That is pandas, and 0.2 s of CPU time. It may go once Dask sees that the forkserver runs.
-    """
-    listed = versions.optional_packages[:]
-    versions.optional_packages.clear()
-    try:
-        yield
+        yield cluster
     finally:
-        versions.optional_packages.extend(listed)
+        with interrupts_put_off():
+            try:
+                cluster.close(timeout=_END)
+            except (OSError, AssertionError):  # not in time, or a worker was just starting
+                for process in multiprocessing.active_children():
+                    process.kill()  # or Python would wait for them in the end
 
 
-def _local_cluster(workers: int) -> LocalCluster:
-    WorkerProcess._init_msg_interval = _LOOK
-    attempts = _ATTEMPTS
-    while True:
-        try:
-            return LocalCluster(
-                n_workers=workers,
-                protocol="tls",
-                security=private_security(),
-                threads_per_worker=_THREADS,
-                death_timeout=_START,
-                # As it is now, and not as it was when the forkserver started.
-                env={**os.environ, **WORKER_ENVIRONMENT},
-                memory_limit=1 / workers,  # of all there is; by default it goes by the threads
-                # No dashboard; a port of its own for the little that is served in its place.
-                dashboard_address="127.0.0.1:0",
-                scheduler_kwargs={"dashboard": False},
-                silence_logs=logging.CRITICAL,
-            )
-        except (TimeoutError, AssertionError):  # the latter if one does not even begin
-            raise ExecutionError(f"{_UNSTARTED}: there is none after {_START:g} s") from None
-        except (OSError, RuntimeError) as error:
-            if forkserver.script_starts_sweeps():
-                raise ExecutionError(UNGUARDED) from None
-            attempts -= 1
-            if not attempts:
-                raise ExecutionError(
-                    f"{_UNSTARTED}: {error}; memory, threads or processes "
-                    "may be limited (ulimit -a), and fewer workers take less of each"
-                ) from error
+def _started(workers: int, attempts: int = _ATTEMPTS) -> LocalCluster:
+    try:
+        return LocalCluster(
+            n_workers=workers,
+            threads_per_worker=_THREADS,
+            security=Security.temporary(),
+            death_timeout=_START,
+            dashboard_address="127.0.0.1:0",  # a free port, for the little that is served
+            scheduler_kwargs={"dashboard": False},
+            silence_logs=logging.CRITICAL,
+        )
+    except (TimeoutError, AssertionError):  # the latter if a process has not even begun
+        raise ExecutionError(f"{_UNSTARTED}: none has after {_START:g} s") from None
+    except (OSError, RuntimeError) as error:
+        if attempts > 1:  # one that is killed as it starts fails all of them
+            return _started(workers, attempts - 1)
+        raise ExecutionError(
+            f"{_UNSTARTED}: {error}; memory, threads or processes may be limited (ulimit -a): "
+            f"take fewer workers; {UNGUARDED}"
+        ) from None
 
 
 def dashboard_of(client: Client, patience: float) -> str | None:
-    """Address of the dashboard of a cluster that was given, if it has one.
+    """Address of the dashboard of a cluster that runs elsewhere, if it has one.
 
     Raises
     ------
@@ -200,21 +167,20 @@ def dashboard_of(client: Client, patience: float) -> str | None:
         return None
     with _losses_told():
         # As client.scheduler_info(), which may wait for ever.
-        found = client.sync(client.scheduler.identity, callback_timeout=patience)
-    return str(client.dashboard_link) if "dashboard" in found["services"] else None
+        identity = client.sync(client.scheduler.identity, callback_timeout=patience)
+    return str(client.dashboard_link) if "dashboard" in identity["services"] else None
 
 
 def share(client: Client, content: bytes, patience: float) -> bytes | Future:
-    """What to give to many tasks in place of something that all of them need.
+    """Content for many tasks: itself if it is light, else a result that every worker holds.
 
-    What is light goes along with each of them. Else it is brought to the workers once, as the
-    result of a task, which outlives the workers that hold it. Every worker gets a copy, since Dask
-    gives a task to a worker that has what it takes, even if others have nothing to do.
+    Light content goes along with each task. Heavy content is the result of a task, which Dask
+    computes again if the workers that hold it die.
 
     Raises
     ------
     ExecutionError
-        If there is no worker to take it, or none that can.
+        If no worker is ready, or none can run this program.
     """
     for _ in range(_ATTEMPTS):
         try:
@@ -234,8 +200,13 @@ def share(client: Client, content: bytes, patience: float) -> bytes | Future:
     raise ExecutionError(f"the Dask workers cannot run this program: {error}")
 
 
+def same(content: bytes) -> bytes:
+    """The argument, as the result of a task."""
+    return content
+
+
 def _copy_to_all(client: Client, shared: Future, patience: float) -> None:
-    """Have each worker fetch something; one that is too busy does so with its first task."""
+    """Copy it to every worker: Dask prefers workers that hold a task's inputs."""
     with _losses_told(), suppress(TimeoutError):
         workers = client.nthreads(callback_timeout=patience)
         copies = [
@@ -253,7 +224,8 @@ def threads_of(
     Raises
     ------
     ExecutionError
-        If the scheduler is lost or does not answer, or no worker comes back.
+        If the scheduler is lost or does not answer, no worker comes back, or a worker that has
+        joined runs other code.
     """
     end = time.monotonic() + patience
     word = min(_WORD, patience / 2)
@@ -263,6 +235,7 @@ def threads_of(
         if client.cluster is not None:
             _replace_lost(client.cluster)
         if threads:
+            _ask(client, threads, tell)
             return threads
         left = end - time.monotonic()
         if left < 0:
@@ -286,8 +259,58 @@ def _replace_lost(cluster: LocalCluster) -> None:
         cluster.scale(len(cluster.worker_spec))
 
 
+def worker_versions(client: Client) -> dict[str, Versions]:
+    """Versions of each worker that a client has had, by its address."""
+    return {worker: theirs for worker, theirs in _asked.get(client, {}).items() if theirs}
+
+
+def _ask(
+    client: Client, workers: Collection[str], tell: Callable[[str], None] | None = None
+) -> None:
+    """Ask workers that have joined for their versions, once; refuse those with other code."""
+    asked = _asked.setdefault(client, {})
+    if not (new := [worker for worker in workers if worker not in asked]):
+        return
+    asked.update(dict.fromkeys(new))
+    answers: dict[str, Any] = {}
+    with _losses_told(), suppress(TimeoutError):  # of one that is frozen, results are refused
+        answers = client.sync(
+            client.run, versions, workers=new, on_error="return", callback_timeout=_ANSWER
+        )
+    differences = {other_packages(theirs) for theirs in asked.values() if theirs}
+    for worker, answer in answers.items():
+        if isinstance(answer, OSError):  # it has died meanwhile
+            continue
+        if isinstance(answer, Exception):
+            raise ExecutionError(
+                f"the Dask worker {worker} cannot run this program: {answer}; {_INSTALL}"
+            )
+        require_same_code(answer, worker)
+        asked[worker] = answer
+        difference = other_packages(answer)
+        if tell and difference and difference not in differences:
+            tell(f"the Dask worker {worker} has {difference}: last digits may differ there")
+        differences.add(difference)
+
+
+def require_same_code(theirs: Versions, worker: str) -> None:
+    """Refuse a worker with other code than this process.
+
+    Raises
+    ------
+    ExecutionError
+        If the code differs.
+    """
+    if theirs["code"] != (ours := versions())["code"]:
+        raise ExecutionError(
+            f"the Dask worker {worker} runs code {theirs['code']} of tribo and pipeline from "
+            f"{theirs['folder']}, and this program code {ours['code']} from {ours['folder']}; "
+            f"{_INSTALL}"
+        )
+
+
 def is_processed(client: Client, keys: Collection[str], patience: float) -> bool:
-    """Whether a live worker has been given any of these tasks.
+    """Presence of any of these tasks on a live worker.
 
     Raises
     ------
@@ -311,6 +334,21 @@ def wait_for_any(futures: Collection[Future], seconds: float) -> None:
     if futures and not any(future.done() for future in futures):
         with _losses_told(), suppress(TimeoutError):
             wait(futures, timeout=seconds, return_when="FIRST_COMPLETED")
+
+
+def gathered(future: Future, seconds: float) -> Any:
+    """Result of a task that has ended; None if it does not arrive within a time [s].
+
+    Raises
+    ------
+    ExecutionError
+        If the scheduler is lost.
+    """
+    with _losses_told():
+        try:
+            return future.result(timeout=seconds)
+        except (TimeoutError, KilledWorker):
+            return None
 
 
 @contextmanager

@@ -9,9 +9,12 @@ from dataclasses import replace
 
 from pipeline.run.boundary_search import BoundarySearch, searched
 from pipeline.run.replay import Replay, Variant
-from pipeline.run.sweep import Outcome, Progress, run_sweep
-from pipeline.store import PathLike
-from pipeline.sweep.chosen import Chosen
+from pipeline.run.sweep import Outcome, run_sweep
+from pipeline.run.tally import Progress
+from pipeline.scene.scenefile import sweep_of
+from pipeline.store.place import PathLike, place_of
+from pipeline.store.root import read_root
+from pipeline.store.write import Store
 from pipeline.sweep.criterion import rise_limit
 from pipeline.sweep.model import Point, Sweep
 
@@ -21,7 +24,7 @@ _MOST = 1024  # samples that are searched at a time, since what is known of them
 
 
 def follow_boundary(
-    sweep: Sweep,
+    sweep: Sweep | PathLike,
     out: PathLike,
     tolerance: float = 0.01,
     workers: int | None = None,
@@ -41,7 +44,8 @@ def follow_boundary(
 
     Parameters
     ----------
-    sweep : Sweep
+    sweep : Sweep, str or path
+        The scene, or its path.
     out, workers, scheduler, progress, retry_failed, tell
         See `pipeline.run_sweep`.
     tolerance : float
@@ -57,28 +61,31 @@ def follow_boundary(
     Examples
     --------
     >>> import pipeline
-    >>> scene = pipeline.load_scene("workflows/first_try.toml")
+    >>> scene = "workflows/first_try.toml"
     >>> outcome = pipeline.follow_boundary(scene, "results/edge.zarr")  # doctest: +SKIP
     >>> outcome.done  # doctest: +SKIP
     11
     """
+    sweep = sweep_of(sweep)
     variants = _variants(sweep)
     limits = [rise_limit(each) for variant in variants for each in variant.conditions]
     moving = searched(sweep, limits)
     within = BoundarySearch(sweep.loads, moving[0], moving[-1], limits[0], tolerance)
-    search = Replay(within, out, variants, retry_failed)
+    search = Replay(within, variants, retry_failed)
     batches = deque(_batches(variants) if sweep.samples else [variants])
 
-    def further() -> Sweep | None:
+    def further(store: Store | None) -> Sweep | None:
         """The sweep at the points that are known or failed, and at those to look at next."""
-        search.look()
+        search.look(store)
         while batches:
             if wanted := search.wanted(batches[0]):
                 return _with_points(sweep, itertools.chain(search.there(), wanted))
             search.leave(batches.popleft())
         return None
 
-    begun = further() or _with_points(sweep, search.there())
+    place = place_of(out)
+    store = Store(place, read_root(place)) if place.exists() else None
+    begun = further(store) or _with_points(sweep, search.there())
     return run_sweep(begun, out, workers, scheduler, progress, retry_failed, further, tell)
 
 
@@ -113,5 +120,4 @@ def _batches(variants: Sequence[Variant]) -> Iterator[Sequence[Variant]]:
 
 def _with_points(sweep: Sweep, chosen: Iterable[Point]) -> Sweep:
     """The same sweep at these points alone."""
-    asked = Chosen.of(chosen)
-    return replace(sweep, velocities=asked.velocities, chosen=asked)
+    return replace(sweep, chosen=frozenset(chosen))

@@ -11,7 +11,7 @@ from pipeline.sweep.stages import duration
 
 
 def in_notebook() -> bool:
-    """Whether this is a kernel of Jupyter."""
+    """Return whether this is a kernel of Jupyter."""
     return "ipykernel" in sys.modules
 
 

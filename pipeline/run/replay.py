@@ -18,29 +18,27 @@ from numpy.typing import NDArray
 
 from pipeline.analysis.interpolation import crossing
 from pipeline.run.boundary_search import BoundarySearch
-from pipeline.store import (
-    DONE,
-    FAILED,
-    LEADING,
-    PENDING,
-    ROOT,
-    PathLike,
-    Store,
-    StoreError,
-    folder_of,
-)
+from pipeline.store.schema import DONE, FAILED, LEADING, PENDING, chunks_of
+from pipeline.store.write import Store
 from pipeline.sweep.criterion import Conditions, decisive_rises, rise_limit
 from pipeline.sweep.model import Point
 from tribo import Criterion
 from tribo.types import Array
 
+_COLUMNS = (
+    "normal_load",
+    "rise_quantile",
+    "mean_rise",
+    "bulk_rise_quantile",
+    "mean_bulk_response",
+)
 _Place = tuple[int | None, int | None]  # surface and sample of a point
 _Status = NDArray[np.int8]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Variant:
-    """What has points of its own: a surface, a sample, or the scene itself.
+    """A surface, a sample or the scene itself, with points of its own.
 
     Attributes
     ----------
@@ -60,7 +58,7 @@ class Variant:
 
 @dataclass(slots=True)
 class _Seen:
-    """What the search for the boundary of a variant has come to know, and what it waits for."""
+    """Points that the search for the boundary of a variant has seen, and those it waits for."""
 
     rises: dict[Point, Array] = field(default_factory=dict)
     failed: set[Point] = field(default_factory=set)
@@ -83,8 +81,6 @@ class Replay:
     ----------
     search : BoundarySearch
         The search at any limit.
-    out : str or path
-        Path of the store, which need not be there yet.
     variants : sequence of Variant
         All that is searched.
     retry_failed : bool
@@ -94,23 +90,21 @@ class Replay:
     def __init__(
         self,
         search: BoundarySearch,
-        out: PathLike,
         variants: Sequence[Variant],
         retry_failed: bool = False,
     ) -> None:
-        self._search, self._out, self._variants = search, out, variants
+        self._search, self._variants = search, variants
         self._ended = (DONE,) if retry_failed else (DONE, FAILED)
         self._held: _Held | None = None
         self._seen: dict[_Place, _Seen] = {}
-        self._damaged: set[Point] = set()
         self._inputs: list[tuple[float, ...]] = []
         self._critical: list[list[float]] = []
         self._fits: dict[float, Array] = {}  # coefficients of planes, by load
 
-    def look(self) -> None:
-        """See in the store which points are done or have failed."""
-        if (folder_of(self._out) / ROOT).exists():
-            self._held = _Held(Store(self._out), self._search)
+    def look(self, store: Store | None) -> None:
+        """See in a store, if there is one, which points are done or have failed."""
+        if store:
+            self._held = _Held(store, self._search)
 
     def there(self) -> Iterator[Point]:
         """Points of the variants that are done or have failed."""
@@ -146,11 +140,10 @@ class Replay:
                 self._fits[load] = _plane(inputs[at], column[at])
 
     def _missing(self, variant: Variant) -> Sequence[Point]:
-        """What the search for the boundary of a variant asks for, and the store does not have."""
+        """Points that the search for the boundary of a variant asks for, and the store lacks."""
         seen, held = self._seen.setdefault(variant.place, _Seen()), self._held
         if held and held.has_others(variant.place):
-            found, _ = self._read(held, variant, held.ended(variant.place))
-            seen.note(found)
+            seen.note(self._read(held, variant, held.ended(variant.place)))
             seen.asked = None
         if seen.asked is None:
             seen.asked = self._asked(variant, seen)
@@ -161,15 +154,12 @@ class Replay:
             ]
             if missing or held is None:
                 return missing
-            found, damaged = self._read(held, variant, seen.asked)
-            if damaged:
-                return damaged
-            seen.note(found)
+            seen.note(self._read(held, variant, seen.asked))
             seen.asked = self._asked(variant, seen)
         return ()
 
     def _asked(self, variant: Variant, seen: _Seen) -> tuple[Point, ...]:
-        """What the search for the boundary of a variant asks for, given what it has seen."""
+        """Points that the search for the boundary of a variant asks for next."""
         asked: set[Point] = set()
         for number, conditions in enumerate(variant.conditions):
             search = replace(self._search, limit=rise_limit(conditions))
@@ -181,33 +171,17 @@ class Replay:
 
     def _read(
         self, held: _Held, variant: Variant, ended: Iterable[Point]
-    ) -> tuple[dict[Point, Array | None], list[Point]]:
-        """Rises at points that have ended, None where one failed; and those that are damaged.
-
-        Raises
-        ------
-        StoreError
-            If a point is still damaged, after it should have been computed again.
-        """
-        found: dict[Point, Array | None] = {}
-        damaged = []
-        for at in ended:
-            point = Point(*at[:2], *variant.place)
-            if held.flag(variant.place, at) == FAILED:
-                found[at] = None
-                continue
-            try:
-                found[at] = _rises(held.store, point, variant.conditions)
-                self._damaged.discard(point)
-            except StoreError:
-                if point in self._damaged:
-                    raise
-                self._damaged.add(point)
-                damaged.append(at)
-        return found, damaged
+    ) -> dict[Point, Array | None]:
+        """Rises at points that have ended, None where one failed."""
+        return {
+            at: None
+            if held.flag(variant.place, at) == FAILED
+            else held.rises(Point(*at[:2], *variant.place), variant.conditions)
+            for at in ended
+        }
 
     def _expected(self, inputs: tuple[float, ...]) -> dict[float, float]:
-        """Where the critical velocity of a sample is to be expected, by load."""
+        """Critical velocity that is expected of a sample, by load [m/s]."""
         at, lowest, highest = np.array([1.0, *inputs]), self._search.lowest, self._search.highest
         return {
             load: min(max(math.exp(float(at @ fit)), lowest), highest)
@@ -226,7 +200,7 @@ class Replay:
 
 
 class _Held:
-    """What a store has of the variants that are searched.
+    """Points of a store that belong to the variants that are searched.
 
     Parameters
     ----------
@@ -237,11 +211,12 @@ class _Held:
     """
 
     def __init__(self, store: Store, search: BoundarySearch) -> None:
-        self.store, (self._flags, _) = store, store.flags()
+        self._store, self._flags = store, store.flags.copy()
         self._places = {
-            name: {value: index for index, value in enumerate(values)}
-            for name, values in store.axes_of_points.items()
+            name: {value: index for index, value in enumerate(store.axes[name])}
+            for name in store.dims
         }
+        self._chunks: dict[tuple[str, tuple[int, ...]], Array] = {}
         self._loads, self._velocities = store.axes["load"], store.axes["velocity"]
         self._are_searched = np.isin(self._loads, search.loads)[:, None]
         self._are_others = np.array([not search.may_ask(v) for v in self._velocities])
@@ -260,7 +235,7 @@ class _Held:
         return [Point(self._loads[i], self._velocities[j]) for i, j in found.tolist()]
 
     def has_others(self, place: _Place) -> bool:
-        """Whether any of them is one that the search never asks for."""
+        """Return whether the search never asks for one of them."""
         found = (self._row(place) != PENDING) & self._are_searched & self._are_others
         return bool(found.any())
 
@@ -276,6 +251,27 @@ class _Held:
         row: _Status = self._flags[(*indices,)]
         return row
 
+    def rises(self, point: Point, each: Sequence[Conditions]) -> Array:
+        """Decisive rise at a point under each of some conditions [K]."""
+        columns = {name: self._at(name, point) for name in _COLUMNS if name in self._store.arrays}
+        rises: dict[tuple[Criterion, float], float] = {}
+        for conditions in each:
+            judged = conditions.decisive, conditions.bulk_ratio
+            if judged not in rises:
+                rises[judged] = float(decisive_rises(columns, point.load, conditions))
+        return np.array([rises[own.decisive, own.bulk_ratio] for own in each])
+
+    def _at(self, name: str, point: Point) -> Array:
+        """Column of a point, out of its chunk, which is kept for its neighbours."""
+        index, sizes = self._store.index(point), chunks_of(self._store.metadata[name])
+        chunk = tuple(i // n for i, n in zip(index, sizes, strict=False))
+        block = self._store.block(chunk, sizes)
+        if (name, chunk) not in self._chunks:
+            self._chunks[name, chunk] = self._store.read(name, block)
+        within = tuple(i - part.start for i, part in zip(index, block, strict=True))
+        column: Array = self._chunks[name, chunk][within]
+        return column
+
     @functools.cached_property
     def _none(self) -> _Status:
         return np.full((len(self._loads), len(self._velocities)), PENDING)
@@ -287,16 +283,3 @@ def _plane(inputs: Array, values: Array) -> Array:
     columns = np.column_stack([np.ones(len(inputs)), inputs / scale])
     fit: Array = np.linalg.lstsq(columns, values)[0]
     return np.append(fit[:1], fit[1:] / scale)
-
-
-def _rises(store: Store, point: Point, each: Sequence[Conditions]) -> Array:
-    """Decisive rise at a point under each of some conditions [K]."""
-    columns = ("rise_quantile", "mean_rise", "bulk_rise_quantile", "mean_bulk_response")
-    names = [name for name in columns if name in store.names]
-    found = store.at(point, [*names, "normal_load"])
-    known: dict[tuple[Criterion, float], float] = {}
-    for conditions in each:
-        judged = conditions.decisive, conditions.bulk_ratio
-        if judged not in known:
-            known[judged] = float(decisive_rises(found, point.load, conditions))
-    return np.array([known[own.decisive, own.bulk_ratio] for own in each])

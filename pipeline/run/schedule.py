@@ -1,10 +1,9 @@
 """Computes chains of points on the threads of a cluster.
 
 A task computes points of one chain for about a second, and the next task of the chain depends on
-the trunk that it leaves. Short chains of one surface share a task, since they share chunks. Dask
-decides what runs where, and runs a task again if its trunk was lost. What is left to do is read
-from the store when a task has ended, whatever became of the task; what is still missing is
-submitted anew.
+the trunk that it leaves. Short chains of one surface share a task. Dask decides what runs where,
+and runs a task again if its trunk was lost. Records of the points go to the driver, whose writer
+commits them; points whose records were lost with a worker are submitted anew.
 """
 
 from __future__ import annotations
@@ -13,7 +12,7 @@ import itertools
 import pickle
 import time
 from collections import Counter, deque
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable
 from concurrent.futures import CancelledError
 from dataclasses import dataclass, replace
 
@@ -25,20 +24,22 @@ from pipeline.run.cluster import (
     LOST,
     SAFE,
     ExecutionError,
+    gathered,
     is_processed,
+    require_same_code,
     share,
     threads_of,
     wait_for_any,
 )
 from pipeline.run.watch import Watch
-from pipeline.run.work import compute_points
-from pipeline.store import DONE, PENDING, Store, StoreError
+from pipeline.run.work import compute_points, records_of
+from pipeline.run.writer import Writer
 from pipeline.sweep.model import Point, Sweep
+from pipeline.sweep.plan import PointRecord
 
 _STRETCH = 1.0  # [s] that a task should take, beside which 5 ms of Dask do not count
 _JOINED = 48  # points of a task: such short ones as fill a stretch, and few to be sent
 _POLL = 2.0  # [s] after which to look for workers that came or went
-_UNSEEN = 0.1  # [s] after which to look again for what a task says that it has done
 _KILLED = (
     "every worker process that computed it died, and the next one again: "
     "out of memory, or killed from outside"
@@ -59,10 +60,11 @@ class _Chain:
 
 @dataclass(frozen=True, slots=True)
 class _Task:
-    """Points that a task computes, the trunk that it leaves, and its worker if it runs alone."""
+    """Points that a task computes, its result and their records; its worker if it runs alone."""
 
     points: tuple[Point, ...]
-    trunk: Future
+    stretch: Future
+    records: Future
     alone_on: str | None = None
     is_wary: bool = False
 
@@ -70,45 +72,50 @@ class _Task:
 def compute(
     client: Client,
     sweep: Sweep,
-    store: Store,
+    with_fields: bool,
+    writer: Writer,
     waiting: Iterable[tuple[Point, ...]],
     patience: float,
-    report: Callable[..., None],
+    report: Callable[[Iterable[PointRecord]], None],
     tell: Callable[[str], None] | None = None,
 ) -> None:
-    """Compute chains of points, until the store has each of them as done or failed.
+    """Compute chains of points, until the writer has written each of them as done or failed.
 
     Parameters
     ----------
     client : Client
     sweep : Sweep
-    store : Store
+    with_fields : bool
+        Whether the fields at the end of each point are stored.
+    writer : Writer
     waiting : iterable of tuple of Point
         Points of each chain.
     patience : float
         Time to wait for a worker if there is none [s].
     report : callable
-        Called with ``done=1`` or ``failed=1`` for each point that ends.
+        Called with the records that have been written since the last call.
     tell : callable, optional
         Called with a line for the user if nothing has ended for long.
 
     Raises
     ------
     StoreError
-        If a point cannot be recorded.
+        If points cannot be written.
     ExecutionError
         If the cluster is lost, or nothing moves any more.
     """
-    run = _Run(client, sweep, store, patience, report, [_Chain(points) for points in waiting])
+    chains = [_Chain(points) for points in waiting]
+    run = _Run(client, sweep, with_fields, writer, patience, chains)
     watch, absent = Watch.begin(time.monotonic()), 0.0
     while run.waiting or run.running or run.suspects.losses:
         began = time.monotonic()
         workers = threads_of(client, patience, tell)
         absent += time.monotonic() - began
         run.submit(workers)
-        wait_for_any([task.trunk for task in run.running], _POLL)
+        wait_for_any([task.records for task in run.running], _POLL)
         moved = run.look(workers)
-        keys = {task.trunk.key for task in run.running}
+        report(writer.written())
+        keys = {future.key for task in run.running for future in (task.stretch, task.records)}
         computing = not moved and is_processed(client, keys, patience)
         watch = watch.after(time.monotonic() - absent, moved, computing)
         if watch.is_over:
@@ -116,8 +123,8 @@ def compute(
         if watch.word and tell:
             tell(f"{watch.word}; {run.at_work}")
             watch = watch.heard()
-        if not moved:
-            time.sleep(_UNSEEN)
+    writer.flush()
+    report(writer.written())
 
 
 class _Run:
@@ -127,13 +134,13 @@ class _Run:
         self,
         client: Client,
         sweep: Sweep,
-        store: Store,
+        with_fields: bool,
+        writer: Writer,
         patience: float,
-        report: Callable[..., None],
         waiting: Iterable[_Chain],
     ) -> None:
-        self._client, self._store, self._patience, self._report = client, store, patience, report
-        self._pickled = pickle.dumps((replace(sweep, chosen=None), store))
+        self._client, self._writer, self._patience = client, writer, patience
+        self._pickled = pickle.dumps((replace(sweep, chosen=None), with_fields))
         self._parcel = share(client, self._pickled, patience)
         self.waiting = deque(waiting)
         self.running: list[_Task] = []
@@ -166,7 +173,7 @@ class _Run:
         return chain
 
     def _are_many(self, threads: int) -> bool:
-        """Whether more chains wait than are needed to keep the workers busy to the end."""
+        """Return whether more chains wait than keep the workers busy to the end."""
         return len(self.waiting) + len(self.running) >= 2 * threads
 
     def _joined(self, chain: _Chain, threads: int) -> _Chain:
@@ -186,9 +193,9 @@ class _Run:
     ) -> None:
         """Let points wait again, each ramp as a chain; the first one has a trunk."""
         ramps = itertools.groupby(left, key=lambda point: point[1:])
-        found = [tuple(points) for _, points in ramps]
-        self.waiting.extendleft(_Chain(each, None, is_wary) for each in reversed(found[1:]))
-        self.waiting.extendleft(_Chain(each, trunk, is_wary) for each in found[:1])
+        ramps_left = [tuple(points) for _, points in ramps]
+        self.waiting.extendleft(_Chain(each, None, is_wary) for each in reversed(ramps_left[1:]))
+        self.waiting.extendleft(_Chain(each, trunk, is_wary) for each in ramps_left[:1])
 
     def _start(self, chain: _Chain, worker: str | None = None) -> None:
         parcel = self._parcel
@@ -196,8 +203,9 @@ class _Run:
             self._parcel = share(self._client, self._pickled, self._patience)
         points = deque(chain.points)  # in a tuple, Dask would look for tasks point by point
         arguments = (self._parcel, points, chain.trunk, 0.0 if chain.is_wary else _STRETCH)
-        trunk = self._client.submit(compute_points, *arguments, pure=False, workers=worker)
-        self.running.append(_Task(chain.points, trunk, worker, chain.is_wary))
+        stretch = self._client.submit(compute_points, *arguments, pure=False, workers=worker)
+        records = self._client.submit(records_of, stretch, pure=False, workers=worker)
+        self.running.append(_Task(chain.points, stretch, records, worker, chain.is_wary))
 
     def look(self, workers: Counter[str]) -> bool:
         """See what has become of the tasks; return whether any has ended."""
@@ -207,61 +215,65 @@ class _Run:
 
     def _has_ended(self, task: _Task, workers: Counter[str]) -> bool:
         died = task.alone_on is not None and task.alone_on not in workers
-        if not (died or task.trunk.done()):
+        if not (died or task.records.done()):
             return False
-        error = _error(task.trunk)
-        if isinstance(error, StoreError | ExecutionError):
+        error = _error(task)
+        if isinstance(error, ExecutionError):
             raise error
-        flags = self._store.flags_along(task.points)  # of which those that wait are not read
-        found = tuple(itertools.takewhile(lambda flag: flag != PENDING, flags))
-        if not (died or error or found):
-            return False  # not seen here yet, as happens where machines share their files
-        over, left = task.points[: len(found)], task.points[len(found) :]
-        self._settle(dict(zip(over, found, strict=True)))
-        if left and (died or error):
-            self._recover(task, left, error)
-        elif left:
-            self._put_back(left, task.trunk, task.is_wary)
+        if died or error:
+            self._recover(task, error)
+            return True
+        result = gathered(task.records, self._patience)
+        if result is None:
+            return False  # lost on the way; Dask computes it again
+        theirs, content = result
+        require_same_code(theirs, f"that computed {task.points[0]}")
+        records: tuple[PointRecord, ...] = pickle.loads(content)
+        self._settle(records)
+        if left := task.points[len(records) :]:
+            self._put_back(left, task.stretch, task.is_wary)
         return True
 
-    def _settle(self, flags: Mapping[Point, int]) -> None:
-        """Take note of points that are done or have failed."""
-        for flag in flags.values():
-            self._report(**{"done" if flag == DONE else "failed": 1})
-        self.suspects = self.suspects.without(flags)
+    def _settle(self, records: Collection[PointRecord]) -> None:
+        """Take records of points that are done or have failed."""
+        self._writer.add(records)
+        self.suspects = self.suspects.without([record.point for record in records])
 
-    def _recover(self, task: _Task, left: tuple[Point, ...], error: BaseException | None) -> None:
+    def _recover(self, task: _Task, error: BaseException | None) -> None:
         """Go on point by point after a loss; suspect the point at which that is lost."""
         alone = task.alone_on is not None
         killed = error is None or isinstance(error, KilledWorker)
-        if isinstance(error, KilledWorker) and error.task != task.trunk.key:
+        if isinstance(error, KilledWorker) and error.task not in (
+            task.stretch.key,
+            task.records.key,
+        ):
             # What it depends on was lost too often; it goes on without.
             if not alone:
-                self._put_back(left, None, task.is_wary)
+                self._put_back(task.points, None, task.is_wary)
             return
-        if len(left) > 1 and not task.is_wary:  # it may have been at any of them
-            self._put_back(left, None, is_wary=True)
+        if len(task.points) > 1 and not task.is_wary:  # it may have been at any of them
+            self._put_back(task.points, None, is_wary=True)
             return
-        self.suspects = self.suspects.after_loss(left[0], alone)
-        self._put_back(left[1:], None, task.is_wary)
-        for point in self.suspects.failed:
-            self._store.fail(point, _KILLED if killed else f"{type(error).__name__}: {error}")
-            self._settle({point: self._store.flag(point)})
+        self.suspects = self.suspects.after_loss(task.points[0], alone)
+        self._put_back(task.points[1:], None, task.is_wary)
+        reason = _KILLED if killed else f"{type(error).__name__}: {error}"
+        self._settle([PointRecord(point, None, reason) for point in self.suspects.failed])
 
     @property
     def at_work(self) -> str:
-        """What the run waits for, in words."""
+        """Tasks that the run waits for, in words."""
         if not self.running:
             return f"{len(self.waiting)} ramps wait for a worker"
         others = f" and {n} more" if (n := len(self.running) - 1) else ""
         return f"waiting for {self.running[0].points[0]}{others}"
 
 
-def _error(task: Future) -> BaseException | None:
-    """Why a task did not finish, if it did not."""
-    if task.status == "cancelled":
-        return ExecutionError(LOST)
-    if task.status != "error":
-        return None
-    error: BaseException = task.exception()
-    return ExecutionError(LOST) if isinstance(error, CancelledError) else error
+def _error(task: _Task) -> BaseException | None:
+    """Reason why a task did not finish, if it did not."""
+    for future in (task.stretch, task.records):
+        if future.status == "cancelled":
+            return ExecutionError(LOST)
+        if future.status == "error":
+            error: BaseException = future.exception()
+            return ExecutionError(LOST) if isinstance(error, CancelledError) else error
+    return None

@@ -1,4 +1,4 @@
-"""How long to wait for a sweep in which nothing moves, and when to say so."""
+"""Patience with a sweep in which nothing moves."""
 
 from __future__ import annotations
 
@@ -57,12 +57,12 @@ class Watch:
 
     @property
     def word(self) -> str | None:
-        """What to tell the user, if it is time to."""
+        """Words for the user, if it is time for them."""
         if self.now - self.ended < self.patience:
             return None
         return f"no point has been finished for {self.now - self.ended:.0f} s"
 
     @property
     def is_over(self) -> bool:
-        """Whether to give up."""
+        """Return whether to give up."""
         return self.now - self.computed > END

@@ -61,6 +61,11 @@ def _check_pixels(
     if not pixels:
         return
     given = quoted(list(pixels))
+    if sides := entry_at(found, "window.pixel_size"):
+        try:
+            tribo.Grid(pixels, sides)
+        except tribo.InputError as error:
+            faults.append(Fault("window.pixel_size", str(error)))
     if any(n % block for n in pixels):
         problem = (
             f"{given} cannot be averaged {block} × {block}; give multiples of {block}, or another "

@@ -18,9 +18,15 @@ from typing import Any
 from pipeline.scene.entries import did_you_mean, quoted
 from pipeline.scene.faults import Fault, SceneFileError
 from pipeline.scene.format import EXTENDS, WITHOUT
+from pipeline.scene.shipped import scene_path
 
 _LARGEST_FILE = 10_000_000
 _LEVELS = 10  # of tables in tables, more than the format has
+_KEY_PART = r"""(?:[A-Za-z0-9_-]++|"[^"\n]*+"|'[^'\n]*+')"""
+_LONG_KEY = re.compile(
+    rf"(?<![A-Za-z0-9_-]){_KEY_PART}(?:[ \t]*+\.[ \t]*+{_KEY_PART}){{{_LEVELS},}}+"
+    r"[ \t]*+(?P<end>[=\]])?"
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,7 +111,7 @@ def read_document(path: Path, faults: list[Fault], above: tuple[Path, ...] = ())
     name = EXTENDS.read(extends, "extends", found)
     if found:
         raise SceneFileError(path, [document.line(found[0])])
-    other, chain = path.parent / name, (*above, path)
+    other, chain = scene_path(name, path.parent), (*above, path)
     if any(_is_same(other, file) for file in chain):
         circle = " extends ".join(str(file) for file in (*chain, other))
         raise SceneFileError(
@@ -176,7 +182,7 @@ def _table(entries: dict[str, Any], *keys: str) -> dict[str, Any] | None:
 
 
 def _depth(entries: Any, parts: list[str]) -> int:
-    """How many parts of a key path the entries hold."""
+    """Number of parts of a key path that the entries hold."""
     for depth, part in enumerate(parts):
         if not isinstance(entries, dict) or part not in entries:
             return depth
@@ -219,19 +225,31 @@ def _toml(path: Path) -> dict[str, Any]:
             path, [f"is larger than {_LARGEST_FILE // 10**6} MB; give a scene file, which is text"]
         )
     try:
-        return tomllib.loads(content.decode("utf-8-sig"))
+        text = content.decode("utf-8-sig")
+        _require_short_keys(path, text)
+        return tomllib.loads(text)
     except UnicodeDecodeError as error:
         line = content.count(b"\n", 0, error.start) + 1
         fault = f"line {line} is not UTF-8; save the file in that encoding"
         raise SceneFileError(path, [fault]) from error
     except (ValueError, RecursionError) as error:
         reason = str(error).replace("Cannot overwrite a value", "A key is given twice")
-        hint = _hint(content.decode("utf-8-sig").splitlines(), reason)
+        hint = _hint(text.splitlines(), reason)
         raise SceneFileError(path, [f"is not valid TOML: {reason}{hint}"]) from error
 
 
+def _require_short_keys(path: Path, text: str) -> None:
+    """Raise `SceneFileError` for a key that goes deeper than any of the format."""
+    for key in _LONG_KEY.finditer(text):
+        # Python's reader of TOML takes memory by the square of the parts of a key.
+        if key["end"]:
+            line = text.count("\n", 0, key.start()) + 1
+            fault = f"line {line} has a key of more than {_LEVELS} parts; give one of the format"
+            raise SceneFileError(path, [fault])
+
+
 def _hint(lines: list[str], reason: str) -> str:
-    """What is probably meant in the line where TOML cannot be read."""
+    """Advice on the line where TOML cannot be read; empty without any."""
     place = re.search(r"at line (\d+)", reason)
     line = lines[int(place[1]) - 1] if place and int(place[1]) <= len(lines) else ""
     if any(mark in line for mark in "“”„‘’"):

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from os import PathLike
 from typing import TYPE_CHECKING
 
 from pipeline.scene.quantities import in_si
+from pipeline.scene.scenefile import sweep_of
 from pipeline.sweep import plan
 
 if TYPE_CHECKING:
@@ -13,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def run_point(
-    sweep: Sweep,
+    sweep: Sweep | str | PathLike[str],
     load: float | str,
     velocity: float | str,
     realization: int | None = None,
@@ -25,8 +27,8 @@ def run_point(
 
     Parameters
     ----------
-    sweep : Sweep
-        The scene, and the surfaces it has.
+    sweep : Sweep, str or path
+        The scene, or its path.
     load : float or str
         Normal load on the whole pin at the end of the ramp [N], or text with a unit, such as
         ``"600 N"``.
@@ -57,4 +59,4 @@ def run_point(
     (False, '158 °C')
     """
     at = in_si("load", load, "600 N"), in_si("velocity", velocity, "1.5 m/s")
-    return plan.run_point(sweep, *at, realization, sample, trunk, progress)
+    return plan.run_point(sweep_of(sweep), *at, realization, sample, trunk, progress)

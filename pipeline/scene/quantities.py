@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pipeline.scene.units import UnitError, to_si
 from tribo import InputError
 
 _DISPLAY = {
@@ -39,7 +40,6 @@ def in_si(name: str, given: float | str, like: str) -> float:
     """
     if not isinstance(given, str):
         return float(given)
-    from pipeline.scene.units import UnitError, to_si  # takes 0.1 s, and few calls need it
 
     try:
         return to_si(given, like)

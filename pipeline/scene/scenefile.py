@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 from os import PathLike
-from pathlib import Path
 from typing import Any
 
 import tribo
@@ -22,6 +21,7 @@ from pipeline.scene.library import with_library, without_consequences
 from pipeline.scene.oil import oil_of
 from pipeline.scene.roughness import realizations_of, roughness_of
 from pipeline.scene.schema import Table
+from pipeline.scene.shipped import scene_path
 from pipeline.scene.unknown import samples_of
 from pipeline.sweep.criterion import Conditions, of_bulks
 from pipeline.sweep.model import SCATTERS, Measurement, Sweep
@@ -40,7 +40,8 @@ def load_scene(
     Parameters
     ----------
     path : path-like
-        Scene file. Files named in it are relative to the folder of the file that names them.
+        Scene file, or name of a shipped scene. Files named in it are relative to the folder of the
+        file that names them.
     preset : str, optional
         Name of the fidelity to use in place of the scene's whole table ``[fidelity]``, its preset
         and its single entries.
@@ -60,7 +61,7 @@ def load_scene(
     >>> scene.preset, scene.loads
     ('standard', (200.0, 400.0, 600.0, 750.0))
     """
-    path = Path(path)
+    path = scene_path(path)
     faults: list[Fault] = []
     notes: list[str] = []
     overrides = {key.removeprefix("fidelity."): value for key, value in (overrides or {}).items()}
@@ -111,6 +112,11 @@ def load_scene(
     return sweep
 
 
+def sweep_of(scene: Sweep | str | PathLike[str]) -> Sweep:
+    """Return a scene that was read, or read one from its path; raise as `load_scene` does."""
+    return scene if isinstance(scene, Sweep) else load_scene(scene)
+
+
 def scene_entry(
     path: str | PathLike[str], key: str, overrides: Mapping[str, Any] | None = None
 ) -> Any:
@@ -119,7 +125,7 @@ def scene_entry(
     Parameters
     ----------
     path : path-like
-        Scene file.
+        Scene file, or name of a shipped scene.
     key : str
         Key path, such as ``wear.specific_wear_rate``.
     overrides : mapping, optional
@@ -137,7 +143,7 @@ def scene_entry(
     '25 degC'
     """
     given = {name: value for name, value in (overrides or {}).items() if "." in name}
-    document = with_entries(read_document(Path(path), []), given, [])
+    document = with_entries(read_document(scene_path(path), []), given, [])
     return entry_at(with_library(document.entries(), [])[0], key)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from os import PathLike
 from pathlib import Path
 
 _PACKAGE = Path(__file__).parents[1]
@@ -20,3 +21,15 @@ def shipped_scenes() -> dict[str, Path]:
     True
     """
     return {path.stem: path for path in sorted(WORKFLOWS.glob("*.toml"))}
+
+
+def scene_path(given: str | PathLike[str], folder: Path = Path()) -> Path:
+    """File of a scene that is given by its path from a folder, or by its name if it is shipped.
+
+    Examples
+    --------
+    >>> scene_path("first_try").name, scene_path("my/scene.toml").name
+    ('first_try.toml', 'scene.toml')
+    """
+    path, shipped = folder / given, shipped_scenes().get(str(given))
+    return path if shipped is None or path.exists() else shipped

@@ -15,6 +15,8 @@ from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
+from scipy import sparse
+from scipy.sparse.linalg import spsolve
 
 from tribo import InputError, read_heights
 from tribo.files import require_file
@@ -220,9 +222,6 @@ def filled(heights: Array) -> Array:
         raise InputError("all heights are missing")
     if not missing.any():
         return heights.copy()
-    from scipy import sparse  # few scenes need it, and it takes 0.04 s to load
-    from scipy.sparse.linalg import spsolve
-
     count = int(missing.sum())
     number = np.full(heights.shape, -1)
     number[missing] = np.arange(count)

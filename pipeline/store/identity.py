@@ -1,4 +1,4 @@
-"""What a store belongs to: its scene's description, how two differ, and points' checksums."""
+"""Identity of a store and its points: description of the scene, differences, checksums."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import hashlib
 import json
 import math
 import struct
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import fields, is_dataclass
 from typing import Any
 
@@ -14,21 +14,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.sweep.model import Point, Sweep
+from pipeline.sweep.plan import PointRecord
 from tribo import Scene
-from tribo.types import Array
-
-_RARE = ("motion", "unequal_bulks")  # parts of a scene that stores did not always know
 
 
 def describe(sweep: Sweep) -> dict[str, Any]:
-    """What decides a scene's numbers, as plain data in SI: its parts, arrays as their digest.
+    """Describe what decides a scene's numbers, as plain data in SI, arrays as their digest.
 
-    The seed is left out where there are realizations, each with its own; so is what few scenes
-    have, where this one does not. Unknown inputs are part of it where there are samples, as far as
-    the simulation depends on them.
+    The seed is left out where there are realizations, each with its own. Unknown inputs are part of
+    it where there are samples, as far as the simulation depends on them.
     """
     parts = {entry.name: _plain(getattr(sweep, entry.name)) for entry in fields(Scene)}
-    parts = {name: part for name, part in parts.items() if part or name not in _RARE}
     if sweep.realizations:
         parts["roughness"]["seed"] = None
     if sweep.samples and sweep.samples.are_simulated:
@@ -38,18 +34,6 @@ def describe(sweep: Sweep) -> dict[str, Any]:
         parts["unknown"] = {path: drawn[path] for path in sweep.samples.simulated}
         parts["unknown"]["seed"] = sweep.samples.seed
     return parts
-
-
-def stored_scene(attributes: Mapping[str, Any]) -> dict[str, Any]:
-    """The description of a scene in a store, completed by what older stores leave out.
-
-    Examples
-    --------
-    >>> stored_scene({"scene": {"wear": None}})
-    {'friction_heat': True, 'wear': None}
-    """
-    scene: dict[str, Any] = attributes["scene"]
-    return {"friction_heat": True} | scene
 
 
 def simulated_inputs(attributes: Mapping[str, Any]) -> tuple[str, ...]:
@@ -84,37 +68,26 @@ def differences(stored: Any, wanted: Any, key: str = "scene") -> Iterator[str]:
         yield f"{key}: {_short(stored)} in the store, {_short(wanted)} in the scene"
 
 
-def checksum(data: Mapping[str, Array], point: Point | None = None) -> np.uint64:
-    """Hash of what is stored of a point: the rows of its own steps, its fields, and its place.
-
-    Stores of format 1 leave the place out.
-    """
-    (found,) = checksums({name: np.asarray(part)[None] for name, part in data.items()}, [point])
-    return np.uint64(found)
-
-
-def checksums(data: Mapping[str, Array], points: Sequence[Point | None]) -> NDArray[np.uint64]:
-    """Hashes of several points as in `checksum`, whose data lie along a first axis."""
-    parts = []
+def checksum(point: Point, data: Mapping[str, NDArray[Any]]) -> np.uint64:
+    """Hash of the place of a point, and of what is stored of its own steps and fields."""
+    digest = hashlib.blake2b(_place(point), digest_size=8)
     for name in sorted(data):
-        label = np.frombuffer(name.encode(), np.uint8)
-        parts.append(np.broadcast_to(label, (len(points), label.size)))
-        rows = np.ascontiguousarray(data[name], dtype="<f8").reshape(len(points), -1)
-        parts.append(rows.view(np.uint8))
-    found = []
-    for point, row in zip(points, np.concatenate(parts, axis=1), strict=True):
-        digest = hashlib.blake2b(_place(point), digest_size=8)
-        digest.update(row)
-        found.append(int.from_bytes(digest.digest(), "little"))
-    return np.array(found, np.uint64)
+        digest.update(name.encode())
+        digest.update(np.ascontiguousarray(data[name]).data)
+    return np.uint64(int.from_bytes(digest.digest(), "little"))
 
 
-def _place(point: Point | None) -> bytes:
-    """What a checksum holds of the place of a point."""
-    if point is None:
-        return b""
-    sample = "" if point.sample is None else f"sample {point.sample}"
-    return struct.pack("<dd", point.load, point.velocity) + f"{point.realization}{sample}".encode()
+def record_checksum(record: PointRecord) -> np.uint64:
+    """Hash of the place of a point, and of its message, warnings and times."""
+    digest = hashlib.blake2b(_place(record.point), digest_size=8)
+    digest.update(struct.pack("<qdd", record.warning_flags, record.wall_time, record.finished_at))
+    digest.update(record.message.encode())
+    return np.uint64(int.from_bytes(digest.digest(), "little"))
+
+
+def _place(point: Point) -> bytes:
+    variant = f"{point.realization} {point.sample}".encode()
+    return struct.pack("<dd", point.load, point.velocity) + variant
 
 
 def _plain(value: Any) -> Any:

@@ -1,4 +1,4 @@
-"""How fast a sweep goes, from the times at which its points were finished."""
+"""Rate of a sweep, from the times at which its points were finished."""
 
 from __future__ import annotations
 

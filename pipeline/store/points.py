@@ -1,254 +1,133 @@
-"""Writes the points of a store: a Zarr group that any reader of Zarr opens.
-
-The data of points are written first, with their checksums, then their status; a status of done
-means that all of a point is on the disk. Points that share chunks are written together, by one
-process at a time: it reads what the chunks hold, puts its points in, and replaces their files, in
-each of which the others are as they were. The shape is committed likewise: arrays and coordinates
-first, then the root ``zarr.json``, whose consolidated metadata is what readers go by. Whatever is
-killed, and when, the store opens, and each point is either done or not.
-"""
+"""Places of the points of a store along its dimensions."""
 
 from __future__ import annotations
 
-import functools
-import socket
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from contextlib import AbstractContextManager, nullcontext
+import itertools
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from pipeline.store.checked import Checked
-from pipeline.store.chunks import Place, chunks_with
-from pipeline.store.folder import DAMAGED, UNREADABLE, PathLike, StoreError, part_held
-from pipeline.store.shape import coordinate_chunks
-from pipeline.store.soundness import sound
-from pipeline.store.variables import (
-    BULK_COLUMNS,
-    COLUMNS,
-    DONE,
-    FAILED,
-    PENDING,
-)
-from pipeline.sweep.model import Point
-from pipeline.sweep.plan import PointResult
-from tribo.types import Array
+from pipeline.store.place import Place
+from pipeline.store.root import Root
+from pipeline.store.schema import DONE, LEADING, chunk_name, chunks_of, is_coordinate
+from pipeline.sweep.model import Point, Sweep
+from tribo.types import Indices, Mask
+
+Slices = tuple[slice, ...]
 
 
-class Store(Checked):
-    """An open store to which points can be written. It is pickled as its path.
+class Places:
+    """Places of points.
 
-    A process opens it once, and again only after its shape has changed.
+    Parameters
+    ----------
+    root : Root
+
+    Attributes
+    ----------
+    attributes, metadata, axes : dict
+        Attributes of the store, metadata of its arrays, values along its dimensions.
     """
 
-    def __reduce__(self) -> tuple[Any, ...]:
-        return _opened, (self.path, self.revision)
+    def __init__(self, root: Root) -> None:
+        self.attributes, self.metadata = root
+        self.axes = root.axes
+        self.dims = self.dims_of("status")
+        self._numbers = [
+            {value: number for number, value in enumerate(self.axes[name])} for name in self.dims
+        ]
 
-    def commit(self, *results: PointResult) -> None:
-        """Put points on the disk, their status last, unless they are done already.
+    @property
+    def ndim(self) -> int:
+        """Number of dimensions that tell points apart."""
+        return len(self.dims)
 
-        Raises
-        ------
-        StoreError
-            If they cannot be written.
-        """
-        self._write({each.point: self._values(each) for each in results}, {"status": DONE})
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Number of values along each of them."""
+        return tuple(map(len, self._numbers))
 
-    def fail(self, point: Point, message: str) -> None:
-        """Record why a point failed, unless it is done after all; raise as `commit` does."""
-        self._write({point: {"message": message}}, {"status": FAILED})
+    @property
+    def leading(self) -> str | None:
+        """The one of `LEADING` that stands in front of the other dimensions, if one does."""
+        return self.dims[0] if self.dims[0] in LEADING else None
 
-    def forget(self, *points: Point) -> None:
-        """Make points pending again, and what is damaged in their chunks; raise as `commit` does.
+    def dims_of(self, name: str) -> tuple[str, ...]:
+        """Names of the dimensions of a variable."""
+        return tuple(self.metadata[name]["dimension_names"])
 
-        Whatever cannot be read there was lost to all points that share it.
-        """
-        pending = {point: {"status": PENDING} for point in (*points, *self._damaged_beside(points))}
-        self._write(pending, {"message": ""}, also_done=True)
+    def index(self, point: Point) -> tuple[int, ...]:
+        """Place of a point."""
+        values = (getattr(point, name) for name in self.dims)
+        return tuple(numbers[value] for numbers, value in zip(self._numbers, values, strict=True))
 
-    def heal(self) -> None:
-        """Mark points as done that lost nothing but their status, and restore coordinates."""
-        self._write({point: {} for point in self.lost()}, {"status": DONE}, also_done=True)
-        for name in self.damaged_coordinates():
-            self.restore(name)
-
-    def discard(self, point: Point, names: Iterable[str]) -> None:
-        """Remove what is stored in some variables of a point, and of others in the same chunks."""
-        self._kept.clear()
-        keys = []
-        for name in names:
-            array, place = self._arrays[name], self.place(name, self.index(point))
-            further = np.ndindex(*array.counts(len(place)))
-            keys += [array.key((*place, *along)) for along in further]
-        self._files.remove(keys)
-
-    def restore(self, coordinate: str) -> None:
-        """Write a coordinate as it was committed."""
-        self._files.put_all(coordinate_chunks(self.metadata, self.axes, [coordinate]))
-
-    def _padded(self, name: str, values: Array) -> Array:
-        """Values padded to the length of the store's axis of steps, to fill whole chunks."""
-        if name not in COLUMNS and name not in BULK_COLUMNS:
-            return values
-        rows = np.full(self._arrays[name].shape[len(self._places) :], np.nan)
-        rows[: len(values)] = values
-        return rows
-
-    def _values(self, result: PointResult) -> dict[str, Any]:
-        """What is stored of a point, but for its status."""
-        data = result.columns | (result.fields if "pressure" in self._arrays else {})
-        about = {
-            "wall_time": result.wall_time,
-            "message": "; ".join(map(str, result.warnings)),
-            "warning_flags": sum({int(warning.kind) for warning in result.warnings}),
-            "finished_at": result.finished_at,
-            "checksum": self._checksum(result.point, data),
+    def points_at(self, where: Sequence[Indices]) -> list[Point]:
+        """Points at places that are given by their indices along each dimension."""
+        axes = {
+            name: np.array(self.axes[name], dtype=object)[along].tolist()
+            for name, along in zip(self.dims, where, strict=True)
         }
-        # Older stores lack some of these.
-        about = {name: value for name, value in about.items() if name in self._arrays}
-        return {name: self._padded(name, values) for name, values in data.items()} | about
+        none = [None] * len(where[0])
+        columns = (axes.get(name, none) for name in Point._fields)
+        return list(itertools.starmap(Point, zip(*columns, strict=True)))
 
-    def _write(
-        self,
-        values: Mapping[Point, Mapping[str, Any]],
-        then: Mapping[str, Any],
-        also_done: bool = False,
-    ) -> None:
-        """Write values of points, then what all of them have; return when they are on the disk.
-
-        Points that share chunks are written together, and what else these chunks hold is written
-        as it is, while nobody else writes to them. Points that are done are left alone if not asked
-        for.
-        """
-        for place, points in self._by_place(values).items():
-            try:
-                with self._alone_at(place):
-                    self._kept.clear()
-                    flags = self._flags_at(place)
-                    wanted = {
-                        self.index(point): values[point]
-                        for point in points
-                        if also_done or flags[self.within("status", self.index(point))] != DONE
-                    }
-                    first, last = wanted, dict.fromkeys(wanted, then)
-                    self._files.put_all(self._chunks(first, flags), self._chunks(last, flags))
-            except OSError as error:
-                others = f" and {len(points) - 1} more" if len(points) > 1 else ""
-                raise StoreError(
-                    f"{self.path}: the point at {points[0]}{others} cannot be recorded: "
-                    f"{error.strerror or error}; what is finished is safe, go on when there is "
-                    "room and permission to write"
-                ) from error
-            finally:
-                self._kept.clear()
-
-    def _by_place(self, points: Iterable[Point]) -> dict[Place, list[Point]]:
-        """Points by the chunks that they share."""
-        found: dict[Place, list[Point]] = {}
+    def mask_of(self, points: Iterable[Point]) -> Mask:
+        """Mask of points."""
+        mask = np.zeros(self.shape, bool)
         for point in points:
-            found.setdefault(self.place("status", self.index(point)), []).append(point)
-        return found
+            mask[self.index(point)] = True
+        return mask
 
-    def _alone_at(self, place: Place) -> AbstractContextManager[None]:
-        """Be the only one to write to the chunks at a place, as far as points share them."""
-        return part_held(self.path, place) if self.is_shared else nullcontext()
+    def asked_by(self, sweep: Sweep) -> Mask:
+        """Mask of the points that a sweep asks for."""
+        if sweep.chosen is not None:
+            return self.mask_of(sweep.chosen)
+        wanted: dict[str, Iterable[Any]] = {"load": sweep.loads, "velocity": sweep.velocities}
+        if self.leading:
+            wanted[self.leading] = sweep.simulated
+        mask = np.zeros(self.shape, bool)
+        rows = [
+            [numbers[value] for value in wanted[name]]
+            for name, numbers in zip(self.dims, self._numbers, strict=True)
+        ]
+        mask[np.ix_(*rows)] = True
+        return mask
 
-    def _flags_at(self, place: Place) -> Array:
-        """Status of the points of a chunk; where it was lost, that of what is intact is done."""
-        array = self._arrays["status"]
-        try:
-            if (content := self._files.content(array.key(place))) is not None:
-                return array.decoded(content)
-        except UNREADABLE as error:
-            if isinstance(error, OSError) and error.errno:  # that of the disk may pass
-                raise
-        flags = np.full(array.chunks, PENDING, array.dtype)
-        if self.is_shared:
-            for point in self.points_in(place):
-                if self.has("checksum", point) and self.is_intact(point):
-                    flags[self.within("status", self.index(point))] = DONE
-            if flags.any():
-                self._files.put_all([(array.key(place), array.encoded(flags))])
-        return flags
-
-    def _damaged_beside(self, points: Iterable[Point]) -> list[Point]:
-        """Points in the same chunks as others, and not pending, of which something is damaged."""
-        if not self.is_shared:
-            return []
-        flags, _ = self.flags()
-        beside = np.zeros(flags.shape, bool)
-        for place in self._by_place(points):
-            beside[self.block(place)] = True
-        for point in points:
-            beside[self.index(point)] = False
-        doubtful = beside & ((flags == FAILED) | (flags == DONE) & ~sound(self, flags, beside))
-        found = self.points_at(np.nonzero(doubtful))
-        return [each for each in found if self._is_lost_at(each, flags[self.index(each)])]
-
-    def _is_lost_at(self, point: Point, flag: int) -> bool:
-        """Whether something cannot be read that there has to be of a point."""
-        if flag == DONE:
-            return not self.is_intact(point)
-        return "message" in self.unreadable(point) or not self.has("message", point)
-
-    def _chunks(
-        self, values: Mapping[Place, Mapping[str, Any]], flags: Array
-    ) -> Iterator[tuple[str, bytes]]:
-        """Keys and contents of the files with values at some indices that share chunks.
-
-        `flags` are the statuses there so far.
-        """
-        by_name: dict[str, dict[Place, dict[Place, Any]]] = {}
-        for index, own in values.items():
-            for name, value in own.items():
-                places = by_name.setdefault(name, {})
-                places.setdefault(self.place(name, index), {})[index] = value
-        for name, places in by_name.items():
-            for place, entries in places.items():
-                others = flags.copy()
-                for index in values:
-                    others[self.within("status", index)] = PENDING
-                yield from chunks_with(
-                    self._arrays[name], place, entries, self._there(name, flags, others)
-                )
-
-    def _there(self, name: str, flags: Array, others: Array) -> Callable[[str, Place], Any]:
-        """A function that reads what the chunks of a variable hold now, for the sake of others.
-
-        Raises
-        ------
-        StoreError
-            If other points than those that are written need it, and it cannot be read.
-        """
-        array = self._arrays[name]
-        needed = (others != PENDING if name == "message" else others == DONE).any()
-
-        def there(key: str, place: Place) -> Any:
-            if name == "status":
-                return flags
-            if not array.is_shared(len(self._places)):
-                return None
-            try:
-                if (content := self._files.content(key)) is not None:
-                    return array.decoded(content)
-            except UNREADABLE as error:
-                if needed:
-                    raise StoreError(DAMAGED.format(self.path, name)) from error
-                return None
-            if needed and self._is_lost(name, place):
-                raise StoreError(DAMAGED.format(self.path, name))
-            return None
-
-        return there
-
-
-@functools.lru_cache(maxsize=4)
-def _opened(path: PathLike, revision: str) -> Store:
-    """The store at `path`; opened anew only after its root was replaced."""
-    store = Store(path)
-    if store.revision != revision:
-        raise StoreError(
-            f"{path} is not the same store, or not as it is now, on {socket.gethostname()}; every "
-            "worker must see the store under the same path"
+    def block(self, chunk: Sequence[int], sizes: Sequence[int]) -> Slices:
+        """Points of a chunk, by the sizes of the chunks of its variable."""
+        return tuple(
+            slice(i * size, min((i + 1) * size, n))
+            for i, size, n in zip(chunk, sizes, self.shape, strict=False)
         )
-    return store
+
+
+def missing_chunks(place: Place, root: Root, flags: NDArray[np.int8]) -> dict[str, Mask]:
+    """Points that are done, but lack a chunk: a mask by the names of variables that lack any."""
+    done = flags == DONE
+    missing: dict[str, Mask] = {}
+    needed: dict[tuple[int, ...], list[tuple[int, ...]]] = {}  # by the sizes, alike for most
+    for name, array in root.arrays.items():
+        if is_coordinate(name):
+            continue
+        sizes, names = chunks_of(array), place.names(name)
+        tail = [-(-n // size) for n, size in zip(array["shape"], sizes, strict=True)][done.ndim :]
+        block = tuple(sizes[: done.ndim])
+        if block not in needed:
+            needed[block] = _chunks_with(done, block)
+        for chunk in needed[block]:
+            keys = (chunk_name((*chunk, *rest)) for rest in np.ndindex(*tail))
+            if not names.issuperset(keys):
+                points = tuple(slice(i * n, (i + 1) * n) for i, n in zip(chunk, block, strict=True))
+                mask = missing.setdefault(name, np.zeros_like(done))
+                mask[points] = done[points]
+    return missing
+
+
+def _chunks_with(mask: Mask, sizes: tuple[int, ...]) -> list[tuple[int, ...]]:
+    """Numbers of the chunks with any of the points of a mask."""
+    counts = [-(-n // size) for n, size in zip(mask.shape, sizes, strict=True)]
+    numbers = np.argwhere(mask) // np.array(sizes)
+    chunks = np.unique(np.ravel_multi_index(tuple(numbers.T), counts))
+    return [tuple(row) for row in np.array(np.unravel_index(chunks, counts)).T.tolist()]

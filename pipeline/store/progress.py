@@ -1,4 +1,4 @@
-"""How far a sweep has come, by its store."""
+"""Progress of a sweep, by its store."""
 
 from __future__ import annotations
 
@@ -6,11 +6,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pipeline.store.folder import PathLike, user
+from pipeline.store.lock import holder_of
 from pipeline.store.pace import pace
-from pipeline.store.snapshot import Snapshot
-from pipeline.store.variables import DONE, FAILED, PENDING
-from pipeline.store.whole import read_whole
+from pipeline.store.place import PathLike, place_of
+from pipeline.store.root import read_root
+from pipeline.store.schema import DONE, FAILED, PENDING
+from pipeline.store.write import Store
 from pipeline.sweep.model import Point
 
 
@@ -30,7 +31,7 @@ class FailedPoint:
 
 @dataclass(frozen=True, slots=True)
 class Summary:
-    """How far a sweep has come.
+    """Progress of a sweep.
 
     Attributes
     ----------
@@ -67,12 +68,11 @@ class Summary:
         return self.pending / self.rate if self.rate else None
 
 
-def summarized(store: Snapshot) -> Summary:
-    """Count the points of an open store, without reading their data."""
-    flags, _ = store.flags()
-    asked = store.asked_places()
+def summarized(store: Store) -> Summary:
+    """Count the points of an open store."""
+    asked, flags = store.asked == 1, store.flags
     counts = {flag: int(np.count_nonzero(flags[asked] == flag)) for flag in (PENDING, DONE)}
-    failed = set(store.points_at(np.nonzero(asked & (flags == FAILED))))
+    failed = store.points_at(np.nonzero(asked & (flags == FAILED)))
     return Summary(
         name=store.attributes["name"],
         title=store.attributes["title"],
@@ -80,9 +80,8 @@ def summarized(store: Snapshot) -> Summary:
         done=counts[DONE],
         pending=counts[PENDING],
         failed=tuple(
-            FailedPoint(at.load, at.velocity, store.message(at), *at[2:])
-            for at in (store.asked() if failed else ())
-            if at in failed
+            FailedPoint(point.load, point.velocity, store.message(point), *point[2:])
+            for point in failed
         ),
         earlier=int(np.count_nonzero(flags[~asked] == DONE)),
     )
@@ -99,17 +98,17 @@ def summary(path: PathLike) -> Summary:
     Examples
     --------
     >>> import pipeline
-    >>> found = pipeline.summary("results/first_try.zarr")
-    >>> found.done, found.pending, found.failed
+    >>> summary = pipeline.summary("results/first_try.zarr")
+    >>> summary.done, summary.pending, summary.failed
     (24, 0, ())
     """
-    _, found = read_whole(path, _with_rate_and_warnings, Snapshot)
-    return replace(found, running=user(path))
-
-
-def _with_rate_and_warnings(store: Snapshot) -> Summary:
-    name = "warning_flags" if "warning_flags" in store.names else "message"
-    flags, _ = store.flags()
-    # Both are empty, 0 or no text, where there is nothing to warn of.
-    warned = (flags == DONE) & store.values(name).astype(bool)
-    return replace(summarized(store), rate=pace(store.finished_at()), warned=int(warned.sum()))
+    place = place_of(path)
+    store = Store(place, read_root(place))
+    finished = store.read("finished_at", ...)[store.flags == DONE]
+    warned = (store.flags == DONE) & (store.read("warning_flags", ...) != 0)
+    return replace(
+        summarized(store),
+        rate=pace(finished[np.isfinite(finished)]),
+        warned=int(np.count_nonzero(warned)),
+        running=holder_of(place),
+    )

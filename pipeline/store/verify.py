@@ -1,50 +1,40 @@
-"""Read all of a store, and say what of it is damaged.
+"""Damage of a store: points whose data are not those that their checksums were taken of.
 
-A point that is done is damaged if one of its files cannot be read or is missing, or if its data
-are not those that its checksum was taken of. To repair it is to make it pending, so that the next
-run computes it again; coordinates and metadata are restored from the root of the store.
+Repair makes damaged points pending, so that the next run computes them again. Where only what is
+told about a point was lost, its data stay: the kinds of its warnings are restored from its
+checksum, a message from these kinds, and times are unknown.
 """
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable, Iterable, Iterator
-from contextlib import ExitStack, suppress
+import json
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.store.folder import (
-    ROOT,
-    PathLike,
-    Place,
-    StoreError,
-    folder_of,
-    locked,
-    read_json,
-    write_json,
-)
-from pipeline.store.identity import scene_hash
-from pipeline.store.points import Store
-from pipeline.store.root import (
-    DamagedRootError,
-    has_copy,
-    read_metadata,
-    renew_copy,
-    restore_root,
-)
-from pipeline.store.soundness import sound
-from pipeline.store.variables import DONE, FAILED, HASHED
-from pipeline.store.whole import A_COMMIT, read_whole
+from pipeline.store.create import repairing
+from pipeline.store.identity import checksum, record_checksum
+from pipeline.store.place import ROOT, PathLike, StoreError, place_of
+from pipeline.store.points import Slices, missing_chunks
+from pipeline.store.root import Root, read_root
+from pipeline.store.schema import AT_END, DONE, PENDING, STEPPED, chunk_name, is_coordinate
+from pipeline.store.write import ABOUT, Store
 from pipeline.sweep.model import Point
+from pipeline.sweep.plan import PointRecord
+from tribo import WarningKind
 from tribo.types import Mask
+
+_OTHER = "the data are not those that were computed"
+_LOST = "the message was damaged; kinds of warnings: {}"
+_LOST_REASON = "the reason why it failed was damaged; try again with irg run --retry-failed"
 
 
 @dataclass(frozen=True, slots=True)
 class Damage:
-    """A damaged point: load [N], velocity [m/s], what is wrong with it, and which variant."""
+    """A damaged point: load [N], velocity [m/s], reason, and which variant."""
 
     load: float
     velocity: float
@@ -52,48 +42,41 @@ class Damage:
     realization: int | None = None
     sample: int | None = None
 
-    @property
-    def point(self) -> Point:
-        """Where it is."""
-        return Point(self.load, self.velocity, self.realization, self.sample)
-
     def __str__(self) -> str:
-        return f"{self.point}: {self.reason}"
+        return f"{Point(self.load, self.velocity, self.realization, self.sample)}: {self.reason}"
 
 
 @dataclass(frozen=True, slots=True)
 class Verification:
-    """What reading a whole store found.
+    """Result of reading a whole store.
 
     Attributes
     ----------
     done : int
         Points that are done and intact.
     damaged : tuple of Damage
-        Points with damaged files.
+        Points that are damaged; repair makes them pending.
+    records : tuple of Damage
+        Points whose data are intact, but not what is told about them; repair keeps their data.
     shared : tuple of str
-        What is wrong with coordinates and metadata, which belong to no point.
-    found : tuple of Point
-        Points that are complete, but without a status: it was lost, or a run was killed before it
-        wrote it. The next run takes them as done.
-    is_protected : bool
-        Whether conditions, axes and metadata are protected by a hash, which stores of format 1
-        lack.
+        Faults of coordinates and metadata, which belong to no point.
+    without_status : tuple of Point
+        Points that are complete, but have no readable status; repair makes them done.
     repaired : bool
         Whether all of that was repaired.
     """
 
     done: int
     damaged: tuple[Damage, ...]
+    records: tuple[Damage, ...]
     shared: tuple[str, ...]
-    found: tuple[Point, ...]
+    without_status: tuple[Point, ...]
     repaired: bool
-    is_protected: bool = True
 
     @property
     def is_clean(self) -> bool:
-        """Whether nothing was damaged."""
-        return not (self.damaged or self.shared)
+        """Return whether nothing was damaged."""
+        return not (self.damaged or self.records or self.shared)
 
 
 def verify_store(
@@ -118,145 +101,210 @@ def verify_store(
     Examples
     --------
     >>> import pipeline
-    >>> found = pipeline.verify_store("results/first_try.zarr")
-    >>> found.done, found.is_clean
+    >>> verification = pipeline.verify_store("results/first_try.zarr")
+    >>> verification.done, verification.is_clean
     (24, True)
     """
-    folder = folder_of(path)
-    with ExitStack() as stack:
-        if repair:
-            with suppress(DamagedRootError):
-                read_metadata(folder)  # before a lock is laid beside what is no store
-            stack.enter_context(locked(path))
-        shared = list(_root_faults(folder, repair))
-        if shared and not repair:
-            return Verification(0, (), tuple(shared), (), repaired=False)
-        try:
-            if repair:
-                return _examined(Store(path), shared, repair, progress)
-
-            def examined(store: Store) -> Verification:
-                return _examined(store, shared, repair, progress)
-
-            return read_whole(path, examined, Store)[1]
-        except OSError as error:
-            raise StoreError(f"{folder} cannot be repaired: {error}") from error
+    if repair:
+        with repairing(path) as store:
+            return examined(store, True, progress)
+    place = place_of(path)
+    return examined(Store(place, read_root(place), is_damaged=True), False, progress)
 
 
-def _examined(
-    store: Store,
-    shared: list[str],
-    repair: bool,
-    progress: Callable[[int, int], None] | None = None,
+def examined(
+    store: Store, repair: bool, progress: Callable[[int, int], None] | None = None
 ) -> Verification:
-    """Examine a store whose root has these faults."""
-    shared = [*shared, *_shared_faults(store, repair)]
-    found = tuple(store.lost())
+    """Read all of an open store; see `verify_store`."""
+    shared = [*_shared_faults(store, repair)]
+    unknown = _on_disk(store, "checksum")
+    unknown &= ~_on_disk(store, "status") | store.unreadable["status"]
+    is_there = (store.flags != PENDING) | unknown
+    missing = missing_chunks(
+        store.place,
+        Root(store.attributes, store.metadata),
+        np.where(is_there, DONE, PENDING).astype(np.int8),
+    )
+    if "asked" in missing:
+        store.unreadable["asked"] |= missing["asked"]
+    for name, kind in (("status", "statuses"), ("asked", "points that the last run asked for")):
+        if store.unreadable[name].any():
+            shared.append(f"the {kind} are damaged")
+    total, count, examinations = int(np.count_nonzero(store.flags == DONE)), 0, []
+    for _, block in store.blocks(is_there | _on_disk(store, "message")):
+        gone = {name: mask[block] for name, mask in missing.items() if mask[block].any()}
+        examinations.append(_examined_block(store, block, unknown[block], gone))
+        count += int(np.count_nonzero(store.flags[block] == DONE))
+        if progress:
+            progress(count, total)
+    damaged = [point for each in examinations for point in each.damaged]
+    done = total - sum(map(store.is_done, damaged))
     if repair:
-        store.heal()
-    flags, _ = store.flags()
-    damaged = _damaged(store, flags, np.ones(flags.shape, bool), progress)
-    if damaged and not repair:  # a run may just be writing these anew
-        time.sleep(A_COMMIT)
-        damaged = _damaged(store, store.flags()[0], _places(store, damaged))
-    if repair:
-        _reset(store, [each.point for each in damaged])
-    done = (flags == DONE) & ~_places(store, damaged)
-    is_protected = store.attributes["format"] >= HASHED
+        for each in examinations:
+            _repair(store, each)
+        store.restore_flags()
+        done = int(np.count_nonzero(store.flags == DONE))
     return Verification(
-        int(np.count_nonzero(done)), tuple(damaged), tuple(shared), found, repair, is_protected
+        done=done,
+        damaged=_damages(each.damaged for each in examinations),
+        records=_damages(each.records for each in examinations),
+        shared=tuple(shared),
+        without_status=tuple(point for each in examinations for point in each.complete),
+        repaired=repair,
     )
 
 
-def _places(store: Store, damaged: Iterable[Damage]) -> Mask:
-    """Whether each place is one of some damaged points."""
-    found = np.zeros(store.array("status").shape, bool)
-    for each in damaged:
-        found[store.index(each.point)] = True
-    return found
+class _Examination(NamedTuple):
+    """Points that share chunks: their damage by its reason, and those that lack a status alone."""
+
+    block: Slices
+    lost: list[str]
+    damaged: dict[Point, str]
+    records: dict[Point, str]
+    restored: dict[Point, PointRecord]
+    complete: list[Point]
 
 
-def _damaged(
-    store: Store,
-    flags: NDArray[np.int8],
-    places: Mask,
-    progress: Callable[[int, int], None] | None = None,
-) -> list[Damage]:
-    """What is wrong with any of the points at some places, by their status."""
-    total, read = int(np.count_nonzero(places)), 0
-
-    def count(number: int) -> None:
-        nonlocal read
-        read += number
-        if progress:
-            progress(read, total)
-
-    doubtful = (places & ~sound(store, flags, places, count)) | (places & (flags == FAILED))
-    damaged = []
-    for point in store.points_at(np.nonzero(doubtful)):
-        reason = _reason(store, point, int(flags[store.index(point)]))
-        if reason is not None:
-            damaged.append(Damage(point.load, point.velocity, reason, *point[2:]))
-    return damaged
+def _on_disk(store: Store, name: str) -> Mask:
+    """Points whose chunk of a small variable is on the disk."""
+    names = store.place.names(name)
+    mask = np.zeros(store.shape, bool)
+    for chunk, block in store.blocks(~mask):
+        mask[block] = chunk_name(chunk) in names
+    return mask
 
 
-_CHANGING = ("shape", "chunk_grid", "chunk_key_encoding")
-_REWRITTEN = {"status", "message"}  # when a point is made pending
+def _examined_block(
+    store: Store, block: Slices, unknown: Mask, missing: Mapping[str, Mask]
+) -> _Examination:
+    values: dict[str, NDArray[Any]] = {}
+    lost = []
+    for name in set(store.names) - set(AT_END) - {"status", "asked"}:
+        try:
+            if name in missing:
+                raise StoreError
+            values[name] = store.read(name, block)
+        except StoreError:
+            lost.append(name)
+    examination = _Examination(block, lost, {}, {}, {}, [])
+    flags = np.where(unknown, DONE, store.flags[block])
+    places = np.argwhere(flags != PENDING)
+    first = [part.start for part in block]
+    for within, point in zip(places.tolist(), store.points_at((places + first).T), strict=True):
+        index = tuple(within)
+        entries = {name: array[index] for name, array in values.items()}
+        gone = {name for name in AT_END if name in missing and missing[name][index]}
+        is_done = flags[index] == DONE
+        record, fault = _record(point, entries, is_done)
+        fault_of_data = _fault_of_data(store, point, entries, gone) if is_done else None
+        if unknown[index]:
+            if not (fault or fault_of_data):
+                examination.complete.append(point)
+        elif fault_of_data or (fault and record is None):
+            examination.damaged[point] = fault_of_data or fault or ""
+        elif fault and record:
+            examination.records[point], examination.restored[point] = fault, record
+    return examination
 
 
-def _reason(store: Store, point: Point, status: int) -> str | None:
-    """What is wrong with a point, if anything is."""
-    if status == DONE:
-        return store.fault(point)
-    if unreadable := store.unreadable(point):
-        return f"{', '.join(unreadable)} cannot be read"
-    if status == FAILED and not store.has("message", point):
-        return "message is missing"
-    return None
+def _record(
+    point: Point, entries: Mapping[str, Any], is_done: bool
+) -> tuple[PointRecord | None, str | None]:
+    """Record of a point, as far as it can be read or follows from the rest, and its fault."""
+    if fault := _unreadable(name for name in (*ABOUT, "record_checksum") if name not in entries):
+        return _restored(point, entries, is_done), fault
+    message, kinds, *times = (entries[name] for name in ABOUT)
+    record = PointRecord(point, None, str(message), int(kinds), *map(float, times))
+    is_sound = entries["record_checksum"] == record_checksum(record)
+    return (record, None) if is_sound else (None, _OTHER)
 
 
-def _reset(store: Store, points: list[Point]) -> None:
-    """Make damaged points pending."""
-    broken = {point: set(store.unreadable(point)) for point in points}
-    for point, names in broken.items():
-        store.discard(point, _REWRITTEN & names)
-    store.forget(*points)
-    for point, names in broken.items():
-        store.discard(point, names - _REWRITTEN)
+def _restored(point: Point, entries: Mapping[str, Any], is_done: bool) -> PointRecord | None:
+    message, kinds = entries.get("message"), int(entries.get("warning_flags", -1))
+    times = [float(entries.get(name, np.nan)) for name in ("wall_time", "finished_at")]
+    if kinds < 0 and message != "":
+        every = (
+            PointRecord(point, None, str(message or ""), number, *times)
+            for number in range(2 * max(WarningKind))
+        )
+        expected = entries.get("record_checksum")
+        return next((each for each in every if record_checksum(each) == expected), None)
+    if message is None:
+        labels = ", ".join(kind.label for kind in WarningKind if kind & kinds)
+        message = _LOST.format(labels) if labels else "" if is_done else _LOST_REASON
+    return PointRecord(point, None, str(message), max(kinds, 0), *times)
 
 
-def _root_faults(folder: Place, repair: bool) -> Iterator[str]:
-    """What is wrong with the root of a store, which is restored from its copy if so desired."""
-    try:
-        read_metadata(folder)
-    except DamagedRootError as error:
-        yield str(error).removeprefix(f"{folder} ").removeprefix(f"{folder}: ")
-        if repair:
-            restore_root(folder)
+def _fault_of_data(
+    store: Store, point: Point, entries: Mapping[str, Any], gone: set[str]
+) -> str | None:
+    data: dict[str, NDArray[Any]] = {}
+    lost = [name for name in (*STEPPED, "checksum") if name in store.arrays.keys() - entries.keys()]
+    for name in store.arrays.keys() & AT_END.keys():
+        try:
+            if name in gone:
+                raise StoreError
+            data[name] = store.read(name, store.index(point))
+        except StoreError:
+            lost.append(name)
+    if lost:
+        return _unreadable(sorted(lost))
+    steps = np.count_nonzero(np.isfinite(entries["time"]))
+    data |= {name: entries[name][:steps] for name in STEPPED if name in entries}
+    return None if entries["checksum"] == checksum(point, data) else _OTHER
+
+
+def _unreadable(names: Iterable[str]) -> str | None:
+    lost = ", ".join(names)
+    return f"{lost} cannot be read" if lost else None
+
+
+def _damages(reasons: Iterable[Mapping[Point, str]]) -> tuple[Damage, ...]:
+    return tuple(
+        Damage(point.load, point.velocity, reason, *point[2:])
+        for each in reasons
+        for point, reason in each.items()
+    )
+
+
+def _repair(store: Store, examination: _Examination) -> None:
+    """Make damaged points pending, and write anew what is told of the others."""
+    for name in examination.lost:
+        store.arrays[name][examination.block] = store.arrays[name].fill_value
+    for point in examination.damaged:
+        for name in store.arrays.keys() & AT_END.keys():
+            store.arrays[name][store.index(point)] = store.arrays[name].fill_value
+    values = {
+        store.index(point): {name: getattr(record, name) for name in ABOUT}
+        | {"record_checksum": record_checksum(record)}
+        for point, record in examination.restored.items()
+    }
+    store.write(values, {store.index(point): DONE for point in examination.complete})
+    store.forget(examination.damaged)
 
 
 def _shared_faults(store: Store, repair: bool) -> Iterator[str]:
-    """What is wrong with metadata and coordinates; they are restored if so desired."""
-    if scene_hash(store.attributes["scene"]) != store.attributes["scene_hash"]:
-        yield "the description of the scene is damaged, and cannot be repaired"
-    if store.attributes["format"] >= HASHED and not has_copy(store.path):
-        yield f"the copy of {ROOT} is damaged"
-        if repair:
-            renew_copy(store.path)
+    """Faults of coordinates and metadata, which are restored from the root if so desired."""
     for name, expected in store.metadata.items():
-        if not _is_same(store.path / name / ROOT, expected):
+        key = f"{name}/{ROOT}"
+        if not _is_same(store.place.read(key), expected):
             yield f"the metadata of {name} are damaged"
             if repair:
-                write_json(store.path / name / ROOT, expected)
-    for name in store.damaged_coordinates():
-        yield f"the coordinate {name} is damaged"
-        if repair:
-            store.restore(name)
+                store.place.put({key: json.dumps(expected).encode()})
+        if is_coordinate(name):
+            try:
+                values = store.read(name, ...).tolist()
+            except StoreError:
+                values = None
+            if values != store.axes[name]:
+                yield f"the coordinate {name} is damaged"
+                if repair:
+                    store.arrays[name][:] = np.array(store.axes[name])
 
 
-def _is_same(file: Place, expected: dict[str, Any]) -> bool:
-    """Whether metadata are as they were committed, but for a change that was cut short."""
+def _is_same(content: bytes | None, expected: Mapping[str, Any]) -> bool:
+    """Return whether metadata are as in the root, but for a growth that was cut short."""
     try:
-        return read_json(file) | {name: expected[name] for name in _CHANGING} == expected
-    except (OSError, ValueError, RecursionError):
+        return bool(json.loads(content or b"") | {"shape": expected["shape"]} == expected)
+    except (ValueError, TypeError, RecursionError):
         return False

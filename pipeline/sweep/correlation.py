@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from scipy.special import ndtr, ndtri
 
 from tribo.types import Array
 
@@ -36,8 +37,6 @@ def correlated(correlations: Array, shares: Array) -> list[Array]:
     >>> print(f"{first[0]:.4f} {second[0]:.4f}")  # the second's score is 0.6
     0.8413 0.7257
     """
-    from scipy.special import ndtr, ndtri  # few scenes need it
-
     columns = list(shares.T[: len(correlations)])
     dependent = [i for i, row in enumerate(correlations) if row[:i].any()]
     if not dependent:

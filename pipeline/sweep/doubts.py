@@ -9,7 +9,14 @@ from typing import NamedTuple
 from pipeline.sweep.facts import Facts
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.surface import SurfaceFacts
-from tribo import Ball, Crowned, Cylinder, Material, analytic
+from tribo import Ball, Crowned, Cylinder, Material, SelfAffineRoughness, analytic
+from tribo.simulation.warning import (
+    FEWEST_ACROSS,
+    FEWEST_PIXELS,
+    FEWEST_ROWS,
+    FEWEST_TURNS,
+    WIDEST,
+)
 
 
 class Usual(NamedTuple):
@@ -58,9 +65,8 @@ _WEAR_RATE = Usual("specific wear rate", 1e-11, 1e-2, "mm³/(N m)", 1e9)
 _VELOCITY = Usual("velocity", 0, 100, "m/s")
 _BULK = Usual("bulk temperature", 200, 800, "K")
 _STEEPEST_HARDNESS = 0.2  # of the elastic modulus; diamond has 0.1
-_WIDEST = 0.3  # half-width in radii up to which the bodies are half-spaces, about
+_LONGEST = 1 / 3  # correlation length in sides of the window
 _MOST_RISE = 2.0  # of the mean plane over the window, in Rq
-_FEWEST_TURNS = 10  # of a pin that rolls, over which its wear is even around it to about a tenth
 _ALONG = 30.0  # angle up to which grooves lie along sliding [°]
 
 
@@ -69,7 +75,7 @@ def doubts(sweep: Sweep, facts: Facts) -> tuple[str, ...]:
     return (
         *_of_bodies(sweep),
         *_of_conditions(sweep),
-        *_of_motion(facts),
+        *_of_motion(sweep, facts),
         *_of_contact(sweep, facts),
         *(_of_surface(sweep, facts.surface) if facts.surface else ()),
     )
@@ -115,22 +121,36 @@ def _of_conditions(sweep: Sweep) -> Iterator[str]:
         yield from _WEAR_RATE.doubt("the ", sweep.wear.specific_wear_rate)
 
 
-def _of_motion(facts: Facts) -> Iterator[str]:
-    if facts.pin_turns is None or not 0 < facts.pin_turns.low < _FEWEST_TURNS:
-        return
-    yield (
-        f"the pin turns only {facts.pin_turns.low:.2g} times until the end at the lowest load and "
-        f"velocity, where its wear is taken to spread evenly around it: {_FEWEST_TURNS} turns or "
-        "more are sound"
-    )
+def _of_motion(sweep: Sweep, facts: Facts) -> Iterator[str]:
+    turns = [
+        facts.duration.low * abs(sweep.velocities_at(velocity).pin) / sweep.track_length
+        for velocity in sweep.velocities
+        if velocity
+    ]
+    few = sum(each < FEWEST_TURNS for each in turns)
+    if sweep.wears and few and any(turns):
+        yield (
+            f"the pin turns only {min(turns):.2g} times until the end at the lowest load, fewer "
+            f"than {FEWEST_TURNS} at {few} of {len(turns)} velocities, and its wear is taken to "
+            "spread evenly around it: leave such velocities out, or let the pin turn faster"
+        )
 
 
 def _of_contact(sweep: Sweep, facts: Facts) -> Iterator[str]:
-    share = facts.hertz_half_width.high / sweep.pin.radius
-    if share > _WIDEST:
+    share = facts.contact_width.high / 2 / sweep.pin.radius
+    if share > WIDEST:
         yield (
-            f"Hertz's half-width is {share:.2g} of the pin's radius, where at most {_WIDEST:g} is "
-            "sound: such bodies are no half-spaces"
+            f"half of the contact's width is expected to reach {share:.2g} of the pin's radius, "
+            f"where at most {WIDEST:g} is sound: the bodies are no half-spaces, and a worn pin has "
+            "lost its shape"
+        )
+    across = facts.contact_width.low / sweep.pixels.spacing[0]
+    fewest = FEWEST_ROWS if isinstance(sweep.pin, Cylinder) else FEWEST_ACROSS
+    if across < fewest:
+        yield (
+            f"the contact is expected to be {across:.2g} pixels wide at the lowest load and "
+            f"velocity; with fewer than {fewest} the rise is mostly too low, by 5 to 70 %: give a "
+            "smaller window.pixel_size"
         )
     side, window = facts.window[0], "window"
     if not isinstance(sweep.pin, Cylinder):
@@ -171,6 +191,8 @@ def _of_surface(sweep: Sweep, surface: SurfaceFacts) -> Iterator[str]:
                 f"{axis} over the window, beside an Rq of {1e6 * surface.rq:.3g} µm; take the "
                 "plane off with level = true under [disk.roughness]"
             )
+    if isinstance(sweep.roughness, SelfAffineRoughness):
+        yield from _of_correlation(sweep, sweep.roughness)
     if surface.lay is None or surface.lay > _ALONG:
         return
     if sweep.wear and sweep.wear.pattern == "swept":
@@ -184,3 +206,21 @@ def _of_surface(sweep: Sweep, surface: SurfaceFacts) -> Iterator[str]:
             "the grooves lie along x, the sliding direction; if they should lie across it, the "
             "file is transposed: its rows must follow one another along x"
         )
+
+
+def _of_correlation(sweep: Sweep, roughness: SelfAffineRoughness) -> Iterator[str]:
+    """Correlation lengths that the pixels do not resolve, or the window does not hold."""
+    sides = zip("xy", roughness.correlation_length, sweep.pixels.shape, strict=True)
+    for (axis, length, count), pixel in zip(sides, sweep.pixels.spacing, strict=True):
+        said = f"the correlation length along {axis}, {1e6 * length:.3g} µm, is"
+        if length < FEWEST_PIXELS * pixel * (1 - 1e-9):
+            yield (
+                f"{said} {length / pixel:.2g} pixels; below {FEWEST_PIXELS:g} the slopes of the "
+                "roughness depend on the pixels: give a smaller window.pixel_size"
+            )
+        if length > _LONGEST * count * pixel:
+            yield (
+                f"{said} {length / (count * pixel):.2g} of the window's side; above a third the "
+                "temperature differs much from surface to surface: give more window.pixels, or "
+                "several surfaces (sweep.realizations)"
+            )

@@ -9,6 +9,7 @@ sample of unknown inputs, has chains of its own.
 from __future__ import annotations
 
 import itertools
+import math
 import time
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
@@ -118,9 +119,48 @@ class PointResult:
         blocks = (self.shape[0], -1, self.shape[1], pressure.shape[1] // self.shape[1])
         return {name: field.reshape(blocks).mean((1, 3)) for name, field in fields.items()}
 
+    def record(self, with_fields: bool) -> PointRecord:
+        """Return what is stored of the point: fields at its end only if asked for."""
+        fields = self.fields if with_fields else {}
+        return PointRecord(
+            point=self.point,
+            data={**self.columns, **{k: v.astype(np.float32) for k, v in fields.items()}},
+            message="; ".join(map(str, self.warnings)),
+            warning_flags=sum({int(warning.kind) for warning in self.warnings}),
+            wall_time=self.wall_time,
+            finished_at=self.finished_at,
+        )
+
     def verdict(self, conditions: Conditions) -> Verdict:
         """Whether wear is severe at the point under these conditions, by its worst moment."""
         return verdict(self.columns, self.point.load, conditions)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PointRecord:
+    """Stored result of a point.
+
+    Attributes
+    ----------
+    point : Point
+    data : dict of ndarray or None
+        Variables of the dataset, at the point's own steps and at its end; None if it failed.
+    message : str
+        Its warnings, or the reason why it failed.
+    warning_flags : int
+        Kinds of its warnings.
+    wall_time : float
+        Duration of its computation [s].
+    finished_at : float
+        End of its computation, since 1970-01-01 UTC [s].
+    """
+
+    point: Point
+    data: Mapping[str, Array] | None
+    message: str = ""
+    warning_flags: int = 0
+    wall_time: float = math.nan
+    finished_at: float = math.nan
 
 
 def points(sweep: Sweep) -> tuple[Point, ...]:

@@ -49,9 +49,9 @@ class Selection:
     error : float
         Largest relative error of the boundary velocity to expect, from those measured and from
         what the yardstick itself may err in its steps and its heat model.
-    yardstick : str
-        Name of the fidelity that the error was measured against; empty if the reference was taken
-        without comparison, since to find a cheaper choice would have taken about as long.
+    coarser : float or None
+        Largest relative change of the boundary by elements of twice the pixels' size, against which
+        the error does not count; None where pixels cannot be joined.
     trials : tuple of Trial
         Fidelities tried, from cheap to dear; the last one was picked.
     points : tuple of (float, float)
@@ -68,7 +68,7 @@ class Selection:
     name: str
     fidelity: Fidelity
     error: float
-    yardstick: str
+    coarser: float | None
     trials: tuple[Trial, ...]
     points: tuple[tuple[float, float], ...]
     saving: float
@@ -96,17 +96,19 @@ class Selection:
         asked, err = f"accuracy {100 * self.accuracy:g} %", f"errs by {100 * self.error:.2g} %"
         if self.error > self.accuracy:
             err += ", more than asked for: nothing finer is known"
-        took = f"the probe took {self.seconds:.1f} s"
-        if not self.yardstick:
-            return (
-                f"{asked}: took {self.name}, since to find a cheaper choice would take about as "
-                f"long; its boundary {err}; {took}"
-            )
-        dropped = [f"{trial.name} errs by {100 * trial.error:.2g} %" for trial in self.trials[:-1]]
+        picked = self.trials[-1]
+        dropped = [
+            f"{trial.name} errs by {100 * trial.error:.2g} % with {picked.work / trial.work:.2g} "
+            "times less"
+            for trial in self.trials[:-1]
+        ]
         why = f" ({', '.join(dropped)})" if dropped else ""
         saves = self.saving >= 1
         less = f"{self.saving:.2g} times less" if saves else f"{1 / self.saving:.2g} times the"
+        pixels = "its pixels cannot be joined to larger ones"
+        if self.coarser is not None:
+            pixels = f"elements of twice their size move it by {100 * self.coarser:.2g} %"
         return (
-            f"{asked}: picked {self.name}, whose boundary {err} against {self.yardstick} with "
-            f"{less} work{why}; {took}"
+            f"{asked}: picked {self.name}, whose boundary {err}, against nearly exact steps on the "
+            f"scene's pixels, with {less} work{why}; {pixels}; the probe took {self.seconds:.1f} s"
         )

@@ -15,6 +15,7 @@ from dataclasses import asdict, dataclass, field
 from typing import Any, Literal, get_args
 
 import numpy as np
+from scipy.special import ndtri
 
 from pipeline.sweep.correlation import OUTERMOST, correlated
 from tribo import InputError
@@ -140,8 +141,6 @@ class Unknown:
         ndarray
             Values [SI].
         """
-        from scipy.special import ndtri  # few scenes need it
-
         first, *rest = self.parameters
         if self.kind == "normal":
             return np.asarray(first + rest[0] * ndtri(share))

@@ -9,31 +9,35 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
-from pipeline.store import ROOT, PathLike, StoreMismatchError, folder_of, locked, read_metadata
+import numpy as np
+
+from pipeline.store.place import PathLike, StoreMismatchError, require_writable
+from pipeline.store.root import read_attributes
 from pipeline.sweep.criterion import rise_limit
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import step_count
 from pipeline.sweep.selection import Selection, Trial
-from pipeline.tradeoff.probe import fitted, near_the_boundary, probe, some_loads
-from pipeline.tradeoff.yardstick import YARDSTICK, OwnError, measured, own_error
+from pipeline.tradeoff.probe import Place, fitted, near_the_boundary, probe, some_places
+from pipeline.tradeoff.yardstick import YARDSTICK, OwnError, Yardstick, measured, own_error
 from tribo import PRESETS, ConvergenceError, Fidelity, InputError
 from tribo.simulation.warning import FEW_NODES
 
-_LOADS = 4
+_LOADS, _PLACES = 4, 6  # to look at, and with several surfaces
 # Errors scatter from load to load, since each one touches other summits. What holds for loads that
 # were not probed is the larger of these: so much more than the largest that was found, and the
 # mean with so many standard deviations. Between the velocities probed, a little more than the
 # largest.
 _MARGIN, _DEVIATIONS, _BETWEEN = 1.3, 2.5, 1.1
 _ONE = 0.1  # by how much more the staircase moves the yardstick itself, where but one touches
+_SAME = 1.05  # of the finest error, up to which a cheaper choice is no worse
 _BETWEEN_FEW = 1.5  # where few elements touch, whose quantile is a staircase
 _MANY_NODES = 1000  # from which a loose contact errs no more than its tolerance lets it
 _TIGHT = 1e-3  # tolerance of the contact where fewer touch
-_PASSES = 6.0  # of the yardstick's steps at each load that a probe takes, trials included
-_WORTH = 0.5  # of the reference's steps in the whole sweep that a probe may take
+_APART = 0.05  # of the logarithms of the two velocities at a load from that of the boundary
+_PASSES = 5.0  # of the yardstick's steps at each load that a probe takes, trials included
+_WORTH = 0.5  # of the reference's steps in the whole sweep that a thorough probe may take
 _OF_HEAT = 0.7  # of the accuracy, that the present heat alone may err
 _FEWEST_STEPS = 50  # to know the heat of all the past
-_TO_SEEK = replace(PRESETS["standard"], history_coarsening=1, contact_tolerance=_TIGHT)
 _RUNGS: tuple[tuple[str, str, dict[str, Any]], ...] = (
     ("draft", "draft", {}),
     ("draft, finer elements", "draft", {"pixels_per_element": 3}),
@@ -110,13 +114,12 @@ def at_accuracy(
 
 def _require_new(store: PathLike) -> None:
     """Refuse a store that cannot be written to or gone on with, before the probe takes its time."""
-    if (folder_of(store) / ROOT).exists():
+    if read_attributes(store) is not None:
         raise StoreMismatchError(
             f"{store} was computed with a fidelity of the scene's own, not one picked for its "
             "accuracy; leave out --accuracy to go on with it, or write to another store with -o"
         )
-    with locked(store):
-        pass
+    require_writable(store)
 
 
 def stored_selection(path: PathLike) -> Selection | None:
@@ -133,12 +136,8 @@ def stored_selection(path: PathLike) -> Selection | None:
     >>> print(pipeline.stored_selection("results/first_try.zarr"))
     None
     """
-    folder = folder_of(path)
-    if not (folder / ROOT).exists():
-        return None
-    attributes, _ = read_metadata(folder)
-    known = attributes.get("selection")
-    return None if known is None else Selection.from_dict(known)
+    selection = (read_attributes(path) or {}).get("selection")
+    return None if selection is None else Selection.from_dict(selection)
 
 
 def choose_fidelity(
@@ -149,10 +148,10 @@ def choose_fidelity(
 ) -> Selection:
     """Find the cheapest numerical choice whose measured error is within a bound.
 
-    Ever dearer choices are tried on the boundary that nearly exact steps give, and compared with
-    these, until one is good enough. Where trying would take about as long as the reference, as for
-    single points, the reference is taken. The choice does not depend on timings, so it is the same
-    on every machine.
+    Ever dearer choices are tried near the boundary, and compared with nearly exact steps, until one
+    is good enough: at two velocities for some of the loads or, where that would
+    take about as long as the sweep at the reference, at one. The choice does not depend on timings,
+    so it is the same on every machine.
 
     Parameters
     ----------
@@ -186,62 +185,89 @@ def choose_fidelity(
         raise InputError("at velocity 0 there is no heat, and nothing to be accurate about")
     began = time.perf_counter()
     tell = progress or (lambda name: None)
-    loads = some_loads(sweep, _LOADS)
-    if points or _steps_to_probe(sweep, loads) > _WORTH * _steps_of_sweep(sweep):
-        tell("the error of the reference, which is taken since a probe would cost about as much")
-        return _unprobed(sweep, accuracy, points, began)
-    return _probed(sweep, accuracy, loads, began, tell)
+    places = some_places(sweep, _PLACES if sweep.realizations else _LOADS)
+    thorough = not points and _steps_to_probe(sweep, places) <= _WORTH * _steps_of_sweep(sweep)
+    if points:
+        places = tuple(dict.fromkeys(Place(at.load, at.realization) for at in points))
+    tell("the boundary by the preset standard")
+    near, exponents = near_the_boundary(sweep, places, PRESETS["standard"])
+    if points:
+        by_place = dict(zip(places, exponents, strict=True))
+        exponents = tuple(by_place[Place(at.load, at.realization)] for at in points)
+    elif thorough:
+        near, exponents = _on_both_sides(near), tuple(np.repeat(exponents, 2).tolist())
+    exact = measured(sweep, points or near, exponents, tell)
+    tell("the error of these steps themselves")
+    every = 2 if thorough else 1  # of the two points at each place
+    own = own_error(sweep, exact.points[::every], exact.exponents[::every], exact.readings[::every])
+    everywhere = bool(points) or (thorough and len(places) == _number_of_places(sweep))
+    selection = _first_within(sweep, accuracy, exact, own, everywhere, tell)
+    return replace(selection, seconds=time.perf_counter() - began)
 
 
-def _probed(
+def _first_within(
     sweep: Sweep,
     accuracy: float,
-    loads: Sequence[float],
-    began: float,
+    exact: Yardstick,
+    own: OwnError,
+    everywhere: bool,
     tell: Callable[[str], None],
 ) -> Selection:
     """Take the cheapest choice whose error against the yardstick is within the accuracy."""
-    yardstick = measured(sweep, loads, tell)
-    tell("the error of these steps themselves")
-    own = own_error(sweep, yardstick.points[::2], yardstick.exponents[::2], yardstick.readings[::2])
     past = own.heat_model > _OF_HEAT * accuracy or sweep.remembers_heat
-    trials, spent = [], yardstick.work + own.work
-    rungs = list(_ladder(sweep, yardstick.fewest_nodes, past))
+    rungs = list(_ladder(sweep, exact.fewest_nodes, past))
+    trials, spent = [], exact.work + own.work
     for number, (name, fidelity) in enumerate(rungs, 1):
         tell(f"choice {number} of at most {len(rungs)}: {name}")
         try:
-            found = probe(sweep, replace(fidelity, heat_model="elapsed"), yardstick.points)
+            found = probe(sweep, replace(fidelity, heat_model="elapsed"), exact.points)
         except ConvergenceError:
             continue
-        of_all = len(loads) == len(sweep.loads)
         against = replace(YARDSTICK, heat_model=fidelity.heat_model)
-        nodes = yardstick.fewest_nodes
-        error = _bound(yardstick.errors(found), of_all, nodes) + own.of(against) + _ONE / nodes
+        nodes = exact.fewest_nodes
+        error = _bound(exact.errors(found), everywhere, nodes) + own.of(against) + _ONE / nodes
         spent += found.work
         trials.append(Trial(name, fidelity, error, found.work))
         if error <= accuracy:
             break
     else:
-        trials += _finest(sweep, accuracy, own, past, yardstick.own_work)
+        trials += _finest(sweep, accuracy, own, past, exact.own_work)
+        if trials[-1].error > accuracy:  # the cheapest that errs no more than the finest
+            enough = [trial for trial in trials if trial.error <= _SAME * trials[-1].error]
+            trials = trials[: trials.index(enough[0]) + 1]
     picked = trials[-1]
     return Selection(
         accuracy=accuracy,
         name=picked.name,
         fidelity=picked.fidelity,
         error=picked.error,
-        yardstick="nearly exact steps",
+        coarser=exact.coarser,
         trials=tuple(trials),
-        points=tuple((point.load, point.velocity) for point in yardstick.points),
-        saving=yardstick.own_work / picked.work,
+        points=tuple((point.load, point.velocity) for point in exact.points),
+        saving=exact.own_work / picked.work,
         work=spent,
-        seconds=time.perf_counter() - began,
+        seconds=0.0,
     )
 
 
-def _steps_to_probe(sweep: Sweep, loads: Sequence[float]) -> float:
+def _on_both_sides(points: Sequence[Point]) -> tuple[Point, ...]:
+    """Two points for each, at velocities a little below and above."""
+    apart = math.exp(_APART)
+    return tuple(
+        point._replace(velocity=velocity)
+        for point in points
+        for velocity in (point.velocity / apart, point.velocity * apart)
+    )
+
+
+def _number_of_places(sweep: Sweep) -> int:
+    return len(sweep.loads) * max(len(sweep.realizations), 1)
+
+
+def _steps_to_probe(sweep: Sweep, places: Sequence[Place]) -> float:
     """Approximate number of steps that a probe takes on the scene's finest grid."""
     scene = replace(sweep, fidelity=fitted(sweep, YARDSTICK))
-    return _PASSES * sum(step_count(scene, load) for load in loads)
+    return _PASSES * sum(step_count(scene, place.load) for place in places)
 
 
 def _steps_of_sweep(sweep: Sweep) -> int:
@@ -250,32 +276,6 @@ def _steps_of_sweep(sweep: Sweep) -> int:
     ends = [step_count(scene, load) for load in sweep.loads]
     each = sum(ends) if sweep.independent or ends[0] == ends[-1] else ends[-1] + len(ends)
     return each * len(sweep.velocities) * len(sweep.simulated)
-
-
-def _unprobed(
-    sweep: Sweep, accuracy: float, points: Sequence[Point] | None, began: float
-) -> Selection:
-    """Take the reference, where finding something cheaper would take about as long."""
-    loads = {point.load for point in points} if points else {sweep.loads[0], sweep.loads[-1]}
-    places, exponents = near_the_boundary(sweep, sorted(loads), _TO_SEEK)
-    if points:
-        by_load = dict(zip(sorted(loads), exponents, strict=True))
-        places, exponents = tuple(points), tuple(by_load[point.load] for point in points)
-    own = own_error(sweep, places, exponents)
-    past = own.heat_model > _OF_HEAT * accuracy or sweep.remembers_heat
-    trials = _finest(sweep, accuracy, own, past, 1.0)
-    return Selection(
-        accuracy=accuracy,
-        name=trials[-1].name,
-        fidelity=trials[-1].fidelity,
-        error=trials[-1].error,
-        yardstick="",
-        trials=tuple(trials),
-        points=tuple((point.load, point.velocity) for point in places),
-        saving=1.0,
-        work=own.work,
-        seconds=time.perf_counter() - began,
-    )
 
 
 def _finest(sweep: Sweep, accuracy: float, own: OwnError, past: bool, work: float) -> list[Trial]:
@@ -287,7 +287,7 @@ def _finest(sweep: Sweep, accuracy: float, own: OwnError, past: bool, work: floa
         name += ", with all heat so far" if past else ""
         fidelity, steps = _of(sweep, finer, past), finer.increments / YARDSTICK.increments
         trials.append(Trial(name, fidelity, own.of(fidelity), work * steps))
-        if trials[-1].error <= accuracy or not own.steps:
+        if trials[-1].error <= accuracy or not own.steps or own.scatters:
             break
     return trials
 

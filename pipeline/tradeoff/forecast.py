@@ -6,28 +6,24 @@ import math
 import os
 import time
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass
-from typing import Any
+from dataclasses import asdict, dataclass, replace
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from pipeline.store.layout import block_of
-from pipeline.store.variables import COORDINATES, variables
-from pipeline.sweep.left_out import left_out
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.plan import step_count
-from pipeline.tradeoff.sample import sampled
-from tribo import BULK_RATIOS, QUANTILES, ConductingHalfSpace, Grid, partition_heat
+from pipeline.sweep.stages import duration
+from tribo import BULK_RATIOS, QUANTILES, State, advance, measures, simulate, start
 from tribo.thermal import DIRECT_MEMORY
 
 _SECONDS_TO_START = 1.0  # of a cluster and its workers
 _SECONDS_TO_COMMIT = 0.005  # of scheduling a point and writing it
 _WORKER_BYTES = 115e6  # interpreter and libraries
 _FIELDS_IN_MEMORY = 60  # arrays of the grid's size that a worker holds at a time
-_BLOCK = 4096  # [B] that the smallest file takes on most disks
+_STEPS = 5  # timed below a load; the first two are not yet extrapolated from earlier ones
 _NODES = 1280  # of the elimination that is timed
 _SPAN = 0.35  # logarithm of the ratio of two velocities that enclose a boundary
-_LONG = 10.0  # [s] for one temperature
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,11 +41,9 @@ class Estimate:
     basis : str
         Measurement from which the time is foretold.
     worker_bytes, disk_bytes : float
-        Memory of each worker, and size of the store [B].
+        Memory of each worker; size of the store, uncompressed [B].
     warnings : tuple of str
-        What will fail or take unreasonably long.
-    left_out : tuple of str
-        What the scene does not require, and why.
+        Points that will fail.
     """
 
     points: int
@@ -61,14 +55,13 @@ class Estimate:
     worker_bytes: float
     disk_bytes: float
     warnings: tuple[str, ...] = ()
-    left_out: tuple[str, ...] = ()
 
     def as_dict(self) -> dict[str, Any]:
         """Return the fields by name."""
         return asdict(self)
 
 
-def estimate(sweep: Sweep, workers: int | None = None) -> Estimate:
+def estimate(sweep: Sweep, workers: int | None = None, boundary_only: bool = False) -> Estimate:
     """Estimate the cost of a whole sweep, from a few of its steps done here and now.
 
     Parameters
@@ -76,6 +69,8 @@ def estimate(sweep: Sweep, workers: int | None = None) -> Estimate:
     sweep : Sweep
     workers : int, optional
         Number of processes; one for each core if not given.
+    boundary_only : bool
+        Whether velocities are chosen on the way, as for samples, instead of computed all.
 
     Raises
     ------
@@ -90,46 +85,42 @@ def estimate(sweep: Sweep, workers: int | None = None) -> Estimate:
     >>> cost.points
     24
     """
-    workers = workers or os.cpu_count() or 1
-    variants = len(sweep.simulated)
-    velocities = _searched(sweep) if sweep.samples else len(sweep.velocities)
+    cores = os.cpu_count() or 1
+    workers, variants, searched = workers or cores, len(sweep.simulated), boundary_only
+    searched |= sweep.samples is not None
+    velocities = _searched(sweep) if searched else len(sweep.velocities)
     ramps = velocities * variants
-    points = (min(2, velocities) if sweep.samples else velocities) * len(sweep.loads) * variants
+    points = (min(2, velocities) if searched else velocities) * len(sweep.loads) * variants
     moving = sum(velocity != 0 for velocity in sweep.velocities) if sweep.friction_heat else 0
     steps = list(_steps_of_ramp(sweep))
-    if sweep.samples:  # each velocity is looked at for some of the loads alone
+    if searched:  # each velocity is looked at for some of the loads alone
         moving = min(moving, velocities)
         steps = [step for step in steps if step[0] <= np.median(sweep.loads)]
-    heats = sum(with_heat for _, with_heat in steps)
-
-    busy, cores = busy_cores(), os.cpu_count() or 1
-    sample = sampled(sweep)
-    ramp = sum(sample.end(load) if heat else sample.step(load) for load, heat in steps)
-    warnings: list[str] = []
-    if sweep.fidelity.partition == "direct" and moving:
-        each = elimination_seconds(sweep, sample.contact_nodes)
-        ramp += heats * each
-        warnings += _too_many_nodes(sample.contact_nodes, each)
+    timed, begin = _timed_loads(sweep)
+    loads, costs = zip(*sorted(timed.items()), strict=True)
+    each = [[cost.step for cost in costs], [cost.end for cost in costs]]
+    ramp = sum(float(np.interp(load, loads, each[heated])) for load, heated in steps)
     parallel = min(workers, points if sweep.independent else ramps)
     turns = ramps / parallel if sweep.independent else math.ceil(ramps / parallel)
-    computing = turns * (ramp + len(sweep.loads) * _SECONDS_TO_COMMIT)
-    crowd = _slower_by(busy, parallel)
+    alone = begin * variants + turns * (ramp + len(sweep.loads) * _SECONDS_TO_COMMIT)
+    busy = min(os.getloadavg()[0], cores) if hasattr(os, "getloadavg") else 0.0
+    seconds, idle = (
+        _SECONDS_TO_START + alone * max(1.0, (others + parallel) / cores) for others in (busy, 0.0)
+    )
+    nodes = int(np.count_nonzero(costs[-1].state.pressure))
+    basis = f"mostly right within a factor of 1.5, from steps at {len(loads)} loads timed just now"
+    if seconds > 1.1 * idle:
+        basis += f"; other programs use {busy:.2g} of {cores} cores, without them {duration(idle)}"
     return Estimate(
         points=points,
         steps=len(steps) * ramps,
-        temperatures=heats * moving * variants,
+        temperatures=sum(heated for _, heated in steps) * moving * variants,
         workers=workers,
-        seconds=_SECONDS_TO_START + crowd * (sample.begin_seconds * variants + computing),
-        basis=(
-            f"from real steps at {len(sample.loads)} of {len(sweep.loads)} loads, timed just now: "
-            f"{1e3 * sample.end(max(sweep.loads)):.3g} ms for one with a temperature at the "
-            "highest load; mostly right within a factor of 1.5; "
-            f"{min(busy, cores):.2g} of {cores} cores were busy, and are taken to stay so"
-        ),
-        worker_bytes=worker_bytes(sweep, sample.contact_nodes),
-        disk_bytes=_disk_bytes(sweep),
-        warnings=tuple(warnings),
-        left_out=(*left_out(sweep), *_idle_rows(sweep, sample.contact_rows)),
+        seconds=seconds,
+        basis=basis,
+        worker_bytes=worker_bytes(sweep, nodes),
+        disk_bytes=points * _point_bytes(sweep, costs[-1].state),
+        warnings=tuple(_too_many_nodes(sweep, nodes)) if moving else (),
     )
 
 
@@ -155,32 +146,66 @@ def machine_bytes() -> float:
         return math.inf
 
 
-def busy_cores() -> float:
-    """Number of tasks that had or wanted a core in the last minute; 0 where that is not known."""
-    return os.getloadavg()[0] if hasattr(os, "getloadavg") else 0.0
+class _Timed(NamedTuple):
+    """CPU time of a step without a temperature and with one [s], and the last state."""
+
+    step: float
+    end: float
+    state: State
 
 
-def elimination_seconds(sweep: Sweep, nodes: int) -> float:
-    """Duration of a direct heat partition with so many nodes in contact, from a smaller one [s]."""
-    grid = Grid((_NODES // 16, 16), sweep.grid.spacing, periodic=(False, False))
-    body = ConductingHalfSpace(grid, sweep.disk, 0.0, 1.0)
-    flux = np.ones(grid.shape)
-    began = time.perf_counter()
-    partition_heat(body, body, flux, flux > 0, method="direct")
-    return (time.perf_counter() - began) * (nodes / _NODES) ** 3
+def _timed_loads(sweep: Sweep) -> tuple[dict[float, _Timed], float]:
+    """Steps at the highest, lowest and middle load, and what a worker does once [s]."""
+    direct = sweep.fidelity.partition == "direct"
+    if direct:  # which is timed on a smaller matrix
+        sweep = replace(sweep, fidelity=replace(sweep.fidelity, partition="local"))
+    moving = sorted((velocity for velocity in sweep.velocities if velocity), key=abs)
+    velocity = moving[len(moving) // 2] if moving else 0.0
+    top, began = sweep.loads[-1], time.process_time()
+    _timed(sweep, top, velocity)
+    cold, began = time.process_time() - began, time.process_time()
+    timed = {top: _timed(sweep, top, velocity)}
+    begin = max(0.0, cold - (time.process_time() - began))
+    for load in (sweep.loads[0], sweep.loads[len(sweep.loads) // 2]):
+        if load not in timed:
+            timed[load] = _timed(sweep, load, velocity)
+    if direct:
+        timed = {load: each._replace(end=_eliminated(each)) for load, each in timed.items()}
+    return timed, begin
+
+
+def _timed(sweep: Sweep, load: float, velocity: float) -> _Timed:
+    """Time the last steps up to a load, from a state a few steps below that one step leads to."""
+    trunk = [station for station in sweep.stations(load) if station.on_trunk]
+    before = None
+    if len(trunk) > _STEPS:
+        scene = next(sweep.levels())
+        if scene.fidelity.wear_scheme == "explicit":  # unstable in so long a step
+            scene = replace(scene, fidelity=replace(scene.fidelity, wear_scheme="implicit"))
+        before = advance(scene, start(scene), trunk[-_STEPS], velocity)
+    steps: list[float] = []
+    ends: list[float] = []
+    began = time.process_time()
+    for number, state in enumerate(simulate(sweep, load, velocity, before), start=1):
+        now = time.process_time()
+        (ends if state.heat is not None else steps if number > 2 else []).append(now - began)
+        began = now
+    end = float(np.median(ends))
+    return _Timed(float(np.median(steps)) if steps else end, end, state)
+
+
+def _eliminated(timed: _Timed) -> float:
+    """CPU time of a step whose heat partition is solved directly [s], from a smaller one."""
+    nodes, began = np.count_nonzero(timed.state.pressure), time.process_time()
+    np.linalg.solve(np.eye(_NODES) + 0.5, np.ones(_NODES))
+    return float(timed.step + (time.process_time() - began) * (nodes / _NODES) ** 3)
 
 
 def _searched(sweep: Sweep) -> int:
-    """How many velocities the search for a boundary takes at all loads together, about."""
+    """Number of velocities that the search for a boundary takes at all loads together, about."""
     moving = [velocity for velocity in sweep.velocities if velocity > 0]
     spans = math.log(moving[-1] / moving[0]) / _SPAN if moving else 0.0
     return min(2 * len(sweep.loads), math.ceil(spans) + 1)
-
-
-def _slower_by(busy: float, parallel: int) -> float:
-    """Factor by which workers take longer than the sample did, beside what else is running."""
-    cores = os.cpu_count() or 1
-    return max(1.0, (busy + parallel) / cores) / max(1.0, (busy + 1) / cores)
 
 
 def _steps_of_ramp(sweep: Sweep) -> Iterator[tuple[float, bool]]:
@@ -199,51 +224,20 @@ def _steps_of_ramp(sweep: Sweep) -> Iterator[tuple[float, bool]]:
                 trunk = station.normal_load
 
 
-def _too_many_nodes(nodes: int, seconds: float) -> Iterator[str]:
-    """Why a direct heat partition of so many nodes will fail or take unreasonably long, if so."""
-    if (matrix := 8.0 * nodes**2) > DIRECT_MEMORY:
+def _point_bytes(sweep: Sweep, state: State) -> float:
+    """Size of a point in the store [B]."""
+    numbers = len(measures(sweep, state)) + len(QUANTILES)
+    if sweep.unequal_bulks:
+        numbers += len(BULK_RATIOS) * len(QUANTILES)
+    fields = (3 + sweep.unequal_bulks) * math.prod(sweep.grid.shape) * sweep.store_fields
+    return 8.0 * (numbers * max(step_count(sweep, load) for load in sweep.loads) + fields)
+
+
+def _too_many_nodes(sweep: Sweep, nodes: int) -> Iterator[str]:
+    """Warn of a direct heat partition whose matrix is refused."""
+    if sweep.fidelity.partition == "direct" and (matrix := 8.0 * nodes**2) > DIRECT_MEMORY:
         yield (
             f"direct partition of {nodes} nodes takes a matrix of {matrix / 2**30:.1f} GiB, "
             f"allowed are {DIRECT_MEMORY / 2**30:.1f} GiB: points at high loads will fail; "
             "take partition = 'local'"
-        )
-    elif seconds > _LONG:
-        yield (
-            f"direct partition of {nodes} nodes takes about {seconds:.0f} s a temperature; "
-            "partition = 'local' gives the same within heat_tolerance"
-        )
-
-
-def _disk_bytes(sweep: Sweep) -> float:
-    """Size of the store, uncompressed [B]: points share files, but those of their fields."""
-    each = min(2, len(sweep.velocities)) if sweep.samples else len(sweep.velocities)
-    variants, loads = len(sweep.simulated), len(sweep.loads)
-    along = zip((loads, each), block_of(loads, 2), strict=True)
-    chunks = variants * math.prod(math.ceil(n / size) for n, size in along)
-    points = variants * loads * each
-    nx, ny = sweep.grid.shape
-    sizes = {
-        "step": max(step_count(sweep, load) for load in sweep.loads),
-        "quantile": len(QUANTILES),
-        "bulk_ratio": len(BULK_RATIOS),
-        "x": nx,
-        "y": ny,
-    }
-    kinds = variables(None, sweep.store_fields, sweep.unequal_bulks)
-    found = 0
-    for name, kind in kinds.items():
-        if name not in COORDINATES:
-            files = points if "x" in kind.dims else chunks
-            numbers = points / files * math.prod(sizes[dim] for dim in kind.dims[2:])
-            found += files * math.ceil(8 * numbers / _BLOCK)
-    return float(_BLOCK * found)
-
-
-def _idle_rows(sweep: Sweep, contact_rows: int) -> Iterator[str]:
-    """Rows of elements that no transform along y is needed for."""
-    nx, _ = sweep.grid.shape
-    if contact_rows < nx and not sweep.is_plane:
-        yield (
-            f"transforms along y of {nx - contact_rows} of {nx} rows of elements, which carry "
-            f"nothing even at {max(sweep.loads):g} N"
         )

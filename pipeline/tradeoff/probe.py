@@ -7,6 +7,7 @@ import time
 import tracemalloc
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -24,6 +25,26 @@ from tribo import (
 )
 from tribo.criterion import columns_of
 from tribo.simulation import leads_to
+
+
+class Place(NamedTuple):
+    """Load at which to look for the boundary, and on which surface.
+
+    Attributes
+    ----------
+    load : float
+        Normal load on the whole pin [N].
+    realization : int or None
+        Seed of the random surface; None for the scene's own.
+    """
+
+    load: float
+    realization: int | None = None
+
+    def at(self, velocity: float) -> Point:
+        """The point of this place at a velocity [m/s]."""
+        return Point(self.load, velocity, self.realization)
+
 
 _USUAL_EXPONENT, _FLATTEST = 0.6, 0.3  # of the rise over velocity; where few nodes touch, it jumps
 _STEPS_FOR_MEMORY = 3
@@ -115,7 +136,8 @@ def probe(
     for chain in chains(points):
         trunk = None
         for point in chain:
-            runs[point] = run = _run(scene, point.load, point.velocity, trunk)
+            variant = scene.variant(point.realization)
+            runs[point] = run = _run(variant, point.load, point.velocity, trunk)
             trunk = run.trunk
     seconds = time.process_time() - began
     return Probe(
@@ -203,30 +225,36 @@ def fitted(sweep: Sweep, fidelity: Fidelity) -> Fidelity:
     return replace(fidelity, pixels_per_element=next(fits), heat_kernel=kernel)
 
 
-def some_loads(sweep: Sweep, number: int) -> tuple[float, ...]:
-    """Some of a sweep's loads, as many as asked for, both ends among them.
+def some_places(sweep: Sweep, number: int) -> tuple[Place, ...]:
+    """Some of a sweep's loads, both ends among them, and its surfaces in turn.
 
     Examples
     --------
     >>> from types import SimpleNamespace
-    >>> some_loads(SimpleNamespace(loads=(200.0, 300.0, 400.0, 500.0, 600.0)), 3)
-    (200.0, 400.0, 600.0)
+    >>> sweep = SimpleNamespace(loads=(200.0, 300.0, 400.0, 500.0, 600.0), realizations=())
+    >>> [place.load for place in some_places(sweep, 3)]
+    [200.0, 400.0, 600.0]
+    >>> sweep = SimpleNamespace(loads=(200.0, 400.0), realizations=(7, 8))
+    >>> [tuple(place) for place in some_places(sweep, 3)]
+    [(200.0, 7), (400.0, 8), (200.0, 8)]
     """
-    last = len(sweep.loads) - 1
+    last, seeds = len(sweep.loads) - 1, sweep.realizations or (None,)
     chosen = sorted({round(last * k / max(number - 1, 1)) for k in range(number)})
-    return tuple(sweep.loads[k] for k in chosen)
+    turns = (divmod(k, len(chosen)) for k in range(number))
+    places = (Place(sweep.loads[chosen[k]], seeds[(k + turn) % len(seeds)]) for turn, k in turns)
+    return tuple(dict.fromkeys(places))
 
 
 def near_the_boundary(
-    sweep: Sweep, loads: Sequence[float], fidelity: Fidelity | None = None
+    sweep: Sweep, places: Sequence[Place], fidelity: Fidelity | None = None
 ) -> tuple[tuple[Point, ...], tuple[float, ...]]:
-    """Find, at each load, the velocity near which wear turns severe.
+    """Find, at each place, the velocity near which wear turns severe.
 
     Parameters
     ----------
     sweep : Sweep
-    loads : sequence of float
-        Loads at which to look [N].
+    places : sequence of Place
+        Loads at which to look, and on which surface.
     fidelity : Fidelity, optional
         Fidelity to find it with; the preset ``draft`` if not given.
 
@@ -249,13 +277,14 @@ def near_the_boundary(
         )
     limit = rise_limit(sweep.conditions)
 
-    for load in loads:
+    for place in places:
 
-        def rise(velocity: float, load: float = load) -> float:
-            return _reading(sweep, scene, _run(scene, load, velocity).state).rise
+        def rise(velocity: float, place: Place = place) -> float:
+            variant = scene.variant(place.realization)
+            return _reading(sweep, scene, _run(variant, place.load, velocity).state).rise
 
         velocity = critical_velocity(rise, limit, min(moving) / 2, max(moving) * 2)
-        points.append(Point(load, velocity))
+        points.append(place.at(velocity))
         ratio = rise(velocity * math.exp(_STEP)) / rise(velocity * math.exp(-_STEP))
         exponents.append(max(math.log(ratio) / (2 * _STEP), _FLATTEST))
     return tuple(points), tuple(exponents)

@@ -162,7 +162,7 @@ class Trade:
             "",
             "Largest errors: of boundary velocity, decisive rise, contact width and failed share;",
             "and of contact area, mean pressure and share of the contact at the hardness, which",
-            "the size of the elements decides.",
+            "the size of the elements decides. All are against the reference on the same pixels.",
             "",
             *(
                 f"cheapest within {100 * bound:g} %: {self.cheapest(bound).name}"

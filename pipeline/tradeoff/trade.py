@@ -20,9 +20,8 @@ from pipeline.analysis.interpolation import crossing
 from pipeline.sweep.criterion import boundary_velocity_error, rise_limit
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.stages import staged
-from pipeline.tradeoff.probe import Probe, fitted, probe, some_loads
+from pipeline.tradeoff.probe import Place, Probe, fitted, near_the_boundary, probe, some_places
 from pipeline.tradeoff.table import Choice, Finding, Trade, shown
-from pipeline.tradeoff.yardstick import measured
 from tribo import PRESETS, ConvergenceError, Fidelity, InputError
 
 _USUAL = ("draft", "standard", "fine")
@@ -75,10 +74,10 @@ def trade(
             raise InputError(f"preset {name!r} is unknown; known are {', '.join(PRESETS)}")
     if not math.isfinite(rise_limit(sweep.conditions)):
         raise InputError("without friction there is no heat, and no boundary to be wrong about")
-    asked = tuple(loads) if loads else some_loads(sweep, _LOADS)
-    near = measured(sweep, asked, progress)
-    places = _around(near.boundary) if diagram else near.boundary
-    exponents = near.exponents[::2]
+    own = replace(sweep, realizations=())
+    asked = tuple(loads) if loads else tuple(at.load for at in some_places(own, _LOADS))
+    near, exponents = near_the_boundary(sweep, [Place(load) for load in asked], PRESETS["standard"])
+    places = _around(near) if diagram else near
     exact = fitted(sweep, PRESETS["reference"])
     candidates = _candidates(sweep, presets, base)
     stages = staged(

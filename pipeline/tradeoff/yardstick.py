@@ -1,4 +1,4 @@
-"""The yardstick of accuracy: nearly exact steps, at the boundary that they give themselves."""
+"""The yardstick of accuracy: nearly exact steps, and what they err themselves."""
 
 from __future__ import annotations
 
@@ -6,10 +6,10 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
-from pipeline.sweep.criterion import boundary_velocity_error, rise_limit
+from pipeline.sweep.criterion import boundary_velocity_error
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.stages import staged
-from pipeline.tradeoff.probe import Probe, Reading, fitted, near_the_boundary, probe
+from pipeline.tradeoff.probe import Probe, Reading, fitted, probe
 from tribo import PRESETS, Fidelity
 
 YARDSTICK = replace(
@@ -18,11 +18,9 @@ YARDSTICK = replace(
 """A quarter of the steps of the reference, and looser tolerances."""
 
 _TOLERANCES = 2e-3  # the largest error seen that neither steps nor the heat model account for
-_APART = 0.05  # of the logarithms of the two velocities at a load from that of the boundary
-_MOVED, _ROUNDS = 0.1, 4  # how far the boundary may lie from where it was sought; how often to move
-_FLATTEST, _STEEPEST = 0.2, 2.0  # exponents of the rise over the velocity
 _HEAT_STEPS, _SMALL = 50, 2e4  # steps, and elements up to which they are the scene's own
 _LEFT = 0.5  # of what half the steps move is left to whole ones; a third, at second order
+_COARSER = replace(YARDSTICK, pixels_per_element=2, averaging="sample")
 _MARGIN = 1.2  # errors between the points are so much larger
 
 
@@ -38,44 +36,49 @@ class OwnError:
         Error due to the heat model "elapsed", if the scene takes it; 0 with "history".
     work : float
         Elements times convolutions that were spent on it.
+    scatters : bool
+        Whether more increments make the error of the steps no less. Under a ball each step wears
+        by other positions of the disk; where few elements touch, their imprint is left to chance.
     """
 
     steps: float
     heat_model: float
     work: float
+    scatters: bool = False
 
     def of(self, fidelity: Fidelity) -> float:
         """Error of a fidelity that differs from the yardstick in its steps and heat model alone."""
-        steps = self.steps * YARDSTICK.increments / fidelity.increments
+        more = 1.0 if self.scatters else fidelity.increments / YARDSTICK.increments
         heat = self.heat_model if fidelity.heat_model == "elapsed" else 0.0
-        return steps + _TOLERANCES + heat
+        return self.steps / more + _TOLERANCES + heat
 
 
 @dataclass(frozen=True, slots=True)
 class Yardstick:
-    """Results of the yardstick about its own boundary.
+    """Results of the yardstick.
 
     Attributes
     ----------
-    boundary : tuple of Point
-        The velocity of the boundary at each load.
     points : tuple of Point
-        Two velocities at each load, on either side of the boundary.
+        Points near the boundary, or those that were asked for.
     exponents : tuple of float
         d ln(rise)/d ln(velocity) at each.
     readings : tuple of Reading
         Results of the yardstick at these points.
     work, own_work : float
-        Elements times convolutions that were spent, the search included; and those of the yardstick
-        at these points alone.
+        Elements times convolutions that were spent, those on larger elements included; and those of
+        the yardstick alone.
+    coarser : float or None
+        Largest relative change of the boundary by elements of twice the pixels' size; None where
+        pixels cannot be joined.
     """
 
-    boundary: tuple[Point, ...]
     points: tuple[Point, ...]
     exponents: tuple[float, ...]
     readings: tuple[Reading, ...]
     work: float
     own_work: float
+    coarser: float | None = None
 
     def errors(self, other: Probe) -> list[float]:
         """Relative errors of the boundary velocity by another fidelity, one at each point."""
@@ -89,46 +92,40 @@ class Yardstick:
 
 
 def measured(
-    sweep: Sweep, loads: Sequence[float], tell: Callable[[str], None] | None = None
+    sweep: Sweep,
+    points: Sequence[Point],
+    exponents: Sequence[float],
+    tell: Callable[[str], None] | None = None,
 ) -> Yardstick:
-    """Find the yardstick's boundary, and take readings at two velocities about it at each load.
+    """Take readings of the yardstick at some points, whose exponents are known.
 
-    It is sought from where the preset ``draft`` has it, first on larger elements, and again
-    wherever it has moved. A line is told before each load.
+    A line is told before each of them.
     """
-    exact = fitted(sweep, YARDSTICK)
-    coarse = fitted(sweep, replace(YARDSTICK, pixels_per_element=2, averaging="sample"))
-    searches, found = [], []
-    starts = near_the_boundary(sweep, loads)[0]
-    for start in staged(
-        starts,
-        tell,
-        lambda at: f"the boundary by nearly exact steps, {at.load:g} N",
-        lambda at: at.load,
-    ):
-        nearer = _followed(sweep, coarse, start)
-        searches.append(nearer)
-        found.append(_followed(sweep, exact, nearer.boundary))
-    return Yardstick(
-        boundary=tuple(each.boundary for each in found),
-        points=tuple(point for each in found for point in each.points),
-        exponents=tuple(each.exponent for each in found for _ in each.points),
-        readings=tuple(reading for each in found for reading in each.readings),
-        work=sum(each.work for each in (*searches, *found)),
-        own_work=sum(each.last_work for each in found),
-    )
+    exact, coarse = fitted(sweep, YARDSTICK), fitted(sweep, _COARSER)
+    found = [
+        probe(sweep, exact, [point])
+        for point in staged(points, tell, lambda point: f"nearly exact steps at {point}")
+    ]
+    readings = tuple(reading for each in found for reading in each.readings)
+    own_work = sum(each.work for each in found)
+    work, coarser = own_work, None
+    if coarse.pixels_per_element > 1:
+        on_larger = probe(sweep, coarse, points)
+        work += on_larger.work
+        coarser = _difference(on_larger.readings, readings, exponents)
+    return Yardstick(tuple(points), tuple(exponents), readings, work, own_work, coarser)
 
 
 def own_error(
     sweep: Sweep,
     points: Sequence[Point],
     exponents: Sequence[float],
-    known: Sequence[Reading] | None = None,
+    known: Sequence[Reading],
 ) -> OwnError:
     """Measure by how much the yardstick errs itself: by its steps and by the heat model.
 
     Steps are halved, which at second order makes four times the error. The heat of all the past
-    matters most at the first and the last of the loads; how much hardly depends on the grid.
+    matters most at the lowest and the highest load; how much hardly depends on the grid.
 
     Parameters
     ----------
@@ -137,21 +134,20 @@ def own_error(
         Points near the boundary.
     exponents : sequence of float
         d ln(rise)/d ln(velocity) at each.
-    known : sequence of Reading, optional
-        Readings of the yardstick at each; taken again if not given.
+    known : sequence of Reading
+        Readings of the yardstick at each.
     """
     steps = heat_model = work = 0.0
     exact = fitted(sweep, YARDSTICK)
     if sweep.wear is not None:
-        if known is None:
-            full = probe(sweep, exact, points)
-            known, work = full.readings, full.work
         halved = probe(sweep, replace(exact, increments=exact.increments // 2), points)
-        steps = _LEFT * _difference(known, halved.readings, exponents)
+        steps = _difference(known, halved.readings, exponents)
+        steps *= 1.0 if sweep.sweeps_over else _LEFT
         work += halved.work
     if sweep.fidelity.heat_model == "elapsed":
         size = 1 if math.prod(sweep.pixels.shape) <= _SMALL else 2
-        at = sorted({0, len(points) - 1})
+        by_load = sorted(range(len(points)), key=lambda k: points[k].load)
+        at = sorted({by_load[0], by_load[-1]})
         present = replace(
             exact,
             wear_scheme="implicit",
@@ -167,7 +163,7 @@ def own_error(
         )
         heat_model = _difference(one.readings, other.readings, [exponents[k] for k in at])
         work += one.work + other.work
-    return OwnError(_MARGIN * steps, _MARGIN * heat_model, work)
+    return OwnError(_MARGIN * steps, _MARGIN * heat_model, work, sweep.sweeps_over)
 
 
 def _difference(
@@ -178,36 +174,3 @@ def _difference(
         abs(boundary_velocity_error(one.rise, other.rise, exponent))
         for one, other, exponent in zip(ones, others, exponents, strict=True)
     )
-
-
-@dataclass(frozen=True, slots=True)
-class _Found:
-    """Readings on either side of the boundary at a load, and where it lies according to them."""
-
-    points: tuple[Point, Point]
-    readings: tuple[Reading, ...]
-    exponent: float
-    boundary: Point
-    work: float
-    last_work: float
-
-
-def _followed(sweep: Sweep, fidelity: Fidelity, start: Point) -> _Found:
-    """Take readings at two velocities about a boundary, and again about where these place it."""
-    moving = [abs(velocity) for velocity in sweep.velocities if velocity]
-    limit, at, work = rise_limit(sweep.conditions), start.velocity, 0.0
-    for _ in range(_ROUNDS):
-        points = (
-            Point(start.load, at * math.exp(-_APART)),
-            Point(start.load, at * math.exp(_APART)),
-        )
-        found = probe(sweep, fidelity, points)
-        work += found.work
-        low, high = (math.log(reading.rise / limit) for reading in found.readings)
-        exponent = min(max((high - low) / (2 * _APART), _FLATTEST), _STEEPEST)
-        sought = at
-        at *= math.exp(-(low + high) / 2 / exponent)
-        at = min(max(at, min(moving) / 2), 2 * max(moving))
-        if abs(math.log(at / sought)) <= _MOVED:
-            break
-    return _Found(points, found.readings, exponent, Point(start.load, at), work, found.work)

@@ -114,7 +114,7 @@ def time_of_bare(processes, sweep):
     """Time of processes that share the velocities, and neither store nor talk [s]."""
     forkserver.start()
     cores = sorted(os.sched_getaffinity(0))[:processes]
-    with multiprocessing.get_context(forkserver.METHOD).Pool(processes) as pool:
+    with multiprocessing.get_context("forkserver").Pool(processes) as pool:
         work = [(sweep, sweep.velocities[i::processes], core) for i, core in enumerate(cores)]
         return max(pool.starmap(simulate, work, chunksize=1))
 

@@ -1,221 +1,167 @@
-"""Kill workers, the client or everything at random times during a real sweep on two workers.
+"""Kills of drivers, workers and everything at random moments, while a sweep grows.
 
-What has been seen done must stay done and intact, nothing may be marked failed, and in the end
-there is what an undisturbed sweep gives. Prints a JSON document.
+A quarter of the trials computes on Dask's workers: by `run_sweep`, by ``irg run``, by
+``irg run --boundary-only`` and with samples of unknown inputs. The others do without Dask: there
+half of the time is spent in commits.
 """
 
-import argparse
 import itertools
-import json
 import os
-import random
-import shutil
 import signal
-import subprocess
 import sys
-import tempfile
 import time
-from collections import Counter
 from contextlib import suppress
 from pathlib import Path
-from unittest import mock
 
-import numpy as np
+import psutil
 
-from pipeline.run import schedule
-from pipeline.run.sweep import ExecutionError, run_sweep
-from pipeline.store import DONE, Store, StoreError, summary, verify_store
-from pipeline.sweep.plan import points, run_point
-from tests.crash.bounded import add_seconds
-from tests.crash.compared import differing
-from tests.helpers import tiny
+import pipeline
+from tests.crash.loop import PATIENCE, Forked, Trial, code_of, job, started
+from tests.crash.sweeps import STAGES, Expected
 
-SWEEP = tiny.full(
-    loading=tiny.SlowRamp(150.0, 750.0),
-    velocities=tuple(np.linspace(0.5, 1.5, 12).tolist()),
-)
-TARGETS = ("worker", "everything", "client", "worker", "forkserver")
-GIVEN_UP = 3
-PATIENCE = 180.0  # [s] for a run that takes less than 20
-
-
-def forked_from(parent):
-    """Processes that are children of another and have to do with a forkserver."""
-    found = []
-    for entry in Path("/proc").glob("[0-9]*"):
-        with suppress(OSError):
-            of = int((entry / "stat").read_text().rsplit(")", 1)[1].split()[1])
-            if of == parent and b"forkserver" in (entry / "cmdline").read_bytes():
-                found.append(int(entry.name))
-    return found
-
-
-def workers_of(driver):
-    """Worker processes of a driver, which the forkserver has started for it."""
-    return [worker for server in forked_from(driver) for worker in forked_from(server)]
+TRIALS = 16
+MISTAKE = "status first"
+_EVERY = (1.0, 4.0)  # [s] between kills of one with workers
+_KILLS = 4  # of a trial with workers
+_TARGETS = ("worker", "worker", "everything", "driver", "any")
+_SCENE = Path(__file__).parents[2] / "workflows" / "{}.toml"
+_COARSE = ["fidelity.pixels_per_element=8", "fidelity.increments=6", "sweep.fields=true"]
+_FASTER = 'sweep.velocities={from="0.5 m/s",to="4 m/s",step="0.25 m/s"}'
+# Scene and options of a command, and its settings from stage to stage.
+_COMMANDS = {
+    "command": (
+        ["irg_transition"],
+        [
+            ['sweep.loads=["200 N","400 N"]'],
+            ['sweep.loads=["200 N","400 N","750 N"]'],
+            ['sweep.loads=["200 N","400 N","750 N"]', _FASTER],
+        ],
+    ),
+    "boundary": (
+        ["irg_transition", "--boundary-only"],
+        [['sweep.loads=["200 N","400 N","750 N"]']],
+    ),
+    "samples": (["uncertain"], [[f"sweep.samples={count}"] for count in (8, 16, 24)]),
+}
+WAYS = ("sweep", *_COMMANDS)
 
 
-def is_gone(group, patience=30.0):
-    """Whether no process of a group is left, after some patience."""
-    end = time.monotonic() + patience
-    while time.monotonic() < end:
-        try:
-            os.killpg(group, 0)
-        except ProcessLookupError:
-            return True
-        time.sleep(0.05)
+def _processes(driver):
+    """Live processes that a driver has started, and those that these have."""
+    with suppress(psutil.NoSuchProcess):
+        return psutil.Process(driver).children(recursive=True)
+    return []
+
+
+def _is_worker(process):
+    """Whether a process was forked or spawned to compute, and is not the one that forks."""
+    with suppress(psutil.NoSuchProcess):
+        words = " ".join(process.cmdline())
+        return "spawn_main" in words or ("forkserver" in words and not process.children())
     return False
 
 
-def kill(driver, target):
-    """Kill one of the workers, the client or all."""
-    with suppress(ProcessLookupError):
-        if target == "worker":
-            os.kill(random.choice(workers_of(driver.pid)), signal.SIGKILL)
-        elif target == "forkserver":
-            os.kill(*forked_from(driver.pid), signal.SIGKILL)
-        elif target == "client":
-            driver.kill()
+def _kill(run, target, chance):
+    """Kill a process; return whether there was one."""
+    processes = _processes(run.pid)
+    workers = [process for process in processes if _is_worker(process)]
+    if not workers:
+        return False
+    with suppress(ProcessLookupError, psutil.NoSuchProcess):
+        if target == "everything":
+            os.killpg(run.pid, signal.SIGKILL)
+        elif target == "driver":
+            run.kill()
         else:
-            os.killpg(driver.pid, signal.SIGKILL)
+            chance.choice(workers if target == "worker" else processes).kill()
+    return True
 
 
-def drive(path):
-    """Run or resume the sweep, with several points in a task, as if they were short."""
-    try:
-        with mock.patch.object(schedule, "_STRETCH", 10.0):
-            return 1 if run_sweep(SWEEP, path, workers=2).failed else 0
-    except ExecutionError as error:  # workers were killed so often that it gave up
-        print(error, file=sys.stderr)
-        return GIVEN_UP
+class _Campaign:
+    def __init__(self, folder, chance, report, mistake):
+        self._folder, self._chance, self._report = folder, chance, report
+        self._mistake = mistake
+        self._expected = Expected(STAGES[-1])
+        self._known = self._expected.records(STAGES[-1])
+
+    def fast(self, number):
+        """Kill a driver without Dask, time after time."""
+        log, path = self._paths(number)
+
+        def start(sweep):
+            return Forked(sweep, path, log, self._known, self._mistake)
+
+        def disturb(run):
+            trial.wait(run, self._chance)
+            self._report.counts["kills of everything"] += run.returncode is None
+
+        trial = Trial(self._report, path, self._expected, log, start)
+        trial.go([disturb] * 5)
+
+    def with_workers(self, number, way):
+        """Kill processes of a driver on Dask."""
+        log, path = self._paths(number)
+        expected, stages, start = self._expected, STAGES, None
+        if way in _COMMANDS:
+            (name, *options), stages = _COMMANDS[way]
+            scene = str(_SCENE).format(name)
+            coarse = _COARSE if way != "samples" else []
+            settings = [word for entry in coarse for word in ("--set", entry)]
+            expected = Expected(pipeline.load_scene(scene, overrides=dict(map(_entry, coarse))))
+            if way == "samples":
+                most = dict(map(_entry, stages[-1]))
+                expected = Expected(pipeline.load_scene(scene, overrides=most))
+            command = ["run", scene, *options, "-o", path, "--workers", "2", *settings]
+
+            def start(stage):
+                further = [word for entry in stage for word in ("--set", entry)]
+                return started(log, *command, *further, mistake=self._mistake)
+        else:
+
+            def start(sweep):
+                arguments = job(log.parent, sweep, path, log, None, self._mistake)
+                return started(log, *arguments)
+
+        targets = itertools.cycle(self._chance.sample(_TARGETS, len(_TARGETS)))
+        trial = Trial(self._report, path, expected, log, start, stages)
+        trial.go([lambda run: self._disturb(trial, run, targets)] * 3)
+
+    def _disturb(self, trial, run, targets):
+        """Kill one process after the other until the driver ends."""
+        limit, killed = time.monotonic() + PATIENCE, []
+        while code_of(run, self._chance.uniform(*_EVERY)) is None:
+            if time.monotonic() > limit:
+                trial.fault(f"it hangs after kills of {killed}")
+                return
+            if len(killed) < _KILLS and _kill(run, target := next(targets), self._chance):
+                killed.append(target)
+                self._report.counts[f"kills of {target}"] += 1
+        self._report.counts["given up"] += run.returncode > 0
+        if run.returncode > 0 and set(killed) <= {"worker"}:
+            words = trial.last_words()
+            trial.fault(f"it ends with {run.returncode} after kills of {killed}: {words}")
+
+    def _paths(self, number):
+        folder = self._folder / str(number)
+        folder.mkdir()
+        return folder / "acknowledged", folder / "results" / "out.zarr"
 
 
-class Sweeps:
-    """One sweep after the other, each until it is done."""
-
-    def __init__(self, folder):
-        self._folder, self.finished, self.faults = folder, 0, []
-        self._expected = {point: run_point(SWEEP, *point) for point in points(SWEEP)}
-        self._seen = set()
-
-    @property
-    def path(self):
-        return self._folder / f"{self.finished}.zarr"
-
-    def start(self):
-        self.end = time.monotonic() + PATIENCE
-        return subprocess.Popen(
-            [sys.executable, "-m", __spec__.name, "--drive", self.path],
-            start_new_session=True,
-            stdout=subprocess.DEVNULL,
-        )
-
-    def look(self):
-        """Note what is wrong with the store."""
-        try:
-            store = Store(self.path)
-        except StoreError:
-            if self._seen:
-                self.faults.append("the store does not open any more")
-            return
-        done = {point for point, flag in store.status().items() if flag == DONE}
-        self.faults += [f"{point} was done and is not" for point in self._seen - done]
-        self.faults += [f"damaged: {damage}" for damage in verify_store(self.path).damaged]
-        self.faults += [f"failed: {failed}" for failed in summary(self.path).failed]
-        self._seen = done
-
-    def finish(self):
-        """Compare a sweep that is done with what it should be; go on to the next."""
-        self.look()
-        store = Store(self.path)
-        for point, expected in self._expected.items():
-            self.faults += [f"{point}: {name} differs" for name in differing(store, expected)]
-        shutil.rmtree(self.path)
-        self.finished += 1
-        self._seen = set()
+def _entry(text):
+    """Path and value of a setting, as Python takes it."""
+    name, _, value = text.partition("=")
+    return name, {"true": True}.get(value) or int(value)
 
 
-class Campaign:
-    """Kills at random times, through as many sweeps as that takes."""
-
-    def __init__(self, sweeps, targets, seconds):
-        self._sweeps, self._targets, self._end = sweeps, targets, time.monotonic() + seconds
-        self.kills, self.given_up = Counter(), 0
-
-    def run(self):
-        """Go on until there is nothing left to kill and a sweep is complete, or a fault."""
-        driver, complete = self._sweeps.start(), False
-        try:
-            while not (complete or self._sweeps.faults):
-                if time.monotonic() > self._end:
-                    self._targets.clear()
-                self._disturb(driver)
-                if driver.poll() is None:
-                    self._sweeps.look()
-                    continue
-                complete = self._ended(driver) and not self._targets
-                if not (complete or self._sweeps.faults):
-                    driver = self._sweeps.start()
-        finally:
-            if driver.poll() is None:
-                os.killpg(driver.pid, signal.SIGKILL)
-                driver.wait()
-
-    def _disturb(self, driver):
-        """Kill something after a while, if the driver has workers by then."""
-        with suppress(subprocess.TimeoutExpired):
-            driver.wait(random.uniform(0.5, 4.0))
-        if driver.poll() is None and self._targets and workers_of(driver.pid):
-            target = self._targets.pop(0)
-            self.kills[target] += 1
-            kill(driver, target)
-        with suppress(subprocess.TimeoutExpired):
-            driver.wait(0.1)
-        if driver.poll() is None and time.monotonic() > self._sweeps.end:
-            self._sweeps.faults.append(f"a sweep has not ended within {PATIENCE:g} s")
-
-    def _ended(self, driver):
-        """Look at what a driver that has ended leaves; say whether its sweep is complete."""
-        if not is_gone(driver.pid):
-            self._sweeps.faults.append("processes are left over")
-            os.killpg(driver.pid, signal.SIGKILL)
-        if driver.returncode == GIVEN_UP:
-            self.given_up += 1
-        elif driver.returncode > 0:
-            self._sweeps.faults.append(f"the driver ended with {driver.returncode}")
-        complete = driver.returncode == 0
-        if complete:
-            self._sweeps.finish()
-        self._sweeps.look()
-        return complete
-
-
-def main():
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--kills", type=int, default=100)
-    parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--drive", metavar="OUT.zarr", help=argparse.SUPPRESS)
-    add_seconds(parser)
-    options = parser.parse_args()
-    np.seterr(all="raise", under="ignore")
-    if options.drive:
-        return drive(options.drive)
-    random.seed(options.seed)
-    targets = list(itertools.islice(itertools.cycle(TARGETS), options.kills))
-    random.shuffle(targets)
-    with tempfile.TemporaryDirectory() as temporary:
-        sweeps = Sweeps(Path(temporary))
-        campaign = Campaign(sweeps, targets, options.seconds)
-        campaign.run()
-    report = {
-        "kills": campaign.kills,
-        "sweeps": sweeps.finished,
-        "given_up": campaign.given_up,
-        "faults": sweeps.faults,
-    }
-    print(json.dumps(report, indent=1))
-    return 1 if sweeps.faults else 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())
+def campaign(folder, trials, chance, report, mistake=None, ways=WAYS):
+    """Disturb so many sweeps, every fourth of them with workers."""
+    tried = _Campaign(folder, chance, report, mistake)
+    following = itertools.cycle(ways)
+    for number in range(trials):
+        if number % 4 == 3 and ways:
+            way = next(following)
+            report.counts[f"by {way}"] += 1
+            tried.with_workers(number, way)
+        else:
+            tried.fast(number)
+        print(f"kills: {number + 1} of {trials}, {len(report.faults)} faults", file=sys.stderr)

@@ -1,7 +1,8 @@
-"""Store very many cheap points, killing workers, the driver or all on the way; resume and read.
+"""Ten thousand and a hundred thousand cheap points: what they cost, and what is seen on the way.
 
-What has been seen done must stay done, and in the end all of it must be intact, and at points taken
-by chance be what is computed there alone. Prints a JSON document with what that cost.
+With 10 000 points: at a tenth of the time since the first of them, `irg plot` shows the whole
+boundary, and the time to go that was told then is right within a third. With 100 000: the number of
+files, and what it takes to run, open, go on with and verify them. Prints a JSON document.
 """
 
 import argparse
@@ -10,182 +11,220 @@ import json
 import os
 import random
 import resource
-import signal
+import shutil
 import subprocess
 import sys
 import tempfile
 import time
-from contextlib import suppress
+from contextlib import closing
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 import pipeline
+from pipeline.cli import main as irg
 from pipeline.run.sweep import run_sweep
-from pipeline.store import DONE, Store, StoreError, summary, verify_store
+from pipeline.store.create import writing
+from pipeline.sweep.model import Point
 from pipeline.sweep.plan import run_point
-from tests.crash.compared import differing
-from tests.crash.kills import is_gone, kill, workers_of
+from tests.crash.loop import code_of, differing, places
+from tests.crash.sweeps import Expected, keep_one_thread
 from tests.helpers import tiny
 
 LOADS = 10
-TARGETS = ("everything", "worker", "client")
 COMPARED = 40  # points
-_PATIENCE = 200.0  # [s] for a run that has nothing to compute
+MOST = {"files": 3000, "opened": 0.3, "resumed": 15.0}
+"""What 100 000 points may take: files, and times [s]."""
+_STEPS = 12  # of the points of the first sweep, which takes minutes
+_OFF = 1 / 3  # of the time to go
+_NEAR = 0.02  # of the boundary that is seen early, which is interpolated between few velocities
+_AT_ONCE = 400  # velocities in a commit, if the store is filled
+_PATIENCE = 3600.0  # [s] for a run
 
 
-def sweep_of(points):
-    """Points of a few milliseconds each, on smooth bodies."""
+def sweep_of(points, increments=3):
+    """Points of a few milliseconds each, on smooth bodies; each load has its transition."""
     return tiny.sweep(
-        increments=3,
+        increments=increments,
         roughness=None,
-        loads=tuple(np.linspace(150.0, 600.0, LOADS).tolist()),
-        velocities=tuple(np.linspace(0.5, 4.0, -(-points // LOADS)).tolist()),
+        loads=tuple(np.linspace(375.0, 600.0, LOADS).tolist()),
+        velocities=tuple(np.geomspace(1.0, 20.0, -(-points // LOADS)).tolist()),
     )
 
 
-def drive(path, points):
-    """Run or resume the sweep; write what it cost beside it."""
+def drive(path, points, increments):
+    """Run or resume the sweep; write what was told and what it cost beside it."""
+    told = []
     began = time.monotonic()
-    first = []
-
-    def noted(progress):
-        if progress.done > (first[0][0] if first else -1):
-            first.append((progress.done, time.monotonic() - began, time.process_time()))
-            del first[2:]
-
-    outcome = run_sweep(sweep_of(points), path, workers=2, progress=noted)
-    told = {
+    outcome = run_sweep(
+        sweep_of(points, increments),
+        path,
+        workers=2,
+        progress=lambda now: told.append((now.elapsed, now.done, now.time_to_go)),
+    )
+    cost = {
         "computed": outcome.computed,
         "failed": len(outcome.failed),
-        "wall": time.monotonic() - began,
-        "cpu": time.process_time(),
-        "mb": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e3,
-        "until_the_first_point": first[1][1] if len(first) > 1 else None,
+        "wall": round(time.monotonic() - began, 2),
+        "driver_cpu": round(time.process_time(), 2),
+        "driver_mb": round(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e3),
     }
-    path.with_suffix(".json").write_text(json.dumps(told))
-    return 1 if outcome.failed else 0
+    path.with_suffix(".json").write_text(json.dumps({"cost": cost, "told": told}))
 
 
-def done(path):
-    try:
-        return Store(path).flags()[0] == DONE
-    except StoreError:
-        return np.zeros((LOADS, 0), bool)
+def started(path, points, increments=3):
+    command = [sys.executable, "-m", "tests.crash.many", "--drive", path, "--points", str(points)]
+    command += ["--increments", str(increments)]
+    return subprocess.Popen(command, cwd=Path(__file__).parents[2], stdout=subprocess.DEVNULL)
 
 
-def start(path, points):
-    return subprocess.Popen(
-        [sys.executable, "-m", __spec__.name, "--drive", path, "--points", str(points)],
-        start_new_session=True,
-        stdout=subprocess.DEVNULL,
-    )
-
-
-def disturbed(path, points, kills, every, end):
-    """Run and resume the sweep with so many kills; what happened, and what was wrong."""
-    targets = list(itertools.islice(itertools.cycle(TARGETS), kills))
-    told = {"killed": [], "starts": 0, "faults": []}
-    seen, code = done(path), None
-    while code != 0 and time.monotonic() < end:
-        driver, following = start(path, points), time.monotonic() + random.uniform(*every)
-        told["starts"] += 1
-        try:
-            while driver.poll() is None and time.monotonic() < end:
-                with suppress(subprocess.TimeoutExpired):
-                    driver.wait(0.1)
-                if not targets or time.monotonic() < following:
-                    continue
-                at_work = np.count_nonzero(done(path)) > np.count_nonzero(seen)
-                if at_work and workers_of(driver.pid):
-                    told["killed"].append(targets[0])
-                    kill(driver, targets.pop(0))
-                    following = time.monotonic() + random.uniform(*every)
-        finally:
-            with suppress(ProcessLookupError):
-                if driver.poll() is None:
-                    os.killpg(driver.pid, signal.SIGKILL)
-            code = driver.wait()
-        if not is_gone(driver.pid):
-            told["faults"].append("processes are left over")
-            os.killpg(driver.pid, signal.SIGKILL)
-        now = done(path)
-        if seen.size and not now[seen].all():
-            told["faults"].append(f"{np.count_nonzero(seen & ~now)} points were done and are not")
-        seen = now
+def driven(path, points):
+    """Run or resume the sweep in another process; what it cost."""
+    began = time.monotonic()
+    with closing(_Ended(started(path, points))) as run:
+        code = code_of(run.process, _PATIENCE)
     if code != 0:
-        told["faults"].append(f"it ended with {code}, or not in time")
-    return told
+        raise SystemExit(f"a run of {points} points ends with {code}")
+    cost = json.loads(path.with_suffix(".json").read_text())["cost"]
+    return cost | {"with_its_start": round(time.monotonic() - began, 2)}
 
 
-def timed(function):
-    """Result of a function, and what it took: wall and CPU time [s]."""
-    began = time.perf_counter(), time.process_time()
-    found = function()
-    return found, {
-        "wall": round(time.perf_counter() - began[0], 2),
-        "cpu": round(time.process_time() - began[1], 2),
+class _Ended:
+    def __init__(self, process):
+        self.process = process
+
+    def close(self):
+        self.process.kill()
+        self.process.wait()
+
+
+def copied(path, to):
+    """Copy a store that is written to: statuses first, then data, which were there before."""
+    to.mkdir()
+    for name in ["zarr.json", "status"]:
+        copy = shutil.copytree if (path / name).is_dir() else shutil.copy
+        copy(path / name, to / name)
+    left = shutil.ignore_patterns("*.partial", "lock", "status", "zarr.json")
+    shutil.copytree(path, to, ignore=left, dirs_exist_ok=True)
+    for array in path.iterdir():
+        if (array / "zarr.json").exists():
+            shutil.copy(array / "zarr.json", to / array.name / "zarr.json")
+
+
+def early(folder, points):
+    """See what is shown at a tenth of the time of a run; the faults of that, too."""
+    path, copies = folder / "early.zarr", []
+    with closing(_Ended(started(path, points, _STEPS))) as run:
+        following = 0.0
+        while run.process.poll() is None:
+            time.sleep(0.2)
+            if path.exists() and time.monotonic() > following:
+                copies.append(folder / f"{len(copies)}.zarr")
+                copied(path, copies[-1])
+                following = time.monotonic() + max(1.0, 0.1 * len(copies))
+    document = json.loads(path.with_suffix(".json").read_text())
+    told, whole = document["told"], pipeline.boundary(pipeline.open_sweep(path))
+    # Since the first points: the start takes as long, whatever the number of points.
+    began = next(elapsed for elapsed, done, _ in told if done)
+    tenth = began + (told[-1][0] - began) / 10
+    elapsed, done, to_go = min(told[1:], key=lambda each: abs(each[0] - tenth))
+    copy = min(copies, key=lambda copy: abs(pipeline.summary(copy).done - done))
+    seen = pipeline.boundary(pipeline.open_sweep(copy))
+    off = np.abs(seen["critical_velocity"] / whole["critical_velocity"] - 1).values
+    plotted = irg(["plot", str(copy), "--kind", "diagram", "-o", str(folder / "a.png")])
+    real = told[-1][0] - elapsed
+    report = {
+        **document["cost"],
+        "first_points_at": round(began, 2),
+        "at": round(elapsed, 2),
+        "done_then": done,
+        "in_the_picture": pipeline.summary(copy).done,
+        "time_to_go": round(to_go, 2),
+        "it_took": round(real, 2),
+        "loads_with_a_boundary": int(np.isfinite(off).sum()),
+        "boundary_off_by": float(np.nanmax(off, initial=0.0)),
     }
+    if abs(to_go / real - 1) > _OFF:
+        yield f"{to_go:.1f} s to go were told at a tenth, and it took {real:.1f} s"
+    if not np.all(off <= _NEAR) or plotted != 0:
+        yield f"the boundary is not whole at a tenth: off by {off.tolist()}, plot ends in {plotted}"
+    yield report
 
 
-def read(path, points):
-    """Read a finished store in every way; what that took, and what is wrong."""
+def timed(function, *arguments):
+    """Result of a function, and its wall and CPU time [s]."""
+    began = time.perf_counter(), time.process_time()
+    result = function(*arguments)
+    ended = time.perf_counter(), time.process_time()
+    return result, [round(b - a, 2) for a, b in zip(began, ended, strict=True)]
+
+
+def filled(path, points):
+    """Write the sweep with the data of few points at all of them, in place of computing it."""
+    sweep = sweep_of(points)
+    records = {load: run_point(sweep, load, 1.0).record(with_fields=False) for load in sweep.loads}
+    with writing(path, sweep) as store:
+        for begin in range(0, len(sweep.velocities), _AT_ONCE):
+            some = itertools.product(sweep.velocities[begin : begin + _AT_ONCE], sweep.loads)
+            store.commit(replace(records[load], point=Point(load, v)) for v, load in some)
+
+
+def large(folder, points, limits, fill):
+    """Run, open, go on with and verify a large sweep; the faults of that, too."""
+    path, report = folder / "many.zarr", {}
+    if fill:
+        _, report["filled"] = timed(filled, path, points)
+    else:
+        report["run"] = driven(path, points)
+    report["files"] = sum(len(names) for _, _, names in os.walk(path))
+    report["resumed"] = driven(path, points)
     pipeline.open_sweep(path)  # so that what is imported for it does not count
-    (found, status), (ds, opened) = (
-        timed(lambda: summary(path)),
-        timed(lambda: pipeline.open_sweep(path)),
-    )
-    told = {"status": status, "open": opened}
-    _, told["boundary"] = timed(lambda: pipeline.boundary(ds))
-    checked, told["verify"] = timed(lambda: verify_store(path))
-    total = len(sweep_of(points).velocities) * LOADS
-    faults = [f"damaged: {damage}" for damage in checked.damaged[:9]]
-    if not found.done == checked.done == total:
-        faults.append(f"{found.done} of {total} points are done, {checked.done} of them intact")
-    store, sweep = Store(path), sweep_of(points)
-    for point in random.sample(store.asked(), min(COMPARED, total)):
-        with np.errstate(all="raise", under="ignore"):
-            names = differing(store, run_point(sweep, *point))
-        faults += [f"{point}: {name} differs" for name in names]
-    told["mb"] = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e3
-    return told, faults
-
-
-def resumed(path, points):
-    """What it costs to find that nothing is left to do."""
-    driver = start(path, points)
-    try:
-        code = driver.wait(_PATIENCE)
-    except subprocess.TimeoutExpired:
-        os.killpg(driver.pid, signal.SIGKILL)
-        code = driver.wait()
-    return json.loads(path.with_suffix(".json").read_text()) | {"code": code}
+    ds, report["open"] = timed(pipeline.open_sweep, path)
+    summary, report["status"] = timed(pipeline.summary, path)
+    _, report["boundary"] = timed(pipeline.boundary, ds)
+    checked, report["verify"] = timed(pipeline.verify_store, path)
+    if not (summary.done == checked.done == ds["status"].size and checked.is_clean):
+        yield f"{summary.done} points are done, {checked.done} of them intact"
+    expected, arrays = Expected(sweep_of(points)), {name: ds[name].values for name in ds.data_vars}
+    compared = 0 if fill else min(COMPARED, summary.total)
+    for index, point in random.sample(list(places(ds)), compared):
+        for name in differing(arrays, index, expected(point)):
+            yield f"{point}: {name} differs"
+    took = {
+        "files": report["files"],
+        "opened": min(report["open"]),
+        "resumed": report["resumed"]["wall"],
+    }
+    for name in limits:
+        if took[name] > limits[name]:
+            yield f"{name}: {took[name]}, and at most {limits[name]} was promised"
+    yield report
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--points", type=int, default=100_000)
-    parser.add_argument("--kills", type=int, default=6)
-    parser.add_argument("--every", nargs=2, type=float, default=[20.0, 60.0], metavar="S")
-    parser.add_argument("--patience", type=float, default=3600.0, help="for all of it [s]")
-    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--points", type=int, help="of one sweep alone, without limits")
+    parser.add_argument("--early", type=int, default=10_000, help="points of the first sweep")
+    parser.add_argument("--fill", action="store_true", help="the store, rather than to compute")
+    parser.add_argument("--increments", type=int, default=3, help=argparse.SUPPRESS)
     parser.add_argument("--drive", metavar="OUT.zarr", type=Path, help=argparse.SUPPRESS)
     options = parser.parse_args()
+    keep_one_thread()
     if options.drive:
-        return drive(options.drive, options.points)
-    random.seed(options.seed)
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "many.zarr"
-        end = time.monotonic() + options.patience
-        told = disturbed(path, options.points, options.kills, options.every, end)
-        if not told["faults"]:
-            told["last_run"] = json.loads(path.with_suffix(".json").read_text())
-            told["files"] = sum(len(names) for _, _, names in os.walk(path))
-            told["resumed"] = resumed(path, options.points)
-            told["read"], faults = read(path, options.points)
-            told["faults"] += faults
-    print(json.dumps(told, indent=1))
-    return 1 if told["faults"] else 0
+        drive(options.drive, options.points, options.increments)
+        return 0
+    np.seterr(all="raise", under="ignore")
+    with tempfile.TemporaryDirectory() as temporary:
+        folder, document = Path(temporary), {}
+        if options.early:
+            *faults, document["early"] = early(folder, options.early)
+        else:
+            faults = []
+        limits = {} if options.points else MOST
+        *further, document["large"] = large(folder, options.points or 100_000, limits, options.fill)
+    print(json.dumps(document | {"faults": faults + further}, indent=1))
+    return 1 if faults + further else 0
 
 
 if __name__ == "__main__":

@@ -1,104 +1,68 @@
-"""Read a store again and again while it is compacted, split and grown in another process.
+"""Readers beside a driver that writes and makes its store longer.
 
-Every reader sees the points as they were committed, or a clear word. Prints a JSON document.
+Points that were told as done before a reader opens the store are whole in what it sees, all others
+are whole or NaN; no reader has an error. Every other reader reads only some time after it opened.
 """
 
-import argparse
-import itertools
-import json
-import multiprocessing
 import sys
-import tempfile
-import time
-from collections import Counter
-from pathlib import Path
 
-import numpy as np
+import pipeline
+from pipeline.store.place import place_of
+from tests.crash.loop import Forked, Trial, code_of, faults_of
+from tests.crash.sweeps import STAGES, Expected
 
-from pipeline.analysis.boundary import boundary
-from pipeline.analysis.dataset import open_sweep
-from pipeline.store import (
-    BY_POINT,
-    COMPACT,
-    StoreError,
-    lay_out,
-    locked,
-    prepare,
-    summary,
-    verify_store,
-)
-from pipeline.store.variables import COLUMNS
-from pipeline.sweep.plan import points, run_point
-from tests.helpers import tiny
-
-SWEEP = tiny.full(velocities=(0.5, 1.0, 1.5, 4.0))
+TRIALS = 5
+MISTAKE = "status first"
+_PACE = 0.03  # [s] between commits
 
 
-def rewritten(path, end):
-    """Compact, split and grow a store until some time."""
-    for number in itertools.count():
-        if time.monotonic() > end:
-            return
-        with locked(path):
-            lay_out(path, COMPACT)
-            lay_out(path, BY_POINT)
-            if number % 10 == 9:
-                further = 2.0 + number / 1000
-                prepare(path, tiny.full(velocities=(*SWEEP.velocities[:-1], further, 4.0)))
-                prepare(path, SWEEP)
+def campaign(folder, trials, chance, report, mistake=None):
+    """Read so many sweeps from their beginning to their end."""
+    expected = Expected(STAGES[-1])
+    known = expected.records(STAGES[-1])
+    for number in range(trials):
+        place = folder / str(number)
+        place.mkdir()
+        path, log = place / "out.zarr", place / "acknowledged"
+
+        def start(sweep, path=path, log=log):
+            return Forked(sweep, path, log, known, mistake, _PACE)
+
+        trial = Trial(report, path, expected, log, start)
+
+        def read(run, trial=trial):
+            while code_of(run, chance.uniform(0.0, 0.05)) is None:
+                try:
+                    _read(trial, run, chance, report)
+                except Exception as error:
+                    trial.fault(f"a reader: {type(error).__name__}: {error}")
+            if run.returncode not in (0, 1):
+                trial.fault(f"the driver ends with {run.returncode}")
+
+        trial.go([read] * len(STAGES))
+        print(f"readers: {number + 1} of {trials}, {len(report.faults)} faults", file=sys.stderr)
 
 
-def seen(path, what):
-    """What a reader sees of the points of the sweep."""
-    if what == "summary":
-        return summary(path).done
-    if what == "verify":
-        found = verify_store(path)
-        return found.done, found.damaged
-    with open_sweep(path) as ds:
-        own = ds.sel(load=list(SWEEP.loads), velocity=list(SWEEP.velocities))
-        if what == "boundary":
-            return str(
-                boundary(own).as_dict() if hasattr(boundary(own), "as_dict") else boundary(own)
-            )
-        return {name: own[name].values.tobytes() for name in (*COLUMNS, "status", "pressure")}
-
-
-def main():
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--seconds", type=float, default=60.0)
-    options = parser.parse_args()
-    np.seterr(all="raise", under="ignore")
-    reads, words, faults = Counter(), Counter(), []
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "out.zarr"
-        with locked(path):
-            store = prepare(path, SWEEP)
-            for point in points(SWEEP):
-                store.commit(run_point(SWEEP, *point))
-        kinds = ("summary", "verify", "boundary", "data")
-        expected = {what: seen(path, what) for what in kinds}
-        end = time.monotonic() + options.seconds
-        writer = multiprocessing.get_context("spawn").Process(target=rewritten, args=(path, end))
-        writer.start()
-        for what in itertools.cycle(kinds):
-            if time.monotonic() > end:
-                break
-            try:
-                found = seen(path, what)
-            except StoreError as error:
-                words[str(error).rpartition(": ")[2]] += 1
-                continue
-            reads[what] += 1
-            if found != expected[what]:
-                faults.append(f"{what} differs: {found!r:.200}")
-        writer.join(60.0)
-        if writer.exitcode is None:
-            writer.kill()
-            writer.join()
-    print(json.dumps({"reads": reads, "refused": words, "faults": faults[:10]}, indent=1))
-    return 1 if faults or writer.exitcode else 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())
+def _read(trial, run, chance, report):
+    """Read a store in one of the ways, if there is one."""
+    told = trial.acknowledged
+    if not place_of(trial.path).exists():
+        return
+    way = chance.choice(("status", "verify", "data", "data, later"))
+    report.counts[way] += 1
+    if way == "status":
+        summary = pipeline.summary(trial.path)
+        if summary.done + summary.earlier < len(told):
+            trial.fault(f"{len(told)} points were told as done, and summary counts {summary.done}")
+    elif way == "verify":
+        checked = pipeline.verify_store(trial.path)
+        for each in (*checked.damaged, *checked.records, *checked.shared):
+            trial.fault(f"verify beside the driver: {each}")
+        if checked.done < len(told):
+            trial.fault(f"{len(told)} points were told as done, and verify counts {checked.done}")
+    else:
+        with pipeline.open_sweep(trial.path) as ds:
+            if way == "data, later":
+                code_of(run, chance.uniform(0.0, 0.3))
+            for fault in faults_of(ds, trial.expected, told):
+                trial.fault(f"a reader: {fault}")

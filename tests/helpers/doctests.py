@@ -46,13 +46,14 @@ def folder_with_results(tmp_path_factory):
 def _compute(scene, path):
     """Compute a scene here, without a cluster."""
     import pipeline
-    from pipeline.store import locked, prepare
+    from pipeline.store.create import writing
     from pipeline.sweep.plan import points, run_point
 
     sweep = pipeline.load_scene(scene)
-    with locked(path), np.errstate(all="raise", under="ignore"):
-        store, trunk, velocity = prepare(path, sweep), None, None
+    with writing(path, sweep) as store, np.errstate(all="raise", under="ignore"):
+        records, trunk, velocity = [], None, None
         for point in points(sweep):
-            found = run_point(sweep, *point, trunk=trunk if point.velocity == velocity else None)
-            store.commit(found)
-            trunk, velocity = found.trunk, point.velocity
+            result = run_point(sweep, *point, trunk=trunk if point.velocity == velocity else None)
+            records.append(result.record(sweep.store_fields))
+            trunk, velocity = result.trunk, point.velocity
+        store.commit(records)

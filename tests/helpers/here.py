@@ -1,10 +1,11 @@
 """A Dask client without a cluster: what it is given is done here and at once."""
 
-import pickle
 from collections import deque
 from concurrent.futures import Future
 
 from distributed.scheduler import KilledWorker
+
+from pipeline.run.work import compute_points
 
 
 class Here:
@@ -15,7 +16,7 @@ class Here:
     workers : int
         Number of workers, each with one thread.
     is_deadly : callable, optional
-        Whether a worker dies of computing a point; it does what comes before in its task.
+        Whether a worker dies of computing a point.
     is_hit : callable, optional
         Whether a worker is killed from outside before it begins with the task of a number.
 
@@ -37,8 +38,11 @@ class Here:
     def scheduler(self):
         return self
 
-    def sync(self, function, **_):
+    def sync(self, function, *_, **__):
         return function()
+
+    def run(self):
+        return {}
 
     def nthreads(self, **_):
         return {f"here {number}": 1 for number in range(self._workers)}
@@ -50,30 +54,26 @@ class Here:
         ended = Ended()
         ended.key = f"{function.__name__}-{len(self.tasks)}"
         arguments = tuple(tuple(each) if isinstance(each, deque) else each for each in arguments)
-        if len(arguments) > 1:  # not what is only shared
+        if function is compute_points:
             self.tasks.append(arguments)
             self.pinned.append(workers)
-        values = [each.result() if isinstance(each, Future) else each for each in arguments]
         try:
-            ended.set_result(self._done(function, values, ended.key))
+            values = [each.result() if isinstance(each, Future) else each for each in arguments]
+            if function is compute_points:
+                self._kill(values, ended.key)
+            ended.set_result(function(*values))
             ended.status = "finished"
         except Exception as error:
             ended.set_exception(error)
             ended.status = "error"
         return ended
 
-    def _done(self, function, values, key):
-        if len(values) == 1:
-            return function(*values)
-        killed = KilledWorker(key, None, 0)
-        if self._is_hit(len(self.tasks) - 1):
-            raise killed
-        points, (_, store) = values[1], pickle.loads(values[0])
-        safe = next((i for i, point in enumerate(points) if self._is_deadly(point)), len(points))
-        kept = function(values[0], points[:safe], *values[2:])
-        if not all(store.is_done(point) for point in points[:safe]) or safe == len(points):
-            return kept
-        raise killed
+    def _kill(self, values, key):
+        """Raise as Dask does if the worker dies of the task, and with it all that it has done."""
+        _, points, _, seconds = values
+        begun = points if seconds else points[:1]
+        if self._is_hit(len(self.tasks) - 1) or any(map(self._is_deadly, begun)):
+            raise KilledWorker(key, None, 0)
 
 
 class Ended(Future):

@@ -3,7 +3,7 @@
 import numpy as np
 import xarray as xr
 
-from pipeline.store import DONE, FAILED
+from pipeline.store.schema import DONE, FAILED
 from pipeline.sweep.criterion import Conditions
 from tribo import QUANTILES
 

@@ -3,7 +3,6 @@
 import math
 import multiprocessing
 import os
-import resource
 import signal
 import sys
 import time
@@ -93,11 +92,3 @@ class EndlessRamp(FaultyRamp):
 
     def fault(self):
         time.sleep(600)
-
-
-class FillingRamp(FaultyRamp):
-    """Files of more than a few bytes find no room, soon after a point at one load has begun."""
-
-    def fault(self):
-        time.sleep(3.0)
-        resource.setrlimit(resource.RLIMIT_FSIZE, (100, resource.RLIM_INFINITY))

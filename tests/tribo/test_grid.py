@@ -22,6 +22,8 @@ def test_coordinates_are_centred():
         ((4, 2.5), (1.0, 1.0)),
         ((4, 4), (-1.0, 1.0)),
         ((4, 4), (1.0, float("nan"))),
+        ((4, 4), (2e-6, 1e302)),
+        ((4, 4), (2.1, 2e-6)),
     ],
 )
 def test_impossible_grids_are_refused(shape, spacing):

@@ -62,9 +62,8 @@ def _comes_into_contact(scene: Scene, before: State, after: State, velocity: flo
 
     A pin that rolls wears alike all around, so its shape does not follow the pressure.
     """
-    wears = scene.wear is not None and scene.wear.specific_wear_rate > 0
     stages = len(WEAR_SCHEMES[scene.fidelity.wear_scheme].weights)
-    if not wears or stages == 1 or scene.sweeps_over or scene.windows_worn(velocity) > 1:
+    if not scene.wears or stages == 1 or scene.sweeps_over or scene.windows_worn(velocity) > 1:
         return False
     worn = _worn(scene, after)
     new = worn & ~_worn(scene, before)
@@ -75,7 +74,7 @@ def _comes_into_contact(scene: Scene, before: State, after: State, velocity: flo
 def _worn(scene: Scene, state: State) -> Mask:
     """Where the pressure wears the pin: at its elements, or on all of a row that is swept."""
     touched: Mask = state.pressure > 0
-    if scene.wear and scene.wear.pattern == "swept":
+    if scene.wear_of_contact and scene.wear_of_contact.pattern == "swept":
         touched = touched | touched.any(axis=1, keepdims=True)
     return touched
 

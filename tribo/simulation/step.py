@@ -153,7 +153,7 @@ def solved(
         shape,
         stage.normal_load / scene.pin.patches(scene.grid),
         hardness=scene.hardness,
-        tolerance=fidelity.contact_tolerance,
+        tolerance=scene.contact_tolerance,
         criterion=fidelity.contact_criterion,
         initial_pressure=initial,
         initial_displacement=displacement,
@@ -164,7 +164,7 @@ def solved(
         _element_area(scene),
         scene.hardness,
         contact.residual,
-        fidelity.contact_tolerance if fidelity.contact_criterion == "gap" else np.inf,
+        scene.contact_tolerance if fidelity.contact_criterion == "gap" else np.inf,
     )
     displacement = contact.gap + contact.approach - shape
     if wear:

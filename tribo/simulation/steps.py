@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -20,6 +21,10 @@ from tribo.simulation.step import advance, solved, start
 from tribo.simulation.warning import FEW_NODES, ordered_nodes
 from tribo.types import Array
 from tribo.wear import Stage
+
+# Tolerance of the contacts where few elements touch, whose hottest are few: on 57 random scenes
+# `standard` had rises up to 2.5 % off with its own, and up to 0.3 % with this.
+_TIGHT = 1e-3
 
 
 def simulate(
@@ -80,12 +85,14 @@ def simulate(
         heat_model = scene.fidelity.heat_model
         raise InputError(f"heat model {heat_model!r} cannot go on from a state of the other one")
     interval = scene.fidelity.temperature_interval
-    levels = tuple(scene.levels())
+    levels, unloaded = tuple(scene.levels()), start(scene)
     closer = _Closer(scene, normal_load, velocity)
     stations = list(scene.stations(normal_load, after=state.normal_load))
     for station in stations:
-        before = state
-        state = advance(levels[0], state, station, velocity, observed=len(levels) == 1)
+        # Where nothing remembers the way, not even a first guess may, or results would depend on
+        # the stations at which a temperature is asked for.
+        before = state if scene.remembers_steps else unloaded
+        state = advance(levels[0], before, station, velocity, observed=len(levels) == 1)
         reached = station.normal_load == normal_load and not station.holding
         asked = reached or station is stations[-1] or (interval and station.index % interval == 0)
         shown = state
@@ -166,7 +173,7 @@ def _prolonged_along_x(wear_depth: Array, shape: tuple[int, int]) -> Array:
 
 
 class _Closer:
-    """The point once more from its start, on smaller elements or on one grid, where few touch.
+    """The point once more from its start, where few elements touch: on smaller ones or one grid.
 
     It is computed as far as it is asked for.
     """
@@ -191,13 +198,18 @@ class _Closer:
 
     def _closer(self, state: State) -> Scene | None:
         """The scene with which a state is known better, if there is need of it."""
-        nodes, fidelity = ordered_nodes(self._scene, state), self._scene.fidelity
-        block, fewest = fidelity.pixels_per_element, fidelity.fewest_elements
+        scene, fidelity = self._scene, self._scene.fidelity
+        nodes, fewest = ordered_nodes(scene, state), fidelity.fewest_elements
+        block, changes = fidelity.pixels_per_element, dict[str, Any]()
         sizes = [size for size in range(1, block) if block % size == 0]
         if sizes and nodes < fewest:
             enough = [size for size in sizes if nodes * (block / size) ** 2 >= fewest]
-            block = max(enough, default=1)
-        elif not self._scene.wear or self._scene.coarsening == 1 or nodes >= max(fewest, FEW_NODES):
-            return None
-        changed = replace(fidelity, pixels_per_element=block, history_coarsening=1)
-        return replace(self._scene, fidelity=changed)
+            changes["pixels_per_element"] = max(enough, default=1)
+            nodes *= (block // changes["pixels_per_element"]) ** 2
+            changes["history_coarsening"] = 1
+        elif scene.wear and scene.coarsening > 1 and nodes < max(fewest, FEW_NODES):
+            changes["history_coarsening"] = 1
+        if fewest and nodes < FEW_NODES:
+            changes["contact_tolerance"] = min(fidelity.contact_tolerance, _TIGHT)
+        changed = replace(fidelity, **changes)
+        return None if changed == fidelity else replace(scene, fidelity=changed)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from enum import IntFlag
 from typing import NamedTuple
 
@@ -9,9 +10,12 @@ import numpy as np
 
 from tribo.simulation.kernels import elastic_bodies
 from tribo.simulation.passes import parts
-from tribo.simulation.past import excess_of_present_heat
+from tribo.simulation.past import excess_of_present_heat, stations_so_far
+from tribo.simulation.pins import Cylinder
+from tribo.simulation.roughness import SelfAffineRoughness
 from tribo.simulation.scene import Scene
 from tribo.simulation.state import State
+from tribo.types import Array
 from tribo.wear import EXPLICIT_LIMIT, WEAR_SCHEMES
 
 FEW_NODES = 400  # below which `draft` errs by over 8 % and `standard` by over 3 % in most scenes,
@@ -19,6 +23,13 @@ FEW_NODES = 400  # below which `draft` errs by over 8 % and `standard` by over 3
 # Wear in standard deviations of the roughness, beyond which the pin fits the disk. From 13 on, with
 # 18 to 38 rows in contact, `draft` was off by up to 12.5 % and `standard` by 4.4 %.
 _FITS = 10.0
+# Elements across a smooth contact. With 12 under a ball its rise was up to 2 % low, with 8 up to
+# 3 %, with 4 up to 5 %, with 3 up to 15 %; with 6 rows under a cylinder up to 4 %, with 4 up to
+# 8 %, with 2 up to 28 %.
+FEWEST_ACROSS, FEWEST_ROWS = 12, 6
+FEWEST_PIXELS = 2.0  # in a correlation length, to know the slopes of the roughness
+FEWEST_TURNS = 10  # of a pin that rolls, over which its wear is even around it to about a tenth
+WIDEST = 0.3  # half-width in radii up to which a pin is a parabola and a half-space, about
 _TOO_WARM, _ON_PIXELS = 0.01, 0.005  # error of the rise from which the present heat warns
 _FEWEST_STEPS = 3  # or stages of steps, in which heavy wear knows the rise to about 10 %
 
@@ -37,11 +48,17 @@ class WarningKind(IntFlag):
     FEW_NODES = 4
     FEW_STEPS = 8
     PRESENT_HEAT = 16
+    COARSE_PIXELS = 32
+    BEYOND_SHAPE = 64
+    FEW_TURNS = 128
 
     @property
     def label(self) -> str:
         """The kind in words."""
         return (self.name or "").lower().replace("_", " ")
+
+
+Found = tuple[WarningKind, str]
 
 
 class PointWarning(NamedTuple):
@@ -79,36 +96,132 @@ def warnings(scene: Scene, state: State) -> list[PointWarning]:
     >>> [warning.kind.label for warning in tribo.warnings(scene, state)]
     []
     """
-    found = [*_unstable_wear(scene, state), *_few_steps(scene, state)]
+    rules = (
+        _unstable_wear,
+        _few_steps,
+        _at_edge,
+        _few_nodes,
+        _present_heat,
+        _coarse_pixels,
+        _beyond_shape,
+        _few_turns,
+    )
+    return [PointWarning(*found) for rule in rules for found in rule(scene, state)]
+
+
+def _at_edge(scene: Scene, state: State) -> Iterator[Found]:
+    """Warn where a wider window would carry load as well."""
     touched = [
         f"{name} edge"
         for name, axis in (("x", 0), ("y", 1))
         if not scene.grid.periodic[axis] and np.take(state.pressure, (0, -1), axis=axis).any()
     ]
     if touched:
-        text = (
+        yield (
+            WarningKind.CONTACT_AT_EDGE,
             f"contact touches the window's {' and '.join(touched)} at {state.normal_load:g} N; "
-            "a wider window would carry load there too"
+            "a wider window would carry load there too",
         )
-        found.append(PointWarning(WarningKind.CONTACT_AT_EDGE, text))
-    return [*found, *_few_nodes(scene, state), *_present_heat(scene, state)]
 
 
-def _few_nodes(scene: Scene, state: State) -> list[PointWarning]:
-    """Warn where so few elements touch that ones larger than the pixels err by many percent."""
-    known = ordered_nodes(scene, state)
-    if not 0 < known < FEW_NODES or len(state.pressure) == scene.pixels.shape[0]:
-        return []
-    nodes, rows = int(np.count_nonzero(state.pressure)), _rows(state)
+def _coarse_pixels(scene: Scene, state: State) -> Iterator[Found]:
+    """Warn where elements are too large for the contact, or pixels for the roughness."""
+    axes = (0,) if isinstance(scene.pin, Cylinder) else (0, 1)
+    fewest = FEWEST_ROWS if len(axes) == 1 else FEWEST_ACROSS
+    across = min(_extent(state.pressure, axis) for axis in axes)
+    if 0 < across < fewest:
+        smaller = "window.pixel_size" if on_pixels(scene, state) else "fidelity.pixels_per_element"
+        yield (
+            WarningKind.COARSE_PIXELS,
+            f"the contact is {across} elements across at {state.normal_load:g} N; with fewer than "
+            f"{fewest} the rise is mostly too low, by 5 to 70 %, whatever the fidelity: give a "
+            f"smaller {smaller}",
+        )
+    if not isinstance(scene.roughness, SelfAffineRoughness):
+        return
+    for name, length, size in zip(
+        "xy", scene.roughness.correlation_length, scene.pixels.spacing, strict=True
+    ):
+        if length < FEWEST_PIXELS * size * (1 - 1e-9):
+            yield (
+                WarningKind.COARSE_PIXELS,
+                f"the roughness has a correlation length of {length / size:.2g} pixels along "
+                f"{name}; below {FEWEST_PIXELS:g} its slopes depend on the pixels: give a smaller "
+                "window.pixel_size or a longer disk.roughness.correlation_length",
+            )
+
+
+def _beyond_shape(scene: Scene, state: State) -> Iterator[Found]:
+    """Warn where the contact is so wide, or the wear so deep, that the pin has another shape."""
+    radius, depth = scene.pin.radius, float(state.wear_depth.max())
+    width = _extent(state.pressure, 0) / len(state.pressure) * scene.grid.size[0]
+    if width > 2 * WIDEST * radius:
+        size = f"the contact is {1e3 * width:.3g} mm wide"
+    elif depth > WIDEST**2 / 2 * radius:
+        size = f"the pin is worn {1e3 * depth:.3g} mm deep"
+    else:
+        return
+    yield (
+        WarningKind.BEYOND_SHAPE,
+        f"{size} at {state.normal_load:g} N, the pin's radius is {1e3 * radius:.3g} mm; beyond "
+        f"{2 * WIDEST:g} times that wide, or {WIDEST**2 / 2:.2g} times that deep, it has not the "
+        "shape that the model takes: check specific_wear_rate and the load, or shorten the test",
+    )
+
+
+def _few_turns(scene: Scene, state: State) -> Iterator[Found]:
+    """Warn where a pin that rolls hardly turns, or stands still at this very velocity alone."""
+    if not scene.motion or not scene.wears or not state.sliding_distance:
+        return
+    turning = abs(scene.velocities_at(state.sliding_distance / state.time).pin)
+    turns = turning * state.time / scene.track_length
+    if turning == 0 and scene.motion.entrainment_velocity is not None:
+        said = "stands still at this very velocity, and wears flat where at others it stays round"
+    elif 0 < turns < FEWEST_TURNS:
+        said = f"turns {turns:.2g} times, and its wear is taken to be even all around it"
+    else:
+        return
+    yield (
+        WarningKind.FEW_TURNS,
+        f"the pin {said}; {FEWEST_TURNS} turns or more are sound: leave such velocities out, or "
+        "take a motion in which the pin turns faster or not at all",
+    )
+
+
+def _few_nodes(scene: Scene, state: State) -> Iterator[Found]:
+    """Warn where the decisive temperature is that of a few elements."""
+    known, nodes = ordered_nodes(scene, state), int(np.count_nonzero(state.pressure))
+    smallest = on_pixels(scene, state)
+    if not 0 < known < FEW_NODES or (smallest and scene.roughness is None):
+        return
     count, errors = f"{nodes} elements touch", "0.4 to 100 %, by 10 % in the median"
     if known < nodes:
+        rows = _rows(state)
         count, errors = f"{rows} rows of elements touch a pin that wear has fitted", "up to 12 %"
-    text = (
-        f"only {count} at {state.normal_load:g} N; so few had the boundary of random scenes off by "
-        f"{errors}; take smaller elements (fewest_elements = {FEW_NODES}, or "
-        "pixels_per_element = 1), or ask for an accuracy"
-    )
-    return [PointWarning(WarningKind.FEW_NODES, text)]
+    text = f"only {count} at {state.normal_load:g} N; "
+    if smallest:
+        text += (
+            "the decisive temperature is that of the hottest of these, and differs by several "
+            "percent from surface to surface and with smaller pixels: compute several surfaces "
+            "([sweep] realizations), or give a larger window or a smaller pixel_size"
+        )
+    else:
+        text += (
+            f"so few had the boundary of random scenes off by {errors}; take smaller elements "
+            f"(fewest_elements = {FEW_NODES}, or pixels_per_element = 1), or ask for an accuracy"
+        )
+    yield WarningKind.FEW_NODES, text
+
+
+def on_pixels(scene: Scene, state: State) -> bool:
+    """Whether the elements of a state are the pixels themselves."""
+    return len(state.pressure) == scene.pixels.shape[0]
+
+
+def _extent(pressure: Array, axis: int) -> int:
+    """Elements from the first to the last in contact along an axis."""
+    touched = np.flatnonzero(pressure.any(axis=1 - axis))
+    return int(np.ptp(touched)) + 1 if touched.size else 0
 
 
 def ordered_nodes(scene: Scene, state: State) -> int:
@@ -137,42 +250,40 @@ def _fits(scene: Scene, state: State) -> bool:
     return bool(np.ptp(state.wear_depth) > _FITS * heights.std())
 
 
-def _few_steps(scene: Scene, state: State) -> list[PointWarning]:
+def _few_steps(scene: Scene, state: State) -> Iterator[Found]:
     """Warn where a pin that wears has come here in too few steps for its shape to be known."""
-    wears = scene.wear is not None and scene.wear.specific_wear_rate > 0
     stages = len(WEAR_SCHEMES[scene.fidelity.wear_scheme].weights)
-    if not wears or not 0 < stages * state.index < _FEWEST_STEPS:
-        return []
+    if not scene.wears or not 0 < stages * state.index < _FEWEST_STEPS:
+        return
     count = f"{state.index} steps" if state.index > 1 else "a single step"
-    text = (
+    yield (
+        WarningKind.FEW_STEPS,
         f"{state.normal_load:g} N is reached in {count}, in which the shape of the "
-        f"wear is known poorly; take increments that lead there in {_FEWEST_STEPS} or more"
+        f"wear is known poorly; take increments that lead there in {_FEWEST_STEPS} or more",
     )
-    return [PointWarning(WarningKind.FEW_STEPS, text)]
 
 
-def _present_heat(scene: Scene, state: State) -> list[PointWarning]:
+def _present_heat(scene: Scene, state: State) -> Iterator[Found]:
     """Warn where the heat of the past is known to be less than the present, by more than counts."""
     if scene.remembers_heat:
-        return []
+        return
     excess = excess_of_present_heat(scene, state)
     if excess < (_ON_PIXELS if scene.fidelity.pixels_per_element == 1 else _TOO_WARM):
-        return []
-    text = (
+        return
+    yield (
+        WarningKind.PRESENT_HEAT,
         "the present friction heat, taken to have acted since the start, makes this contact about "
         f"{100 * excess:.1f} % too warm, and so places the boundary at too low a velocity, mostly "
         "by once to twice as much; take heat_model = 'history' and history_coarsening = 1, or ask "
-        "for an accuracy"
+        "for an accuracy",
     )
-    return [PointWarning(WarningKind.PRESENT_HEAT, text)]
 
 
 def _step_lengths(scene: Scene, state: State, holding: bool) -> list[float]:
     """Durations of the steps so far, those of the hold or those before it [s]."""
     if state.on_trunk:
         return [] if holding else [state.time / state.index] * state.index
-    loading = scene.loading.stations(state.normal_load, scene.fidelity.increments)
-    stations = [station for station in loading if station.time <= state.time]
+    stations = stations_so_far(scene, state)
     times = [0.0, *(station.time for station in stations)]
     return [
         station.time - before
@@ -181,25 +292,23 @@ def _step_lengths(scene: Scene, state: State, holding: bool) -> list[float]:
     ]
 
 
-def _unstable_wear(scene: Scene, state: State) -> list[PointWarning]:
+def _unstable_wear(scene: Scene, state: State) -> Iterator[Found]:
     """Warn where steps have been too long for explicit wear, and say how many would do."""
     fidelity = scene.fidelity
     if not scene.wear or fidelity.wear_scheme != "explicit" or not state.normal_load:
-        return []
+        return
     solid = elastic_bodies(scene).solid
     velocity = state.sliding_distance / state.time
     wear = scene.wear_at(velocity) or scene.wear
-    found = []
     for holding, name in ((False, "increments"), (True, "steps of the hold")):
         lengths = _step_lengths(scene, state, holding)
         distance = velocity * max(lengths, default=0.0)
         stiffness = wear.stiffness(solid, distance / parts(scene, wear, distance))
         if stiffness >= EXPLICIT_LIMIT:
             count = len(lengths) if holding else fidelity.increments
-            text = (
+            yield (
+                WarningKind.UNSTABLE_WEAR,
                 f"explicit wear is unstable: k·dS is {stiffness:.1f} times the smallest compliance "
                 f"of the grid, the limit is {EXPLICIT_LIMIT:g}; take at least "
-                f"{int(count * stiffness / EXPLICIT_LIMIT) + 1} {name}, or another wear scheme"
+                f"{int(count * stiffness / EXPLICIT_LIMIT) + 1} {name}, or another wear scheme",
             )
-            found.append(PointWarning(WarningKind.UNSTABLE_WEAR, text))
-    return found

@@ -18,7 +18,7 @@ from pipeline.analysis.boundary import decisive_rise
 from pipeline.analysis.dataset import asked, end_of_point, ordered, variant_of
 from pipeline.analysis.transition import OUTCOMES, range_of
 from pipeline.figures.page.fields import FIELDS, packed_fields
-from pipeline.store import DONE
+from pipeline.store.schema import DONE
 from pipeline.sweep.criterion import Conditions, rise_limit
 from tribo import Criterion, WarningKind
 from tribo.types import Array, Mask
@@ -57,7 +57,7 @@ def content(ds: xr.Dataset, most_fields: int = MOST_FIELDS) -> dict[str, Any]:
         "conditions": _conditions(ds, conditions),
         "friction_heat": attributes.get("scene", {}).get("friction_heat", True),
         "measured": attributes.get("measured") or [],
-        "chosen": not bool(asked(ds).all()),
+        "chosen": bool(attributes.get("boundary_only")),
         "range": {name: range_of(ds, name) for name in ("load", "velocity")},
         "outcomes": list(OUTCOMES.values()),
         "deciding": conditions.decisive.temperature,

@@ -2,13 +2,14 @@
 
 import numpy as np
 import pytest
+import xarray as xr
 from hypothesis import given
 from hypothesis import strategies as st
 
 from pipeline.analysis.boundary import boundary, decisive_rise, decisive_temperature, refined
 from pipeline.analysis.interpolation import crossing, exponent, interpolated
 from pipeline.cli.crossings import document_of, text_of
-from pipeline.store import FAILED, PENDING
+from pipeline.store.schema import FAILED, PENDING
 from pipeline.sweep.lubrication import Lubrication
 from tests.helpers import synthetic
 from tests.helpers.synthetic import LOADS, VELOCITIES
@@ -168,11 +169,11 @@ def test_numbers_of_a_point_that_is_not_done_do_not_count(sweep):
 def test_points_that_only_an_earlier_run_asked_for_are_not_missing():
     elsewhere = {(450.0, velocity): PENDING for velocity in (1.5, 1.75, 2.0)}
     ds = synthetic.sweep(status=elsewhere | {(300.0, 1.75): FAILED})
-    loads, velocities = LOADS[LOADS != 450.0].tolist(), VELOCITIES[VELOCITIES != 2.0].tolist()
     assert boundary(ds).attrs["missing_points"] == 4
-    asked = {"velocities": velocities}
-    assert boundary(ds.assign_attrs(asked)).attrs["missing_points"] == 3
-    assert boundary(ds.assign_attrs(asked, loads=loads)).attrs["missing_points"] == 1
+    asked = xr.ones_like(ds["status"]).where(ds["velocity"] != 2.0, 0)
+    assert boundary(ds.assign(asked=asked)).attrs["missing_points"] == 3
+    asked = asked.where(ds["load"] != 450.0, 0)
+    assert boundary(ds.assign(asked=asked)).attrs["missing_points"] == 1
 
 
 def test_missing_points_at_the_boundary_are_bridged():
@@ -368,9 +369,9 @@ def test_the_regime_of_each_crossing_is_told_in_words_and_in_the_document():
     (said,) = [line for line in text_of(found) if line.startswith("       200")]
     assert said == "       200   3.678  Λ 0.87 boundary"
     document = document_of(found)
-    assert document["critical_velocity_regime"][0] == "boundary lubrication"
-    assert document["critical_velocity_film_parameter"][0] == pytest.approx(0.87, abs=0.005)
-    assert "no crossing" in document["critical_load_regime"]
+    assert document["regime_at_load"][0] == "boundary lubrication"
+    assert document["film_parameter_at_load"][0] == pytest.approx(0.87, abs=0.005)
+    assert "no crossing" in document["regime_at_velocity"]
     assert "Λ" not in "".join(text_of(boundary(synthetic.sweep())))
 
 
@@ -411,7 +412,7 @@ def test_a_rise_that_grows_slowly_with_the_velocity_is_told(exponents):
 
     sweep = synthetic.sweep(rise=rise, loads=loads)
     found = boundary(sweep)
-    assert document_of(found)["critical_velocity_rise_exponent"] == pytest.approx(exponents)
+    assert document_of(found)["rise_exponent_at_load"] == pytest.approx(exponents)
     told = "".join(line for line in text_of(found) if "grows slowly" in line)
     slow = {load: each for load, each in zip(loads, exponents, strict=True) if each < 0.4}
     assert bool(told) == bool(slow)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import pipeline
-from pipeline.store import PENDING
+from pipeline.store.schema import PENDING
 from tests.helpers import synthetic
 from tribo import InputError
 

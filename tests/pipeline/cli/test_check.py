@@ -16,7 +16,7 @@ def test_meaning_comes_before_cost(capsys, monkeypatch):
     def stopped(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(forecast, "sampled", stopped)
+    monkeypatch.setattr(forecast, "_timed_loads", stopped)
     main(["check", SCENE])
     said = capsys.readouterr().out
     for words in (
@@ -43,6 +43,16 @@ def test_the_document_holds_the_same(capsys):
     assert ra["unit"] == "m"
     assert meaning["surface"]["lay"] == "none"
     assert document["warnings"] == []
+    assert document["seconds"] > 0
+
+
+def test_a_check_takes_what_a_run_takes(capsys):
+    assert main(["check", SCENE, "--preset", "draft", "--boundary-only"]) == 0
+    assert "the boundary is sought between" in capsys.readouterr().out
+    small = ["--set", "window.pixels=[288, 60]", "--set", 'sweep.loads=["200 N"]']
+    assert main(["check", SCENE, *small, "--accuracy", "5%", "--json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert document["selection"]["accuracy"] == 0.05
     assert document["seconds"] > 0
 
 

@@ -251,7 +251,7 @@ def test_an_accuracy_is_stored_with_what_it_picked(swept, tmp_path, capsys):
     assert "probing" not in second.err
     assert "0 of them now" in second.out
     assert run("status", out) == 0
-    assert f"accuracy 10 %: took {picked['name']}" in capsys.readouterr().out
+    assert f"accuracy 10 %: picked {picked['name']}" in capsys.readouterr().out
     assert run(*arguments, "--set", "increments=7") == 2
     assert "leave out --set increments" in capsys.readouterr().err
 
@@ -286,7 +286,7 @@ def test_friction_0_is_mild_in_every_command(swept, tmp_path, capsys, kind):
     slippery, rubbing = document["critical_velocity"]
     assert not any(slippery)
     assert any(rubbing)
-    slippery, rubbing = document["critical_velocity_outcome"]
+    slippery, rubbing = document["outcome_at_load"]
     assert set(slippery) == {"mild throughout"}
     assert "crosses" in rubbing
 
@@ -295,9 +295,9 @@ def test_the_document_says_why_there_is_no_crossing(swept, capsys):
     for friction, why in ((0.001, "mild throughout"), (1.0, "severe from the lowest")):
         assert run("boundary", swept / "small.zarr", "--friction", friction, "--json") == 0
         document = json.loads(capsys.readouterr().out)
-        for name in ("critical_velocity", "critical_load"):
+        for name, axis in (("critical_velocity", "load"), ("critical_load", "velocity")):
             assert not any(document[name])
-            assert set(document[f"{name}_outcome"]) == {why}
+            assert set(document[f"outcome_at_{axis}"]) == {why}
 
 
 def test_a_point_without_friction_is_as_cold_as_its_bulk(swept, capsys):
@@ -446,3 +446,20 @@ def test_a_negative_velocity_is_remarked_on(swept, capsys):
     place = ("--load", "200 N", "--velocity", "-1 m/s", "--set", "increments=1")
     assert run("point", swept / "small.toml", *place, "--set", "window.pixels=[64, 16]") == 0
     assert "the velocity is negative, so the disk slides towards −x" in capsys.readouterr().out
+
+
+def test_a_wear_rate_says_how_long_the_pin_slid_and_what_more_would_change(swept, capsys):
+    scene = swept / "small.toml"
+    width = ("--contact-width", "300 um", "--load", "600 N", "--velocity", "1.5 m/s")
+    rates = []
+    for more, slid in ((), "4 s"), (("--duration", "8 s"), "8 s"):
+        assert run("infer", scene, *width, *more) == 0
+        said = capsys.readouterr().out
+        assert f"for {slid} of sliding" in said
+        assert ("give --duration" in said) == (not more)
+        assert run("infer", scene, *width, *more, "--json") == 0
+        rates.append(json.loads(capsys.readouterr().out)["value"])
+    # Wear goes with the load times the time: 4 s of ramp count 2 s, and 4 s more count 4.
+    assert rates[0] / rates[1] == pytest.approx(3.0, rel=0.15)
+    assert run("infer", scene, *width, "--duration", "3 s") == 2
+    assert "at least the 4 s of the ramp" in capsys.readouterr().err

@@ -8,7 +8,7 @@ from PIL import Image, ImageChops
 
 from pipeline.figures.animation import save_animation
 from pipeline.figures.plot import plot
-from pipeline.store import PENDING
+from pipeline.store.schema import PENDING
 from tests.helpers import synthetic
 from tribo import InputError
 

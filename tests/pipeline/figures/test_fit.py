@@ -11,7 +11,7 @@ from matplotlib.text import Text
 from pipeline.figures import style
 from pipeline.figures.diagram import diagram
 from pipeline.figures.plot import plot
-from pipeline.store import FAILED, PENDING
+from pipeline.store.schema import FAILED, PENDING
 from tests.helpers import synthetic
 from tests.pipeline.figures.test_plot import contour, lines
 from tribo import InputError

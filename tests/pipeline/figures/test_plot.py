@@ -15,7 +15,7 @@ from pipeline.figures.diagram import diagram
 from pipeline.figures.fields import fields
 from pipeline.figures.plot import plot
 from pipeline.figures.ramp import ramp
-from pipeline.store import FAILED, PENDING
+from pipeline.store.schema import FAILED, PENDING
 from pipeline.sweep.lubrication import Lubrication
 from pipeline.sweep.rivals import SmoothContact
 from pipeline.sweep.unknown import Unknown

@@ -1,6 +1,5 @@
 """Sweeps on clusters that others run (pipeline/run/cluster.py)."""
 
-import inspect
 import json
 import os
 import signal
@@ -8,27 +7,28 @@ import socket
 import subprocess
 import sys
 import time
-from contextlib import ExitStack, suppress
+import urllib.error
+import urllib.request
+from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
-import distributed
+import dask
 import psutil
 import pytest
-from distributed import Client, LocalCluster
-from distributed.nanny import WorkerProcess
+from distributed import Client, LocalCluster, Security
 from distributed.scheduler import KilledWorker
-from packaging.version import Version
 
 from pipeline.cli import main
 from pipeline.run import cluster as cluster_module
 from pipeline.run import forkserver, work
 from pipeline.run.cluster import connected, share, threads_of
-from pipeline.run.forkserver import METHOD
 from pipeline.run.schedule import compute
 from pipeline.run.sweep import ExecutionError, run_sweep
-from pipeline.store import Store, prepare, summary
+from pipeline.run.writer import Writer
+from pipeline.store.create import writing
+from pipeline.store.progress import summary
 from pipeline.sweep.plan import chains, points
 from tests.helpers import tiny
 from tests.pipeline.cli.test_commands import SCENE
@@ -36,6 +36,7 @@ from tests.pipeline.run.test_sweep import content
 
 ROOT = Path(__file__).parents[3]
 SWEEP = tiny.full()
+SHORT = tiny.sweep(velocities=(1.0,))
 SLOW = tiny.sweep(
     loading=tiny.SlowRamp(150.0, 750.0), velocities=tuple(0.5 + 0.1 * n for n in range(12))
 )
@@ -44,8 +45,9 @@ SLOW = tiny.sweep(
 class Cluster:
     """A scheduler and two workers, each a command of Dask's in a process of its own."""
 
-    def __init__(self, folder, protocol="tcp", settings=(), security=None):
+    def __init__(self, folder, protocol="tcp", settings=(), security=None, code=ROOT):
         self._stack, file = ExitStack(), folder / "scheduler.json"
+        self._code = os.fspath(code)
         self._protocol, self._settings = protocol, dict(settings)
         self.scheduler = self._start("scheduler", "--port=0", f"--scheduler-file={file}")
         self.workers = [  # one of them with threads that may not compute at the same time
@@ -64,7 +66,8 @@ class Cluster:
         command = [sys.executable, "-m", f"distributed.cli.dask_{role}", "--host=127.0.0.1"]
         process = subprocess.Popen(
             [*command, f"--protocol={self._protocol}", "--dashboard-address=127.0.0.1:0", *options],
-            env={**os.environ, **self._settings, "PYTHONPATH": str(ROOT)},
+            env={**os.environ, **self._settings, "PYTHONPATH": self._code},
+            cwd=self._code,
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
         )
@@ -87,12 +90,14 @@ def test_workers_elsewhere_compute_the_same_and_may_be_killed(cluster, tmp_path,
     told = []
 
     def kill_one(report):
-        if report.done == 4:
+        if 0 < report.done < 9:
             cluster.workers[0].send_signal(signal.SIGKILL)
 
     path = tmp_path / "tiny.zarr"
-    outcome = run_sweep(SWEEP, path, scheduler=cluster.address, progress=kill_one, tell=told.append)
+    slow = tiny.full(loading=tiny.SlowRamp(150.0, 750.0))
+    outcome = run_sweep(slow, path, scheduler=cluster.address, progress=kill_one, tell=told.append)
     assert (outcome.done, outcome.failed) == (9, ())
+    assert cluster.workers[0].poll() == -signal.SIGKILL
     assert content(path) == content(alone)
     assert "dashboard is at http://127.0.0.1:" in told[0]
     (tmp_path / "small.toml").write_text(SCENE)
@@ -101,29 +106,11 @@ def test_workers_elsewhere_compute_the_same_and_may_be_killed(cluster, tmp_path,
     assert "dashboard is at http://127.0.0.1:" in capsys.readouterr().err
 
 
-def test_points_of_workers_elsewhere_share_no_chunks(cluster, tmp_path, alone):
-    """Machines that share files need not see the locks of each other."""
-    own, theirs, shared = tmp_path / "own.zarr", tmp_path / "theirs.zarr", []
-    run_sweep(SWEEP, own, workers=1)
-    assert Store(own).is_shared
-    Store(own).forget(next(iter(points(SWEEP))))
-    for path in own, theirs:
-        found = run_sweep(
-            SWEEP,
-            path,
-            scheduler=cluster.address,
-            progress=lambda _, path=path: shared.append(Store(path).is_shared),
-        )
-        assert (found.done, found.failed) == (9, ())
-        assert content(path) == content(alone)
-        assert not shared[-1]
-
-
 def test_a_scheduler_that_is_lost_and_workers_that_are_gone_are_errors(cluster, tmp_path):
 
     def lose(*processes):
         def report(progress):
-            if progress.done == 2:
+            if progress.done:
                 for process in processes:
                     process.kill()
 
@@ -133,7 +120,7 @@ def test_a_scheduler_that_is_lost_and_workers_that_are_gone_are_errors(cluster, 
     given = {"scheduler": cluster.address, "patience": 4.0}
     with pytest.raises(ExecutionError, match="no Dask worker is left"):
         run_sweep(SLOW, first, progress=lose(*cluster.workers), **given)
-    assert summary(first).done >= 2
+    assert summary(first).done
     assert summary(first).failed == ()
     with pytest.raises(ExecutionError, match="no Dask worker is ready within 4 s"):
         run_sweep(SLOW, second, **given)
@@ -146,13 +133,13 @@ def test_a_scheduler_that_is_lost_and_workers_that_are_gone_are_errors(cluster, 
 @pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGSTOP])
 def test_a_scheduler_that_is_lost_or_frozen_on_the_way_is_an_error(cluster, tmp_path, how):
     def lose(progress):
-        if progress.done >= 2:
+        if progress.done:
             cluster.scheduler.send_signal(how)
 
     path = tmp_path / "tiny.zarr"
     with pytest.raises(ExecutionError, match="scheduler is lost; finished points are safe"):
         run_sweep(SLOW, path, scheduler=cluster.address, progress=lose, patience=15.0)
-    assert summary(path).done >= 2
+    assert summary(path).done
 
 
 class Deadly:
@@ -189,15 +176,14 @@ def test_each_worker_has_what_is_too_heavy_to_go_along_with_each_task():
 
 def test_all_workers_compute_from_the_beginning(tmp_path):
     sweep = replace(SLOW, velocities=SLOW.velocities[:2])
-    store = prepare(tmp_path / "tiny.zarr", sweep)
-    with connected(workers=2, scheduler=None, patience=30.0) as client:
-        compute(client, sweep, store, chains(points(sweep)), 30.0, lambda **_: None)
+    with (
+        writing(tmp_path / "tiny.zarr", sweep) as store,
+        Writer(store) as writer,
+        connected(workers=2, scheduler=None, patience=30.0) as client,
+    ):
+        compute(client, sweep, False, writer, chains(points(sweep)), 30.0, lambda _: None)
         begun = client.run(lambda: work._unpacked.cache_info().misses)
     assert list(begun.values()) == [1, 1]
-
-
-def test_dask_still_looks_for_its_workers_as_often_as_it_is_told_here():
-    assert "sleep(self._init_msg_interval)" in inspect.getsource(WorkerProcess)
 
 
 @pytest.mark.parametrize(
@@ -221,22 +207,16 @@ def test_a_worker_that_its_nanny_gives_up_is_replaced():
         assert threads_of(client, patience=30.0).total() > 0
 
 
-@pytest.mark.skipif(METHOD != "forkserver", reason="workers are not forked here")
-@pytest.mark.skipif(
-    Version(distributed.__version__) < Version("2026.8"),
-    reason="older versions of distributed wait without end for a process that was never forked",
-)
 def test_workers_that_do_not_start_are_an_error_and_not_waited_for(monkeypatch):
     forkserver.start()
-    monkeypatch.setattr(forkserver, "wake", lambda: None)
     monkeypatch.setattr(cluster_module, "_START", 0.5)
     (server,) = (
-        each for each in psutil.Process().children() if "forkserver" in str(each.cmdline())
+        child for child in psutil.Process().children() if "forkserver" in str(child.cmdline())
     )
     server.suspend()
     try:
         with (
-            pytest.raises(ExecutionError, match="do not start: there is none after"),
+            pytest.raises(ExecutionError, match=r"do not start: none has after 0\.5 s"),
             connected(workers=1, scheduler=None, patience=30.0),
         ):
             pass
@@ -244,28 +224,17 @@ def test_workers_that_do_not_start_are_an_error_and_not_waited_for(monkeypatch):
         server.resume()
 
 
-@pytest.mark.skipif(METHOD != "forkserver", reason="workers are not forked here")
-def test_workers_that_do_not_end_are_killed(monkeypatch):
-    forkserver.start()
-    wake, calls = forkserver.wake, []
+def test_workers_start_although_one_of_them_is_killed_meanwhile(monkeypatch):
+    outcomes = iter([RuntimeError("Nanny failed to start worker process"), None])
 
-    def second_call_only():
-        calls.append(1)
-        if len(calls) > 1:
-            wake()
+    def start(**options):
+        if error := next(outcomes):
+            raise error
+        return LocalCluster(**options)
 
-    (server,) = (
-        each for each in psutil.Process().children() if "forkserver" in str(each.cmdline())
-    )
-    monkeypatch.setattr(cluster_module, "_END", 1.0)
+    monkeypatch.setattr(cluster_module, "LocalCluster", start)
     with connected(workers=1, scheduler=None, patience=30.0) as client:
-        (worker,) = client.run(os.getpid).values()
-        monkeypatch.setattr(forkserver, "wake", second_call_only)
-        server.suspend()
-    assert len(calls) == 2
-    with suppress(psutil.NoSuchProcess):
-        psutil.Process(worker).wait(10)
-    assert not psutil.pid_exists(worker)
+        assert len(client.nthreads()) == 1
 
 
 def test_the_recipe_for_batch_systems_runs(tmp_path, alone):
@@ -295,3 +264,40 @@ def test_where_no_scheduler_answers_no_store_is_made(tmp_path):
         with pytest.raises(ExecutionError, match=f"no Dask scheduler answers at {address}"):
             run_sweep(SWEEP, tmp_path / "out.zarr", scheduler=address, patience=1.0)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_local_cluster_talks_to_its_own_driver_only():
+    with connected(1, None, 30.0) as client:
+        address = client.scheduler.address
+        info = client.scheduler_info(n_workers=-1)
+        (worker,) = info["workers"].items()
+        for end in (address, worker[0], worker[1]["nanny"]):
+            assert end.startswith("tls://127.0.0.1:")
+        with pytest.raises(OSError, match="certificate does not match"):
+            Client(address, security=Security.temporary(), set_as_default=False, timeout=5)
+        for services in (info["services"], worker[1]["services"]):
+            for page in ("json/identity.json", "api/v1/retire_workers", "metrics"):
+                with pytest.raises(urllib.error.HTTPError, match="404"):
+                    urllib.request.urlopen(f"http://127.0.0.1:{services['dashboard']}/{page}")
+
+
+def test_a_scheduler_with_certificates_is_used_by_whoever_has_them(tmp_path):
+    security, tls = Security.temporary(), "distributed.comm.tls"
+    for name in ("ca_file", "client_cert", "client_key"):
+        (tmp_path / name).write_text(getattr(security, f"tls_{name}"))
+    configured = {f"{tls}.ca-file": str(tmp_path / "ca_file")}
+    for role in ("client", "scheduler", "worker"):
+        configured[f"{tls}.{role}.cert"] = str(tmp_path / "client_cert")
+        configured[f"{tls}.{role}.key"] = str(tmp_path / "client_key")
+    variables = {
+        f"DASK_{key}".replace(".", "__").replace("-", "_").upper(): file
+        for key, file in configured.items()
+    }
+    cluster = Cluster(tmp_path, "tls", variables, security)
+    try:
+        with pytest.raises(ExecutionError, match=r"needs certificates: .* distributed\.comm\.tls"):
+            run_sweep(SHORT, tmp_path / "out.zarr", scheduler=cluster.address)
+        with dask.config.set(configured):
+            assert run_sweep(SHORT, tmp_path / "out.zarr", scheduler=cluster.address).done == 3
+    finally:
+        cluster.close()

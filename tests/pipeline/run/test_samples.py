@@ -15,11 +15,12 @@ from pipeline.analysis.interpolation import crossing
 from pipeline.cli import main
 from pipeline.run.follow import follow_boundary
 from pipeline.run.work import compute_points
-from pipeline.store import DONE, Store, StoreMismatchError, locked, prepare, verify_store
-from pipeline.store.root import commit_metadata, read_metadata
-from pipeline.store.variables import FORMAT, SHARED
+from pipeline.store.create import writing
+from pipeline.store.place import StoreMismatchError
+from pipeline.store.verify import verify_store
 from pipeline.sweep.criterion import rise_limit
 from pipeline.sweep.plan import points, run_point
+from tests.helpers.stores import asked_points, at, done_points, make, opened
 from tests.pipeline.cli.test_commands import MEASURED, SCENE
 from tests.promises import risk
 
@@ -65,13 +66,12 @@ def test_a_search_that_was_interrupted_asks_for_the_points_of_one_that_was_not(s
     folder, _, _ = sampled
     out = tmp_path / "out.zarr"
     shutil.copytree(folder / "out.zarr", out)
-    store = Store(out)
-    done = sorted(point for point, flag in store.status().items() if flag == DONE)
-    for point in done[1::3]:
-        store.forget(point)
+    done = sorted(done_points(out))
+    with writing(out, load(folder)) as store:
+        store.forget(done[1::3])
     outcome = follow_boundary(load(folder), out, workers=1)
     assert outcome.computed == len(done[1::3])
-    assert sorted(at for at, flag in Store(out).status().items() if flag == DONE) == done
+    assert sorted(done_points(out)) == done
 
 
 def test_the_store_has_an_axis_of_samples_with_what_was_drawn(sampled):
@@ -91,16 +91,15 @@ def test_the_store_has_an_axis_of_samples_with_what_was_drawn(sampled):
 
 def test_a_point_of_a_sample_is_that_of_the_scene_with_its_inputs(sampled):
     folder, _, _ = sampled
-    sweep, store = load(folder), Store(folder / "out.zarr")
-    done = [point for point, status in store.status().items() if status == DONE]
+    sweep, done = load(folder), done_points(folder / "out.zarr")
     for point in (done[3], done[-2]):
         rate = sweep.samples.values[point.sample][0]
         alone = dataclasses.replace(
             sweep, samples=None, wear=dataclasses.replace(sweep.wear, specific_wear_rate=rate)
         )
         expected = run_point(alone, *point[:2]).columns
-        stored = store.at(point, ["max_rise", "wear_volume"])
-        for name, values in stored.items():
+        for name in ("max_rise", "wear_volume"):
+            values = at(folder / "out.zarr", point, name)
             assert np.array_equal(values[: len(expected[name])], expected[name], equal_nan=True)
 
 
@@ -123,9 +122,7 @@ def test_each_sample_has_its_boundary_within_the_tolerance(sampled):
 
 def test_later_samples_are_begun_where_the_first_found_their_boundary(sampled):
     folder, _, _ = sampled
-    store = Store(folder / "out.zarr")
-    done = [point.sample for point, status in store.status().items() if status == DONE]
-    counts = np.bincount(done)
+    counts = np.bincount([point.sample for point in done_points(folder / "out.zarr")])
     assert counts[16:].mean() < counts[:16].mean()
     assert counts[16:].mean() <= 6  # about three velocities at either load
 
@@ -162,9 +159,8 @@ def test_samples_keep_the_values_that_they_were_simulated_with(sampled, tmp_path
         with pytest.raises(StoreMismatchError, match=r"other values of wear\.specific_wear_rate"):
             follow_boundary(moved, path)
     last = load(tmp_path, unknown="\n".join(["\n[unknown]", first, second, third, ""]))
-    with locked(path):
-        kept = prepare(path, last).axes["wear.specific_wear_rate"]
-    assert kept == Store(folder / "out.zarr").axes["wear.specific_wear_rate"]
+    kept = make(path, last).axes["wear.specific_wear_rate"]
+    assert kept == opened(folder / "out.zarr").axes["wear.specific_wear_rate"]
 
 
 def test_a_store_is_shown_in_the_units_of_the_scene_whatever_its_spelling(sampled, capsys):
@@ -224,7 +220,7 @@ def test_samples_that_are_simulated_alike_share_one_simulation(tmp_path):
     outcome = follow_boundary(sweep, tmp_path / "out.zarr", workers=1)
     seeds = [row[0] for row in sweep.samples.values]
     firsts = [seeds.index(seed) for seed in seeds]
-    done = [at for at, flag in Store(tmp_path / "out.zarr").status().items() if flag == DONE]
+    done = done_points(tmp_path / "out.zarr")
     assert {point.sample for point in done} == set(firsts) == {0, seeds.index(8 - seeds[0])}
     assert outcome.done == outcome.total == len(done) < 3 * 20
     ds = pipeline.open_sweep(tmp_path / "out.zarr")
@@ -244,24 +240,20 @@ def test_the_plane_of_samples_that_are_simulated_alike_is_asked_for_once(tmp_pat
         '{ median = "1.2e-6 mm^3/(N m)", factor = 1.5 }', "[3, 5]"
     )
     sweep = load(tmp_path, unknown=surfaces)
-    with locked(tmp_path / "out.zarr"):
-        store = prepare(tmp_path / "out.zarr", sweep)
+    make(tmp_path / "out.zarr", sweep)
     assert len(points(sweep)) == 2 * len(sweep.loads) * len(sweep.velocities)
-    assert set(store.asked()) == set(points(sweep))
+    assert set(asked_points(tmp_path / "out.zarr")) == set(points(sweep))
 
 
 def test_points_of_a_sample_share_a_task_in_which_each_ramp_starts_anew(tmp_path):
     sweep = dataclasses.replace(load(tmp_path), velocities=(1.0, 2.0))
-    with locked(tmp_path / "out.zarr"):
-        store = prepare(tmp_path / "out.zarr", sweep)
-        own = tuple(point for point in points(sweep) if point.sample == 3)
-        ends = own[:1] + own[-1:]  # the lowest load of one ramp, the highest of another
-        kept = compute_points(pickle.dumps((sweep, store)), ends, None, 1e9)
-    assert kept.ramp == own[-1][1:]
-    for point in ends:
+    own = tuple(point for point in points(sweep) if point.sample == 3)
+    ends = own[:1] + own[-1:]  # the lowest load of one ramp, the highest of another
+    stretch = compute_points(pickle.dumps((sweep, False)), ends, None, 1e9)
+    assert stretch.ramp == own[-1][1:]
+    for point, record in zip(ends, stretch.records, strict=True):
         expected = run_point(sweep, *point).columns["max_rise"]
-        found = store.at(point, ["max_rise"])["max_rise"][: len(expected)]
-        assert np.array_equal(found, expected, equal_nan=True)
+        assert np.array_equal(record.data["max_rise"], expected, equal_nan=True)
 
 
 def test_the_commands_tell_risk_causes_and_what_to_measure_next(sampled, tmp_path, capsys):
@@ -379,25 +371,3 @@ def test_the_boundary_and_the_margin_of_samples_are_a_band_under_their_own_input
     assert "of 20 samples" in capsys.readouterr().out
     assert main(["plot", str(folder / "out.zarr"), "--kind", "ramp"]) == 2
     assert "samples of unknown inputs" in capsys.readouterr().err
-
-
-def test_a_store_that_lists_what_was_chosen_is_gone_on_with_as_it_is(sampled, tmp_path):
-    """Such as an earlier version made; it may go on with it, too, since it stays of that format."""
-    folder, _, grown = sampled
-    fewer = load(tmp_path, SMALL.replace("samples = 20", "samples = 6"))
-    path = shutil.copytree(folder / "first.zarr", tmp_path / "out.zarr")
-    attributes, arrays = read_metadata(path)
-    listed = [list(point) for point in Store(path).asked()]
-    commit_metadata(path, attributes | {"format": SHARED, "chosen": listed}, arrays)
-    assert len(Store(path).asked()) == len(listed)
-    assert follow_boundary(fewer, path, workers=1).computed == 0
-    outcome = follow_boundary(load(tmp_path), path, workers=1)
-    assert outcome.computed == outcome.done - len(listed) > 0
-    attributes, _ = read_metadata(path)
-    assert attributes["format"] == SHARED
-    known = Store(folder / "out.zarr")
-    assert attributes["chosen"] == [list(point) for point in known.asked()]
-    assert isinstance(known.attributes["chosen"], str)
-    assert (outcome.total, known.attributes["format"]) == (grown.total, FORMAT)
-    of_both = [pipeline.boundary(pipeline.open_sweep(each)) for each in (path, folder / "out.zarr")]
-    assert of_both[0].equals(of_both[1])

@@ -4,7 +4,6 @@ Workers that really die are in test_sweep.py.
 """
 
 import pickle
-import shutil
 from collections import Counter
 
 import numpy as np
@@ -16,8 +15,12 @@ from pipeline.run import schedule, watch, work
 from pipeline.run.blame import TRIALS
 from pipeline.run.cluster import ExecutionError
 from pipeline.run.schedule import compute
-from pipeline.store import DONE, FAILED, PENDING, Store, StoreError, prepare, summarized
-from pipeline.store.variables import COLUMNS
+from pipeline.run.writer import Writer
+from pipeline.store.create import writing
+from pipeline.store.place import StoreError
+from pipeline.store.progress import summarized
+from pipeline.store.schema import COLUMNS, FAILED
+from pipeline.store.write import Store
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import chains, points, run_point
 from tests.helpers import tiny
@@ -33,17 +36,11 @@ def given(tmp_path, monkeypatch):
     def compute_all(seconds=1e9, client=None, tell=None):
         monkeypatch.setattr(schedule, "_STRETCH", seconds)
         monkeypatch.setattr(schedule, "_POLL", 0.01)
-        store, ended = prepare(tmp_path / "out.zarr", SWEEP), Counter()
-        compute(
-            client or Here(),
-            SWEEP,
-            store,
-            chains(points(SWEEP)),
-            1.0,
-            lambda **one: ended.update(one),
-            tell,
-        )
-        return store, ended
+        ended = []
+        with writing(tmp_path / "out.zarr", SWEEP) as store, Writer(store) as writer:
+            waiting = chains(points(SWEEP))
+            compute(client or Here(), SWEEP, False, writer, waiting, 1.0, ended.extend, tell)
+        return store, Counter("failed" if each.data is None else "done" for each in ended)
 
     return compute_all
 
@@ -59,7 +56,7 @@ def failing_at(bad):
 
 def assert_is_as_computed_alone(store, place):
     expected = run_point(SWEEP, *place).columns
-    with xr.open_zarr(store.path, chunks=None) as ds:
+    with xr.open_zarr(store.place.path, chunks=None) as ds:
         at = ds.sel(load=place.load, velocity=place.velocity)
         for name in COLUMNS:
             found = at[name].values[: len(expected[name])]
@@ -107,16 +104,14 @@ def test_a_point_that_fails_costs_no_other_of_its_task(given, monkeypatch):
         assert_is_as_computed_alone(store, place)
 
 
-def test_a_task_that_is_run_again_for_its_trunk_computes_no_more_than_that(tmp_path):
-    store = prepare(tmp_path / "out.zarr", SWEEP)
-    first, second, third = points(SWEEP)[:3]
-    store.commit(run_point(SWEEP, *first))
-    parcel = pickle.dumps((SWEEP, store))
-    kept = work.compute_points(parcel, (first, second, third), None, 1e9)
-    assert [store.flag(first), store.flag(second)] == [DONE, PENDING]
-    work.compute_points(parcel, (second, third), kept, 1e9)
-    for place in (second, third):
-        assert_is_as_computed_alone(store, place)
+@pytest.mark.parametrize("number", [1, 2])
+def test_a_trunk_from_any_task_gives_the_same_numbers(number):
+    """As when Dask runs a task again for its trunk, and that comes less far or farther."""
+    parcel, (first, second, third) = pickle.dumps((SWEEP, False)), points(SWEEP)[:3]
+    before = work.compute_points(parcel, (first, second)[:number], None, 1e9)
+    (*_, record) = work.compute_points(parcel, (third,), before, 1e9).records
+    for name, values in run_point(SWEEP, *third).columns.items():
+        assert record.data[name].tobytes() == values.tobytes()
 
 
 def test_the_points_that_workers_die_of_fail_after_trials_alone_and_no_others(given):
@@ -124,7 +119,7 @@ def test_the_points_that_workers_die_of_fail_after_trials_alone_and_no_others(gi
     client = Here(workers=2, is_deadly=deadly.__contains__)
     store, ended = given(client=client)
     assert ended == {"done": 16, "failed": 8}
-    assert {place for place, flag in store.status().items() if flag == FAILED} == deadly
+    assert set(store.points_at(np.nonzero(store.flags == FAILED))) == deadly
     alone = [task[1] for task, worker in zip(client.tasks, client.pinned, strict=True) if worker]
     assert Counter(alone) == {(place,): TRIALS for place in deadly}
     for place in points(SWEEP)[:3:2]:
@@ -144,50 +139,6 @@ def test_a_store_that_cannot_be_written_ends_it_all(given, monkeypatch):
     monkeypatch.setattr(Store, "commit", full)
     with pytest.raises(StoreError, match="no room"):
         given()
-
-
-def test_workers_that_see_another_store_end_it_all(given, tmp_path):
-    class Elsewhere(Here):
-        def submit(self, *arguments, **options):
-            if len(arguments) > 2:
-                shutil.rmtree(tmp_path / "out.zarr")
-                prepare(tmp_path / "out.zarr", tiny.sweep(velocities=(9.0,)))
-            return super().submit(*arguments, **options)
-
-    with pytest.raises(StoreError, match="every worker must see the store under the same path"):
-        given(client=Elsewhere())
-
-
-def test_what_is_not_begun_is_not_looked_for(given, monkeypatch):
-    """Or a chain of many points would take longer to look after than to compute."""
-    flag, too_far = Store.flag, []
-
-    def looked(self, place):
-        if below := [load for load in SWEEP.loads if load < place.load]:
-            too_far.append(flag(self, place._replace(load=below[-1])) == PENDING)
-        return flag(self, place)
-
-    monkeypatch.setattr(Store, "flag", looked)
-    _, ended = given(seconds=0.0)
-    assert ended == {"done": 24}
-    assert too_far
-    assert not any(too_far)
-
-
-def test_a_point_that_the_store_shows_late_is_waited_for_and_not_blamed(given, monkeypatch):
-    """As on a file system of many machines."""
-    flag, asked = Store.flag, Counter()
-
-    def late(self, place):
-        asked[place] += flag(self, place) != PENDING
-        return flag(self, place) if asked[place] > 4 else PENDING
-
-    monkeypatch.setattr(Store, "flag", late)
-    monkeypatch.setattr(schedule, "_UNSEEN", 0.0)
-    client = Here()
-    _, ended = given(client=client)
-    assert ended == {"done": 24}
-    assert not any(client.pinned)
 
 
 class Lossy(Here):
@@ -220,7 +171,7 @@ class Stuck(Here):
         self._busy, self._asked = busy, 0
 
     def submit(self, function, *arguments, **options):
-        if len(arguments) == 1:
+        if len(arguments) == 1 and not isinstance(arguments[0], Ended):
             return super().submit(function, *arguments, **options)
         ended = Ended()
         ended.key = "stuck"
@@ -235,7 +186,6 @@ class Stuck(Here):
 def test_a_sweep_in_which_nothing_moves_says_so_and_ends(given, monkeypatch, busy):
     """But it does not end while a worker computes."""
     monkeypatch.setattr(schedule, "wait_for_any", lambda *_: None)
-    monkeypatch.setattr(schedule, "_UNSEEN", 0.01)
     monkeypatch.setattr(watch, "END", 0.2)
     monkeypatch.setattr(watch, "WORD", 0.1)
     told, client = [], Stuck(busy)

@@ -1,7 +1,7 @@
 """Sweeps on a cluster (pipeline/run/sweep.py and cluster.py)."""
 
+import errno
 import json
-import math
 import multiprocessing
 import os
 import shutil
@@ -21,22 +21,16 @@ import tribo
 from pipeline.run import cluster
 from pipeline.run import sweep as execute
 from pipeline.run.sweep import run_sweep
-from pipeline.store import (
-    FailedPoint,
-    Store,
-    StoreError,
-    StoreMismatchError,
-    locked,
-    read_metadata,
-    summary,
-    verify_store,
-)
-from pipeline.store import variables as layout
+from pipeline.store import attributes, durable
+from pipeline.store.create import writing
 from pipeline.store.identity import describe, scene_hash
-from pipeline.store.root import commit_metadata
-from pipeline.store.variables import COLUMNS, FIELDS
+from pipeline.store.place import StoreError, StoreMismatchError, place_of
+from pipeline.store.progress import FailedPoint, summary
+from pipeline.store.root import read_root, root_document
+from pipeline.store.schema import COLUMNS, FIELDS
+from pipeline.store.verify import verify_store
 from pipeline.sweep.model import Point
-from pipeline.sweep.plan import run_point
+from pipeline.sweep.plan import PointRecord, run_point
 from tests.helpers import tiny
 
 ROOT = Path(__file__).parents[3]
@@ -57,9 +51,10 @@ def content(path, names=(*COLUMNS, *FIELDS, "message", "checksum", "status")):
 
 def belong_to(path, sweep):
     """Let a store be that of another scene."""
-    attributes, arrays = read_metadata(path)
+    attributes, arrays = read_root(place_of(path))
     scene = describe(sweep)
-    commit_metadata(path, attributes | {"scene": scene, "scene_hash": scene_hash(scene)}, arrays)
+    attributes |= {"scene": scene, "scene_hash": scene_hash(scene)}
+    (path / "zarr.json").write_bytes(root_document(attributes, arrays))
 
 
 # What is computed
@@ -72,7 +67,9 @@ def test_a_sweep_has_the_points_computed_alone_bit_for_bit(path, alone, workers,
     outcome = run_sweep(sweep, path, workers=workers, progress=told.append)
     assert (outcome.total, outcome.done, outcome.computed, outcome.failed) == (9, 9, 9, ())
     assert content(path) == content(alone)
-    assert [report.done for report in told] == list(range(10))
+    done = [report.done for report in told]
+    assert (done[0], done[-1]) == (0, 9)
+    assert done == sorted(done)
     assert told[0].time_to_go is None
     assert told[-1].time_to_go == 0.0
     assert multiprocessing.active_children() == []
@@ -90,13 +87,13 @@ def test_a_measured_surface_gives_the_same_on_a_worker_as_here(path):
 
 def test_a_run_resumes_where_points_are_pending_failed_damaged_or_new(alone, path):
     shutil.copytree(alone, path)
-    failed = Point(600.0, 0.5)
-    Store(path).forget(failed)
-    Store(path).fail(failed, "there was too little memory then")
-    for lost in ("status/c.0.0", "status/c.2.1", "time/c.2.1.0", "rise_quantile/c.1.2.0.0"):
-        (path / lost).unlink()
-    assert summary(path).pending == 2  # of which one is complete
-    outcome = run_sweep(SWEEP, path, workers=1, retry_failed=True)
+    with writing(path, SWEEP) as store:
+        store.commit([PointRecord(Point(600.0, 0.5), None, "there was too little memory then")])
+        store.forget([Point(150.0, 1.0)])
+    (path / "pressure/c.2.1.0.0").unlink()
+    told = []
+    outcome = run_sweep(SWEEP, path, workers=1, retry_failed=True, tell=told.append)
+    assert "1 damaged points" in told[0]
     assert (outcome.computed, outcome.done) == (3, 9)
     assert content(path) == content(alone)
     outcome = run_sweep(tiny.full(loads=(200.0, 250.0, 800.0), velocities=(1.5,)), path)
@@ -109,32 +106,26 @@ def test_a_run_resumes_where_points_are_pending_failed_damaged_or_new(alone, pat
         )
 
 
-def test_fields_asked_for_later_are_filled_in_when_asked_to(path, alone):
+def test_fields_asked_for_later_are_refused(path):
     bare = tiny.sweep(temperature_interval=2, velocities=(1.0,))
     run_sweep(bare, path, workers=1)
-    told, sweep = [], tiny.full(velocities=(1.0,))
-    assert run_sweep(sweep, path, workers=1, tell=told.append).computed == 0
-    assert "3 points were finished before the scene asked for fields" in told[0]
-    assert run_sweep(sweep, path, workers=1, fill_fields=True).computed == 3
-    with xr.open_zarr(path, chunks=None) as ds, xr.open_zarr(alone, chunks=None) as expected:
-        for name in FIELDS:
-            expected_field = expected[name].sel(velocity=[1.0]).values
-            assert ds[name].values.tobytes() == expected_field.tobytes()
+    with pytest.raises(StoreMismatchError, match="has no fields"):
+        run_sweep(tiny.full(velocities=(1.0,)), path, workers=1)
 
 
 def test_other_versions_are_told_and_noted(path, alone, monkeypatch):
     monkeypatch.setattr(cluster, "LocalCluster", None)
     shutil.copytree(alone, path)
-    other = layout.versions() | {"numpy": "99.0"}
-    for module in (layout, execute):
+    other = attributes.versions() | {"numpy": "99.0"}
+    for module in (attributes, execute):
         monkeypatch.setattr(module, "versions", lambda: other)
     told = []
     for _ in range(2):
         run_sweep(SWEEP, path, tell=told.append)
     assert f"was begun with numpy {np.__version__}, and goes on with 99.0" in told[0]
-    attributes = json.loads((path / "zarr.json").read_text())["attributes"]
-    assert attributes["versions"]["numpy"] == np.__version__
-    (later,) = attributes["later_versions"]
+    about = json.loads((path / "zarr.json").read_text())["attributes"]
+    assert about["versions"]["numpy"] == np.__version__
+    (later,) = about["later_versions"]
     assert later["versions"]["numpy"] == "99.0"
 
 
@@ -149,11 +140,16 @@ def test_nothing_to_do_starts_no_cluster(alone, path, monkeypatch):
 
 
 def test_a_killed_worker_costs_no_point(path, alone):
-    def kill_one(report):
-        if report.done == 3:
-            os.kill(multiprocessing.active_children()[0].pid, signal.SIGKILL)
+    killed = []
 
-    outcome = run_sweep(SWEEP, path, workers=2, progress=kill_one)
+    def kill_one(report):
+        if 0 < report.done < 9 and not killed:
+            killed.append(multiprocessing.active_children()[0].pid)
+            os.kill(killed[0], signal.SIGKILL)
+
+    slow = tiny.full(loading=tiny.SlowRamp(150.0, 750.0))
+    outcome = run_sweep(slow, path, workers=2, progress=kill_one)
+    assert killed
     assert (outcome.done, outcome.failed) == (9, ())
     assert content(path) == content(alone)
 
@@ -165,9 +161,8 @@ def test_a_point_that_kills_its_workers_fails_alone(path):
     (failed,) = outcome.failed
     assert (failed.load, failed.velocity) == (250.0, 1.0)
     assert "out of memory, or killed" in failed.message
-    store = Store(path)
+    assert verify_store(path).is_clean
     for point in (Point(150.0, 1.0), Point(600.0, 1.0)):
-        assert store.is_intact(point)
         with xr.open_zarr(path, chunks=None) as ds:
             found = ds["max_rise"].sel(load=point.load, velocity=point.velocity).values
         expected = run_point(tiny.sweep(), *point).columns["max_rise"]
@@ -204,17 +199,23 @@ def test_a_load_that_cannot_be_carried_fails_and_the_others_do_not(path):
     assert "InputError: normal_load is" in outcome.failed[0].message
 
 
-def test_a_full_disk_stops_the_sweep_and_keeps_what_is_finished(path, alone):
-    filling = tiny.full(loading=tiny.FillingRamp(150.0, 750.0, at=600.0))
-    with pytest.raises(StoreError, match=r"N, .* cannot be recorded: File too large; .* go on"):
-        run_sweep(filling, path, workers=1)
+def test_a_full_disk_stops_the_sweep_and_keeps_what_is_finished(path, alone, monkeypatch):
+    def full(file, content):
+        if file.parent.name == "rise_quantile" and path.exists() and summary(path).done:
+            raise OSError(errno.ENOSPC, "No space left on device")
+        written(file, content)
+
+    written = durable.replace_file
+    slow = tiny.full(loading=tiny.SlowRamp(150.0, 750.0))
+    with monkeypatch.context() as patch:
+        patch.setattr(durable, "replace_file", full)
+        with pytest.raises(StoreError, match=r"cannot be written: No space left .* go on"):
+            run_sweep(slow, path, workers=1)
     assert multiprocessing.active_children() == []
-    assert 2 <= summary(path).done < 9
+    assert 1 <= summary(path).done < 9
     assert summary(path).failed == ()
     assert verify_store(path).is_clean
-    room = tiny.full(loading=tiny.FillingRamp(150.0, 750.0, at=math.inf))
-    belong_to(path, room)
-    assert run_sweep(room, path, workers=1).done == 9
+    assert run_sweep(slow, path, workers=1).done == 9
     assert content(path) == content(alone)
 
 
@@ -259,7 +260,8 @@ def test_another_scene_and_a_second_driver_are_refused_before_a_cluster_starts(
     shutil.copytree(alone, path)
     with pytest.raises(StoreMismatchError, match=r"fidelity\.increments"):
         run_sweep(tiny.sweep(increments=5), path)
-    with locked(path), pytest.raises(StoreError, match=f"in use by process {os.getpid()}"):
+    in_use = f"in use by process {os.getpid()}"
+    with writing(path, SWEEP), pytest.raises(StoreError, match=in_use):
         run_sweep(SWEEP, path)
 
 
@@ -276,7 +278,8 @@ from pipeline.run.sweep import run_sweep
 from tests.helpers import tiny
 
 if __name__ == "__main__":
-    sweep = tiny.full(loading=tiny.EndlessRamp(150.0, 750.0, at=max(tiny.LOADS)))
+    endless = tiny.EndlessRamp(150.0, 750.0, at=max(tiny.LOADS))
+    sweep = tiny.full(loading=endless, independent=True)
     try:
         run_sweep(
             sweep, sys.argv[1], workers=2, progress=lambda report: print(report.done, flush=True)
@@ -306,11 +309,6 @@ def driver(path, tmp_path):
     process.communicate()
 
 
-def number_done(path):
-    store = Store(path)
-    return sum(map(store.is_done, store.asked()))
-
-
 def wait_until(holds):
     end = time.monotonic() + 60.0
     while not holds():
@@ -332,15 +330,13 @@ def test_ctrl_c_ends_everything_and_keeps_finished_points(driver, path, finished
     """As a terminal does it: the signal goes to the driver and all workers."""
     assert driver.stdout.readline() == "0\n"
     if finished:
-        wait_until(lambda: number_done(path) >= finished)
+        wait_until(lambda: summary(path).done >= finished)
     else:
         time.sleep(0.7)  # while the workers start
     os.killpg(driver.pid, signal.SIGINT)
     assert driver.wait(60) == 130
     wait_until(lambda: group_is_gone(driver.pid))
     assert driver.stderr.read() == ""
-    store = Store(path)
-    assert finished <= number_done(path) < len(store.asked())
-    assert all(store.is_intact(point) for point in store.asked() if store.is_done(point))
-    with locked(path):
-        pass
+    assert finished <= summary(path).done < summary(path).total
+    assert verify_store(path).is_clean
+    assert summary(path).running is None

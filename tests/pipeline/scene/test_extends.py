@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+import pipeline
 import tribo
 from pipeline.scene.faults import SceneFileError
 from pipeline.scene.scenefile import load_scene
@@ -220,9 +221,9 @@ def test_entries_of_any_kind_are_read_or_refused(tmp_path, data):
 
 
 def test_tables_that_are_nested_too_deeply_are_one_unknown_key(write):
-    deep = ".".join(["deep"] * 900)
-    write(base=f"{TEXT.replace('title =', f'{deep} = 1{chr(10)}title =')}")
-    (fault,) = faults_of(write(own=f"{EXTENDS}{deep} = 2"))
+    deep = "deep = " + "{ deep = " * 100 + "1" + " }" * 100
+    write(base=f"{TEXT.replace('title =', f'{deep}{chr(10)}title =')}")
+    (fault,) = faults_of(write(own=f"{EXTENDS}{deep}"))
     assert fault.startswith("deep: unknown key")
 
 
@@ -231,3 +232,13 @@ def test_the_shipped_scenes_state_what_differs_from_the_papers_alone():
     assert [name for name, text in texts.items() if "\nextends = " not in text] == [
         "irg_transition"
     ]
+
+
+def test_a_shipped_scene_is_named_wherever_a_scene_is_taken(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    shipped = load_scene("first_try")
+    (tmp_path / "mine.toml").write_text('extends = "first_try"\n')
+    assert load_scene("mine.toml").loads == shipped.loads
+    assert pipeline.run_point("first_try", "300 N", "1 m/s").point.load == 300.0
+    (tmp_path / "first_try").write_text('extends = "twin_disc"\n')  # a file goes first
+    assert load_scene("first_try").motion is not None

@@ -518,6 +518,20 @@ def test_a_measured_load_stands_in_place_of_the_ramp(read, faults, tmp_path):
     assert "line 5: time 4 s after 5 s" in fault
 
 
+@pytest.mark.parametrize(
+    ("sides", "problem"),
+    [
+        (["1e308 um", "2 um"], "one side must be at most 1e+06 times the other"),
+        (["1e-300 um", "1e-300 um"], "element_area is 0.0"),
+        (["1e160 m", "1e160 m"], "element_area is inf"),
+    ],
+)
+def test_elements_of_impossible_sides_are_an_error_of_the_window(faults, sides, problem):
+    found = faults(('["0.816 um", "0.95 um"]', str(sides)))
+    (fault,) = (line for line in found if line.startswith("window.pixel_size: "))
+    assert problem in fault
+
+
 def test_a_ball_does_not_fit_a_periodic_window(faults):
     found = faults(*BALL, ("[window]\n", "[window]\nperiodic_y = true\n"))
     assert [line.split(":")[0] for line in found] == ["window.periodic_y"]

@@ -1,22 +1,39 @@
-"""Locks (pipeline/store/lock.py): one run at a time, by whatever path, and none for the dead."""
+"""One run at a time writes to a store, by whatever path it came, and none for the dead."""
 
 import errno
 import fcntl
 import os
+import shutil
 import subprocess
 import sys
 
 import pytest
 
-from pipeline.store import StoreError, locked
-from pipeline.store.folder import user
-from pipeline.store.lock import LockWarning, _lives, _self
+from pipeline.cli import main
+from pipeline.run.sweep import run_sweep
+from pipeline.store.create import writing
+from pipeline.store.place import LOCK, StoreError
+from pipeline.store.progress import summary
+from pipeline.store.verify import verify_store
+from pipeline.store.write import Store
+from pipeline.sweep.model import Point
+from tests.helpers import tiny
+from tests.helpers.stores import assert_is_as_computed, commit, contents, record
+
+SWEEP, POINT, OTHER = tiny.full(), Point(250.0, 1.0), Point(600.0, 1.5)
+HERE = f"process {os.getpid()} on {os.uname().nodename}"
 
 
 @pytest.fixture
 def path(tmp_path):
-    (tmp_path / "data").mkdir()
-    return tmp_path / "data" / "tiny.zarr"
+    path = tmp_path / "data" / "tiny.zarr"
+    commit(path, SWEEP, [POINT])
+    return path
+
+
+def refuse(path, holder=HERE):
+    with pytest.raises(StoreError, match=f"in use by {holder}.*wait for it, or write to another"):
+        commit(path, SWEEP, ())
 
 
 def aliases(path):
@@ -33,76 +50,156 @@ def aliases(path):
 
 def test_a_store_is_locked_by_whatever_path(path):
     for alias in aliases(path):
-        with locked(path), pytest.raises(StoreError, match=f"in use by process {os.getpid()}"):
-            locked(alias).__enter__()
-        with locked(alias), pytest.raises(StoreError, match="in use"):
-            locked(path).__enter__()
-        with locked(alias):
-            assert user(path) == user(alias) == f"process {os.getpid()} on {os.uname().nodename}"
-    assert [entry.name for entry in path.parent.iterdir()] == []
-
-
-@pytest.mark.parametrize("left", ["", "process 7 on else", "process 7 on elsewh\0", "\n", "\udcff"])
-def test_a_lock_file_that_was_cut_is_free(path, left):
-    path.with_name("tiny.zarr.lock").write_bytes(left.encode(errors="surrogateescape"))
-    assert user(path) is None
-    with locked(path):
-        pass
-
-
-@pytest.mark.parametrize("make", [os.mkfifo, os.mkdir])
-def test_what_is_no_file_is_no_lock(path, make):
-    make(path.with_name("tiny.zarr.lock"))
-    assert user(path) is None
-    with pytest.raises(StoreError, match="cannot be written"):
-        locked(path).__enter__()
+        with writing(path, SWEEP):
+            refuse(alias)
+            assert summary(alias).running == HERE
+        with writing(alias, SWEEP):
+            refuse(path)
+            with pytest.raises(StoreError, match="in use"):
+                verify_store(path, repair=True)
+            assert verify_store(path).is_clean
+        assert summary(path).running is None
 
 
 @pytest.fixture
-def _without_flock(monkeypatch):
+def mounted(path, tmp_path):
+    """The folder of a store, as a container has it."""
+    (mount := tmp_path / "mounted").mkdir()
+    command = ["mount", "--bind", path, mount]
+    if shutil.which("mount") is None or subprocess.run(command, check=False).returncode:
+        pytest.skip("this process may not mount folders")
+    yield mount
+    subprocess.run(["umount", mount], check=True)
+
+
+def test_a_store_is_locked_through_a_mount_of_itself(path, mounted):
+    with writing(path, SWEEP) as store:
+        refuse(mounted)
+        store.commit([record(OTHER)])
+    with writing(mounted, SWEEP):
+        refuse(path)
+    assert_is_as_computed(mounted, [POINT, OTHER])
+
+
+HOLDER = """if True:
+    import sys, time
+    from pipeline.store.create import writing
+    from tests.helpers import tiny
+    with writing(sys.argv[1], tiny.full()):
+        print("held", flush=True)
+        time.sleep(60)
+"""
+
+
+@pytest.mark.parametrize("is_new", [False, True])
+def test_a_process_that_was_killed_holds_nothing(path, is_new):
+    if is_new:
+        shutil.rmtree(path)
+    process = subprocess.Popen(
+        [sys.executable, "-c", HOLDER, path],
+        stdout=subprocess.PIPE,
+        env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
+    )
+    with process:
+        assert process.stdout.readline() == b"held\n"
+        refuse(path, f"process {process.pid} on {os.uname().nodename}")
+        process.kill()
+    commit(path, SWEEP, [POINT])
+    assert_is_as_computed(path, [POINT])
+
+
+@pytest.mark.parametrize("left", ["", "process 7 on else", "process 7 on elsewh\0", "\n", "\udcff"])
+def test_a_lock_that_was_cut_short_is_free(path, left):
+    (path / LOCK).write_bytes(left.encode(errors="surrogateescape"))
+    assert summary(path).running is None
+    commit(path, SWEEP, ())
+
+
+def test_a_process_of_another_machine_is_for_a_person_to_judge(path):
+    (path / LOCK).write_text("process 7 on elsewhere\n")
+    assert summary(path).running == "process 7 on elsewhere"
+    refuse(path, rf"process 7 on elsewhere \(if that has ended, delete {path}/{LOCK}\)")
+    (path / LOCK).unlink()
+    commit(path, SWEEP, ())
+
+
+def a_link(file, target):
+    file.symlink_to(target)
+
+
+def a_pipe(file, _):
+    os.mkfifo(file)
+
+
+def a_folder(file, _):
+    file.mkdir()
+
+
+@pytest.mark.parametrize("make", [a_link, a_pipe, a_folder])
+def test_what_is_no_file_is_no_lock_and_stays(path, tmp_path, make, capsys):
+    (path / LOCK).unlink()
+    (tmp_path / "mine").write_text("years of work")
+    make(path / LOCK, tmp_path / "mine")
+    before = contents(tmp_path)
+    with pytest.raises(StoreError, match=f"{path} cannot be written: {path}/{LOCK} is .*delete it"):
+        commit(path, SWEEP, ())
+    assert contents(tmp_path) == before
+    assert summary(path).running is None
+    assert main(["status", str(path)]) == 0
+
+
+@pytest.mark.parametrize("replaced", [False, True])
+def test_a_run_whose_lock_is_deleted_stops_and_loses_nothing(path, replaced):
+    with writing(path, SWEEP) as store:
+        store.commit([record(OTHER)])
+        (path / LOCK).unlink()
+        if replaced:
+            (path / LOCK).touch()
+        with pytest.raises(StoreError, match=rf"its lock \({LOCK}\) was deleted or replaced"):
+            store.commit([record(Point(150.0, 0.5))])
+        commit(path, SWEEP, [Point(600.0, 0.5)])  # by another run
+        with pytest.raises(StoreError, match="run it again"):
+            store.forget([POINT])
+    assert_is_as_computed(path, [POINT, OTHER, Point(600.0, 0.5)])
+    assert verify_store(path).is_clean
+
+
+def test_a_commit_during_which_the_lock_is_deleted_is_not_told_as_done(path, monkeypatch):
+    """Since another driver may have come, and read the statuses before."""
+    put = Store._put
+
+    def deleted(self, name, *arguments):
+        if name == "status":
+            (path / LOCK).unlink(missing_ok=True)
+        put(self, name, *arguments)
+
+    with writing(path, SWEEP) as store:
+        monkeypatch.setattr(Store, "_put", deleted)
+        with pytest.raises(StoreError, match="was deleted or replaced"):
+            store.commit([record(OTHER)])
+        assert not store.is_done(OTHER)
+
+
+def test_a_run_ends_with_a_clear_error_when_its_lock_is_deleted(path, tmp_path):
+    def delete(progress):
+        (path / LOCK).unlink(missing_ok=True)
+
+    with pytest.raises(StoreError, match="was deleted or replaced while this run wrote"):
+        run_sweep(SWEEP, path, workers=1, progress=delete)
+    assert_is_as_computed(path, [POINT])
+    run_sweep(SWEEP, path, workers=1)
+    assert verify_store(path).done == 9
+
+
+@pytest.mark.parametrize("fault", [errno.ENOLCK, errno.EOPNOTSUPP, errno.ENOSYS, errno.EINVAL])
+@pytest.mark.parametrize("is_new", [False, True])
+def test_a_disk_without_locks_is_refused(path, monkeypatch, fault, is_new):
     def refused(*_):
-        raise OSError(errno.ENOLCK, "No locks available")
+        raise OSError(fault, os.strerror(fault))
 
+    path = path.with_name("new.zarr") if is_new else path
     monkeypatch.setattr(fcntl, "flock", refused)
-
-
-@pytest.mark.usefixtures("_without_flock")
-def test_without_locks_of_the_file_system_it_runs_and_says_so(path):
-    lock = locked(path)
-    with pytest.warns(LockWarning, match="has no locks"):
-        lock.__enter__()
-    assert user(path) == f"process {os.getpid()} on {os.uname().nodename}"
-    with pytest.raises(StoreError, match=f"in use by process {os.getpid()}"):
-        locked(path).__enter__()
-    lock.__exit__(None, None, None)
-    assert list(path.parent.iterdir()) == []
-
-
-@pytest.mark.usefixtures("_without_flock")
-def test_without_locks_a_dead_process_does_not_count_and_another_machine_does(path):
-    dead = subprocess.Popen([sys.executable, "-c", ""])
-    dead.wait(60)
-    file = path.with_name("tiny.zarr.lock")
-    file.write_text(f"process {dead.pid} on {os.uname().nodename}\n")
-    assert user(path) is None
-    with pytest.warns(LockWarning), locked(path):
-        pass
-    file.write_text("process 7 on elsewhere\n")
-    with pytest.raises(StoreError, match=r"process 7 on elsewhere .* delete"):
-        locked(path).__enter__()
-
-
-def test_a_holder_lives_where_nothing_says_that_it_does_not(monkeypatch):
-    own = _self().decode().strip()
-    assert _lives(own)
-    assert _lives("process 1 on another machine")
-
-    def kill(number, _):
-        assert number == os.getpid()
-        raise error(errno.EPERM, "of somebody")
-
-    monkeypatch.setattr(os, "kill", kill)
-    error = PermissionError
-    assert _lives(own)
-    error = ProcessLookupError
-    assert not _lives(own)
+    with pytest.raises(StoreError, match=r"the disk has no locks on files.*folder on another disk"):
+        commit(path, SWEEP, ())
+    if not is_new:
+        assert summary(path).done == 1

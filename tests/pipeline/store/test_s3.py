@@ -1,4 +1,4 @@
-"""Stores in an object store (pipeline/store/remote.py, files.py and lock.py)."""
+"""Stores in an object store, on a server of this machine."""
 
 import logging
 import os
@@ -7,23 +7,24 @@ import sys
 
 import boto3
 import pytest
-import xarray as xr
+import s3fs
 from moto.server import ThreadedMotoServer
 
-import pipeline.store.shape as shape_module
 from pipeline.analysis.dataset import open_sweep
 from pipeline.cli import main
 from pipeline.run.sweep import run_sweep
-from pipeline.store import StoreError, folder, locked, prepare, summary, verify_store
-from pipeline.store.files import files_in
-from pipeline.store.folder import folder_of
-from pipeline.store.variables import COLUMNS, FIELDS
+from pipeline.store import place
+from pipeline.store.create import writing
+from pipeline.store.place import Bucket, StoreError, StoreMismatchError
+from pipeline.store.progress import summary
+from pipeline.store.verify import verify_store
 from pipeline.sweep.model import Point
-from pipeline.sweep.plan import points, run_point
+from pipeline.sweep.plan import points
 from tests.helpers import tiny
+from tests.helpers.stores import Killed, assert_is_as_computed, commit, done_points, record
 
 SWEEP = tiny.full(loads=(150.0, 600.0), velocities=(1.0,))
-POINT = Point(600.0, 1.0)
+POINT, OTHER = points(SWEEP)
 
 
 @pytest.fixture(scope="module")
@@ -55,129 +56,152 @@ def put(address, content):
 
 def keys(address):
     bucket, key = address.removeprefix("s3://").split("/", 1)
-    found = boto3.client("s3").list_objects_v2(Bucket=bucket, Prefix=key)
-    return [entry["Key"] for entry in found.get("Contents", [])]
+    listed = boto3.client("s3").list_objects_v2(Bucket=bucket, Prefix=key)
+    return [entry["Key"] for entry in listed.get("Contents", [])]
 
 
-def assert_is_as_computed(address, asked):
-    with xr.open_zarr(address, chunks=None) as ds:
-        for point in asked:
-            stored, result = (
-                ds.sel(load=point.load, velocity=point.velocity),
-                run_point(SWEEP, *point),
-            )
-            assert stored["status"] == 1
-            for name, values in (result.columns | result.fields).items():
-                assert stored[name].values[: len(values)].tobytes() == values.tobytes()
+def delete(address):
+    bucket, key = address.removeprefix("s3://").split("/", 1)
+    boto3.client("s3").delete_object(Bucket=bucket, Key=key)
 
 
 def test_a_sweep_runs_resumes_and_grows(address):
     first = tiny.full(loads=(150.0,), velocities=(1.0,))
-    prepare(address, first)  # and killed before the first point
     assert run_sweep(first, address, workers=1).computed == 1
     assert run_sweep(SWEEP, address, workers=1).computed == 1
     assert run_sweep(SWEEP, address, workers=1).computed == 0
-    assert_is_as_computed(address, points(SWEEP))
+    longer = tiny.full(loads=(150.0, 1500.0), velocities=(1.0, 2.0))
+    commit(address, longer, [Point(1500.0, 2.0)])
+    assert_is_as_computed(address, [POINT, OTHER, Point(1500.0, 2.0)])
     assert verify_store(address).is_clean
     with open_sweep(address) as ds:
-        assert ds["max_rise"].sel(load=600).notnull().any()
+        assert ds["max_rise"].sel(load=600, velocity=1).notnull().any()
+    with pytest.raises(StoreMismatchError):
+        commit(address, tiny.full(increments=7), ())
 
 
-def test_objects_are_removed_by_how_their_keys_begin(address):
-    files = files_in(folder_of(address))
-    files.put_all([(key, b"1") for key in ("time/c.0.0", "time/c.0.1", "time/c/0/0", "rise/c.0.0")])
-    files.remove_all("time/c.")
-    left = [key.partition("tiny.zarr/")[2] for key in keys(address)]
-    assert left == ["rise/c.0.0", "time/c/0/0"]
+@pytest.mark.parametrize("calls", [0, 1])
+def test_a_creation_and_a_growth_that_are_killed_go_on(address, monkeypatch, calls):
+    left, written = [calls], Bucket.put
 
+    def killed(self, contents):
+        if left[0] == 0:
+            raise Killed
+        left[0] -= 1
+        written(self, contents)
 
-def test_the_status_is_written_last_and_everything_else_is_there_by_then(address, monkeypatch):
-    store = prepare(address, SWEEP)
-    log, written = [], type(store._files)._put
-
-    async def logged(self, key, content):
-        await written(self, key, content)
-        log.append(key.split("/")[0])
-
-    monkeypatch.setattr(type(store._files), "_put", logged)
-    store.commit(run_point(SWEEP, *POINT))
-    assert log[-1] == "status"
-    assert set(log[:-1]) >= {*COLUMNS, *FIELDS, "message", "checksum"}
-    assert summary(address).done == 1
-
-
-def test_a_creation_and_a_growth_cut_short_go_on(address, monkeypatch):
-    def cut(*_):
-        raise KeyboardInterrupt
-
-    with monkeypatch.context() as patch:
-        patch.setattr(shape_module, "commit_metadata", cut)
-        with pytest.raises(KeyboardInterrupt):
-            prepare(address, SWEEP)
-        with pytest.raises(StoreError, match="not created completely; run the sweep again"):
-            summary(address)
-    prepare(address, SWEEP).commit(run_point(SWEEP, *POINT))
-    with monkeypatch.context() as patch:
-        patch.setattr(shape_module, "commit_metadata", cut)
-        with pytest.raises(KeyboardInterrupt):
-            prepare(address, tiny.full(loads=(900.0,), velocities=(2.0,)))
-    assert_is_as_computed(address, [POINT])
+    for sweep, point in ((SWEEP, POINT), (tiny.full(loads=(1500.0,)), Point(1500.0, 0.5))):
+        left[0] = calls
+        with monkeypatch.context() as patch:
+            patch.setattr(Bucket, "put", killed)
+            with pytest.raises(Killed):
+                commit(address, sweep, ())
+        commit(address, sweep, [point])
+        assert point in done_points(address)
+    assert_is_as_computed(address, [POINT, point])
     assert verify_store(address).is_clean
 
 
 def test_damage_is_named_and_repaired(address, capsys):
-    prepare(address, SWEEP).commit(run_point(SWEEP, *POINT))
-    put(f"{address}/time/c.1.0.0", b"\x28\xb5\x2f\xfd nonsense")
+    commit(address, SWEEP)
+    put(f"{address}/pressure/c.1.0.0.0", b"\x28\xb5\x2f\xfd nonsense")
     put(f"{address}/load/c.0", b"nonsense")
+    with pytest.raises(StoreError, match="axes or statuses cannot be read; irg verify"):
+        open_sweep(address)
     assert main(["verify", address, "--repair"]) == 1
-    assert "600 N, 1 m/s: time cannot be read" in capsys.readouterr().out
+    assert "600 N, 1 m/s: pressure cannot be read" in capsys.readouterr().out
     assert main(["verify", address]) == 0
-    assert main(["status", address]) == 0
-    assert "0 done, 0 failed, 2 pending" in capsys.readouterr().out
+    assert set(done_points(address)) == {POINT}
+    delete(f"{address}/time/c.0.0.0")
+    with pytest.raises(StoreError, match="time cannot be read; irg verify"):
+        open_sweep(address)
 
 
 def test_one_driver_at_a_time(address):
-    with locked(address):
-        assert keys(f"{address}.lock")
-        assert folder.user(address).startswith(f"process {os.getpid()} on ")
+    with writing(address, SWEEP):
+        assert summary(address).running.startswith(f"process {os.getpid()} on ")
         with pytest.raises(StoreError, match=f"in use by process {os.getpid()} on"):
-            locked(address).__enter__()
-    assert keys(f"{address}.lock") == []
+            commit(address, SWEEP, ())
+    assert summary(address).running is None
+    assert keys(f"{address}/status/lock") == []
 
 
 def test_a_driver_that_was_killed_does_not_count_and_one_elsewhere_does(address):
     killed = """if True:
         import os, sys
-        from pipeline.store import locked
-        held = locked(sys.argv[1])
+        from pipeline.store.create import writing
+        from tests.helpers import tiny
+        held = writing(sys.argv[1], tiny.full())
         held.__enter__()
         os._exit(1)
     """
     environment = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}
-    subprocess.run(
-        [sys.executable, "-c", killed, address], env=environment, check=False, timeout=120
-    )
-    assert keys(f"{address}.lock")
-    assert folder.user(address) is None
-    with locked(address):
-        pass
-    put(f"{address}.lock", b"process 7 on elsewhere\n")
-    assert folder.user(address) == "process 7 on elsewhere"
+    command = [sys.executable, "-c", killed, address]
+    subprocess.run(command, env=environment, check=False, timeout=120)
+    assert keys(f"{address}/status/lock")
+    assert summary(address).running is None
+    commit(address, SWEEP, [POINT])
+    put(f"{address}/status/lock", b"process 7 on elsewhere\n")
+    assert summary(address).running == "process 7 on elsewhere"
     with pytest.raises(StoreError, match=r"process 7 on elsewhere \(if that has ended, delete s3:"):
-        locked(address).__enter__()
+        commit(address, SWEEP, ())
+
+
+def test_a_server_that_refuses_without_a_reason_is_believed(address, monkeypatch):
+    """Some answer to an exclusive creation of what is there with an error of no name."""
+    commit(address, SWEEP, ())
+    put(f"{address}/status/lock", b"process 7 on elsewhere\n")
+    call = s3fs.S3FileSystem._call_s3
+
+    async def refused(self, method, *arguments, **options):
+        if "IfNoneMatch" in options:
+            raise OSError(22, None)
+        return await call(self, method, *arguments, **options)
+
+    monkeypatch.setattr(s3fs.S3FileSystem, "_call_s3", refused)
+    with pytest.raises(StoreError, match="in use by process 7 on elsewhere"):
+        commit(address, SWEEP, ())
+    delete(f"{address}/status/lock")
+    with pytest.raises(StoreError, match="cannot be written"):  # it can make no object like that
+        commit(address, SWEEP, ())
 
 
 def test_what_is_no_store_is_refused(address):
     with pytest.raises(StoreError, match="does not exist"):
         summary(address)
-    put(f"{address}/thesis.tex", b"years of work")
-    with pytest.raises(StoreError, match="is not a store"):
-        prepare(address, SWEEP)
     with pytest.raises(StoreError, match=r"cannot be (read|written)"):
-        prepare("s3://no-such-bucket/tiny.zarr", SWEEP)
+        commit("s3://no-such-bucket/tiny.zarr", SWEEP, ())
+    put(f"{address}/thesis.tex", b"years of work")
+    put(f"{address}/status/mine", b"years of work")
+    with pytest.raises(StoreError, match=r"zarr\.json"):
+        commit(address, SWEEP, ())
+    assert len(keys(address)) == 2
+
+
+def test_a_store_that_lost_its_root_is_not_written_over(address):
+    commit(address, SWEEP, [POINT])
+    delete(f"{address}/zarr.json")
+    before = keys(address)
+    with pytest.raises(StoreError, match=r"has lost its zarr\.json"):
+        commit(address, SWEEP, ())
+    assert keys(address) == before
 
 
 def test_without_s3fs_it_says_what_to_install(monkeypatch, capsys):
-    monkeypatch.setattr(folder, "find_spec", lambda name: None)
+    monkeypatch.setattr(place, "find_spec", lambda name: None)
     assert main(["status", "s3://irg/tiny.zarr"]) == 2
     assert "pip install 'irg-transition[s3]'" in capsys.readouterr().err
+
+
+def test_a_server_that_is_gone_is_an_error_in_a_line(address, monkeypatch, server):
+    with writing(address, SWEEP) as store:
+        store.commit([record(POINT)])
+
+        async def gone(*_, **__):
+            raise ConnectionRefusedError(111, "Connect call failed")
+
+        with monkeypatch.context() as patch:
+            patch.setattr(s3fs.S3FileSystem, "_pipe_file", gone)
+            with pytest.raises(StoreError, match="cannot be written: Connect call failed"):
+                store.commit([record(OTHER)])
+    assert set(done_points(address)) == {POINT}

@@ -1,26 +1,45 @@
-"""Finding and repairing damage (pipeline/store/verify.py), and never reading it (committed.py)."""
+"""Damage of stores: it is named, never read, and repaired."""
 
+import itertools
 import json
 import shutil
+from dataclasses import replace
 
 import numpy as np
 import pytest
 import xarray as xr
-from numcodecs.zstd import Zstd
+import zarr
 
-import pipeline.store.shape as shape_module
+import tribo
 from pipeline.analysis.dataset import open_sweep
 from pipeline.cli import main
 from pipeline.run.sweep import run_sweep
-from pipeline.store import Store, StoreError, locked, prepare, summary, verify_store
-from pipeline.store.variables import COLUMNS, COORDINATES, FIELDS, RECORDS
+from pipeline.store.create import writing
+from pipeline.store.place import StoreError
+from pipeline.store.progress import summary
+from pipeline.store.schema import COLUMNS, FIELDS, FORMAT
+from pipeline.store.verify import verify_store
 from pipeline.sweep.model import Point
+from pipeline.sweep.plan import points
 from tests.helpers import tiny
+from tests.helpers.stores import (
+    assert_is_as_computed,
+    commit,
+    contents,
+    done_points,
+    fail,
+    opened,
+    record,
+)
 from tests.pipeline.conftest import commit_all
 
 SWEEP = tiny.full()
-AXES = [name for name in COORDINATES if name not in ("realization", "sample", "bulk_ratio")]
-POINT = Point(250.0, 1.0)
+POINT, NEXT = Point(250.0, 1.0), Point(600.0, 1.0)
+ALL = set(points(SWEEP))
+WARNED = {point for point in ALL if record(point).message}
+ABOUT = ("message", "warning_flags", "wall_time", "finished_at")
+AXES = ("load", "velocity", "step", "quantile", "x", "y")
+OTHER = "the data are not those that were computed"
 
 
 @pytest.fixture
@@ -28,144 +47,263 @@ def copy(alone, tmp_path):
     return shutil.copytree(alone, tmp_path / "copy.zarr")
 
 
-def flip(file, bit):
+def chunks(path, *names):
+    return sorted(itertools.chain.from_iterable((path / name).glob("c.*") for name in names))
+
+
+def cut(file):
+    file.write_bytes(file.read_bytes()[:-3])
+
+
+def flip_in_the_middle(file):
     content = bytearray(file.read_bytes())
-    content[bit // 8 % len(content)] ^= 1 << bit % 8
+    content[len(content) // 2] ^= 1
     file.write_bytes(content)
 
 
-def flip_any(file, rng):
-    """Flip a bit of a chunk; not one of the few that Zstandard reads the same data without."""
-    before = decoded(file)
-    while decoded(file) == before:
-        file.write_bytes(Zstd(level=1, checksum=True).encode(before))
-        flip(file, int(rng.integers(8 * file.stat().st_size)))
+HARMS = [flip_in_the_middle, cut, lambda file: file.unlink(), lambda file: file.write_bytes(b"")]
+IDS = ["bit", "end", "file", "content"]
 
 
-def decoded(file):
-    try:
-        return bytes(Zstd().decode(file.read_bytes()))
-    except RuntimeError:
-        return None
+def reasons(damages):
+    return {Point(*each[:2]): each[2] for each in map(astuple, damages)}
 
 
-def chunks(path, names=(*COLUMNS, *RECORDS, *FIELDS)):
-    return sorted(file for name in names for file in path.glob(f"{name}/c*") if file.is_file())
+def astuple(damage):
+    return damage.load, damage.velocity, damage.reason
 
 
-def test_a_store_without_damage_is_clean(alone):
-    found = verify_store(alone)
-    assert found.is_clean
-    assert found.done == 9
+def assert_repaired(path, damaged):
+    """Let a repair make these points pending, and a run compute them as they were."""
+    assert not verify_store(path, repair=True).is_clean
+    assert verify_store(path).is_clean
+    assert set(done_points(path)) == ALL - damaged
+    with open_sweep(path) as ds:
+        ds.load()
+    commit(path, SWEEP, damaged)
+    assert_is_as_computed(path, ALL)
 
 
-@pytest.mark.parametrize("seed", range(2))
-def test_a_flipped_bit_in_any_chunk_is_found_and_repaired(copy, alone, seed):
-    """A bit in each file at once, since the reasons name them one by one."""
-    rng = np.random.default_rng(seed)
-    files = chunks(copy)
-    for file in [*files, *chunks(copy, AXES)]:
-        flip_any(file, rng)
-    found = verify_store(copy)
-    assert found.done == 0
-    assert sum(damage.reason.count(",") + 1 for damage in found.damaged) == len(files)
-    assert len(found.shared) == len(AXES)
-    assert not verify_store(copy, repair=True).is_clean
+def test_a_store_without_damage_is_clean_and_left_as_it_is(copy):
+    before = contents(copy)
+    for repair in (False, True):
+        verification = verify_store(copy, repair)
+        assert verification.is_clean
+        assert verification.done == 9
+        assert verification.without_status == ()
+    assert contents(copy) == before
+
+
+@pytest.mark.parametrize("harm", HARMS[::2], ids=IDS[::2])
+@pytest.mark.parametrize("name", [*COLUMNS, "checksum"])
+def test_damage_to_data_is_named_and_computed_again(copy, name, harm):
+    harm(*chunks(copy, name))
+    verification = verify_store(copy)
+    assert reasons(verification.damaged) == dict.fromkeys(ALL, f"{name} cannot be read")
+    assert (verification.done, verification.records, verification.shared) == (0, (), ())
+    if name in ("time", "checksum"):
+        assert_repaired(copy, ALL)
+
+
+@pytest.mark.parametrize("harm", HARMS[::2], ids=IDS[::2])
+@pytest.mark.parametrize("name", FIELDS)
+def test_damage_to_a_field_costs_its_point_alone(copy, name, harm):
+    harm(copy / name / "c.1.1.0.0")
+    verification = verify_store(copy)
+    assert reasons(verification.damaged) == {POINT: f"{name} cannot be read"}
+    assert verification.done == 8
+    assert_repaired(copy, {POINT})
+
+
+@pytest.mark.parametrize("harm", HARMS, ids=IDS)
+@pytest.mark.parametrize("name", [*ABOUT, "record_checksum"])
+def test_sound_data_are_not_computed_again_for_what_is_told_of_them(copy, name, harm, capsys):
+    fail(copy, tiny.full(loads=(900.0,), velocities=(1.0,)), Point(900.0, 1.0), "why not")
+    before = open_sweep(copy).load()
+    for file in chunks(copy, name):
+        harm(file)
+    verification = verify_store(copy)
+    assert verification.damaged == ()
+    assert set(reasons(verification.records)) == {*ALL, Point(900.0, 1.0)}
+    assert main(["verify", str(copy), "--repair"]) == 1
+    assert f"damaged, but not its data: 250 N, 1 m/s: {name} cannot" in capsys.readouterr().out
     assert verify_store(copy).is_clean
-    assert summary(copy).pending == 9
-    run_sweep(SWEEP, copy, workers=1)
-    with xr.open_zarr(copy, chunks=None) as ds, xr.open_zarr(alone, chunks=None) as expected:
-        xr.testing.assert_identical(
-            *(each.drop_vars(["wall_time", "finished_at"]) for each in (ds, expected))
-        )
+    after = open_sweep(copy).load()
+    assert (after["status"] == before["status"]).all()
+    for other in {*before.data_vars} - {name}:
+        np.testing.assert_array_equal(after[other].values, before[other].values, err_msg=other)
+    if name == "warning_flags":
+        np.testing.assert_array_equal(after[name], before[name])
+    for point in WARNED if name == "message" else ():
+        said = after["message"].sel(load=point.load, velocity=point.velocity).item()
+        labels = [kind.label for kind in tribo.WarningKind(record(point).warning_flags)]
+        assert said == f"the message was damaged; kinds of warnings: {', '.join(labels)}"
 
 
-@pytest.mark.parametrize(
-    "name", sorted({*COLUMNS, *RECORDS, *FIELDS, *AXES} - {"status", "checksum"})
-)
-def test_a_flipped_bit_in_any_variable_is_not_read(copy, name):
-    for file in chunks(copy, [name]):
-        flip(file, 8 * (file.stat().st_size // 2))
-    with pytest.raises(StoreError, match=rf"{name}|status.* irg verify"), open_sweep(copy) as ds:
-        ds[name].load()
-
-
-def test_every_single_bit_of_a_chunk_is_noticed_or_changes_nothing(copy):
-    file = copy / "wall_time" / "c.1.1"
-    store, before, harmless = Store(copy), decoded(file), 0
-    for bit in range(8 * file.stat().st_size):
-        flip(file, bit)
-        if decoded(file) == before:
-            harmless += 1
-        else:
-            assert store.unreadable(POINT) == ["wall_time"], bit
-        flip(file, bit)
-    assert harmless < 4
-
-
-@pytest.mark.parametrize("name", [*COLUMNS, *RECORDS, *FIELDS])
-def test_a_lost_and_a_truncated_file_are_found(copy, name):
-    lost, cut = chunks(copy, [name])[3:5]
-    lost.unlink()
-    cut.write_bytes(cut.read_bytes()[:-3])
-    found = {damage.point: damage.reason for damage in verify_store(copy).damaged}
-    expected = {Point(250.0, 0.5), Point(250.0, 1.0)}
-    # Without its status, a point is one that was never finished.
-    assert set(found) == (expected - {Point(250.0, 0.5)} if name == "status" else expected)
-    assert found[Point(250.0, 1.0)] == f"{name} cannot be read"
-
-
-def test_data_of_another_computation_are_found(copy):
-    shutil.copy(copy / "time" / "c.2.1.0", copy / "time" / "c.1.1.0")
-    (damage,) = verify_store(copy).damaged
-    assert str(damage) == "250 N, 1 m/s: the data are not those that were computed"
-
-
-def test_lost_coordinates_are_not_read_as_numbers_and_can_be_restored(copy):
-    (copy / "load" / "c.0").unlink()
-    with pytest.raises(StoreError, match="load cannot be read; irg verify"):
-        open_sweep(copy)
-    assert verify_store(copy, repair=True).shared == ("the coordinate load is damaged",)
+@pytest.mark.parametrize("harm", HARMS, ids=IDS)
+@pytest.mark.parametrize("names", [("message", "warning_flags"), ("warning_flags", "wall_time")])
+def test_a_warning_is_not_lost_without_a_word(copy, names, harm):
+    for file in chunks(copy, *names):
+        harm(file)
+    verify_store(copy, repair=True)
+    assert verify_store(copy).is_clean
+    assert set(done_points(copy)) >= ALL - WARNED
     with open_sweep(copy) as ds:
-        assert tuple(ds["load"].values) == SWEEP.loads
+        for point in WARNED & set(done_points(copy)):
+            flags = ds["warning_flags"].sel(load=point.load, velocity=point.velocity)
+            assert flags.item() == record(point).warning_flags
 
 
-def test_damaged_metadata_are_found_and_restored(copy):
-    root, array = copy / "zarr.json", copy / "time" / "zarr.json"
-    array.write_text(array.read_text().replace("float64", "float32"))
+def values(path, name):
+    return zarr.open_group(path, mode="r+")[name]
+
+
+def test_data_in_the_place_of_others_are_found(copy):
+    shutil.copy(copy / "rise" / "c.2.1.0.0", copy / "rise" / "c.1.1.0.0")
+    values(copy, "time")[0, 0, 0] += 1.0
+    assert reasons(verify_store(copy).damaged) == {POINT: OTHER, Point(150.0, 0.5): OTHER}
+
+
+@pytest.mark.parametrize("also", [(), (*ABOUT, "record_checksum")])
+def test_points_in_the_places_of_each_other_are_found(copy, also):
+    """Data with their checksums, with which they agree, but not with their place."""
+    for name in (*COLUMNS, *FIELDS, "checksum", *also):
+        array = values(copy, name)
+        array[1, 1], array[2, 1] = array[2, 1], array[1, 1]
+    assert reasons(verify_store(copy).damaged) == {POINT: OTHER, NEXT: OTHER}
+    assert_repaired(copy, {POINT, NEXT})
+
+
+@pytest.mark.parametrize("name", ABOUT)
+def test_records_in_the_places_of_each_other_are_found(copy, name):
+    first, second = (Point(150.0, 0.5), NEXT) if name != "wall_time" else (POINT, NEXT)
+    assert record(first).warning_flags != record(second).warning_flags or name in ABOUT[2:]
+    array, (i, j) = values(copy, name), map(opened(copy).index, (first, second))
+    array[i], array[j] = array[j], array[i]
+    verification = verify_store(copy)
+    assert set(reasons(verification.damaged + verification.records)) == {first, second}
+    verify_store(copy, repair=True)
+    assert verify_store(copy).is_clean
+
+
+@pytest.fixture
+def wide(tmp_path):
+    """A store of several chunks."""
+    path = tmp_path / "wide.zarr"
+    many = tiny.sweep(loads=(150.0,), velocities=tuple(np.arange(1.0, 1026.0)))
+    chosen = [Point(150.0, 1.0), Point(150.0, 1025.0)]
+    with writing(path, many) as store:
+        store.commit(
+            replace(record(Point(150.0, velocity)), point=point)
+            for point, velocity in zip(chosen, (0.5, 1.0), strict=True)
+        )
+    return path, chosen
+
+
+def test_chunks_in_the_places_of_each_other_are_found(wide):
+    path, chosen = wide
+    first, last = chunks(path, "max_rise")
+    assert verify_store(path).is_clean
+    content = first.read_bytes()
+    first.write_bytes(last.read_bytes())
+    last.write_bytes(content)
+    assert reasons(verify_store(path).damaged) == dict.fromkeys(chosen, OTHER)
+
+
+def test_progress_is_told_chunk_by_chunk(wide):
+    counts = []
+    verify_store(wide[0], progress=lambda *count: counts.append(count))
+    assert counts == [(1, 2), (2, 2)]
+
+
+@pytest.mark.parametrize("name", AXES)
+@pytest.mark.parametrize("harm", HARMS[1:3], ids=IDS[1:3])
+def test_lost_coordinates_are_not_read_as_numbers_and_are_restored(copy, name, harm):
+    harm(*chunks(copy, name))
+    with pytest.raises(StoreError, match="irg verify"):
+        open_sweep(copy)
+    verification = verify_store(copy, repair=True)
+    assert verification.shared == (f"the coordinate {name} is damaged",)
+    assert verify_store(copy).is_clean
+    assert_is_as_computed(copy, ALL)
+
+
+@pytest.mark.parametrize("harm", HARMS, ids=IDS)
+@pytest.mark.parametrize("name", ["status", "asked"])
+@pytest.mark.parametrize("with_data", [True, False])
+def test_lost_statuses_cost_no_sound_point(copy, name, harm, with_data):
+    """Whether or not any point of the same chunk is sound."""
+    harm(*chunks(copy, name))
+    if not with_data:
+        for file in chunks(copy, "time"):
+            file.write_bytes(b"")
+    verify_store(copy, repair=True)
+    verification = verify_store(copy)
+    assert verification.is_clean
+    assert verification.done == (9 if with_data else 0)
+    with open_sweep(copy) as ds:
+        assert (ds["status"] == (1 if with_data else 0)).all()
+    with writing(copy, SWEEP) as store:
+        assert len(store.pending()) == (0 if with_data else 9)
+
+
+@pytest.mark.parametrize("name", ["status", "asked"])
+def test_statuses_that_cannot_be_read_are_no_clean_store(copy, name):
+    cut(*chunks(copy, name))
+    assert not verify_store(copy).is_clean
+    with pytest.raises(StoreError, match="irg verify"):
+        open_sweep(copy)
+    with pytest.raises(StoreError, match="irg verify"):
+        summary(copy)
+
+
+def test_damaged_metadata_of_an_array_are_named_and_restored(copy):
+    file = copy / "time" / "zarr.json"
+    file.write_text(file.read_text().replace("float64", "float32"))
     assert verify_store(copy, repair=True).shared == ("the metadata of time are damaged",)
     assert verify_store(copy).is_clean
-    document = json.loads(root.read_text())
-    document["attributes"]["scene"]["pin"]["radius"] *= 2
-    root.write_text(json.dumps(document))
-    (fault,) = verify_store(copy).shared
-    assert fault.startswith("zarr.json is damaged: it is not what was committed")
-    assert len(verify_store(copy, repair=True).shared) == 1
+    assert json.loads(file.read_text())["data_type"] == "float64"
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_random_damage_is_found_and_nothing_else_is_computed_again(copy, alone, seed):
+    rng = np.random.default_rng(seed)
+    files = [file for file in copy.rglob("c.*") if file.is_file()]
+    for file in rng.permutation(files)[:4]:
+        (file.unlink if rng.integers(2) else lambda file=file: cut(file))()
+    verification = verify_store(copy, repair=True)
+    harmed = {Point(each.load, each.velocity) for each in verification.damaged}
     assert verify_store(copy).is_clean
-    assert json.loads(root.read_text()) != document
+    assert set(done_points(copy)) == ALL - harmed
+    outcome = run_sweep(SWEEP, copy, workers=1)
+    assert (outcome.done, outcome.computed) == (9, len(harmed))
+    names = [*COLUMNS, *FIELDS, "status", "asked", "load", "velocity", "quantile", "x"]
+    with xr.open_zarr(copy, chunks=None) as ds, xr.open_zarr(alone, chunks=None) as expected:
+        xr.testing.assert_equal(ds[names], expected[names])
+    assert expected.attrs["format"] == FORMAT
 
 
-def test_a_growth_cut_short_is_no_damage(copy, monkeypatch):
-    def cut(*_):
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(shape_module, "commit_metadata", cut)
-    with pytest.raises(KeyboardInterrupt):
-        prepare(copy, tiny.full(loads=(150.0, 1500.0)))
+def test_a_run_computes_damaged_points_again_and_no_others(copy):
+    flip_in_the_middle(copy / "rise" / "c.1.1.0.0")
+    for name in ABOUT[2:]:
+        flip_in_the_middle(*chunks(copy, name))
+    said = []
+    outcome = run_sweep(SWEEP, copy, workers=1, tell=said.append)
+    assert (outcome.done, outcome.computed) == (9, 1)
+    assert any("1 damaged points of" in line for line in said)
     assert verify_store(copy).is_clean
 
 
-def test_a_store_in_use_is_verified_but_not_repaired(copy):
-    with locked(copy):
-        assert verify_store(copy).is_clean
-        with pytest.raises(StoreError, match="in use"):
-            verify_store(copy, repair=True)
+def test_a_run_of_fewer_points_repairs_and_asks_for_no_more(copy):
+    fewer = replace(SWEEP, velocities=(0.5,))
+    outcome = run_sweep(fewer, copy, workers=1)
+    assert (outcome.total, outcome.computed) == (3, 0)
+    assert summary(copy).total == 3
+    assert summary(copy).earlier == 6
 
 
 def test_the_command_names_what_is_damaged(copy, capsys):
-    assert main(["verify", str(copy)]) == 0
-    flip(copy / "rise" / "c.1.1.0.0", 800)
-    capsys.readouterr()
+    flip_in_the_middle(copy / "rise" / "c.1.1.0.0")
     assert main(["verify", str(copy), "--json"]) == 1
     document = json.loads(capsys.readouterr().out)
     assert document["done"] == 8
@@ -178,35 +316,17 @@ def test_the_command_names_what_is_damaged(copy, capsys):
     assert main(["verify", str(copy.parent)]) == 2
 
 
-def test_fields_of_a_point_that_is_not_done_are_not_there(copy):
-    Store(copy).forget(POINT)
-    with open_sweep(copy) as ds:
-        for name in FIELDS:
-            known = np.isfinite(ds[name].values).all(axis=(-2, -1))
-            np.testing.assert_array_equal(known, ds["status"] == 1)
-            assert np.isnan(ds[name].sel(load=250, velocity=1)).all()
-
-
-def test_opening_reads_no_field(copy):
-    """Fields may be larger than the memory."""
-    for name in FIELDS:
-        shutil.rmtree(copy / name)
-    with open_sweep(copy) as ds:
-        assert ds["pressure"].shape == (3, 3, 32, 16)
-        np.testing.assert_array_equal(ds["load"], SWEEP.loads)
-
-
 def test_damage_on_one_of_several_surfaces_is_named_and_repaired(tmp_path):
     path = tmp_path / "tiny.zarr"
-    commit_all(path, tiny.sweep(loads=(150.0,), velocities=(0.5,), realizations=(1, 2)))
-    flip(path / "time" / "c.1.0.0.0", 200)
-    flip(path / "realization" / "c.0", 100)
-    found = verify_store(path, repair=True)
-    assert [str(damage) for damage in found.damaged] == [
-        "150 N, 0.5 m/s, surface 2: time cannot be read"
+    sweep = tiny.sweep(loads=(150.0,), velocities=(0.5,), realizations=(1, 2), store_fields=True)
+    commit_all(path, sweep)
+    cut(path / "pressure" / "c.1.0.0.0.0")
+    cut(path / "realization" / "c.0")
+    verification = verify_store(path, repair=True)
+    assert list(map(str, verification.damaged)) == [
+        "150 N, 0.5 m/s, surface 2: pressure cannot be read"
     ]
-    assert found.shared == ("the coordinate realization is damaged",)
+    assert verification.shared == ("the coordinate realization is damaged",)
     assert verify_store(path).is_clean
     with open_sweep(path) as ds:
-        assert ds["realization"].values.tolist() == [1, 2]
         assert ds["status"].values.ravel().tolist() == [1, 0]

@@ -110,19 +110,55 @@ def test_a_pin_that_is_meant_not_to_wear_is_not_doubted():
     assert said_of(replace(SMOOTH, wear=tribo.Wear(0.0))) == ()
 
 
-@pytest.mark.parametrize(("turns", "told"), [(0.0, 0), (9.9, 1), (10.0, 0)])
-def test_a_pin_that_rolls_has_to_turn_often_enough_if_at_all(turns, told):
-    said = said_of(SMOOTH, pin_turns=Span(turns, 100.0))
-    assert sum("the pin turns only" in doubt for doubt in said) == told
+@pytest.mark.parametrize(
+    ("motion", "told"),
+    [
+        ({"slide_roll_ratio": 1.9999}, "at 3 of 3 velocities"),
+        ({"slide_roll_ratio": 1.0}, None),
+        ({"slide_roll_ratio": 2.0}, None),  # at rest at every velocity
+        ({"entrainment_velocity": 1.0, "track_length": 0.02}, "at 1 of 3 velocities"),
+    ],
+)
+def test_a_pin_that_rolls_has_to_turn_often_enough_if_at_all(motion, told):
+    rolling = replace(SMOOTH, velocities=(0.5, 1.0, 2.0), motion=tribo.Motion(**motion))
+    said = [doubt for doubt in said_of(rolling) if "the pin turns only" in doubt]
+    assert len(said) == bool(told)
+    assert not told or told in said[0]
+    assert not any("turns only" in doubt for doubt in said_of(replace(rolling, wear=None)))
 
 
 @pytest.mark.parametrize(("share", "told"), [(0.299, 0), (0.31, 1)])
-def test_bodies_in_a_wide_contact_are_no_half_spaces(share, told):
-    wide = Span(0.1 * HALF_WIDTH, share * HALF_WIDTH)
-    said = said_of(SMOOTH, hertz_half_width=wide, window=(1.0, 1.0))
+def test_a_wide_contact_is_beyond_half_spaces_and_the_pin_s_shape(share, told):
+    wide = Span(0.1 * HALF_WIDTH, 2 * share * HALF_WIDTH)
+    said = said_of(SMOOTH, contact_width=wide, window=(1.0, 1.0))
     assert sum("no half-spaces" in doubt for doubt in said) == told
     if told:
         assert "0.31 of the pin's radius" in said[0]
+
+
+@pytest.mark.parametrize(
+    ("base", "across", "told"),
+    [(SMOOTH, 5.9, True), (SMOOTH, 6.1, False), (BALL, 11.9, True), (BALL, 12.1, False)],
+)
+def test_a_contact_of_few_pixels_is_doubted(base, across, told):
+    width = across * base.pixels.spacing[0]
+    said = said_of(base, base, contact_width=Span(width, 2 * width))
+    assert any("pixels wide" in doubt for doubt in said) is told
+
+
+@pytest.mark.parametrize(
+    ("length", "told"),
+    [(1.99, "is 2 pixels; below 2"), (2.0, None), (0.33, None), (0.34, "of the window's side")],
+)
+def test_a_correlation_length_lies_between_pixels_and_window(length, told):
+    nx, dx = SMOOTH.pixels.shape[0], SMOOTH.pixels.spacing[0]
+    length *= nx * dx if length < 1 else dx
+    ny, dy = SMOOTH.pixels.shape[1], SMOOTH.pixels.spacing[1]
+    rough = tribo.SelfAffineRoughness(0.3e-6, 0.8, (length, 0.2 * ny * dy))
+    said = said_of(replace(SMOOTH, roughness=rough), surface=surface(measured=False))
+    found = [doubt for doubt in said if "correlation length along x" in doubt]
+    assert len(found) == bool(told)
+    assert not told or told in found[0]
 
 
 @pytest.mark.parametrize(

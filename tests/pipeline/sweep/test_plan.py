@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import tribo
-from pipeline.store.variables import COLUMNS
+from pipeline.store.schema import COLUMNS
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import advance_trunk, chains, points, run_point, step_count
 from tests.helpers import tiny

@@ -5,10 +5,10 @@ from pathlib import Path
 import pytest
 
 import pipeline
-from pipeline.paper.printed import TABLE_4
 from pipeline.store.identity import describe
 from pipeline.sweep.rivals import RIVALS, SmoothContact, load_speed_exponent
 from tribo import InputError, Motion
+from workflows.paper.publication import TABLE_4
 
 WORKFLOWS = Path(__file__).parents[3] / "workflows"
 

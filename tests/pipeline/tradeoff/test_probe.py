@@ -9,12 +9,13 @@ import pytest
 from pipeline.sweep.model import Point
 from pipeline.tradeoff import probe as module
 from pipeline.tradeoff.probe import (
+    Place,
     _run,
     critical_velocity,
     fitted,
     near_the_boundary,
     probe,
-    some_loads,
+    some_places,
 )
 from tests.helpers import tiny
 from tribo import PRESETS, QUANTILES, Fidelity, Heat, InputError, start
@@ -57,14 +58,6 @@ def ramps(monkeypatch):
     return asked, made
 
 
-def test_all_convolutions_count_those_of_heat_on_the_way_too(ramps):
-    _, made = ramps
-    made[300.0] = [state(100.0, rise=9.0), state(200.0, iterations=7), state(300.0, rise=1.0)]
-    run = _run(SWEEP, 300.0, 1.0)
-    assert run.convolutions == (3 + 5) + 7 + (3 + 5)
-    assert run.work == run.convolutions * NODES
-
-
 def test_the_hottest_state_under_full_load_is_read(ramps):
     _, made = ramps
     made[300.0] = [
@@ -79,26 +72,6 @@ def test_the_hottest_state_under_full_load_is_read(ramps):
     assert _run(SWEEP, 300.0, 1.0).state is made[300.0][-1]
     with pytest.raises(InputError, match="ended without a temperature"):
         probe(SWEEP, SWEEP.fidelity, [Point(300.0, 1.0)])
-
-
-def test_a_run_leaves_the_last_state_on_its_trunk_without_heat_or_where_it_goes_on(ramps):
-    _, made = ramps
-    coarse = state(200.0)
-    made[300.0] = [state(100.0), state(200.0, rise=1.0), state(300.0, rise=1.0, on_trunk=False)]
-    found = _run(SWEEP, 300.0, 1.0).trunk
-    assert (found.normal_load, found.heat) == (200.0, None)
-    made[300.0][1] = replace(made[300.0][1], history=coarse)
-    assert _run(SWEEP, 300.0, 1.0).trunk is coarse
-    made[300.0] = [state(300.0, on_trunk=False)]
-    assert _run(SWEEP, 300.0, 1.0).trunk is None
-
-
-@pytest.mark.parametrize(("load", "index", "goes_on"), [(125.0, 1, True), (126.0, 1, False)])
-def test_a_trunk_is_gone_on_with_where_it_leads_to_the_load(ramps, load, index, goes_on):
-    asked, _ = ramps
-    trunk = replace(state(load), index=index)
-    _run(SWEEP, 600.0, 1.0, trunk)
-    assert asked[0][3] is (trunk if goes_on else None)
 
 
 def test_a_probe_sums_its_runs_and_reads_its_points_in_their_order(ramps):
@@ -118,39 +91,6 @@ def test_a_probe_sums_its_runs_and_reads_its_points_in_their_order(ramps):
 
 
 @pytest.mark.parametrize(
-    ("changes", "steps"),
-    [
-        ({"increments": 50}, 3),
-        ({"increments": 2}, 2),
-        ({"increments": 50, "heat_model": "history"}, 50),
-        ({"increments": 50, "wear_scheme": "explicit"}, 50),
-    ],
-)
-def test_memory_is_that_of_the_heaviest_point_in_as_few_steps_as_have_it(ramps, changes, steps):
-    asked, _ = ramps
-    points = [Point(300.0, 2.0), Point(600.0, 1.0), Point(600.0, 1.5)]
-    found = probe(SWEEP, replace(SWEEP.fidelity, **changes), points, with_memory=True)
-    heaviest, warm_up, *rest = asked
-    assert heaviest[1:3] == (600.0, 1.5)
-    assert heaviest[0].fidelity.increments == steps
-    assert warm_up[1:3] == (150.0, 1.8)
-    assert warm_up[0].fidelity.increments == changes["increments"]
-    assert len(rest) == 3
-    assert found.peak_bytes > NODES * 8
-    assert found.convolutions == 24
-
-
-def test_the_memory_of_a_run_that_fails_is_counted_no_longer(monkeypatch):
-    def fails(*_):
-        raise InputError("no contact")
-
-    monkeypatch.setattr(module, "simulate", fails)
-    with pytest.raises(InputError, match="no contact"):
-        probe(SWEEP, SWEEP.fidelity, [Point(300.0, 1.0)], with_memory=True)
-    assert not module.tracemalloc.is_tracing()
-
-
-@pytest.mark.parametrize(
     ("shape", "asked", "taken"),
     [((90, 60), 4, 3), ((90, 60), 3, 3), ((90, 64), 4, 2), ((91, 64), 4, 1), ((64, 90), 4, 2)],
 )
@@ -165,7 +105,7 @@ def test_elements_divide_the_pixels_along_both_axes(shape, asked, taken):
 )
 def test_loads_are_some_of_the_sweep_s_with_both_ends(number, chosen):
     sweep = replace(SWEEP, loads=(200.0, 300.0, 400.0, 500.0, 600.0))
-    assert some_loads(sweep, number) == tuple(sweep.loads[k] for k in chosen)
+    assert [at.load for at in some_places(sweep, number)] == [sweep.loads[k] for k in chosen]
 
 
 def made_up(monkeypatch, exponent, at=2.0):
@@ -184,13 +124,15 @@ def made_up(monkeypatch, exponent, at=2.0):
 @pytest.mark.parametrize(("exponent", "found"), [(0.7, 0.7), (0.31, 0.31), (0.1, 0.3)])
 def test_points_lie_at_the_boundary_with_its_exponent(monkeypatch, exponent, found):
     asked = made_up(monkeypatch, exponent)
-    (point,), exponents = near_the_boundary(SWEEP, [300.0])
+    (point,), exponents = near_the_boundary(SWEEP, [Place(300.0)])
     assert point.load == 300.0
     assert abs(exponent * math.log(point.velocity / 2.0)) < 0.0101
     assert exponents == (pytest.approx(found, rel=1e-9),)
     assert set(asked) == {fitted(SWEEP, PRESETS["draft"])}
     made_up(monkeypatch, 0.5)
-    points, _ = near_the_boundary(SWEEP, [150.0, 300.0, 450.0], PRESETS["standard"])
+    points, _ = near_the_boundary(
+        SWEEP, [Place(at) for at in (150.0, 300.0, 450.0)], PRESETS["standard"]
+    )
     ratios = [point.velocity * (point.load / 300.0) ** 2 for point in points]
     assert ratios == pytest.approx([2.0] * 3, rel=0.025)
 
@@ -201,19 +143,19 @@ def test_the_exponent_is_that_beside_the_boundary(monkeypatch):
         yield state(load, rise=1200.0 * math.exp(0.6 * x + 0.5 * x**3))
 
     monkeypatch.setattr(module, "simulate", simulate)
-    assert near_the_boundary(SWEEP, [300.0])[1] == (pytest.approx(0.6, abs=0.005),)
+    assert near_the_boundary(SWEEP, [Place(300.0)])[1] == (pytest.approx(0.6, abs=0.005),)
 
 
 @pytest.mark.parametrize(("at", "found"), [(0.01, 0.25), (100.0, 16.0)])
 def test_beyond_half_and_twice_the_velocities_the_nearer_end_is_taken(monkeypatch, at, found):
     made_up(monkeypatch, 0.7, at)
-    (point,), _ = near_the_boundary(SWEEP, [300.0])
+    (point,), _ = near_the_boundary(SWEEP, [Place(300.0)])
     assert point.velocity == pytest.approx(found, rel=1e-6)
 
 
 def test_without_a_velocity_there_is_no_boundary():
     with pytest.raises(InputError, match="no velocity but 0"):
-        near_the_boundary(replace(SWEEP, velocities=(0.0,)), [300.0])
+        near_the_boundary(replace(SWEEP, velocities=(0.0,)), [Place(300.0)])
 
 
 @pytest.mark.parametrize("exponent", [0.05, 0.2, 0.5, 1.0, 3.0, 8.0])

@@ -70,5 +70,5 @@ def test_the_true_error_is_within_every_accuracy(name, accuracy, say):
     say(
         f"\n{name:30} {100 * accuracy:g} %: {selection.name:38} foretold "
         f"{100 * selection.error:.2f} %, true {100 * error:.2f} %, {selection.saving:6.1f} times "
-        f"less work than {selection.yardstick}; the probe took {selection.seconds:.0f} s"
+        f"less work than nearly exact steps; the probe took {selection.seconds:.0f} s"
     )

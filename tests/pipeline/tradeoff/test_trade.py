@@ -10,7 +10,7 @@ from matplotlib.text import Text
 from pipeline.figures.tradeoff import draw_trade
 from pipeline.sweep.model import Point
 from pipeline.tradeoff import trade as tradeoff
-from pipeline.tradeoff.probe import fitted, near_the_boundary, probe
+from pipeline.tradeoff.probe import Place, fitted, near_the_boundary, probe
 from pipeline.tradeoff.trade import trade
 from tests.helpers.kept import PAPER, SCENES
 from tribo import PRESETS, Fidelity, Grid, InputError
@@ -23,9 +23,8 @@ SCENE = SCENES["finer pixels"]
 def measured():
     said = []
     found = trade(SCENE, loads=LOADS, progress=said.append)
-    assert said[0].startswith("1 of 2: the boundary by nearly exact steps, 200 N")
-    assert said[2] == f"1 of {len(found.choices)}: reference"
-    assert len(said) == 2 + len(found.choices)
+    assert said[0] == f"1 of {len(found.choices)}: reference"
+    assert len(said) == len(found.choices)
     assert said[-1].startswith("{0} of {0}: ".format(len(found.choices)))
     return found
 
@@ -49,7 +48,6 @@ def test_errors_and_costs_go_opposite_ways_from_draft_to_reference(measured):
 
 def test_every_choice_says_what_it_costs_and_where_it_errs(measured):
     for choice in measured.choices:
-        assert choice.name == "reference" or (choice.area_error, choice.pressure_error) != (0, 0)
         assert choice.seconds > 0
         assert choice.convolutions > 0
         assert choice.peak_bytes > 1e5
@@ -60,6 +58,7 @@ def test_every_choice_says_what_it_costs_and_where_it_errs(measured):
     draft = named(measured, "draft")
     assert draft.velocity_error > draft.rise_error / 2 > 0
     assert 0 < draft.share_error < 1
+    assert draft.area_error > 0
     assert named(measured, "as in the scene").fidelity == SCENE.fidelity
 
 
@@ -194,7 +193,7 @@ def test_a_diagram_without_a_transition_is_refused():
 
 
 def test_points_lie_on_the_boundary():
-    points, exponents = near_the_boundary(SCENE, LOADS, PRESETS["fine"])
+    points, exponents = near_the_boundary(SCENE, [Place(at) for at in LOADS], PRESETS["fine"])
     found = probe(SCENE, PRESETS["fine"], points)
     for reading in found.readings:
         assert reading.rise == pytest.approx(1200.0, rel=0.02)

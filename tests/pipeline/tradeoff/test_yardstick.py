@@ -8,18 +8,18 @@ import pytest
 from pipeline.sweep.criterion import boundary_velocity_error, rise_limit
 from pipeline.sweep.model import Point
 from pipeline.tradeoff import choose, yardstick
-from pipeline.tradeoff.choose import _probed, _steps_to_probe, choose_fidelity
-from pipeline.tradeoff.probe import Probe, Reading
+from pipeline.tradeoff.choose import _first_within, _on_both_sides, _steps_to_probe
+from pipeline.tradeoff.probe import Place, Probe, Reading
 from pipeline.tradeoff.yardstick import (
     YARDSTICK,
     OwnError,
     Yardstick,
-    _followed,
     measured,
     own_error,
 )
 from tests.helpers.kept import SCENES
-from tribo import ConvergenceError, Grid, Wear
+from tests.helpers.scenes import STEEL
+from tribo import Ball, ConvergenceError, Grid, Wear
 
 VELOCITIES = (1.0, 2.0, 4.0, 8.0)
 SWEEP = replace(SCENES["no wear"], velocities=VELOCITIES, wear=Wear(1e-15))
@@ -48,93 +48,77 @@ class Law:
         return Probe(fidelity, readings, 0.0, 10, 100.0 * len(points))
 
 
-@pytest.mark.parametrize(
-    ("start", "rounds"), [(3.0, 1), (3.0 * 1.09, 1), (3.0 * 1.11, 2), (1.2, 2), (8.0, 2)]
-)
-def test_the_boundary_is_sought_again_only_if_it_has_moved_by_a_tenth(start, rounds, monkeypatch):
-    law = Law()
-    monkeypatch.setattr(yardstick, "probe", law)
-    found = _followed(SWEEP, YARDSTICK, Point(300.0, start))
-    assert found.boundary == (300.0, pytest.approx(3.0), None, None)
-    assert found.exponent == pytest.approx(0.5)
-    assert len(law.asked) == rounds
-    assert (found.work, found.last_work) == (200.0 * rounds, 200.0)
-    about = 3.0 if rounds > 1 else start
-    assert [point.velocity for point in found.points] == pytest.approx(
-        [about * math.exp(-0.05), about * math.exp(0.05)]
-    )
-
-
-@pytest.mark.parametrize(("at", "found"), [(0.01, 0.5), (100.0, 16.0)])
-def test_it_is_not_sought_beyond_half_the_lowest_and_twice_the_highest_velocity(
-    at, found, monkeypatch
-):
-    law = Law(at=at)
-    monkeypatch.setattr(yardstick, "probe", law)
-    assert _followed(SWEEP, YARDSTICK, Point(300.0, 3.0)).boundary.velocity == found
-    assert len(law.asked) == 2
-
-
-@pytest.mark.parametrize(("exponent", "taken"), [(0.01, 0.2), (0.7, 0.7), (5.0, 2.0)])
-def test_exponents_are_kept_within_what_a_rise_may_have(exponent, taken, monkeypatch):
-    monkeypatch.setattr(yardstick, "probe", Law(exponent=exponent))
-    assert _followed(SWEEP, YARDSTICK, Point(300.0, 3.0)).exponent == pytest.approx(taken)
-
-
-def test_a_boundary_that_keeps_moving_is_left_after_four_times(monkeypatch):
-    law = Law(exponent=0.01)
-    monkeypatch.setattr(yardstick, "probe", law)
-    law.rise = lambda fidelity, velocity: LIMIT * 0.9  # flat, so each step is by half
-    _followed(replace(SWEEP, velocities=(1e-3, 1e3)), YARDSTICK, Point(300.0, 0.1))
-    assert len(law.asked) == 4
-
-
-def test_the_yardstick_takes_two_readings_at_each_load_and_counts_its_work(monkeypatch):
+def test_the_yardstick_reads_each_point_and_once_more_on_larger_elements(monkeypatch):
     law = Law(nodes=700)
     monkeypatch.setattr(yardstick, "probe", law)
-    starts = tuple(Point(load, 3.0) for load in (100.0, 200.0))
-    monkeypatch.setattr(yardstick, "near_the_boundary", lambda sweep, loads: (starts, (0.5, 0.5)))
-    found = measured(SWEEP, (100.0, 200.0))
-    assert [point.load for point in found.points] == [100.0, 100.0, 200.0, 200.0]
-    assert found.exponents == pytest.approx((0.5,) * 4)
+    points, told = tuple(Point(load, 3.0) for load in (100.0, 200.0)), []
+    found = measured(SWEEP, points, (0.5, 1.0), told.append)
+    assert found.points == points
     assert found.fewest_nodes == 700
-    assert (found.work, found.own_work) == (800.0, 400.0)
-    assert [fidelity.pixels_per_element for fidelity, _ in law.asked] == [2, 1, 2, 1]
+    assert (found.work, found.own_work) == (400.0, 200.0)
+    assert found.coarser == 0.0
+    assert [fidelity.pixels_per_element for fidelity, _ in law.asked] == [1, 1, 2]
+    assert len(told) == 2
+    assert "nearly exact steps at 100 N, 3 m/s" in told[0]
     warm = Law(of_heat=0.01)
     errors = found.errors(warm(SWEEP, YARDSTICK, found.points))
-    assert errors == pytest.approx([1.01**-2 - 1] * 4)
+    assert errors == pytest.approx([1.01**-2 - 1, 1.01**-1 - 1])
+
+
+def test_two_points_lie_on_either_side_of_each():
+    low, high = _on_both_sides([Point(300.0, 2.0, realization=7)])
+    assert (low.load, low.realization) == (300.0, 7)
+    assert math.log(high.velocity / low.velocity) == pytest.approx(0.1)
+    assert low.velocity * high.velocity == pytest.approx(4.0)
 
 
 def test_its_own_error_is_half_of_what_half_the_steps_move_and_a_fifth_more(monkeypatch):
     law = Law(of_steps=0.01)
     monkeypatch.setattr(yardstick, "probe", law)
     points, exponents = [Point(load, 3.0) for load in (100.0, 200.0, 300.0)], [0.5, 1.0, 1.0]
-    own = own_error(SWEEP, points, exponents)
+    readings = law(SWEEP, YARDSTICK, points).readings
+    own = own_error(SWEEP, points, exponents, readings)
     rises = (law.rise(YARDSTICK, 3.0), law.rise(replace(YARDSTICK, increments=12), 3.0))
     moved = abs(boundary_velocity_error(*rises, 0.5))
     assert own.steps == pytest.approx(1.2 * 0.5 * moved)
     assert own.heat_model == 0.0
-    assert own.work == 300.0 + 300.0 + 200.0 + 200.0
-    readings = law(SWEEP, YARDSTICK, points).readings
-    assert own_error(SWEEP, points, exponents, readings) == replace(own, work=own.work - 300.0)
-    assert own_error(replace(SWEEP, wear=None), points, exponents).steps == 0.0
+    assert own.work == 300.0 + 200.0 + 200.0
+    assert own_error(replace(SWEEP, wear=None), points, exponents, readings).steps == 0.0
 
 
-def test_the_error_of_the_present_heat_is_measured_at_the_first_and_the_last_load(monkeypatch):
+def test_under_a_ball_all_of_what_half_the_steps_move_is_left_to_any_number(monkeypatch):
+    law = Law(of_steps=0.01)
+    monkeypatch.setattr(yardstick, "probe", law)
+    ball = replace(
+        SWEEP, pin=Ball(5e-3, STEEL), pixels=Grid((96, 96), (1e-6, 1e-6), (False, False))
+    )
+    points = [Point(300.0, 3.0)]
+    readings = law(ball, YARDSTICK, points).readings
+    line, point = (own_error(each, points, [1.0], readings) for each in (SWEEP, ball))
+    assert point.steps == pytest.approx(2 * line.steps)
+    finer = replace(YARDSTICK, increments=100)
+    assert point.of(finer) == point.of(YARDSTICK)
+    assert line.of(finer) < line.of(YARDSTICK)
+
+
+def test_the_error_of_the_present_heat_is_measured_at_the_lowest_and_the_highest_load(monkeypatch):
     law = Law(of_heat=0.02)
     monkeypatch.setattr(yardstick, "probe", law)
-    points = [Point(load, 3.0) for load in (100.0, 200.0, 300.0)]
-    own = own_error(replace(SWEEP, wear=None), points, [0.5, 0.1, 1.0])
+    points = [Point(load, 3.0) for load in (200.0, 100.0, 300.0)]
+    readings = (None,) * 3
+    own = own_error(replace(SWEEP, wear=None), points, [0.1, 0.5, 1.0], readings)
     assert own.heat_model == pytest.approx(1.2 * abs(boundary_velocity_error(1.02, 1.0, 0.5)))
     assert [fidelity.heat_model for fidelity, _ in law.asked] == ["elapsed", "history"]
     for fidelity, asked in law.asked:
         assert (fidelity.increments, fidelity.pixels_per_element) == (50, 1)
-        assert asked == (points[0], points[2])
+        assert asked == (points[1], points[2])
     law.asked.clear()
-    own_error(replace(SWEEP, wear=None, pixels=Grid((200, 102), (1e-6, 1e-6))), points[:1], [0.5])
+    large = replace(SWEEP, wear=None, pixels=Grid((200, 102), (1e-6, 1e-6)))
+    own_error(large, points[:1], [0.5], readings[:1])
     assert [fidelity.pixels_per_element for fidelity, _ in law.asked] == [2, 2]
     fidelity = replace(SWEEP.fidelity, heat_model="history", history_coarsening=1)
-    assert own_error(replace(SWEEP, wear=None, fidelity=fidelity), points, [0.5] * 3).work == 0.0
+    remembering = replace(SWEEP, wear=None, fidelity=fidelity)
+    assert own_error(remembering, points, [0.5] * 3, readings).work == 0.0
 
 
 def test_of_another_fidelity_steps_count_in_proportion_and_heat_where_it_is_the_present():
@@ -145,7 +129,9 @@ def test_of_another_fidelity_steps_count_in_proportion_and_heat_where_it_is_the_
     assert own.of(replace(history, increments=100)) == pytest.approx(0.0025 + 2e-3)
 
 
-def judged(monkeypatch, accuracy, errors, heat_model=0.0, nodes=2000, loads=SWEEP.loads):
+def judged(
+    monkeypatch, accuracy, errors, heat_model=0.0, nodes=2000, loads=SWEEP.loads, steps=0.001
+):
     """What is picked where choices have some errors, one after the other, and a work of 50."""
     points = tuple(Point(load, 3.0) for load in loads for _ in range(2))
     rises = iter(errors)
@@ -158,11 +144,10 @@ def judged(monkeypatch, accuracy, errors, heat_model=0.0, nodes=2000, loads=SWEE
         return Probe(fidelity, (reading,) * len(points), 0.0, 10, 50.0)
 
     readings = (Reading(LIMIT, 0.1, 1e-4, nodes, 0.1, 1e9, 0.0),) * len(points)
-    exact = Yardstick(points[::2], points, (1.0,) * len(points), readings, 1000.0, 400.0)
-    monkeypatch.setattr(choose, "measured", lambda *_: exact)
-    monkeypatch.setattr(choose, "own_error", lambda *_: OwnError(0.001, heat_model, 30.0))
+    exact = Yardstick(points, (1.0,) * len(points), readings, 1000.0, 400.0)
+    own = OwnError(steps, heat_model, 30.0)
     monkeypatch.setattr(choose, "probe", probe)
-    return _probed(SWEEP, accuracy, loads, 0.0, lambda _: None)
+    return _first_within(SWEEP, accuracy, exact, own, True, lambda _: None)
 
 
 def test_the_first_choice_within_the_accuracy_is_taken_with_all_margins(monkeypatch):
@@ -183,6 +168,13 @@ def test_where_none_is_within_it_the_reference_is_taken(monkeypatch):
     assert found.saving == pytest.approx(0.25)
 
 
+def test_where_not_even_the_finest_is_within_it_the_cheapest_as_good_is_taken(monkeypatch):
+    found = judged(monkeypatch, 1e-4, [0.09, 1e-5, *[0.09] * 20], steps=0.0)
+    assert found.name == "draft, finer elements, solved tightly"
+    assert "more than asked for" in str(found)
+    assert "(draft, solved tightly errs by" in str(found)
+
+
 @pytest.mark.parametrize(("heat_model", "taken"), [(0.034, "elapsed"), (0.036, "history")])
 def test_all_heat_is_taken_where_the_present_errs_by_more_than_seven_tenths(
     heat_model, taken, monkeypatch
@@ -196,17 +188,7 @@ def test_all_heat_is_taken_where_the_present_errs_by_more_than_seven_tenths(
     assert found.fidelity.history_coarsening == (1 if taken == "history" else 4)
 
 
-@pytest.mark.parametrize(("steps", "taken"), [(499, "a probe"), (501, "the reference")])
-def test_a_probe_may_take_half_the_steps_of_the_sweep_at_the_reference(steps, taken, monkeypatch):
-    monkeypatch.setattr(choose, "_steps_to_probe", lambda *_: steps)
-    monkeypatch.setattr(choose, "_steps_of_sweep", lambda *_: 1000)
-    monkeypatch.setattr(choose, "_probed", lambda *_: "a probe")
-    monkeypatch.setattr(choose, "_unprobed", lambda *_: "the reference")
-    assert choose_fidelity(SWEEP, 0.02) == taken
-    assert choose_fidelity(SWEEP, 0.02, points=[Point(300.0, 1.0)]) == "the reference"
-
-
-def test_a_probe_takes_six_times_the_steps_of_the_yardstick_at_each_load():
+def test_a_probe_takes_five_times_the_steps_of_the_yardstick_at_each_load():
     top = SWEEP.loading.reference_load
-    assert _steps_to_probe(SWEEP, [top]) == 6 * 25
-    assert _steps_to_probe(SWEEP, [top, top / 2]) == 6 * (25 + 13)
+    assert _steps_to_probe(SWEEP, [Place(top)]) == 5 * 25
+    assert _steps_to_probe(SWEEP, [Place(top), Place(top / 2)]) == 5 * (25 + 13)

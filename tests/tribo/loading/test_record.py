@@ -23,15 +23,28 @@ def last(states):
     return state
 
 
-def test_stations_follow_the_record_in_equal_steps_of_time():
-    record = MeasuredLoad(np.array([3.0, 4.0, 7.0]), np.array([0.0, 300.0, 600.0]))
-    stations = list(record.stations(600.0, 8))
-    assert [s.time for s in stations] == pytest.approx([0.5 * n for n in range(1, 9)])
-    loads = [150.0, 300.0, 350.0, 400.0, 450.0, 500.0, 550.0, 600.0]
-    assert [s.normal_load for s in stations] == pytest.approx(loads)
-    assert [s.index for s in stations] == list(range(1, 9))
+def test_a_jump_has_half_of_the_steps_and_the_rest_are_equal_in_time():
+    record = MeasuredLoad(np.array([3.0, 5.0, 5.001, 7.001]), np.array([0.0, 0.0, 599.0, 600.0]))
+    stations = list(record.stations(600.0, 16))
+    times = [s.time for s in stations]
+    assert times[:4] == pytest.approx([0.5, 1.0, 1.5, 2.0], rel=1e-3)
+    assert times[-4:] == pytest.approx([2.5, 3.0, 3.5, 4.0], rel=4e-3)
+    assert 2.0 < times[4] < times[10] < 2.0011
+    assert [s.normal_load for s in stations[4:11]] == pytest.approx(
+        [75.0, 150.0, 225.0, 300.0, 375.0, 450.0, 525.0], rel=0.02
+    )
+    assert [s.index for s in stations] == list(range(1, 17))
     assert stations[-1].normal_load == 600.0
     assert not any(s.on_trunk for s in stations)
+
+
+def test_the_noise_of_a_record_takes_no_steps():
+    times = np.linspace(0.0, 8.0, 801)
+    noise = 2.0 * np.random.default_rng(0).standard_normal(times.size)
+    still = np.where(times < 6.0, 30.0, 30.0 + 360.0 * (times - 6.0)) + noise
+    stations = list(MeasuredLoad(times, still, reference_load=700.0).stations(700.0, 40))
+    in_time = 20 * 6.0 / 8.0
+    assert sum(s.time < 6.0 for s in stations) == pytest.approx(in_time, abs=2)
 
 
 def test_another_load_is_the_record_in_proportion_at_the_same_times():
@@ -50,8 +63,11 @@ def test_loading_ends_where_the_reference_load_is_first_reached():
 
 def test_a_load_that_falls_is_followed_and_noise_below_zero_is_no_load():
     record = MeasuredLoad(np.arange(5.0), np.array([-2.0, 200.0, 100.0, -3.0, 300.0]))
-    loads = [s.normal_load for s in record.stations(300.0, 4)]
-    assert loads == pytest.approx([200.0, 100.0, 0.0, 300.0])
+    stations = list(record.stations(300.0, 1000))
+    for moment, load in ((1.0, 200.0), (2.0, 100.0), (3.0, 0.0)):
+        nearest = min(stations, key=lambda station: abs(station.time - moment))
+        assert nearest.normal_load == pytest.approx(load, abs=1.0)
+    assert min(s.normal_load for s in stations) == 0.0
     scene = replace(small_scene(increments=8), loading=record)
     states = list(simulate(scene, 300.0, 1.25))
     patches = scene.pin.patches(scene.grid)

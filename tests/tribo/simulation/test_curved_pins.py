@@ -263,3 +263,15 @@ def test_pins_that_cannot_be_are_refused():
     periodic = Grid((160, 160), (4e-6, 4e-6))
     with pytest.raises(InputError, match="under a crowned pin both axes must be free"):
         replace(ball(), pin=Crowned(5e-3, 0.1, STEEL), pixels=periodic)
+
+
+@pytest.mark.parametrize("preset", ["draft", "standard"])
+@pytest.mark.parametrize("pin", [Ball(5e-3, STEEL), Crowned(5e-3, 10e-3, STEEL)])
+def test_a_smooth_pin_wears_swept_as_it_wears_locally(pin, preset):
+    # No roughness passes it, so each of its points wears by the pressure on it, on any grid.
+    swept, local = (
+        end(replace(ball(preset, pattern), pin=pin, roughness=None))
+        for pattern in ("swept", "local")
+    )
+    assert np.array_equal(swept.wear_depth, local.wear_depth)
+    assert np.array_equal(swept.heat.rise, local.heat.rise)

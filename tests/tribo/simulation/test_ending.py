@@ -99,13 +99,6 @@ def test_the_worn_volume_stays_that_of_the_load_on_its_way(pattern):
     assert worn == pytest.approx(1e-14 * VELOCITY * station.impulse, rel=1e-10)
 
 
-def test_the_cost_of_all_three_steps_is_counted():
-    scene = worn_scene()
-    state = last(scene, 300.0)
-    assert state.iterations > state.history.iterations
-    assert state.work == state.iterations * state.pressure.size
-
-
 @pytest.mark.parametrize(
     "scene",
     [

@@ -311,3 +311,10 @@ def test_options_that_do_not_fit_are_refused():
     for field in ("kernel", "wear_scheme", "heat_model", "contact_criterion"):
         with pytest.raises(InputError, match=f"{field} is 'none'; allowed are"):
             Fidelity(**{field: "none"})
+
+
+def test_local_wear_is_solved_tightly_enough_to_add_up():
+    loose, tighter = (small_scene("local", contact_tolerance=each) for each in (0.1, 0.03))
+    one, other = (last(simulate(scene, 600.0, 1.25)) for scene in (loose, tighter))
+    assert np.array_equal(one.heat.rise, other.heat.rise)
+    assert small_scene("swept", contact_tolerance=0.1).contact_tolerance == 0.1

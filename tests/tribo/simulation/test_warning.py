@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from tests.helpers.scenes import STEEL, small_scene
-from tribo import Ball, Grid, Ramp, WarningKind, Wear, simulate, start, warnings
+from tribo import Ball, Grid, Motion, Ramp, WarningKind, Wear, simulate, start, warnings
 from tribo.simulation.warning import ordered_nodes
 
 BALL = Ball(8e-3, STEEL)
@@ -17,10 +17,22 @@ def last(states):
     return deque(states, maxlen=1).pop()
 
 
+def texts(scene, state, kind):
+    """What is told of a state, of one kind."""
+    return [each.text for each in warnings(scene, state) if each.kind == kind]
+
+
 def test_contact_at_the_window_s_edge_warns():
     scene = replace(small_scene(), pixels=Grid((12, 16), (8e-6, 8e-6)))
-    assert "x edge" in warnings(scene, last(simulate(scene, 750.0, 1.25)))[0].text
-    assert warnings(small_scene(), last(simulate(small_scene(), 400.0, 1.25))) == []
+    kind = WarningKind.CONTACT_AT_EDGE
+    assert "x edge" in texts(scene, last(simulate(scene, 750.0, 1.25)), kind)[0]
+    assert not texts(small_scene(), last(simulate(small_scene(), 400.0, 1.25)), kind)
+
+
+def test_enough_of_everything_warns_of_nothing():
+    scene = replace(small_scene(), pixels=Grid((120, 64), (4e-6, 4e-6)))
+    scene = replace(scene, loading=Ramp(150.0, 400.0, hold=20.0, hold_steps=5))
+    assert warnings(scene, last(simulate(scene, 400.0, 1.25))) == []
 
 
 def test_kinds_keep_the_bits_that_stores_have():
@@ -30,6 +42,9 @@ def test_kinds_keep_the_bits_that_stores_have():
         "few nodes": 4,
         "few steps": 8,
         "present heat": 16,
+        "coarse pixels": 32,
+        "beyond shape": 64,
+        "few turns": 128,
     }
 
 
@@ -62,7 +77,7 @@ def test_each_free_edge_is_looked_at(place, named):
 
 def test_an_edge_beyond_which_the_patch_goes_on_is_none():
     scene = small_scene()
-    assert warnings(scene, touching(scene, (5, 0))) == []
+    assert not texts(scene, touching(scene, (5, 0)), WarningKind.CONTACT_AT_EDGE)
 
 
 @pytest.mark.parametrize(("nodes", "told"), [(0, False), (1, True), (399, True), (400, False)])
@@ -70,9 +85,9 @@ def test_from_400_elements_on_there_are_enough(nodes, told):
     scene = replace(small_scene(pixels_per_element=2), pixels=Grid((96, 64), (4e-6, 4e-6)))
     state = touching(scene, np.unravel_index(np.arange(nodes) + 48, scene.grid.shape))
     assert ordered_nodes(scene, state) == nodes
-    texts = [warning.text for warning in warnings(scene, state)]
-    assert len(texts) == told
-    assert not told or f"only {nodes} elements" in texts[0]
+    found = texts(scene, state, WarningKind.FEW_NODES)
+    assert len(found) == told
+    assert not told or f"only {nodes} elements" in found[0]
 
 
 def test_in_a_plane_elements_count_as_many_times():
@@ -103,9 +118,9 @@ def test_rows_count_where_wear_has_fitted_the_pin(wear, depth, rows, counted):
     assert ordered_nodes(scene, replace(state, wear_depth=worn + worn.max())) == counted
     even = np.full_like(worn, worn.max())
     assert ordered_nodes(scene, replace(state, wear_depth=even)) == rows * 32
-    texts = [each.text for each in warnings(scene, replace(state, wear_depth=worn))]
-    assert len(texts) == (counted < 400)
-    assert not texts or f"only {rows} rows of elements touch a pin that wear" in texts[0]
+    found = texts(scene, replace(state, wear_depth=worn), WarningKind.FEW_NODES)
+    assert len(found) == (counted < 400)
+    assert not found or f"only {rows} rows of elements touch a pin that wear" in found[0]
 
 
 @pytest.mark.parametrize(
@@ -122,28 +137,112 @@ def test_rows_count_where_wear_has_fitted_the_pin(wear, depth, rows, counted):
 def test_wear_in_few_steps_warns(scheme, steps, told):
     scene = small_scene(wear_scheme=scheme)
     state = replace(touching(scene, np.s_[5:40]), index=steps)
-    texts = [warning.text for warning in warnings(scene, state)]
-    assert len(texts) == bool(told)
-    assert not told or told in texts[0]
+    found = texts(scene, state, WarningKind.FEW_STEPS)
+    assert len(found) == bool(told)
+    assert not told or told in found[0]
     for unworn in (replace(scene, wear=None), replace(scene, wear=Wear(0.0))):
-        assert warnings(unworn, state) == []
+        assert not texts(unworn, state, WarningKind.FEW_STEPS)
 
 
 @pytest.mark.parametrize(
     ("changes", "told"),
     [
-        ({"pixels_per_element": 2}, True),
-        ({"history_coarsening": 2}, False),  # which a point of few nodes does without
-        ({}, False),  # each pixel is an element: there are no smaller ones
-        ({"pixels_per_element": 2, "roughness": False}, True),  # eight in a line
+        ({"pixels_per_element": 2}, "take smaller elements"),
+        ({"history_coarsening": 2}, "compute several surfaces"),
+        ({}, "compute several surfaces"),  # each pixel is an element: there are no smaller ones
+        ({"pixels_per_element": 2, "roughness": False}, "take smaller elements"),
+        ({"roughness": False}, None),  # whose pixels are judged by how many lie across
     ],
 )
-def test_few_nodes_warn_where_smaller_elements_would_differ(changes, told):
+def test_few_nodes_warn_of_larger_elements_and_of_few_summits(changes, told):
     scene = replace(small_scene(**changes), pixels=Grid((96, 64), (4e-6, 4e-6)))
-    state = last(simulate(scene, 50.0, 1.25))
-    kinds = [warning.kind for warning in warnings(scene, state)]
-    assert (WarningKind.FEW_NODES in kinds) is told
-    assert not told or "take smaller elements" in warnings(scene, state)[0].text
+    found = texts(scene, last(simulate(scene, 50.0, 1.25)), WarningKind.FEW_NODES)
+    assert len(found) == bool(told)
+    assert not told or told in found[0]
+
+
+def test_few_elements_are_solved_tightly_where_the_fidelity_asks_for_more():
+    scene = replace(small_scene(wear=False, roughness=True), pixels=Grid((96, 64), (4e-6, 4e-6)))
+    loose, tight, asking = (
+        replace(scene, fidelity=replace(scene.fidelity, contact_tolerance=tolerance, **more))
+        for tolerance, more in ((0.1, {}), (1e-3, {}), (0.1, {"fewest_elements": 400}))
+    )
+    one, other, third = (last(simulate(each, 50.0, 1.25)) for each in (loose, tight, asking))
+    assert np.count_nonzero(other.pressure) < 400
+    assert np.array_equal(third.pressure, other.pressure)
+    assert not np.array_equal(third.pressure, one.pressure)
+
+
+@pytest.mark.parametrize(
+    ("pin", "places", "told"),
+    [
+        (BALL, np.s_[10:21, 1:15], "11 elements across"),
+        (BALL, np.s_[10:40, 2:13], "11 elements across"),
+        (BALL, np.s_[10:22, 2:14], None),
+        (None, np.s_[10:15], "5 elements across"),
+        (None, np.s_[10:16], None),
+        (None, np.s_[0:0], None),
+    ],
+)
+def test_a_contact_of_few_elements_across_warns_in_every_fidelity(pin, places, told):
+    scene = small_scene(periodic=(False, not pin))
+    scene = replace(scene, pin=pin or scene.pin)
+    found = texts(scene, touching(scene, places), WarningKind.COARSE_PIXELS)
+    assert len(found) == bool(told)
+    assert not told or (told in found[0] and "window.pixel_size" in found[0])
+    coarser = replace(scene, fidelity=replace(scene.fidelity, pixels_per_element=2))
+    small = texts(coarser, touching(coarser, np.s_[4:7, 3:6]), WarningKind.COARSE_PIXELS)
+    assert "fidelity.pixels_per_element" in small[0]
+
+
+@pytest.mark.parametrize(("length", "told"), [(15.9e-6, ["along x", "along y"]), (16e-6, [])])
+def test_a_roughness_that_the_pixels_do_not_resolve_warns(length, told):
+    scene = small_scene()
+    scene = replace(scene, roughness=replace(scene.roughness, correlation_length=(length, length)))
+    found = texts(scene, touching(scene, np.s_[5:40]), WarningKind.COARSE_PIXELS)
+    assert len(found) == len(told)
+    assert all(axis in text for axis, text in zip(told, found, strict=True))
+
+
+@pytest.mark.parametrize(
+    ("radius", "depth", "told"),
+    [
+        (2e-3, 0.0, None),
+        (0.46e-3, 0.0, "0.28 mm wide"),  # 35 rows of 8 µm are 0.61 of it
+        (0.47e-3, 0.0, None),
+        (2e-3, 0.091e-3, "worn 0.091 mm deep"),
+        (2e-3, 0.089e-3, None),
+    ],
+)
+def test_a_contact_beyond_the_pin_s_shape_warns(radius, depth, told):
+    scene = small_scene()
+    scene = replace(scene, pin=replace(scene.pin, radius=radius))
+    state = touching(scene, np.s_[5:40])
+    state = replace(state, wear_depth=np.full_like(state.wear_depth, depth))
+    found = texts(scene, state, WarningKind.BEYOND_SHAPE)
+    assert len(found) == bool(told)
+    assert not told or told in found[0]
+
+
+@pytest.mark.parametrize(
+    ("motion", "velocity", "told"),
+    [
+        (Motion(slide_roll_ratio=1.9999), 1.0, "turns 0.00"),
+        (Motion(slide_roll_ratio=1.0), 1.0, None),
+        (Motion(slide_roll_ratio=2.0), 1.0, None),  # at rest at every velocity
+        (Motion(entrainment_velocity=1.0), 2.0, "stands still at this very velocity"),
+        (Motion(entrainment_velocity=1.0), 1.9, "turns 4 times"),
+        (Motion(entrainment_velocity=1.0), 1.0, None),
+        (None, 1.0, None),
+    ],
+)
+def test_a_pin_that_hardly_turns_warns(motion, velocity, told):
+    scene = replace(small_scene(), motion=motion)
+    state = replace(touching(scene, np.s_[5:40]), sliding_distance=velocity, time=1.0)
+    found = texts(scene, state, WarningKind.FEW_TURNS)
+    assert len(found) == bool(told)
+    assert not told or told in found[0]
+    assert not texts(replace(scene, wear=None), state, WarningKind.FEW_TURNS)
 
 
 @pytest.mark.parametrize(
@@ -159,11 +258,7 @@ def test_few_nodes_warn_where_smaller_elements_would_differ(changes, told):
 )
 def test_the_present_heat_warns_where_a_contact_has_grown_slowly(changes, velocity, told):
     scene = replace(small_scene(**changes), pixels=Grid((96, 64), (4e-6, 4e-6)))
-    found = [
-        each.text
-        for each in warnings(scene, last(simulate(scene, 600.0, velocity)))
-        if each.kind == WarningKind.PRESENT_HEAT
-    ]
+    found = texts(scene, last(simulate(scene, 600.0, velocity)), WarningKind.PRESENT_HEAT)
     assert len(found) == bool(told)
     assert not told or told in found[0]
 
@@ -171,4 +266,4 @@ def test_the_present_heat_warns_where_a_contact_has_grown_slowly(changes, veloci
 def test_the_present_heat_does_not_warn_long_after_a_contact_has_grown():
     loading = Ramp(rate=150.0, reference_load=600.0, hold=50.0, hold_steps=1)
     scene = replace(small_scene(), loading=loading)
-    assert warnings(scene, last(simulate(scene, 600.0, 0.05))) == []
+    assert not texts(scene, last(simulate(scene, 600.0, 0.05)), WarningKind.PRESENT_HEAT)

@@ -1,0 +1,150 @@
+"""Progress of a run, and the time to go."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from pipeline.store.schema import DONE, FAILED
+from pipeline.store.write import Store
+from pipeline.sweep.plan import PointRecord
+from tribo.types import Array
+
+_ENOUGH = 3.0  # [s] since the first points, which tell how fast the others go
+
+
+@dataclass(frozen=True, slots=True)
+class Progress:
+    """Progress of a run.
+
+    Attributes
+    ----------
+    done, failed, total : int
+        Points that are done, that have failed, and all of the sweep, earlier runs included.
+    elapsed : float
+        Time since this run began [s].
+    time_to_go : float or None
+        Estimated time until the end [s]; None until the first point is done.
+    """
+
+    done: int
+    failed: int
+    total: int
+    elapsed: float
+    time_to_go: float | None
+
+
+class Tally:
+    """Counts the points of a run, and tells the caller.
+
+    Parameters
+    ----------
+    store : Store
+    progress : callable or None
+        Called with a `Progress`.
+    began : float
+        When the run began, by `time.monotonic` [s].
+
+    Attributes
+    ----------
+    computed : int
+        Points that this run has completed.
+    """
+
+    def __init__(
+        self, store: Store, progress: Callable[[Progress], None] | None, began: float
+    ) -> None:
+        self._progress, self._began = progress, began
+        self._computing = began
+        self._worked = 0.0
+        self._first: tuple[float, float] | None = None
+        self.computed = 0
+        self._take(store)
+        self._report()
+
+    def begin(self, store: Store) -> None:
+        """Take note that points of a store begin to be computed."""
+        self._take(store)
+        if not self.computed:
+            self._computing = time.monotonic()
+
+    def note(self, records: Iterable[PointRecord]) -> None:
+        """Take note of points that have been written."""
+        any_new = False
+        for record in records:
+            any_new = True
+            if record.data is None:
+                continue
+            self.computed += 1
+            self._worked += record.wall_time
+            self._durations[self._store.index(record.point)] = record.wall_time
+        if any_new:
+            self._first = self._first or (time.monotonic(), self._worked)
+            self._report()
+
+    def _take(self, store: Store) -> None:
+        self._store = store
+        times = store.read("wall_time", ...)
+        self._durations = np.where(store.flags == DONE, times, np.nan)
+
+    def _report(self) -> None:
+        if self._progress is None:
+            return
+        asked, flags, now = self._store.asked == 1, self._store.flags, time.monotonic()
+        done, failed = (int(np.count_nonzero(flags[asked] == flag)) for flag in (DONE, FAILED))
+        time_to_go = None
+        if self.computed and self._worked:
+            pending = asked & (flags != DONE) & (flags != FAILED)
+            expected = expected_durations(self._durations, self._store.axes["velocity"])
+            work = float(expected[pending].sum())
+            time_to_go = work * self._seconds_of_work(now)
+        total = int(np.count_nonzero(asked))
+        self._progress(Progress(done, failed, total, now - self._began, time_to_go))
+
+    def _seconds_of_work(self, now: float) -> float:
+        """Time that a second of a worker's work takes, all workers together [s].
+
+        Without the start of the workers, as soon as there is enough to tell it from.
+        """
+        began, before = self._first or (self._computing, 0.0)
+        if now - began < _ENOUGH or self._worked <= before:
+            began, before = self._computing, 0.0
+        return (now - began) / (self._worked - before)
+
+
+def expected_durations(durations: Array, velocities: Iterable[float]) -> Array:
+    """Durations of all points, by those that are known.
+
+    Parameters
+    ----------
+    durations : ndarray, shape (…, n_load, n_velocity)
+        Durations [s]; NaN where they are not known. Some are.
+    velocities : iterable of float, shape (n_velocity,)
+        Sliding velocities, in any order [m/s].
+
+    Returns
+    -------
+    ndarray, same shape
+        Durations [s], interpolated over velocity at each load; the mean of all at a load without
+        any.
+
+    Examples
+    --------
+    >>> expected_durations(np.array([[1.0, np.nan, 3.0], [np.nan] * 3]), [1.0, 2.0, 3.0])
+    array([[1., 2., 3.],
+           [2., 2., 2.]])
+    """
+    axis = np.array(list(velocities), float)
+    rows = durations.reshape(-1, *durations.shape[-2:])
+    counts = np.count_nonzero(np.isfinite(rows), axis=0)
+    means = np.nansum(rows, axis=0) / np.maximum(counts, 1)
+    order = np.argsort(axis)
+    expected = np.full(means.shape, np.nansum(rows) / max(counts.sum(), 1))
+    for load in range(len(means)):
+        present = order[counts[load][order] > 0]
+        if present.size:
+            expected[load] = np.interp(axis, axis[present], means[load][present])
+    return np.broadcast_to(expected, durations.shape)

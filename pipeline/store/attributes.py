@@ -1,0 +1,133 @@
+"""Attributes of a store: what it belongs to, what computed it, and what its scene says now."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Iterable, Mapping
+from datetime import UTC, datetime
+from importlib import metadata
+from typing import Any
+
+from pipeline.store.identity import describe, scene_hash
+from pipeline.store.schema import FORMAT
+from pipeline.sweep.lubrication import Lubrication
+from pipeline.sweep.model import Sweep
+from pipeline.sweep.plan import step_count
+from pipeline.sweep.unknown import drawn
+from tribo import BULK_RATIOS, QUANTILES
+
+OPTIONAL = ("coordinates", "lubrication", "samples", "sample_seed", "unknown")
+"""Attributes of a scene that a store has only where there are samples, or an oil."""
+
+
+def lasting_attributes(sweep: Sweep) -> dict[str, Any]:
+    """Attributes that a store keeps from its creation: the scene, and what computed it."""
+    description = describe(sweep)
+    return {
+        "Conventions": "CF-1.11",
+        "format": FORMAT,
+        "scene": description,
+        "scene_hash": scene_hash(description),
+        "versions": versions(),
+    }
+
+
+@functools.cache
+def versions() -> dict[str, str]:
+    """Versions of the packages that compute and store."""
+    try:
+        tribo = metadata.version("irg-transition")
+    except metadata.PackageNotFoundError:  # run from its source
+        tribo = "unknown"
+    return {"tribo": tribo} | {name: metadata.version(name) for name in ("numpy", "scipy", "zarr")}
+
+
+def with_present_versions(attributes: Mapping[str, Any]) -> dict[str, Any]:
+    """Attributes with the present versions added, if the last run had others."""
+    later = attributes.get("later_versions", [])
+    last = later[-1]["versions"] if later else attributes["versions"]
+    if last == versions():
+        return dict(attributes)
+    since = datetime.now(UTC).isoformat(timespec="seconds")
+    entry = {"since": since, "versions": versions()}
+    return {**attributes, "later_versions": [*later, entry]}
+
+
+def present_attributes(sweep: Sweep) -> dict[str, Any]:
+    """Attributes that follow the scene file, since they do not decide the numbers.
+
+    The reasons for the fidelity are kept from an earlier run, if this one did not pick it.
+    """
+    picked = {"selection": sweep.selection.as_dict()} if sweep.selection else {}
+    lubrication = Lubrication.of(sweep)
+    oiled = {"lubrication": lubrication.as_dict()} if lubrication else {}
+    return (
+        picked
+        | oiled
+        | _samples_of(sweep)
+        | {
+            "name": sweep.name,
+            "title": sweep.title,
+            "preset": sweep.preset,
+            "conditions": sweep.conditions.as_dict(),
+            "friction_band": list(sweep.friction_band) if sweep.friction_band else None,
+            "measured": [measurement.as_dict() for measurement in sweep.measured],
+            "loads": list(sweep.loads),
+            "velocities": list(sweep.velocities),
+            "realizations": list(sweep.realizations),
+            "boundary_only": sweep.chosen is not None,
+        }
+    )
+
+
+def _samples_of(sweep: Sweep) -> dict[str, Any]:
+    """Unknown inputs and how they were drawn; nothing where there are no samples.
+
+    ``coordinates`` is where readers of CF look for coordinates that are not dimensions.
+    """
+    if not sweep.samples:
+        return {}
+    samples = sweep.samples
+    paths = " ".join(each.path for each in samples.unknown)
+    return ({"coordinates": paths} if samples.are_simulated and paths else {}) | {
+        "samples": len(samples),
+        "sample_seed": samples.seed,
+        "unknown": [each.as_dict() for each in samples.unknown],
+    }
+
+
+def grown_axes(axes: Mapping[str, list[Any]], sweep: Sweep) -> dict[str, list[Any]]:
+    """Values along each dimension: those of a store, in their order, then what a sweep adds."""
+    chosen = sweep.chosen or ()
+    steps = max(step_count(sweep, load) for load in sweep.loads)
+
+    def widened(name: str, wanted: Iterable[Any]) -> list[Any]:
+        present = axes.get(name, [])
+        return list(dict.fromkeys([*present, *wanted]))
+
+    name, values = sweep.axis or (None, ())
+    leading = {name: widened(name, values)} if name else {}
+    velocities = sweep.velocities if sweep.chosen is None else sorted({p.velocity for p in chosen})
+    return (
+        leading
+        | _inputs(sweep, len(leading.get("sample", [])))
+        | {
+            "load": widened("load", sweep.loads),
+            "velocity": widened("velocity", velocities),
+            "step": list(range(1, max(steps, len(axes.get("step", []))) + 1)),
+            "quantile": list(QUANTILES),
+            "bulk_ratio": list(BULK_RATIOS),
+            "x": sweep.grid.coordinates(0).tolist(),
+            "y": sweep.grid.coordinates(1).tolist(),
+        }
+    )
+
+
+def _inputs(sweep: Sweep, count: int) -> dict[str, list[float]]:
+    """Values drawn of each input for so many samples, which may be more than the sweep's."""
+    if not (count and sweep.samples and sweep.samples.unknown):
+        return {}
+    if count == len(sweep.samples):
+        return sweep.samples.columns
+    values = drawn(sweep.samples.unknown, sweep.samples.seed, count)
+    return {each.path: values[:, i].tolist() for i, each in enumerate(sweep.samples.unknown)}

@@ -1,0 +1,226 @@
+"""Creation of a store, and its opening by the one process that writes to it."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Mapping
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from pipeline.store.attributes import (
+    OPTIONAL,
+    grown_axes,
+    lasting_attributes,
+    present_attributes,
+    with_present_versions,
+)
+from pipeline.store.durable import PARTIAL, replace_files, sync
+from pipeline.store.identity import describe, differences
+from pipeline.store.lock import Lock, held
+from pipeline.store.place import (
+    LOCK,
+    ROOT,
+    Bucket,
+    Folder,
+    PathLike,
+    Place,
+    StoreError,
+    StoreMismatchError,
+    place_of,
+    unwritable,
+)
+from pipeline.store.points import Places
+from pipeline.store.root import Root, read_root, root_document
+from pipeline.store.schema import (
+    Variable,
+    block_of,
+    bytes_of_a_point,
+    documents,
+    metadata_of,
+    variables,
+)
+from pipeline.store.write import Store, fill_new_steps
+from pipeline.sweep.model import Sweep
+from tribo import QUANTILES
+
+
+@contextmanager
+def writing(path: PathLike, sweep: Sweep) -> Iterator[Store]:
+    """Create the store of a sweep, or open it and make room for what the sweep adds.
+
+    What is in the store stays, whether or not the sweep still asks for it.
+
+    Raises
+    ------
+    StoreMismatchError
+        If the store belongs to another scene; the message says how the two differ.
+    StoreError
+        If there is something else in its place, another process writes to it, or it cannot be
+        written.
+    """
+    place = place_of(path)
+    with ExitStack() as stack:
+        try:
+            lock = _created(place, sweep, stack) if not place.exists() else None
+            if lock is None:
+                read_root(place)  # before a lock is laid in what is no store
+                lock = stack.enter_context(held(place))
+                _remove_partial(place)
+        except OSError as error:
+            raise unwritable(place, error) from error
+        yield grown(place, sweep, lock)
+
+
+@contextmanager
+def repairing(path: PathLike) -> Iterator[Store]:
+    """Open a store to repair it, while no other process writes to it; raise as `writing` does."""
+    place = place_of(path)
+    root = read_root(place)
+    with ExitStack() as stack:
+        try:
+            lock = stack.enter_context(held(place))
+        except OSError as error:
+            raise unwritable(place, error) from error
+        yield Store(place, root, lock, is_damaged=True)
+
+
+def grown(place: Place, sweep: Sweep, lock: Lock | None) -> Store:
+    """Open a store whose lock is held, with room for what a sweep adds; raise as `writing` does."""
+    root = read_root(place)
+    if fault := next(_mismatches(root, sweep), None):
+        raise StoreMismatchError(f"{place} {fault}")
+    with_fields = "pressure" in root.arrays
+    axes = _present(grown_axes(root.axes, sweep), sweep, with_fields)
+    attributes = {k: v for k, v in root.attributes.items() if k not in OPTIONAL}
+    attributes |= present_attributes(sweep) | {"axes": axes}
+    attributes = with_present_versions(attributes)
+    if attributes != root.attributes:
+        try:
+            root = _rewritten(place, root, attributes, sweep)
+        except OSError as error:
+            raise unwritable(place, error) from error
+    store = Store(place, root, lock)
+    store.ask(store.asked_by(sweep))
+    return store
+
+
+def _rewritten(place: Place, root: Root, attributes: dict[str, Any], sweep: Sweep) -> Root:
+    """Give a store other attributes and longer axes: the arrays first, then the root."""
+    contents = _documents(attributes, sweep, "pressure" in root.arrays)
+    arrays = metadata_of(contents)
+    place.put({key: new for key, new in contents.items() if new != place.read(key)})
+    if len(attributes["axes"]["step"]) > len(root.axes["step"]):
+        fill_new_steps(place, Places(Root(attributes, arrays)))
+    place.put({ROOT: root_document(attributes, arrays)})
+    return read_root(place)
+
+
+def _created(place: Place, sweep: Sweep, stack: ExitStack) -> Lock | None:
+    """Create a store, beside its place if that is a folder; its lock is held from then on.
+
+    None in a bucket, or if another process was faster.
+    """
+    axes = _present(grown_axes({}, sweep), sweep, sweep.store_fields)
+    wanted = _variables(sweep, sweep.store_fields)
+    sizes = {dim: len(axes[dim]) for dim in wanted["status"].dims}
+    attributes = lasting_attributes(sweep) | present_attributes(sweep)
+    attributes |= {
+        "axes": axes,
+        "points_per_chunk": block_of(sizes, bytes_of_a_point(wanted, axes)),
+        "steps_per_chunk": len(axes["step"]),
+    }
+    contents = _documents(attributes, sweep, sweep.store_fields)
+    root = {ROOT: root_document(attributes, metadata_of(contents))}
+    if isinstance(place, Bucket):
+        place.put(contents)
+        place.put(root)
+        return None
+    partial = Folder(place.path.with_name(place.path.name + PARTIAL))
+    if not partial.is_unfinished():
+        raise StoreError(
+            f"{partial} is no store that was being made; move it, or write to another store"
+        )
+    with ExitStack() as creation:
+        lock = creation.enter_context(held(partial))
+        if lock is None or not lock.is_in_place(partial.path / LOCK) or place.exists():
+            return None
+        partial.clear()
+        replace_files(partial.path, contents | root)
+        os.rename(partial.path, place.path)  # noqa: PTH104, also onto an empty folder
+        sync(place.path.parent)
+        stack.push(creation.pop_all())
+    return lock
+
+
+def _variables(sweep: Sweep, with_fields: bool) -> dict[str, Variable]:
+    name, _ = sweep.axis or (None, ())
+    units = {each.path: each.unit for each in sweep.samples.unknown} if sweep.samples else {}
+    return variables(name, with_fields, sweep.unequal_bulks, units)
+
+
+def _present(
+    axes: Mapping[str, list[Any]], sweep: Sweep, with_fields: bool
+) -> dict[str, list[Any]]:
+    """Axes that a store has."""
+    wanted = _variables(sweep, with_fields)
+    return {name: values for name, values in axes.items() if name in wanted}
+
+
+def _documents(attributes: Mapping[str, Any], sweep: Sweep, with_fields: bool) -> dict[str, bytes]:
+    chunks = attributes["points_per_chunk"] | {"step": attributes["steps_per_chunk"]}
+    return documents(_variables(sweep, with_fields), attributes["axes"], chunks)
+
+
+def _mismatches(root: Root, sweep: Sweep) -> Iterator[str]:
+    """Reasons why a store is not that of a sweep."""
+    leading, _ = sweep.axis or (None, ())
+    for name, what in (("realization", "the seeds"), ("sample", "the number")):
+        if name in root.axes and name != leading:
+            yield (
+                f"has an axis for sweep.{name}s, which the scene does not give; give {what} that "
+                "are wanted, or write to another store"
+            )
+        if name not in root.axes and name == leading:
+            yield (
+                f"has no axis for sweep.{name}s, and the dimensions of a store stay what they were "
+                "at its creation; write to another store"
+            )
+    different = [
+        *differences(root.attributes["scene"], describe(sweep)),
+        *differences(root.axes["quantile"], list(QUANTILES), "quantile"),
+    ]
+    if different:
+        yield "\n  ".join(["belongs to another scene; write to another store", *different])
+    if sweep.store_fields and "pressure" not in root.arrays:
+        yield (
+            "has no fields, since its scene did not ask for them when it was created; leave out "
+            "sweep.store_fields, or write to another store"
+        )
+    for path in _inputs_drawn_otherwise(root.axes, sweep):
+        yield (
+            f"has samples with other values of {path}: what is drawn of it follows from its place "
+            "in [unknown] too; give its entries in the order that they had, new ones last, or "
+            "write to another store"
+        )
+
+
+def _inputs_drawn_otherwise(axes: Mapping[str, Any], sweep: Sweep) -> Iterator[str]:
+    """Paths of inputs of which the samples of a store have other values than those of a sweep."""
+    if sweep.samples and sweep.axis:
+        columns = sweep.samples.columns
+        for path in sweep.samples.simulated:
+            stored, wanted = zip(*zip(axes[path], columns[path], strict=False), strict=True)
+            # Rounding differs from machine to machine.
+            if not np.allclose(stored, wanted, rtol=1e-9, atol=0.0):
+                yield path
+
+
+def _remove_partial(place: Place) -> None:
+    """Remove what a killed writer was writing."""
+    if isinstance(place, Folder):
+        for file in place.path.glob(f"*/*{PARTIAL}"):
+            file.unlink(missing_ok=True)
+        Path(place.path, ROOT + PARTIAL).unlink(missing_ok=True)

@@ -1,0 +1,104 @@
+"""A Zarr store in a folder whose files are on the disk, names included, once it says so."""
+
+from __future__ import annotations
+
+import asyncio
+import errno
+import os
+from collections.abc import Mapping
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from zarr.storage import LocalStore
+
+if TYPE_CHECKING:
+    from zarr.abc.buffer import Buffer
+
+PARTIAL = ".partial"
+"""Ending of the names of files that are being written."""
+
+_NO_SYNC = (errno.EINVAL, errno.EBADF, errno.ENOTSUP)  # some file systems cannot sync a folder
+_THREADS = 8  # that wait for the disk, which then writes several files in one go
+
+
+class Durable(LocalStore):
+    """A `zarr.storage.LocalStore` that survives a power cut.
+
+    A file is written beside its place, synced and renamed, and its folder synced. So after a cut
+    each key has its old content or its new one, and the new one if `set` had returned.
+
+    Examples
+    --------
+    >>> import tempfile, zarr
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     array = zarr.create_array(Durable(folder), shape=3, dtype="f8")
+    ...     array[:] = 1.5
+    ...     zarr.open_array(folder, mode="r")[:].tolist()
+    [1.5, 1.5, 1.5]
+    """
+
+    async def set(self, key: str, value: Buffer) -> None:
+        """Replace the content of a key."""
+        self._check_writable()
+        await asyncio.to_thread(replace_file, self.root / key, value.to_bytes())
+
+    async def set_if_not_exists(self, key: str, value: Buffer) -> None:
+        """Set the content of a key that has none."""
+        if not await self.exists(key):
+            await self.set(key, value)
+
+    async def delete(self, key: str) -> None:
+        """Remove a key."""
+        await super().delete(key)
+        await asyncio.to_thread(sync, (self.root / key).parent)
+
+    def set_sync(self, key: str, value: Buffer) -> None:
+        """Replace the content of a key."""
+        self._check_writable()
+        replace_file(self.root / key, value.to_bytes())
+
+    def delete_sync(self, key: str) -> None:
+        """Remove a key."""
+        super().delete_sync(key)
+        sync((self.root / key).parent)
+
+
+def replace_file(file: Path, content: bytes) -> None:
+    """Replace the content of a file at one stroke; return once that is on the disk.
+
+    Only one process and thread may replace a file at a time.
+    """
+    created = [folder for folder in file.parents if not folder.exists()]
+    file.parent.mkdir(parents=True, exist_ok=True)
+    partial = file.with_name(file.name + PARTIAL)
+    try:
+        with partial.open("wb") as stream:
+            stream.write(content)
+            stream.flush()
+            os.fsync(stream.fileno())
+        partial.replace(file)
+    except BaseException:
+        partial.unlink(missing_ok=True)
+        raise
+    for folder in {file.parent, *(each.parent for each in created)}:
+        sync(folder)
+
+
+def replace_files(root: Path, contents: Mapping[str, bytes]) -> None:
+    """Replace several files below a folder, side by side."""
+    with ThreadPoolExecutor(_THREADS) as threads:
+        files = [(root / key, content) for key, content in contents.items()]
+        list(threads.map(lambda each: replace_file(*each), files))
+
+
+def sync(folder: Path) -> None:
+    """Wait until the names in a folder are on the disk, as far as its file system can tell."""
+    descriptor = os.open(folder, os.O_RDONLY)
+    try:
+        os.fsync(descriptor)
+    except OSError as error:
+        if error.errno not in _NO_SYNC:
+            raise
+    finally:
+        os.close(descriptor)

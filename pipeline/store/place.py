@@ -1,0 +1,281 @@
+"""Places of stores: folders of a disk, and addresses of an object store.
+
+::
+
+    TriboError
+    └── StoreError               no store, not readable, not writable or in use
+        └── StoreMismatchError   the store of another scene
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import cached_property
+from importlib.util import find_spec
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from pipeline.store.schema import is_coordinate
+from tribo import TriboError
+
+if TYPE_CHECKING:
+    from zarr.abc.store import Store
+
+PathLike = str | os.PathLike[str]
+ROOT = "zarr.json"
+"""Key of the metadata of a group; that of an array lies below its name."""
+LOCK = "status/lock"
+"""Key of the lock of a store: within it, where no other path misses it."""
+SCHEME = "s3://"
+
+
+class StoreError(TriboError):
+    """A store that is missing, not readable, not writable or in use.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> try:
+    ...     pipeline.open_sweep("results/none.zarr")
+    ... except pipeline.StoreError:
+    ...     print("run the scene first")
+    run the scene first
+    """
+
+
+class StoreMismatchError(StoreError):
+    """A store that belongs to another scene.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> other = pipeline.load_scene("workflows/first_try.toml", overrides={"wear.pattern": "local"})
+    >>> try:
+    ...     pipeline.run_sweep(other, "results/first_try.zarr")
+    ... except pipeline.StoreMismatchError:
+    ...     print("another scene: give another folder")
+    another scene: give another folder
+    """
+
+
+@dataclass(frozen=True)
+class Folder:
+    """A folder of a disk.
+
+    Attributes
+    ----------
+    path : Path
+        Absolute path.
+    """
+
+    path: Path
+
+    def __str__(self) -> str:
+        return str(self.path)
+
+    def zarr(self, read_only: bool) -> Store:
+        """Zarr's view of the folder, whose files are on the disk once they are set."""
+        from pipeline.store.durable import Durable
+
+        return Durable(self.path, read_only=read_only)
+
+    def exists(self) -> bool:
+        """Return whether there is anything but an empty folder."""
+        if self.path.is_dir():
+            return any(self.path.iterdir())
+        return os.path.lexists(self.path) and self.path.exists()
+
+    def read(self, key: str) -> bytes | None:
+        """Content of a file; None if there is none."""
+        file = self.path / key
+        if not file.exists():
+            return None
+        if not file.is_file():  # a pipe has no end
+            raise OSError(f"{key} is not a file")
+        return file.read_bytes()
+
+    def put(self, contents: Mapping[str, bytes]) -> None:
+        """Replace files; return once they are on the disk."""
+        from pipeline.store.durable import replace_files
+
+        replace_files(self.path, contents)
+
+    def names(self, name: str) -> set[str]:
+        """Names of the files in the folder of an array."""
+        try:
+            with os.scandir(self.path / name) as entries:
+                return {entry.name for entry in entries if entry.is_file()}
+        except FileNotFoundError:
+            return set()
+
+    def is_unfinished(self) -> bool:
+        """Return whether a creation that was cut short left the folder, if there is one."""
+        if not os.path.lexists(self.path):
+            return True
+        if self.path.is_symlink() or not self.path.is_dir():
+            return False
+        only_begun = {entry.name for entry in self.path.iterdir()} <= {Path(LOCK).parts[0]}
+        return only_begun or (self.path / LOCK).is_file()
+
+    def clear(self) -> None:
+        """Remove all but the lock."""
+        for entry in self.path.iterdir():
+            if entry.is_dir() and entry.name != Path(LOCK).parts[0]:
+                shutil.rmtree(entry)
+            elif not entry.is_dir():
+                entry.unlink()
+
+
+@dataclass(frozen=True)
+class Bucket:
+    """A folder of an object store, whose objects are replaced at one stroke and safe then.
+
+    Attributes
+    ----------
+    address : str
+        Address, such as ``s3://bucket/sweep.zarr``.
+    """
+
+    address: str
+
+    def __str__(self) -> str:
+        return self.address
+
+    def zarr(self, read_only: bool) -> Store:
+        """Zarr's view of the objects."""
+        from zarr.storage import FsspecStore
+
+        return FsspecStore.from_url(self.address, read_only=read_only, storage_options=_OPTIONS)
+
+    def exists(self) -> bool:
+        """Return whether there is anything but the beginning of a store that has no point."""
+        return self.read(ROOT) is not None or any(
+            key != LOCK and not key.endswith(f"/{ROOT}") and not is_coordinate(key.split("/")[0])
+            for key in self._keys()
+        )
+
+    def read(self, key: str) -> bytes | None:
+        """Content of an object; None if there is none."""
+        with self._as_os_error():
+            try:
+                content: bytes = self._objects.cat_file(self._key(key))
+            except FileNotFoundError:
+                return None
+        return content
+
+    def put(self, contents: Mapping[str, bytes]) -> None:
+        """Replace objects, side by side."""
+        with self._as_os_error():
+            self._objects.pipe({self._key(key): content for key, content in contents.items()})
+
+    def names(self, name: str) -> set[str]:
+        """Names of the objects directly below the name of an array."""
+        with self._as_os_error():
+            try:
+                listed = self._objects.ls(self._key(name), detail=False, refresh=True)
+            except FileNotFoundError:
+                return set()
+        return {address.rsplit("/", 1)[-1] for address in listed}
+
+    def create(self, key: str, content: bytes) -> bool:
+        """Create an object unless there is one; return whether that was done."""
+        with self._as_os_error():
+            try:
+                self._objects.pipe_file(self._key(key), content, mode="create")
+            except OSError:
+                # Each kind of server says in its own way that there is one.
+                if self.read(key) is None:
+                    raise
+                return False
+        return True
+
+    def remove(self, key: str) -> None:
+        """Remove an object."""
+        with self._as_os_error():
+            self._objects.rm_file(self._key(key))
+
+    def _keys(self) -> list[str]:
+        with self._as_os_error():
+            listed = self._objects.find(self._key(""))
+        return [address.removeprefix(self._key("")) for address in listed]
+
+    def _key(self, key: str) -> str:
+        return f"{self.address.removeprefix(SCHEME)}/{key}"
+
+    @cached_property
+    def _objects(self) -> Any:
+        import fsspec  # which stores in folders do without
+
+        return fsspec.filesystem("s3", **_OPTIONS)
+
+    @contextmanager
+    def _as_os_error(self) -> Iterator[None]:
+        try:
+            yield
+        except OSError:
+            raise
+        except Exception as error:
+            raise OSError(f"{self.address}: {error}") from error
+
+
+_OPTIONS = {"use_listings_cache": False}
+
+
+Place = Folder | Bucket
+"""Files of a store by their keys; what goes wrong is an `OSError`."""
+
+
+def place_of(path: PathLike) -> Place:
+    """Place of a store.
+
+    Raises
+    ------
+    StoreError
+        If the path can be none.
+    """
+    address = os.fspath(path)
+    if address.startswith(SCHEME):
+        if find_spec("s3fs") is None:
+            raise StoreError(f"{address}: this needs pip install 'irg-transition[s3]'")
+        return Bucket(address.rstrip("/"))
+    if "://" in address:
+        raise StoreError(f"{address}: a store is a local folder or an {SCHEME} address")
+    try:
+        folder = Path(os.path.realpath(Path(address).absolute()))
+    except FileNotFoundError:
+        raise StoreError(
+            f"{address}: the folder that this process works in was deleted; go to another"
+        ) from None
+    if not folder.name:
+        raise StoreError(f"{folder} cannot be a store; give a folder below it")
+    return Folder(folder)
+
+
+def require_writable(path: PathLike) -> None:
+    """Refuse a place where no store can be made, before long work for it.
+
+    Raises
+    ------
+    StoreError
+        If the folder around it cannot be made or written.
+    """
+    place = place_of(path)
+    if isinstance(place, Bucket):
+        return
+    try:
+        place.path.parent.mkdir(parents=True, exist_ok=True)
+        if not os.access(place.path.parent, os.W_OK):
+            raise PermissionError("no permission to write to its folder")
+    except OSError as error:
+        raise unwritable(place, error) from error
+
+
+def unwritable(place: Place, error: OSError) -> StoreError:
+    """Error for a place that cannot be written, with the reason."""
+    above = place.path.parents if isinstance(place, Folder) else ()
+    in_the_way = (f"{folder} is a file, not a folder" for folder in above if folder.is_file())
+    return StoreError(f"{place} cannot be written: {next(in_the_way, error.strerror or error)}")

@@ -1,0 +1,147 @@
+"""A driver that notes the points that it was told are done, and that can be made to err.
+
+python -m tests.crash.drive LOG run SCENE -o OUT.zarr       # as the command irg
+python -m tests.crash.drive LOG --job JOB.pickle            # the arguments of `drive`
+"""
+
+import argparse
+import json
+import os
+import pickle
+import sys
+import time
+from contextlib import ExitStack, contextmanager, nullcontext
+from pathlib import Path
+from unittest import mock
+
+from pipeline.cli import main as irg
+from pipeline.run import blame, writer
+from pipeline.run import sweep as running
+from pipeline.run.cluster import ExecutionError
+from pipeline.run.tally import Tally
+from pipeline.store import create, durable
+from pipeline.store.lock import Lock
+from pipeline.store.place import StoreError
+from pipeline.store.write import Store
+from tests.crash.sweeps import record_of
+
+GIVEN_UP = 2
+"""Exit code of a driver that ends with a word."""
+
+
+def drive(sweep, path, log, known=None, mistake=None, pace=0.0, workers=2):
+    """Run or resume a sweep; return the exit code that the command would have.
+
+    Parameters
+    ----------
+    known : dict of Point to PointRecord, optional
+        What workers would return: without any, all of the run but Dask.
+    mistake : str, optional
+        One of `MISTAKES`.
+    pace : float
+        Time that each ramp takes, if its points are known [s].
+    """
+    with ExitStack() as stack:
+        stack.enter_context(noting(log))
+        stack.enter_context(MISTAKES[mistake]())
+        stack.enter_context(computing(known, pace) if known else nullcontext())
+        try:
+            outcome = running.run_sweep(sweep, path, workers=workers, retry_failed=True)
+        except (StoreError, ExecutionError) as error:
+            print(error, file=sys.stderr)
+            return GIVEN_UP
+    return 1 if outcome.failed else 0
+
+
+@contextmanager
+def noting(log):
+    """Note the points that callers are told are done."""
+    note = Tally.note
+
+    def noted(self, records):
+        records = list(records)
+        with Path(log).open("a") as stream:
+            stream.writelines(f"{json.dumps(r.point)}\n" for r in records if r.data is not None)
+        note(self, records)
+
+    with mock.patch.object(Tally, "note", noted):
+        yield
+
+
+@contextmanager
+def computing(known, pace):
+    """Let points be computed here from what is known, and be written at once."""
+
+    def compute(client, sweep, with_fields, writer, waiting, patience, report, *_):
+        for chain in waiting:
+            writer.add([record_of(known, sweep, point) for point in chain])
+            writer.flush()
+            report(writer.written())
+            time.sleep(pace)
+
+    with (
+        mock.patch.object(running, "compute", compute),
+        mock.patch.object(running, "connected", return_value=nullcontext()),
+        mock.patch.multiple(writer, _PAUSE=0.0, _SHARE=0.0),
+    ):
+        yield
+
+
+def _status_first():
+    write = Store.write
+
+    def careless(self, values, flags):
+        self._put_all({"status": flags})
+        write(self, values, flags)
+
+    return mock.patch.object(Store, "write", careless)
+
+
+def _unsynced():
+    return mock.patch.object(durable.os, "fsync")
+
+
+class _NoLock(Lock):
+    def is_in_place(self, file):
+        return True
+
+
+def _unlocked():
+    @contextmanager
+    def held(place):
+        place.path.mkdir(parents=True, exist_ok=True)
+        yield _NoLock(place.path, -1)
+
+    return mock.patch.object(create, "held", held)
+
+
+def _all_blamed():
+    blamed = property(lambda suspects: list(suspects.losses))
+    return mock.patch.object(blame.Suspects, "failed", blamed)
+
+
+MISTAKES = {
+    None: nullcontext,
+    "status first": _status_first,
+    "unsynced": _unsynced,
+    "unlocked": _unlocked,
+    "all blamed": _all_blamed,
+}
+"""What the campaigns are there to notice."""
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("log")
+    parser.add_argument("--job", type=Path)
+    parser.add_argument("--mistake", choices=[name for name in MISTAKES if name])
+    options, command = parser.parse_known_args()
+    if options.job:
+        return drive(*pickle.loads(options.job.read_bytes()))
+    with noting(options.log), MISTAKES[options.mistake]():
+        return irg(command)
+
+
+if __name__ == "__main__":
+    os.environ.setdefault("PYTHONPATH", str(Path(__file__).parents[2]))
+    sys.exit(main())

@@ -1,0 +1,276 @@
+"""The loop that all campaigns share: a store is written to, disturbed, looked at, and resumed.
+
+However it was disturbed, the store opens and is clean, no point is lost that was told as done, and
+all points that are done are, bit for bit, what is computed alone. In the end a run completes it.
+"""
+
+import itertools
+import json
+import os
+import pickle
+import signal
+import subprocess
+import sys
+import time
+import traceback
+from collections import Counter
+from contextlib import suppress
+from pathlib import Path
+
+import numpy as np
+
+import pipeline
+from pipeline.store.place import place_of
+from pipeline.store.schema import DONE, FAILED, FIELDS, STEPPED
+from pipeline.store.verify import verify_store
+from pipeline.sweep.model import Point
+from tests.crash.drive import drive
+from tests.crash.sweeps import FAILING, REASON, STAGES
+
+PATIENCE = 300.0
+"""Time that a run may take, which takes less than 20 s on an idle machine [s]."""
+_SOON, _LATEST = 0.1, 0.8  # [s] after a point was done, or the beginning, for a disturbance
+_END = 60.0  # [s] that the processes of a dead driver may take to end
+
+
+class Report:
+    """What a campaign has done, and the faults that it has seen."""
+
+    def __init__(self):
+        self.counts, self.faults = Counter(), []
+
+    def as_dict(self):
+        return {**self.counts, "faults": self.faults[:20], "faults_in_all": len(self.faults)}
+
+
+class Forked:
+    """A driver without Dask, in a process that is forked from this one.
+
+    Parameters are those of `drive`.
+    """
+
+    def __init__(self, sweep, path, log, known, mistake=None, pace=0.0):
+        self.returncode = None
+        # Not by multiprocessing, whose children count as workers, which run no sweep.
+        self.pid = os.fork()
+        if not self.pid:
+            code = 99
+            try:
+                with Path(log).with_suffix(".err").open("a") as sys.stderr:
+                    code = drive(sweep, path, log, known, mistake, pace)
+            except BaseException:
+                with Path(log).with_suffix(".err").open("a") as stream:
+                    traceback.print_exc(file=stream)
+            finally:
+                os._exit(code)
+
+    def poll(self):
+        """Exit code; None if it goes on."""
+        if self.returncode is None:
+            pid, status = os.waitpid(self.pid, os.WNOHANG)
+            self.returncode = os.waitstatus_to_exitcode(status) if pid else None
+        return self.returncode
+
+    def wait(self, seconds=PATIENCE):
+        """Wait until it has ended; raise as `subprocess.Popen.wait` does."""
+        limit = time.monotonic() + seconds
+        while self.poll() is None:
+            if time.monotonic() > limit:
+                raise subprocess.TimeoutExpired("a driver", seconds)
+            time.sleep(0.002)
+        return self.returncode
+
+    def kill(self):
+        """Kill it, if it has not ended."""
+        if self.poll() is None:
+            os.kill(self.pid, signal.SIGKILL)
+
+
+def started(log, *arguments, mistake=None):
+    """Start a driver by a command of its own, in a group of its own."""
+    wrong = ["--mistake", mistake] if mistake else []
+    return subprocess.Popen(
+        [sys.executable, "-m", "tests.crash.drive", log, *wrong, *map(str, arguments)],
+        cwd=Path(__file__).parents[2],
+        stdout=subprocess.DEVNULL,
+        stderr=Path(log).with_suffix(".err").open("a"),
+        start_new_session=True,
+    )
+
+
+def job(folder, *arguments):
+    """Options with which `started` calls `drive`."""
+    file = folder / "job.pickle"
+    file.write_bytes(pickle.dumps(arguments))
+    return "--job", file
+
+
+def code_of(run, seconds=PATIENCE):
+    """Exit code of a driver; None if it goes on after a time [s]."""
+    with suppress(subprocess.TimeoutExpired):
+        run.wait(seconds)
+    return run.poll()
+
+
+def end(run):
+    """Kill a driver, with all of its processes if it has a group; return if these had ended."""
+    if not isinstance(run, subprocess.Popen):
+        run.kill()
+        run.wait()
+        return True
+    limit = time.monotonic() + (_END if run.poll() is not None else 0.0)
+    while time.monotonic() < limit:
+        try:
+            os.killpg(run.pid, 0)
+        except ProcessLookupError:
+            return True
+        time.sleep(0.05)
+    with suppress(ProcessLookupError):
+        os.killpg(run.pid, signal.SIGKILL)
+    return run.wait() is None
+
+
+def places(ds):
+    """Points that a dataset has room for, each with its place."""
+    dims = ds["status"].dims
+    for place in itertools.product(*(enumerate(ds[dim].values.tolist()) for dim in dims)):
+        values = {dim: value for dim, (_, value) in zip(dims, place, strict=True)}
+        yield tuple(number for number, _ in place), Point(**values)
+
+
+def differing(arrays, index, result):
+    """Variables of a point that are not, bit for bit, what was computed."""
+    expected = {**result.record("pressure" in arrays).data}
+    for name, values in expected.items():
+        stored = arrays[name][index]
+        if stored[: len(values)].tobytes() != values.tobytes():
+            yield name
+        elif name in STEPPED and np.isfinite(stored[len(values) :]).any():
+            yield f"{name} beyond its end"
+
+
+def is_meant_to_fail(point, message):
+    """Return whether a point may have failed, as that one does of which the first stage tells."""
+    return (point, message) == (FAILING, REASON)
+
+
+def faults_of(ds, expected, acknowledged=(), may_fail=is_meant_to_fail):
+    """Faults of a dataset: points lost, points that differ, and values of those not done."""
+    arrays = {name: ds[name].values for name in ds.data_vars}
+    left = set(acknowledged)
+    for index, point in places(ds):
+        status = int(arrays["status"][index])
+        if status == DONE:
+            left.discard(point)
+            names = list(differing(arrays, index, expected(point)))
+            yield from (f"{point}: {name} differs" for name in names)
+            continue
+        if status == FAILED and not may_fail(point, arrays["message"][index]):
+            yield f"{point} has failed: {arrays['message'][index]}"
+        for name in {*STEPPED, *FIELDS} & set(arrays):
+            if np.isfinite(arrays[name][index]).any():
+                yield f"{point} is not done, and has {name}"
+    yield from (f"{point} was told as done, and is lost" for point in left)
+
+
+class Trial:
+    """A store that is written to through all kinds of disturbances.
+
+    Parameters
+    ----------
+    report : Report
+    path : str or Path
+    expected : Expected
+    log : Path
+        File in which drivers note what they were told is done.
+    start : callable
+        Starts a driver, given one of the `stages`.
+    stages : sequence
+        Sweeps, the one after the other; the last one is completed in the end.
+
+    Attributes
+    ----------
+    may_repeat : bool
+        Whether points may be computed again that were told as done.
+    """
+
+    may_repeat = False
+
+    def __init__(self, report, path, expected, log, start, stages=STAGES):
+        self.report, self.path, self.expected, self.log = report, path, expected, Path(log)
+        self._start, self._stages = start, stages
+
+    @property
+    def acknowledged(self):
+        """Number of times that drivers were told that each point is done."""
+        lines = self.log.read_text().splitlines(keepends=True) if self.log.exists() else ()
+        return Counter(Point(*json.loads(line)) for line in lines if line.endswith("\n"))
+
+    def go(self, disturbances):
+        """Disturb one run after the other, then complete the sweep; add faults to the report."""
+        for number, disturb in enumerate(disturbances):
+            run = self._start(self._stages[min(number, len(self._stages) - 1)])
+            try:
+                disturb(run)
+            finally:
+                if not end(run):
+                    self.fault("processes of a dead driver go on")
+            self.look()
+        self.complete()
+        self.report.counts["trials"] += 1
+
+    def complete(self):
+        """Run without a disturbance to the end, and look at all that is left."""
+        run = self._start(self._stages[-1])
+        code = code_of(run)
+        end(run)
+        if code != 0:
+            word = "it hangs" if code is None else f"it ends with {code}"
+            self.fault(f"resumed, {word}: {self.last_words()}")
+        self.look()
+        if pending := pipeline.summary(self.path).pending:
+            self.fault(f"resumed, {pending} points are not done")
+        if isinstance(self.path, Path):
+            left = [*self.path.rglob("*.partial"), *self.path.parent.glob("*.partial")]
+            self.report.faults += [f"left over: {file}" for file in left]
+        told = self.acknowledged
+        self.report.counts["acknowledged"] += len(told)
+        for point in (point for point, times in told.items() if times > 1 and not self.may_repeat):
+            self.fault(f"{point} was told as done, and computed again")
+
+    def wait(self, run, chance):
+        """Let a driver go on until some moment, soon or after some points more."""
+        further = chance.choice((0, chance.randint(0, 40)))
+        enough = len(self.acknowledged) + further if further else 0
+        limit = time.monotonic() + PATIENCE
+        while run.poll() is None and time.monotonic() < limit:
+            if len(self.acknowledged) >= enough:
+                code_of(run, chance.uniform(0.0, _SOON if further else _LATEST))
+                return
+            time.sleep(0.005)
+
+    def look(self):
+        """Add what is wrong with the store to the report."""
+        acknowledged = self.acknowledged
+        self.report.counts["looks"] += 1
+        if not place_of(self.path).exists():
+            if acknowledged:
+                self.fault(f"{len(acknowledged)} points were told as done, and there is no store")
+            return
+        try:
+            checked = verify_store(self.path)
+            for each in (*checked.damaged, *checked.records, *checked.shared):
+                self.fault(f"damaged: {each}")
+            with pipeline.open_sweep(self.path) as ds:
+                for fault in faults_of(ds.load(), self.expected, acknowledged):
+                    self.fault(fault)
+        except Exception as error:
+            self.fault(f"{type(error).__name__}: {error}")
+
+    def fault(self, text):
+        self.report.faults.append(f"{Path(self.path).parent.name}: {text}")
+
+    def last_words(self):
+        """End of what drivers have said."""
+        file = self.log.with_suffix(".err")
+        return file.read_text()[-400:] if file.exists() else ""

@@ -1,0 +1,58 @@
+"""Sweeps of milliseconds a point that grow from stage to stage, and what is computed of them."""
+
+import os
+from dataclasses import replace
+
+import numpy as np
+
+from pipeline.sweep.model import Point
+from pipeline.sweep.plan import PointRecord, points, run_point
+from tests.helpers import tiny
+
+_FIRST = tiny.full(
+    loading=tiny.SlowRamp(150.0, 750.0),
+    loads=(150.0, 600.0),
+    velocities=tuple(np.linspace(0.5, 1.5, 12).tolist()),
+)
+_LONGER = replace(_FIRST, loads=(150.0, 600.0, 900.0))  # by some steps
+_WIDER = replace(_LONGER, velocities=tuple(np.linspace(0.5, 1.5, 23).tolist()))
+STAGES = (_FIRST, _LONGER, _WIDER)
+"""The same sweep, asked for more and more."""
+FAILING = Point(600.0, 1.5)
+"""A point that fails as long as nothing but the first stage is asked for, if it is known."""
+REASON = "ConvergenceError: the contact did not converge"
+
+
+class Expected:
+    """Results of points, each computed alone and once.
+
+    Parameters
+    ----------
+    sweep : Sweep
+    """
+
+    def __init__(self, sweep):
+        self._sweep = replace(sweep, chosen=None)
+        self._results = {}
+
+    def __call__(self, point):
+        if point not in self._results:
+            with np.errstate(all="raise", under="ignore"):
+                self._results[point] = run_point(self._sweep, *point)
+        return self._results[point]
+
+    def records(self, sweep):
+        """Records of all points of a sweep, as its workers return them."""
+        return {point: self(point).record(sweep.store_fields) for point in points(sweep)}
+
+
+def record_of(known, sweep, point):
+    """Record of a point that is known, and fails in the first stage if it is that one."""
+    if point == FAILING and sweep.loads == STAGES[0].loads:
+        return PointRecord(point, None, REASON)
+    return known[point]
+
+
+def keep_one_thread():
+    """Have numerical libraries take one thread in all processes that are started from now on."""
+    os.environ |= {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}

@@ -1,0 +1,112 @@
+"""Stores of the tiny sweep, made without a cluster, and writers that are killed."""
+
+import functools
+import threading
+from contextlib import contextmanager
+
+import numpy as np
+import xarray as xr
+
+from pipeline.store import durable
+from pipeline.store.create import writing
+from pipeline.store.place import place_of
+from pipeline.store.root import read_root
+from pipeline.store.schema import DONE
+from pipeline.store.write import Store
+from pipeline.sweep.plan import PointRecord, points, run_point
+from tests.helpers import tiny
+
+
+class Killed(BaseException):
+    """The process ends here, as far as the store can tell."""
+
+
+@functools.cache
+def record(point):
+    """Record of a point of the full tiny sweep, at whatever loads and velocities that has."""
+    with np.errstate(all="raise", under="ignore"):
+        return run_point(tiny.full(), *point).record(with_fields=True)
+
+
+def commit(path, sweep, chosen=None):
+    """Make the store of a full tiny sweep, or go on with it, and commit points to it."""
+    with writing(path, sweep) as store:
+        store.commit([record(point) for point in (points(sweep) if chosen is None else chosen)])
+
+
+def fail(path, sweep, point, message):
+    """Let a point fail."""
+    with writing(path, sweep) as store:
+        store.commit([PointRecord(point, None, message)])
+
+
+def opened(path):
+    """Open a store to read it."""
+    place = place_of(path)
+    return Store(place, read_root(place))
+
+
+def done_points(path):
+    """Points that are done, in the order of the store."""
+    store = opened(path)
+    return store.points_at(np.nonzero(store.flags == DONE))
+
+
+def asked_points(path):
+    """Points that the last run asked for."""
+    store = opened(path)
+    return store.points_at(np.nonzero(store.asked == 1))
+
+
+def at(path, point, name):
+    """Values of a variable at a point."""
+    store = opened(path)
+    return store.read(name, store.index(point))
+
+
+def make(path, sweep):
+    """Make the store of a sweep, or make room in it."""
+    with writing(path, sweep) as store:
+        return store
+
+
+def assert_is_as_computed(path, expected):
+    """Let the points that are done be these, bit for bit, and the others not a number."""
+    assert set(done_points(path)) == set(expected)
+    with xr.open_zarr(path, chunks=None) as ds:
+        ds.load()
+    for point in expected:
+        stored = ds.sel(load=point.load, velocity=point.velocity)
+        assert stored["message"].item() == record(point).message
+        for name, values in record(point).data.items():
+            present = stored[name].values
+            assert present[: len(values)].tobytes() == values.tobytes(), (point, name)
+            assert np.isnan(present[len(values) :]).all(), (point, name)
+
+
+@contextmanager
+def killed_after(monkeypatch, files):
+    """Let the process be killed after it has replaced so many files, and say whether it was."""
+    replace, lock, left, was_killed = durable.replace_file, threading.Lock(), [files], []
+
+    def replace_some(file, content):
+        with lock:
+            left[0] -= 1
+        if left[0] < 0:
+            file.parent.mkdir(parents=True, exist_ok=True)
+            file.with_name(file.name + durable.PARTIAL).write_bytes(content[: len(content) // 2])
+            raise Killed
+        replace(file, content)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(durable, "replace_file", replace_some)
+        try:
+            yield was_killed
+        except Killed:
+            was_killed.append(True)
+
+
+def contents(path):
+    """Contents of all files below a path by their names, without the lock, which is emptied."""
+    files = (file for file in path.rglob("*") if file.is_file() and file.name != "lock")
+    return {str(file.relative_to(path)): file.read_bytes() for file in files}

@@ -1,0 +1,280 @@
+"""Points in a store: data first and status last, also beside readers, and with little room."""
+
+import errno
+import itertools
+import json
+import os
+import shutil
+import subprocess
+import sys
+import threading
+
+import pytest
+
+import tribo
+from pipeline.analysis.dataset import open_sweep
+from pipeline.cli import main
+from pipeline.store import durable
+from pipeline.store.create import grown, writing
+from pipeline.store.place import StoreError
+from pipeline.store.progress import FailedPoint, summary
+from pipeline.store.root import read_root
+from pipeline.store.schema import COLUMNS, DONE, FIELDS
+from pipeline.store.verify import verify_store
+from pipeline.sweep.model import Point
+from pipeline.sweep.plan import points, run_point
+from tests.helpers import tiny
+from tests.helpers.stores import (
+    assert_is_as_computed,
+    commit,
+    fail,
+    killed_after,
+    record,
+)
+
+SWEEP, POINT, OTHER = tiny.full(), Point(250.0, 1.0), Point(600.0, 1.5)
+
+
+@pytest.fixture
+def path(tmp_path):
+    return tmp_path / "tiny.zarr"
+
+
+@pytest.fixture
+def copy(alone, tmp_path):
+    return shutil.copytree(alone, tmp_path / "copy.zarr")
+
+
+def test_what_is_read_is_what_was_computed_bit_for_bit_and_its_warnings(alone):
+    assert_is_as_computed(alone, points(SWEEP))
+    with open_sweep(alone) as ds:
+        for point in points(SWEEP):
+            result = run_point(SWEEP, *point)
+            stored = ds.sel(load=point.load, velocity=point.velocity)
+            assert stored["message"].item() == "; ".join(map(str, result.warnings))
+            flags = stored["warning_flags"].item()
+            assert list(tribo.WarningKind(flags)) == [each.kind for each in result.warnings]
+
+
+def test_there_is_a_variable_for_each_measure_and_field():
+    assert set(record(POINT).data) == {*COLUMNS, *FIELDS}
+
+
+@pytest.mark.parametrize("files", [*range(0, 25, 4), 25, 26])
+def test_a_commit_killed_before_any_change_of_a_file_leaves_points_whole(path, monkeypatch, files):
+    """Those of the last commit are done or not; those of earlier ones stay."""
+    commit(path, SWEEP, [POINT])
+    with writing(path, SWEEP) as store, killed_after(monkeypatch, files) as was_killed:
+        store.commit([record(OTHER)])
+    assert bool(was_killed) == (files < 26)
+    assert_is_as_computed(path, [POINT] if was_killed else [POINT, OTHER])
+    assert verify_store(path).is_clean
+    with open_sweep(path) as ds:
+        ds.load()
+    commit(path, SWEEP, [OTHER])
+    assert_is_as_computed(path, [POINT, OTHER])
+
+
+def test_the_status_is_written_when_all_else_is_on_the_disk(path, monkeypatch):
+    log, replace_file = [], durable.replace_file
+
+    def logged(file, content):
+        log.append(f"{file.parent.name} begins")
+        replace_file(file, content)
+        log.append(f"{file.parent.name} ends")
+
+    with writing(path, SWEEP) as store:
+        monkeypatch.setattr(durable, "replace_file", logged)
+        store.commit([record(POINT)])
+    others = {*COLUMNS, *FIELDS, "message", "wall_time", "checksum"}
+    assert {f"{name} ends" for name in others} <= set(log[: log.index("status begins")])
+    assert log[-2:] == ["status begins", "status ends"]
+
+
+def test_a_failed_point_says_why_and_can_be_tried_again(path):
+    fail(path, SWEEP, OTHER, "it did not converge – é")
+    assert summary(path).failed == (FailedPoint(600.0, 1.5, "it did not converge – é"),)
+    with open_sweep(path) as ds:
+        assert ds["message"].sel(load=600, velocity=1.5).item() == "it did not converge – é"
+    with writing(path, SWEEP) as store:
+        store.forget([OTHER])
+        assert OTHER in store.pending()
+    assert summary(path).failed == ()
+    commit(path, SWEEP, [OTHER])
+    assert_is_as_computed(path, [OTHER])
+
+
+@pytest.mark.parametrize("message", ["long " * 3_400_000, "a\0b\n", "not text: \udcff"])
+def test_any_message_is_stored_and_none_grows_the_store(path, message):
+    commit(path, SWEEP, [POINT])
+    fail(path, SWEEP, OTHER, message)
+    assert verify_store(path).is_clean
+    (failed,) = summary(path).failed
+    assert failed.message[:10] == message[:10].encode(errors="backslashreplace").decode()[:10]
+    assert len(failed.message) < 10_000
+
+
+def test_a_full_disk_is_an_error_that_says_so_and_costs_no_point(path, monkeypatch):
+    def full(*_):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    with writing(path, SWEEP) as store:
+        store.commit([record(POINT)])
+        with monkeypatch.context() as patch:
+            patch.setattr(os, "fsync", full)
+            with pytest.raises(StoreError, match="No space left on device; what is finished is sa"):
+                store.commit([record(OTHER)])
+        assert not list(path.rglob("*.partial"))
+        assert not store.is_done(OTHER)
+        store.commit([record(Point(150.0, 0.5))])
+    assert_is_as_computed(path, [POINT, Point(150.0, 0.5)])
+
+
+def test_few_files_may_be_open(path):
+    """Of 28 arrays and a hundred chunks."""
+    program = f"""if True:
+        import pickle, resource
+        resource.setrlimit(resource.RLIMIT_NOFILE, (64, 64))
+        from tests.helpers import stores, tiny
+        import pipeline
+        sweep = tiny.full(velocities=tuple(float(v) for v in range(1, 60)))
+        point = stores.points(sweep)[0]
+        stores.commit({str(path)!r}, sweep, [point])
+        stores.commit({str(path)!r}, tiny.full(velocities=(70.0,)), ())
+        assert pipeline.verify_store({str(path)!r}).is_clean
+        assert pipeline.open_sweep({str(path)!r}).load()["time"].notnull().any()
+    """
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}
+    subprocess.run([sys.executable, "-c", program], env=environment, check=True, timeout=120)
+
+
+# Readers
+
+
+def test_a_point_that_is_not_done_is_not_a_number_whatever_is_on_the_disk(copy):
+    with writing(copy, SWEEP) as store:
+        store.forget([POINT])
+    with open_sweep(copy) as ds:
+        for name in (*COLUMNS, *FIELDS, "wall_time"):
+            ends = ds[name].sel(load=250)
+            assert ends.sel(velocity=1).isnull().all()
+            assert ends.sel(velocity=0.5).notnull().any()
+
+
+@pytest.mark.parametrize("name", [*COLUMNS, *FIELDS, "message", "wall_time", "checksum"])
+def test_a_missing_chunk_of_a_done_point_is_an_error_that_says_what_to_do(copy, name, capsys):
+    next((copy / name).glob("c.*")).unlink()
+    with pytest.raises(StoreError, match=f"{name} cannot be read; irg verify .* --repair"):
+        open_sweep(copy)
+    if name == "rise_quantile":
+        assert main(["boundary", str(copy)]) == 2
+        assert "irg verify names what is damaged" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    "name", [*COLUMNS, *FIELDS, "status", "asked", "message", "wall_time", "load", "quantile"]
+)
+def test_a_flipped_bit_in_any_variable_is_not_read(copy, name):
+    for file in (copy / name).glob("c.*"):
+        content = bytearray(file.read_bytes())
+        content[len(content) // 2] ^= 1
+        file.write_bytes(content)
+    with pytest.raises(StoreError, match="irg verify"):
+        open_sweep(copy).load()
+
+
+def test_opening_reads_no_field(copy):
+    """Fields may be larger than the memory."""
+    for file in itertools.chain.from_iterable((copy / name).glob("c.*") for name in FIELDS):
+        file.write_bytes(b"")
+    with open_sweep(copy) as ds:
+        assert ds["pressure"].shape == (3, 3, 32, 16)
+        assert ds["time"].load().notnull().any()
+
+
+LATER = tiny.full(loads=(*tiny.LOADS, 900.0), velocities=(0.25, *tiny.VELOCITIES))
+
+
+def batches(every):
+    return [every[i : i + 3] for i in range(0, len(every), 3)]
+
+
+@pytest.fixture
+def growing(path):
+    """A store that is written all the time, with points that are forgotten and done again."""
+    begun, stop, errors = threading.Event(), threading.Event(), []
+
+    def write():
+        with writing(path, SWEEP) as store:
+            begun.set()
+            for number in itertools.count():
+                for batch in batches(points(LATER)) if number else [points(SWEEP)]:
+                    if stop.is_set():
+                        return
+                    store.commit(map(record, batch))
+                    if number % 2:
+                        store.forget(batch[1:])
+                store = grown(store.place, LATER, store.lock)
+
+    def written():
+        try:
+            write()
+        except BaseException as error:
+            errors.append(error)
+
+    every = [record(point) for point in points(LATER)]
+    assert len(every) == 16
+    thread = threading.Thread(target=written)
+    thread.start()
+    begun.wait(60)
+    yield path
+    stop.set()
+    thread.join()
+    assert not errors
+
+
+def test_a_point_that_is_read_beside_a_writer_is_whole(growing):
+    seen, has_grown = 0, False
+    while seen < 60 or not has_grown:
+        assert summary(growing).running  # or there is no more to wait for
+        with open_sweep(growing) as ds:
+            ds.load()
+        has_grown = ds.sizes["load"] == 4
+        for load, velocity in itertools.product(ds["load"].values, ds["velocity"].values):
+            point, stored = Point(load, velocity), ds.sel(load=load, velocity=velocity)
+            if stored["status"] != DONE:
+                assert all(stored[name].isnull().all() for name in (*COLUMNS, *FIELDS))
+                continue
+            seen += 1
+            for name, values in record(point).data.items():
+                assert stored[name].values[: len(values)].tobytes() == values.tobytes(), name
+
+
+def test_a_dataset_keeps_its_points_while_the_store_grows(copy):
+    with open_sweep(copy) as ds:
+        before = ds.sizes
+        commit(copy, LATER, [Point(900.0, 0.25)])
+        assert ds.load().sizes == before
+        assert ds["time"].notnull().any("step").all()
+
+
+@pytest.mark.parametrize("use", [open_sweep, summary, verify_store])
+def test_a_store_that_grows_as_it_is_opened_is_read_as_it_was_or_is(copy, monkeypatch, use):
+    def grown_meanwhile(place):
+        root = read_root(place)
+        monkeypatch.undo()
+        fail(copy, LATER, Point(900.0, 0.25), "later")
+        return root
+
+    module = sys.modules[use.__module__ if use is not open_sweep else "pipeline.store.read"]
+    monkeypatch.setattr(module, "read_root", grown_meanwhile)
+    use(copy)  # neither damage nor a traceback
+    assert open_sweep(copy).sizes["load"] == 4
+
+
+def test_commands_read_a_store_while_it_is_written(growing, tmp_path, capsys):
+    assert main(["status", str(growing), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["running"]
+    assert main(["boundary", str(growing), "--json"]) == 0
+    assert main(["plot", str(growing), "-o", str(tmp_path / "diagram.png")]) == 0
+    assert main(["verify", str(growing)]) == 0

@@ -1,0 +1,395 @@
+"""Creation and growth of stores, also of ones that were cut short, and refusals."""
+
+import dataclasses
+import errno
+import json
+import os
+import shutil
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+import xarray as xr
+import zarr
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import tribo
+from pipeline.analysis.dataset import open_sweep
+from pipeline.cli import main
+from pipeline.store.create import writing
+from pipeline.store.durable import PARTIAL
+from pipeline.store.place import StoreError, StoreMismatchError
+from pipeline.store.progress import summary
+from pipeline.store.verify import verify_store
+from pipeline.sweep.criterion import Conditions
+from pipeline.sweep.model import Point
+from pipeline.sweep.plan import points, run_point
+from pipeline.sweep.unknown import Samples, Unknown, drawn
+from tests.helpers import tiny
+from tests.helpers.scenes import STEEL
+from tests.helpers.stores import (
+    assert_is_as_computed,
+    commit,
+    contents,
+    killed_after,
+    opened,
+)
+
+SWEEP, POINT = tiny.full(), Point(250.0, 1.0)
+LARGER = tiny.full(loads=(150.0, 700.0, 1500.0), velocities=(0.5, 2.0))
+ADDED = Point(1500.0, 2.0)
+
+
+@pytest.fixture
+def path(tmp_path):
+    return tmp_path / "tiny.zarr"
+
+
+# Creation
+
+
+def test_a_new_store_opens_in_plain_xarray_without_a_warning(alone):
+    command = f"""if True:
+        import warnings; warnings.simplefilter("error")
+        import xarray as xr
+        ds = xr.open_zarr({str(alone)!r})
+        assert ds["rise_quantile"].sel(load=600, velocity=1.5).dims == ("step", "quantile")
+        assert ds["status"].attrs["flag_meanings"] == "pending done failed"
+        ds.load()
+        for name, variable in ds.variables.items():
+            assert "long_name" in variable.attrs, name
+            without = "status", "asked", "message", "warning_flags", "checksum", "record_checksum"
+            assert "units" in variable.attrs or name in without, name
+    """
+    subprocess.run([sys.executable, "-c", command], check=True, cwd="/", timeout=60)
+
+
+def test_axes_have_the_exact_loads_and_velocities(path):
+    sweep = tiny.sweep(loads=(0.1 + 0.2, 100 / 3), velocities=(1 / 7, 1.1))
+    commit(path, sweep, ())
+    with xr.open_zarr(path, chunks=None) as ds:
+        assert tuple(ds["load"].values) == sweep.loads
+        assert tuple(ds["velocity"].values) == sweep.velocities
+        assert ds["quantile"].values.tolist() == list(tribo.QUANTILES)
+
+
+def test_chunks_are_compressed_with_a_checksum_and_hold_many_points(alone):
+    for name in ("time", "pressure", "status", "message", "checksum"):
+        metadata = json.loads((alone / name / "zarr.json").read_text())
+        assert metadata["codecs"][-1] == {
+            "name": "zstd",
+            "configuration": {"level": 1, "checksum": True},
+        }
+    assert len(list((alone / "time").glob("c.*"))) == 1
+
+
+def test_attributes_say_what_was_computed(alone):
+    attributes = xr.open_zarr(alone).attrs
+    assert attributes["scene"]["pin"]["radius"] == 8e-3
+    assert attributes["versions"]["numpy"] == np.__version__
+    assert attributes["conditions"]["critical_temperature"] == 418.15
+    assert attributes["measured"][1] == {"normal_load": 200.0, "velocity": 3.75, "friction": None}
+
+
+@pytest.mark.parametrize("files", [0, 1, 20, 36, 37, 38, 39, 40, 41])
+def test_a_creation_cut_short_leaves_no_store_or_a_whole_one(path, monkeypatch, files):
+    with killed_after(monkeypatch, files) as was_killed:
+        commit(path, SWEEP, [POINT])
+    assert was_killed
+    if path.exists():
+        assert (summary(path).done, summary(path).pending) in ((0, 0), (0, 9))  # asked for or not
+        assert open_sweep(path).load()["time"].isnull().all()
+    else:
+        with pytest.raises(StoreError, match="does not exist"):
+            summary(path)
+    commit(path, SWEEP, [POINT])
+    assert_is_as_computed(path, [POINT])
+    assert [entry.name for entry in path.parent.iterdir()] == [path.name]
+    assert not list(path.rglob(f"*{PARTIAL}"))
+
+
+def test_a_store_is_made_onto_an_empty_folder_and_where_a_link_leads(path):
+    (path.parent / "real.zarr").mkdir()
+    path.symlink_to("real.zarr")
+    commit(path, SWEEP, [POINT])
+    assert path.is_symlink()
+    assert_is_as_computed(path.parent / "real.zarr", [POINT])
+
+
+def test_a_folder_whose_names_cannot_be_synced_is_written_all_the_same(path, monkeypatch):
+    sync = os.fsync
+
+    def refused(descriptor):
+        if os.path.isdir(f"/proc/self/fd/{descriptor}"):  # noqa: PTH112
+            raise OSError(errno.EINVAL, "Invalid argument")
+        sync(descriptor)
+
+    monkeypatch.setattr(os, "fsync", refused)
+    commit(path, SWEEP, [POINT])
+    assert_is_as_computed(path, [POINT])
+
+
+# Growth
+
+
+def test_a_store_opened_again_is_left_as_it_is(path):
+    commit(path, SWEEP, [POINT])
+    before = {file: file.stat().st_mtime_ns for file in path.rglob("*") if file.name != "lock"}
+    commit(path, SWEEP, ())
+    assert before == {file: file.stat().st_mtime_ns for file in before}
+
+
+def test_conditions_and_titles_follow_the_scene_file(path):
+    commit(path, SWEEP, [POINT])
+    commit(
+        path,
+        tiny.full(title="Renamed", conditions=Conditions(0.2, 300.0, 420.0), measured=()),
+        (),
+    )
+    attributes = opened(path).attributes
+    assert attributes["title"] == "Renamed"
+    assert attributes["conditions"]["friction"] == 0.2
+    assert attributes["measured"] == []
+    assert_is_as_computed(path, [POINT])
+
+
+def test_a_store_grows_by_loads_velocities_and_steps(path):
+    commit(path, SWEEP, [POINT])
+    commit(path, LARGER, [ADDED])
+    assert_is_as_computed(path, [POINT, ADDED])
+    assert opened(path).axes["load"] == [150.0, 250.0, 600.0, 700.0, 1500.0]
+    assert opened(path).axes["step"] == list(range(1, 13))
+    with open_sweep(path) as ds:
+        assert ds.sizes["load"] == 5
+    assert verify_store(path).is_clean
+
+
+def test_points_of_earlier_runs_are_counted_apart(path):
+    commit(path, SWEEP, points(SWEEP)[:3])
+    commit(path, dataclasses.replace(SWEEP, loads=(600.0,)), ())
+    now = summary(path)
+    assert (now.total, now.done, now.pending, now.earlier) == (3, 1, 2, 2)
+
+
+@settings(max_examples=5, deadline=None)
+@given(
+    rounds=st.lists(
+        st.tuples(
+            st.sets(st.sampled_from([100.0, 250.0, 600.0, 900.0, 1500.0]), min_size=1),
+            st.sets(st.sampled_from([0.25, 0.5, 1.0]), min_size=1),
+        ),
+        min_size=2,
+        max_size=3,
+    )
+)
+def test_a_store_grown_in_any_order_has_each_point_as_computed(tmp_path_factory, rounds):
+    path, every = tmp_path_factory.mktemp("grown") / "tiny.zarr", set()
+    for loads, velocities in rounds:
+        sweep = tiny.full(loads=tuple(sorted(loads)), velocities=tuple(sorted(velocities)))
+        every.update(points(sweep))
+        commit(path, sweep)
+    assert_is_as_computed(path, every)
+    assert verify_store(path).is_clean
+
+
+@pytest.mark.parametrize("files", [*range(0, 48, 5), 10**6])
+def test_a_growth_killed_before_any_change_of_a_file_costs_no_point(path, monkeypatch, files):
+    commit(path, SWEEP, [POINT])
+    with killed_after(monkeypatch, files) as was_killed:
+        commit(path, LARGER, [ADDED])
+    assert bool(was_killed) == (files < 10**6)
+    with open_sweep(path) as ds:
+        assert ds.sizes["load"] in (3, 5)
+        ds.load()
+    assert_is_as_computed(path, [POINT] if was_killed else [POINT, ADDED])
+    assert verify_store(path).is_clean
+    other = Point(900.0, 0.75)  # goes on otherwise than it was begun
+    commit(path, tiny.full(loads=(100.0, 900.0), velocities=(0.75,)), [other])
+    assert_is_as_computed(path, [POINT, other] if was_killed else [POINT, ADDED, other])
+    assert verify_store(path).is_clean
+    assert not list(path.rglob(f"*{PARTIAL}"))
+
+
+RADIUS = Unknown("pin.radius", "normal", (8e-3, 1e-4), "m")
+RATE = Unknown("wear.specific_wear_rate", "log-normal", (1.2e-15, 1.2), "m s2 kg-1")
+
+
+def sampled(*unknown, count=2, seed=0):
+    values = drawn(unknown, seed, count).tolist()
+    made = {RADIUS: lambda value: ("pin", tribo.Cylinder(value, 3.375e-3, STEEL))}
+    made[RATE] = lambda value: ("wear", tribo.Wear(value))
+    parts = [
+        [made[each](value) for each, value in zip(unknown, row, strict=True)] for row in values
+    ]
+    paths = tuple(each.path for each in unknown)
+    return Samples(unknown, seed, tuple(map(tuple, values)), tuple(map(tuple, parts)), paths)
+
+
+def several(**changes):
+    return tiny.sweep(loads=(150.0,), velocities=(0.5, 1.0), **changes)
+
+
+@pytest.mark.parametrize(
+    ("fewer", "more"),
+    [
+        (several(realizations=(4, 1)), several(realizations=(7, 1, 4))),
+        (several(samples=sampled(RADIUS)), several(samples=sampled(RADIUS, count=5))),
+    ],
+    ids=["surfaces", "samples"],
+)
+@pytest.mark.parametrize("files", [0, 30, 60, None])
+def test_surfaces_and_samples_are_added_to_those_that_are_there(
+    path, fewer, more, files, monkeypatch
+):
+    chosen = points(fewer)[1::2]
+    with writing(path, fewer) as store:
+        store.commit(run_point(fewer, *point).record(with_fields=False) for point in chosen)
+    before = open_sweep(path).load()
+    with killed_after(monkeypatch, 10**6 if files is None else files), writing(path, more):
+        pass
+    with open_sweep(path) as ds:
+        after = ds.sel({more.axis[0]: before[more.axis[0]]}).load()
+    for name in set(before.data_vars) - {"asked"}:
+        np.testing.assert_array_equal(after[name].values, before[name].values)
+    with writing(path, more) as store:
+        assert len(store.pending()) == len(points(more)) - len(chosen)
+    assert verify_store(path).is_clean
+
+
+# Refusals
+
+
+def test_the_store_of_another_scene_is_refused_key_by_key(path, alone):
+    other = tiny.full(increments=7, pin=tribo.Cylinder(9e-3, 3.375e-3, STEEL), wear=None)
+    before = contents(alone)
+    with pytest.raises(StoreMismatchError) as refused:
+        commit(alone, other, ())
+    assert str(refused.value).splitlines()[1:] == [
+        "  scene.pin.radius: 0.008 in the store, 0.009 in the scene",
+        "  scene.wear: a Wear in the store, None in the scene",
+        "  scene.fidelity.increments: 6 in the store, 7 in the scene",
+    ]
+    assert contents(alone) == before
+
+
+MISMATCHES = {
+    "fields later": (several(), several(store_fields=True), "has no fields"),
+    "surfaces later": (several(), several(realizations=(1,)), "has no axis for sweep.realization"),
+    "surfaces before": (several(realizations=(1,)), several(), "has an axis for sweep.realization"),
+    "samples later": (several(), several(samples=sampled(RADIUS)), "no axis for sweep.sampl"),
+    "another seed": (
+        several(samples=sampled(RADIUS)),
+        several(samples=sampled(RADIUS, seed=1)),
+        "scene.unknown.seed: 0 in the store, 1 in the scene",
+    ),
+    "another order": (
+        several(samples=sampled(RADIUS, RATE)),
+        several(samples=sampled(RATE, RADIUS)),
+        "has samples with other values of wear.specific_wear_rate",
+    ),
+}
+
+
+@pytest.mark.parametrize(("made", "asked", "complaint"), MISMATCHES.values(), ids=MISMATCHES)
+def test_a_sweep_that_does_not_fit_the_store_is_refused(path, made, asked, complaint):
+    commit(path, made, ())
+    before = contents(path)
+    with pytest.raises(StoreMismatchError, match=complaint):
+        commit(path, asked, ())
+    assert contents(path) == before
+
+
+def test_a_whole_number_is_the_same_as_its_float(path):
+    commit(path, tiny.sweep(loading=tribo.Ramp(150, 750)), ())
+    commit(path, tiny.sweep(loading=tribo.Ramp(150.0, 750.0)), ())
+
+
+def a_file(path):
+    path.write_text("years of work")
+
+
+def a_folder(path):
+    path.mkdir()
+    (path / "thesis.tex").write_text("years of work")
+
+
+def a_folder_named_like_a_variable(path):
+    (path / "load").mkdir(parents=True)
+    (path / "load" / "mine.csv").write_text("years of work")
+
+
+def a_group_of_somebody_else(path):
+    zarr.create_group(path, attributes={"title": "something else"})
+
+
+def without_root(path):
+    commit(path, SWEEP, [POINT])
+    (path / "zarr.json").unlink()
+
+
+def without_root_and_status(path):
+    without_root(path)
+    shutil.rmtree(path / "status")
+
+
+def with_half_a_root(path):
+    commit(path, SWEEP, [POINT])
+    (path / "zarr.json").write_text((path / "zarr.json").read_text()[:-100])
+
+
+def of_another_format(path):
+    commit(path, SWEEP, [POINT])
+    root = (path / "zarr.json").read_text()
+    (path / "zarr.json").write_text(root.replace('"format": 1', '"format": 99'))
+
+
+def a_folder_beside(path):
+    a_folder(path.with_name(path.name + PARTIAL))
+
+
+def a_link_beside(path):
+    a_folder(path.with_name("mine"))
+    path.with_name(path.name + PARTIAL).symlink_to("mine")
+
+
+@pytest.mark.parametrize(
+    ("make", "complaint"),
+    [
+        (a_file, "is a file, not a store; give a folder that"),
+        (a_folder, "is not a store: there is no zarr.json; give a folder"),
+        (a_folder_named_like_a_variable, "is not a store"),
+        (a_group_of_somebody_else, "is not the store of a sweep"),
+        (without_root, "has lost its zarr.json; restore it from a backup"),
+        (without_root_and_status, "is not a store: there is no zarr.json"),
+        (with_half_a_root, "is damaged"),
+        (of_another_format, "has format 99, and this program reads format 1"),
+        (a_folder_beside, "tiny.zarr.partial is no store that was being made; move it"),
+        (a_link_beside, "tiny.zarr.partial is no store that was being made; move it"),
+    ],
+)
+def test_nothing_is_written_over(path, make, complaint):
+    make(path)
+    before = contents(path.parent)
+    for sweep in (SWEEP, tiny.sweep(increments=7)):
+        with pytest.raises(StoreError, match=complaint):
+            commit(path, sweep, ())
+    if path.exists():
+        with pytest.raises(StoreError, match=complaint):
+            summary(path)
+    assert contents(path.parent) == before
+
+
+def test_a_store_that_is_not_there_and_a_url_are_refused(path, capsys):
+    assert main(["status", str(path)]) == 2
+    assert "does not exist; give a store that irg run made" in capsys.readouterr().err
+    with pytest.raises(StoreError, match="a local folder or an s3:// address"):
+        commit("https://example.org/tiny.zarr", SWEEP, ())
+
+
+def test_a_place_that_cannot_be_written_is_refused(tmp_path):
+    (tmp_path / "file").touch()
+    for below in ("tiny.zarr", "a/tiny.zarr"):
+        with pytest.raises(StoreError, match=r"cannot be written: .*/file is a file, not a folder"):
+            commit(tmp_path / "file" / below, SWEEP, ())

@@ -1,0 +1,68 @@
+"""Files that are on the disk once they are written, by the tests that Zarr ships for stores."""
+
+import errno
+import os
+from pathlib import Path
+
+import pytest
+from zarr.core.buffer import cpu
+from zarr.testing.store import StoreTests
+
+from pipeline.store.durable import Durable, replace_file
+
+
+class TestDurable(StoreTests[Durable, cpu.Buffer]):
+    store_cls = Durable
+    buffer_cls = cpu.Buffer
+
+    @pytest.fixture
+    def store_kwargs(self, tmp_path):
+        return {"root": str(tmp_path)}
+
+    async def set(self, store, key, value):
+        file = store.root / key
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_bytes(value.to_bytes())
+
+    async def get(self, store, key):
+        return self.buffer_cls.from_bytes((store.root / key).read_bytes())
+
+    def test_store_repr(self, store):
+        assert store.root.as_posix() in repr(store)
+
+    def test_store_supports_writes(self, store):
+        assert store.supports_writes
+
+    def test_store_supports_listing(self, store):
+        assert store.supports_listing
+
+
+def test_content_and_names_are_on_the_disk_before_the_next_is_written(tmp_path, monkeypatch):
+    log, replace = [], Path.replace
+
+    def synced(descriptor):
+        log.append(Path(f"/proc/self/fd/{descriptor}").readlink().name)
+
+    def renamed(source, target):
+        log.append(f"rename to {target.name}")
+        replace(source, target)
+
+    monkeypatch.setattr(os, "fsync", synced)
+    monkeypatch.setattr(Path, "replace", renamed)
+    replace_file(tmp_path / "new" / "file", b"content")
+    assert log[:2] == ["file.partial", "rename to file"]
+    assert set(log[2:]) == {"new", tmp_path.name}  # the folder is new, so its name is synced too
+
+
+@pytest.mark.parametrize("fault", [errno.ENOSPC, errno.EIO])
+def test_a_file_that_cannot_be_written_leaves_the_old_one_and_no_other(
+    tmp_path, monkeypatch, fault
+):
+    def failed(*_):
+        raise OSError(fault, os.strerror(fault))
+
+    replace_file(tmp_path / "file", b"old")
+    monkeypatch.setattr(os, "fsync", failed)
+    with pytest.raises(OSError, match=os.strerror(fault)):
+        replace_file(tmp_path / "file", b"new")
+    assert {entry.name: entry.read_bytes() for entry in tmp_path.iterdir()} == {"file": b"old"}

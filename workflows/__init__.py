@@ -1,0 +1,1 @@
+"""Studies and scripts beside the shipped scenes."""

@@ -1,0 +1,111 @@
+"""Every figure and table of the paper, recomputed, beside what it prints.
+
+`RESULTS` are their names; `reproduce` computes one; `write_gallery` all of them, and the page that
+shows them.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from pipeline.figures.style import figure_path, save_figure
+from pipeline.scene.entries import did_you_mean
+from pipeline.sweep.stages import staged
+from tribo import InputError
+from workflows.paper.gallery import page
+from workflows.paper.held_load import fig5
+from workflows.paper.inference import inverse
+from workflows.paper.line_pressure import fig4
+from workflows.paper.load_record import fig8
+from workflows.paper.report import WORDS, Report
+from workflows.paper.resolution import fig6
+from workflows.paper.rivals import rivals
+from workflows.paper.sensitivity import sensitivity
+from workflows.paper.study import Study
+from workflows.paper.surface_band import band
+from workflows.paper.table_4 import table4
+from workflows.paper.table_6 import table6
+from workflows.paper.transition_diagram import fig10
+
+RESULTS: dict[str, str] = {name: words["summary"] for name, words in WORDS.items()}
+"""Results that can be reproduced, by name, in a line each."""
+
+_MAKERS: dict[str, Callable[[Study], Report]] = {
+    maker.__name__: maker
+    for maker in (
+        *(fig4, fig5, fig6, fig8, fig10, band),
+        *(table4, table6, rivals, sensitivity, inverse),
+    )
+}
+
+
+def reproduce(name: str, out: str | Path | None = None, **choices: Any) -> Report:
+    """Compute a figure or table of the paper.
+
+    Parameters
+    ----------
+    name : str
+        One of `RESULTS`.
+    out : path, optional
+        File to write the figure to; .pdf, .png or .svg.
+    **choices
+        Fields of `Study`, such as ``preset`` and ``surfaces``.
+
+    Raises
+    ------
+    InputError
+        If the name, the preset, the number of surfaces or the suffix cannot be, or a scene is
+        missing; besides what the simulation raises.
+
+    Examples
+    --------
+    >>> print(reproduce("fig8", preset="draft").title)
+    a recorded load (synthetic) and its linear fit, 600 N at 1.5 m/s
+    """
+    if name not in _MAKERS:
+        raise InputError(
+            f"{name!r} is not a figure or table{did_you_mean(name, _MAKERS)}; "
+            f"there are {', '.join(_MAKERS)}"
+        )
+    study = Study(**choices)
+    file = None if out is None else figure_path(out)
+    began = time.perf_counter()
+    report = _MAKERS[name](study)
+    if file is not None:
+        save_figure(report.figure, file)
+    return replace(report, seconds=time.perf_counter() - began, file=file)
+
+
+def write_gallery(
+    folder: str | Path, names: Iterable[str] = RESULTS, **choices: Any
+) -> list[Report]:
+    """Compute every result, and write its figure and the page that shows them.
+
+    Parameters
+    ----------
+    folder : path
+        Folder for ``README.md`` and the figures; made if it does not exist.
+    names : iterable of str
+        Names of the results to write, all if not given.
+    **choices
+        Fields of `Study`.
+
+    Examples
+    --------
+    >>> write_gallery("gallery", ["fig4", "table4"])  # doctest: +SKIP
+    """
+    folder, tell = Path(folder), Study(**choices).tell
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"cannot write to {folder}: {error.strerror or error}") from error
+    reports = [
+        reproduce(name, folder / f"{name}.png", **choices)
+        for name in staged(names, tell, lambda name: f"{name}: {RESULTS.get(name, '')}")
+    ]
+    (folder / "README.md").write_text(page(reports), encoding="utf-8")
+    return reports

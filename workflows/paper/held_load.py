@@ -1,0 +1,100 @@
+"""Fig. 5: the highest contact temperature through a ramp and a hold, with and without wear."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION, celsius, heating, in_house_style
+from pipeline.sweep.criterion import contact_temperature
+from pipeline.sweep.model import Sweep
+from tribo import InputError, Ramp, simulate
+from tribo.types import Array
+from workflows.paper.report import Report, Table, line
+from workflows.paper.study import Study, with_wear
+
+_LOOKS = {"no wear": (BLACK, "--"), "swept wear": (BLUE, "-"), "local wear": (VERMILION, "-")}
+_Curves = Mapping[str, tuple[Array, Array]]
+"""Times [s] and highest temperatures [°C], by the kind of wear."""
+
+
+def fig5(study: Study) -> Report:
+    """Highest temperature against time at 600 N and 1.25 m/s."""
+    sweep = study.scene_with_history("fig5")
+    if not isinstance(sweep.loading, Ramp):
+        raise InputError(f"the scene {sweep.name} must have a ramp, `rate` under [loading]")
+    load, velocity = sweep.loads[-1], sweep.velocities[-1]
+    variants = {
+        "no wear": replace(sweep, wear=None),
+        "swept wear": with_wear(sweep, "swept"),
+        "local wear": with_wear(sweep, "local"),
+    }
+    curves = {name: _highest(variants[name], load, velocity) for name in study.each(variants)}
+    full = load / sweep.loading.rate
+    times = (full / 2, full, float(curves["no wear"][0][-1]))
+    marks = {
+        name: [float(np.interp(time, *curve)) for time in times] for name, curve in curves.items()
+    }
+    hold = {name: at_end - at_full for name, (_, at_full, at_end) in marks.items()}
+    pace = {name: 2 * (at_full - at_half) / full for name, (at_half, at_full, _) in marks.items()}
+    cooler = {name: marks["no wear"][1] - at_full for name, (_, at_full, _) in marks.items()}
+    values = {
+        "load": load,
+        "velocity": velocity,
+        "heating": heating(sweep.conditions),
+        "cooler": cooler,
+        "hold": hold,
+        "pace": pace,
+    }
+    worn = ("swept wear", "local wear")
+    return Report.of(
+        "fig5",
+        values,
+        verdicts={
+            "level": min(cooler[name] for name in worn) > 0,
+            "hold": max(hold[name] for name in worn) < 0,
+            "pace": max(pace[name] for name in worn) < pace["no wear"],
+        },
+        table=Table(
+            ("highest temperature [°C]", *(f"{time:g} s" for time in times), "in the hold"),
+            tuple(line(name, [*marks[name], f"{hold[name]:+.1f}"], ".1f") for name in curves),
+        ),
+        data={
+            name: {"time": list(map(float, time)), "max_celsius": list(map(float, value))}
+            for name, (time, value) in curves.items()
+        },
+        figure=_draw(curves, full, heating(sweep.conditions)),
+    )
+
+
+def _highest(scene: Sweep, load: float, velocity: float) -> tuple[Array, Array]:
+    """Times [s] and highest temperatures [°C]."""
+    conditions = scene.conditions
+    points = [(0.0, contact_temperature(0.0, conditions))]
+    for state in simulate(scene, load, velocity):
+        if state.heat is not None:
+            points.append((state.time, contact_temperature(state.heat.max_rise, conditions)))
+    time, temperature = np.array(points).T
+    return time, celsius(temperature)
+
+
+@in_house_style
+def _draw(curves: _Curves, full: float, title: str) -> Figure:
+    figure = Figure(figsize=(7.4, 4.6))
+    axes = figure.subplots()
+    for name, (time, temperature) in curves.items():
+        colour, style = _LOOKS[name]
+        axes.plot(time, temperature, color=colour, ls=style, label=name)
+    axes.axvline(full, color=GREY, lw=0.9)
+    bottom, top = axes.get_ylim()
+    axes.set_ylim(bottom, top + 0.06 * (top - bottom))
+    for side, text in (("right", "ramp "), ("left", " load held")):
+        axes.text(full, bottom + 2, text, ha=side, va="bottom", color=GREY)
+    axes.set_xlim(0, None)
+    axes.set_xlabel("time [s]")
+    axes.set_ylabel("highest contact temperature [°C]")
+    axes.legend(loc="lower right", title=title)
+    return figure

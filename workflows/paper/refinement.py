@@ -1,0 +1,138 @@
+"""Temperatures at one point on ever finer grids, and with ever more increments."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from pipeline.sweep.model import Measurement, Sweep
+from tribo import ConvergenceError, Fidelity, simulate, warnings
+from tribo.types import Array
+from workflows.paper.study import End, Study, WearPattern, summary_of, with_wear
+
+_BLOCKS = (8, 6, 4, 3, 2, 1)  # pixels along a side of an element
+_INCREMENTS = (20, 30, 40, 50, 75, 100, 150, 200)
+PUBLISHED = 100  # increments
+SCHEMES: dict[str, tuple[WearPattern, Mapping[str, Any]]] = {  # the latter of the fidelity
+    "implicit, swept": ("swept", {"wear_scheme": "implicit"}),
+    "explicit, swept": ("swept", {"wear_scheme": "explicit"}),
+    "implicit, local": ("local", {"wear_scheme": "implicit"}),
+    "explicit, local (as published)": ("local", {"wear_scheme": "explicit"}),
+}
+
+_PAPER = Fidelity(pixels_per_element=2, increments=PUBLISHED, averaging="mean")
+"""The grid and the increments of the paper, on which each is varied alone."""
+
+Row = dict[int, list[float]]
+"""Temperatures over the surfaces [°C], by the number of elements along a side or of increments."""
+
+
+@dataclass(frozen=True, slots=True)
+class Steps:
+    """Effect of the number of increments under a scheme of wear."""
+
+    highest: Row
+    unstable: dict[int, str]  # warnings of unstable steps, by the number of increments
+    pressure: Array | None  # after the increments that are shown [Pa]
+
+
+@dataclass(frozen=True, slots=True)
+class Refinement:
+    """Temperatures on other grids and with other steps, at one point."""
+
+    sweep: Sweep
+    measured: Measurement
+    shown: int  # increments of the pressure fields
+    by_elements: dict[str, Row]
+    by_increments: dict[str, Steps]
+
+    @property
+    def fields(self) -> dict[str, Array]:
+        """Pressures after the increments that are shown [Pa]."""
+        items = self.by_increments.items()
+        return {name: steps.pressure for name, steps in items if steps.pressure is not None}
+
+
+def refined(study: Study) -> Refinement:
+    """Simulate the paper's system at its highest measured load, on each grid, with each step."""
+    sweep = study.scene("irg_transition")
+    if study.preset is None:
+        sweep = replace(sweep, fidelity=_PAPER)
+    measured = max(sweep.measured, key=lambda entry: entry.normal_load)
+    blocks = [n for n in _BLOCKS if study.preset is None or n >= sweep.fidelity.pixels_per_element]
+    counts = [n for n in _INCREMENTS if study.preset is None or n <= 50]
+    shown = max(count for count in counts if count <= PUBLISHED)
+    surfaces = [sweep.on_surface(seed) for seed in study.seeds(1)]
+    by_elements: dict[str, Row] = {"maximum": {}, "10 %": {}, "one step": {}}
+    sides = {sweep.pixels.shape[0] // block: block for block in blocks}
+    for side in study.each(sides, "{0} × {0} elements".format, weight=lambda side: side**2):
+        for name, values in _on_grid(surfaces, sides[side], measured).items():
+            by_elements[name][side] = values
+    by_increments = {
+        name: _with_steps(study, surfaces, name, counts, shown, measured) for name in SCHEMES
+    }
+    return Refinement(sweep, measured, shown, by_elements, by_increments)
+
+
+def _on_grid(
+    surfaces: Sequence[Sweep], block: int, measured: Measurement
+) -> dict[str, list[float]]:
+    """Temperatures with elements of so many pixels along each side [°C]."""
+    scenes = [
+        _with(surface, pixels_per_element=block, history_coarsening=1, averaging="mean")
+        for surface in surfaces
+    ]
+    ends = [_end(scene, measured)[0] for scene in scenes]
+    single = [_end(replace(scene, wear=None), measured)[0] for scene in scenes]
+    conditions = scenes[0].conditions.changed(friction=measured.friction)
+    return {
+        "maximum": [end.highest(conditions) for end in ends],
+        "10 %": [end.exceeded(conditions) for end in ends],
+        "one step": [end.highest(conditions) for end in single],
+    }
+
+
+def _with_steps(
+    study: Study,
+    surfaces: Sequence[Sweep],
+    name: str,
+    counts: Sequence[int],
+    shown: int,
+    measured: Measurement,
+) -> Steps:
+    """Temperatures with a scheme of wear in each of several numbers of increments."""
+    pattern, changes = SCHEMES[name]
+    highest: Row = {}
+    unstable: dict[int, str] = {}
+    shown_pressure = None
+    for count in study.each(counts, (name + ", {} increments").format, weight=float):
+        for surface in surfaces:
+            scene = _with(
+                with_wear(surface, pattern), increments=count, history_coarsening=1, **changes
+            )
+            try:
+                end, doubts, pressure = _end(scene, measured)
+            except ConvergenceError as error:
+                unstable[count] = str(error)
+                continue
+            conditions = scene.conditions.changed(friction=measured.friction)
+            highest.setdefault(count, []).append(end.highest(conditions))
+            if pattern == "local" and count == shown and surface is surfaces[0]:
+                shown_pressure = pressure
+            for doubt in filter(lambda doubt: "explicit" in doubt, doubts):
+                unstable[count] = doubt
+    return Steps(highest, unstable, shown_pressure)
+
+
+def _with(scene: Sweep, **changes: Any) -> Sweep:
+    return replace(scene, fidelity=replace(scene.fidelity, **changes))
+
+
+def _end(scene: Sweep, measured: Measurement) -> tuple[End, list[str], Array]:
+    *_, state = simulate(scene, measured.normal_load, measured.velocity)
+    return (
+        summary_of(scene, state),
+        [str(warning) for warning in warnings(scene, state)],
+        state.pressure,
+    )

@@ -1,0 +1,248 @@
+"""One figure or table of the paper, recomputed: text, data, figure, and where they agree.
+
+All prose stands in ``words.toml``, by result; numbers are put into its braces. Beside the formats
+of Python, ``g%`` writes a share in percent, lists are written one by one, and with ``range`` as
+their lowest and highest value.
+"""
+
+from __future__ import annotations
+
+import string
+import tomllib
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+
+from matplotlib.figure import Figure
+
+WORDS: dict[str, Any] = tomllib.loads(
+    Path(__file__).with_name("words.toml").read_text(encoding="utf-8")
+)
+"""Prose of the results, by their names."""
+
+
+class _Writer(string.Formatter):
+    """Writer of numbers into prose."""
+
+    def format_field(self, value: Any, form: str) -> str:
+        """Text of a value, or of a list of values.
+
+        Examples
+        --------
+        >>> writer = _Writer()
+        >>> writer.format("{a:g%}; {b:.1f}; {b:+.0f%range}", a=0.1, b=[1.0, 2.0])
+        '10 %; 1.0, 2.0; +100 to +200 %'
+        """
+        is_range, form = form.endswith("range"), form.removesuffix("range")
+        unit, form = " %" * form.endswith("%"), form.removesuffix("%")
+        values = value if isinstance(value, list) else [value]
+        texts = [
+            format(100 * entry if unit else entry, form)
+            for entry in ((min(values), max(values)) if is_range else values)
+        ]
+        return (" to " if is_range else ", ").join(texts) + unit
+
+
+_WRITER = _Writer()
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """A statement of the paper beside what is computed.
+
+    Attributes
+    ----------
+    printed, computed : str
+        Statement of the paper and result of the computation, each in a few words.
+    agrees : bool
+        True if the two agree.
+    why : str
+        Reason for a difference, or for an agreement that is a coincidence.
+    """
+
+    printed: str
+    computed: str
+    agrees: bool
+    why: str = ""
+
+    def __str__(self) -> str:
+        verdict = "agrees " if self.agrees else "differs"
+        return f"{verdict}  {self.printed}: {self.computed}.{self.reason}"
+
+    @property
+    def reason(self) -> str:
+        """The reason after a blank, if there is one."""
+        return f" {self.why}" if self.why else ""
+
+
+def judged(
+    result: str, values: Mapping[str, Any], verdicts: Mapping[str, bool]
+) -> tuple[Finding, ...]:
+    """Findings of a result, their words filled with values.
+
+    Parameters
+    ----------
+    result : str
+        Name of the result.
+    values : mapping
+        Numbers in its prose, by name. ``why`` names another reason than the usual one.
+    verdicts : mapping
+        Names of statements, true if one agrees with what is computed.
+    """
+    texts = {name: WORDS[result]["findings"][name] for name in verdicts}
+    why = values.get("why", "why")
+    return tuple(
+        Finding(
+            _WRITER.vformat(text["printed"], (), values),
+            _WRITER.vformat(text["computed"], (), values),
+            bool(verdicts[name]),
+            _WRITER.vformat(text.get(why, text.get("why", "")), (), values),
+        )
+        for name, text in texts.items()
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class Table:
+    """Texts in columns; a row of one text is a heading within the table."""
+
+    columns: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+
+    def lines(self) -> Iterator[str]:
+        r"""Aligned text: the first column to the left, the others to the right.
+
+        Examples
+        --------
+        >>> table = Table(("load", "a", "b"), (("width",), ("750 N", "1", "22")))
+        >>> print(*table.lines(), sep="\n")
+        load   a   b
+        width
+        750 N  1  22
+        """
+        full = [self.columns, *(row for row in self.rows if len(row) > 1)]
+        widths = [max(map(len, column)) for column in zip(*full, strict=True)]
+        for first, *others in (self.columns, *self.rows):
+            cells = [cell.rjust(width) for cell, width in zip(others, widths[1:], strict=False)]
+            yield "  ".join([first.ljust(widths[0]), *cells]).rstrip()
+
+    def markdown(self) -> Iterator[str]:
+        """The same as a table of Markdown, headings in bold."""
+        blank = ("",) * (len(self.columns) - 1)
+        yield f"| {' | '.join(self.columns)} |"
+        yield "|---" * len(self.columns) + "|"
+        for row in self.rows:
+            cells = (f"**{row[0]}**", *blank) if len(row) == 1 else row
+            yield f"| {' | '.join(cells)} |"
+
+
+def line(label: str, values: Sequence[Any], form: str = ".0f") -> tuple[str, ...]:
+    """Row of a table: texts as they are, numbers by a format, of lists the mean and spread.
+
+    Examples
+    --------
+    >>> line("load", ["none", 2.0, [1.0, 3.0]], ".1f")
+    ('load', 'none', '2.0', '2.0 ± 1.4')
+    """
+    return (label, *(_cell(value, form) for value in values))
+
+
+def _cell(value: Any, form: str) -> str:
+    if isinstance(value, list):
+        return " ± ".join(f"{part:{form}}" for part in statistics(value)[: len(value)])
+    return value if isinstance(value, str) else _WRITER.format_field(value, form)
+
+
+@dataclass(frozen=True, slots=True)
+class Report:
+    """A figure or table of the paper, computed.
+
+    Attributes
+    ----------
+    name : str
+        Name of the result, as in `irg reproduce --list`.
+    title : str
+        One line on what is shown.
+    table : Table
+        The numbers, written for reading.
+    findings : tuple of Finding
+        Statements of the paper beside what is computed.
+    notes : tuple of str
+        Assumptions that the numbers rest on.
+    data : dict
+        The numbers as plain values, in SI unless the key names another unit.
+    figure : Figure
+        The numbers, drawn.
+    seconds : float
+        Duration of its computation [s].
+    file : Path or None
+        File the figure was written to.
+    """
+
+    name: str
+    title: str
+    table: Table
+    findings: tuple[Finding, ...]
+    notes: tuple[str, ...]
+    data: dict[str, Any]
+    figure: Figure = field(repr=False)
+    seconds: float = 0.0
+    file: Path | None = None
+
+    @classmethod
+    def of(
+        cls,
+        name: str,
+        values: Mapping[str, Any],
+        verdicts: Mapping[str, bool],
+        findings: Sequence[Finding] = (),
+        **parts: Any,
+    ) -> Report:
+        """Report on a result, its words filled with values; verdicts as for `judged`."""
+        notes = (_WRITER.vformat(note, (), values) for note in WORDS[name]["notes"])
+        return cls(
+            name,
+            title=_WRITER.vformat(WORDS[name]["title"], (), values),
+            findings=(*judged(name, values, verdicts), *findings),
+            notes=tuple(filter(None, notes)),
+            **parts,
+        )
+
+    def lines(self) -> Iterator[str]:
+        """Lines of text for a terminal."""
+        yield f"{self.name}: {self.title}"
+        yield ""
+        yield from self.table.lines()
+        yield ""
+        yield from map(str, self.findings)
+        yield from (f"note     {note}" for note in self.notes)
+        if self.file:
+            yield f"figure   {self.file}"
+        yield f"took     {self.seconds:.1f} s"
+
+    def as_dict(self) -> dict[str, Any]:
+        """One document of plain values."""
+        return {
+            "name": self.name,
+            "title": self.title,
+            "agrees": all(finding.agrees for finding in self.findings),
+            "findings": [asdict(finding) for finding in self.findings],
+            "notes": list(self.notes),
+            "data": self.data,
+            "figure": str(self.file) if self.file else None,
+            "wall_time": self.seconds,
+        }
+
+
+def statistics(values: Sequence[float]) -> tuple[float, float]:
+    """Mean, and standard deviation of the single values; 0 if there is but one."""
+    mean = sum(values) / len(values)
+    if len(values) == 1:
+        return mean, 0.0
+    return mean, (sum((value - mean) ** 2 for value in values) / (len(values) - 1)) ** 0.5
+
+
+def means(values: Sequence[Sequence[float]]) -> list[float]:
+    """Mean of each column."""
+    return [statistics(column)[0] for column in values]

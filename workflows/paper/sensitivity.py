@@ -1,0 +1,247 @@
+"""Sensitivity to the lateral structure of the roughness, which is not published."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, VERMILION, celsius, in_house_style
+from pipeline.sweep.criterion import boundary_velocity_error, rise_limit
+from pipeline.sweep.model import Sweep
+from tribo import InputError, SelfAffineRoughness
+from tribo.types import Array
+from workflows.paper.publication import TABLE_4
+from workflows.paper.report import Report, Table, means, statistics
+from workflows.paper.study import Study, end_of
+
+_LENGTHS = (2.0, 3.0, 4.0, 5.0, 6.0, 8.0)  # µm
+_LAYS = ((1.0, 1.0), (1.0, 4.0), (4.0, 1.0))  # factors on the length along x and along y
+_HURST = (0.5, 0.65, 0.8, 1.0)
+_RAS = (0.15, 0.2)  # µm, beside the scene's own
+_SMOOTH_RA, _SMOOTH_LENGTH = 0.2, 12.0  # that fit the unworn widths and the shares [µm]
+_SMOOTHER = f"{_SMOOTH_RA:g} µm, length {_SMOOTH_LENGTH:g} µm"
+_SURFACES = 4
+_EXPONENT = 0.6  # of the rise over velocity, for a second guess
+_GOOD = 0.15  # relative, of the boundary velocity
+
+
+_Outcome = dict[str, list[list[float]]]
+"""Temperatures at the measured friction [°C], and errors of the critical velocity at the scene's
+friction, relative; by transition and surface."""
+_Outcomes = Mapping[str, Mapping[str, _Outcome]]
+"""Outcomes by the kind of change, and by the change."""
+
+
+def sensitivity(study: Study) -> Report:
+    """Temperatures at Table 4's transitions, and critical velocities, for other surfaces."""
+    sweep = study.scene("irg_transition")
+    rough = sweep.roughness
+    if not isinstance(rough, SelfAffineRoughness):
+        raise InputError(f"the scene {sweep.name} must have a random surface, as in Table 4")
+    kinds = _kinds(rough)
+    names = {
+        surface: f"{kind} {name}"
+        for kind, variants in kinds.items()
+        for name, surface in variants.items()
+    }
+    by_surface = {
+        surface: _outcome(study, replace(sweep, roughness=surface))
+        for surface in study.each(names, names.__getitem__)
+    }
+    outcomes = {
+        kind: {name: by_surface[surface] for name, surface in variants.items()}
+        for kind, variants in kinds.items()
+    }
+    widths = {
+        name: _unworn_widths(study, replace(sweep, roughness=surface))
+        for name, surface in study.each(kinds["Ra"].items(), lambda item: f"unworn, Ra {item[0]}")
+    }
+    values = {
+        "surfaces": len(study.seeds(_SURFACES)),
+        "ra": rough.ra * 1e6,
+        "length": rough.correlation_length[0] * 1e6,
+        "hurst": rough.hurst_exponent,
+        "good": _GOOD,
+        **_of_velocities(outcomes, by_surface[rough]),
+        **_of_widths(widths, outcomes["Ra"][_SMOOTHER]),
+    }
+    return Report.of(
+        "sensitivity",
+        values,
+        verdicts={
+            "velocities": _worst(by_surface[rough]) < _GOOD,
+            "widths": values["nearest"] == f"{rough.ra * 1e6:g} µm",
+        },
+        table=_table(sweep, outcomes, widths),
+        data={**outcomes, "unworn_width_um": widths},
+        figure=_draw(sweep, outcomes),
+    )
+
+
+def _kinds(rough: SelfAffineRoughness) -> dict[str, dict[str, SelfAffineRoughness]]:
+    """Surfaces that differ from the scene's own in one kind of parameter, by what is changed."""
+    base = rough.correlation_length[0] * 1e6
+
+    def of_lengths(along: float, across: float) -> SelfAffineRoughness:
+        return replace(rough, correlation_length=(along * 1e-6, across * 1e-6))
+
+    smoother = replace(of_lengths(_SMOOTH_LENGTH, _SMOOTH_LENGTH), ra=1e-6 * _SMOOTH_RA)
+    ras = (*(1e-6 * ra for ra in _RAS), rough.ra)
+    return {
+        "correlation length": {f"{length:g} µm": of_lengths(length, length) for length in _LENGTHS},
+        "lay": {
+            f"{base * along:g} × {base * across:g} µm": of_lengths(base * along, base * across)
+            for along, across in _LAYS
+        },
+        "Hurst exponent": {f"{value:g}": replace(rough, hurst_exponent=value) for value in _HURST},
+        "Ra": {f"{1e6 * ra:g} µm": replace(rough, ra=ra) for ra in ras} | {_SMOOTHER: smoother},
+    }
+
+
+def _outcome(study: Study, sweep: Sweep) -> _Outcome:
+    limit = rise_limit(sweep.conditions)
+    names = ("exceeded_celsius", "max_celsius", "critical_velocity_off")
+    outcome: _Outcome = {name: [[] for _ in sweep.measured] for name in names}
+    for seed in study.seeds(_SURFACES):
+        surface = sweep.on_surface(seed)
+        for number, entry in enumerate(sweep.measured):
+            end = end_of(surface, entry.normal_load, entry.velocity)
+            at_its_friction = sweep.conditions.changed(friction=entry.friction)
+            outcome["exceeded_celsius"][number].append(end.exceeded(at_its_friction))
+            outcome["max_celsius"][number].append(end.highest(at_its_friction))
+
+            rise = end.decisive_rise(sweep.conditions)
+            step = math.log(limit / rise) / _EXPONENT or 0.01
+            other = end_of(surface, entry.normal_load, entry.velocity * math.exp(step))
+            exponent = math.log(other.decisive_rise(sweep.conditions) / rise) / step
+            off = boundary_velocity_error(rise, limit, exponent)
+            outcome["critical_velocity_off"][number].append(off)
+    return outcome
+
+
+def _worst(outcome: _Outcome) -> float:
+    """Largest relative error of a critical velocity, averaged over the surfaces."""
+    return max(map(abs, means(outcome["critical_velocity_off"])))
+
+
+def _unworn_widths(study: Study, sweep: Sweep) -> list[float]:
+    """Width of the unworn contact at each transition, averaged over the surfaces [µm]."""
+    unworn = replace(sweep, wear=None)
+    surfaces = [unworn.on_surface(seed) for seed in study.seeds(_SURFACES)]
+    return [
+        1e6 * sum(end_of(s, F, V).contact_width for s in surfaces) / len(surfaces)
+        for F, V in ((entry.normal_load, entry.velocity) for entry in sweep.measured)
+    ]
+
+
+def _of_velocities(outcomes: _Outcomes, usual: _Outcome) -> dict[str, Any]:
+    """Errors of the critical velocities, averaged over transitions and surfaces."""
+    off = {
+        kind: [float(np.mean(outcome["critical_velocity_off"])) for outcome in variants.values()]
+        for kind, variants in outcomes.items()
+    }
+    lengths = outcomes["correlation length"]
+    good = [name for name, outcome in lengths.items() if _worst(outcome) < _GOOD]
+    return {
+        "shortest": off["correlation length"][0],
+        "longest": off["correlation length"][-1],
+        "lengths": ", ".join(good) or "none",
+        "lays": off["lay"],
+        "hursts": off["Hurst exponent"],
+        "seeds": max(100 * statistics(column)[1] for column in usual["critical_velocity_off"]),
+    }
+
+
+def _of_widths(widths: Mapping[str, list[float]], smoother: _Outcome) -> dict[str, Any]:
+    """Errors of the unworn contact widths by Ra, and the Ra that they speak for."""
+    off = {name: _width_off(row) for name, row in widths.items()}
+    of_ra = {name: value for name, value in off.items() if name != _SMOOTHER}
+    return {
+        "widths": ", ".join(f"{100 * value:+.0f} % with {name}" for name, value in of_ra.items()),
+        "nearest": min(of_ra, key=lambda name: abs(of_ra[name])),
+        "smoother": _SMOOTHER,
+        "smoother_off": off[_SMOOTHER],
+        "smoother_velocities": [100 * mean for mean in means(smoother["critical_velocity_off"])],
+    }
+
+
+def _width_off(widths: list[float]) -> float:
+    """Relative error of the unworn widths [µm], averaged over the transitions."""
+    pairs = zip(widths, TABLE_4, strict=True)
+    return sum(width / (1e6 * row.unworn_width) - 1 for width, row in pairs) / len(TABLE_4)
+
+
+def _table(sweep: Sweep, outcomes: _Outcomes, widths: Mapping[str, list[float]]) -> Table:
+    rows: list[tuple[str, ...]] = []
+    for kind, variants in outcomes.items():
+        rows.append((kind,))
+        rows += [
+            (
+                f"  {name}",
+                f"{np.mean(outcome['exceeded_celsius']):.0f}",
+                f"{np.mean(outcome['max_celsius']):.0f}",
+                *(
+                    f"{round(100 * mean) + 0:+d} %"
+                    for mean in means(outcome["critical_velocity_off"])
+                ),
+                f"{100 * _width_off(widths[name]):+.0f} %" if kind == "Ra" else "",
+            )
+            for name, outcome in variants.items()
+        ]
+    velocities = (f"velocity at {entry.normal_load:g} N" for entry in sweep.measured)
+    share = f"on {100 * sweep.conditions.failing_share:g} % [°C]"
+    return Table(("", share, "highest [°C]", *velocities, "unworn width"), tuple(rows))
+
+
+@in_house_style
+def _draw(sweep: Sweep, outcomes: _Outcomes) -> Figure:
+    figure = Figure(figsize=(12.4, 6.4))
+    rows = figure.subplots(2, len(outcomes), sharex="col", sharey="row")
+    critical = celsius(sweep.conditions.known_critical_temperature())
+    printed = sum(row.max_celsius for row in TABLE_4) / len(TABLE_4)
+    for number, (kind, variants) in enumerate(outcomes.items()):
+        upper, lower = rows[0][number], rows[1][number]
+        highest, exceeded, off = (
+            np.array([np.mean(outcome[name], axis=1) for outcome in variants.values()])
+            for name in ("max_celsius", "exceeded_celsius", "critical_velocity_off")
+        )
+        _line(upper, highest, BLUE, "highest")
+        _line(upper, exceeded, GREEN, "exceeded on 10 %")
+        upper.axhline(printed, color=BLACK, ls="--", lw=1.2, label="printed, highest")
+        upper.axhline(critical, color=GREY, ls=":", lw=1.2, label="critical")
+        upper.set_title({"lay": "lay, along × across sliding"}.get(kind, kind))
+        _line(lower, 100 * off, VERMILION, "")
+        lower.axhline(0, color=BLACK, lw=1.0)
+        lower.axhspan(-100 * _GOOD, 100 * _GOOD, color="#EEEEEE", zorder=0)
+        lower.tick_params(axis="x", labelsize=9)
+        names = [name.replace(", length ", "\n") for name in variants]
+        lower.set_xticks(range(len(variants)), names)
+        lower.set_xlim(-0.4, len(variants) - 0.6)
+    rows[0][0].set_ylabel("at the measured\ntransitions [°C]")
+    rows[1][0].set_ylabel("critical velocity against\nthe measured one [%]")
+    handles, labels = rows[0][0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=4)
+    return figure
+
+
+def _line(axes: Axes, values: Array, colour: str, label: str) -> None:
+    """Mean over transitions and surfaces, with the range of the transitions' own means.
+
+    The values have the shape (variants, transitions).
+    """
+    mean = values.mean(axis=1)
+    axes.errorbar(
+        range(len(values)),
+        mean,
+        (mean - values.min(axis=1), values.max(axis=1) - mean),
+        color=colour,
+        marker="o",
+        capsize=3,
+        label=label,
+    )

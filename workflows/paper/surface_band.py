@@ -1,0 +1,94 @@
+"""Certainty of the transition: over an ensemble of surfaces, and within the measured friction."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from pipeline.analysis.boundary import boundary
+from pipeline.figures.diagram import diagram
+from tribo import InputError
+from workflows.paper.report import Report, Table
+from workflows.paper.study import Study
+
+_SURFACES = 8
+# Six loads and seven velocities place the boundary on each surface to a few parts in a thousand.
+_LOADS = (200.0, 300.0, 400.0, 500.0, 600.0, 750.0)
+_VELOCITIES = (0.8, 1.1, 1.5, 2.0, 2.7, 3.6, 4.8)
+_SMALL = 0.05  # relative: a spread that the choice of a surface may have
+
+
+def band(study: Study) -> Report:
+    """The transition on each of several surfaces, and at the ends of the friction band."""
+    scene = study.scene("irg_transition")
+    if scene.friction_band is None:
+        raise InputError(f"the scene {scene.name} must have a friction band")
+    least, most = scene.friction_band
+    seeds = tuple(study.seeds(_SURFACES))
+    sweep = replace(
+        scene, loads=_LOADS, velocities=_VELOCITIES, realizations=seeds, store_fields=False
+    )
+    _, ds = study.sweep(sweep, f"{sweep.name}_surfaces_{sweep.preset}")
+    ds = ds.sel(realization=list(seeds))
+
+    measured = sorted(sweep.measured, key=lambda entry: -entry.normal_load)
+    loads = [entry.normal_load for entry in measured]
+    at_load = boundary(ds).sel(load=loads)
+    quantiles = at_load["critical_velocity_quantile"].transpose("load", ...).values.tolist()
+    spreads = (at_load["critical_velocity_spread"] / at_load["critical_velocity_mean"]).values
+    velocities = at_load["critical_velocity"].transpose("load", ...).values.tolist()
+    medians = boundary(ds, friction=(most, least))["critical_velocity_quantile"].sel(quantile=0.5)
+    ends = medians.sel(load=loads).transpose("load", ...).values.tolist()
+
+    transitions = list(zip(measured, quantiles, spreads.tolist(), velocities, ends, strict=True))
+    inside = sum(slow <= entry.velocity <= fast for entry, *_, (slow, fast) in transitions)
+    values = {
+        "surfaces": len(seeds),
+        "friction": sweep.conditions.friction,
+        "least": least,
+        "most": most,
+        "spreads": spreads.tolist(),
+        "shifts": [end / middle - 1 for _, (_, middle, _), *_, pair in transitions for end in pair],
+        "inside": inside,
+        "number": len(transitions),
+    }
+    return Report.of(
+        "band",
+        values,
+        verdicts={
+            "surfaces": max(spreads) < _SMALL,
+            "friction": inside == len(transitions),
+        },
+        table=Table(
+            (
+                "load [N]",
+                "measured [m/s]",
+                "median",
+                "10 to 90 % of the surfaces",
+                "spread",
+                f"median at friction {most:g} to {least:g}",
+            ),
+            tuple(
+                (
+                    f"{entry.normal_load:g}",
+                    f"{entry.velocity:g}",
+                    f"{middle:.2f}",
+                    f"{low:.2f} to {high:.2f}",
+                    f"{100 * spread:.1f} %",
+                    f"{slow:.2f} to {fast:.2f}",
+                )
+                for entry, (low, middle, high), spread, _, (slow, fast) in transitions
+            ),
+        ),
+        data={
+            "transitions": [
+                {
+                    "load": entry.normal_load,
+                    "measured_velocity": entry.velocity,
+                    "critical_velocities": on_surfaces,
+                    "at_ends_of_friction_band": pair,
+                }
+                for entry, _, _, on_surfaces, pair in transitions
+            ]
+        },
+        figure=diagram(ds),
+    )

@@ -1,0 +1,194 @@
+"""Table 4: the contact at the measured transitions, over an ensemble of surfaces."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+from matplotlib.figure import Figure
+
+from pipeline.figures.style import GREY, celsius, in_house_style
+from pipeline.sweep.criterion import Conditions, rise_limit
+from pipeline.sweep.model import Measurement
+from workflows.paper.ensemble import (
+    beside,
+    ensemble,
+    matching,
+    name_of,
+    worn,
+)
+from workflows.paper.publication import TABLE_4
+from workflows.paper.report import Report, Table, line, means, statistics
+from workflows.paper.study import End, Study
+
+_BAND = 10.0  # K: within which the paper's highest temperatures lie
+_GOOD = 0.05  # relative, of a friction coefficient
+_LONGER = 4  # patches of the disk in a row, to see what hangs on the length of the patch
+_FEW = 4  # surfaces for that
+_WIDTHS = [1e6 * row.unworn_width for row in TABLE_4]  # [µm]
+_MAXIMA = [row.max_celsius for row in TABLE_4]
+_SHARES = [100 * row.failed_share for row in TABLE_4]  # [%]
+
+
+def table4(study: Study) -> Report:
+    """Contact width, failed share and temperatures at the four measured transitions."""
+    sweep = study.scene("irg_transition")
+    conditions = sweep.conditions
+    measured = matching(sweep, [row.normal_load for row in TABLE_4])
+    kinds = {"unworn": replace(sweep, wear=None), **worn(sweep)}
+    transitions = ensemble(study, kinds, measured)
+
+    patch = sweep.pixels
+    long_patch = replace(patch, shape=(patch.shape[0], _LONGER * patch.shape[1]))
+    few = replace(study, surfaces=min(_FEW, len(study.seeds(_FEW))))
+    longer = {"swept": replace(kinds["swept"], pixels=long_patch)}
+    on_longer = ensemble(few, longer, measured[-1:], "swept, longer patch")
+
+    limit = rise_limit(conditions.changed(friction=1.0))
+    printed = zip(TABLE_4, transitions.ends["swept"], strict=True)
+    data: dict[str, Any] = {
+        "load": [entry.normal_load for entry in measured],
+        "unworn_width_um": transitions.widths("unworn"),
+        "bearing_width_um": transitions.of("unworn", lambda end, _: 1e6 * end.bearing_width),
+        "failed_percent": transitions.of_all(lambda end, its: 100 * end.failed_fraction(its)),
+        "failed_percent_at_scene_friction": transitions.of(
+            "swept", lambda end, _: 100 * end.failed_fraction(conditions)
+        ),
+        "friction_for_printed_share": [
+            [limit / end.decisive_rise(conditions.changed(share=row.failed_share)) for end in ends]
+            for row, ends in printed
+        ],
+        "max_celsius_on_longer_patch": on_longer.of("swept", End.highest)[0],
+        "max_celsius": transitions.of_all(End.highest),
+        "exceeded_celsius": transitions.of_all(End.exceeded),
+        "worn_width_um": transitions.widths("swept"),
+    }
+    critical = float(celsius(conditions.known_critical_temperature()))
+    values = {
+        "surfaces": len(data["unworn_width_um"][0]),
+        "critical": critical,
+        "friction": conditions.friction,
+        **_widths(data),
+        **_shares(data, conditions.friction),
+        **_temperatures(data, critical, float(celsius(conditions.bulk_temperature))),
+        "local_highest": means(data["max_celsius"]["local"]),
+        "local_share": max(means(data["failed_percent"]["local"])),
+    }
+    return Report.of(
+        "table4",
+        values,
+        verdicts={
+            "width": max(map(abs, values["width_off"])) < 15,
+            "share": max(abs(mu / conditions.friction - 1) for mu in values["needed"]) < _GOOD,
+            "highest": max(map(abs, values["apart"])) < _BAND and values["interval"] <= _BAND,
+            "local": min(means(data["failed_percent"]["local"])) > 5,
+        },
+        table=_table(data, measured, conditions),
+        data=data,
+        figure=_draw(data, measured, critical),
+    )
+
+
+def _widths(data: dict[str, Any]) -> dict[str, Any]:
+    """Unworn widths against the printed ones [%], by both ways to take them."""
+    off, below = (
+        [100 * (mean / width - 1) for mean, width in zip(means(data[key]), _WIDTHS, strict=True)]
+        for key in ("unworn_width_um", "bearing_width_um")
+    )
+    why = "why_between" if max(below) <= 0 <= min(off) else "why"
+    return {"width_off": off, "bearing_off": below, "why": why}
+
+
+def _shares(data: dict[str, Any], friction: float) -> dict[str, Any]:
+    """Failed shares with the measured frictions and with one, and the effect of friction."""
+    shares, alike = (
+        means(data["failed_percent"]["swept"]),
+        means(data["failed_percent_at_scene_friction"]),
+    )
+    steep = [
+        _GOOD * friction * (share - other) / (row.friction - friction)
+        for share, other, row in zip(shares, alike, TABLE_4, strict=True)
+        if row.friction != friction
+    ]
+    needed = means(data["friction_for_printed_share"])
+    return {"needed": needed, "good": _GOOD, "shares": shares, "alike": alike, "steep": steep}
+
+
+def _temperatures(data: dict[str, Any], critical: float, bulk: float) -> dict[str, Any]:
+    """Highest temperatures with swept wear beside the printed ones."""
+    maxima, tenths = means(data["max_celsius"]["swept"]), means(data["exceeded_celsius"]["swept"])
+    return {
+        "maxima": maxima,
+        "apart": [ours - printed for ours, printed in zip(maxima, _MAXIMA, strict=True)],
+        "interval": max(maxima) - min(maxima),
+        "above": sum(maxima) / len(maxima) / critical - 1,
+        "ratios": [(t - bulk) / (m - bulk) for t, m in zip(tenths, maxima, strict=True)],
+        "printed_ratios": [(critical - bulk) / (printed - bulk) for printed in _MAXIMA],
+        "times_longer": _LONGER,
+        "longer": statistics(data["max_celsius_on_longer_patch"])[0],
+        "last": maxima[-1],
+        "last_load": data["load"][-1],
+    }
+
+
+def _table(data: dict[str, Any], measured: list[Measurement], conditions: Conditions) -> Table:
+    wears = ("swept", "local", "unworn")
+    critical = celsius(conditions.known_critical_temperature())
+
+    def by_wear(key: str, form: str = ".0f") -> list[tuple[str, ...]]:
+        return [line(f"  {wear}", data[key][wear], form) for wear in wears]
+
+    return Table(
+        ("", *map(name_of, measured)),
+        (
+            ("unworn contact width [µm]",),
+            line("  printed", _WIDTHS),
+            line("  outermost elements in contact", data["unworn_width_um"]),
+            line("  rows that bear 5 % of the most loaded", data["bearing_width_um"]),
+            (f"share of the contact above {critical:g} °C [%]",),
+            line("  printed", _SHARES, ".1f"),
+            *by_wear("failed_percent", ".1f"),
+            line(
+                f"  swept, friction {conditions.friction:g} at each",
+                data["failed_percent_at_scene_friction"],
+                ".1f",
+            ),
+            ("friction coefficient",),
+            line("  measured", [row.friction for row in TABLE_4], ".3f"),
+            line(
+                "  that gives the printed share, swept", data["friction_for_printed_share"], ".4f"
+            ),
+            ("highest temperature [°C]",),
+            line("  printed", _MAXIMA),
+            *by_wear("max_celsius"),
+            (f"temperature exceeded on {100 * conditions.failing_share:g} % of the contact [°C]",),
+            *by_wear("exceeded_celsius"),
+            ("contact width at the end of the ramp [µm]",),
+            line("  printed, measured later", [1e6 * row.measured_width for row in TABLE_4]),
+            line("  swept", data["worn_width_um"]),
+        ),
+    )
+
+
+@in_house_style
+def _draw(data: dict[str, Any], measured: list[Measurement], critical: float) -> Figure:
+    figure = Figure(figsize=(9.6, 7.0))
+    (first, second), (third, fourth) = figure.subplots(2, 2)
+    ticks = [f"{entry.normal_load:g} N\n{entry.velocity:g} m/s" for entry in measured]
+    unworn = {"unworn": data["unworn_width_um"]}
+    share = f"share of the contact above {critical:g} °C [%]"
+    beside(first, ticks, _WIDTHS, unworn, "unworn contact width [µm]")
+    beside(second, ticks, _SHARES, data["failed_percent"], share)
+    beside(third, ticks, _MAXIMA, data["max_celsius"], "highest temperature [°C]")
+    exceeded = "temperature exceeded on 10 % [°C]"
+    beside(fourth, ticks, None, data["exceeded_celsius"], exceeded)
+    first.set_ylim(0, None)
+    for axes in (third, fourth):
+        axes.axhline(critical, color=GREY, ls=":", lw=1.2)
+    low = min(third.get_ylim()[0], fourth.get_ylim()[0])
+    high = max(third.get_ylim()[1], fourth.get_ylim()[1])
+    for axes in (third, fourth):
+        axes.set_ylim(low, high)
+    handles, labels = third.get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=4)
+    return figure
