@@ -36,12 +36,15 @@ class Rule:
         Called with that column [K], the share and the quantiles; gives the deciding rise [K].
     temperature, severe : str
         The deciding temperature and severe wear in words, with the ``{share}`` [%].
+    quantile : callable, optional
+        Called with the share; gives the quantile of the temperature that decides, if it is one.
     """
 
     column: str
     rise: Callable[[Array, float, Array], Array]
     temperature: str
     severe: str
+    quantile: Callable[[float], float] | None = None
 
 
 CRITERIA: dict[str, Rule] = {
@@ -50,12 +53,14 @@ CRITERIA: dict[str, Rule] = {
         rise_exceeded,
         "exceeded on {share:g} % of the contact",
         "more than {share:g} % of the contact above",
+        lambda share: 1 - share,
     ),
     "highest": Rule(
         "rise_quantile",
         lambda rises, _, quantiles: rise_exceeded(rises, 0.0, quantiles),
         "maximum",
         "any of the contact above",
+        lambda _: 1.0,
     ),
     "mean": Rule(
         "mean_rise",
@@ -106,9 +111,9 @@ class Criterion:
         require_share(self.share)
 
     @classmethod
-    def of(cls, given: Criterion | float) -> Criterion:
+    def of(cls, value: Criterion | float) -> Criterion:
         """A criterion, or that of a share."""
-        return given if isinstance(given, Criterion) else cls(share=given)
+        return value if isinstance(value, Criterion) else cls(share=value)
 
     @property
     def _rule(self) -> Rule:
@@ -119,6 +124,12 @@ class Criterion:
     def column(self) -> str:
         """Column that decides, ``"rise_quantile"`` or ``"mean_rise"``."""
         return self._rule.column
+
+    @property
+    def quantile(self) -> float | None:
+        """Quantile of the temperature that decides, None if it is no single one."""
+        quantile = self._rule.quantile
+        return None if quantile is None else quantile(self.share)
 
     @property
     def temperature(self) -> str:

@@ -16,7 +16,7 @@ from pipeline.analysis.attributes import attributes_of
 from pipeline.analysis.band import with_band
 from pipeline.analysis.conditions import Bulk, conditions_by_variant, conditions_of
 from pipeline.analysis.dataset import asked, at_bulks, dataset_of, values_of, variant_of
-from pipeline.analysis.interpolation import exponent, interpolated
+from pipeline.analysis.interpolation import certain, exponent, interpolated
 from pipeline.analysis.transition import OUTCOMES, UNITS, Transition, range_of
 from pipeline.store.place import PathLike
 from pipeline.store.schema import DONE
@@ -29,8 +29,6 @@ from pipeline.sweep.criterion import (
 )
 from pipeline.sweep.lubrication import Lubrication
 from tribo import InputError
-from tribo.thermal import quantiles
-from tribo.types import Array
 
 _OUTCOMES = {
     "long_name": "why there is no crossing",
@@ -125,16 +123,17 @@ def boundary(
         conditions_by_variant(ds, conditions, (value, *others))
         for conditions, value in zip(several, frictions, strict=True)
     ]
-    ds = with_rises(ds, [conditions for each in by_variant for conditions in each])
-    found = [
-        _boundary(ds, conditions, own) for conditions, own in zip(several, by_variant, strict=True)
+    ds = with_rises(ds, [conditions for part in by_variant for conditions in part])
+    boundaries = [
+        _boundary(ds, conditions, judged)
+        for conditions, judged in zip(several, by_variant, strict=True)
     ]
     if not isinstance(friction, Iterable):
-        return found[0]
+        return boundaries[0]
     attrs = {"units": "1", "long_name": "friction coefficient"}
-    axis = xr.DataArray([own.friction for own in several], dims="friction", attrs=attrs)
+    axis = xr.DataArray([judged.friction for judged in several], dims="friction", attrs=attrs)
     stacked: xr.Dataset = xr.concat(
-        found,
+        boundaries,
         axis.rename("friction"),
         data_vars="all",
         coords="minimal",
@@ -153,7 +152,7 @@ def _boundary(
     rise = decisive_rise(ds, by_variant)
     loads, velocities = rise["load"].values, rise["velocity"].values
     planes = rise.values.reshape(-1, len(loads), len(velocities))
-    limits = [rise_limit(own) for own in by_variant]
+    limits = [rise_limit(judged) for judged in by_variant]
     wanted = asked(ds).transpose(..., "load", "velocity").values.reshape(planes.shape)
     missing = wanted & ~np.isfinite(planes)
     lubrication = Lubrication.stored(attributes_of(ds))
@@ -169,19 +168,26 @@ def _boundary(
         ),
     ):  # fmt: skip
         ends = range_of(ds, other)
-        found = [
+        transitions = [
             [Transition.along(x, row, limit, ends) for row in plane]
             for plane, limit in zip(lines, limits, strict=True)
         ]
-        at = np.array([[each.place for each in row] for row in found])
-        columns[f"critical_{other}"] = name, at, attrs
-        outcome = np.array([[each.outcome for each in row] for row in found], np.int8)
+        crossings = np.array([[transition.place for transition in row] for row in transitions])
+        columns[f"critical_{other}"] = name, crossings, attrs
+        outcome = np.array(
+            [[transition.outcome for transition in row] for row in transitions], np.int8
+        )
         columns[f"outcome_at_{name}"] = name, outcome, _OUTCOMES
         for number, end in enumerate(("from", "to")):
             columns[f"computed_{end}_at_{name}"] = (
                 name,
-                np.array([[each.computed[number] for each in row] for row in found]),
-                {"units": UNITS[other], "long_name": f"{other} computed {end} at this {name}"},
+                np.array(
+                    [[transition.computed[number] for transition in row] for row in transitions]
+                ),
+                {
+                    "units": UNITS[other],
+                    "long_name": f"{other} computed {end} at this {name}",
+                },
             )
         columns[f"missing_at_{name}"] = (
             name,
@@ -194,7 +200,7 @@ def _boundary(
                 np.array(
                     [
                         [exponent(x, row, place) for row, place in zip(plane, places, strict=True)]
-                        for plane, places in zip(lines, at, strict=True)
+                        for plane, places in zip(lines, crossings, strict=True)
                     ]
                 ),
                 {"units": "1", "long_name": "d ln(rise) / d ln(velocity) at the crossing"},
@@ -207,9 +213,9 @@ def _boundary(
                         lubrication.film_parameter(
                             loads if name == "load" else places,
                             places if name == "load" else velocities,
-                            own.mean_bulk_temperature,
+                            judged.mean_bulk_temperature,
                         )
-                        for places, own in zip(at, by_variant, strict=True)
+                        for places, judged in zip(crossings, by_variant, strict=True)
                     ]
                 ),
                 {"units": "1", "long_name": "film parameter at the crossing"},
@@ -312,14 +318,14 @@ def temperatures(
     ds = ds if isinstance(ds, xr.Dataset) else dataset_of(ds)
     conditions = conditions_of(ds, friction, bulk_temperature, critical_temperature)
     rises = at_bulks(ds, conditions)
-    found = xr.Dataset(attrs=conditions.as_dict())
+    result = xr.Dataset(attrs=conditions.as_dict())
     for name, rise, meaning in (
         ("max_temperature", "max_rise", "highest temperature"),
         ("mean_temperature", "mean_rise", "mean temperature"),
         ("temperature_quantile", "rise_quantile", "quantile of the temperature"),
     ):
-        found[name] = contact_temperature(rises[rise], conditions).drop_attrs()
-        found[name].attrs = {"units": "K", "long_name": f"{meaning} of the contact"}
+        result[name] = contact_temperature(rises[rise], conditions).drop_attrs()
+        result[name].attrs = {"units": "K", "long_name": f"{meaning} of the contact"}
     if conditions.critical_temperature is not None:
         share = xr.apply_ufunc(
             failed_fraction,
@@ -328,27 +334,32 @@ def temperatures(
             kwargs={"conditions": conditions},
             vectorize=True,
         )
-        found["failed_fraction"] = share.where(rises["max_rise"].notnull())
-        found["failed_fraction"].attrs = {
+        result["failed_fraction"] = share.where(rises["max_rise"].notnull())
+        result["failed_fraction"].attrs = {
             "units": "1",
             "long_name": "share of the contact above the critical temperature",
         }
-    return found
+    return result
 
 
 def with_rises(ds: xr.Dataset, conditions: Sequence[Conditions]) -> xr.Dataset:
     """Load what decides under some conditions, and leave out the other quantiles."""
     stored, names = ds["quantile"].values, ["normal_load"]
-    columns = {own.decisive.column for own in conditions}
-    unequal = any(own.bulk_ratio for own in conditions)
+    columns = {judged.decisive.column for judged in conditions}
+    unequal = any(judged.bulk_ratio for judged in conditions)
     if "mean_rise" in columns:
         names += ["mean_rise", *(["mean_bulk_response"] if unequal else [])]
     if "rise_quantile" in columns:
         names += ["rise_quantile", *(["bulk_rise_quantile"] if unequal else [])]
-        shares = [0.0 if own.criterion == "highest" else own.failing_share for own in conditions]
-        if stored[0] <= 1 - max(shares) <= 1 - min(shares) <= stored[-1]:  # else they are refused
-            first = max(int(np.searchsorted(stored, 1 - max(shares))) - 1, 0)
-            last = max(int(np.searchsorted(stored, 1 - min(shares))), first + 1)
+        wanted = [
+            judged.decisive.quantile
+            for judged in conditions
+            if judged.decisive.column == "rise_quantile"
+        ]
+        levels = [level for level in wanted if level is not None]
+        if len(levels) == len(wanted) and stored[0] <= min(levels) <= max(levels) <= stored[-1]:
+            first = max(int(np.searchsorted(stored, min(levels))) - 1, 0)
+            last = max(int(np.searchsorted(stored, max(levels))), first + 1)
             ds = ds.isel(quantile=slice(first, last + 1))
     return ds.assign({name: ds[name].load() for name in names if name in ds})
 
@@ -374,20 +385,22 @@ def decisive_rise(ds: xr.Dataset, conditions: Conditions | Sequence[Conditions])
     ds, axis = dataset_of(ds), variant_of(ds)
     several = [conditions] if isinstance(conditions, Conditions) else list(conditions)
     ds = with_rises(ds, several)
-    names = ["normal_load", *(own.decisive.column for own in several)]
-    if any(own.bulk_ratio for own in several):
+    names = ["normal_load", *(judged.decisive.column for judged in several)]
+    if any(judged.bulk_ratio for judged in several):
         names += [name for name in ("bulk_rise_quantile", "mean_bulk_response") if name in ds]
     columns = {name: values_of(ds, name) for name in dict.fromkeys(names)}
-    loads, own = ds["load"].values[:, None, None], {"quantile": ds["quantile"].values}
-    if len({(each.decisive, each.bulk_ratio) for each in several}) == 1:
-        rises = decisive_rises(columns | own, loads, several[0])
+    loads, levels = ds["load"].values[:, None, None], {"quantile": ds["quantile"].values}
+    if len({(judged.decisive, judged.bulk_ratio) for judged in several}) == 1:
+        rises = decisive_rises(columns | levels, loads, several[0])
     else:
         rises = np.array(
             [
                 decisive_rises(
-                    {name: values[number] for name, values in columns.items()} | own, loads, each
+                    {name: values[number] for name, values in columns.items()} | levels,
+                    loads,
+                    judged,
                 )
-                for number, each in enumerate(several)
+                for number, judged in enumerate(several)
             ]
         )
     kept = ("load", "velocity", "realization", "sample")
@@ -420,7 +433,13 @@ def refined(rise: xr.DataArray, resolution: int, limit: float | None = None) -> 
     fine_loads = np.linspace(loads[0], loads[-1], resolution)
     fine = np.linspace(velocities[0], velocities[-1], resolution)
     rows = np.apply_along_axis(
-        lambda row: _continued(velocities, row, fine, limit), -1, rise.values
+        lambda row: (
+            interpolated(velocities, row, fine)
+            if limit is None
+            else certain(velocities, row, fine, limit)
+        ),
+        -1,
+        rise.values,
     )
     plane = np.apply_along_axis(lambda column: interpolated(loads, column, fine_loads), -2, rows)
     axes = {"load": fine_loads, "velocity": fine}
@@ -429,36 +448,3 @@ def refined(rise: xr.DataArray, resolution: int, limit: float | None = None) -> 
         for name, coord in rise.coords.items()
     }
     return xr.DataArray(plane, coords, rise.dims, rise.name, rise.attrs)
-
-
-def _continued(x: Array, y: Array, at: Array, limit: float | None) -> Array:
-    """Interpolate, and go on where that leaves the kind of wear as it is."""
-    within = interpolated(x, y, at)
-    if limit is None or np.isnan(within).all():
-        return within
-    known = np.flatnonzero(np.isfinite(y))
-    first, last = known[0], known[-1]
-    beyond = interpolated(x, y, at, continued=True)
-    if y[first] <= limit:
-        within = np.where(at < x[first], np.minimum(beyond, y[first]), within)
-    if y[last] > limit:
-        within = np.where(at > x[last], np.maximum(beyond, y[last]), within)
-    return within
-
-
-def rise_exceeded(ds: xr.Dataset, share: float) -> xr.DataArray:
-    """Rise, at friction 1, that just a share of the contact area exceeds.
-
-    Returns
-    -------
-    DataArray
-        Rise [K], with the dimensions of ``rise_quantile`` but the quantile; NaN where the
-        temperature is not known.
-    """
-    found: xr.DataArray = xr.apply_ufunc(
-        quantiles.rise_exceeded,
-        ds["rise_quantile"],
-        input_core_dims=[["quantile"]],
-        kwargs={"share": share, "quantiles": ds["quantile"].values},
-    )
-    return found

@@ -85,9 +85,9 @@ def variants(ds: xr.Dataset) -> list[dict[str, Any]]:
     A sweep without several has a single entry.
     """
     axis = variant_of(ds)
-    own = {str(key): ds[key].values for key in ds.coords if ds[key].dims in ((axis,), ())}
+    labels = {str(key): ds[key].values for key in ds.coords if ds[key].dims in ((axis,), ())}
     return [
-        {key: values[row if values.ndim else ()].item() for key, values in own.items()}
+        {key: values[row if values.ndim else ()].item() for key, values in labels.items()}
         for row in range(ds.sizes[axis] if axis else 1)
     ]
 
@@ -157,7 +157,7 @@ def at_bulks(ds: xr.Dataset, conditions: Conditions) -> xr.Dataset:
     order = [name for name in (variant_of(ds), *_ORDER) if name]
     return ds.assign(
         {
-            name: ([each for each in order if each in ds[name].dims], rises[name], ds[name].attrs)
+            name: ([dim for dim in order if dim in ds[name].dims], rises[name], ds[name].attrs)
             for name in names
         }
     )
@@ -199,5 +199,7 @@ def _shared(ds: xr.Dataset) -> xr.Dataset:
     first = first_alike(ds.sizes["sample"], columns)
     if first == tuple(range(len(first))):
         return ds
-    own = {name: entry for name, entry in ds.coords.items() if "sample" in entry.dims}
-    return ds.isel(sample=list(first)).assign_coords(own | {"simulation": ("sample", list(first))})
+    labels = {name: entry for name, entry in ds.coords.items() if "sample" in entry.dims}
+    return ds.isel(sample=list(first)).assign_coords(
+        labels | {"simulation": ("sample", list(first))}
+    )

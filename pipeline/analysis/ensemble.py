@@ -10,7 +10,7 @@ from __future__ import annotations
 import functools
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -18,15 +18,15 @@ import xarray as xr
 from scipy.interpolate import PchipInterpolator
 
 from pipeline.analysis.attributes import attributes_of
+from pipeline.analysis.boundary import decisive_rise
+from pipeline.analysis.dataset import end_of_point, values_of
 from pipeline.analysis.interpolation import interpolated
 from pipeline.analysis.surrogate import Surrogate, fitted
-from pipeline.sweep.criterion import Conditions, worst_moment
+from pipeline.sweep.criterion import Conditions
 from pipeline.sweep.unknown import Unknown, drawn
 from tribo import InputError
-from tribo.thermal import rise_exceeded
 from tribo.types import Array
 
-_CHUNK = 256  # samples that are read at a time
 FRICTION, BULK, CRITICAL, SHARE = (
     "friction.coefficient", "temperature.bulk", "temperature.critical", "temperature.failing_share",
 )  # fmt: skip
@@ -111,10 +111,11 @@ class Ensemble:
         if "sample" in ds.dims:
             ds = ds.sel(sample=slice(0, count - 1))
             values = np.stack([ds[each.path].values for each in unknown], axis=1)
-        shares = _column(unknown, values, SHARE, about["conditions"]["failing_share"])
+        own = Conditions(**about["conditions"])
+        shares = _column(unknown, values, SHARE, own.failing_share)
         if "sample" not in ds.dims and SHARE not in [each.path for each in unknown]:
             shares = shares[:1]  # one simulation, and one rise of it, serves all
-        rises, widths = _read(ds, shares)
+        rises, widths = _read(ds, [replace(own, failing_share=share) for share in shares.tolist()])
         known = np.isfinite(rises).sum(axis=2).min(axis=1) >= 2
         if not known.any():
             raise InputError("no sample is done at every load yet; run the sweep to its end")
@@ -123,7 +124,7 @@ class Ensemble:
             unknown=unknown,
             seed=seed,
             inputs=values[known] if "sample" in ds.dims else values,
-            conditions=Conditions(**about["conditions"]),
+            conditions=own,
             loads=ds["load"].values,
             velocities=ds["velocity"].values,
             rises=rises[known],
@@ -286,38 +287,10 @@ def _column(unknown: Sequence[Unknown], inputs: Array, path: str, otherwise: flo
     return np.full(len(inputs), otherwise)
 
 
-def _read(ds: xr.Dataset, shares: Array) -> tuple[Array, Array]:
+def _read(ds: xr.Dataset, conditions: Sequence[Conditions]) -> tuple[Array, Array]:
     """Decisive rise [K] and width of the contact [m] by sample, load and velocity."""
-    loads = ds["load"].values[:, None, None]
-    found = []
-    if "sample" in ds.dims:
-        for begin in range(0, ds.sizes["sample"], _CHUNK):
-            rows = slice(begin, begin + _CHUNK)
-            columns = zip(*_columns(ds.isel(sample=rows)), strict=True)
-            found += [
-                _decisive(loads, share, each)
-                for share, each in zip(shares[rows], columns, strict=True)
-            ]
-    else:
-        one = _columns(ds)
-        found += [_decisive(loads, share, one) for share in shares]
-    rises, widths = zip(*found, strict=True)
-    return np.array(rises), np.array(widths)
-
-
-def _columns(ds: xr.Dataset) -> list[Array]:
-    """What is read of some samples, or of one, by load, velocity and step."""
-    ds = ds.transpose(..., "load", "velocity", "step", "quantile", missing_dims="ignore")
-    return [ds[name].values for name in ("time", "normal_load", "rise_quantile", "contact_width")]
-
-
-def _decisive(loads: Array, share: float, columns: Sequence[Array]) -> tuple[Array, Array]:
-    """Decisive rise [K] and width of the contact at the end [m], by load and velocity."""
-    time, normal_load, quantiles, width = columns
-    rises = rise_exceeded(quantiles, float(share))
-    worst = worst_moment(rises, normal_load, loads)
-    last = np.maximum(np.isfinite(time).sum(axis=-1, keepdims=True) - 1, 0)
-    return (
-        np.take_along_axis(rises, worst[..., None], -1)[..., 0],
-        np.take_along_axis(width, last, -1)[..., 0],
-    )
+    ds = ds[["status", "time", "normal_load", "contact_width", "mean_rise", "rise_quantile"]]
+    if "sample" not in ds.dims:
+        ds = ds.expand_dims(sample=len(conditions))
+    width = end_of_point(ds[["time", "contact_width"]])
+    return decisive_rise(ds, conditions).values, values_of(width, "contact_width")

@@ -88,6 +88,38 @@ def interpolated(x: Array, y: Array, at: Array, continued: bool = False) -> Arra
     return result
 
 
+def certain(x: Array, y: Array, at: Array, limit: float) -> Array:
+    """Interpolate y, and continue it by a power law where that leaves the side of a limit as it is.
+
+    It is continued below points that do not exceed the limit, and above points that do.
+
+    Parameters
+    ----------
+    x, y, at : ndarray
+        See `interpolated`.
+    limit : float
+        Value to compare with, in the unit of y.
+
+    Examples
+    --------
+    >>> x, y = np.array([1.0, 4.0]), np.array([10.0, 20.0])
+    >>> certain(x, y, np.array([0.25, 4.0, 16.0]), limit=30.0)
+    array([ 5., 20., nan])
+    >>> certain(x, y, np.array([0.25, 4.0, 16.0]), limit=15.0)
+    array([ 5., 20., 40.])
+    """
+    within, known = interpolated(x, y, at), np.flatnonzero(np.isfinite(y))
+    if len(known) < 2:
+        return within
+    first, last = known[[0, -1]]
+    beyond = interpolated(x, y, at, continued=True)
+    if y[first] <= limit:
+        within = np.where(at < x[first], np.minimum(beyond, y[first]), within)
+    if y[last] > limit:
+        within = np.where(at > x[last], np.maximum(beyond, y[last]), within)
+    return within
+
+
 def exponent(x: Array, y: Array, at: float) -> float:
     """Exponent d ln(y)/d ln(x) of the interpolated y at an abscissa, NaN where that is NaN.
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -20,8 +20,8 @@ import xarray as xr
 from pipeline.analysis.boundary import decisive_rise
 from pipeline.analysis.conditions import Bulk, conditions_by_variant, conditions_of
 from pipeline.analysis.dataset import dataset_of, variants
-from pipeline.analysis.interpolation import interpolated
-from pipeline.analysis.transition import OUTCOMES, Transition, range_of
+from pipeline.analysis.interpolation import certain, interpolated
+from pipeline.analysis.transition import CROSSES, OUTCOMES, Transition, range_of
 from pipeline.scene.quantities import in_si
 from pipeline.store.place import PathLike
 from pipeline.sweep.criterion import Conditions, contact_temperature, rise_limit
@@ -194,8 +194,10 @@ def margins(
     rise = decisive_rise(ds, several)
     planes = rise.values.reshape(len(several), *rise.shape[-2:])
     return tuple(
-        _margin(ds["load"].values, ds["velocity"].values, plane, load, velocity, own, place, ends)
-        for plane, own, place in zip(planes, several, variants(ds), strict=True)
+        _margin(
+            ds["load"].values, ds["velocity"].values, plane, load, velocity, judged, place, ends
+        )
+        for plane, judged, place in zip(planes, several, variants(ds), strict=True)
     )
 
 
@@ -210,32 +212,40 @@ def _margin(
     ends: Mapping[str, tuple[float, float]],
 ) -> Margin:
     """The margin on one surface."""
-    column = np.array([_along(velocities, each, velocity, continued=True) for each in r])
+    column = np.array([_along(velocities, line, velocity, continued=True) for line in r])
     rise = _along(loads, column, load)
     if not math.isfinite(rise):
         raise InputError(
             f"too few points about {load:g} N and {velocity:g} m/s are done to tell; run the sweep "
             "to its end, or add points there"
         )
-    within = np.array([_along(velocities, each, velocity) for each in r])
+    within = np.array([_along(velocities, line, velocity) for line in r])
     is_within = math.isfinite(_along(loads, within, load))
     error = _error(loads, velocities, r, load, velocity) if is_within else None
     limit = rise_limit(conditions)
-    # Along a line of the sweep's own points the boundary is that of `boundary`; between such lines
-    # it agrees with the rise at the operating point, if that is computed.
+    # Along a line of the sweep's own points the boundary is that of `boundary`. Between such lines
+    # rows go on where they are certainly mild or severe, and pass through the operating point.
+    at_point = rise if is_within else math.nan
     if load in loads:
-        across = _line(velocities, r[loads == load][0])
+        along_velocity = Transition.along(velocities, r[loads == load][0], limit, ends["velocity"])
     else:
-        across = _line(velocities, [_along(loads, each, load) for each in r.T])
-        across = _with_point(*across, velocity, rise) if is_within else across
-    if velocity in velocities:
-        upwards = _line(loads, r[:, velocities == velocity][:, 0])
-    else:
-        upwards = (
-            _with_point(*_line(loads, within), load, rise) if is_within else _line(loads, within)
+        rows = np.array([certain(velocities, row, velocities, limit) for row in r])
+        rows = np.where(np.isfinite(r), r, rows)
+        computed, going_on = (
+            _with_point(velocities, [_along(loads, y, load) for y in lines.T], velocity, at_point)
+            for lines in (r, rows)
         )
-    along_velocity = Transition.along(*across, limit, ends["velocity"])
-    along_load = Transition.along(*upwards, limit, ends["load"])
+        along_velocity = _transition(computed, going_on, limit, ends["velocity"])
+    if velocity in velocities:
+        column = r[:, velocities == velocity][:, 0]
+        along_load = Transition.along(loads, column, limit, ends["load"])
+    else:
+        here = np.array([velocity])
+        computed, going_on = (
+            _with_point(loads, y, load, at_point)
+            for y in (within, [certain(velocities, row, here, limit)[0] for row in r])
+        )
+        along_load = _transition(computed, going_on, limit, ends["load"])
     return Margin(
         load=load,
         velocity=velocity,
@@ -254,18 +264,25 @@ def _margin(
     )
 
 
-def _line(x: Array, y: Array | list[float]) -> tuple[Array, Array]:
-    """Velocities or loads and the rises there, as far as they are known."""
+_Line = tuple[Array, Array]
+
+
+def _transition(
+    computed: _Line, going_on: _Line, limit: float, ends: tuple[float, float]
+) -> Transition:
+    """The transition along a line that goes on where it is certain, else along computed points."""
+    inside, beyond = (Transition.along(*line, limit, ends) for line in (computed, going_on))
+    return replace(beyond, computed=inside.computed) if beyond.outcome == CROSSES else inside
+
+
+def _with_point(x: Array, y: Array | list[float], at: float, rise: float) -> _Line:
+    """The line through one more point, if that is known."""
     rises = np.asarray(y)
-    known = np.isfinite(rises)
-    return x[known], rises[known]
-
-
-def _with_point(x: Array, y: Array, at: float, rise: float) -> tuple[Array, Array]:
-    """The line through one more point."""
-    x, y = x[x != at], y[x != at]
+    if not math.isfinite(rise):
+        return x, rises
+    x, rises = x[x != at], rises[x != at]
     place = int(np.searchsorted(x, at))
-    return np.insert(x, place, at), np.insert(y, place, rise)
+    return np.insert(x, place, at), np.insert(rises, place, rise)
 
 
 def _along(x: Array, y: Array, at: float, continued: bool = False) -> float:

@@ -78,10 +78,10 @@ class Transition:
         ends : tuple of float
             Lowest and highest velocity or load of the sweep's own range.
         """
-        known = np.isfinite(rise)
-        if not known.any():
+        is_done = np.isfinite(rise)
+        if not is_done.any():
             return cls(math.nan, UNKNOWN, (math.nan, math.nan))
-        x, rise = x[known], rise[known]
+        x, rise = x[is_done], rise[is_done]
         computed = float(x[0]), float(x[-1])
         place = crossing(x, rise, limit)
         if math.isfinite(place):
@@ -114,15 +114,20 @@ def in_words(outcome: int, computed: tuple[float, float], along: str) -> str:
 def range_of(ds: xr.Dataset, axis: str) -> tuple[float, float]:
     """Lowest and highest velocity [m/s] or load [N] of the scene that a sweep is of.
 
+    Rest is left out where the sweep has no point at it, as one that searches the boundary alone.
+
     Examples
     --------
-    >>> ds = xr.Dataset(coords={"velocity": [1.2, 2.2]}, attrs={"velocities": [1.0, 2.0, 4.0]})
+    >>> ds = xr.Dataset(coords={"velocity": [1.2, 2.2]}, attrs={"velocities": [0.0, 1.0, 4.0]})
     >>> range_of(ds, "velocity")
     (1.0, 4.0)
     """
     names = {"load": "loads", "velocity": "velocities"}
-    own = attributes_of(ds).get(names[axis]) or ds[axis].values.tolist()
-    return float(min(own)), float(max(own))
+    present = ds[axis].values.tolist()
+    asked = [
+        value for value in attributes_of(ds).get(names[axis]) or present if value or 0.0 in present
+    ]
+    return float(min(asked or present)), float(max(asked or present))
 
 
 def command_of(
@@ -150,10 +155,10 @@ def command_of(
     run = f"irg run {attributes.get('name')}.toml -o {store}"
     if is_pending:
         return run
-    own = attributes.get("conditions") or {}
+    stored = {"criterion": "share"} | (attributes.get("conditions") or {})
     settings = []
     for name, value in conditions.items():
-        if name in _ENTRIES and value is not None and own.get(name) != value:
+        if name in _ENTRIES and value is not None and stored.get(name) != value:
             text = str(value) if isinstance(value, str) else f"{value:g}"
             if name.endswith("temperature"):
                 text = f"'{value - 273.15:.6g} degC'"

@@ -54,8 +54,8 @@ def warned(ds: xr.Dataset | PathLike, **conditions: Any) -> Warned:
 
 def has_warning(ds: xr.Dataset) -> xr.DataArray:
     """Points that are done and carry a warning."""
-    found: xr.DataArray = (ds["status"] == DONE) & (ds["warning_flags"] != 0)
-    return found.transpose(..., "load", "velocity")
+    carries: xr.DataArray = (ds["status"] == DONE) & (ds["warning_flags"] != 0)
+    return carries.transpose(..., "load", "velocity")
 
 
 def _beside_boundary(ds: xr.Dataset, conditions: dict[str, Any]) -> xr.DataArray | None:
@@ -67,17 +67,17 @@ def _beside_boundary(ds: xr.Dataset, conditions: dict[str, Any]) -> xr.DataArray
     several = frictions if isinstance(frictions, Iterable) else [frictions]
     near = None
     for friction in several:
-        given = conditions | {"friction": friction}
-        judged = conditions_of(ds, **given)
+        asked = conditions | {"friction": friction}
+        judged = conditions_of(ds, **asked)
         if judged.critical_temperature is None:
             return None
-        by_variant = conditions_by_variant(ds, judged, map(given.get, CONDITIONS))
+        by_variant = conditions_by_variant(ds, judged, map(asked.get, CONDITIONS))
         rise = decisive_rise(ds, by_variant)
         planes = rise.values.reshape(len(by_variant), *rise.shape[-2:])
         limits = map(rise_limit, by_variant)
         beside = [_beside(plane, limit) for plane, limit in zip(planes, limits, strict=True)]
-        found = rise.copy(data=np.reshape(beside, rise.shape))
-        near = found if near is None else near | found
+        marked = rise.copy(data=np.reshape(beside, rise.shape))
+        near = marked if near is None else near | marked
     return near
 
 
@@ -85,10 +85,10 @@ def _first(ds: xr.Dataset, chosen: xr.DataArray) -> str:
     """The first message of those chosen, and its point; empty if a writer has just cleared it."""
     axis = variant_of(ds)
     for place in np.argwhere(chosen.values):
-        at = ds[["message"]].isel(dict(zip(chosen.dims, place.tolist(), strict=True)))
-        if message := str(at["message"].item()):
-            variant = {axis: at[axis].item()} if axis else {}
-            return f"{Point(at['load'].item(), at['velocity'].item(), **variant)}: {message}"
+        point = ds[["message"]].isel(dict(zip(chosen.dims, place.tolist(), strict=True)))
+        if message := str(point["message"].item()):
+            variant = {axis: point[axis].item()} if axis else {}
+            return f"{Point(point['load'].item(), point['velocity'].item(), **variant)}: {message}"
     return ""
 
 

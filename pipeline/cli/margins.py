@@ -14,9 +14,12 @@ from pipeline.cli.exit_codes import DONE
 from pipeline.cli.output import show
 from pipeline.cli.scenes import CONDITIONS, given
 from pipeline.cli.unknowns import notes, samples_of
+from pipeline.store.schema import PENDING
 from tribo import InputError
 
 if TYPE_CHECKING:
+    import xarray as xr
+
     from pipeline.analysis.intervals import MarginIntervals
     from pipeline.analysis.margin import Margin
 
@@ -40,8 +43,31 @@ def margin(options: argparse.Namespace) -> int:
             "--given-measured and --scatter need samples of what is not known, and the conditions "
             "as they were drawn: give [unknown] and sweep.samples in the scene, and no conditions"
         )
-    show(options, document, text, warned=pipeline.warned(ds, **conditions))
+    command = _command(options, ds, conditions, found)
+    lines = [*text, *([f"compute more of the boundary with: {command}"] if command else [])]
+    warned = pipeline.warned(ds, **conditions)
+    show(options, document | {"command": command}, lines, warned=warned)
     return DONE
+
+
+def _command(
+    options: argparse.Namespace,
+    ds: xr.Dataset,
+    conditions: dict[str, Any],
+    found: Sequence[Margin],
+) -> str | None:
+    """The command that computes transitions beyond what was computed; None where there are none."""
+    from pipeline.analysis.attributes import attributes_of  # with xarray
+    from pipeline.analysis.conditions import conditions_of
+    from pipeline.analysis.dataset import asked
+    from pipeline.analysis.transition import BEYOND, OUTCOMES, command_of
+
+    beyond = {OUTCOMES[each] for each in BEYOND}
+    if not any(beyond & {each.velocity_outcome, each.load_outcome} for each in found):
+        return None
+    is_pending = bool((asked(ds) & (ds["status"] == PENDING)).any())
+    judged = conditions_of(ds, **conditions).as_dict()
+    return command_of(options.store, attributes_of(ds), judged, is_pending)
 
 
 def _on_intervals(found: MarginIntervals) -> Iterator[str]:

@@ -135,7 +135,7 @@ def _candidates(
         found.append(("as in the scene", None, own))
     if base:
         start = fitted(sweep, PRESETS[base])
-        for field, values in _variations(start).items():
+        for field, values in _variations(start, sweep.unequal_bulks).items():
             for value in values:
                 changed = fitted(sweep, replace(start, **{field: value}))
                 found.append((f"{base}, {field} = {shown(value)}", field, changed))
@@ -148,8 +148,8 @@ def _candidates(
     return unique
 
 
-def _variations(start: Fidelity) -> dict[str, tuple[Any, ...]]:
-    """Values to try of each field alone."""
+def _variations(start: Fidelity, unequal_bulks: bool) -> dict[str, tuple[Any, ...]]:
+    """Values to try of each field alone, as far as they go with unequal bulk temperatures."""
     block, coarsening = start.pixels_per_element, start.history_coarsening
     return {
         "pixels_per_element": (2 * block, 4 * block),
@@ -158,7 +158,7 @@ def _variations(start: Fidelity) -> dict[str, tuple[Any, ...]]:
         "increments": (start.increments // 10, start.increments // 4, 2 * start.increments),
         "wear_scheme": ("implicit", "sdirk2"),
         "contact_tolerance": (_round(start.contact_tolerance / 30), start.contact_tolerance * 10),
-        "partition": ("uniform",),
+        "partition": () if unequal_bulks else ("uniform",),
         "heat_tolerance": (start.heat_tolerance / 100, start.heat_tolerance * 100),
         "kernel": ("nearest-image",),
         "precision": ("single",),

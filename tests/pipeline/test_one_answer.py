@@ -15,10 +15,12 @@ from pipeline.analysis.transition import ABOVE, BELOW, BEYOND, CROSSES, MILD, OU
 from pipeline.cli import main
 from pipeline.cli.crossings import document_of, rows_of
 from pipeline.figures.diagram import diagram
-from pipeline.sweep.criterion import rise_limit
-from tests.helpers import javascript
+from pipeline.sweep.criterion import Conditions, rise_limit
+from tests.helpers import javascript, synthetic, tiny
 from tests.pipeline.cli.test_commands import SCENE
 from tests.pipeline.figures.page import sweeps
+from tribo import CRITERIA, QUANTILES
+from tribo.criterion import Rule
 
 CONDITIONS = (
     {},
@@ -85,6 +87,36 @@ def warm_pin():
     return ds.assign_attrs(conditions=ds.attrs["conditions"] | {"criterion": "share"})
 
 
+def test_a_criterion_is_one_entry_and_every_command_knows_it(monkeypatch, capsys):
+    """The mean of the hottest tenth, about as the 95th percentile of an even distribution."""
+
+    def hottest_tenth(rises, _, quantiles):
+        at = np.linspace(0.9, 1.0, 21)
+        return np.apply_along_axis(lambda row: np.interp(at, quantiles, row).mean(), -1, rises)
+
+    rule = Rule("rise_quantile", hottest_tenth, "mean of the hottest tenth", "its tenth above")
+    monkeypatch.setitem(CRITERIA, "tenth", rule)
+    ds = synthetic.sweep()  # whose temperatures are spread evenly
+    found, expected = pipeline.boundary(ds, criterion="tenth"), pipeline.boundary(ds, share=0.05)
+    xr.testing.assert_allclose(found["critical_velocity"], expected["critical_velocity"])
+    (margin,) = pipeline.margins(ds, 400.0, 2.0, criterion="tenth")
+    assert margin.critical_velocity == pytest.approx(float(found["critical_velocity"][4]))
+    figure = diagram(ds, criterion="tenth")
+    assert "its tenth above 145 °C" in figure.legends[0].get_title().get_text()
+    stored = ds.assign_attrs(conditions=ds.attrs["conditions"] | {"criterion": "tenth"})
+    page = javascript.run(stored, "return summary().velocity.middle;")
+    np.testing.assert_allclose(page, found["critical_velocity"], rtol=1e-9)
+    monkeypatch.setattr(pipeline, "open_sweep", lambda path: ds)
+    assert main(["boundary", "out.zarr", "--criterion", "tenth", "--json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    np.testing.assert_allclose(document["critical_velocity"], found["critical_velocity"])
+    sweep = tiny.sweep(conditions=Conditions(0.1, 298.15, 418.15, criterion="tenth"))
+    result = pipeline.run_point(sweep, 600.0, 1.5)
+    rise = result.columns["rise_quantile"][-1]
+    expected = 298.15 + 0.1 * hottest_tenth(rise, 0.1, np.array(QUANTILES))
+    assert result.verdict(sweep.conditions).decisive_temperature == pytest.approx(float(expected))
+
+
 @pytest.fixture(params=CASES, scope="module")
 def case(request):
     return CASES[request.param]()
@@ -107,7 +139,7 @@ def test_the_command_that_is_named_computes_what_was_beyond(tmp_path, monkeypatc
     ask += ["150 degC"]
     assert main(ask) == 0
     found = json.loads(capsys.readouterr().out)
-    assert set(found["critical_velocity_outcome"]) & {OUTCOMES[each] for each in BEYOND}
+    assert set(found["outcome_at_load"]) & {OUTCOMES[each] for each in BEYOND}
     assert main([*shlex.split(found["command"])[1:], "-q", "--workers", "1"]) == 0
     capsys.readouterr()
     assert main(ask) == 0
@@ -182,10 +214,10 @@ def test_margins_say_what_the_boundary_says(case, given):
 def test_documents_and_tables_say_what_the_boundary_says(case, given):
     found = pipeline.boundary(case[0], **given)
     document, rows = document_of(found), list(rows_of(found))
-    for name, axis in (("critical_velocity", "load"), ("critical_load", "velocity")):
+    for axis in ("load", "velocity"):
         outcome = found[f"outcome_at_{axis}"].values
         worded = np.vectorize(OUTCOMES.get)(outcome).tolist()
-        assert document[f"{name}_outcome"] == worded
+        assert document[f"outcome_at_{axis}"] == worded
         if "quantile" not in found:
             assert [row["outcome"] for row in rows if row["at each"] == axis] == worded
 

@@ -103,11 +103,11 @@ function showMargin() {
 }
 
 /**
- * Crossing of a line, or the places that it may have beyond it.
- * @param {Line} line @param {number} limit @param {[number, number]} range
+ * Crossing along a line, or the places that it may have beyond it.
+ * @param {Line[]} lines @param {number} limit @param {[number, number]} range
  */
-function wayTo(line, limit, range) {
-  return crossings([line], limit, range).ends[0];
+function wayTo(lines, limit, range) {
+  return transition(lines, limit, range).ends[0];
 }
 
 /**

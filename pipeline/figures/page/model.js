@@ -288,7 +288,7 @@ class Sweep {
     const { along, across } = this.decisive(conditions);
     const column = along[surface].map((line) => valueAt(line, velocity, true));
     const within = along[surface].map((line) => valueAt(line, velocity));
-    const row = across[surface].map((line) => valueAt(line, load));
+    const limit = riseLimit(conditions);
     const rise = valueAt(lineOf(this.loads, column), load);
     const isWithin = Number.isFinite(valueAt(lineOf(this.loads, within), load));
     const between = (
@@ -297,12 +297,21 @@ class Sweep {
       /** @type {number} */ at,
     ) => (isWithin ? withPoint(x, y, at, rise) : lineOf(x, y));
     const [i, j] = [this.loads.indexOf(load), this.velocities.indexOf(velocity)];
-    return {
-      rise,
-      isWithin,
-      alongVelocity: i < 0 ? between(this.velocities, row, velocity) : along[surface][i],
-      alongLoad: j < 0 ? between(this.loads, within, load) : across[surface][j],
-    };
+    /** Computed points, and these going on where they are certainly mild or severe. */
+    let alongVelocity = [along[surface][i], along[surface][i]];
+    if (i < 0) {
+      const own = across[surface].map((line) => valueAt(line, load));
+      const going = this.velocities.map((at) =>
+        valueAt(lineOf(this.loads, along[surface].map((line) => certainAt(line, at, limit))), load),
+      );
+      alongVelocity = [own, going].map((row) => between(this.velocities, row, velocity));
+    }
+    let alongLoad = [across[surface][j], across[surface][j]];
+    if (j < 0) {
+      const going = along[surface].map((line) => certainAt(line, velocity, limit));
+      alongLoad = [within, going].map((column) => between(this.loads, column, load));
+    }
+    return { rise, isWithin, alongVelocity, alongLoad };
   }
 }
 
@@ -320,6 +329,15 @@ function crossings(lines, limit, range) {
     ends: at.map((value, k) => endsOf(lines[k], value, outcome[k])),
     computed: lines.map(({ x }) => (x.length ? [x[0], x[x.length - 1]] : [NaN, NaN])),
   };
+}
+
+/**
+ * Transition along a line that goes on where it is certain, else along its computed points.
+ * @param {Line[]} lines both @param {number} limit @param {[number, number]} range
+ */
+function transition([computed, going], limit, range) {
+  const found = crossings([going], limit, range);
+  return found.outcome[0] === CROSSES ? found : crossings([computed], limit, range);
 }
 
 /**

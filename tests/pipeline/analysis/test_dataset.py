@@ -15,7 +15,6 @@ from pipeline.analysis.boundary import (
     boundary,
     decisive_rise,
     decisive_temperature,
-    rise_exceeded,
     temperatures,
 )
 from pipeline.analysis.dataset import end_of_point, open_sweep
@@ -28,6 +27,7 @@ from pipeline.sweep.plan import points, run_point, step_count
 from tests.helpers import tiny
 from tests.helpers.stores import commit
 from tests.pipeline.conftest import commit_all
+from tribo.thermal import rise_exceeded
 
 CONDITIONS = Conditions(0.1, 298.15, 418.15)
 DERIVED = ("max_temperature", "mean_temperature", "temperature_quantile", "failed_fraction")
@@ -135,11 +135,12 @@ def test_the_steps_of_a_hold_are_in_the_dataset(held):
 
 def test_a_point_is_as_severe_as_it_is_at_any_time_of_its_hold(held):
     rise = decisive_rise(held, CONDITIONS).sel(load=600.0, velocity=1.0).item()
-    by_step = rise_exceeded(held, 0.1).sel(load=600.0, velocity=1.0)
+    point = held.sel(load=600.0, velocity=1.0)
+    by_step = point["time"].copy(data=rise_exceeded(point["rise_quantile"].values, 0.1))
     assert rise == by_step.max("step") == by_step[4]
     assert rise > by_step.dropna("step")[-1] + 10
     # Hotter at a lower load than ever at its own: only what is reached at full load counts.
-    earlier = held.copy(deep=True)
+    earlier = held.load().copy(deep=True)
     earlier["rise_quantile"][{"step": 0}] *= 10
     assert decisive_rise(earlier, CONDITIONS).sel(load=600.0, velocity=1.0) == rise
 

@@ -209,6 +209,15 @@ def test_a_fidelity_is_fitted_to_the_pixels():
     assert fitted(PAPER, PRESETS["draft"]) == PRESETS["draft"]
 
 
+def test_only_choices_that_go_with_unequal_bulk_temperatures_are_tried():
+    scene = replace(SCENE, unequal_bulks=True)
+    names = []
+    for name, _, fidelity in tradeoff._candidates(scene, ("draft", "fine"), "standard"):
+        replace(scene, fidelity=fidelity)
+        names.append(name)
+    assert len(names) > 10
+
+
 def test_unknown_presets_and_scenes_without_heat_are_refused():
     with pytest.raises(InputError, match="preset 'fast' is unknown; known are draft, standard"):
         trade(PAPER, ("fast",))

@@ -99,10 +99,10 @@ def test_the_margin_is_that_of_the_command(kind):
     const limit = riseLimit(chosen.conditions);
     return argument.map(([load, velocity]) => {
       const found = sweep.lines(0, load, velocity, chosen.conditions);
-      const along = [[found.alongVelocity], sweep.range.velocity];
-      const up = [[found.alongLoad], sweep.range.load];
+      const along = [found.alongVelocity, sweep.range.velocity];
+      const up = [found.alongLoad, sweep.range.load];
       return [temperature(found.rise), ...[along, up].flatMap(([lines, range]) => {
-        const { at, outcome } = crossings(lines, limit, range);
+        const { at, outcome } = transition(lines, limit, range);
         return [at[0], outcome[0]];
       })];
     });
