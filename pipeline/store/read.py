@@ -97,5 +97,7 @@ def _where(variable: xr.Variable, mask: Mask, fault: str) -> xr.Variable:
     kind = variable.dtype.kind
     fill = np.nan if kind == "f" else 0 if kind in "iu" else ""
     lazy = indexing.LazilyIndexedArray(_Masked(variable, mask, fault, fill))
-    cached = indexing.MemoryCachedArray(lazy)  # type: ignore[no-untyped-call]
+    # As xarray wraps what it opens itself: read once, and writable in memory.
+    writable = indexing.CopyOnWriteArray(lazy)  # type: ignore[arg-type]
+    cached = indexing.MemoryCachedArray(writable)  # type: ignore[no-untyped-call]
     return xr.Variable(variable.dims, cached, variable.attrs)
