@@ -8,6 +8,7 @@
 
 from __future__ import annotations
 
+import gc
 import logging
 import multiprocessing
 import time
@@ -108,13 +109,17 @@ def _client_of(scheduler: str, patience: float) -> Client:
     try:
         return Client(scheduler, set_as_default=False, timeout=patience)
     except (OSError, ValueError, RuntimeError) as error:
-        raise ExecutionError(f"no Dask scheduler answers at {scheduler}: {error}") from error
-    except TypeError as error:  # as Dask has it
-        raise ExecutionError(
+        reason = f"no Dask scheduler answers at {scheduler}: {error}"
+    except TypeError:  # as Dask has it
+        reason = (
             f"{scheduler} needs certificates: name the files under distributed.comm.tls in "
             "Dask's configuration, as DASK_DISTRIBUTED__COMM__TLS__CA_FILE, "
             "…__CLIENT__CERT and …__CLIENT__KEY do"
-        ) from error
+        )
+    # Now: a client that was only half made, and is collected while the next one starts, takes a
+    # lock of Dask's that this one holds, and both wait for ever.
+    gc.collect()
+    raise ExecutionError(reason)
 
 
 @contextmanager

@@ -33,7 +33,8 @@ def reported(campaign, *options, trials=1):
 
 def test_killed_at_random_nothing_is_lost_or_damaged():
     report = reported("kills")
-    assert (report["kills of everything"], report["faults"]) == (5, [])
+    assert report["kills of everything"] > 1
+    assert report["faults"] == []
     assert report["acknowledged"] > 0
 
 
