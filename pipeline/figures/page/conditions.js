@@ -3,8 +3,8 @@
 /* The conditions: sliders and fields, and what is wrong with what was typed. */
 
 /**
- * @typedef {{name: keyof Conditions, label: string, low: number, high: number, step: number,
- *   show: (value: number) => number, read: (shown: number) => number}} Control
+ * @typedef {{name: Exclude<keyof Conditions, "criterion">, label: string, low: number, high: number,
+ *   step: number, show: (value: number) => number, read: (shown: number) => number}} Control
  */
 
 /** Whether the sweep was computed for bulk temperatures that may differ. */
@@ -18,7 +18,7 @@ function hasShare() {
 }
 
 /** @type {Control[]} */
-const CONTROLS = [
+const EVERY_CONTROL = [
   {
     name: "friction",
     label: "friction coefficient",
@@ -65,11 +65,12 @@ const CONTROLS = [
     show: (/** @type {number} */ value) => 100 * value,
     read: (/** @type {number} */ value) => value / 100,
   },
-].filter(({ name }) => name !== "failing_share" || hasShare());
+];
+const CONTROLS = EVERY_CONTROL.filter(({ name }) => name !== "failing_share" || hasShare());
 
 /**
  * What is wrong with conditions; empty if nothing.
- * @param {Conditions} conditions @param {keyof Conditions} name of the one that was changed
+ * @param {Conditions} conditions @param {Control["name"]} name of the one that was changed
  */
 function faultOf(conditions, name) {
   const { friction, bulk_temperature, critical_temperature, failing_share } = conditions;
@@ -187,13 +188,13 @@ function showControl(
 function conditionsText() {
   const { friction, bulk_temperature, critical_temperature, failing_share } = chosen.conditions;
   const critical = critical_temperature === null ? "not known" : celsius(critical_temperature, 6);
+  const decisive = hasShare()
+    ? `failing share ${shown(100 * failing_share, 6)} %`
+    : `criterion ${content.conditions.criterion}`;
   const { disk_temperature } = chosen.conditions;
   const disk = disk_temperature === undefined ? "" : ` (pin) and ${celsius(disk_temperature, 6)} (disk)`;
   return (
     `friction ${shown(friction, 6)}, bulk ${celsius(bulk_temperature, 6)}${disk}, ` +
-    `critical ${critical}, ` +
-    (hasShare()
-      ? `failing share ${shown(100 * failing_share, 6)} %`
-      : `criterion ${content.conditions.criterion}`)
+    `critical ${critical}, ${decisive}`
   );
 }

@@ -34,7 +34,10 @@ function bulkRatio(conditions) {
   return difference === 0 ? 0 : difference / riseFactor(conditions);
 }
 
-/** What is added to a rise above the pin's bulk, so that it counts from the colder body [K]. @param {number} ratio */
+/**
+ * Part of a rise above the pin's bulk that makes it count from the colder body [K].
+ * @param {number} ratio
+ */
 function aboveColder(ratio) {
   return Math.max(0, -ratio);
 }
