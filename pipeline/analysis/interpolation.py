@@ -12,12 +12,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
-from scipy.interpolate import PchipInterpolator
 
 from tribo.types import Array
+
+if TYPE_CHECKING:
+    from scipy.interpolate import PchipInterpolator
 
 _NEAR = 1.01  # ratio of abscissae over which an exponent is taken
 _FLAT = 0.25  # least exponent of a power law that is continued down to 0
@@ -146,6 +148,8 @@ def exponent(x: Array, y: Array, at: float) -> float:
 
 
 def _interpolant(x: Array, y: Array) -> _Interpolant:
+    from scipy.interpolate import PchipInterpolator  # takes 0.2 s, which a run does without
+
     if (x > 0).all() and (y > 0).all():
         return _Logarithmic(PchipInterpolator(np.log(x), np.log(y)))
     if x[0] == 0 and y[0] == 0 and len(x) > 2 and (y[1:] > 0).all():
