@@ -15,8 +15,6 @@ from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
-from scipy import sparse
-from scipy.sparse.linalg import spsolve
 
 from tribo import InputError, read_heights
 from tribo.files import require_file
@@ -217,6 +215,9 @@ def filled(heights: Array) -> Array:
     >>> bool(np.allclose(filled(holed), surface))
     True
     """
+    from scipy import sparse  # takes 0.1 s, and few surfaces have holes
+    from scipy.sparse.linalg import spsolve
+
     missing = ~np.isfinite(heights)
     if missing.all():
         raise InputError("all heights are missing")
