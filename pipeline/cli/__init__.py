@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import argparse
 import atexit
-import errno
 import gc
 import io
 import os
@@ -50,6 +49,7 @@ def _carried_out(options: argparse.Namespace) -> int:
     """Exit code of a command, after a line on the error that may have ended it."""
     # Here, since they import NumPy, which --help needs not and cannot do with little memory.
     from pipeline.cli.output import complain, hushed, tell
+    from pipeline.store.place import is_lack_of_memory
     from tribo import TriboError
 
     try:
@@ -72,7 +72,7 @@ def _carried_out(options: argparse.Namespace) -> int:
         sys.stderr.close()
         return DONE
     except (MemoryError, OSError, RuntimeError, ImportError) as error:
-        if not _is_lack_of_memory(error):
+        if not is_lack_of_memory(error):
             if not isinstance(error, OSError):
                 raise
             complain(f"cannot go on: {error}; finished points are safe")
@@ -105,11 +105,3 @@ def _drop_output() -> None:
     """Let Python not try again, at its end, to print what could not be printed."""
     with suppress(OSError, ValueError, AttributeError):
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-
-
-def _is_lack_of_memory(error: BaseException) -> bool:
-    """True for an error by which Python reports that memory has run out."""
-    if isinstance(error, OSError):
-        return error.errno in (errno.ENOMEM, errno.EAGAIN)
-    said = ("start new thread", "failed to map segment", "annot allocate memory")
-    return isinstance(error, MemoryError) or any(words in str(error) for words in said)

@@ -9,6 +9,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import shutil
 from collections.abc import Iterator, Mapping
@@ -279,3 +280,11 @@ def unwritable(place: Place, error: OSError) -> StoreError:
     above = place.path.parents if isinstance(place, Folder) else ()
     in_the_way = (f"{folder} is a file, not a folder" for folder in above if folder.is_file())
     return StoreError(f"{place} cannot be written: {next(in_the_way, error.strerror or error)}")
+
+
+def is_lack_of_memory(error: BaseException) -> bool:
+    """True for an error by which Python reports that memory has run out."""
+    if isinstance(error, OSError):
+        return error.errno in (errno.ENOMEM, errno.EAGAIN)
+    said = ("start new thread", "failed to map segment", "annot allocate memory")
+    return isinstance(error, MemoryError) or any(words in str(error) for words in said)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from xarray.backends import BackendArray
 from xarray.core import indexing
 
-from pipeline.store.place import PathLike, StoreError, place_of
+from pipeline.store.place import PathLike, StoreError, is_lack_of_memory, place_of
 from pipeline.store.points import missing_chunks
 from pipeline.store.root import read_root
 from pipeline.store.schema import DONE, PENDING, RECORDS, is_coordinate
@@ -48,6 +48,8 @@ def open_store(path: PathLike) -> xr.Dataset:
         flags: NDArray[np.int8] = ds["status"].values
         ds["asked"].load()
     except (*UNREADABLE, KeyError, TypeError) as error:
+        if is_lack_of_memory(error):  # nothing is damaged
+            raise
         raise StoreError(DAMAGED.format(place, "its axes or statuses")) from error
     if ds.attrs["axes"] != root.axes:
         return open_store(path)  # it has grown in between
@@ -85,6 +87,8 @@ class _Masked(BackendArray):
         try:
             values = np.array(self._variable[key].values, self.dtype)
         except UNREADABLE as error:
+            if is_lack_of_memory(error):  # nothing is damaged
+                raise
             raise StoreError(self._fault) from error
         mask = xr.Variable(self._variable.dims[: self._mask.ndim], self._mask)
         shown = mask[key[: self._mask.ndim]].values

@@ -19,7 +19,7 @@ from zarr.storage import StorePath
 
 from pipeline.store.identity import checksum, record_checksum
 from pipeline.store.lock import Lock
-from pipeline.store.place import LOCK, Bucket, Folder, Place, StoreError
+from pipeline.store.place import LOCK, Bucket, Folder, Place, StoreError, is_lack_of_memory
 from pipeline.store.points import Places, Slices
 from pipeline.store.root import Root
 from pipeline.store.schema import (
@@ -127,6 +127,8 @@ class Store(Places):
         try:
             return self.arrays[name][key]
         except UNREADABLE as error:
+            if is_lack_of_memory(error):  # nothing is damaged
+                raise
             raise StoreError(DAMAGED.format(self.place, name)) from error
 
     def is_done(self, point: Point) -> bool:

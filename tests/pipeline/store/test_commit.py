@@ -29,6 +29,7 @@ from tests.helpers.stores import (
     commit,
     fail,
     killed_after,
+    opened,
     record,
 )
 
@@ -278,3 +279,15 @@ def test_commands_read_a_store_while_it_is_written(growing, tmp_path, capsys):
     assert main(["boundary", str(growing), "--json"]) == 0
     assert main(["plot", str(growing), "-o", str(tmp_path / "diagram.png")]) == 0
     assert main(["verify", str(growing)]) == 0
+
+
+def test_a_lack_of_threads_is_no_damage(alone, monkeypatch):
+    """Or a repair would throw away what is sound."""
+
+    def none_left(*_, **__):
+        raise RuntimeError("can't start new thread")
+
+    store = opened(alone)
+    monkeypatch.setattr(type(store.arrays["time"]), "__getitem__", none_left)
+    with pytest.raises(RuntimeError, match="new thread"):
+        store.read("time", ...)
