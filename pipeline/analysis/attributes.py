@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from typing import Any, Protocol
 
 _ENCODED = "json_attributes"
-_INTERNAL = ("axes", "revision", "root_hash")
+_INTERNAL = ("axes", "root_hash", "points_per_chunk", "steps_per_chunk")
 
 
 class Described(Protocol):

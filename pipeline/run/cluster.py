@@ -264,11 +264,6 @@ def _replace_lost(cluster: LocalCluster) -> None:
         cluster.scale(len(cluster.worker_spec))
 
 
-def worker_versions(client: Client) -> dict[str, Versions]:
-    """Versions of each worker that a client has had, by its address."""
-    return {worker: theirs for worker, theirs in _asked.get(client, {}).items() if theirs}
-
-
 def _ask(
     client: Client, workers: Collection[str], tell: Callable[[str], None] | None = None
 ) -> None:

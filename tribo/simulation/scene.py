@@ -149,7 +149,7 @@ class Scene:
 
     @property
     def wears_locally(self) -> bool:
-        """Whether each point of the pin wears by its own pressure on one patch of the disk."""
+        """Return whether each point of the pin wears by its own pressure on one patch."""
         wear = self.wear_of_contact
         return wear is not None and wear.pattern == "local" and not self.sweeps_over
 
@@ -205,12 +205,12 @@ class Scene:
 
     @property
     def wears(self) -> bool:
-        """Whether the pin loses any material."""
+        """Return whether the pin loses any material."""
         return self.wear is not None and self.wear.specific_wear_rate > 0
 
     @property
     def remembers_steps(self) -> bool:
-        """Whether a state depends on the steps before: by its wear, or by their heat."""
+        """Return whether a state depends on the steps before: by its wear, or by their heat."""
         return self.wears or self.remembers_heat
 
     @property

@@ -214,7 +214,7 @@ def _few_nodes(scene: Scene, state: State) -> Iterator[Found]:
 
 
 def on_pixels(scene: Scene, state: State) -> bool:
-    """Whether the elements of a state are the pixels themselves."""
+    """Return whether the elements of a state are the pixels themselves."""
     return len(state.pressure) == scene.pixels.shape[0]
 
 
