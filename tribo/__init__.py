@@ -51,12 +51,16 @@ from .simulation import State as State
 from .simulation import Velocities as Velocities
 from .simulation import WarningKind as WarningKind
 from .simulation import advance as advance
+from .simulation import contacts as contacts
 from .simulation import forget_kernels as forget_kernels
 from .simulation import heat as heat
+from .simulation import heated as heated
+from .simulation import inseparable as inseparable
 from .simulation import measures as measures
 from .simulation import simulate as simulate
 from .simulation import start as start
 from .simulation import warnings as warnings
+from .simulation import wear_number as wear_number
 from .thermal import BULK_RATIOS as BULK_RATIOS
 from .thermal import QUANTILES as QUANTILES
 from .thermal import ConductingHalfSpace as ConductingHalfSpace

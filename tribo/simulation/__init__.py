@@ -1,5 +1,6 @@
 """One point of the diagram: loading with wear and friction heat."""
 
+from tribo.simulation.contacts import contacts, inseparable, leads_to, wear_number
 from tribo.simulation.fidelity import PRESETS, Fidelity
 from tribo.simulation.heating import heat
 from tribo.simulation.kernels import forget_kernels
@@ -10,7 +11,7 @@ from tribo.simulation.roughness import MeasuredRoughness, SelfAffineRoughness
 from tribo.simulation.scene import Scene
 from tribo.simulation.state import Heat, State
 from tribo.simulation.step import advance, start
-from tribo.simulation.steps import leads_to, simulate
+from tribo.simulation.steps import heated, simulate
 from tribo.simulation.warning import PointWarning, WarningKind, warnings
 
 __all__ = [
@@ -29,11 +30,15 @@ __all__ = [
     "Velocities",
     "WarningKind",
     "advance",
+    "contacts",
     "forget_kernels",
     "heat",
+    "heated",
+    "inseparable",
     "leads_to",
     "measures",
     "simulate",
     "start",
     "warnings",
+    "wear_number",
 ]

@@ -33,6 +33,18 @@ def heat(scene: Scene, state: State, velocity: float) -> Heat:
     the scene has unequal ones. The present friction heat is taken to act since time 0 (Bosman & de
     Rooij), whatever the heat model of the fidelity.
 
+    The temperature knows of the contact its pressure and time, and not how it has worn; so the
+    velocity may be another one than that of the contact. See `tribo.contacts`.
+
+    Parameters
+    ----------
+    scene : Scene
+        System of the contact, with any thermal constants.
+    state : State
+        State with its contact, on elements of the scene's size or of another one.
+    velocity : float
+        Sliding velocity [m/s].
+
     Examples
     --------
     >>> import tribo
@@ -41,11 +53,20 @@ def heat(scene: Scene, state: State, velocity: float) -> Heat:
     >>> f"{0.1 * tribo.heat(scene, state, velocity=0.13).max_rise:.1f} K at friction 0.1"
     '13.8 K at friction 0.1'
     """
-    contact = state.pressure > 0
+    scene, contact = _on_elements_of(scene, state), state.pressure > 0
     summary = _summary(scene, _partition(scene, state, velocity, contact), contact)
     if not scene.unequal_bulks:
         return summary
     return _responding(scene, summary, _response(scene, state, velocity, contact), contact)
+
+
+def _on_elements_of(scene: Scene, state: State) -> Scene:
+    """The scene with the elements of a state, which are smaller where few touch."""
+    block = scene.pixels.shape[0] // len(state.pressure)
+    if block == scene.fidelity.pixels_per_element:
+        return scene
+    changed = replace(scene.fidelity, pixels_per_element=block, history_coarsening=1)
+    return replace(scene, fidelity=changed)
 
 
 def heated_since(scene: Scene, before: State, state: State, velocity: float) -> State:

@@ -88,6 +88,8 @@ class State:
         The load at that station [N].
     displacement, previous_displacement : ndarray, shape (nx, ny), or None
         Elastic ones under both pressures [m], from the datum of the solid, where they are known.
+    is_asked : bool
+        Whether the temperature of the contact is asked for.
     heat : Heat or None
         Temperature of the contact, where it was asked for.
     history : State or None
@@ -123,6 +125,7 @@ class State:
     displacement: Array | None = None
     previous_displacement: Array | None = None
     work: int = 0
+    is_asked: bool = False
     heat: Heat | None = None
     history: State | None = None
     heat_history: HeatHistory | None = None

@@ -1,30 +1,14 @@
-"""One point of the diagram: a loading at constant velocity, with wear and friction heat."""
+"""One point of the diagram: its contacts, and the temperatures of those that are asked for."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import Any
 
-import numpy as np
-
-from tribo.errors import InputError, require_positive
-from tribo.loading import Station
-from tribo.simulation.ending import ended
-from tribo.simulation.fidelity import Fidelity
+from tribo.simulation.contacts import contacts
 from tribo.simulation.heating import heat
-from tribo.simulation.passes import Pass, spread
 from tribo.simulation.scene import Scene
 from tribo.simulation.state import State
-from tribo.simulation.step import advance, solved, start
-from tribo.simulation.warning import FEW_NODES, ordered_nodes
-from tribo.types import Array
-from tribo.wear import Stage
-
-# Tolerance of the contacts where few elements touch, whose hottest are few: on 57 random scenes
-# `standard` had rises up to 2.5 % off with its own, and up to 0.3 % with this.
-_TIGHT = 1e-3
 
 
 def simulate(
@@ -67,149 +51,37 @@ def simulate(
     ...     print(f"{state.normal_load:g} N after {state.time:g} s")
     10 N after 61 s
     """
-    if not np.isfinite(velocity):
-        raise InputError(f"velocity is {velocity!r}; it must be finite")
-    require_positive(normal_load=normal_load)
-    if normal_load > scene.greatest_load * (1 + 1e-12):
-        raise InputError(
-            f"normal_load is {normal_load:g} N; the window carries at most "
-            f"{scene.greatest_load:g} N, its area times the hardness of {scene.hardness:g} Pa"
-        )
-    state = start(scene) if trunk is None else trunk.history or trunk
-    if not leads_to(scene, state, normal_load):
-        raise InputError(
-            f"cannot go on to {normal_load:g} N from the state at {state.normal_load:g} N; "
-            "it must lie on the trunk that leads there, at a lower load"
-        )
-    if scene.remembers_heat != (state.heat_history is not None):
-        heat_model = scene.fidelity.heat_model
-        raise InputError(f"heat model {heat_model!r} cannot go on from a state of the other one")
-    interval = scene.fidelity.temperature_interval
-    levels, unloaded = tuple(scene.levels()), start(scene)
-    closer = _Closer(scene, normal_load, velocity)
-    stations = list(scene.stations(normal_load, after=state.normal_load))
-    for station in stations:
-        # Where nothing remembers the way, not even a first guess may, or results would depend on
-        # the stations at which a temperature is asked for.
-        before = state if scene.remembers_steps else unloaded
-        state = advance(levels[0], before, station, velocity, observed=len(levels) == 1)
-        reached = station.normal_load == normal_load and not station.holding
-        asked = reached or station is stations[-1] or (interval and station.index % interval == 0)
-        shown = state
-        if asked and state.pressure.any():
-            shown = _refined(levels, before, state, station, velocity)
-            shown = closer.instead_of(shown)
-            if shown.heat is None:
-                shown = replace(shown, heat=heat(scene, shown, velocity))
-        elif state.heat is not None and scene.fidelity.fewest_elements:
-            shown = replace(state, heat=None)  # which might be of other elements than the last
-        yield shown
+    for state in contacts(scene, normal_load, velocity, trunk):
+        if state.is_asked and state.heat is None:
+            yield replace(state, heat=heat(scene, state, velocity))
+        else:
+            yield state
 
 
-def leads_to(scene: Scene, state: State, normal_load: float) -> bool:
-    """Whether the simulation of a load passes through a state, and can go on from it."""
-    if not state.on_trunk or state.normal_load >= normal_load:
-        return False
-    return math.isclose(state.normal_load, state.index * scene.trunk(normal_load))
+def heated(scene: Scene, contact: State, velocity: float) -> State:
+    """A state of `tribo.contacts` at a velocity, with its temperature if that is asked for.
 
+    Parameters
+    ----------
+    scene : Scene
+        A system of the wear rate with which the contact's wear number is that of the velocity,
+        and of any thermal constants.
+    contact : State
+        State without temperature.
+    velocity : float
+        Sliding velocity [m/s].
 
-def _refined(
-    levels: tuple[Scene, ...], before: State, after: State, station: Station, velocity: float
-) -> State:
-    """Repeat the step from `before` to `after` on ever finer grids, each begun with the last."""
-    if levels[-1].sweeps_over and len(levels) > 1:
-        return _observed(levels[-1], after)
-    state, on_grid = after, before
-    for scene in levels[1:]:
-        on_grid = replace(
-            before,
-            pressure=_prolonged(before.pressure, scene.grid.shape),
-            wear_depth=_prolonged_along_x(before.wear_depth, scene.grid.shape),
-            previous_pressure=_prolonged(before.previous_pressure, scene.grid.shape),
-            displacement=None,
-        )
-        guess = _prolonged(state.pressure, scene.grid.shape)
-        finer = advance(scene, on_grid, station, velocity, guess)
-        state = replace(
-            finer,
-            iterations=state.iterations + finer.iterations,
-            work=state.work + finer.work,
-            history=after,
-        )
-    return ended(levels[-1], on_grid, state, station, velocity)
+    Examples
+    --------
+    Without wear a contact is the same at all velocities:
 
-
-def _observed(scene: Scene, after: State) -> State:
-    """The contact at the disk's own position on the finest grid, worn as on the coarsest."""
-    wear_depth = spread(after.wear_depth, scene.grid.shape)
-    stage = Pass(Stage(after.normal_load, 0.0, 0.0))
-    guess = _prolonged(after.pressure, scene.grid.shape)
-    contact, displacement = solved(scene, after, stage, None, wear_depth, guess)
-    return replace(
-        after,
-        pressure=contact.pressure,
-        wear_depth=wear_depth,
-        iterations=after.iterations + contact.iterations,
-        work=after.work + contact.iterations * contact.pressure.size,
-        residual=max(after.residual, contact.residual),
-        displacement=displacement,
-        previous_displacement=None,
-        history=after,
-    )
-
-
-def _prolonged(field: Array, shape: tuple[int, int]) -> Array:
-    """A field on finer elements, each with the value of the one that it was part of."""
-    for axis, n in enumerate(shape):
-        field = np.repeat(field, n // field.shape[axis], axis)
-    return field
-
-
-def _prolonged_along_x(wear_depth: Array, shape: tuple[int, int]) -> Array:
-    """Swept wear on finer elements: linear along x, and uniform along y."""
-    at, known = ((np.arange(n) + 0.5) / n for n in (shape[0], len(wear_depth)))
-    profile = np.interp(at, known, wear_depth[:, 0])
-    return np.repeat(profile[:, None], shape[1], axis=1)
-
-
-class _Closer:
-    """The point once more from its start, where few elements touch: on smaller ones or one grid.
-
-    It is computed as far as it is asked for.
+    >>> import tribo
+    >>> scene = tribo.critical_temperature_rig()
+    >>> *_, contact = tribo.contacts(scene, normal_load=10.0, velocity=0.065)
+    >>> *_, state = tribo.simulate(scene, normal_load=10.0, velocity=0.13)
+    >>> tribo.heated(scene, contact, 0.13).heat.max_rise == state.heat.max_rise
+    True
     """
-
-    def __init__(self, scene: Scene, normal_load: float, velocity: float) -> None:
-        self._scene, self._to = scene, (normal_load, velocity)
-        self._states: dict[Fidelity, Iterator[State]] = {}
-
-    def instead_of(self, state: State) -> State:
-        """The same moment with more elements in contact, or as known as these allow."""
-        scene = self._closer(state)
-        if scene is None:
-            return state
-        if scene.fidelity not in self._states:
-            self._states[scene.fidelity] = simulate(scene, *self._to)
-        work = state.work
-        for closer in self._states[scene.fidelity]:
-            work += closer.work
-            if closer.index == state.index:
-                return replace(closer, work=work, history=state.history or state)
-        return state
-
-    def _closer(self, state: State) -> Scene | None:
-        """The scene with which a state is known better, if there is need of it."""
-        scene, fidelity = self._scene, self._scene.fidelity
-        nodes, fewest = ordered_nodes(scene, state), fidelity.fewest_elements
-        block, changes = fidelity.pixels_per_element, dict[str, Any]()
-        sizes = [size for size in range(1, block) if block % size == 0]
-        if sizes and nodes < fewest:
-            enough = [size for size in sizes if nodes * (block / size) ** 2 >= fewest]
-            changes["pixels_per_element"] = max(enough, default=1)
-            nodes *= (block // changes["pixels_per_element"]) ** 2
-            changes["history_coarsening"] = 1
-        elif scene.wear and scene.coarsening > 1 and nodes < max(fewest, FEW_NODES):
-            changes["history_coarsening"] = 1
-        if fewest and nodes < FEW_NODES:
-            changes["contact_tolerance"] = min(fidelity.contact_tolerance, _TIGHT)
-        changed = replace(fidelity, **changes)
-        return None if changed == fidelity else replace(scene, fidelity=changed)
+    temperature = heat(scene, contact, velocity) if contact.is_asked else None
+    distance = abs(velocity) * contact.time
+    return replace(contact, sliding_distance=distance, heat=temperature)
