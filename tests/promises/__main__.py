@@ -8,39 +8,59 @@ does; what is judged against them can be judged anew.
 """
 
 import argparse
+import dataclasses
 import functools
 import json
-import math
 import subprocess
 import time
 from pathlib import Path
 from unittest import mock
 
 from pipeline.tradeoff import choose
-from tests.promises.judge import boundaries, exponents, largest_error, true_boundary
+from tests.promises.judge import boundaries, exponents, largest_error, places, true_boundary
 from tests.promises.report import ACCURACIES, PROMISED, report
 from tests.promises.scenes import random_sweep
+from tests.promises.wide import random_wide_sweep
 from tribo import PRESETS, TriboError
 
 PARTS = ("truth", "presets", "accuracies")
+FAMILIES = {"cylinders": random_sweep, "wide": random_wide_sweep}
 
 
 def truth(sweep, known):
     """True boundaries, by the present heat and by all so far, and what kind of scene it is."""
     present, by_all = true_boundary(sweep)
     return {
-        "wear": sweep.wear and [sweep.wear.pattern, sweep.wear.specific_wear_rate],
-        "columns": len(sweep.velocities),
+        "scene": described(sweep),
         "present": [*present.values()],
         "all": [*by_all.values()],
-        "heat_model": max(abs(math.log(by_all[load] / present[load])) for load in present),
+        "heat_model": largest_error(by_all, present),
     }
+
+
+def described(sweep):
+    """Kind of scene, in a line."""
+    loading = getattr(sweep.loading, "hold", None)
+    motion = sweep.motion and [v for v in dataclasses.astuple(sweep.motion) if v is not None]
+    return ", ".join(
+        [
+            type(sweep.pin).__name__.lower(),
+            f"wear {sweep.wear.pattern} {sweep.wear.specific_wear_rate:.1g}"
+            if sweep.wear
+            else "no wear",
+            "record" if loading is None else f"hold {loading:.2g} s",
+            f"rolls {motion}" if motion else "at rest",
+            f"bulks {sweep.conditions.bulk_difference:.3g} K apart",
+            "smooth" if sweep.roughness is None else f"{len(sweep.realizations) or 1} surfaces",
+            f"{len(sweep.velocities)} velocities",
+        ]
+    )
 
 
 def presets(sweep, known):
     """True errors of the presets, with the present heat and all so far; the kinds of warnings."""
     present, by_all = (
-        dict(zip(sweep.loads, known["truth"][heat], strict=True)) for heat in ("present", "all")
+        dict(zip(places(sweep), known["truth"][heat], strict=True)) for heat in ("present", "all")
     )
     slopes, rows = exponents(sweep, present), {}
     for name in PROMISED:
@@ -58,12 +78,13 @@ def accuracies(sweep, known):
 
     All accuracies are judged by one yardstick, as each would make the same.
     """
-    true = dict(zip(sweep.loads, known["truth"]["all"], strict=True))
+    true = dict(zip(places(sweep), known["truth"]["all"], strict=True))
     slopes = exponents(sweep, true)
 
     @functools.cache
-    def error_of(fidelity):
-        return largest_error(boundaries(sweep, fidelity, true, slopes)[0], true)
+    def judged(fidelity):
+        velocities, kinds = boundaries(sweep, fidelity, true, slopes)
+        return largest_error(velocities, true), kinds
 
     found = {}
     shared = "measured", "own_error", "probe", "near_the_boundary"
@@ -71,10 +92,12 @@ def accuracies(sweep, known):
     with mock.patch.multiple(choose, **once):
         for accuracy in ACCURACIES:
             selection = choose.choose_fidelity(sweep, accuracy)
+            error, kinds = judged(selection.fidelity)
             found[f"{accuracy:g}"] = {
                 "name": selection.name,
                 "heat_model": selection.fidelity.heat_model,
-                "error": error_of(selection.fidelity),
+                "error": error,
+                "warnings": kinds,
                 "foretold": selection.error,
                 "saving": selection.saving,
             }
@@ -112,15 +135,17 @@ def read(path):
 def main():
     """Go on with the campaign, then report."""
     parser = argparse.ArgumentParser(prog="python -m tests.promises", description=__doc__)
+    parser.add_argument("--family", choices=FAMILIES, default="cylinders")
     parser.add_argument("--first", type=int, default=0, help="seed to begin with")
     parser.add_argument("--scenes", type=int, default=300, help="seeds below this one")
     parser.add_argument("--minutes", type=float, default=60.0, help="begin no scene later")
-    parser.add_argument("--file", type=Path, default=Path("results/promises.jsonl"))
+    parser.add_argument("--file", type=Path, help="results/promises_FAMILY.jsonl")
     parser.add_argument("--of", choices=PARTS[1:], help="judge these alone; both if not given")
     parser.add_argument("--anew", action="store_true", help="what another commit has judged")
     options = parser.parse_args()
-    options.file.parent.mkdir(parents=True, exist_ok=True)
-    known, began, now = read(options.file), time.monotonic(), commit()
+    path = options.file or Path(f"results/promises_{options.family}.jsonl")
+    path.parent.mkdir(parents=True, exist_ok=True)
+    known, began, now = read(path), time.monotonic(), commit()
     parts = ("truth", options.of) if options.of else PARTS
     for seed in range(options.first, options.scenes):
         rows = known.setdefault(seed, {})
@@ -133,12 +158,12 @@ def main():
             row = {"seed": seed, "part": part, "commit": now}
             started = time.process_time()
             try:
-                row |= globals()[part](random_sweep(seed), rows)
+                row |= globals()[part](FAMILIES[options.family](seed), rows)
             except TriboError as error:
                 row["failed"] = f"{type(error).__name__}: {error}"
             row["seconds"] = time.process_time() - started
             rows[part] = row
-            with options.file.open("a") as file:
+            with path.open("a") as file:
                 file.write(json.dumps(row) + "\n")
     report(known)
 

@@ -1,10 +1,15 @@
-"""The true boundary of a scene, and how far a fidelity is from it."""
+"""The true boundary of a scene, and how far a fidelity is from it.
+
+A boundary is a velocity at each place: a load, and the surface where there are several.
+"""
 
 import math
 from dataclasses import replace
 
 from pipeline.sweep.criterion import decisive_rise, rise_limit
-from tribo import PRESETS, simulate, warnings
+from pipeline.tradeoff.probe import Place
+from tests.promises.scenes import state_at
+from tribo import PRESETS, MeasuredLoad, warnings
 
 # The reference with tolerances half as large. Its rise is mostly within 0.02 % of that in 400
 # steps; where whole rows of elements wear heavily, within 0.2 %.
@@ -15,18 +20,29 @@ _CLOSE = 5e-4  # relative, of a boundary velocity
 _SMALL_STEP = 5e-3  # of the logarithm of velocity, over which its known exponent is exact enough
 
 
-def boundary_velocity(sweep, fidelity, load, velocity, ratio=1.0, exponent=None):
+def places(sweep):
+    """Places of a sweep at which its boundary is judged."""
+    return [Place(load, seed) for seed in sweep.realizations or [None] for load in sweep.loads]
+
+
+def _rise(sweep, fidelity, place, velocity):
+    """Decisive rise at a place, with its warnings."""
+    scene = replace(sweep.variant(place.realization), fidelity=fidelity)
+    state = state_at(scene, place.load, velocity)
+    return decisive_rise(state.heat, sweep.conditions), warnings(scene, state)
+
+
+def boundary_velocity(sweep, fidelity, place, velocity, ratio=1.0, exponent=None):
     """Where the decisive rise reaches its limit, by secants from a velocity; and its warnings.
 
     The rise is multiplied by a ratio, such as that of `heat_of_the_past`. With a known exponent
     d ln(rise)/d ln(velocity) a last small step is trusted.
     """
-    scene = replace(sweep, fidelity=fidelity)
     limit, before = rise_limit(sweep.conditions) / ratio, None
     trusted, exponent = exponent is not None, exponent or 0.6
     for _ in range(12):
-        *_, state = simulate(scene, load, velocity)
-        short = math.log(decisive_rise(state.heat, sweep.conditions) / limit)
+        rise, told = _rise(sweep, fidelity, place, velocity)
+        short = math.log(rise / limit)
         if before is not None and abs(math.log(velocity / before[0])) > 1e-6:
             slope = (short - before[1]) / math.log(velocity / before[0])
             exponent = min(max(slope, 0.2), 2.0)
@@ -36,61 +52,58 @@ def boundary_velocity(sweep, fidelity, load, velocity, ratio=1.0, exponent=None)
         velocity *= math.exp(-short / exponent)
         if trusted and abs(short / exponent) < _SMALL_STEP:
             break
-    kinds = {warning.kind.label for warning in warnings(scene, state)}
-    return velocity, sorted(kinds)
+    return velocity, sorted({warning.kind.label for warning in told})
 
 
-def exponent_at(sweep, fidelity, load, velocity, apart=0.03):
+def exponent_at(sweep, fidelity, place, velocity, apart=0.03):
     """d ln(rise)/d ln(velocity) about a velocity."""
-    scene, rises = replace(sweep, fidelity=fidelity), []
-    for at in (velocity * math.exp(-apart), velocity * math.exp(apart)):
-        *_, state = simulate(scene, load, at)
-        rises.append(math.log(decisive_rise(state.heat, sweep.conditions)))
-    return min(max((rises[1] - rises[0]) / (2 * apart), 0.2), 2.0)
+    low, high = (
+        _rise(sweep, fidelity, place, velocity * math.exp(sign * apart))[0] for sign in (-1, 1)
+    )
+    return min(max(math.log(high / low) / (2 * apart), 0.2), 2.0)
 
 
-def heat_of_the_past(sweep, load, velocity):
+def heat_of_the_past(sweep, place, velocity):
     """Rise by all the heat so far over that by the present heat, which hardly depends on steps."""
     rises = []
     for model in ("history", "elapsed"):
         fidelity = replace(
             TRUTH,
-            increments=_PAST_STEPS,
+            increments=_PAST_STEPS * (2 if isinstance(sweep.loading, MeasuredLoad) else 1),
             wear_scheme="implicit",
             contact_tolerance=1e-4,
             heat_model=model,
         )
-        *_, state = simulate(replace(sweep, fidelity=fidelity), load, velocity)
-        rises.append(decisive_rise(state.heat, sweep.conditions))
+        rises.append(_rise(sweep, fidelity, place, velocity)[0])
     return rises[0] / rises[1]
 
 
 def true_boundary(sweep):
-    """Velocity at each load by the present heat alone, and by all the heat so far.
+    """Velocity at each place by the present heat alone, and by all the heat so far.
 
     It is sought with an eighth of the steps, so that few of the whole are left to be done.
     """
     middle = math.sqrt(sweep.velocities[0] * sweep.velocities[-1])
     by_present, by_all = {}, {}
-    for load in sweep.loads:
-        start, _ = boundary_velocity(sweep, PRESETS["standard"], load, middle)
-        start, _ = boundary_velocity(sweep, _NEARLY, load, start)
-        exponent = exponent_at(sweep, _NEARLY, load, start)
-        present, _ = boundary_velocity(sweep, TRUTH, load, start, exponent=exponent)
-        ratio = heat_of_the_past(sweep, load, present)
+    for place in places(sweep):
+        start, _ = boundary_velocity(sweep, PRESETS["standard"], place, middle)
+        start, _ = boundary_velocity(sweep, _NEARLY, place, start)
+        exponent = exponent_at(sweep, _NEARLY, place, start)
+        present, _ = boundary_velocity(sweep, TRUTH, place, start, exponent=exponent)
+        ratio = heat_of_the_past(sweep, place, present)
         lower = present * math.exp(-math.log(ratio) / exponent)
-        by_present[load] = present
-        by_all[load], _ = boundary_velocity(sweep, TRUTH, load, lower, ratio, exponent)
+        by_present[place] = present
+        by_all[place], _ = boundary_velocity(sweep, TRUTH, place, lower, ratio, exponent)
     return by_present, by_all
 
 
 def exponents(sweep, true):
-    """d ln(rise)/d ln(velocity) at each load of a true boundary."""
-    return {load: exponent_at(sweep, PRESETS["draft"], load, true[load]) for load in true}
+    """d ln(rise)/d ln(velocity) at each place of a true boundary."""
+    return {place: exponent_at(sweep, PRESETS["draft"], place, true[place]) for place in true}
 
 
 def boundaries(sweep, fidelity, true, known=None):
-    """Velocity at each load by a fidelity, sought from the true one; and the kinds of warnings.
+    """Velocity at each place by a fidelity, sought from the true one; and the kinds of warnings.
 
     Fewer points are looked at where the exponents are known.
     """
@@ -103,5 +116,5 @@ def boundaries(sweep, fidelity, true, known=None):
 
 
 def largest_error(found, true):
-    """Largest relative error of a boundary at any load."""
-    return max(abs(math.log(found[load] / velocity)) for load, velocity in true.items())
+    """Largest relative error of a boundary at any place."""
+    return max(abs(math.log(found[place] / velocity)) for place, velocity in true.items())

@@ -66,33 +66,41 @@ def random_sweep(seed):
         fidelity=ROUGHLY,
     )
     lengths = [rng.uniform(2, 8), rng.uniform(2, 8)]  # of correlation, in pixels
-    return _with_boundary(_in_window(sweep, lengths, velocity), velocity)
+    return _with_boundary(in_window(sweep, lengths, velocity), velocity)
 
 
-def _in_window(sweep, lengths, velocity):
-    """Widen the window until the contact does not touch its edges."""
+def in_window(sweep, lengths, velocity):
+    """Widen the window until the contact does not touch its edges.
+
+    The lengths are those of correlation, in pixels.
+    """
     for _ in range(12):
-        pixel = sweep.pixels.spacing[0]
-        roughness = replace(
-            sweep.roughness, correlation_length=tuple(length * pixel for length in lengths)
-        )
-        sweep = replace(sweep, roughness=roughness)
+        sizes = sweep.pixels.spacing
+        if sweep.roughness is not None:
+            along = tuple(n * size for n, size in zip(lengths, sizes, strict=True))
+            sweep = replace(sweep, roughness=replace(sweep.roughness, correlation_length=along))
         ends = (sweep.loads[-1], velocity), (sweep.loads[0], 4 * velocity)
-        told = [each for end in ends for each in tribo.warnings(sweep, _end(sweep, *end))]
+        told = [each for end in ends for each in tribo.warnings(sweep, state_at(sweep, *end))]
         if tribo.WarningKind.CONTACT_AT_EDGE not in (warning.kind for warning in told):
             break
-        sweep = replace(sweep, pixels=tribo.Grid(sweep.pixels.shape, (1.4 * pixel, 1.4 * pixel)))
+        wider = tuple(1.4 * size for size in sizes)
+        sweep = replace(sweep, pixels=replace(sweep.pixels, spacing=wider))
     return sweep
 
 
 def _with_boundary(sweep, velocity):
     """Set the critical temperature to what a rough look gives in the middle of the diagram."""
-    state = _end(sweep, sweep.loads[2], velocity)
+    state = state_at(sweep, sweep.loads[2], velocity)
     rise = decisive_rise(state.heat, sweep.conditions)
     critical = sweep.conditions.bulk_temperature + sweep.conditions.friction * rise
     return replace(sweep, conditions=replace(sweep.conditions, critical_temperature=critical))
 
 
-def _end(sweep, load, velocity):
-    *_, state = tribo.simulate(sweep, load, velocity)
-    return state
+def state_at(scene, load, velocity):
+    """State of a point that decides: the hottest under its full load."""
+    hot = [
+        state
+        for state in tribo.simulate(scene, load, velocity)
+        if state.heat is not None and state.normal_load >= load
+    ]
+    return max(hot, key=lambda state: state.heat.max_rise) if len(hot) > 1 else hot[0]
