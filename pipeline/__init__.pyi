@@ -1,6 +1,4 @@
 from .analysis.boundary import boundary as boundary
-from .analysis.boundary import decisive_temperature as decisive_temperature
-from .analysis.boundary import temperatures as temperatures
 from .analysis.dataset import end_of_point as end_of_point
 from .analysis.dataset import open_sweep as open_sweep
 from .analysis.ensemble import Ensemble as Ensemble
@@ -20,6 +18,8 @@ from .analysis.risk import risk as risk
 from .analysis.risk import risk_lines as risk_lines
 from .analysis.sobol import Sensitivity as Sensitivity
 from .analysis.sobol import sensitivity as sensitivity
+from .analysis.temperatures import decisive_temperature as decisive_temperature
+from .analysis.temperatures import temperatures as temperatures
 from .analysis.warned import warned as warned
 from .figures.page.write import explore as explore
 from .figures.plot import plot as plot

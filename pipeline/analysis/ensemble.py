@@ -18,8 +18,8 @@ import xarray as xr
 from scipy.interpolate import PchipInterpolator
 
 from pipeline.analysis.attributes import attributes_of
-from pipeline.analysis.boundary import decisive_rise
 from pipeline.analysis.dataset import end_of_point, values_of
+from pipeline.analysis.decisive import decisive_rise
 from pipeline.analysis.interpolation import interpolated
 from pipeline.analysis.surrogate import Surrogate, fitted
 from pipeline.sweep.criterion import Conditions

@@ -17,9 +17,9 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from pipeline.analysis.boundary import decisive_rise
 from pipeline.analysis.conditions import Bulk, conditions_by_variant, conditions_of
 from pipeline.analysis.dataset import dataset_of, variants
+from pipeline.analysis.decisive import decisive_rise
 from pipeline.analysis.interpolation import certain, interpolated
 from pipeline.analysis.transition import CROSSES, OUTCOMES, Transition, range_of
 from pipeline.scene.quantities import in_si

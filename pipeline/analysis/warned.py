@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from pipeline.analysis.boundary import decisive_rise
 from pipeline.analysis.conditions import CONDITIONS, conditions_by_variant, conditions_of
 from pipeline.analysis.dataset import dataset_of, variant_of
+from pipeline.analysis.decisive import decisive_rise
 from pipeline.store.place import PathLike
 from pipeline.store.schema import DONE
 from pipeline.sweep.criterion import rise_limit

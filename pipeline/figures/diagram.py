@@ -16,9 +16,9 @@ from matplotlib.patches import Patch
 
 from pipeline.analysis.attributes import attributes_of
 from pipeline.analysis.band import BAND
-from pipeline.analysis.boundary import decisive_rise, refined
 from pipeline.analysis.conditions import Bulk, conditions_of
 from pipeline.analysis.dataset import asked, dataset_of, on_surface, variant_of
+from pipeline.analysis.decisive import decisive_rise, refined
 from pipeline.analysis.transition import BEYOND, CROSSES, Transition, range_of
 from pipeline.analysis.warned import has_warning
 from pipeline.figures.measured import at_own_friction, measured_transitions

@@ -8,7 +8,7 @@ from collections.abc import Iterable
 import numpy as np
 import xarray as xr
 
-from pipeline.analysis.boundary import decisive_rise
+from pipeline.analysis.decisive import decisive_rise
 from pipeline.scene.quantities import in_si
 from pipeline.sweep.criterion import Conditions, rise_limit
 from pipeline.sweep.model import Point

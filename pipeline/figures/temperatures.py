@@ -9,9 +9,9 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from pipeline.analysis.boundary import decisive_rise
 from pipeline.analysis.conditions import Bulk, conditions_of
 from pipeline.analysis.dataset import at_bulks, dataset_of, end_of_point, on_surface
+from pipeline.analysis.decisive import decisive_rise
 from pipeline.analysis.interpolation import crossing, interpolated
 from pipeline.figures.points import index_of_load
 from pipeline.figures.style import (

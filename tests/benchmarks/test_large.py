@@ -11,8 +11,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pipeline.analysis.boundary import decisive_temperature
 from pipeline.analysis.dataset import open_sweep
+from pipeline.analysis.temperatures import decisive_temperature
 from pipeline.store.create import writing
 from pipeline.store.progress import summary
 from pipeline.store.verify import examined

@@ -9,8 +9,8 @@ import pytest
 import xarray as xr
 
 import pipeline
-from pipeline.analysis.boundary import decisive_rise
 from pipeline.analysis.conditions import conditions_of
+from pipeline.analysis.decisive import decisive_rise
 from pipeline.analysis.transition import ABOVE, BELOW, BEYOND, CROSSES, MILD, OUTCOMES, SEVERE
 from pipeline.cli import main
 from pipeline.cli.crossings import document_of, rows_of

@@ -14,8 +14,8 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from pipeline.analysis.attributes import attributes_of
-from pipeline.analysis.boundary import decisive_rise
 from pipeline.analysis.dataset import asked, end_of_point, ordered, variant_of
+from pipeline.analysis.decisive import decisive_rise
 from pipeline.analysis.transition import OUTCOMES, range_of
 from pipeline.figures.page.fields import FIELDS, packed_fields
 from pipeline.store.schema import DONE

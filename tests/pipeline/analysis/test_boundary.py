@@ -6,8 +6,10 @@ import xarray as xr
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pipeline.analysis.boundary import boundary, decisive_rise, decisive_temperature, refined
+from pipeline.analysis.boundary import boundary
+from pipeline.analysis.decisive import decisive_rise, refined
 from pipeline.analysis.interpolation import crossing, exponent, interpolated
+from pipeline.analysis.temperatures import decisive_temperature
 from pipeline.cli.crossings import document_of, text_of
 from pipeline.store.schema import FAILED, PENDING
 from pipeline.sweep.lubrication import Lubrication

@@ -11,7 +11,7 @@ import pytest
 import xarray as xr
 
 import pipeline
-from pipeline.analysis.boundary import decisive_rise
+from pipeline.analysis.decisive import decisive_rise
 from pipeline.cli import main
 from pipeline.figures.page.content import content
 from pipeline.figures.page.fields import packed_point

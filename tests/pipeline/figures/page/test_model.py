@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import pipeline
-from pipeline.analysis.boundary import decisive_rise
+from pipeline.analysis.decisive import decisive_rise
 from pipeline.analysis.interpolation import crossing, interpolated
 from pipeline.analysis.transition import OUTCOMES
 from tests.helpers import synthetic
