@@ -23,6 +23,7 @@ from pipeline.store.place import PathLike
 from pipeline.sweep.criterion import Conditions, rise_limit
 from pipeline.sweep.lubrication import Lubrication
 from tribo import InputError
+from tribo.types import Array, Mask
 
 _OUTCOMES = {
     "long_name": "why there is no crossing",
@@ -144,76 +145,12 @@ def _boundary(
     """The boundary under some conditions, and those of each surface or sample."""
     axis = variant_of(ds)
     rise = decisive_rise(ds, by_variant)
-    loads, velocities = rise["load"].values, rise["velocity"].values
-    planes = rise.values.reshape(-1, len(loads), len(velocities))
-    limits = [rise_limit(judged) for judged in by_variant]
-    wanted = asked(ds).transpose(..., "load", "velocity").values.reshape(planes.shape)
-    missing = wanted & ~np.isfinite(planes)
-    lubrication = Lubrication.stored(attributes_of(ds))
-    columns: dict[str, tuple[str, Any, dict[str, Any]]] = {}
-    for name, other, x, lines, attrs in (
-        (
-            "load", "velocity", velocities, planes,
-            {"units": "m/s", "long_name": "velocity at the transition to severe wear"},
-        ),
-        (
-            "velocity", "load", loads, planes.swapaxes(1, 2),
-            {"units": "N", "long_name": "normal load at the transition to severe wear"},
-        ),
-    ):  # fmt: skip
-        ends = range_of(ds, other)
-        transitions = [
-            [Transition.along(x, row, limit, ends) for row in plane]
-            for plane, limit in zip(lines, limits, strict=True)
-        ]
-        crossings = np.array([[transition.place for transition in row] for row in transitions])
-        columns[f"critical_{other}"] = name, crossings, attrs
-        outcome = np.array(
-            [[transition.outcome for transition in row] for row in transitions], np.int8
-        )
-        columns[f"outcome_at_{name}"] = name, outcome, _OUTCOMES
-        for number, end in enumerate(("from", "to")):
-            columns[f"computed_{end}_at_{name}"] = (
-                name,
-                np.array(
-                    [[transition.computed[number] for transition in row] for row in transitions]
-                ),
-                {
-                    "units": UNITS[other],
-                    "long_name": f"{other} computed {end} at this {name}",
-                },
-            )
-        columns[f"missing_at_{name}"] = (
-            name,
-            np.count_nonzero(missing, axis=2 if name == "load" else 1),
-            {"units": "1", "long_name": f"pending or failed points at this {name}"},
-        )
-        if name == "load":
-            columns["rise_exponent_at_load"] = (
-                name,
-                np.array(
-                    [
-                        [exponent(x, row, place) for row, place in zip(plane, places, strict=True)]
-                        for plane, places in zip(lines, crossings, strict=True)
-                    ]
-                ),
-                {"units": "1", "long_name": "d ln(rise) / d ln(velocity) at the crossing"},
-            )
-        if lubrication:
-            columns[f"film_parameter_at_{name}"] = (
-                name,
-                np.array(
-                    [
-                        lubrication.film_parameter(
-                            loads if name == "load" else places,
-                            places if name == "load" else velocities,
-                            judged.mean_bulk_temperature,
-                        )
-                        for places, judged in zip(crossings, by_variant, strict=True)
-                    ]
-                ),
-                {"units": "1", "long_name": "film parameter at the crossing"},
-            )
+    rises = rise.values.reshape(len(by_variant), *rise.shape[-2:])
+    is_asked = asked(ds).transpose(..., "load", "velocity").values.reshape(rises.shape)
+    missing = is_asked & ~np.isfinite(rises)
+    columns = _along("velocity", ds, rises, missing, by_variant) | _along(
+        "load", ds, rises.swapaxes(1, 2), missing.swapaxes(1, 2), by_variant
+    )
     kept = ("load", "velocity", "realization", "sample")
     boundaries = xr.Dataset(
         {
@@ -225,3 +162,81 @@ def _boundary(
         | {"missing_points": int(np.count_nonzero(missing))},
     )
     return with_band(boundaries, axis) if axis else boundaries
+
+
+_Columns = dict[str, tuple[str, Any, dict[str, Any]]]
+"""Dimension, values by surface or sample, and attributes of each variable."""
+
+
+def _along(
+    axis: str, ds: xr.Dataset, rises: Array, missing: Mask, by_variant: Sequence[Conditions]
+) -> _Columns:
+    """Transitions along the velocity or the load.
+
+    Parameters
+    ----------
+    axis : str
+        ``"velocity"`` or ``"load"``; the other one is the lines' dimension.
+    ds : Dataset
+        Dataset of the sweep.
+    rises : ndarray, shape (n_variant, n_line, n)
+        Decisive rise along each line [K].
+    missing : ndarray of bool, shape (n_variant, n_line, n)
+        Points that were asked for and are not done.
+    by_variant : sequence of Conditions
+        Conditions of each surface or sample.
+    """
+    line = "load" if axis == "velocity" else "velocity"
+    x, ends = ds[axis].values, range_of(ds, axis)
+    transitions = [
+        [Transition.along(x, row, rise_limit(judged), ends) for row in plane]
+        for plane, judged in zip(rises, by_variant, strict=True)
+    ]
+    places = np.array([[transition.place for transition in row] for row in transitions])
+    outcomes = np.array([[transition.outcome for transition in row] for row in transitions])
+    computed = np.array([[transition.computed for transition in row] for row in transitions])
+    noun = {"velocity": "velocity", "load": "normal load"}[axis]
+    columns: _Columns = {
+        f"critical_{axis}": (
+            line,
+            places,
+            {"units": UNITS[axis], "long_name": f"{noun} at the transition to severe wear"},
+        ),
+        f"outcome_at_{line}": (line, outcomes.astype(np.int8), _OUTCOMES),
+    }
+    for number, end in enumerate(("from", "to")):
+        attrs = {"units": UNITS[axis], "long_name": f"{axis} computed {end} at this {line}"}
+        columns[f"computed_{end}_at_{line}"] = line, computed[..., number], attrs
+    columns[f"missing_at_{line}"] = (
+        line,
+        np.count_nonzero(missing, axis=-1),
+        {"units": "1", "long_name": f"pending or failed points at this {line}"},
+    )
+    if axis == "velocity":
+        columns["rise_exponent_at_load"] = (
+            line,
+            np.array(
+                [
+                    [exponent(x, row, place) for row, place in zip(*plane, strict=True)]
+                    for plane in zip(rises, places, strict=True)
+                ]
+            ),
+            {"units": "1", "long_name": "d ln(rise) / d ln(velocity) at the crossing"},
+        )
+    return columns | _film(axis, ds, places, by_variant)
+
+
+def _film(axis: str, ds: xr.Dataset, places: Array, by_variant: Sequence[Conditions]) -> _Columns:
+    """Film parameter at the transitions along an axis, where the scene gives an oil."""
+    lubrication = Lubrication.stored(attributes_of(ds))
+    if lubrication is None:
+        return {}
+    line = "load" if axis == "velocity" else "velocity"
+    films = [
+        lubrication.film_parameter(
+            temperature=judged.mean_bulk_temperature, **{line: ds[line].values, axis: row}
+        )
+        for row, judged in zip(places, by_variant, strict=True)
+    ]
+    attrs = {"units": "1", "long_name": "film parameter at the crossing"}
+    return {f"film_parameter_at_{line}": (line, np.array(films), attrs)}
