@@ -68,7 +68,7 @@ def boundary(
     Dataset
         ``critical_velocity(load)`` [m/s] and ``critical_load(velocity)`` [N]: the first crossing
         from mild to severe wear, NaN where the computed points do not cross. ``outcome_at_load``
-        and ``outcome_at_velocity`` give the reason: mild throughout or severe from the lowest,
+        and ``outcome_at_velocity`` give the reason: mild throughout or severe throughout,
         where the outermost points of the scene's own range are done and say so; above or below what
         was computed, where they are not; or not known for want of points. ``computed_from_at_load``
         and ``computed_to_at_load`` are the lowest and highest velocity computed [m/s], likewise

@@ -24,7 +24,7 @@ CROSSES, MILD, SEVERE, UNKNOWN, ABOVE, BELOW = range(6)
 OUTCOMES = {
     CROSSES: "crosses",
     MILD: "mild throughout",
-    SEVERE: "severe from the lowest",
+    SEVERE: "severe throughout",
     UNKNOWN: "not known yet",
     ABOVE: "above what was computed",
     BELOW: "below what was computed",
@@ -56,7 +56,7 @@ class Transition:
     >>> Transition.along(velocity, rise, 1200.0, (1.0, 4.0)).worded("velocity")
     'above what was computed: 1.2 to 2.2 m/s'
     >>> Transition.along(velocity, rise, 1200.0, (1.2, 2.2)).worded("velocity")
-    'mild throughout'
+    'mild at every velocity computed (to 2.2 m/s)'
     """
 
     place: float
@@ -94,21 +94,28 @@ class Transition:
 
     def worded(self, along: str) -> str:
         """Say the outcome along ``"velocity"`` or ``"load"`` in words."""
-        return in_words(self.outcome, self.computed, along)
+        return in_words(OUTCOMES[self.outcome], self.computed, along)
 
 
-def in_words(outcome: int, computed: tuple[float, float], along: str) -> str:
-    """Say an outcome along ``"velocity"`` or ``"load"``, with the range where it is too narrow.
+def in_words(outcome: str, computed: tuple[float, float], along: str) -> str:
+    """Say one of `OUTCOMES` along ``"velocity"`` or ``"load"``, with the range computed.
 
     Examples
     --------
-    >>> in_words(BELOW, (600.0, 600.0), "load")
+    >>> in_words("severe throughout", (1.6, 4.0), "velocity")
+    'severe at every velocity computed (from 1.6 m/s)'
+    >>> in_words("below what was computed", (600.0, 600.0), "load")
     'below what was computed: 600 N'
     """
-    if outcome not in BEYOND:
-        return OUTCOMES[outcome]
-    span = " to ".join(f"{end:.4g}" for end in dict.fromkeys(computed))
-    return f"{OUTCOMES[outcome]}: {span} {UNITS[along]}"
+    low, high = (f"{end:.4g} {UNITS[along]}" for end in computed)
+    if outcome == OUTCOMES[SEVERE]:
+        return f"severe at every {along} computed (from {low})"
+    if outcome == OUTCOMES[MILD]:
+        return f"mild at every {along} computed (to {high})"
+    if outcome not in (OUTCOMES[beyond] for beyond in BEYOND):
+        return outcome
+    span = high if low == high else f"{low.removesuffix(UNITS[along])}to {high}"
+    return f"{outcome}: {span}"
 
 
 def range_of(ds: xr.Dataset, axis: str) -> tuple[float, float]:

@@ -32,7 +32,7 @@ def new(options: argparse.Namespace) -> int:
     document = {"file": str(scene), "copies": [str(copy) for copy in copies]}
     text = [
         f"{scene} is written" + "".join(f", {copy} copied" for copy in copies),
-        f"what it means: irg check {scene}",
+        f"its meaning and cost: irg check {scene}",
         f"its points: irg run {scene}",
     ]
     show(options, document, text)

@@ -157,8 +157,8 @@ def text_of(found: xr.Dataset, command: str | None = None) -> Iterator[str]:
         yield ""
         yield (
             "Λ is the minimum film over Rq, at the bulk temperature and the unworn radius: below "
-            f"{BOUNDARY:g} boundary lubrication; from {FULL_FILM:g} on a full film, which the "
-            "model does not have"
+            f"{BOUNDARY:g} boundary lubrication, below {FULL_FILM:g} mixed, above it a full film, "
+            "which the model does not have"
         )
     if missing := found.attrs["missing_points"]:
         yield ""
@@ -233,7 +233,7 @@ def _cells(found: xr.Dataset, place: int, name: str, axis: str) -> Iterator[str]
         if outcome == CROSSES:
             yield f"{float(at[name]):.4g}{_film(at, axis)}"
         else:
-            yield in_words(outcome, computed, name.removeprefix("critical_"))
+            yield in_words(OUTCOMES[outcome], computed, name.removeprefix("critical_"))
 
 
 def _band(found: xr.Dataset, name: str, axis: str) -> Iterator[str]:
@@ -258,9 +258,9 @@ def _band(found: xr.Dataset, name: str, axis: str) -> Iterator[str]:
 
 
 def _film(at: xr.Dataset, axis: str) -> str:
-    """Film parameter and regime at a crossing, the median over surfaces; empty without an oil."""
+    """Film parameter at a crossing, the median over surfaces; empty without an oil."""
     name = f"film_parameter_at_{axis}"
     middle = _middle(at[name].values) if name in at else None
     if middle is None:
         return ""
-    return f"  Λ {middle:.2f} {lubrication_regime(middle).split(' lubrication')[0].split(',')[0]}"
+    return f"  film Λ {middle:.2f}"

@@ -102,6 +102,8 @@ def _factor(own: float, ends: tuple[float, float]) -> Callable[[float], str]:
 
 def _on_one(found: Margin) -> Iterator[str]:
     """Say how one surface stands."""
+    from pipeline.analysis.transition import in_words  # with xarray
+
     verdict = "severe wear" if found.is_severe else "mild wear"
     unsure = {True: "", False: ", but within the error", None: ""}[found.is_certain]
     yield f"{found.load:g} N at {found.velocity:g} m/s: {verdict}{unsure}"
@@ -125,7 +127,7 @@ def _on_one(found: Margin) -> Iterator[str]:
         way = (
             f"{factor:.3g} times, severe from {critical_value:.4g} {unit} on"
             if outcome == "crosses"
-            else f"{outcome}: {ends[0]:.4g} to {ends[1]:.4g} {unit}"
+            else in_words(outcome, ends, name)
         )
         yield f"  in {name:<19}{way}"
 

@@ -83,7 +83,7 @@ WORKERS = _option(
 )
 SCHEDULER = _option("--scheduler", metavar="ADDRESS", help="a running Dask scheduler to use")
 RETRY_FAILED = _flag("--retry-failed", help="compute failed points again")
-NEW_STORE = output("OUT.zarr", "where to store it; default: results/<scene>.zarr").but(
+NEW_STORE = output("OUT.zarr", "path of the store; default: results/<scene>.zarr").but(
     type=values.new_store
 )
 BOUNDARY_ONLY = _option(

@@ -141,7 +141,7 @@ COMMANDS = (
         "plot", "results:plot", "draw a figure of a store",
         'results/scene.zarr --kind ramp --load "600 N" --velocity "1.6 m/s"',
         (
-            o.STORE, o.KIND, o.output("FILE.png", "where to write it; default: beside the store"),
+            o.STORE, o.KIND, o.output("FILE.png", "file of the figure; default: beside the store"),
             *o.LOOK, o.RIVAL, o.GIVEN_MEASURED, o.SCATTER, o.CONDITIONS_AT_FRICTIONS, *o.PLACE,
             o.REALIZATION,
         ),
@@ -150,7 +150,7 @@ COMMANDS = (
         "explore", "results:explore", "write a page to explore a store in a browser",
         "results/scene.zarr -o page.html",
         (
-            o.STORE, o.output("PAGE.html", "where to write it; default: beside the store"),
+            o.STORE, o.output("PAGE.html", "file of the figure; default: beside the store"),
             *o.FIELDS,
         ),
     ),

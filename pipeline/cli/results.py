@@ -130,7 +130,7 @@ def _on_point(
     at_worst = f" at its worst, after {verdict.time:.3g} s" if verdict.time < found["time"] else ""
     wear = "severe wear" if verdict.is_severe else "mild wear"
     if verdict.is_severe is None:
-        wear = "whether wear is severe is not known without temperature.critical"
+        wear = "mild or severe is open without temperature.critical"
     yield (
         f"{load:g} N at {velocity:g} m/s after {found['time']:.3g} s "
         f"and {found['sliding_distance']:.3g} m: {wear}"

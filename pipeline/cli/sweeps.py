@@ -15,8 +15,8 @@ from pipeline.cli.progress import ProgressLine
 from pipeline.cli.scenes import given, scene_of, selected
 from pipeline.sweep.doubts import doubts
 from pipeline.sweep.facts import facts_of, require_bearable_load
-from pipeline.sweep.left_out import left_out
 from pipeline.sweep.model import Sweep
+from pipeline.sweep.savings import savings
 from pipeline.sweep.stages import duration
 from pipeline.sweep.warned import NO_WARNING
 from pipeline.tradeoff.forecast import Estimate, machine_bytes, worker_bytes
@@ -66,7 +66,7 @@ def check(options: argparse.Namespace) -> int:
     """Say what a scene means, at once, and then what its sweep would cost."""
     sweep = scene_of(options)
     require_bearable_load(sweep, max(sweep.loads), "sweep.loads")
-    facts, memory, reasons = facts_of(sweep), worker_bytes(sweep), tuple(left_out(sweep))
+    facts, memory, saved = facts_of(sweep), worker_bytes(sweep), tuple(savings(sweep))
     doubted = list(doubts(sweep, facts))
     small = memory > machine_bytes()
     if small:
@@ -80,7 +80,7 @@ def check(options: argparse.Namespace) -> int:
         "notes": sweep.notes,
         "meaning": facts.as_dict(),
         "library": [entry._asdict() for entry in sweep.library],
-        "left_out": reasons,
+        "saved": saved,
         "worker_bytes": memory,
         **_unknown(sweep),
         "warnings": doubted,
@@ -89,7 +89,7 @@ def check(options: argparse.Namespace) -> int:
         f"{sweep.title}",
         *meaning(sweep, facts),
         *library_lines(sweep),
-        *(f"  left out {reason}" for reason in reasons),
+        *(f"  saved    {work}" for work in saved),
         *_on_unknown(sweep),
         *(f"  note     {note}" for note in sweep.notes),
         *(f"  warning  {doubt}" for doubt in doubted),

@@ -45,7 +45,7 @@ class Variation:
         Critical velocity at each load [m/s]; NaN where there is no transition within the sweep.
     outcomes : tuple of str
         At each load ``"crosses"``, or where there is no transition, ``"mild throughout"`` or
-        ``"severe from the lowest"``.
+        ``"severe throughout"``.
 
     Examples
     --------

@@ -74,7 +74,7 @@ def schema() -> dict[str, Any]:
 
 
 def _of(kind: Kind, path: str) -> dict[str, Any]:
-    """What a kind allows at a path, and what it means there."""
+    """Values that a kind allows at a path, and their meaning there."""
     if isinstance(kind, Tables):
         path += ".NAME"
     about = MEANINGS.get(path) or TABLES.get(path)

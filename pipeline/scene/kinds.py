@@ -24,7 +24,7 @@ class UnfitError(Exception):
 
 
 class Kind(ABC):
-    """What is allowed at one place of a file."""
+    """Values allowed at one place of a file."""
 
     def read(self, value: object, at: str, faults: list[Fault]) -> Any:
         """Read a value; None if it is faulty.

@@ -1,4 +1,4 @@
-"""What each entry of a scene file means, in a sentence: for the reference and the template.
+"""Meaning of each entry of a scene file, in a sentence: for the reference and the template.
 
 The entries of ``[fidelity]`` are described where they are defined, in `tribo.Fidelity`.
 """
@@ -20,7 +20,7 @@ TABLES = {
     "disk.roughness": "Its surface: random, or measured; smooth without the table.",
     "window": "The patch of the contact that is simulated: x along sliding, y along the cylinder's "
     "axis.",
-    "loading": "How the load grows: a ramp, or a recorded load.",
+    "loading": "Growth of the load: a ramp, or a recorded load.",
     "motion": "Motion of both bodies; without it the pin is at rest. Give one of "
     "`slide_roll_ratio` and `entrainment_velocity`.",
     "wear": "Archard's wear of the pin; no wear without the table.",
@@ -43,7 +43,7 @@ VARIANTS = {
     "disk.roughness": ("random surface", "measured surface"),
     "loading": ("ramp", "record"),
 }
-"""What the keys of a table belong to that has either of two forms, the usual one first."""
+"""Forms of a table that has two, with keys of their own, the usual one first."""
 
 _ENTRIES = {
     "extends": "Another scene file whose entries hold where this one gives none; relative to the "
@@ -83,14 +83,14 @@ _ENTRIES = {
     "and .csv.",
     "disk.roughness.crop": "First row and column, counted from 0, of the patch to cut out; without "
     "it the surface is to have the window's size.",
-    "disk.roughness.level": "Whether to take the least-squares plane, the tilt, off the heights.",
-    "disk.roughness.missing": "What to do where the instrument has no height: refuse the file, or "
-    "fill the hole smoothly from around it.",
-    "disk.roughness.repeat": "How to fill a window that is larger than the surface: not at all, "
-    "mirrored at each end, or as tiles.",
+    "disk.roughness.level": "Least-squares plane (tilt) taken off the heights, or not.",
+    "disk.roughness.missing": "Places without a height: the file is refused, or the hole filled "
+    "smoothly from around it.",
+    "disk.roughness.repeat": "Filling of a window that is larger than the surface: none, mirrored "
+    "at each end, or tiles.",
     "window.pixels": "Number of pixels along x and y.",
     "window.pixel_size": "Sides of a pixel along x and y; those of the measured surface.",
-    "window.periodic_y": "Whether the patch repeats along y; by default for a cylinder alone.",
+    "window.periodic_y": "Patch repeated along y, or not; by default for a cylinder alone.",
     "loading.rate": "Rate at which the load grows from 0.",
     "loading.reference_load": "Load that the ramp reaches in `fidelity.increments` steps; of a "
     "record, by default its peak.",
@@ -99,7 +99,7 @@ _ENTRIES = {
     "those of the ramp.",
     "loading.file": "Record of the load, .csv with the columns `time [s]` and `load [N]`; relative "
     "to the folder of the scene.",
-    "loading.fit": "Whether to take a straight line through the record in place of it.",
+    "loading.fit": "A straight line through the record in its place, or not.",
     "motion.slide_roll_ratio": "Sliding velocity divided by the mean velocity of both surfaces; "
     "negative where the pin is the faster body.",
     "motion.entrainment_velocity": "Mean velocity of both surfaces, the same at every sliding "
@@ -107,7 +107,7 @@ _ENTRIES = {
     "motion.track_length": "Length of the pin's track, over which its wear spreads; by default its "
     "circumference.",
     "wear.specific_wear_rate": "Worn volume per load and sliding distance.",
-    "wear.pattern": 'How the pin wears: "swept" by the mean pressure along y, or over positions of '
+    "wear.pattern": 'Wear of the pin: "swept" by the mean pressure along y, or over positions of '
     'the disk where y is free, since the roughness moves past it; "local" each element by its own '
     "pressure.",
     "oil.like": "An oil of the library, which gives what is not given here.",
@@ -131,12 +131,12 @@ _ENTRIES = {
     "sweep.velocities": "Sliding velocities.",
     "sweep.realizations": "Random surfaces to compute it all on: a number of them from the seed "
     "on, or a list of seeds.",
-    "sweep.samples": "How many samples to draw of what is `unknown`, each with a boundary of its "
+    "sweep.samples": "Number of samples drawn of the `unknown` inputs, each with a boundary of its "
     "own.",
     "sweep.sample_seed": "Seed of the samples.",
-    "sweep.fields": "Whether to store pressure, temperature rise and wear depth over the window.",
-    "sweep.independent": "Whether each point is simulated from the start instead of on from the "
-    "next lower load; takes longer.",
+    "sweep.fields": "Pressure, temperature rise and wear depth over the window stored, or not.",
+    "sweep.independent": "Each point simulated from the start, not on from the next lower load; "
+    "takes longer.",
     "measured.load": "Load at which wear turned severe.",
     "measured.load_scatter": "Standard deviation of the load in repeated tests, which "
     "`irg infer` of samples counts with; none by default.",

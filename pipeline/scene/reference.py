@@ -119,7 +119,7 @@ def _presets() -> str:
         for key in keys
     ]
     heads = [f"| {' | '.join(['', *names])} |", "|---" * (len(names) + 1) + "|"]
-    about = "What each of the presets chooses; [`CHOOSING.md`](CHOOSING.md) says what that costs.\n"
+    about = "Choices of each preset; [`CHOOSING.md`](CHOOSING.md) has their costs.\n"
     return "\n".join(["## Presets\n", about, *heads, *rows, ""])
 
 

@@ -43,7 +43,7 @@ _HEAD = """\
 """
 _NEXT = """\
 #
-# What it means    irg check {name}.toml
+# Its meaning      irg check {name}.toml
 # Its diagram      irg run {name}.toml, then irg plot results/{name}.zarr
 """
 
@@ -158,7 +158,7 @@ def _section(
 
 
 def _form(section: Section, given: Mapping[str, Any]) -> str:
-    """Which of the two forms of a table the given keys are of; empty if it has but one."""
+    """Form of a table with two forms that some keys are of; empty if it has but one."""
     if len(section.forms) == 1:
         return ""
     usual, other = VARIANTS[section.path]

@@ -41,10 +41,10 @@ _USUAL = {
 """Values in SI of such units as most scenes are written in, for which pint need not be loaded."""
 
 _ZERO = {"degC": Decimal("273.15")}
-"""What these stand for at 0 [K]."""
+"""Temperatures that these units have at 0 [K]."""
 
 _DEGREES = {"C": "degC", "F": "degF"}
-"""What is meant by units that are of charge and of capacitance, where a temperature is due."""
+"""Units meant by those of charge and of capacitance, where a temperature is due."""
 
 
 class UnitError(TriboError, ValueError):
@@ -135,7 +135,7 @@ def _registry() -> pint.UnitRegistry[Any]:
 
 
 def _pint_errors() -> tuple[type[Exception], ...]:
-    """What pint raises on text that is not a unit: more than its own errors."""
+    """Errors that pint raises on text that is not a unit: more than those of its own."""
     import pint
 
     return (

@@ -136,9 +136,10 @@ function wayText(
   /** @type {number} */ now,
   /** @type {string} */ unit,
 ) {
+  const along = unit === "N" ? "load" : "velocity";
   const all = (/** @type {(ends: Ends) => boolean} */ holds) => found.every(holds);
-  if (all(([low]) => low === Infinity)) return "nowhere in the sweep";
-  if (all(([, high]) => high === -Infinity)) return "already from the lowest";
+  if (all(([low]) => low === Infinity)) return `at no ${along} computed`;
+  if (all(([, high]) => high === -Infinity)) return `at every ${along} computed`;
   if (all(([low]) => Number.isNaN(low))) return "not known";
   if (all(([low, high]) => high === Infinity && low < high)) return "above what was computed";
   if (all(([low, high]) => low === -Infinity && low < high)) return "below what was computed";

@@ -369,7 +369,7 @@ def test_each_crossing_has_its_film_parameter_where_the_scene_has_an_oil():
 def test_the_regime_of_each_crossing_is_told_in_words_and_in_the_document():
     found = boundary(synthetic.sweep(lubrication=OILED))
     (said,) = [line for line in text_of(found) if line.startswith("       200")]
-    assert said == "       200   3.678  Λ 0.87 boundary"
+    assert said == "       200   3.678  film Λ 0.87"
     document = document_of(found)
     assert document["regime_at_load"][0] == "boundary lubrication"
     assert document["film_parameter_at_load"][0] == pytest.approx(0.87, abs=0.005)

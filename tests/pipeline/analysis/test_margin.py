@@ -76,7 +76,7 @@ def test_where_the_sweep_does_not_cross_it_says_how_far_it_looked():
     assert np.isnan(found.velocity_factor)
     assert found.velocity_range == (0.5, 4.0)
     hot = margin(synthetic.sweep(), 700.0, 3.9, friction=0.9)
-    assert hot.velocity_outcome == "severe from the lowest"
+    assert hot.velocity_outcome == "severe throughout"
 
 
 def test_a_sweep_about_its_boundary_alone_is_continued_as_a_power_of_the_velocity():

@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import pytest
 
-from pipeline.sweep.left_out import left_out
 from pipeline.sweep.plan import chains, points, run_point
+from pipeline.sweep.savings import savings
 from pipeline.tradeoff import forecast
 from pipeline.tradeoff.forecast import _Timed, estimate
 from tests.helpers import tiny
@@ -124,19 +124,19 @@ def test_fields_take_room_only_where_they_are_asked_for():
 @pytest.mark.parametrize(
     ("changes", "said"),
     [
-        ({"wear": None}, "wear: the scene has none"),
-        ({"wear": None}, "steps: without wear no step needs the others"),
-        ({"roughness": None}, "the axis y: both bodies are smooth"),
-        ({"velocities": (0.0, 1.0)}, "heat at 3 points: nothing moves there"),
-        ({}, "temperatures at up to"),
-        ({"fidelity": PRESETS["standard"]}, "the scene's own grid before a point's last step"),
-        ({}, "fields: not asked for"),
+        ({"wear": None}, "wear, since the scene has no table [wear]"),
+        ({"wear": None}, "steps, since nothing wears between them"),
+        ({"roughness": None}, "the axis y, since both bodies are smooth"),
+        ({"velocities": (0.0, 1.0)}, "heat at 3 points, since nothing moves there"),
+        ({}, "temperatures before the last step"),
+        ({"fidelity": PRESETS["standard"]}, "wear before the last step on a coarser grid"),
+        ({}, "fields, since the scene does not ask for them"),
     ],
 )
-def test_what_is_left_out_is_named_with_its_reason(changes, said):
+def test_work_that_is_saved_is_named_with_its_reason(changes, said):
     kept = replace(
         SWEEP, store_fields=True, wear=Wear(1.2e-15), pixels=Grid((256, 96), (2e-6, 2e-6))
     )
     if said.startswith("fields"):
         kept = replace(kept, store_fields=False)
-    assert any(said in reason for reason in left_out(replace(kept, **changes)))
+    assert any(said in work for work in savings(replace(kept, **changes)))
