@@ -8,6 +8,8 @@ from .analysis.intervals import MarginIntervals as MarginIntervals
 from .analysis.intervals import margin_intervals as margin_intervals
 from .analysis.margin import Margin as Margin
 from .analysis.margin import margins as margins
+from .analysis.margin_table import margin_table as margin_table
+from .analysis.operating_points import OperatingPoints as OperatingPoints
 from .analysis.posterior import Candidate as Candidate
 from .analysis.posterior import Posterior as Posterior
 from .analysis.posterior import candidates as candidates
@@ -18,6 +20,8 @@ from .analysis.risk import risk as risk
 from .analysis.risk import risk_lines as risk_lines
 from .analysis.sobol import Sensitivity as Sensitivity
 from .analysis.sobol import sensitivity as sensitivity
+from .analysis.tables import Column as Column
+from .analysis.tables import Table as Table
 from .analysis.temperatures import decisive_temperature as decisive_temperature
 from .analysis.temperatures import temperatures as temperatures
 from .analysis.warned import warned as warned

@@ -10,7 +10,7 @@ rise was within it at 54 of 60 random places of `workflows/first_try.toml`.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
@@ -167,7 +167,21 @@ def margins(
     >>> margin.is_severe, f"{margin.distance:.0f} K"
     (True, '-13 K')
     """
-    ds = dataset_of(ds)
+    judge = judge_of(
+        dataset_of(ds), friction, bulk_temperature, critical_temperature, share, criterion
+    )
+    return judge(in_si("load", load, "500 N"), in_si("velocity", velocity, "2 m/s"))
+
+
+def judge_of(
+    ds: xr.Dataset,
+    friction: float | None = None,
+    bulk_temperature: Bulk | None = None,
+    critical_temperature: float | str | None = None,
+    share: float | str | None = None,
+    criterion: str | None = None,
+) -> Callable[[float, float], tuple[Margin, ...]]:
+    """Function that gives `margins` at a load [N] and a velocity [m/s] under some conditions."""
     conditions = conditions_of(
         ds, friction, bulk_temperature, critical_temperature, share, criterion
     )
@@ -176,29 +190,35 @@ def margins(
             "friction is 0; without friction there is no heat and no boundary; give one above 0"
         )
     conditions.known_critical_temperature()
-    load, velocity = in_si("load", load, "500 N"), in_si("velocity", velocity, "2 m/s")
-    for name, value, axis, unit in (
-        ("load", load, ds["load"].values, "N"),
-        ("velocity", velocity, ds["velocity"].values, "m/s"),
-    ):
-        first, last = range_of(ds, name)
-        lowest, highest = min(axis[0], first), max(axis[-1], last)
-        if not (lowest <= value <= highest and value > 0):
-            raise InputError(
-                f"{name} is {value:g} {unit}; the sweep has {lowest:g} to {highest:g} {unit}: give "
-                "one within, above 0, or add points to the sweep"
-            )
     given = (friction, bulk_temperature, critical_temperature, share, criterion)
     several = conditions_by_variant(ds, conditions, given)
-    ends = {name: range_of(ds, name) for name in ("load", "velocity")}
     rise = decisive_rise(ds, several)
+    loads, velocities = rise["load"].values, rise["velocity"].values
     planes = rise.values.reshape(len(several), *rise.shape[-2:])
-    return tuple(
-        _margin(
-            ds["load"].values, ds["velocity"].values, plane, load, velocity, judged, place, ends
+    ends = {name: range_of(ds, name) for name in ("load", "velocity")}
+    places = variants(ds)
+
+    def judge(load: float, velocity: float) -> tuple[Margin, ...]:
+        _require_within("load", load, loads, ends["load"], "N")
+        _require_within("velocity", velocity, velocities, ends["velocity"], "m/s")
+        return tuple(
+            _margin(loads, velocities, plane, load, velocity, judged, place, ends)
+            for plane, judged, place in zip(planes, several, places, strict=True)
         )
-        for plane, judged, place in zip(planes, several, variants(ds), strict=True)
-    )
+
+    return judge
+
+
+def _require_within(
+    name: str, value: float, axis: Array, ends: tuple[float, float], unit: str
+) -> None:
+    """Raise an `InputError` at a load or velocity outside the sweep."""
+    lowest, highest = min(axis[0], ends[0]), max(axis[-1], ends[1])
+    if not (lowest <= value <= highest and value > 0):
+        raise InputError(
+            f"{name} is {value:g} {unit}; the sweep has {lowest:g} to {highest:g} {unit}: give "
+            "one within, above 0, or add points to the sweep"
+        )
 
 
 def _margin(

@@ -1,23 +1,205 @@
-"""Tables as files: CSV for other programs, Markdown for a report."""
+"""Tables of results: one description from which text, JSON, CSV, Markdown and HTML are written."""
 
 from __future__ import annotations
 
 import csv
+import html
 import io
 import math
 import os
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Container, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
+from pipeline.scene.quantities import shown_in
 from tribo import InputError
 
 TABLES = (".csv", ".md")
 """Endings of the files that a table may be written to."""
 
 
+class Column(NamedTuple):
+    """Column of a table.
+
+    Attributes
+    ----------
+    name : str
+        Key of its values, in SI, in a JSON document.
+    title : str
+        Heading, without the unit.
+    unit : str
+        Unit in which values are shown; empty for numbers without one, and for words.
+    digits : int
+        Significant digits in text.
+    """
+
+    name: str
+    title: str
+    unit: str = ""
+    digits: int = 4
+
+    @property
+    def head(self) -> str:
+        """Heading with the unit."""
+        return f"{self.title} [{self.unit}]" if self.unit else self.title
+
+    def shown(self, value: Any) -> Any:
+        """Value in the unit of the column; numbers that are missing are None."""
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            return value
+        if not math.isfinite(value):
+            return None
+        return shown_in(value, self.unit) if self.unit else value
+
+    def text(self, value: Any) -> str:
+        """Value as it stands in text, without its unit."""
+        value = self.shown(value)
+        if isinstance(value, bool):
+            return "yes" if value else "no"
+        if isinstance(value, float):
+            return f"{value:.{self.digits}g}"
+        return "" if value is None else str(value)
+
+
+@dataclass(frozen=True, slots=True)
+class Table:
+    r"""Result as columns and rows.
+
+    Attributes
+    ----------
+    columns : tuple of Column
+        Names, headings and units.
+    rows : tuple of tuple
+        Values by column, quantities in SI; None or NaN where there is none.
+
+    Examples
+    --------
+    >>> columns = Column("load", "load", "N"), Column("bulk", "bulk temperature", "°C")
+    >>> table = Table(columns, ((400.0, 298.15), (600.0, None)))
+    >>> print(*table.lines(), sep="\n")
+    load [N]   bulk temperature [°C]
+    400        25
+    600        -
+    >>> table.as_dict()
+    {'load': [400.0, 600.0], 'bulk': [298.15, None]}
+    >>> next(table.records())
+    {'load [N]': 400.0, 'bulk temperature [°C]': 25.0}
+    """
+
+    columns: tuple[Column, ...]
+    rows: tuple[tuple[Any, ...], ...]
+
+    def as_dict(self) -> dict[str, list[Any]]:
+        """Values in SI by the names of the columns."""
+        return {
+            column.name: [row[place] for row in self.rows]
+            for place, column in enumerate(self.columns)
+        }
+
+    def records(self) -> Iterator[dict[str, Any]]:
+        """Rows as they are written to files: values in the units of the headings."""
+        for row in self.rows:
+            pairs = zip(self.columns, row, strict=True)
+            yield {column.head: column.shown(value) for column, value in pairs}
+
+    def without(self, names: Container[str]) -> Table:
+        """The table without columns of these names."""
+        kept = [place for place, column in enumerate(self.columns) if column.name not in names]
+        columns = tuple(self.columns[place] for place in kept)
+        return Table(columns, tuple(tuple(row[place] for place in kept) for row in self.rows))
+
+    def without_empty(self) -> Table:
+        """The table without columns that hold nothing."""
+        columns = zip(self.columns, zip(*self.rows, strict=True), strict=True)
+        return self.without(
+            [column.name for column, values in columns if not any(map(column.text, values))]
+        )
+
+    def cells(self) -> list[list[str]]:
+        """Values as text, without the headings."""
+        return [
+            [column.text(value) for column, value in zip(self.columns, row, strict=True)]
+            for row in self.rows
+        ]
+
+    def lines(self) -> Iterator[str]:
+        """Lines of text with aligned columns, the headings first."""
+        rows = [[column.head for column in self.columns]]
+        rows += [[cell or "-" for cell in row] for row in self.cells()]
+        widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+        for row in rows:
+            cells = (f"{cell:<{width}}" for cell, width in zip(row, widths, strict=True))
+            yield "   ".join(cells).rstrip()
+
+    def html(self) -> str:
+        """The table as HTML."""
+        heads = "".join(f"<th>{html.escape(column.head)}</th>" for column in self.columns)
+        rows = (
+            "".join(f"<td>{html.escape(cell) or '–'}</td>" for cell in row) for row in self.cells()
+        )
+        body = "".join(f"<tr>{row}</tr>\n" for row in rows)
+        return f"<table><thead><tr>{heads}</tr></thead>\n<tbody>{body}</tbody></table>"
+
+    def _repr_html_(self) -> str:
+        """The table in a notebook."""
+        return self.html()
+
+    def write(self, out: str | Path) -> Path:
+        """Write the table to a file, .csv or .md.
+
+        Raises
+        ------
+        InputError
+            If the suffix is another one, or the file cannot be written.
+
+        Examples
+        --------
+        >>> import tempfile
+        >>> out = Path(tempfile.mkdtemp()) / "table.md"
+        >>> table = Table((Column("load", "load", "N"),), ((400.0,), (None,)))
+        >>> print(table.write(out).read_text(), end="")
+        | load [N] |
+        |---|
+        | 400 |
+        |  |
+        """
+        return write_tables([self], writable_path(out, TABLES))
+
+
+def write_tables(tables: Sequence[Table], out: Path) -> Path:
+    """Write the rows of tables below each other; a column that a table lacks stays empty there.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be written.
+    """
+    rows = [record for table in tables for record in table.records()]
+    heads = list(dict.fromkeys(column.head for table in tables for column in table.columns))
+    cells = [[_written(row.get(head)) for head in heads] for row in rows]
+    if out.suffix.lower() == ".md":
+        lines = [heads, *cells]
+        shown = [f"| {' | '.join(cell.replace('|', '/') for cell in line)} |" for line in lines]
+        text = "\n".join([shown[0], "|---" * len(heads) + "|", *shown[1:], ""])
+    else:
+        file = io.StringIO()
+        csv.writer(file, lineterminator="\n").writerows([heads, *cells])
+        text = file.getvalue()
+    return write_text(text, out)
+
+
+def write_text(text: str, out: Path) -> Path:
+    """Write text to a file in UTF-8, and raise an `InputError` if that fails."""
+    try:
+        out.write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise InputError(f"cannot write {out}: {error.strerror or error}") from error
+    return out
+
+
 def writable_path(out: str | Path, suffixes: Sequence[str]) -> Path:
-    """Give the path of a file to be written, before the work that it is to hold.
+    """Path of a file to be written, examined before the work that it is to hold.
 
     Raises
     ------
@@ -31,57 +213,26 @@ def writable_path(out: str | Path, suffixes: Sequence[str]) -> Path:
     if not path.parent.is_dir():
         raise InputError(f"cannot write {out}: there is no folder {path.parent}")
     if path.is_dir() or not os.access(path.parent, os.W_OK):
-        raise InputError(f"cannot write {out}: it is a folder, or in one that is not to be written")
+        raise InputError(f"cannot write {out}: it is a folder, or its folder is not writable")
     return path
 
 
 def is_table(out: str | Path | None) -> bool:
-    """Whether a file is to hold a table, by its suffix."""
+    """True if a file is to hold a table, by its suffix."""
     return out is not None and Path(out).suffix.lower() in TABLES
 
 
-def write_table(rows: Iterable[Mapping[str, Any]], out: Path) -> Path:
-    """Write rows to a file, their keys as its header; nothing where a number is missing.
-
-    Parameters
-    ----------
-    rows : iterable of mapping
-        Values by column; a column that a row lacks stays empty there.
-    out : Path
-        File to write, .csv or .md.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be written.
+def table_of(records: Sequence[Mapping[str, Any]]) -> Table:
+    """Table of records by heading, whose values are already in the units of their headings.
 
     Examples
     --------
-    >>> import tempfile
-    >>> out = Path(tempfile.mkdtemp()) / "table.md"
-    >>> print(write_table([{"load [N]": 400.0, "velocity [m/s]": 2.2}], out).read_text(), end="")
-    | load [N] | velocity [m/s] |
-    |---|---|
-    | 400 | 2.2 |
+    >>> table_of([{"load [N]": 400.0}, {"load [N]": 600.0, "change": 0.1}]).rows
+    ((400.0, None), (600.0, 0.1))
     """
-    rows = list(rows)
-    heads = list(dict.fromkeys(key for row in rows for key in row))
-    cells = [[_written(row.get(head)) for head in heads] for row in rows]
-    if out.suffix.lower() == ".md":
-        lines = [heads, ["---"] * len(heads), *cells]
-        text = "".join(
-            f"|{'|'.join(line)}|\n" if line[0] == "---" else f"| {' | '.join(line)} |\n"
-            for line in lines
-        )
-    else:
-        file = io.StringIO()
-        csv.writer(file, lineterminator="\n").writerows([heads, *cells])
-        text = file.getvalue()
-    try:
-        out.write_text(text, encoding="utf-8")
-    except OSError as error:
-        raise InputError(f"cannot write {out}: {error.strerror or error}") from error
-    return out
+    heads = list(dict.fromkeys(key for record in records for key in record))
+    rows = tuple(tuple(record.get(head) for head in heads) for record in records)
+    return Table(tuple(Column(head, head) for head in heads), rows)
 
 
 def _written(value: Any) -> str:

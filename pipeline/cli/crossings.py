@@ -11,7 +11,7 @@ import xarray as xr
 
 import pipeline
 from pipeline.analysis.attributes import attributes_of
-from pipeline.analysis.band import BAND
+from pipeline.analysis.tables import Column, Table
 from pipeline.analysis.transition import (
     BEYOND,
     CROSSES,
@@ -24,11 +24,8 @@ from tribo import lubrication_regime
 from tribo.lubricant import BOUNDARY, FULL_FILM
 from tribo.types import Array
 
-_BOUNDARIES = (
-    ("critical_velocity", "load", "  load [N]   critical velocity [m/s]"),
-    ("critical_load", "velocity", "  velocity [m/s]   critical load [N]"),
-)
-_ENDS = ("from", "to")
+_BOUNDARIES = (("critical_velocity", "load"), ("critical_load", "velocity"))
+_AXES = {"load": Column("load", "load", "N"), "velocity": Column("velocity", "velocity", "m/s")}
 _SLOW = 0.4  # exponent of the rise over the velocity, below which its errors are said to count more
 _KINDS = {"realization": "surfaces", "sample": "samples"}
 
@@ -41,7 +38,7 @@ def document_of(found: xr.Dataset) -> dict[str, Any]:
     conditions["criterion"] = found.attrs["criterion"]
     conditions["friction"] = frictions if "friction" in found.sizes else frictions[0]
     document = {str(name): values.values.tolist() for name, values in found.variables.items()}
-    for _, axis, _ in _BOUNDARIES:
+    for _, axis in _BOUNDARIES:
         outcome, film = f"outcome_at_{axis}", f"film_parameter_at_{axis}"
         document[outcome] = _nested(OUTCOMES.__getitem__, document[outcome])
         if film in document:
@@ -66,46 +63,86 @@ def _variant(found: xr.Dataset) -> str | None:
     return next((name for name in _KINDS if name in found.sizes), None)
 
 
-def rows_of(found: xr.Dataset) -> Iterator[dict[str, Any]]:
-    """Rows of a table on `pipeline.boundary`: one for each load and velocity, at each friction."""
-    judged = {
-        "bulk [°C]": found.attrs["bulk_temperature"] - 273.15,
-        **(
-            {"disk bulk [°C]": found.attrs["disk_temperature"] - 273.15}
-            if "disk_temperature" in found.attrs
-            else {}
-        ),
-        "critical [°C]": found.attrs["critical_temperature"] - 273.15,
-        "failing share": found.attrs["failing_share"],
-        "criterion": found.attrs["criterion"],
+def tables_of(found: xr.Dataset) -> list[Table]:
+    """Tables of `pipeline.boundary`: critical velocities by load, and critical loads by velocity.
+
+    A row is for one load or velocity at one friction, with the conditions that it was judged by.
+    """
+    several = _variant(found) is not None
+    return [(_band if several else _crossings)(found, *boundary) for boundary in _BOUNDARIES]
+
+
+def _crossings(found: xr.Dataset, name: str, axis: str) -> Table:
+    """Crossings of one surface."""
+    other = name.removeprefix("critical_")
+    unit = _AXES[other].unit
+    columns = (
+        Column(name, f"critical {other}", unit),
+        Column(f"outcome_at_{axis}", "outcome"),
+        Column(f"computed_from_at_{axis}", "computed from", unit),
+        Column(f"computed_to_at_{axis}", "computed to", unit),
+    )
+
+    def values(at: xr.Dataset) -> tuple[Any, ...]:
+        crossing, outcome, *ends = (at[column.name].item() for column in columns)
+        return crossing, OUTCOMES[outcome], *ends
+
+    return _by_place(found, axis, columns, values)
+
+
+def _band(found: xr.Dataset, name: str, axis: str) -> Table:
+    """Median, ends of the band, mean and spread of several surfaces, and how many of them cross."""
+    other, kind = name.removeprefix("critical_"), _KINDS[str(_variant(found))]
+    unit = _AXES[other].unit
+    low, _, high = (f"{100 * share:g} %" for share in found["quantile"].values)
+    heads = ("median", low, high, "mean", "spread")
+    outcomes = {
+        code: words
+        for code, words in OUTCOMES.items()
+        if code != CROSSES and (found[f"outcome_at_{axis}"] == code).any()
     }
-    units = {"load": "load [N]", "velocity": "velocity [m/s]"}
-    for name, axis, _ in _BOUNDARIES:
-        other = units[name.removeprefix("critical_")]
-        for friction, (_, part) in zip(_frictions(found), _by_friction(found), strict=True):
-            for place in range(found.sizes[axis]):
-                at = part.isel({axis: place})
-                row = {"at each": axis, "friction": friction, units[axis]: float(at[axis])}
-                yield row | _crossing(at, name, axis, other) | judged
+    columns = (
+        *(Column(f"{name}_{head}", head, unit) for head in heads),
+        Column(kind, kind),
+        Column("crosses", "cross"),
+        *(Column(words, words) for words in outcomes.values()),
+    )
+
+    def values(at: xr.Dataset) -> tuple[Any, ...]:
+        low, middle, high = at[f"{name}_quantile"].values.tolist()
+        moments = (at[f"{name}_{moment}"].item() for moment in ("mean", "spread"))
+        all_outcomes = at[f"outcome_at_{axis}"].values.tolist()
+        counts = (all_outcomes.count(code) for code in (CROSSES, *outcomes))
+        return middle, low, high, *moments, len(all_outcomes), *counts
+
+    return _by_place(found, axis, columns, values)
 
 
-def _crossing(at: xr.Dataset, name: str, axis: str, other: str) -> dict[str, Any]:
-    """Crossing at one load or velocity, or those of the surfaces."""
-    found: dict[str, Any] = {}
-    if variant := _variant(at):
-        kind_of = _KINDS[variant]
-        outcomes = at[f"outcome_at_{axis}"].values.tolist()
-        shares = [f"{100 * share:g} %" for share in at["quantile"].values]
-        found = dict(zip(shares, at[f"{name}_quantile"].values.tolist(), strict=True))
-        found |= {kind: float(at[f"{name}_{kind}"]) for kind in ("mean", "spread")}
-        found |= {f"{kind_of} that cross": outcomes.count(CROSSES), kind_of: len(outcomes)}
-        found = {other: float(at[f"{name}_quantile"][BAND.index(0.5)])} | found
-    else:
-        found = {other: float(at[name]), "outcome": OUTCOMES[int(at[f"outcome_at_{axis}"])]}
-        found |= {f"computed {end}": float(at[f"computed_{end}_at_{axis}"]) for end in _ENDS}
-    if f"film_parameter_at_{axis}" in at:
-        found["film parameter"] = _middle(at[f"film_parameter_at_{axis}"].values)
-    return found
+def _by_place(
+    found: xr.Dataset,
+    axis: str,
+    columns: tuple[Column, ...],
+    values: Callable[[xr.Dataset], tuple[Any, ...]],
+) -> Table:
+    """Table with a row for each friction and each load or velocity."""
+    attrs, film = found.attrs, f"film_parameter_at_{axis}"
+    judged = {
+        Column("bulk_temperature", "bulk", "°C"): attrs["bulk_temperature"],
+        Column("disk_temperature", "disk bulk", "°C"): attrs.get("disk_temperature"),
+        Column("critical_temperature", "critical", "°C"): attrs["critical_temperature"],
+        Column("failing_share", "failing share"): attrs["failing_share"],
+        Column("criterion", "criterion"): attrs["criterion"],
+    }
+    rows = []
+    for friction, part in _by_friction(found):
+        for place in range(found.sizes[axis]):
+            at = part.isel({axis: place})
+            parameter = _middle(at[film].values) if film in at else None
+            own = (friction, at[axis].item(), *values(at), parameter)
+            rows.append((*own, *judged.values()))
+    heads = (Column("friction", "friction"), _AXES[axis], *columns)
+    film_column = Column(film, "film parameter Λ", digits=3)
+    return Table((*heads, film_column, *judged), tuple(rows))
 
 
 def _middle(film: Array) -> float | None:
@@ -115,10 +152,9 @@ def _middle(film: Array) -> float | None:
 
 def command_for(found: xr.Dataset, store: Any, ds: xr.Dataset) -> str | None:
     """The command that computes transitions beyond what was computed; None where there are none."""
-    frictions = zip(_frictions(found), _by_friction(found), strict=True)
     beyond = [
         friction
-        for friction, (_, part) in frictions
+        for friction, part in _by_friction(found)
         if part["outcome_at_load"].isin((*BEYOND, UNKNOWN)).any()
     ]
     if not beyond:
@@ -127,8 +163,8 @@ def command_for(found: xr.Dataset, store: Any, ds: xr.Dataset) -> str | None:
     return command_of(store, attributes_of(ds), found.attrs | {"friction": beyond[0]}, is_pending)
 
 
-def text_of(found: xr.Dataset, command: str | None = None) -> Iterator[str]:
-    """Lines of text on `pipeline.boundary`; a column or block for each friction.
+def text_of(found: xr.Dataset, tables: list[Table], command: str | None = None) -> Iterator[str]:
+    """Lines of text on `pipeline.boundary` and its tables.
 
     The command computes points that it lacks, if any.
     """
@@ -146,12 +182,9 @@ def text_of(found: xr.Dataset, command: str | None = None) -> Iterator[str]:
         )
     )
     several = _variant(found) is not None
-    parts = _by_friction(found) if several else [("", found)]
-    for name, axis, heading in _BOUNDARIES:
-        for friction, part in parts:
-            yield ""
-            yield heading + friction
-            yield from (_band if several else _columns)(part, name, axis)
+    for (name, axis), table in zip(_BOUNDARIES, tables, strict=True):
+        yield ""
+        yield from (_without_conditions if several else _side_by_side)(table, name, axis).lines()
     yield from _slow_rise(found)
     if "film_parameter_at_load" in found:
         yield ""
@@ -201,66 +234,56 @@ def _frictions(found: xr.Dataset) -> list[float]:
     return [float(value) for value in found["friction"].values]
 
 
-def _by_friction(found: xr.Dataset) -> list[tuple[str, xr.Dataset]]:
+def _by_friction(found: xr.Dataset) -> Iterator[tuple[float, xr.Dataset]]:
+    """The boundary at each friction."""
     if "friction" not in found.sizes:
-        return [("", found)]
-    return [
-        (f" at friction {value:g}", found.isel(friction=place))
-        for place, value in enumerate(_frictions(found))
-    ]
+        yield found.attrs["friction"], found
+        return
+    for place, value in enumerate(_frictions(found)):
+        yield value, found.isel(friction=place)
 
 
-def _columns(found: xr.Dataset, name: str, axis: str) -> Iterator[str]:
-    """Crossings of one surface, a column for each friction."""
-    rows = [
-        [f"{float(found[axis][place]):10g}", *_cells(found, place, name, axis)]
-        for place in range(found.sizes[axis])
-    ]
-    if "friction" in found.sizes:
-        rows.insert(0, [f"{'friction':>10}", *(f"{value:g}" for value in _frictions(found))])
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    for row in rows:
-        cells = (f"{cell:<{width}}" for cell, width in zip(row, widths, strict=True))
-        yield "   ".join(cells).rstrip()
+def _side_by_side(table: Table, name: str, axis: str) -> Table:
+    """Crossings of one surface, or outcomes in words, with a column for each friction."""
+    values = table.as_dict()
+    frictions = list(dict.fromkeys(values["friction"]))
+    crossing = next(column for column in table.columns if column.name == name)
+    films = values.get(f"film_parameter_at_{axis}", [None] * len(table.rows))
+    rows: dict[float, list[str]] = {}
+    for place, value, outcome, low, high, film in zip(
+        values[axis],
+        values[name],
+        values[f"outcome_at_{axis}"],
+        values[f"computed_from_at_{axis}"],
+        values[f"computed_to_at_{axis}"],
+        films,
+        strict=True,
+    ):
+        words = in_words(outcome, (low, high), name.removeprefix("critical_"))
+        shown = f"{crossing.text(value)}{_film(film)}" if math.isfinite(value) else words
+        rows.setdefault(place, []).append(shown)
+    heads = [Column(name, crossing.head)]
+    if len(frictions) > 1:
+        heads = [Column(str(value), f"at friction {value:g}") for value in frictions]
+        heads[0] = heads[0]._replace(title=f"{crossing.head} {heads[0].title}")
+    return Table((_AXES[axis], *heads), tuple((place, *cells) for place, cells in rows.items()))
 
 
-def _cells(found: xr.Dataset, place: int, name: str, axis: str) -> Iterator[str]:
-    """Crossing or outcome at one load or velocity, by friction."""
-    for _, part in _by_friction(found):
-        at = part.isel({axis: place})
-        outcome = int(at[f"outcome_at_{axis}"])
-        computed = float(at[f"computed_from_at_{axis}"]), float(at[f"computed_to_at_{axis}"])
-        if outcome == CROSSES:
-            yield f"{float(at[name]):.4g}{_film(at, axis)}"
-        else:
-            yield in_words(OUTCOMES[outcome], computed, name.removeprefix("critical_"))
+def _without_conditions(table: Table, name: str, axis: str) -> Table:
+    """The band of several surfaces, with the friction only where there are several."""
+    left_out = {"bulk_temperature", "disk_temperature", "critical_temperature", "failing_share"}
+    left_out |= {"criterion"}
+    if len(set(table.as_dict()["friction"])) == 1:
+        left_out.add("friction")
+    title = f"critical {name.removeprefix('critical_')}, median"
+    shown = table.without(left_out).without_empty()
+    columns = tuple(
+        column._replace(title=title) if column.name == f"{name}_median" else column
+        for column in shown.columns
+    )
+    return Table(columns, shown.rows)
 
 
-def _band(found: xr.Dataset, name: str, axis: str) -> Iterator[str]:
-    """Median, lower and upper end of the band, mean and spread, and how many surfaces cross."""
-    ends = [f"{100 * share:g} %" for share in found["quantile"].values]
-    heads = ("median", ends[0], ends[-1], "mean", "spread")
-    yield f"{'':10}   {' '.join(f'{head:>8}' for head in heads)}   {_KINDS[str(_variant(found))]}"
-    for place in range(found.sizes[axis]):
-        at = found.isel({axis: place})
-        low, middle, high = at[f"{name}_quantile"].values
-        values = (middle, low, high, float(at[f"{name}_mean"]), float(at[f"{name}_spread"]))
-        cells = (f"{value:.4g}" if math.isfinite(value) else "-" for value in values)
-        outcomes = at[f"outcome_at_{axis}"].values.tolist()
-        counts = [f"{outcomes.count(CROSSES)} of {len(outcomes)} cross"]
-        counts += [
-            f"{outcomes.count(why)} {meaning}"
-            for why, meaning in OUTCOMES.items()
-            if why in outcomes and why != CROSSES
-        ]
-        row = " ".join(f"{cell:>8}" for cell in cells)
-        yield f"{float(at[axis]):10g}   {row}   {', '.join(counts)}{_film(at, axis)}"
-
-
-def _film(at: xr.Dataset, axis: str) -> str:
-    """Film parameter at a crossing, the median over surfaces; empty without an oil."""
-    name = f"film_parameter_at_{axis}"
-    middle = _middle(at[name].values) if name in at else None
-    if middle is None:
-        return ""
-    return f"  film Λ {middle:.2f}"
+def _film(parameter: float | None) -> str:
+    """Film parameter at a crossing; empty without an oil."""
+    return "" if parameter is None else f"  film Λ {parameter:.2f}"

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import argparse
 import itertools
+from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 import pipeline
+from pipeline.analysis.margin_table import table_of_margins
+from pipeline.analysis.operating_points import OperatingPoints, Place
 from pipeline.cli.exit_codes import DONE
-from pipeline.cli.output import show
+from pipeline.cli.output import counted, show, table_path
 from pipeline.cli.scenes import CONDITIONS, given
 from pipeline.cli.unknowns import notes, samples_of
 from pipeline.store.schema import PENDING
@@ -24,8 +27,19 @@ if TYPE_CHECKING:
     from pipeline.analysis.margin import Margin
 
 
+_ONLY_IN_FILES = (
+    "certain", "critical_velocity", "critical_load", "velocity_outcome", "load_outcome", "note",
+)  # fmt: skip
+"""Columns of a table of margins for which a terminal is too narrow."""
+
+
 def margin(options: argparse.Namespace) -> int:
-    """Print the distance of an operating point to the boundary."""
+    """Print the distance of one operating point to the boundary, or of those of a table."""
+    if options.points is not None:
+        return _of_points(options)
+    if options.load is None or options.velocity is None:
+        raise InputError("give --load and --velocity, or --points FILE.csv")
+    out = table_path(options)
     from pipeline.analysis.attributes import attributes_of  # with xarray
 
     ds, conditions = pipeline.open_sweep(options.store), given(options, *CONDITIONS)
@@ -46,7 +60,29 @@ def margin(options: argparse.Namespace) -> int:
     command = _command(options, ds, conditions, found)
     lines = [*text, *([f"compute more of the boundary with: {command}"] if command else [])]
     warned = pipeline.warned(ds, **conditions)
-    show(options, document | {"command": command}, lines, warned=warned)
+    here = OperatingPoints((Place(options.load, options.velocity),), {})
+    tables = [table_of_margins(here, [found])]
+    show(options, document | {"command": command}, lines, warned=warned, out=out, tables=tables)
+    return DONE
+
+
+def _of_points(options: argparse.Namespace) -> int:
+    """Print the distances of a table of operating points."""
+    if given(options, "load", "velocity", "scatter") or options.given_measured:
+        raise InputError("--points stands alone, without --load, --velocity or --given-measured")
+    out, points = table_path(options), OperatingPoints.read(options.points)
+    ds, conditions = pipeline.open_sweep(options.store), given(options, *CONDITIONS)
+    table = pipeline.margin_table(ds, points, **conditions)
+    verdicts = Counter(table.as_dict()["verdict"])
+    counts = ", ".join(f"{number} {verdict}" for verdict, number in sorted(verdicts.items()))
+    text = [f"{counted(len(table.rows), 'operating point', 'operating points')}: {counts}"]
+    notes = table.as_dict()["note"]
+    if out is None:
+        text += ["", *table.without(_ONLY_IN_FILES).without_empty().lines()]
+    text += [f"row {number}: {note}" for number, note in enumerate(notes, 1) if note]
+    document = {"verdicts": verdicts, "margins": table.as_dict()}
+    warned = pipeline.warned(ds, **conditions)
+    show(options, document, text, warned=warned, out=out, tables=[table])
     return DONE
 
 

@@ -118,6 +118,13 @@ REALIZATION = _option(
     help="seed of one of several random surfaces",
 )
 PLACE = (LOAD, VELOCITY)
+POINTS = _option(
+    "--points",
+    metavar="DUTY.csv",
+    type=Path,
+    help='operating points, a row each, in columns "load [N]" and "velocity [m/s]" or in other '
+    "units; further columns are passed on",
+)
 NEEDED_PLACE = tuple(each.but(required=True) for each in PLACE)
 
 FRICTION = _option("--friction", metavar="MU", type=values.friction, help="coefficient of friction")
@@ -189,6 +196,7 @@ BASE = _option("--base", metavar="NAME", default="fine", help="preset to vary ch
 DIAGRAM = _flag("--diagram", help="compare whole small diagrams")
 RESULT = _option("name", metavar="NAME", nargs="?", help="one of --list, or all")
 SURFACES = _option("--surfaces", metavar="N", type=values.count, help="number of random surfaces")
+TABLE = output("TABLE.csv", "write the table to a file, .csv or .md")
 FIGURE_OR_TABLE = output("FILE.png", "draw a figure; or write a table, to .csv or .md")
 
 KIND = _option(

@@ -8,14 +8,14 @@ import math
 import re
 import sys
 import threading
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pipeline
-from pipeline.analysis.tables import TABLES, is_table, writable_path, write_table
+from pipeline.analysis.tables import TABLES, Table, is_table, table_of, writable_path, write_tables
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -60,6 +60,7 @@ def show(
     *,
     warned: Warned | None = None,
     out: Path | None = None,
+    tables: Sequence[Table] = (),
     rows: Iterable[Mapping[str, Any]] = (),
     draw: Callable[[], Figure] | None = None,
 ) -> None:
@@ -77,8 +78,10 @@ def show(
         Warnings that its points carry.
     out : Path, optional
         File of a figure or of a table.
+    tables : sequence of Table
+        Result as tables, whose rows are written below each other.
     rows : iterable of mapping
-        Result as rows of a table.
+        Result as rows of a table by heading, in place of tables.
     draw : callable, optional
         Draws the result.
     """
@@ -87,7 +90,8 @@ def show(
         document = document | {"warnings": warned.as_dict()}
         lines += warned.lines()
     if out is not None and (draw is None or is_table(out)):
-        document = document | {"table": str(write_table(rows, out))}
+        write_tables(tables or [table_of(list(rows))], out)
+        document = document | {"table": str(out)}
         lines.append(f"table: {out}")
     elif out is not None and draw is not None:
         document = document | {"figure": str(pipeline.save_figure(draw(), out))}

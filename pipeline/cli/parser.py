@@ -79,14 +79,16 @@ COMMANDS = (
         "find the transition from mild to severe wear, without a new simulation",
         "results/scene.zarr --friction 0.09 --friction 0.103",
         (
-            o.STORE, o.output("TABLE.csv", "write the table to a file, .csv or .md"),
-            o.CONDITIONS_AT_FRICTIONS,
+            o.STORE, o.TABLE, o.CONDITIONS_AT_FRICTIONS,
         ),
     ),
     Command(
-        "margin", "margins:margin", "tell how far an operating point lies from severe wear",
+        "margin", "margins:margin",
+        "distance of operating points from severe wear: of one, or of a table of them",
         f"results/scene.zarr {_AT}",
-        (o.STORE, *o.NEEDED_PLACE, o.GIVEN_MEASURED, o.SCATTER, o.CONDITIONS),
+        (
+            o.STORE, *o.PLACE, o.POINTS, o.TABLE, o.GIVEN_MEASURED, o.SCATTER, o.CONDITIONS,
+        ),
     ),
     Command(
         "vary", "variations:vary",

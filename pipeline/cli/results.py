@@ -7,9 +7,10 @@ import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import pipeline
+from pipeline.analysis.tables import Column, Table
 from pipeline.cli.exit_codes import DONE
 from pipeline.cli.output import counted, micrometres, show, table_path, tell
 from pipeline.cli.progress import working
@@ -38,13 +39,14 @@ _MORE_AREA = {2: "14 to 17", 4: "40 to 50"}
 def boundary(options: argparse.Namespace) -> int:
     """Print critical velocities and loads."""
     out = table_path(options)
-    from pipeline.cli.crossings import command_for, document_of, rows_of, text_of  # with xarray
+    from pipeline.cli.crossings import command_for, document_of, tables_of, text_of  # with xarray
 
     ds, conditions = pipeline.open_sweep(options.store), given(options, *CONDITIONS)
     found, warned = pipeline.boundary(ds, **conditions), pipeline.warned(ds, **conditions)
     command = command_for(found, options.store, ds)
-    document = document_of(found) | {"command": command}
-    show(options, document, text_of(found, command), warned=warned, out=out, rows=rows_of(found))
+    tables, document = tables_of(found), document_of(found) | {"command": command}
+    text = text_of(found, tables, command)
+    show(options, document, text, warned=warned, out=out, tables=tables)
     return DONE
 
 
@@ -213,22 +215,29 @@ def infer(options: argparse.Namespace) -> int:
         f"on average {pipeline.display(found.mean, '°C', 4)}"
         + (f", {found.spread:.1f} K apart (standard deviation)" if found.spread else ""),
     ]
-    show(options, found.as_dict(), text, out=out, rows=_transitions(found))
+    show(options, found.as_dict(), text, out=out, tables=[_transitions(found)])
     return DONE
 
 
-def _transitions(found: CriticalTemperatures) -> Iterator[dict[str, Any]]:
-    """Rows of a table, one for each measured transition."""
+def _transitions(found: CriticalTemperatures) -> Table:
+    """Table with a row for each measured transition."""
+    seeds = found.surfaces if found.spreads[0] else ()
+    columns = (
+        Column("load", "load", "N"),
+        Column("velocity", "velocity", "m/s"),
+        Column("friction", "friction"),
+        Column("critical_temperature", "critical temperature", "°C"),
+        Column("spread", "spread", "K"),
+        *(Column(f"surface_{seed}", f"surface {seed}", "°C") for seed in seeds),
+    )
     rows = zip(found.transitions, found.temperatures, found.means, found.spreads, strict=True)
-    for at, temperatures, mean, spread in rows:
-        each = zip(found.surfaces, temperatures, strict=True)
-        yield {
-            "load [N]": at.normal_load,
-            "velocity [m/s]": at.velocity,
-            "friction": at.friction,
-            "critical temperature [°C]": mean - 273.15,
-            "spread [K]": spread,
-        } | {f"surface {seed} [°C]": value - 273.15 for seed, value in each if found.spreads[0]}
+    return Table(
+        columns,
+        tuple(
+            (at.normal_load, at.velocity, at.friction, mean, spread, *(seeds and temperatures))
+            for at, temperatures, mean, spread in rows
+        ),
+    )
 
 
 def _wear_rate(options: argparse.Namespace, sweep: Sweep, out: Path | None) -> int:
@@ -251,9 +260,10 @@ def _wear_rate(options: argparse.Namespace, sweep: Sweep, out: Path | None) -> i
     if options.duration is None:
         basis += ": give --duration, if the test went on"
     document = asdict(found) | {"duration": end.time}
-    row = {f"{name} [mm³/(N m)]": 1e9 * rate for name, rate in asdict(found).items()}
-    row["duration [s]"] = end.time
-    show(options, document, [text, basis], out=out, rows=[row])
+    columns = [Column(name, name, "mm³/(N m)") for name in asdict(found)]
+    columns.append(Column("duration", "duration", "s"))
+    table = Table(tuple(columns), (tuple(document.values()),))
+    show(options, document, [text, basis], out=out, tables=[table])
     return DONE
 
 

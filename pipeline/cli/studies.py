@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import argparse
 import importlib
-from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pipeline
+from pipeline.analysis.tables import Column, Table
 from pipeline.cli.exit_codes import DONE
 from pipeline.cli.output import output_path, show, tell
 from pipeline.cli.scenes import given, scene_of
@@ -25,24 +25,24 @@ def trade(options: argparse.Namespace) -> int:
     found = pipeline.trade(
         scene_of(options), base=options.base, diagram=options.diagram, progress=tell
     )
-    rows = _choices(found)
-    draw = partial(pipeline.draw_trade, found)
-    show(options, found.as_dict(), [str(found)], out=out, rows=rows, draw=draw)
+    draw, tables = partial(pipeline.draw_trade, found), [_choices(found)]
+    show(options, found.as_dict(), [str(found)], out=out, tables=tables, draw=draw)
     return DONE
 
 
-def _choices(found: Trade) -> Iterator[dict[str, Any]]:
-    """Rows of a table, one for each choice."""
-    for choice in found.choices:
-        yield {
-            "choice": choice.name,
-            "error of the boundary velocity": choice.velocity_error,
-            "error of the rise": choice.rise_error,
-            "error of the contact width": choice.width_error,
-            "times less work": choice.saving,
-            "processor time [s]": choice.seconds,
-            "memory [MB]": choice.peak_bytes and choice.peak_bytes / 1e6,
-        }
+def _choices(found: Trade) -> Table:
+    """Table with a row for each choice."""
+    columns = (
+        Column("name", "choice"),
+        Column("velocity_error", "error of the boundary velocity"),
+        Column("rise_error", "error of the rise"),
+        Column("width_error", "error of the contact width"),
+        Column("saving", "times less work"),
+        Column("seconds", "processor time", "s"),
+        Column("peak_bytes", "memory", "MB"),
+    )
+    rows = (tuple(getattr(choice, column.name) for column in columns) for choice in found.choices)
+    return Table(columns, tuple(rows))
 
 
 def _study_of_the_paper() -> Any:

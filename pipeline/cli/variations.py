@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import itertools
 import math
 import re
 from collections.abc import Iterator
@@ -10,6 +11,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import pipeline
+from pipeline.analysis.tables import Column, Table
 from pipeline.analysis.transition import CROSSES, OUTCOMES
 from pipeline.cli.exit_codes import DONE
 from pipeline.cli.output import output_path, show, tell
@@ -35,26 +37,27 @@ def vary(options: argparse.Namespace) -> int:
     draw = partial(pipeline.draw_variations, found)
     show(
         options, found.as_dict(), _text(found),
-        warned=found.warned, out=out, rows=_rows(found), draw=draw,
+        warned=found.warned, out=out, tables=[_table(found)], draw=draw,
     )  # fmt: skip
     return DONE
 
 
-def _rows(found: Variations) -> Iterator[dict[str, Any]]:
-    """Rows of a table, one for each value and load."""
+def _table(found: Variations) -> Table:
+    """Table with a row for each value and load."""
+    columns = (
+        Column("entry", "entry"),
+        Column("value", "value"),
+        Column("load", "load", "N"),
+        Column("critical_velocity", "critical velocity", "m/s"),
+        Column("change", "change"),
+        Column("outcome", "outcome"),
+    )
+    rows = []
     for each in (found.own, *found.others):
-        changes = found.changes(each) if each.key else [None] * len(found.loads)
-        for load, velocity, change, outcome in zip(
-            found.loads, each.critical_velocities, changes, each.outcomes, strict=True
-        ):
-            yield {
-                "entry": each.key or "as it is",
-                "value": each.value,
-                "load [N]": load,
-                "critical velocity [m/s]": velocity,
-                "change": change,
-                "outcome": outcome,
-            }
+        changes = found.changes(each).tolist() if each.key else [None] * len(found.loads)
+        values = zip(found.loads, each.critical_velocities, changes, each.outcomes, strict=True)
+        rows += [(each.key or "as it is", each.value, *row) for row in values]
+    return Table(columns, tuple(rows))
 
 
 def _with(options: argparse.Namespace, key: str, value: Any) -> argparse.Namespace:
@@ -88,36 +91,23 @@ def _absolute(options: argparse.Namespace, key: str, values: list[Any]) -> Itera
 
 
 def _text(found: Variations) -> Iterator[str]:
-    """A table of critical velocities, a row for each value."""
-    heads = " ".join(f"{f'{load:g} N':>15}" for load in found.loads)
-    width = max([18, *(len(each.value) + 4 for each in found.others)])
-    yield f"{'critical velocity [m/s]':{width}} {heads}"
-    yield f"{'as it is':{width}} {_cells(found, found.own)}".rstrip()
-    for key, variations in found.by_key().items():
-        yield key
-        for each in variations:
-            yield f"    {each.value:{width - 4}} {_cells(found, each)}".rstrip()
+    """Table of critical velocities, a row for each value and a column for each load."""
+    heads = (Column(f"{load:g}", f"at {load:g} N") for load in found.loads)
+    others = itertools.chain.from_iterable(found.by_key().values())
+    entries = [("as it is", found.own), *((f"{each.key} = {each.value}", each) for each in others)]
+    rows = tuple((name, *_cells(found, each)) for name, each in entries)
+    yield from Table((Column("entry", "critical velocity [m/s]"), *heads), rows).lines()
     outcomes = {outcome for each in (found.own, *found.others) for outcome in each.outcomes}
-    if none := sorted(outcomes - {OUTCOMES[CROSSES]}):
+    if outcomes - {OUTCOMES[CROSSES]}:
         yield ""
-        yield "without a transition between the sweep's velocities: " + ", ".join(
-            f"{outcome.split()[0]} = {outcome}" for outcome in none
-        )
+        yield "in words: no transition between the sweep's velocities"
 
 
-def _cells(found: Variations, variation: Variation) -> str:
-    """Critical velocities and their changes in columns; or in a word, why there is none."""
+def _cells(found: Variations, variation: Variation) -> Iterator[str]:
+    """Critical velocities and their changes by load, or outcomes in words."""
     changes = found.changes(variation) if variation.key else [math.nan] * len(found.loads)
-    cells = (
-        f"{velocity:6.3g} {_percent(change):>8}"
-        if math.isfinite(velocity)
-        else f"{outcome.split()[0]:>6} {'':8}"
-        for velocity, change, outcome in zip(
-            variation.critical_velocities, changes, variation.outcomes, strict=True
-        )
-    )
-    return " ".join(cells)
-
-
-def _percent(change: float) -> str:
-    return f"{100 * change:+.1f} %" if math.isfinite(change) else ""
+    for velocity, change, outcome in zip(
+        variation.critical_velocities, changes, variation.outcomes, strict=True
+    ):
+        percent = f"  {100 * change:+.1f} %" if math.isfinite(change) else ""
+        yield f"{velocity:.3g}{percent}" if math.isfinite(velocity) else outcome

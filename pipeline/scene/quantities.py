@@ -13,6 +13,14 @@ _DISPLAY = {
     "mm": (1e3, 0.0),
     "µm": (1e6, 0.0),
     "GPa": (1e-9, 0.0),
+    "K": (1.0, 0.0),
+    "%": (1e2, 0.0),
+    "MB": (1e-6, 0.0),
+    "N/s": (1.0, 0.0),
+    "kg/m³": (1.0, 0.0),
+    "W/(m K)": (1.0, 0.0),
+    "J/(kg K)": (1.0, 0.0),
+    "mm³/(N m)": (1e9, 0.0),
 }
 
 
@@ -69,13 +77,24 @@ def share_of(given: float | str) -> float:
         raise InputError(f'"{given}": give a share such as 10% or 0.1') from None
 
 
+def shown_in(value: float, unit: str) -> float:
+    """Value of a quantity in a unit in which such quantities are shown.
+
+    Examples
+    --------
+    >>> shown_in(298.15, "°C"), shown_in(2e-3, "mm")
+    (25.0, 2.0)
+    """
+    factor, offset = _DISPLAY[unit]
+    return value * factor + offset
+
+
 def display(value: float, unit: str, digits: int = 6) -> str:
-    """Write an SI value as text in °C, N, m/s, s, mm, µm or GPa.
+    """Write an SI value as text in a unit such as °C, N, m/s, µm or GPa.
 
     Examples
     --------
     >>> display(298.15, "°C"), display(1.25, "m/s"), display(2.7e-7, "µm")
     ('25 °C', '1.25 m/s', '0.27 µm')
     """
-    factor, offset = _DISPLAY[unit]
-    return f"{value * factor + offset:.{digits}g} {unit}"
+    return f"{shown_in(value, unit):.{digits}g} {unit}"

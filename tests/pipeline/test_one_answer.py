@@ -13,7 +13,7 @@ from pipeline.analysis.conditions import conditions_of
 from pipeline.analysis.decisive import decisive_rise
 from pipeline.analysis.transition import ABOVE, BELOW, BEYOND, CROSSES, MILD, OUTCOMES, SEVERE
 from pipeline.cli import main
-from pipeline.cli.crossings import document_of, rows_of
+from pipeline.cli.crossings import document_of, tables_of
 from pipeline.figures.diagram import diagram
 from pipeline.sweep.criterion import Conditions, rise_limit
 from tests.helpers import javascript, synthetic, tiny
@@ -213,13 +213,13 @@ def test_margins_say_what_the_boundary_says(case, given):
 
 def test_documents_and_tables_say_what_the_boundary_says(case, given):
     found = pipeline.boundary(case[0], **given)
-    document, rows = document_of(found), list(rows_of(found))
-    for axis in ("load", "velocity"):
+    document = document_of(found)
+    for axis, table in zip(("load", "velocity"), tables_of(found), strict=True):
         outcome = found[f"outcome_at_{axis}"].values
         worded = np.vectorize(OUTCOMES.get)(outcome).tolist()
         assert document[f"outcome_at_{axis}"] == worded
         if "quantile" not in found:
-            assert [row["outcome"] for row in rows if row["at each"] == axis] == worded
+            assert table.as_dict()[f"outcome_at_{axis}"] == worded
 
 
 def test_a_diagram_draws_no_boundary_that_was_not_found(case, given):

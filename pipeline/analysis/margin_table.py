@@ -1,0 +1,130 @@
+"""Distances of many operating points from severe wear, as a table."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from pipeline.analysis.band import BAND
+from pipeline.analysis.dataset import dataset_of
+from pipeline.analysis.margin import Margin, judge_of
+from pipeline.analysis.operating_points import OperatingPoints
+from pipeline.analysis.tables import Column, Table
+from pipeline.store.place import PathLike
+from tribo import InputError
+
+
+def margin_table(
+    ds: xr.Dataset | PathLike,
+    points: OperatingPoints | PathLike | Mapping[str, Sequence[Any]],
+    **conditions: Any,
+) -> Table:
+    r"""Table of the distances of operating points from severe wear, without a new simulation.
+
+    Parameters
+    ----------
+    ds : Dataset, str or path
+        Dataset of `pipeline.open_sweep`, or the path of a store.
+    points : path or mapping of str to sequence
+        A .csv file with columns ``load [N]`` and ``velocity [m/s]``, or in other units; or columns
+        by heading, such as a data frame. Further columns are passed on.
+    **conditions
+        Friction, temperatures, share and criterion; see `pipeline.boundary`.
+
+    Returns
+    -------
+    Table
+        A row for each operating point; over several surfaces the medians, and the number of
+        surfaces with severe wear. A point that the sweep says nothing about has a note instead.
+
+    Raises
+    ------
+    InputError
+        If the table has faults, all of which are named, or a condition lies outside its range.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> points = {"load": ["500 N", "600 N"], "velocity": ["1.6 m/s", "2 m/s"]}
+    >>> table = pipeline.margin_table("results/first_try.zarr", points)
+    >>> print(*table.without(table.as_dict().keys() - {"load", "verdict"}).lines(), sep="\n")
+    load [N]   verdict
+    500        mild
+    600        severe
+    """
+    read = points if isinstance(points, OperatingPoints) else OperatingPoints.read(points)
+    judge = judge_of(dataset_of(ds), **conditions)
+    answers: list[tuple[Margin, ...] | str] = []
+    for place in read.places:
+        try:
+            answers.append(judge(*place))
+        except InputError as error:
+            answers.append(str(error))
+    return table_of_margins(read, answers)
+
+
+def table_of_margins(points: OperatingPoints, answers: Sequence[tuple[Margin, ...] | str]) -> Table:
+    """Table of operating points with their margins, or the reasons for which there are none."""
+    surfaces = max((len(each) for each in answers if not isinstance(each, str)), default=1)
+    columns = _COLUMNS if surfaces == 1 else _COLUMNS_OF_SEVERAL
+    nothing = (None,) * (len(columns) - 1)
+    rows = []
+    for number, (place, found) in enumerate(zip(points.places, answers, strict=True)):
+        passed = [cells[number] for cells in points.others.values()]
+        if isinstance(found, str):
+            values: tuple[Any, ...] = ("not known", *nothing)
+        else:
+            values = _of_one(found[0]) if surfaces == 1 else _of_several(found)
+        note = found if isinstance(found, str) else None
+        rows.append((*passed, *place, *values, note))
+    others = (Column(head, head) for head in points.others)
+    return Table((*others, *_PLACE, *columns, Column("note", "note")), tuple(rows))
+
+
+_PLACE = Column("load", "load", "N", 6), Column("velocity", "velocity", "m/s", 6)
+_COLUMNS = (
+    Column("verdict", "verdict"),
+    Column("certain", "beyond the error"),
+    Column("decisive_temperature", "deciding temperature", "°C"),
+    Column("temperature_error", "error", "K", 2),
+    Column("distance", "below the critical", "K", 3),
+    Column("velocity_factor", "velocity factor", digits=3),
+    Column("critical_velocity", "critical velocity", "m/s"),
+    Column("velocity_outcome", "along the velocity"),
+    Column("load_factor", "load factor", digits=3),
+    Column("critical_load", "critical load", "N"),
+    Column("load_outcome", "along the load"),
+)
+_COLUMNS_OF_SEVERAL = (
+    Column("verdict", "verdict"),
+    Column("severe", "severe"),
+    Column("variants", "of"),
+    Column("decisive_temperature", "deciding temperature", "°C"),
+    Column("distance", "below the critical", "K", 3),
+    Column("distance_low", f"below it, {100 * BAND[0]:g} %", "K", 3),
+    Column("distance_high", f"below it, {100 * BAND[-1]:g} %", "K", 3),
+    Column("velocity_factor", "velocity factor", digits=3),
+    Column("load_factor", "load factor", digits=3),
+)
+
+
+def _of_one(margin: Margin) -> tuple[Any, ...]:
+    verdict = "severe" if margin.is_severe else "mild"
+    names = [column.name for column in _COLUMNS[2:]]
+    return verdict, margin.is_certain, *(getattr(margin, name) for name in names)
+
+
+def _of_several(margins: Sequence[Margin]) -> tuple[Any, ...]:
+    """Medians over surfaces, and the band of the distance; factors only if all surfaces cross."""
+    severe = sum(margin.is_severe for margin in margins)
+    verdict = {0: "mild", len(margins): "severe"}.get(severe, "severe on some")
+    low, middle, high = np.quantile([margin.distance for margin in margins], BAND).tolist()
+    temperature = float(np.median([margin.decisive_temperature for margin in margins]))
+    factors = (
+        float(np.median([getattr(margin, name) for margin in margins]))
+        for name in ("velocity_factor", "load_factor")
+    )
+    return verdict, severe, len(margins), temperature, middle, low, high, *factors

@@ -1,0 +1,174 @@
+"""Operating points, read from a table."""
+
+from __future__ import annotations
+
+import csv
+import os
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from pipeline.scene.units import UnitError, to_si
+from pipeline.store.place import PathLike
+from tribo import InputError
+
+_HEAD = re.compile(r"\s*(?P<title>[^\[\]]*?)\s*(?:\[(?P<unit>[^\[\]]*)\])?\s*")
+_LIKE = {"load": "500 N", "velocity": "2 m/s"}
+_MOST_FAULTS = 20  # that are written out
+
+
+class Place(NamedTuple):
+    """Operating point: load [N] and velocity [m/s]."""
+
+    load: float
+    velocity: float
+
+
+@dataclass(frozen=True, slots=True)
+class OperatingPoints:
+    """Operating points of a table, and its further columns.
+
+    Attributes
+    ----------
+    places : tuple of Place
+        Loads and velocities.
+    others : mapping of str to sequence
+        Further columns, by their headings.
+    """
+
+    places: tuple[Place, ...]
+    others: Mapping[str, Sequence[Any]]
+
+    @classmethod
+    def read(cls, source: PathLike | Mapping[str, Sequence[Any]]) -> OperatingPoints:
+        """Read operating points.
+
+        Parameters
+        ----------
+        source : path or mapping of str to sequence
+            A .csv file, or columns by heading, such as a data frame: ``load`` and ``velocity``,
+            with units in brackets after the heading or in each cell; bare numbers of a mapping are
+            in N and m/s. Further columns are passed on.
+
+        Raises
+        ------
+        InputError
+            If the file cannot be read, or for all of its faults at once, by row and column.
+
+        Examples
+        --------
+        >>> points = OperatingPoints.read({"load [kN]": [0.5], "velocity": ["2 m/s"], "gear": [3]})
+        >>> points.places, dict(points.others)
+        ((Place(load=500.0, velocity=2.0),), {'gear': [3]})
+        """
+        faults: list[str] = []
+        if isinstance(source, Mapping) or not isinstance(source, str | os.PathLike):
+            cells = _cells_of(source)
+        else:
+            cells = _read_csv(Path(source), faults)
+        quantities = {name: _quantity(cells, name, faults) for name in _LIKE}
+        if faults:
+            listed = [f"  {fault}" for fault in faults[:_MOST_FAULTS]]
+            if more := len(faults) - len(listed):
+                listed.append(f"  and {more} more")
+            count = "1 fault" if len(faults) == 1 else f"{len(faults)} faults"
+            raise InputError("\n".join([f"{cells.name} has {count}:", *listed]))
+        if not cells.rows:
+            raise InputError(f"{cells.name} has no rows; give a load and a velocity in each")
+        places = zip(*(values for _, values in quantities.values()), strict=True)
+        others = dict(cells.columns)
+        for head, _ in quantities.values():
+            del others[head]
+        return cls(tuple(Place(*place) for place in places), others)
+
+
+class _Cells(NamedTuple):
+    """Cells of a table by heading, and the number of each row in its file."""
+
+    name: str
+    rows: Sequence[int]
+    columns: Mapping[str, Sequence[Any]]
+
+
+def _read_csv(path: Path, faults: list[str]) -> _Cells:
+    """Cells of a file, without its empty lines; faults are added to the list."""
+    if path.suffix.lower() != ".csv":
+        raise InputError(f"cannot read {path}: operating points are read from a .csv file")
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+    except OSError as error:
+        raise InputError(f"cannot read {path}: {error.strerror or error}") from error
+    except UnicodeDecodeError:
+        raise InputError(f"cannot read {path}: it is not in UTF-8; save it as such") from None
+    first = text.split("\n", 1)[0]
+    lines = csv.reader(text.splitlines(), delimiter=max(",;\t", key=first.count))
+    rows = [(number, row) for number, row in enumerate(lines, 1) if any(map(str.strip, row))]
+    if not rows:
+        raise InputError(f'{path} is empty; begin it with a line "load [N],velocity [m/s]"')
+    heads = [head.strip() for head in rows.pop(0)[1]]
+    twice = dict.fromkeys(head for head in heads if heads.count(head) > 1)
+    faults += [f'column "{head}" stands there twice; name each once' for head in twice]
+    faults += [
+        f"row {number}: {len(row)} cells below {len(heads)} headings"
+        for number, row in rows
+        if len(row) != len(heads)
+    ]
+    full = [[*row, *[""] * len(heads)] for _, row in rows]
+    columns = {head: [row[place] for row in full] for place, head in enumerate(heads)}
+    return _Cells(str(path), [number for number, _ in rows], columns)
+
+
+def _cells_of(columns: Any) -> _Cells:
+    """Cells of a mapping or a data frame."""
+    listed = {str(head): list(np.atleast_1d(columns[head]).tolist()) for head in columns}
+    lengths = {head: len(cells) for head, cells in listed.items()}
+    if len(set(lengths.values())) > 1:
+        counts = ", ".join(f"{head} {count}" for head, count in lengths.items())
+        raise InputError(f"points: columns of unlike lengths: {counts}; give one of each in a row")
+    return _Cells("points", range(1, 1 + max(lengths.values(), default=0)), listed)
+
+
+def _quantity(cells: _Cells, name: str, faults: list[str]) -> tuple[str, list[float]]:
+    """Heading and values in SI of a quantity; faults are added to the list."""
+    like, usual = _LIKE[name], _LIKE[name].split()[1]
+    matches = {head: _HEAD.fullmatch(head) for head in cells.columns}
+    heads = {head: match for head, match in matches.items() if match and _title(match) == name}
+    if len(heads) != 1:
+        listed = ", ".join(f'"{head}"' for head in cells.columns)
+        faults.append(f'{"two columns" if heads else "no column"} "{name} [{usual}]" in {listed}')
+        return "", []
+    ((head, match),) = heads.items()
+    unit = match["unit"] or ""
+    if unit and (fault := _fault_of(f"1 {unit}", like)):
+        faults.append(f'column "{head}": {fault}')
+        return head, []
+    values = []
+    for row, cell in zip(cells.rows, cells.columns[head], strict=True):
+        in_si = not unit and not isinstance(cell, str)
+        text = f"{cell} {usual if in_si else unit}".strip()
+        fault = _fault_of(text, like) if str(cell).strip() else "empty"
+        value = 0.0 if fault else to_si(text, like)
+        if not fault and not 0 < value < np.inf:
+            fault = f'"{text}" is not above 0'
+        if fault:
+            faults.append(f'row {row}, column "{head}": {fault}')
+        values.append(value)
+    return head, values
+
+
+def _title(match: re.Match[str]) -> str:
+    """Name of the quantity that a heading stands for."""
+    return match["title"].lower().removeprefix("normal ").removeprefix("sliding ")
+
+
+def _fault_of(text: str, like: str) -> str | None:
+    """Reason for which text is no quantity of a dimension; None if it is one."""
+    try:
+        to_si(text, like)
+    except UnitError as error:
+        return f'{error}; give one such as "{like}"'
+    return None

@@ -1,0 +1,61 @@
+"""A table of operating points in, and a table of their margins out."""
+
+import csv
+
+import pytest
+
+import pipeline
+from pipeline.cli import main
+from tests.helpers import synthetic
+
+DUTY = "gear;load [kN];velocity [m/min];remark\n1;0.3;90;cold start\n2;0.5;120;\n3;9;120;\n"
+
+
+@pytest.fixture
+def store(monkeypatch):
+    ds = synthetic.sweep()
+    monkeypatch.setattr(pipeline, "open_sweep", lambda path: ds)
+    return ds
+
+
+def test_each_row_gets_the_margin_of_its_point_and_keeps_its_further_columns(store, tmp_path):
+    duty, out = tmp_path / "duty.csv", tmp_path / "margins.csv"
+    duty.write_text(DUTY)
+    assert main(["margin", "out.zarr", "--points", str(duty), "-o", str(out), "-q"]) == 0
+    with out.open(newline="") as file:
+        first, second, beyond = csv.DictReader(file)
+    for row, place in ((first, (300.0, 1.5)), (second, (500.0, 2.0))):
+        (margin,) = pipeline.margins(store, *place)
+        assert (float(row["load [N]"]), float(row["velocity [m/s]"])) == place
+        assert float(row["below the critical [K]"]) == pytest.approx(margin.distance, rel=1e-5)
+        assert float(row["velocity factor"]) == pytest.approx(margin.velocity_factor, rel=1e-5)
+        assert row["verdict"] == ("severe" if margin.is_severe else "mild")
+    assert (first["gear"], first["remark"]) == ("1", "cold start")
+    assert beyond["verdict"] == "not known"
+    assert "load is 9000 N; the sweep has" in beyond["note"]
+
+
+def test_all_faults_of_a_table_are_named_with_row_and_column(store, tmp_path, capsys):
+    duty = tmp_path / "duty.csv"
+    duty.write_text("load [N],velocity [m/s]\n400,2\n\n-1,2\n400,fast\n400\n")
+    assert main(["margin", "out.zarr", "--points", str(duty)]) == 2
+    said = capsys.readouterr().err
+    assert "has 4 faults" in said
+    assert 'row 4, column "load [N]": "-1 N" is not above 0' in said
+    assert 'row 5, column "velocity [m/s]": "fast m/s"' in said
+    assert "row 6: 1 cells below 2 headings" in said
+
+
+@pytest.mark.parametrize(
+    ("heads", "said"),
+    [
+        ("force [N],velocity [m/s]", 'no column "load [N]" in "force [N]", "velocity [m/s]"'),
+        ("load [kg],velocity [m/s]", '"1 kg" cannot be converted to N'),
+        ("load,velocity [m/s]", '"400" has no unit'),
+    ],
+)
+def test_a_heading_that_cannot_be_read_is_named(store, tmp_path, capsys, heads, said):
+    duty = tmp_path / "duty.csv"
+    duty.write_text(f"{heads}\n400,2\n")
+    assert main(["margin", "out.zarr", "--points", str(duty)]) == 2
+    assert said in capsys.readouterr().err
