@@ -245,28 +245,23 @@ def _by_friction(found: xr.Dataset) -> Iterator[tuple[float, xr.Dataset]]:
 
 def _side_by_side(table: Table, name: str, axis: str) -> Table:
     """Crossings of one surface, or outcomes in words, with a column for each friction."""
-    values = table.as_dict()
+    values, other = table.as_dict(), name.removeprefix("critical_")
     frictions = list(dict.fromkeys(values["friction"]))
     crossing = next(column for column in table.columns if column.name == name)
-    films = values.get(f"film_parameter_at_{axis}", [None] * len(table.rows))
-    rows: dict[float, list[str]] = {}
-    for place, value, outcome, low, high, film in zip(
-        values[axis],
-        values[name],
-        values[f"outcome_at_{axis}"],
-        values[f"computed_from_at_{axis}"],
-        values[f"computed_to_at_{axis}"],
-        films,
-        strict=True,
-    ):
-        words = in_words(outcome, (low, high), name.removeprefix("critical_"))
-        shown = f"{crossing.text(value)}{_film(film)}" if math.isfinite(value) else words
-        rows.setdefault(place, []).append(shown)
+    rows: dict[float, dict[float, str]] = {}
+    for row in range(len(table.rows)):
+        at = {key: column[row] for key, column in values.items()}
+        computed = at[f"computed_from_at_{axis}"], at[f"computed_to_at_{axis}"]
+        cell = f"{crossing.text(at[name])}{_film(at[f'film_parameter_at_{axis}'])}"
+        if not math.isfinite(at[name]):
+            cell = in_words(at[f"outcome_at_{axis}"], computed, other)
+        rows.setdefault(at[axis], {})[at["friction"]] = cell
     heads = [Column(name, crossing.head)]
     if len(frictions) > 1:
         heads = [Column(str(value), f"at friction {value:g}") for value in frictions]
         heads[0] = heads[0]._replace(title=f"{crossing.head} {heads[0].title}")
-    return Table((_AXES[axis], *heads), tuple((place, *cells) for place, cells in rows.items()))
+    shown = ((place, *cells.values()) for place, cells in rows.items())
+    return Table((_AXES[axis], *heads), tuple(shown))
 
 
 def _without_conditions(table: Table, name: str, axis: str) -> Table:
