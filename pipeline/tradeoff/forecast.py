@@ -15,6 +15,7 @@ from pipeline.sweep.model import Sweep
 from pipeline.sweep.plan import step_count
 from pipeline.sweep.stages import duration
 from tribo import BULK_RATIOS, QUANTILES, State, advance, measures, simulate, start
+from tribo.simulation import forget_contacts
 from tribo.thermal import DIRECT_MEMORY
 
 _SECONDS_TO_START = 1.0  # of a cluster and its workers
@@ -33,7 +34,8 @@ class Estimate:
     Attributes
     ----------
     points, steps, temperatures : int
-        Points of the diagram; contacts and heat partitions to solve for them.
+        Points of the diagram; contacts and heat partitions to solve for them. Without wear each
+        worker solves the contact at a load once for all velocities.
     workers : int
         Processes that compute.
     seconds : float
@@ -101,6 +103,11 @@ def estimate(sweep: Sweep, workers: int | None = None, boundary_only: bool = Fal
     each = [[cost.step for cost in costs], [cost.end for cost in costs]]
     ramp = sum(float(np.interp(load, loads, each[heated])) for load, heated in steps)
     parallel = min(workers, points if sweep.independent else ramps)
+    ramps_of_contacts = ramps
+    if not sweep.remembers_steps:  # each worker keeps the contacts of the first velocity
+        ramps_of_contacts = min(ramps, parallel * variants)
+        first = [cost.contact for cost in costs]
+        begin += sum(float(np.interp(load, loads, first)) for load, _ in steps)
     turns = ramps / parallel if sweep.independent else math.ceil(ramps / parallel)
     alone = begin * variants + turns * (ramp + len(sweep.loads) * _SECONDS_TO_COMMIT)
     busy = min(os.getloadavg()[0], cores) if hasattr(os, "getloadavg") else 0.0
@@ -113,7 +120,7 @@ def estimate(sweep: Sweep, workers: int | None = None, boundary_only: bool = Fal
         basis += f"; other programs use {busy:.2g} of {cores} cores, without them {duration(idle)}"
     return Estimate(
         points=points,
-        steps=len(steps) * ramps,
+        steps=len(steps) * ramps_of_contacts,
         temperatures=sum(heated for _, heated in steps) * moving * variants,
         workers=workers,
         seconds=seconds,
@@ -147,11 +154,15 @@ def machine_bytes() -> float:
 
 
 class _Timed(NamedTuple):
-    """CPU time of a step without a temperature and with one [s], and the last state."""
+    """CPU time of a step without a temperature and with one [s], and the last state.
+
+    Where the scene remembers no step, both are without the contact, which takes its own time once.
+    """
 
     step: float
     end: float
     state: State
+    contact: float = 0.0
 
 
 def _timed_loads(sweep: Sweep) -> tuple[dict[float, _Timed], float]:
@@ -164,6 +175,7 @@ def _timed_loads(sweep: Sweep) -> tuple[dict[float, _Timed], float]:
     top, began = sweep.loads[-1], time.process_time()
     _timed(sweep, top, velocity)
     cold, began = time.process_time() - began, time.process_time()
+    forget_contacts()
     timed = {top: _timed(sweep, top, velocity)}
     begin = max(0.0, cold - (time.process_time() - began))
     for load in (sweep.loads[0], sweep.loads[len(sweep.loads) // 2]):
@@ -183,6 +195,15 @@ def _timed(sweep: Sweep, load: float, velocity: float) -> _Timed:
         if scene.fidelity.wear_scheme == "explicit":  # unstable in so long a step
             scene = replace(scene, fidelity=replace(scene.fidelity, wear_scheme="implicit"))
         before = advance(scene, start(scene), trunk[-_STEPS], velocity)
+    first = _timed_from(sweep, load, velocity, before)
+    if sweep.remembers_steps:
+        return first
+    again = _timed_from(sweep, load, velocity, before)
+    return again._replace(contact=max(0.0, first.end - again.end))
+
+
+def _timed_from(sweep: Sweep, load: float, velocity: float, before: State | None) -> _Timed:
+    """Time each step from a state up to a load."""
     steps: list[float] = []
     ends: list[float] = []
     began = time.process_time()

@@ -24,7 +24,7 @@ from tribo import (
     simulate,
 )
 from tribo.criterion import columns_of
-from tribo.simulation import leads_to
+from tribo.simulation import forget_contacts, leads_to
 
 
 class Place(NamedTuple):
@@ -131,6 +131,7 @@ def probe(
     if with_memory:  # and the time, without surface and kernels that a whole sweep makes once
         load, velocity = min((point.load, point.velocity) for point in points)
         _run(scene, load / 2, velocity * 0.9)
+    forget_contacts()
     began = time.process_time()
     runs = {}
     for chain in chains(points):

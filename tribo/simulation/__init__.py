@@ -3,7 +3,7 @@
 from tribo.simulation.contacts import contacts, inseparable, leads_to, wear_number
 from tribo.simulation.fidelity import PRESETS, Fidelity
 from tribo.simulation.heating import heat
-from tribo.simulation.kernels import forget_kernels
+from tribo.simulation.kernels import forget_contacts, forget_kernels
 from tribo.simulation.motion import Motion, Velocities
 from tribo.simulation.pins import Ball, Crowned, Cylinder
 from tribo.simulation.record import measures
@@ -31,6 +31,7 @@ __all__ = [
     "WarningKind",
     "advance",
     "contacts",
+    "forget_contacts",
     "forget_kernels",
     "heat",
     "heated",

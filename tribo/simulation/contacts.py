@@ -10,6 +10,9 @@ at every load, whatever their velocities and thermal constants, and these need t
 once for all of them. `tribo.heat` acts on contacts, and the conditions of wear on heat.
 `inseparable` says where that does not hold.
 
+Where nothing wears, w is 0 at every velocity, and the contact at a load is kept for the next ones.
+Where the pin wears, a ramp of contacts is long, and whoever asks for many keeps what he needs.
+
 That counts for all contacts of a point, also those of larger elements before its last step, of a
 step's short end, and of smaller elements where few touch: none of these choices asks for a
 temperature.
@@ -17,9 +20,10 @@ temperature.
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Iterable, Iterator
-from dataclasses import replace
+from dataclasses import fields, replace
 from typing import Any
 
 import numpy as np
@@ -28,6 +32,7 @@ from tribo.errors import InputError, require_positive
 from tribo.loading import Station
 from tribo.simulation.ending import ended
 from tribo.simulation.fidelity import Fidelity
+from tribo.simulation.kernels import unworn_contact
 from tribo.simulation.passes import Pass, spread
 from tribo.simulation.scene import Scene
 from tribo.simulation.state import State
@@ -47,7 +52,7 @@ def wear_number(scene: Scene, velocity: float) -> float:
     Examples
     --------
     >>> import tribo
-    >>> from dataclasses import replace
+    >>> from dataclasses import fields, replace
     >>> mild = tribo.critical_temperature_rig()
     >>> worn = replace(mild, wear=tribo.Wear(2e-15))
     >>> tribo.wear_number(mild, 0.5), tribo.wear_number(worn, 0.5)
@@ -69,7 +74,7 @@ def inseparable(scene: Scene, velocities: Iterable[float]) -> str | None:
     Examples
     --------
     >>> import tribo
-    >>> from dataclasses import replace
+    >>> from dataclasses import fields, replace
     >>> scene = tribo.critical_temperature_rig()
     >>> print(tribo.inseparable(scene, (0.1, 0.2)))
     None
@@ -113,7 +118,7 @@ def contacts(
     Twice the wear rate at half the velocity:
 
     >>> import tribo
-    >>> from dataclasses import replace
+    >>> from dataclasses import fields, replace
     >>> scene = tribo.critical_temperature_rig()
     >>> one, other = (replace(scene, wear=tribo.Wear(k, "local")) for k in (1e-15, 2e-15))
     >>> *_, slow = tribo.contacts(other, normal_load=10.0, velocity=0.1)
@@ -138,24 +143,53 @@ def contacts(
     if scene.remembers_heat != (state.heat_history is not None):
         heat_model = scene.fidelity.heat_model
         raise InputError(f"heat model {heat_model!r} cannot go on from a state of the other one")
-    interval = scene.fidelity.temperature_interval
-    levels, unloaded = tuple(scene.levels()), start(scene)
-    closer = _Closer(scene, normal_load, velocity)
+    interval, levels = scene.fidelity.temperature_interval, tuple(scene.levels())
     stations = list(scene.stations(normal_load, after=state.normal_load))
-    for station in stations:
+    closer, mechanics = _Closer(scene, normal_load, velocity), _mechanics(scene)
+
+    def unworn(station: Station, is_asked: bool) -> State:
         # Where nothing remembers the way, not even a first guess may, or results would depend on
         # the stations at which a temperature is asked for.
-        before = state if scene.remembers_steps else unloaded
-        state = advance(levels[0], before, station, velocity, observed=len(levels) == 1)
+        alone = _Closer(scene, normal_load, velocity)
+        return _contact(levels, alone, start(scene), station, velocity, is_asked)[1]
+
+    for station in stations:
         reached = station.normal_load == normal_load and not station.holding
-        asked = reached or station is stations[-1] or (interval and station.index % interval == 0)
-        shown = state
-        if asked and state.pressure.any():
-            shown = _refined(levels, before, state, station, velocity)
-            shown = replace(closer.instead_of(shown), is_asked=True)
-        elif state.heat is not None and scene.fidelity.fewest_elements:
-            shown = replace(state, heat=None)  # which might be of other elements than the last
-        yield shown
+        on_way = interval > 0 and station.index % interval == 0
+        is_asked = reached or on_way or station is stations[-1]
+        if scene.remembers_steps:
+            state, shown = _contact(levels, closer, state, station, velocity, is_asked)
+            yield shown
+        else:
+            key = mechanics, normal_load, station, is_asked
+            shown = unworn_contact(key, functools.partial(unworn, station, is_asked))
+            yield replace(shown, sliding_distance=abs(velocity) * station.time)
+
+
+def _contact(
+    levels: tuple[Scene, ...],
+    closer: _Closer,
+    before: State,
+    station: Station,
+    velocity: float,
+    is_asked: bool,
+) -> tuple[State, State]:
+    """State at a station from which the ramp goes on, and the one that is shown of it."""
+    state = advance(levels[0], before, station, velocity, observed=len(levels) == 1)
+    if is_asked and state.pressure.any():
+        shown = closer.instead_of(_refined(levels, before, state, station, velocity))
+        return state, replace(shown, is_asked=True)
+    if state.heat is not None and levels[-1].fidelity.fewest_elements:
+        return state, replace(state, heat=None)  # that might be of other elements than the last
+    return state, state
+
+
+def _mechanics(scene: Scene) -> Scene:
+    """The scene with thermal constants of 1: the same for all that share its contacts."""
+    athermal = {"thermal_conductivity": 1.0, "density": 1.0, "specific_heat": 1.0}
+    parts = {field.name: getattr(scene, field.name) for field in fields(Scene)}
+    pin = replace(scene.pin, material=replace(scene.pin.material, **athermal))
+    return Scene(**parts | {"pin": pin, "disk": replace(scene.disk, **athermal)})
 
 
 def leads_to(scene: Scene, state: State, normal_load: float) -> bool:

@@ -1,4 +1,4 @@
-"""The one cache of simulations: elastic maps, surfaces and thermal kernels, kept for the next ones.
+"""The one cache of simulations: maps, surfaces, kernels and contacts, kept for the next ones.
 
 This is the one place in which points of a diagram share anything. What is kept does not change
 once it is made, and threads may ask for it at the same time: one that wants what another is
@@ -19,11 +19,12 @@ from tribo.convolution import forget_buffers
 from tribo.grid import Grid
 from tribo.material import contact_modulus
 from tribo.simulation.scene import Scene
+from tribo.simulation.state import State
 from tribo.thermal import Conductor, conducted_spectrum
 from tribo.types import Array, Spectrum
 
 _MOST_BODIES = 8  # a scene needs up to three of them, one for each of its grids
-_MOST_BYTES = 2**28  # of thermal kernels
+_MOST_BYTES = 2**28  # of thermal kernels, and of contacts
 
 Value = TypeVar("Value")
 
@@ -51,7 +52,7 @@ class Kept(Generic[Value]):
     def __init__(self, size_of: Callable[[Value], int], limit: int) -> None:
         self._size_of, self._limit, self._size = size_of, limit, 0
         self._values: OrderedDict[Hashable, Value] = OrderedDict()
-        self._lock = threading.Lock()
+        self._lock = threading.RLock()  # a contact may need another one, on smaller elements
 
     def get(self, key: Hashable, compute: Callable[[], Value]) -> Value:
         """Return the value of a key, computed if it is not kept."""
@@ -96,6 +97,7 @@ class ElasticBodies(NamedTuple):
 _bodies = Kept[ElasticBodies](size_of=lambda _: 1, limit=_MOST_BODIES)
 _heights = Kept[Array | None](size_of=lambda _: 1, limit=1)  # of all the grids of a scene
 _spectra = Kept[Spectrum](size_of=lambda spectrum: spectrum.nbytes, limit=_MOST_BYTES)
+_contacts = Kept[State](size_of=lambda state: 4 * state.pressure.nbytes, limit=_MOST_BYTES)
 
 
 def elastic_bodies(scene: Scene) -> ElasticBodies:
@@ -112,6 +114,16 @@ def heat_spectrum(
     )
 
 
+def unworn_contact(key: Hashable, compute: Callable[[], State]) -> State:
+    """Contact of a scene that remembers no step, which is the same at all velocities."""
+    return _contacts.get(key, compute)
+
+
+def forget_contacts() -> None:
+    """Free the contacts that are kept, as before the time of computing them is taken."""
+    _contacts.clear()
+
+
 def forget_kernels() -> None:
     """Free what simulations keep for the next ones of the same scene.
 
@@ -123,6 +135,7 @@ def forget_kernels() -> None:
     _bodies.clear()
     _heights.clear()
     _spectra.clear()
+    _contacts.clear()
     forget_buffers()
 
 
