@@ -1,5 +1,17 @@
 """Sweeps of the load–velocity plane: scene files, cluster, store, boundary and figures.
 
+From a scene to its boundary, in a script under ``if __name__ == "__main__":``::
+
+    import pipeline
+    scene = pipeline.load_scene("first_try", overrides={"pin.radius": "2 mm"})
+    pipeline.run_sweep(scene, "results/first_try.zarr")
+    pipeline.boundary("results/first_try.zarr", friction=0.12)["critical_velocity"]
+    pipeline.end_of_point("results/first_try.zarr")["contact_width"]
+
+A scene is given by its path, by the name of a shipped one, or read; a store by its path or opened
+by `open_sweep`; a quantity in SI or as text with a unit, such as ``"400 N"``. Points end at steps
+of their own, so `end_of_point` takes each at its end.
+
 The public names stand in ``__init__.pyi``. Each is loaded when it is first used, so that importing
 the package costs next to nothing.
 """

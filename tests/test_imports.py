@@ -1,8 +1,10 @@
 """Libraries that imports need, and names that they give."""
 
 import ast
+import inspect
 import os
 import pydoc
+import re
 import rlcompleter
 import subprocess
 import sys
@@ -11,6 +13,7 @@ from pathlib import Path
 import pytest
 
 import pipeline
+import tribo
 
 ROOT = Path(__file__).parents[1]
 HEAVY = {"dask", "zarr", "xarray", "pandas", "matplotlib", "pint", "numpy", "scipy"}
@@ -61,6 +64,16 @@ def test_every_public_name_is_there():
     assert not modules & set(pipeline.__all__)
     with pytest.raises(AttributeError, match="attribute nonsense"):
         _ = pipeline.nonsense
+
+
+def test_types_that_public_functions_return_are_public():
+    elsewhere = {"Array", "Any", "Callable", "Dataset", "DataArray", "Figure", "Path", "None"}
+    public = {*pipeline.__all__, *dir(tribo), *elsewhere}
+    for name in pipeline.__all__:
+        function = getattr(pipeline, name)
+        if inspect.isfunction(function):
+            returned = inspect.signature(function).return_annotation
+            assert set(re.findall(r"\b[A-Z]\w+", returned)) <= public, name
 
 
 def test_help_and_completion_offer_the_public_names():

@@ -163,27 +163,28 @@ def at_bulks(ds: xr.Dataset, conditions: Conditions) -> xr.Dataset:
     )
 
 
-def end_of_point(ds: xr.Dataset) -> xr.Dataset:
+def end_of_point(ds: xr.Dataset | PathLike) -> xr.Dataset:
     """Take each point at its last step, the load that it is named after.
 
     Parameters
     ----------
-    ds : Dataset
-        Dataset of `open_sweep`.
+    ds : Dataset or path
+        Dataset of `open_sweep`, or path of the store.
 
     Returns
     -------
     Dataset
-        Without the dimension ``step``; NaN where a point is not done.
+        Without the dimension ``step``, of which ``ds.isel(step=-1)`` would be NaN below the
+        highest load; NaN where a point is not done.
 
     Examples
     --------
     >>> import pipeline
-    >>> ds = pipeline.open_sweep("results/first_try.zarr")
-    >>> end = pipeline.end_of_point(ds)
+    >>> end = pipeline.end_of_point("results/first_try.zarr")
     >>> end["contact_width"].sel(load=600, velocity=1.6).round(6).item()
     0.00029
     """
+    ds = dataset_of(ds)
     steps = ds["time"].notnull().sum("step")
     return ds.isel(step=(steps - 1).clip(min=0)).drop_vars("step")
 

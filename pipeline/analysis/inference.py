@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from pipeline.scene.scenefile import SceneLike, sweep_of
 from pipeline.sweep.model import Measurement, Sweep
 from pipeline.sweep.stages import staged
 from tribo import Criterion, InputError, Transition, critical_temperature
@@ -81,7 +82,7 @@ class CriticalTemperatures:
 
 
 def critical_temperatures(
-    sweep: Sweep, progress: Callable[[str], None] | None = None
+    sweep: SceneLike, progress: Callable[[str], None] | None = None
 ) -> CriticalTemperatures:
     """Find the temperature that the failing share exceeds at each measured transition.
 
@@ -90,9 +91,9 @@ def critical_temperatures(
 
     Parameters
     ----------
-    sweep : Sweep
-        Scene with measured transitions, simulated on each of its realizations if it has any. A
-        transition without a friction of its own has that of the sweep.
+    sweep : Sweep, str or path
+        Scene, or its path or name, with measured transitions, simulated on each of its
+        realizations if it has any. A transition without a friction of its own has the sweep's.
     progress : callable, optional
         Called with a line before each transition on each surface, and the time to go.
 
@@ -110,6 +111,7 @@ def critical_temperatures(
     >>> f"{found.mean - 273.15:.0f} °C"
     '149 °C'
     """
+    sweep = sweep_of(sweep)
     if not sweep.measured:
         raise InputError(
             f"the scene {sweep.name} has no measured transition; give it a [[measured]] with "

@@ -55,7 +55,7 @@ SET = _option(
     action="append",
     default=[],
     help="another numerical choice, such as increments=50, or another entry of the scene, such as "
-    "wear.pattern=local; may be repeated for other keys",
+    "wear.pattern=local or without=motion; may be repeated for other keys",
 )
 OF_SCENE = (SCENE, PRESET.but(help=f"fidelity in place of the scene's own: {_PRESETS}"), SET)
 STORE = _option(

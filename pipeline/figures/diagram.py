@@ -31,10 +31,11 @@ from pipeline.figures.style import (
     GREY,
     TINTS,
     VERMILION,
-    Picture,
+    canvas,
     criterion,
     heating,
     in_house_style,
+    legend_below,
     plain_numbers,
     title_of,
 )
@@ -45,7 +46,7 @@ from tribo.types import Array, Mask
 
 _AS_DRAWN = (
     "the diagram of samples shows the probability of severe wear for the inputs as they were "
-    "drawn; leave out conditions, surface and rivals"
+    "drawn; leave out conditions, surface, rivals and ax"
 )
 _RESOLUTION = 240
 
@@ -63,6 +64,7 @@ def diagram(
     log: bool = False,
     given_measured: bool = False,
     scatter: float | None = None,
+    ax: Axes | None = None,
 ) -> Figure:
     """Draw the transition diagram; of samples, the probability of severe wear.
 
@@ -93,11 +95,13 @@ def diagram(
         Of samples of what is not known: whether the measured transitions narrow it down.
     scatter : float, optional
         Relative standard deviation of the measured velocities; see `pipeline.posterior`.
+    ax : Axes, optional
+        Axes of matplotlib to draw on, in place of a figure of its own; not for samples.
     """
     ds = dataset_of(ds)
     if variant_of(ds) == "sample" or given_measured or scatter is not None:
-        told = (friction, bulk_temperature, critical_temperature, share, criterion, realization)
-        if rivals or any(each is not None for each in told):
+        changed = (friction, bulk_temperature, critical_temperature, share, criterion, realization)
+        if rivals or any(value is not None for value in (*changed, ax)):
             raise InputError(_AS_DRAWN)
         return _probability(ds, given_measured, scatter, log)
     band = attributes_of(ds).get("friction_band")
@@ -112,8 +116,7 @@ def diagram(
     beyond = _beyond(ds, conditions)
     if log:
         ds = ds.sel(velocity=ds["velocity"] > 0)
-    figure = Picture(figsize=(8.0, 6.4))
-    axes = figure.add_subplot()
+    figure, axes = canvas(ax, (8.0, 6.4))
     legend: list[Artist] = []
     sizes = ds.sizes["load"], ds.sizes["velocity"]
     is_plane = min(sizes) > 1
@@ -142,7 +145,10 @@ def diagram(
 
     surface = "" if realization is None else f", surface {realization}"
     axes.set_title(title_of(ds) + surface, pad=10)
-    _label(figure, axes, legend, conditions)
+    axes.set_xlabel("sliding velocity [m/s]")
+    axes.set_ylabel("normal load [N]")
+    severe = _severe_wear(conditions)
+    legend_below(figure, ax, handles=legend, ncols=3, title=severe, title_fontsize=9.5)
     return figure
 
 
@@ -170,17 +176,8 @@ def _scale(axes: Axes, ds: xr.Dataset, measured: Sequence[dict[str, Any]], log: 
         plain_numbers(axes)
 
 
-def _label(figure: Figure, axes: Axes, legend: list[Artist], conditions: Conditions) -> None:
-    """Name the axes, and write the legend with the criterion of severe wear."""
-    axes.set_xlabel("sliding velocity [m/s]")
-    axes.set_ylabel("normal load [N]")
-    figure.legend(
-        handles=legend,
-        loc="outside lower center",
-        ncols=3,
-        title=f"severe wear: {criterion(conditions)}; {heating(conditions)}",
-        title_fontsize=9.5,
-    )
+def _severe_wear(conditions: Conditions) -> str:
+    return f"severe wear: {criterion(conditions)}; {heating(conditions)}"
 
 
 def _planes(ds: xr.Dataset, conditions: Conditions) -> Sequence[xr.DataArray]:

@@ -97,6 +97,10 @@ def plot(
     if "stacked" in allowed and metres is not None and metres < _COLUMN:
         options = {"stacked": True} | options
     drawn = _draw(kind)(dataset_of(ds), **options)
+    if options.get("ax") is not None:
+        if path or metres or dpi:
+            raise InputError("ax: out, width and dpi are those of its figure; set them there")
+        return drawn
     for figure in drawn if isinstance(drawn, list) else [drawn]:
         fitted(figure, metres, with_title)
     if path is None:

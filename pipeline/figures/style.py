@@ -69,6 +69,25 @@ class Picture(Figure):
         return written.getvalue()
 
 
+def canvas(ax: Axes | None, size: tuple[float, float]) -> tuple[Figure, Axes]:
+    """A figure and axes to draw on: those of the caller, or new ones of a size [in]."""
+    if ax is None:
+        figure = Picture(figsize=size)
+        return figure, figure.add_subplot()
+    present = ax.get_figure(root=True)
+    if present is None:
+        raise InputError("ax: these axes belong to no figure; give axes of a figure")
+    return present, ax
+
+
+def legend_below(figure: Figure, ax: Axes | None, **options: Any) -> None:
+    """Write the legend below a figure, or below the caller's axes on one that has others."""
+    if ax is None:
+        figure.legend(loc="outside lower center", **options)
+    else:
+        ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16), **options | {"ncols": 2})
+
+
 def in_house_style(draw: Callable[P, R]) -> Callable[P, R]:
     """Draw in the house style, but for what the caller has set of matplotlib otherwise."""
 

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from pipeline.analysis.conditions import Bulk, conditions_of
@@ -18,11 +19,12 @@ from pipeline.figures.style import (
     BLUE,
     GREY,
     VERMILION,
-    Picture,
+    canvas,
     celsius,
     exceeding,
     heating,
     in_house_style,
+    legend_below,
     title_of,
 )
 from pipeline.scene.quantities import in_si
@@ -43,6 +45,7 @@ def temperature(
     share: float | str | None = None,
     criterion: str | None = None,
     realization: int | None = None,
+    ax: Axes | None = None,
 ) -> Figure:
     """Draw how the temperatures of the contact grow with the velocity at one load.
 
@@ -56,14 +59,15 @@ def temperature(
         See `pipeline.boundary`.
     realization : int, optional
         Seed of the surface to draw; the first if not given.
+    ax : Axes, optional
+        Axes of matplotlib to draw on, in place of a figure of its own.
     """
     conditions = conditions_of(
         ds, friction, bulk_temperature, critical_temperature, share, criterion
     )
     row = _row(ds, load, realization)
     velocities = row["velocity"].values
-    figure = Picture(figsize=(7.2, 5.0))
-    axes = figure.add_subplot()
+    figure, axes = canvas(ax, (7.2, 5.0))
     highest = replace(conditions, criterion="highest")
     shown: list[tuple[Conditions, str, Any]] = [(highest, "highest", {"ls": "--", "marker": "^"})]
     if conditions.decisive.temperature != highest.decisive.temperature:
@@ -93,7 +97,7 @@ def temperature(
     axes.set_xlabel("sliding velocity [m/s]")
     axes.set_ylabel("contact temperature [°C]")
     axes.set_title(f"{title_of(row)}\n{float(row['load'][0]):g} N")
-    figure.legend(loc="outside lower center", ncols=4, title=heating(conditions))
+    legend_below(figure, ax, ncols=4, title=heating(conditions))
     return figure
 
 
@@ -108,6 +112,7 @@ def histogram(
     share: float | str | None = None,
     criterion: str | None = None,
     realization: int | None = None,
+    ax: Axes | None = None,
 ) -> Figure:
     """Draw how the temperature is distributed over the contact at the end of a point.
 
@@ -125,6 +130,8 @@ def histogram(
         See `pipeline.boundary`.
     realization : int, optional
         Seed of the surface to draw; the first if not given.
+    ax : Axes, optional
+        Axes of matplotlib to draw on, in place of a figure of its own.
 
     Raises
     ------
@@ -151,8 +158,7 @@ def histogram(
     temperatures = celsius(contact_temperature(quantiles, conditions))
     edges = np.linspace(temperatures[0], temperatures[-1], _BINS + 1)
     below = np.interp(edges, temperatures, row["quantile"].values)
-    figure = Picture(figsize=(7.2, 5.0))
-    axes = figure.add_subplot()
+    figure, axes = canvas(ax, (7.2, 5.0))
     centres, shares = (edges[1:] + edges[:-1]) / 2, 100 * np.diff(below)
     width = edges[1] - edges[0]
     if conditions.critical_temperature is None:
@@ -169,7 +175,7 @@ def histogram(
     axes.set_ylabel(f"share of the contact per {width:.2g} K [%]")
     where = "at the transition, " if velocity is None else ""
     axes.set_title(f"{title_of(row)}\n{newtons:g} N, {where}{at:.3g} m/s")
-    figure.legend(loc="outside lower center", ncols=3, title=heating(conditions))
+    legend_below(figure, ax, ncols=3, title=heating(conditions))
     return figure
 
 

@@ -6,12 +6,15 @@ import itertools
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from os import PathLike
 from typing import Any
 
 import numpy as np
 
 from pipeline.analysis.transition import OUTCOMES, Transition
 from pipeline.run.boundary_search import BoundarySearch, searched
+from pipeline.scene.scenefile import load_scene
+from pipeline.scene.variants import absolute
 from pipeline.sweep.criterion import Conditions, decisive_rises, rise_limit
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import chains, run_point
@@ -133,8 +136,10 @@ class Variations:
 
 
 def vary(
-    sweep: Sweep,
-    others: Mapping[tuple[str, str], Sweep],
+    scene: str | PathLike[str],
+    over: Mapping[str, Iterable[Any]],
+    preset: str | None = None,
+    overrides: Mapping[str, Any] | None = None,
     tolerance: float = 0.01,
     tell: Callable[[str], None] | None = None,
 ) -> Variations:
@@ -144,10 +149,14 @@ def vary(
 
     Parameters
     ----------
-    sweep : Sweep
-        The scene; between its lowest and highest velocity the boundary is searched at its loads.
-    others : mapping
-        Changed scenes by the path of the entry and what it is given.
+    scene : path-like
+        Scene file, or name of a shipped scene; between its lowest and highest velocity the
+        boundary is searched at its loads.
+    over : mapping
+        Values by the key path of the entry that takes them, one entry at a time: as a scene file
+        has them, or such as ``"+20%"`` of the scene's own.
+    preset, overrides : optional
+        See `pipeline.load_scene`.
     tolerance : float
         Relative error of the critical velocity, besides that of the scene's fidelity.
     tell : callable, optional
@@ -155,29 +164,38 @@ def vary(
 
     Raises
     ------
+    SceneFileError
+        If a scene is faulty with one of the values.
     InputError
-        If there is no boundary to look for: no friction, or one velocity alone.
+        If there is no boundary to look for: no friction, or one velocity alone; or if there is
+        nothing to take a percentage of.
 
     Examples
     --------
     >>> import pipeline
-    >>> scene, warm = (pipeline.load_scene("workflows/first_try.toml", overrides=each)
-    ...                for each in ({}, {"temperature.bulk": "40 degC"}))
-    >>> found = pipeline.vary(scene, {("temperature.bulk", "40 degC"): warm})  # doctest: +SKIP
+    >>> over = {"pin.radius": ["1 mm", "+20%"], "temperature.bulk": ["40 degC"]}
+    >>> found = pipeline.vary("first_try", over)  # doctest: +SKIP
     """
+    overrides = overrides or {}
+    sweep = load_scene(scene, preset, overrides)
+    others = {
+        (key, str(value)): load_scene(scene, preset, {**overrides, key: value})
+        for key, values in over.items()
+        for value in absolute(scene, key, values, overrides)
+    }
     planes: dict[Scene, _Plane] = {}
 
-    def boundary(key: str, value: str, scene: Sweep) -> Variation:
-        plain = replace(scene, samples=None, realizations=())
+    def boundary(key: str, value: str, variant: Sweep) -> Variation:
+        plain = replace(variant, samples=None, realizations=())
         alike = replace(plain, **{name: getattr(sweep, name) for name in _APART})
         plane = planes.setdefault(alike, _Plane(plain))
-        return Variation(key, value, *plane.boundary(sweep, scene.conditions, tolerance))
+        return Variation(key, value, *plane.boundary(sweep, variant.conditions, tolerance))
 
-    def named(scene: tuple[str, str, Sweep]) -> str:
-        return f"{scene[0]} = {scene[1]}" if scene[0] else "the scene as it is"
+    def named(variant: tuple[str, str, Sweep]) -> str:
+        return f"{variant[0]} = {variant[1]}" if variant[0] else "the scene as it is"
 
     scenes = [("", "", sweep), *((*name, scene) for name, scene in others.items())]
-    own, *found = (boundary(*scene) for scene in staged(scenes, tell, named))
+    own, *found = (boundary(*variant) for variant in staged(scenes, tell, named))
     count = sum(len(plane.known) for plane in planes.values())
     warned = _warned(planes.values())
     return Variations(sweep.title, sweep.loads, own, tuple(found), count, warned)

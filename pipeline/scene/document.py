@@ -129,7 +129,13 @@ def read_document(path: Path, faults: list[Fault], above: tuple[Path, ...] = ())
 
 
 def with_entries(document: Document, overrides: Mapping[str, Any], faults: list[Fault]) -> Document:
-    """Put other entries, by key path, in the place of a document's own."""
+    """Put other entries, by key path, in the place of a document's, some of them left out."""
+    overrides = dict(overrides)
+    without = overrides.pop("without", None)
+    listed = [without] if isinstance(without, str) else without
+    left_out = _left_out(listed, document, document.file, faults)
+    layers = [replace(one, entries=_without(one.entries, left_out)) for one in document.layers]
+    document = Document(tuple(layers))
     entries, top = document.entries(), dict[str, Any]()
     for key, value in overrides.items():
         *tables, last = key.split(".")

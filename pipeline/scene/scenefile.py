@@ -47,7 +47,8 @@ def load_scene(
         and its single entries.
     overrides : mapping, optional
         Fields of `tribo.Fidelity`, applied last; or entries of the scene by their key path, such
-        as ``wear.pattern``, in place of what the file says there.
+        as ``wear.pattern`` or ``title``, in place of the file's; ``without`` leaves out entries
+        of the file, before the others are set.
 
     Raises
     ------
@@ -65,8 +66,8 @@ def load_scene(
     faults: list[Fault] = []
     notes: list[str] = []
     overrides = {key.removeprefix("fidelity."): value for key, value in (overrides or {}).items()}
-    given = {key: overrides.pop(key) for key in list(overrides) if "." in key}
-    document = with_entries(read_document(path, faults), given, faults)
+    entries_set = {key: overrides.pop(key) for key in list(overrides) if _is_entry(key)}
+    document = with_entries(read_document(path, faults), entries_set, faults)
     entries, taken = with_library(document.entries(), faults)
     found = FORMAT.read(entries, "", faults)
     preset = overrides.pop("preset", preset)
@@ -112,7 +113,11 @@ def load_scene(
     return sweep
 
 
-def sweep_of(scene: Sweep | str | PathLike[str]) -> Sweep:
+SceneLike = Sweep | str | PathLike[str]
+"""A scene that was read, or its path or the name of a shipped one."""
+
+
+def sweep_of(scene: SceneLike) -> Sweep:
     """Return a scene that was read, or read one from its path; raise as `load_scene` does."""
     return scene if isinstance(scene, Sweep) else load_scene(scene)
 
@@ -142,7 +147,7 @@ def scene_entry(
     >>> pipeline.scene_entry("workflows/first_try.toml", "temperature.bulk")
     '25 degC'
     """
-    given = {name: value for name, value in (overrides or {}).items() if "." in name}
+    given = {name: value for name, value in (overrides or {}).items() if _is_entry(name)}
     document = with_entries(read_document(scene_path(path), []), given, [])
     return entry_at(with_library(document.entries(), [])[0], key)
 
@@ -161,7 +166,7 @@ def _fidelity(
     for key in set(overrides) - set(FIDELITY):
         problem = (
             f"unknown key{did_you_mean(key, [*FIDELITY, *_paths()])}; give one of "
-            f"{', '.join(FIDELITY)}; or a path such as wear.pattern or loading.hold"
+            f"{', '.join(FIDELITY)}; or an entry such as wear.pattern, loading.hold or title"
         )
         faults.append(Fault(key, problem))
     known = {key: value for key, value in overrides.items() if key in FIDELITY}
@@ -179,11 +184,16 @@ def _fidelity(
     return fidelity, name if fidelity == tribo.PRESETS[name] else None
 
 
+def _is_entry(key: str) -> bool:
+    """True for the path of an entry of the scene, not a field of its fidelity."""
+    return "." in key or (key in FORMAT.keys and key != "extends")
+
+
 def _paths() -> list[str]:
     """Paths of the entries that overrides may name."""
     from pipeline.scene.meanings import MEANINGS  # for the sake of a fault alone
 
-    apart = ("fidelity.", "materials.NAME.", "measured.")  # by their names, and not by a path
+    apart = ("fidelity.", "materials.NAME.", "measured.", "extends")  # not by a path
     return [path for path in MEANINGS if not path.startswith(apart)]
 
 

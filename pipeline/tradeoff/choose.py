@@ -11,6 +11,8 @@ from typing import Any
 
 import numpy as np
 
+from pipeline.scene.quantities import share_of
+from pipeline.scene.scenefile import SceneLike, sweep_of
 from pipeline.store.place import PathLike, StoreMismatchError, require_writable
 from pipeline.store.root import read_attributes
 from pipeline.sweep.criterion import rise_limit
@@ -58,8 +60,8 @@ _ON_ONE_GRID: tuple[tuple[str, str, dict[str, Any]], ...] = (
 
 
 def at_accuracy(
-    sweep: Sweep,
-    accuracy: float,
+    sweep: SceneLike,
+    accuracy: float | str,
     points: Sequence[Point] | None = None,
     store: PathLike | None = None,
     progress: Callable[[str], None] | None = None,
@@ -87,10 +89,10 @@ def at_accuracy(
     Examples
     --------
     >>> import pipeline
-    >>> scene = pipeline.load_scene("workflows/first_try.toml")
-    >>> scene = pipeline.at_accuracy(scene, 0.05)  # doctest: +SKIP
+    >>> scene = pipeline.at_accuracy("first_try", "5%")  # doctest: +SKIP
     >>> print(scene.selection)  # doctest: +SKIP
     """
+    sweep, accuracy = sweep_of(sweep), share_of(accuracy)
     selection = None if store is None else stored_selection(store)
     if selection is None:
         if store is not None:
@@ -141,8 +143,8 @@ def stored_selection(path: PathLike) -> Selection | None:
 
 
 def choose_fidelity(
-    sweep: Sweep,
-    accuracy: float,
+    sweep: SceneLike,
+    accuracy: float | str,
     points: Sequence[Point] | None = None,
     progress: Callable[[str], None] | None = None,
 ) -> Selection:
@@ -155,10 +157,11 @@ def choose_fidelity(
 
     Parameters
     ----------
-    sweep : Sweep
-        Sweep to choose for; of its fidelity, only `pipeline.sweep.selection.KEPT_FIELDS` are kept.
-    accuracy : float
-        Largest relative error of the boundary velocity, such as 0.02.
+    sweep : Sweep, str or path
+        Scene to choose for, or its path or name; of its fidelity, only
+        `pipeline.sweep.selection.KEPT_FIELDS` are kept.
+    accuracy : float or str
+        Largest relative error of the boundary velocity, such as 0.02 or ``"2%"``.
     points : sequence of Point, optional
         Points to be accurate at; if not given, the boundary, which is looked at for four loads
         from the lowest to the highest.
@@ -173,10 +176,10 @@ def choose_fidelity(
     Examples
     --------
     >>> import pipeline
-    >>> scene = pipeline.load_scene("workflows/first_try.toml")
-    >>> selection = pipeline.choose_fidelity(scene, accuracy=0.05)  # doctest: +SKIP
+    >>> selection = pipeline.choose_fidelity("first_try", accuracy="5%")  # doctest: +SKIP
     >>> print(selection)  # doctest: +SKIP
     """
+    sweep, accuracy = sweep_of(sweep), share_of(accuracy)
     if not 0 < accuracy < 1:
         raise InputError(f"accuracy is {accuracy!r}; it must be between 0 and 1, such as 0.02")
     if not math.isfinite(rise_limit(sweep.conditions)):

@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from pipeline.scene.scenefile import SceneLike, sweep_of
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.plan import step_count
 from pipeline.sweep.stages import duration
@@ -63,12 +64,13 @@ class Estimate:
         return asdict(self)
 
 
-def estimate(sweep: Sweep, workers: int | None = None, boundary_only: bool = False) -> Estimate:
+def estimate(sweep: SceneLike, workers: int | None = None, boundary_only: bool = False) -> Estimate:
     """Estimate the cost of a whole sweep, from a few of its steps done here and now.
 
     Parameters
     ----------
-    sweep : Sweep
+    sweep : Sweep, str or path
+        The scene, or its path or name.
     workers : int, optional
         Number of processes; one for each core if not given.
     boundary_only : bool
@@ -82,12 +84,11 @@ def estimate(sweep: Sweep, workers: int | None = None, boundary_only: bool = Fal
     Examples
     --------
     >>> import pipeline
-    >>> scene = pipeline.load_scene("workflows/first_try.toml")
-    >>> cost = pipeline.estimate(scene, workers=1)
+    >>> cost = pipeline.estimate("first_try", workers=1)
     >>> cost.points
     24
     """
-    cores = os.cpu_count() or 1
+    sweep, cores = sweep_of(sweep), os.cpu_count() or 1
     workers, variants, searched = workers or cores, len(sweep.simulated), boundary_only
     searched |= sweep.samples is not None
     velocities = _searched(sweep) if searched else len(sweep.velocities)

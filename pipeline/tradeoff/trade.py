@@ -17,6 +17,8 @@ from typing import Any
 import numpy as np
 
 from pipeline.analysis.interpolation import crossing
+from pipeline.scene.quantities import in_si
+from pipeline.scene.scenefile import SceneLike, sweep_of
 from pipeline.sweep.criterion import boundary_velocity_error, rise_limit
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.stages import staged
@@ -32,10 +34,10 @@ _SAVES, _MOVES = 1.1, 0.002
 
 
 def trade(
-    sweep: Sweep,
+    sweep: SceneLike,
     presets: Sequence[str] = _USUAL,
     base: str | None = "fine",
-    loads: Sequence[float] | None = None,
+    loads: Sequence[float | str] | None = None,
     diagram: bool = False,
     progress: Callable[[str], None] | None = None,
 ) -> Trade:
@@ -43,14 +45,16 @@ def trade(
 
     Parameters
     ----------
-    sweep : Sweep
-        Scene to measure; its own fidelity is one of the choices, unless it is a preset.
+    sweep : Sweep, str or path
+        Scene to measure, or its path or name; its own fidelity is one of the choices, unless it
+        is a preset.
     presets : sequence of str
         Presets to compare with ``reference``.
     base : str, optional
         Preset of which every numerical choice is varied alone; None for none.
-    loads : sequence of float, optional
-        Loads at which to look at the boundary [N]; four of the sweep's if not given.
+    loads : sequence of float or str, optional
+        Loads at which to look at the boundary [N], or text with a unit; four of the sweep's if
+        not given.
     diagram : bool
         Whether to compare small diagrams instead of single points.
     progress : callable, optional
@@ -66,16 +70,17 @@ def trade(
     Examples
     --------
     >>> import pipeline
-    >>> scene = pipeline.load_scene("workflows/first_try.toml")
-    >>> print(pipeline.trade(scene, presets=["draft"], base=None))  # doctest: +SKIP
+    >>> print(pipeline.trade("first_try", presets=["draft"], base=None))  # doctest: +SKIP
     """
+    sweep = sweep_of(sweep)
     for name in (*presets, *([base] if base else [])):
         if name not in PRESETS:
             raise InputError(f"preset {name!r} is unknown; known are {', '.join(PRESETS)}")
     if not math.isfinite(rise_limit(sweep.conditions)):
         raise InputError("without friction there is no heat, and no boundary to be wrong about")
     own = replace(sweep, realizations=())
-    asked = tuple(loads) if loads else tuple(at.load for at in some_places(own, _LOADS))
+    asked = tuple(in_si("load", load, "600 N") for load in loads or ())
+    asked = asked or tuple(place.load for place in some_places(own, _LOADS))
     near, exponents = near_the_boundary(sweep, [Place(load) for load in asked], PRESETS["standard"])
     places = _around(near) if diagram else near
     exact = fitted(sweep, PRESETS["reference"])

@@ -6,6 +6,7 @@ import sys
 import matplotlib
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 import pipeline.analysis.dataset
 from pipeline.analysis.ensemble import Ensemble
@@ -170,6 +171,19 @@ def test_names_stand_inside_their_regions(sweep, friction):
 )
 def test_diagram_of_next_to_nothing(ds, tmp_path):
     assert plot(ds, "diagram", tmp_path / "figure.png").stat().st_size > 10_000
+
+
+@pytest.mark.parametrize("kind", ["diagram", "temperature", "histogram"])
+def test_figures_are_drawn_on_axes_of_the_caller(sweep, kind):
+    figure = Figure(figsize=(9.0, 4.0), layout="constrained")
+    left, right = figure.subplots(1, 2)
+    assert plot(sweep, kind, ax=right) is figure
+    assert right.has_data()
+    assert not left.has_data()
+    assert right.get_legend().get_texts()
+    assert tuple(figure.get_size_inches()) == (9.0, 4.0)
+    with pytest.raises(InputError, match="ax: out, width and dpi are those of its figure"):
+        plot(sweep, kind, ax=right, width="8 cm")
 
 
 def test_ramp_shows_the_ends_of_all_loads_at_the_velocity_nearest_to_the_transition(sweep):
@@ -444,8 +458,14 @@ def test_logarithmic_axes_serve_samples_too(unknown):
 @pytest.mark.parametrize(
     ("options", "told"),
     [
-        ({"given_measured": True, "friction": 0.09}, "leave out conditions, surface and rivals"),
-        ({"given_measured": True, "rivals": ["blok"]}, "leave out conditions, surface and rivals"),
+        (
+            {"given_measured": True, "friction": 0.09},
+            "leave out conditions, surface, rivals and ax",
+        ),
+        (
+            {"given_measured": True, "rivals": ["blok"]},
+            "leave out conditions, surface, rivals and ax",
+        ),
         ({"scatter": 0.03}, "scatter is 0.03, that of measured velocities"),
     ],
 )

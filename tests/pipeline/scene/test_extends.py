@@ -242,3 +242,18 @@ def test_a_shipped_scene_is_named_wherever_a_scene_is_taken(tmp_path, monkeypatc
     assert pipeline.run_point("first_try", "300 N", "1 m/s").point.load == 300.0
     (tmp_path / "first_try").write_text('extends = "twin_disc"\n')  # a file goes first
     assert load_scene("first_try").motion is not None
+
+
+def test_settings_reach_whole_entries_and_leave_some_out():
+    wear = {"wear.specific_wear_rate": "1e-6 mm^3/(N m)", "wear.pattern": "local"}
+    overrides = {"title": "Mine", "without": ["wear"], "oil": "oil A"}
+    sweep = load_scene("first_try", overrides=overrides)
+    assert (sweep.title, sweep.wear, sweep.oil.density) == ("Mine", None, 862.0)
+    sweep = load_scene("first_try", overrides=wear | {"without": ["wear", "oil"]})
+    assert (sweep.wear.pattern, sweep.oil) == ("local", None)
+
+
+def test_an_entry_that_is_not_there_cannot_be_left_out_by_a_setting():
+    (fault,) = faults_of("first_try", overrides={"without": "waer"})
+    assert fault.startswith("without[0]")
+    assert 'did you mean "wear"?' in fault
