@@ -53,6 +53,7 @@ _HOUSE_STYLE: Any = {
     "ytick.color": "#444444",
 }
 
+_NARROW = 40  # characters of a line below the axes of a caller
 _SUFFIXES = (".pdf", ".png", ".svg")
 
 P = ParamSpec("P")
@@ -85,7 +86,9 @@ def legend_below(figure: Figure, ax: Axes | None, **options: Any) -> None:
     if ax is None:
         figure.legend(loc="outside lower center", **options)
     else:
-        ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16), **options | {"ncols": 2})
+        title = textwrap.fill(options.pop("title"), _NARROW)
+        narrow = {"ncols": 1, "fontsize": 8, "title_fontsize": 8, "title": title}
+        ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16), **options | narrow)
 
 
 def in_house_style(draw: Callable[P, R]) -> Callable[P, R]:
