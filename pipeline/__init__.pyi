@@ -1,11 +1,14 @@
 from .analysis.boundary import boundary as boundary
 from .analysis.dataset import end_of_point as end_of_point
 from .analysis.dataset import open_sweep as open_sweep
+from .analysis.difference import Difference as Difference
+from .analysis.difference import diff as diff
 from .analysis.ensemble import Ensemble as Ensemble
 from .analysis.inference import CriticalTemperatures as CriticalTemperatures
 from .analysis.inference import critical_temperatures as critical_temperatures
 from .analysis.intervals import MarginIntervals as MarginIntervals
 from .analysis.intervals import margin_intervals as margin_intervals
+from .analysis.listing import listing as listing
 from .analysis.margin import Margin as Margin
 from .analysis.margin import margins as margins
 from .analysis.margin_table import margin_table as margin_table

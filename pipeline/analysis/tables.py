@@ -7,7 +7,7 @@ import html
 import io
 import math
 import os
-from collections.abc import Container, Iterator, Mapping, Sequence
+from collections.abc import Callable, Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -32,12 +32,15 @@ class Column(NamedTuple):
         Unit in which values are shown; empty for numbers without one, and for words.
     digits : int
         Significant digits in text.
+    write : callable, optional
+        Writes a number in SI with its unit in text, in place of the digits.
     """
 
     name: str
     title: str
     unit: str = ""
     digits: int = 4
+    write: Callable[[float], str] | None = None
 
     @property
     def head(self) -> str:
@@ -54,6 +57,8 @@ class Column(NamedTuple):
 
     def text(self, value: Any) -> str:
         """Value as it stands in text, without its unit."""
+        if self.write is not None and isinstance(value, int | float):
+            return self.write(value)
         value = self.shown(value)
         if isinstance(value, bool):
             return "yes" if value else "no"
@@ -125,7 +130,7 @@ class Table:
 
     def lines(self) -> Iterator[str]:
         """Lines of text with aligned columns, the headings first."""
-        rows = [[column.head for column in self.columns]]
+        rows = [[column.title if column.write else column.head for column in self.columns]]
         rows += [[cell or "-" for cell in row] for row in self.cells()]
         widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
         for row in rows:

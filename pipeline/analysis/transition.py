@@ -165,15 +165,15 @@ def command_of(
     stored = {"criterion": "share"} | (attributes.get("conditions") or {})
     settings = []
     for name, value in conditions.items():
-        if name in _ENTRIES and value is not None and stored.get(name) != value:
+        if name in ENTRIES and value is not None and stored.get(name) != value:
             text = str(value) if isinstance(value, str) else f"{value:g}"
             if name.endswith("temperature"):
                 text = f"'{value - 273.15:.6g} degC'"
-            settings.append(f"--set {_ENTRIES[name]}={text}")
+            settings.append(f"--set {ENTRIES[name]}={text}")
     return " ".join([f"{run} --boundary-only", *settings])
 
 
-_ENTRIES = {
+ENTRIES = {
     "friction": "friction.coefficient",
     "bulk_temperature": "temperature.bulk",
     "critical_temperature": "temperature.critical",

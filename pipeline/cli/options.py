@@ -61,6 +61,13 @@ OF_SCENE = (SCENE, PRESET.but(help=f"fidelity in place of the scene's own: {_PRE
 STORE = _option(
     "store", metavar="OUT.zarr", type=values.store, help="a store that irg run has made"
 )
+OTHER_STORE = _option(
+    "other", metavar="OTHER.zarr", type=values.store, help="the store to compare it with"
+)
+FOLDER = _option(
+    "folder", metavar="FOLDER", type=Path, nargs="?", default=Path("results"),
+    help="folder to search, with those in it; default: results",
+)  # fmt: skip
 
 NEW_FILE = _option("file", metavar="FILE.toml", type=Path, nargs="?", help="file to write")
 FROM = _option(

@@ -91,6 +91,17 @@ COMMANDS = (
         ),
     ),
     Command(
+        "diff", "compare:diff",
+        "differences between two stores: of scenes, boundaries and points",
+        "results/scene.zarr results/other.zarr",
+        (o.STORE, o.OTHER_STORE, o.TABLE),
+    ),
+    Command(
+        "list", "compare:listing", "list the stores and scenes below a folder, with their states",
+        "results",
+        (o.FOLDER, o.TABLE),
+    ),
+    Command(
         "vary", "variations:vary",
         "find the boundary for each value of some inputs, one input at a time",
         "scene.toml --over friction.coefficient=0.08,0.12 --over wear.specific_wear_rate=-20%,+20%",

@@ -1,0 +1,178 @@
+"""Differences between two stores: in their scenes, their boundaries and their points."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from pipeline.analysis.attributes import attributes_of
+from pipeline.analysis.boundary import boundary
+from pipeline.analysis.dataset import asked, dataset_of, end_of_point, variant_of
+from pipeline.analysis.entries import entries_of
+from pipeline.analysis.tables import Column, Table
+from pipeline.analysis.transition import OUTCOMES
+from pipeline.store.place import PathLike
+from pipeline.store.schema import DONE, FAILED
+
+_STATES = {DONE: "done", FAILED: "failed"}
+
+
+@dataclass(frozen=True, slots=True)
+class Difference:
+    """Differences between two stores, A and B.
+
+    Attributes
+    ----------
+    entries : Table
+        Entries of the scenes that differ.
+    boundary : Table
+        Critical velocities at the loads of both, medians over several surfaces, and their change;
+        each under the conditions of its own scene.
+    points : Table
+        Points that are done in one alone, or whose highest rises differ.
+    alike : int
+        Points that are done in both, with equal rises.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> difference = pipeline.diff("results/first_try.zarr", "results/first_try.zarr")
+    >>> difference.entries.rows, difference.alike
+    ((), 24)
+    """
+
+    entries: Table
+    boundary: Table
+    points: Table
+    alike: int
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return all values as plain data."""
+        return {
+            "entries": self.entries.as_dict(),
+            "boundary": self.boundary.as_dict(),
+            "points": self.points.as_dict(),
+            "points_alike": self.alike,
+        }
+
+
+def diff(a: xr.Dataset | PathLike, b: xr.Dataset | PathLike) -> Difference:
+    """Find the differences between two stores.
+
+    Parameters
+    ----------
+    a, b : Dataset, str or path
+        Datasets of `pipeline.open_sweep`, or paths of stores.
+
+    Raises
+    ------
+    StoreError
+        If there is no readable store.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> store = "results/first_try.zarr"
+    >>> change = pipeline.diff(store, store).boundary.as_dict()["change"]
+    >>> [f"{100 * each:g} %" for each in change]
+    ['0 %', '0 %', '0 %', '0 %']
+    """
+    first, second = dataset_of(a), dataset_of(b)
+    points, alike = _points(first, second)
+    return Difference(_entries(first, second), _boundary(first, second), points, alike)
+
+
+def _entries(a: xr.Dataset, b: xr.Dataset) -> Table:
+    """Entries that differ, in the order of the scene."""
+    values = [entries_of(attributes_of(ds)) for ds in (a, b)]
+    columns = Column("entry", "entry"), Column("a", "A"), Column("b", "B")
+    paths = dict.fromkeys([*values[0], *values[1]])
+    rows = ((path, *(each.get(path) for each in values)) for path in paths)
+    return Table(columns, tuple(row for row in rows if row[1] != row[2]))
+
+
+def _boundary(a: xr.Dataset, b: xr.Dataset) -> Table:
+    """Critical velocities at the loads of both; none where wear is not judged."""
+    columns = (
+        Column("load", "load", "N"),
+        Column("a", "critical velocity in A", "m/s"),
+        Column("b", "in B", "m/s"),
+        Column("change", "change", "%", 3),
+        Column("outcome_a", "outcome in A"),
+        Column("outcome_b", "outcome in B"),
+    )
+    judged = all(attributes_of(ds)["conditions"].get("critical_temperature") for ds in (a, b))
+    if not judged:
+        return Table(columns, ())
+    crossings = [_crossings(ds) for ds in (a, b)]
+    loads = sorted(crossings[0].keys() & crossings[1].keys())
+    rows = []
+    for load in loads:
+        (first, of_a), (second, of_b) = (each[load] for each in crossings)
+        rows.append((load, first, second, second / first - 1, of_a, of_b))
+    return Table(columns, tuple(rows))
+
+
+def _crossings(ds: xr.Dataset) -> dict[float, tuple[float, str]]:
+    """Critical velocity and outcome at each load; over several surfaces the median."""
+    found = boundary(ds)
+    velocities, outcomes = found["critical_velocity"], found["outcome_at_load"]
+    if axis := variant_of(found):
+        velocities = found["critical_velocity_quantile"].sel(quantile=0.5)
+        words = [
+            ", ".join(OUTCOMES[code] for code in sorted(set(codes)))
+            for codes in outcomes.transpose("load", axis).values.tolist()
+        ]
+    else:
+        words = [OUTCOMES[code] for code in outcomes.values.tolist()]
+    values = zip(velocities.values.tolist(), words, strict=True)
+    return dict(zip(found["load"].values.tolist(), values, strict=True))
+
+
+def _points(a: xr.Dataset, b: xr.Dataset) -> tuple[Table, int]:
+    """Points that are done in one alone or differ, and the number of those that are alike."""
+    columns = (
+        Column("load", "load", "N", 6),
+        Column("velocity", "velocity", "m/s", 6),
+        Column("variant", "surface or sample"),
+        Column("state_a", "in A"),
+        Column("state_b", "in B"),
+        Column("rise_a", "rise in A", "K"),
+        Column("rise_b", "rise in B", "K"),
+        Column("change", "change", "%", 3),
+    )
+    has_seeds = any("realization" in ds.dims for ds in (a, b))
+    states = [dict(_states(ds, has_seeds)) for ds in (a, b)]
+    rows, alike = [], 0
+    for place in sorted({**states[0], **states[1]}, key=lambda place: tuple(map(str, place))):
+        (of_a, rise_a), (of_b, rise_b) = (each.get(place, ("absent", np.nan)) for each in states)
+        if of_a == of_b == "done" and rise_a == rise_b:
+            alike += 1
+        elif "done" in (of_a, of_b):
+            change = rise_b / rise_a - 1 if rise_a else np.nan
+            rows.append((*place, of_a, of_b, rise_a, rise_b, change))
+    return Table(columns, tuple(rows)), alike
+
+
+def _states(
+    ds: xr.Dataset, has_seeds: bool
+) -> Iterator[tuple[tuple[float, float, int | None], tuple[str, float]]]:
+    """Place of each point that is done, failed or asked for; its state and highest rise [K]."""
+    axis = variant_of(ds)
+    roughness = attributes_of(ds)["scene"].get("roughness") or {}
+    seed = [roughness.get("seed") if has_seeds else None]
+    order = [name for name in ("load", "velocity", axis) if name]
+    rises = end_of_point(ds[["time", "max_rise"]])["max_rise"].transpose(*order).values
+    status, is_asked = (each.transpose(*order).values for each in (ds["status"], asked(ds)))
+    values = [ds[name].values.tolist() for name in order]
+    for index in np.ndindex(*status.shape):
+        if not (status[index] or is_asked[index]):
+            continue
+        place = [column[number] for column, number in zip(values, index, strict=True)]
+        load, velocity, variant = place if axis else place + seed
+        state = _STATES.get(int(status[index]), "pending")
+        yield (load, velocity, variant), (state, float(rises[index]))

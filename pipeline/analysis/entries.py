@@ -1,0 +1,103 @@
+"""Entries of the scene that a store holds, as text in usual units."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from pipeline.analysis.transition import ENTRIES
+from pipeline.scene.quantities import display
+
+_ATTRIBUTES = (
+    "scene", "conditions", "friction_band", "lubrication", "loads", "velocities", "realizations",
+    "samples", "sample_seed", "unknown", "measured", "preset",
+)  # fmt: skip
+_NOT_SHOWN = ("friction_heat", "unequal_bulks", "lubrication.")  # follow from other entries
+_PATHS = {
+    "pixels.shape": "window.pixels",
+    "pixels.spacing": "window.pixel_size",
+    "pixels.periodic": "window.periodic",
+    "roughness": "disk.roughness",
+    "disk": "disk.material",
+    "lubrication.oil": "oil",
+    "friction_band": "friction.band",
+    "loads": "sweep.loads",
+    "velocities": "sweep.velocities",
+    "realizations": "sweep.realizations",
+    "samples": "sweep.samples",
+    "sample_seed": "sweep.sample_seed",
+    "preset": "fidelity.preset",
+    **{f"conditions.{name}": path for name, path in ENTRIES.items()},
+    "conditions.disk_temperature": "temperature.bulk.disk",
+}
+"""Paths in the scene file of what a store calls otherwise, the more special ones first."""
+
+_UNITS = {
+    "mm": ("radius", "length", "crown_radius", "track_length"),
+    "µm": ("spacing", "ra", "correlation_length"),
+    "GPa": ("elastic_modulus", "hardness"),
+    "W/(m K)": ("thermal_conductivity",),
+    "kg/m³": ("density",),
+    "J/(kg K)": ("specific_heat",),
+    "N/s": ("rate",),
+    "N": ("reference_load", "loads", "normal_load", "load_scatter"),
+    "m/s": ("entrainment_velocity", "velocities", "velocity", "velocity_scatter"),
+    "s": ("hold",),
+    "mm³/(N m)": ("specific_wear_rate",),
+    "°C": ("bulk_temperature", "disk_temperature", "critical_temperature", "temperatures"),
+    "1/GPa": ("pressure_coefficients",),
+}
+_UNIT_OF = {name: unit for unit, names in _UNITS.items() for name in names}
+
+
+def entries_of(attributes: Mapping[str, Any]) -> dict[str, str]:
+    """Entries of a store's scene by their paths in a scene file, those that have a value.
+
+    Parameters
+    ----------
+    attributes : mapping
+        Attributes of a sweep as plain data, of `pipeline.analysis.attributes.attributes_of`.
+
+    Examples
+    --------
+    >>> scene = {"pin": {"type": "Ball", "radius": 0.005}, "pixels": {"spacing": [1e-6, 2e-6]}}
+    >>> entries_of({"scene": scene, "conditions": {"critical_temperature": 418.15}})
+    {'pin.type': 'Ball', 'pin.radius': '5 mm', 'window.pixel_size': '1, 2 µm', \
+'temperature.critical': '145 °C'}
+    """
+    found = {}
+    for attribute in _ATTRIBUTES:
+        prefix = "" if attribute == "scene" else attribute
+        for path, value in _flat(attributes.get(attribute), prefix):
+            shown = _in_scene(path)
+            if not shown.startswith(_NOT_SHOWN):
+                found[shown] = _text(value, _UNIT_OF.get(path.split(".")[-1], ""))
+    return found
+
+
+def _flat(value: Any, path: str) -> Iterator[tuple[str, Any]]:
+    """Values of nested tables by their paths, without those that are missing."""
+    if isinstance(value, list) and any(isinstance(item, Mapping) for item in value):
+        value = {str(number): item for number, item in enumerate(value, 1)}
+    if isinstance(value, Mapping):
+        for key, entry in value.items():
+            yield from _flat(entry, f"{path}.{key}" if path else key)
+    elif value is not None and value != []:
+        yield path, value
+
+
+def _in_scene(path: str) -> str:
+    """Path of an entry in a scene file."""
+    for name, other in _PATHS.items():
+        if path == name or path.startswith(f"{name}."):
+            return other + path[len(name) :]
+    return path
+
+
+def _text(value: Any, unit: str) -> str:
+    """Value with its unit."""
+    if isinstance(value, list):
+        return f"{', '.join(_text(item, unit).removesuffix(f' {unit}') for item in value)} {unit}"
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return str(value)
+    return display(value, unit) if unit else f"{value:g}"

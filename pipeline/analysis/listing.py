@@ -1,0 +1,129 @@
+"""Stores and scenes of a folder, as a table."""
+
+from __future__ import annotations
+
+import time
+import tomllib
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from pipeline.analysis.tables import Column, Table
+from pipeline.scene.faults import SceneFileError
+from pipeline.scene.scenefile import load_scene
+from pipeline.store.place import ROOT, StoreError
+from pipeline.store.progress import summary
+from pipeline.store.root import read_attributes
+from pipeline.sweep.stages import duration
+from tribo import InputError, TriboError
+
+_COLUMNS = (
+    Column("name", "name"),
+    Column("kind", "kind"),
+    Column("state", "state"),
+    Column("points", "points"),
+    Column("done", "done"),
+    Column("failed", "failed"),
+    Column("preset", "preset"),
+    Column("age", "changed", "s", write=lambda age: f"{duration(age)} ago"),
+    Column("bytes", "size", "MB", write=lambda size: f"{1e-6 * size:.2f} MB"),
+    Column("title", "title"),
+)
+
+
+def listing(folder: str | Path) -> Table:
+    """Table of the stores and scenes below a folder.
+
+    Parameters
+    ----------
+    folder : str or path
+        Folder, searched with those in it.
+
+    Returns
+    -------
+    Table
+        Name, kind, state, points of the scene and those done and failed, preset, age [s], size
+        [byte] and title of each.
+
+    Raises
+    ------
+    InputError
+        If there is no such folder.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> stores = pipeline.listing("results/").as_dict()
+    >>> stores["name"][0], stores["state"][0], stores["done"][0]
+    ('first_try.zarr', 'done', 24)
+    """
+    path = Path(folder)
+    if not path.is_dir():
+        raise InputError(f"{folder} is not a folder; give one with stores or scenes")
+    rows = [row for each in _stores_and_scenes(path) if (row := _row(each, path))]
+    names = [column.name for column in _COLUMNS]
+    return Table(_COLUMNS, tuple(tuple(row.get(name) for name in names) for row in rows))
+
+
+def _stores_and_scenes(folder: Path) -> Iterator[Path]:
+    """Stores below a folder, without a look into them, and files that may be scenes."""
+    for path in sorted(folder.iterdir()):
+        if path.name.startswith("."):
+            continue
+        if (path / ROOT).exists() or (path.is_file() and path.suffix == ".toml"):
+            yield path
+        elif path.is_dir() and not path.is_symlink():
+            yield from _stores_and_scenes(path)
+
+
+def _row(path: Path, folder: Path) -> dict[str, Any] | None:
+    """Values of a store or scene by column; None for a file that is no scene."""
+    row = _of_store(path) if path.is_dir() else _of_scene(path)
+    if row is None:
+        return None
+    files = [path] if path.is_file() else [each for each in path.rglob("*") if each.is_file()]
+    stats = [each.stat() for each in files]
+    changed = max((stat.st_mtime for stat in stats), default=time.time())
+    about = {"name": str(path.relative_to(folder)), "age": max(0.0, time.time() - changed)}
+    return row | about | {"bytes": sum(stat.st_size for stat in stats)}
+
+
+def _of_store(path: Path) -> dict[str, Any]:
+    """State of a store."""
+    try:
+        state, preset = summary(path), (read_attributes(path) or {}).get("preset")
+    except StoreError as error:
+        reason = str(error).split(";")[0].removeprefix(str(path)).strip(": ")
+        return {"kind": "store", "state": f"unreadable: {reason}"}
+    words = "done" if not state.pending else f"{state.done} of {state.total} done"
+    if state.failed:
+        words += f", {len(state.failed)} failed"
+    if state.running:
+        words += ", running now"
+    return {
+        "kind": "store",
+        "state": words,
+        "points": state.total,
+        "done": state.done,
+        "failed": len(state.failed),
+        "preset": preset,
+        "title": state.title,
+    }
+
+
+def _of_scene(path: Path) -> dict[str, Any] | None:
+    """State of a scene; None if the file is none."""
+    try:
+        tables = tomllib.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError):
+        return {"kind": "scene", "state": "unreadable"}
+    if not {"extends", "sweep"} & tables.keys():
+        return None
+    try:
+        sweep = load_scene(path)
+    except SceneFileError as error:
+        count = "a fault" if len(error.faults) == 1 else f"{len(error.faults)} faults"
+        return {"kind": "scene", "state": f"{count}: irg check names all"}
+    except TriboError as error:
+        return {"kind": "scene", "state": str(error)}
+    return {"kind": "scene", "state": "valid", "preset": sweep.preset, "title": sweep.title}

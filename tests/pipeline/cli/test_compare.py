@@ -1,0 +1,55 @@
+"""Stores beside each other: their differences, and a list of them."""
+
+import json
+
+import numpy as np
+import pytest
+
+import pipeline
+from pipeline.cli import main
+from tests.helpers import synthetic
+from tests.pipeline.cli.test_commands import SCENE
+
+
+def test_a_difference_names_the_entry_the_move_of_the_boundary_and_the_points(monkeypatch, capsys):
+    def hotter(*at):
+        return 1.1 * synthetic.rise(*at)
+
+    scene = {"scene": {"pin": {"type": "Ball", "radius": 2e-3}}}
+    a = synthetic.sweep().assign_attrs(scene)
+    b = synthetic.sweep(rise=hotter, loads=synthetic.LOADS[1:])
+    b = b.assign_attrs({"scene": {"pin": {"type": "Ball", "radius": 3e-3}}})
+    monkeypatch.setattr(pipeline, "open_sweep", lambda path: {"a": a, "b": b}[str(path)])
+    found = pipeline.diff(a, b)
+    assert ("pin.radius", "2 mm", "3 mm") in found.entries.rows
+    moved = found.boundary.as_dict()
+    assert moved["load"] == synthetic.LOADS[1:].tolist()
+    expected = 1.1 ** (-1 / synthetic.VELOCITY_EXPONENT) - 1
+    np.testing.assert_allclose(moved["change"], expected, rtol=1e-3)
+    points = found.points.as_dict()
+    alone = [change for change in points["change"] if np.isnan(change)]
+    assert len(alone) == len(synthetic.VELOCITIES)  # at the load that B lacks
+    np.testing.assert_allclose([c for c in points["change"] if not np.isnan(c)], 0.1)
+    assert pipeline.diff(a, a).points.rows == ()
+
+
+def test_a_list_tells_scenes_stores_and_damage_apart(tmp_path, capsys):
+    (tmp_path / "deep").mkdir()
+    (tmp_path / "deep/small.toml").write_text(SCENE)
+    (tmp_path / "faulty.toml").write_text(SCENE.replace('"2 mm"', '"-2 mm"'))
+    (tmp_path / "pyproject.toml").write_text("[project]\n")
+    (tmp_path / "lost.zarr").mkdir()
+    (tmp_path / "lost.zarr/zarr.json").write_text("{}")
+    assert main(["list", str(tmp_path), "--json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    states = dict(zip(document["name"], document["state"], strict=True))
+    assert states["deep/small.toml"] == "valid"
+    assert states["faulty.toml"].startswith("a fault")
+    assert "damaged" in states["lost.zarr"]
+    assert "pyproject.toml" not in states
+
+
+@pytest.mark.parametrize("arguments", [["list", "nowhere"], ["diff", "nowhere", "nowhere"]])
+def test_what_is_not_there_is_named(arguments, capsys):
+    assert main(arguments) == 2
+    assert "nowhere" in capsys.readouterr().err
