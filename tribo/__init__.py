@@ -57,6 +57,7 @@ from .simulation import heat as heat
 from .simulation import heated as heated
 from .simulation import inseparable as inseparable
 from .simulation import measures as measures
+from .simulation import mechanics as mechanics
 from .simulation import simulate as simulate
 from .simulation import start as start
 from .simulation import warnings as warnings

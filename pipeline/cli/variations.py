@@ -64,6 +64,8 @@ def _text(found: Variations) -> Iterator[str]:
     if outcomes - {OUTCOMES[CROSSES]}:
         yield ""
         yield "in words: no transition between the sweep's velocities"
+    yield ""
+    yield f"from {found.points} points on the contacts of {found.contacts}"
 
 
 def _cells(found: Variations, variation: Variation) -> Iterator[str]:

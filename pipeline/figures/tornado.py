@@ -29,7 +29,7 @@ def draw_variations(found: Variations) -> Figure:
     >>> import pipeline
     >>> own = pipeline.Variation("", "", (2.17,), ("crosses",))
     >>> other = pipeline.Variation("friction.coefficient", "0.12", (1.63,), ("crosses",))
-    >>> found = pipeline.Variations("A scene", (400.0,), own, (other,), points=8)
+    >>> found = pipeline.Variations("A scene", (400.0,), own, (other,), points=8, contacts=8)
     >>> figure = pipeline.draw_variations(found)
     """
     keys = found.by_key()

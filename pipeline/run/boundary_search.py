@@ -29,6 +29,7 @@ _LEAST_CURVATURE = 0.2  # known from a few points, it may be less by chance
 _WIDEST = 0.35  # of h
 _NEAR = 0.1  # of h: how near to a node a crossing must be expected to ask beyond it
 _FINEST = 12  # halvings of the axis
+_ROUNDING = 1e-5  # of a velocity in round figures, and more
 
 
 def searched(sweep: Sweep, limits: Iterable[float]) -> list[float]:
@@ -74,6 +75,9 @@ class BoundarySearch:
         Rise at which wear turns severe [K].
     tolerance : float
         Relative error of the critical velocity.
+    scale : float, optional
+        Factor by which velocities are divided: searches of several wear rates, in units of one of
+        them, look at the same products of wear rate and velocity.
 
     Raises
     ------
@@ -95,6 +99,7 @@ class BoundarySearch:
     highest: float
     limit: float
     tolerance: float
+    scale: float = 1.0
 
     def __post_init__(self) -> None:
         if not 0 < self.lowest < self.highest:
@@ -150,14 +155,14 @@ class BoundarySearch:
         if not self.lowest <= velocity <= self.highest:
             return False
         finest = self._span() / 2 ** (_FINEST - 1)
-        number = round(math.log(velocity / self.lowest) / finest)
+        number = round(math.log(velocity * self.scale / self.lowest) / finest)
         return velocity == self._node(number, _FINEST - 1)
 
     def _first_node(self, load: float) -> float:
         """The velocity of the axis to begin with: in its middle at the middle load."""
         above = _TREND * math.log(load / self.loads[len(self.loads) // 2])
-        number = round(self._intervals() / 2 + above / self._span())
-        return self._node(min(max(number, 0), self._intervals()), 0)
+        number = round(self._intervals() / 2 + (above + math.log(self.scale)) / self._span())
+        return self._node(number, 0)
 
     def _row(self, known: Mapping[Point, float], load: float) -> list[tuple[float, float]]:
         """Velocities and rises that are known at a load, in the range."""
@@ -244,14 +249,13 @@ class BoundarySearch:
             span = self._span() / 2**level
             if level and curvature * (2 * span) ** 2 / 8 <= self.tolerance:
                 return []
-            k = (guess - math.log(self.lowest)) / span
+            k = (guess + math.log(self.scale / self.lowest)) / span
             below, above = math.floor(k), math.ceil(k)
             nodes = {below, above} | ({below + 1} if below == above else set())
             if not (low and high):
                 nodes |= {below - 1} if k - below < _NEAR else set()
                 nodes |= {above + 1} if above - k < _NEAR else set()
-            last = self._intervals() * 2**level
-            asked = {self._node(min(max(node, 0), last), level) for node in nodes}
+            asked = {self._node(node, level) for node in nodes}
             inside = {v for v in asked if (low is None or v > low) and (high is None or v < high)}
             if inside:
                 return inside
@@ -265,8 +269,9 @@ class BoundarySearch:
         return math.log(self.highest / self.lowest) / self._intervals()
 
     def _node(self, number: int, level: int) -> float:
-        """A velocity of the axis, in round figures."""
-        last = self._intervals() * 2**level
-        if number in (0, last):
-            return self.highest if number else self.lowest
-        return float(f"{self.lowest * math.exp(number * self._span() / 2**level):.6g}")
+        """A velocity of the axis, in round figures but for the scale; the nearer end beyond it."""
+        along = self.lowest * math.exp(number * self._span() / 2**level)
+        velocity = float(f"{along:.6g}") / self.scale
+        if velocity <= self.lowest * (1 + _ROUNDING):
+            return self.lowest
+        return self.highest if velocity >= self.highest * (1 - _ROUNDING) else velocity

@@ -17,10 +17,10 @@ from pipeline.scene.scenefile import load_scene
 from pipeline.scene.variants import absolute
 from pipeline.sweep.criterion import Conditions, decisive_rises, rise_limit
 from pipeline.sweep.model import Point, Sweep
-from pipeline.sweep.plan import chains, run_point
+from pipeline.sweep.sharing import SharedContacts, SharedPoint
 from pipeline.sweep.stages import staged
 from pipeline.sweep.warned import NO_WARNING, Warned
-from tribo import PointWarning, Scene
+from tribo import Scene
 from tribo.types import Array
 
 _APART = (  # fields of a sweep that count after the simulation
@@ -76,8 +76,8 @@ class Variations:
         The scene as it is.
     others : tuple of Variation
         The changes, in the order in which they were asked for.
-    points : int
-        Points simulated.
+    points, contacts : int
+        Points of all scenes, and the points whose contacts were computed for them.
     warned : Warned
         How many of them carry a warning, over all scenes.
 
@@ -86,7 +86,7 @@ class Variations:
     >>> import pipeline
     >>> own = pipeline.Variation("", "", (2.17,), ("crosses",))
     >>> other = pipeline.Variation("friction.coefficient", "0.12", (1.63,), ("crosses",))
-    >>> found = pipeline.Variations("A scene", (400.0,), own, (other,), points=8)
+    >>> found = pipeline.Variations("A scene", (400.0,), own, (other,), points=8, contacts=8)
     >>> found.own.critical_velocities
     (2.17,)
     """
@@ -96,6 +96,7 @@ class Variations:
     own: Variation
     others: tuple[Variation, ...]
     points: int
+    contacts: int
     warned: Warned = NO_WARNING
 
     def changes(self, variation: Variation) -> Array:
@@ -131,6 +132,7 @@ class Variations:
                 for each in self.others
             ],
             "points": self.points,
+            "contacts": self.contacts,
             "warnings": self.warned.as_dict(),
         }
 
@@ -145,7 +147,8 @@ def vary(
 ) -> Variations:
     """Find the boundary of a scene, and of the same with single entries changed.
 
-    Scenes that differ in friction and temperatures alone are simulated once.
+    Scenes that differ in friction and temperatures alone are simulated once. Those that differ in
+    wear rate and thermal constants share the contacts of one product of wear rate and velocity.
 
     Parameters
     ----------
@@ -184,11 +187,17 @@ def vary(
         for value in absolute(scene, key, values, overrides)
     }
     planes: dict[Scene, _Plane] = {}
+    contacts = SharedContacts()
+
+    def scale(variant: Sweep) -> float:
+        if not (sweep.wear and variant.wear and sweep.wears and variant.wears):
+            return 1.0
+        return variant.wear.specific_wear_rate / sweep.wear.specific_wear_rate
 
     def boundary(key: str, value: str, variant: Sweep) -> Variation:
         plain = replace(variant, samples=None, realizations=())
         alike = replace(plain, **{name: getattr(sweep, name) for name in _APART})
-        plane = planes.setdefault(alike, _Plane(plain))
+        plane = planes.setdefault(alike, _Plane(plain, contacts, scale(variant)))
         return Variation(key, value, *plane.boundary(sweep, variant.conditions, tolerance))
 
     def named(variant: tuple[str, str, Sweep]) -> str:
@@ -198,16 +207,24 @@ def vary(
     own, *found = (boundary(*variant) for variant in staged(scenes, tell, named))
     count = sum(len(plane.known) for plane in planes.values())
     warned = _warned(planes.values())
-    return Variations(sweep.title, sweep.loads, own, tuple(found), count, warned)
+    return Variations(sweep.title, sweep.loads, own, tuple(found), count, contacts.computed, warned)
 
 
 class _Plane:
-    """The points of one scene that were simulated."""
+    """The points of one scene that are known.
 
-    def __init__(self, sweep: Sweep) -> None:
-        self._sweep = sweep
-        self.known: dict[Point, dict[str, Array]] = {}
-        self.warnings: dict[Point, tuple[PointWarning, ...]] = {}
+    Parameters
+    ----------
+    sweep : Sweep
+    contacts : SharedContacts
+        Contacts of all scenes.
+    scale : float
+        Wear rate in that of the first scene.
+    """
+
+    def __init__(self, sweep: Sweep, contacts: SharedContacts, scale: float = 1.0) -> None:
+        self._sweep, self._contacts, self._scale = sweep, contacts, scale
+        self.known: dict[Point, SharedPoint] = {}
         self.beside: set[Point] = set()  # a boundary that was asked for
 
     def boundary(
@@ -219,29 +236,21 @@ class _Plane:
         """
         limit = rise_limit(conditions)
         moving = searched(asked, [limit])
-        search = BoundarySearch(asked.loads, moving[0], moving[-1], limit, tolerance)
+        ends = moving[0], moving[-1]
+        search = BoundarySearch(asked.loads, *ends, limit, tolerance, self._scale)
         while wanted := search.wanted(rises := self._rises(conditions)):
-            self._simulate(wanted)
+            self.known |= self._contacts.points(self._sweep, wanted)
         self.beside.update(_beside(rises, limit))
         velocities, outcomes = zip(
-            *(_crossing(rises, load, limit, (moving[0], moving[-1])) for load in asked.loads),
-            strict=True,
+            *(_crossing(rises, load, limit, ends) for load in asked.loads), strict=True
         )
         return velocities, outcomes
 
     def _rises(self, conditions: Conditions) -> dict[Point, float]:
         return {
-            point: float(decisive_rises(columns, point.load, conditions))
-            for point, columns in self.known.items()
+            point: float(decisive_rises(result.columns, point.load, conditions))
+            for point, result in self.known.items()
         }
-
-    def _simulate(self, wanted: tuple[Point, ...]) -> None:
-        for chain in chains(wanted, self._sweep.independent):
-            trunk = None
-            for point in chain:
-                result = run_point(self._sweep, *point, trunk=trunk)
-                self.known[point], trunk = result.columns, result.trunk
-                self.warnings[point] = result.warnings
 
 
 def _beside(rises: Mapping[Point, float], limit: float) -> Iterator[Point]:
@@ -254,10 +263,10 @@ def _beside(rises: Mapping[Point, float], limit: float) -> Iterator[Point]:
 def _warned(planes: Iterable[_Plane]) -> Warned:
     """Count the points that carry a warning, and show one, beside a boundary if there is any."""
     found = [
-        (point not in plane.beside, point, warnings)
+        (point not in plane.beside, point, result.warnings)
         for plane in planes
-        for point, warnings in plane.warnings.items()
-        if warnings
+        for point, result in plane.known.items()
+        if result.warnings
     ]
     if not found:
         return NO_WARNING

@@ -11,7 +11,7 @@ from __future__ import annotations
 import itertools
 import math
 import time
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -75,6 +75,8 @@ class PointResult:
         Reasons for care in relying on the point.
     trunk : Trunk
         Trunk of the ramp, which the next higher load continues.
+    at_load : tuple of State
+        States with temperature from when the load is reached on, which decide.
     wall_time : float
         Duration of the computation, which may have begun on a trunk [s].
     finished_at : float
@@ -87,6 +89,7 @@ class PointResult:
     shape: tuple[int, int]
     warnings: tuple[PointWarning, ...]
     trunk: Trunk
+    at_load: tuple[State, ...]
     wall_time: float
     finished_at: float = field(default_factory=time.time)
 
@@ -220,20 +223,33 @@ def run_point(
     trunk = _leading_to(sweep, load, trunk)
     records = list(trunk.records)
     steps = step_count(sweep, load) if progress else 0
+    at_load = []
     for state in simulate(sweep, load, velocity, trunk.state):
         records.append(_record(sweep, state))
         trunk = _extended(sweep, trunk, state, load, records[-1])
+        if state.heat and state.normal_load >= load:
+            at_load.append(state)
         if progress:
             progress(len(records), steps)
     return PointResult(
         point=Point(load, velocity, realization, sample),
-        columns={name: np.array([record[name] for record in records]) for name in records[0]},
+        columns=_columns(records),
         state=state,
         shape=sweep.grid.shape,
         warnings=tuple(warnings(sweep, state)),
         trunk=trunk,
+        at_load=tuple(at_load),
         wall_time=time.perf_counter() - began,
     )
+
+
+def columns_of(sweep: Sweep, states: Iterable[State]) -> dict[str, Array]:
+    """Columns of a point at some of its states, as in `PointResult.columns`."""
+    return _columns([_record(sweep, state) for state in states])
+
+
+def _columns(records: Sequence[Record]) -> dict[str, Array]:
+    return {name: np.array([record[name] for record in records]) for name in records[0]}
 
 
 def advance_trunk(

@@ -61,6 +61,29 @@ def wear_number(scene: Scene, velocity: float) -> float:
     return scene.wear.specific_wear_rate * abs(velocity) if scene.wear else 0.0
 
 
+def mechanics(scene: Scene) -> Scene:
+    """The scene with a wear rate and thermal constants of 1: the same for all that share contacts.
+
+    Contacts of one such scene are the same at one load and `wear_number`.
+
+    Examples
+    --------
+    >>> import tribo
+    >>> from dataclasses import replace
+    >>> scene = tribo.critical_temperature_rig()
+    >>> insulating = replace(scene, disk=replace(scene.disk, thermal_conductivity=5.0))
+    >>> tribo.mechanics(insulating) == tribo.mechanics(scene)
+    True
+    """
+    athermal = {"thermal_conductivity": 1.0, "density": 1.0, "specific_heat": 1.0}
+    parts = {field.name: getattr(scene, field.name) for field in fields(Scene)}
+    parts["pin"] = replace(scene.pin, material=replace(scene.pin.material, **athermal))
+    parts["disk"] = replace(scene.disk, **athermal)
+    if scene.wear and scene.wears:
+        parts["wear"] = replace(scene.wear, specific_wear_rate=1.0)
+    return Scene(**parts)
+
+
 def inseparable(scene: Scene, velocities: Iterable[float]) -> str | None:
     """Reason why contacts of one wear number differ from velocity to velocity; None if they do not.
 
@@ -145,7 +168,7 @@ def contacts(
         raise InputError(f"heat model {heat_model!r} cannot go on from a state of the other one")
     interval, levels = scene.fidelity.temperature_interval, tuple(scene.levels())
     stations = list(scene.stations(normal_load, after=state.normal_load))
-    closer, mechanics = _Closer(scene, normal_load, velocity), _mechanics(scene)
+    closer, system = _Closer(scene, normal_load, velocity), mechanics(scene)
 
     def unworn(station: Station, is_asked: bool) -> State:
         # Where nothing remembers the way, not even a first guess may, or results would depend on
@@ -161,7 +184,7 @@ def contacts(
             state, shown = _contact(levels, closer, state, station, velocity, is_asked)
             yield shown
         else:
-            key = mechanics, normal_load, station, is_asked
+            key = system, normal_load, station, is_asked
             shown = unworn_contact(key, functools.partial(unworn, station, is_asked))
             yield replace(shown, sliding_distance=abs(velocity) * station.time)
 
@@ -182,14 +205,6 @@ def _contact(
     if state.heat is not None and levels[-1].fidelity.fewest_elements:
         return state, replace(state, heat=None)  # that might be of other elements than the last
     return state, state
-
-
-def _mechanics(scene: Scene) -> Scene:
-    """The scene with thermal constants of 1: the same for all that share its contacts."""
-    athermal = {"thermal_conductivity": 1.0, "density": 1.0, "specific_heat": 1.0}
-    parts = {field.name: getattr(scene, field.name) for field in fields(Scene)}
-    pin = replace(scene.pin, material=replace(scene.pin.material, **athermal))
-    return Scene(**parts | {"pin": pin, "disk": replace(scene.disk, **athermal)})
 
 
 def leads_to(scene: Scene, state: State, normal_load: float) -> bool:

@@ -9,6 +9,7 @@ import pipeline
 from pipeline.cli import main
 from pipeline.run.vary import _beside, _Plane, _warned
 from pipeline.sweep.model import Point
+from pipeline.sweep.sharing import SharedContacts, SharedPoint
 from pipeline.sweep.warned import NO_WARNING, Warned
 from tests.pipeline.cli.test_commands import SCENE
 from tribo import PointWarning, WarningKind
@@ -54,13 +55,20 @@ def test_points_that_carry_a_warning_are_told_and_whether_the_boundary_rests_on_
     rises = {Point(200.0, 1.0): 9.0, Point(200.0, 2.0): 11.0, Point(300.0, 0.5): 12.0}
     assert list(_beside(rises | {Point(200.0, 4.0): 12.0}, 10.0)) == [*rises][:2]
     edge, heat = (PointWarning(WarningKind(kind), f"told {kind}") for kind in (2, 16))
-    planes = [_Plane(None), _Plane(None)]
-    planes[0].warnings = {Point(200.0, 1.0): (heat, edge), Point(200.0, 2.0): ()}
-    planes[1].warnings = {Point(300.0, 4.0): (heat,), Point(200.0, 1.0): (heat,)}
+    planes = [_Plane(None, SharedContacts()), _Plane(None, SharedContacts())]
+    for plane, warned in zip(
+        planes,
+        (
+            {Point(200.0, 1.0): (heat, edge), Point(200.0, 2.0): ()},
+            {Point(300.0, 4.0): (heat,), Point(200.0, 1.0): (heat,)},
+        ),
+        strict=True,
+    ):
+        plane.known = {point: SharedPoint({}, kinds) for point, kinds in warned.items()}
     planes[1].beside = {Point(300.0, 4.0), Point(300.0, 5.0)}
     kinds = {"contact at edge": 1, "present heat": 3}
     assert _warned(planes) == Warned(3, kinds, 1, "300 N, 4 m/s: told 16")
-    assert _warned([_Plane(None)]) == NO_WARNING
+    assert _warned([_Plane(None, SharedContacts())]) == NO_WARNING
     assert found.as_dict()["warnings"] == found.warned.as_dict()
 
 
@@ -75,6 +83,22 @@ def test_the_command_tells_of_a_window_that_is_too_narrow(folder, capsys):
     text = capsys.readouterr().out
     assert f"warning: {document['points']} points carry a warning" in text
     assert f"warning: at {document['example']}" in text
+
+
+def test_wear_rate_and_thermal_constants_take_each_contact_once(folder):
+    scene = folder / "small.toml"
+    over = {
+        "materials.steel.thermal_conductivity": ["43 W/(m K)"],
+        "wear.specific_wear_rate": ["1.4e-6 mm^3/(N m)"],
+    }
+    shared = pipeline.vary(scene, over)
+    assert shared.contacts <= shared.points / 2
+    for one in shared.others:
+        alone = pipeline.vary(scene, {}, overrides={one.key: one.value})
+        critical = pytest.approx(alone.own.critical_velocities, rel=0.005, nan_ok=True)
+        assert one.critical_velocities == critical
+        assert one.critical_velocities != shared.own.critical_velocities
+        assert alone.contacts == alone.points
 
 
 def test_friction_and_temperatures_cost_few_points(found, folder):
@@ -126,7 +150,9 @@ def test_where_there_is_no_boundary_it_is_told_on_which_side_it_lies(folder, cap
 def test_what_moves_no_boundary_is_drawn(own):
     one = pipeline.Variation("", "", (own,), ("crosses" if own == own else "mild throughout",))
     other = pipeline.Variation("friction.coefficient", "0.01", (np.nan,), ("mild throughout",))
-    figure = pipeline.draw_variations(pipeline.Variations("", (400.0,), one, (other,), points=8))
+    figure = pipeline.draw_variations(
+        pipeline.Variations("", (400.0,), one, (other,), points=8, contacts=8)
+    )
     (label,) = [each.get_text() for each in figure.legends[0].get_texts()]
     assert label == f"at 400 N, {'from 2 m/s' if own == own else 'mild throughout'}"
 
