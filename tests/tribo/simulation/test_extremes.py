@@ -44,7 +44,7 @@ from tribo.thermal import conduction
 from tribo.thermal.conduction import thermal_influence
 from tribo.thermal.quadrature import panels
 
-TABLE = Path(__file__).with_name("EXTREMES.md")
+TABLE = Path(__file__).parents[3] / "workflows" / "EXTREMES.md"
 SOLVED = "solved"
 
 CAPACITY = 6.6e9 * 48 * 8e-6 * 3.4e-3  # load that the small scene's window carries [N]
