@@ -30,7 +30,7 @@ def self_affine(
     grid : Grid
         The pixels of the surface.
     ra : float
-        Average roughness, the mean of |height| about the mean plane [m].
+        Average roughness, the mean of the absolute height about the mean plane [m].
     hurst_exponent : float
         H, above 0 and at most 1.
     correlation_length : float or tuple of float

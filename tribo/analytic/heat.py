@@ -71,8 +71,8 @@ def moving_band_rise(
 ) -> Array:
     """Steady surface rise due to a band source on a moving half-space [K], as `position`.
 
-    θ(x) = q/(πK) ∫_{−l}^{l} exp(V(x − x')/2κ) K₀(V|x − x'|/2κ) dx', where the solid moves at
-    V > 0 along x past the band |x| < l (Jaeger 1942; Carslaw & Jaeger, §10.7). In closed form,
+    ``θ(x) = q/(πK) ∫_{−l}^{l} exp(V(x − x')/2κ) K₀(V|x − x'|/2κ) dx'``, where the solid moves at
+    V > 0 along x past the band from −l to l (Jaeger 1942; Carslaw & Jaeger, §10.7). In closed form,
     since the integral of e^{±u} K₀(u) from 0 to U is U e^{±U} (K₀(U) ± K₁(U)) ∓ 1.
 
     Examples
@@ -118,10 +118,11 @@ def rolling_sliding_rise(
 ) -> float:
     """Highest rise of a line contact of two identical bodies that roll and slide [K].
 
-    θ = c µ w |√u₁ − √u₂|/(e √(2b)) with the load per length w [N/m], the contact's width 2b [m],
-    the velocities u₁ and u₂ of both surfaces through it [m/s], in one direction, and the effusivity
-    e = √(Kρc) of each body (Blok 1937). At high Péclet numbers: each point is heated on its way
-    through the contact and loses nothing sideways, so that the heat is shared as √u₁ : √u₂.
+    ``θ = c µ w |√u₁ − √u₂|/(e √(2b))`` with the load per length w [N/m], the contact's width
+    2b [m], the velocities u₁ and u₂ of both surfaces through it [m/s], in one direction, and the
+    effusivity e = √(Kρc) of each body (Blok 1937). At high Péclet numbers: each point is heated
+    on its way through the contact and loses nothing sideways, so that the heat is shared as
+    √u₁ : √u₂.
 
     Examples
     --------

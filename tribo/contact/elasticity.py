@@ -97,7 +97,7 @@ def elastic_influence(
         Contact modulus E* [Pa].
     kernel : {"periodic", "nearest-image"}, optional
         ``"periodic"`` sums all images along the periodic axes. ``"nearest-image"`` is for one
-        periodic axis, say y of length L, and takes D(x, |y|) + D(x, L − |y|): the DC-FFT with
+        periodic axis, say y of length L, and takes ``D(x, |y|) + D(x, L − |y|)``: the DC-FFT with
         its leakage added (Bosman & de Rooij, Fig. 3). Each point then feels a line contact of
         length 2L instead of an endless one, which is too stiff: the cylinder of their Fig. 4 has
         a peak pressure that is 1.1 % too high at L = 456 µm.

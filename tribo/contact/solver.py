@@ -56,7 +56,7 @@ class ContactSolution:
         Largest violation of the conditions on the gap, in units of D_self·max(p), and what
         rounding may hide of it.
     load_error : float
-        Relative error of the load, |Σp·dA/F − 1|.
+        Relative error of the load, ``|Σp·dA/F − 1|``.
     penetration : float
         Deepest overlap of the bodies where the material does not yield [m]; it counts in the
         residual.
