@@ -19,21 +19,26 @@ def in_notebook() -> bool:
 def reported(
     progress: Callable[[Any], None] | None,
 ) -> Iterator[Callable[[Any], None] | None]:
-    """Give the callable that was given; in a notebook without one, a bar below the cell."""
+    """Give the callable that was given; in a notebook without one, a line below the cell.
+
+    The line is replaced, not added to: a notebook kept with its output has one line of a run.
+    """
     if progress is not None or not in_notebook():
         yield progress
         return
-    from tqdm import tqdm
+    from IPython.display import display
 
-    with tqdm(bar_format="{n_fmt} of {total_fmt} points done{postfix} |{bar:20}|") as bar:
+    line = display(  # type: ignore[no-untyped-call]
+        {"text/plain": "starting workers"}, raw=True, display_id=True
+    )
 
-        def show(progress: Any) -> None:
-            bar.total, bar.n = progress.total, progress.done
-            words = [f"{duration(progress.elapsed)} so far"]
-            if progress.failed:
-                words.append(f"{progress.failed} failed")
-            if progress.time_to_go is not None:
-                words.append(f"{duration(progress.time_to_go)} to go")
-            bar.set_postfix_str(", ".join(words))
+    def show(progress: Any) -> None:
+        words = [f"{progress.done} of {progress.total} points done"]
+        if progress.failed:
+            words.append(f"{progress.failed} failed")
+        words.append(f"{duration(progress.elapsed)} so far")
+        if progress.time_to_go is not None and progress.done < progress.total:
+            words.append(f"{duration(progress.time_to_go)} to go")
+        line.update({"text/plain": ", ".join(words)}, raw=True)
 
-        yield show
+    yield show
