@@ -81,6 +81,7 @@ SCHEMA = _option(
     "scenes",
 )
 LIST = _flag("--list")
+TOPIC = _option("topic", metavar="TOPIC", nargs="?", help="name of a page or of a command")
 
 WORKERS = _option(
     "--workers",

@@ -167,6 +167,10 @@ COMMANDS = (
             *o.FIELDS,
         ),
     ),
+    Command(
+        "help", "pages:help_", "print a page of the documentation, or list them", "first-hour",
+        (o.TOPIC,),
+    ),
 )  # fmt: skip
 
 
@@ -180,8 +184,8 @@ class _Help(argparse.HelpFormatter):
         )
 
 
-def parse(arguments: Sequence[str] | None) -> argparse.Namespace:
-    """Read the options of one command; `function_of` gives its function."""
+def whole_parser() -> argparse.ArgumentParser:
+    """Parser of all commands."""
     parser = argparse.ArgumentParser(
         prog="irg",
         description="Predict where a lubricated sliding contact goes from mild to severe wear.",
@@ -199,6 +203,12 @@ def parse(arguments: Sequence[str] | None) -> argparse.Namespace:
     parsers = parser.add_subparsers(metavar="COMMAND")
     for command in COMMANDS:
         _add(parsers, command)
+    return parser
+
+
+def parse(arguments: Sequence[str] | None) -> argparse.Namespace:
+    """Read the options of one command; `function_of` gives its function."""
+    parser = whole_parser()
     if "_ARGCOMPLETE" in os.environ:  # a shell asks what may follow
         import argcomplete
 
