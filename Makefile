@@ -4,7 +4,7 @@ BIN := .venv/bin
 MEASURE := OMP_NUM_THREADS=1 $(BIN)/python -m pytest --benchmark-only --benchmark-disable-gc \
 	--benchmark-columns=min,rounds -s
 
-.PHONY: help diagram gallery reference test lowest javascript slow promises samples mutants crash many bench bench-peers clean
+.PHONY: help diagram gallery reference docs test lowest javascript slow promises samples mutants crash many bench bench-peers clean
 help:     ## what there is to make
 	@grep -E '^[a-z-]+: ' Makefile | sed -E 's/:[^#]*## /\t/' | expand -t 16
 
@@ -25,8 +25,13 @@ diagram: .venv/run    ## compute and draw the transition diagram of the paper's 
 gallery: .venv/run    ## recompute every figure and table of the paper, and their page
 	$(BIN)/irg reproduce all -o workflows
 
-reference: .venv/run  ## write the reference of the scene file anew from the format
+reference: .venv/run  ## write the references of the scene file and of the dataset anew
 	$(BIN)/python -m pipeline.scene.reference > workflows/SCENE.md
+	$(BIN)/python -m pipeline.store.reference > workflows/DATASET.md
+
+docs: .venv/test      ## build the site of all pages into results/docs, its notebook and figures executed
+	$(BIN)/sphinx-build -W --keep-going -q -c workflows workflows results/docs
+	@echo "results/docs/index.html"
 
 test: .venv/test      ## style, types, import rules and the test suite
 	$(BIN)/ruff check .

@@ -1,0 +1,34 @@
+"""The pages: a site whose links and references all hold, and the same in a terminal."""
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+from pipeline.cli import main
+
+ROOT = Path(__file__).parents[1]
+WORKFLOWS = ROOT / "workflows"
+
+
+def test_the_site_builds_without_a_warning(tmp_path):
+    build = ["-q", "-W", "--keep-going", "-b", "dummy", "-D", "nb_execution_mode=off"]
+    command = [sys.executable, "-m", "sphinx", *build, "-c", WORKFLOWS, WORKFLOWS, tmp_path]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=250)
+    assert done.returncode == 0, done.stderr
+
+
+def test_every_page_is_in_the_contents():
+    listed = re.findall(r"^(?:.*<)?(\w+)>?$", (WORKFLOWS / "index.md").read_text(), re.MULTILINE)
+    assert {path.stem for path in WORKFLOWS.glob("*.md")} - {"index"} <= set(listed)
+
+
+def test_pages_are_printed_in_a_terminal(capsys):
+    assert main(["help"]) == 0
+    names = re.findall(r"^irg help ([\w-]+)", capsys.readouterr().out, re.MULTILINE)
+    assert {"first-hour", "model", "scene", "dataset"} <= set(names)
+    for name in names:
+        assert main(["help", name]) == 0
+        assert "# " in capsys.readouterr().out
+    assert main(["help", "first-our"]) == 2
+    assert '(did you mean "first-hour"?)' in capsys.readouterr().err

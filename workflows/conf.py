@@ -1,0 +1,33 @@
+"""Configuration of the site that `make docs` builds of the pages in this folder."""
+
+from importlib.metadata import version as installed_version
+
+project = "irg-transition"
+author = "The irg-transition developers"
+version = release = installed_version(project)
+
+extensions = [
+    "myst_nb",  # pages in Markdown, and the notebook
+    "numpydoc",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.autosummary",
+    "sphinxarg.ext",  # reference of the command, from its parser
+]
+exclude_patterns = ["paper"]
+html_theme = "furo"
+html_title = "IRG transition diagrams"
+smartquotes = False  # the dashes of options are two
+
+myst_heading_anchors = 4
+myst_enable_extensions = ["amsmath", "dollarmath"]
+nb_execution_timeout = 600  # [s]
+nb_execution_raise_on_error = True
+
+autodoc_member_order = "bysource"
+autodoc_typehints = "none"  # types stand in the docstrings
+autosummary_generate = False
+numpydoc_show_class_members = False
+suppress_warnings = [
+    "myst.domains",  # that of the commands cannot be searched for references
+    "myst-nb.lexer",  # known once cells are executed
+]
