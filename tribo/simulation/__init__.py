@@ -1,6 +1,6 @@
 """One point of the diagram: loading with wear and friction heat."""
 
-from tribo.simulation.contacts import contacts, inseparable, leads_to, mechanics, wear_number
+from tribo.simulation.contact_ramp import contacts, inseparable, leads_to, mechanics, wear_number
 from tribo.simulation.fidelity import PRESETS, Fidelity
 from tribo.simulation.heating import heat
 from tribo.simulation.kernels import forget_contacts, forget_kernels

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
-from tribo.simulation.contacts import contacts
+from tribo.simulation.contact_ramp import contacts
 from tribo.simulation.heating import heat
 from tribo.simulation.scene import Scene
 from tribo.simulation.state import State

@@ -126,7 +126,7 @@ def test_a_figure_that_cannot_be_written_is_refused_first(
     command, name, small, capsys, monkeypatch
 ):
     (small / "taken.png").mkdir()
-    monkeypatch.setattr("tribo.simulation.contacts.advance", fail)
+    monkeypatch.setattr("tribo.simulation.contact_ramp.advance", fail)
     what = str(small / "small.toml") if command == "trade" else "fig4"
     assert main([command, what, "-o", str(small / name)]) == 2
     assert f"cannot write {small / name}" in capsys.readouterr().err

@@ -1,4 +1,4 @@
-"""The layers of a point: contact and wear, heat, conditions (tribo/simulation/contacts.py)."""
+"""The layers of a point: contact and wear, heat, conditions (tribo/simulation/contact_ramp.py)."""
 
 from dataclasses import replace
 

@@ -47,7 +47,7 @@ _TIGHT = 1e-3
 
 
 def wear_number(scene: Scene, velocity: float) -> float:
-    """Wear of the pin per pressure and time, w = k|V| [m/(Pa s)]; Eq. (1) of this module.
+    """Wear of the pin per pressure and time, ``w = k |V|`` [m/(Pa s)]; Eq. (1) of this module.
 
     Examples
     --------
