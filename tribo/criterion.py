@@ -132,6 +132,11 @@ class Criterion:
         return None if quantile is None else quantile(self.share)
 
     @property
+    def takes_share(self) -> bool:
+        """Dependence on the share."""
+        return "{share" in CRITERIA[self.name].temperature
+
+    @property
     def temperature(self) -> str:
         """The deciding temperature in words."""
         return self._rule.temperature.format(share=100 * self.share)

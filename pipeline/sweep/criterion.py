@@ -300,9 +300,22 @@ def at_bulks(columns: Mapping[str, Any], conditions: Conditions) -> Mapping[str,
     if ratio == 0:
         return columns
     require_bulks(columns, conditions)
-    at_ratio = rises_at(columns, ratio)
-    above_pin = max(0.0, -ratio)
-    return {**at_ratio, **{name: at_ratio[name] + above_pin for name in RISES if name in at_ratio}}
+    return above_colder(columns, ratio)
+
+
+def above_colder(columns: Mapping[str, Any], bulk_ratio: float) -> Mapping[str, Any]:
+    """Rises at friction 1 above the colder body at a bulk ratio [K].
+
+    Parameters
+    ----------
+    columns : mapping of ndarray
+        See `at_bulks`.
+    bulk_ratio : float
+        Disk's less pin's bulk temperature, over friction [K].
+    """
+    above_pin = rises_at(columns, bulk_ratio)
+    pin = max(0.0, -bulk_ratio)
+    return {**above_pin, **{name: above_pin[name] + pin for name in RISES if name in above_pin}}
 
 
 def require_bulks(columns: Container[Any] | xr.Dataset, conditions: Conditions) -> None:

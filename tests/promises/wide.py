@@ -107,7 +107,7 @@ class Draw:
     def roughness(self, seed):
         if self.chance(1 / 10):
             return None
-        ra = self.log_between(0.02e-6, 1e-6)
+        ra = self.log_between(0.02e-6, 0.3e-6)  # of which most balls touch on 400 elements
         return tribo.SelfAffineRoughness(ra, self.between(0.5, 0.9), (1.0, 1.0), seed)
 
     def lengths(self):

@@ -9,12 +9,12 @@
 
 /** Whether the sweep was computed for bulk temperatures that may differ. */
 function hasTwoBulks() {
-  return content.bulk_ratios.length > 0;
+  return content.bulk_ratios.length > 1;
 }
 
 /** Whether a share of the contact decides. */
 function hasShare() {
-  return (content.conditions.criterion ?? "share") === "share";
+  return content.shares.length > 1;
 }
 
 /** @type {Control[]} */

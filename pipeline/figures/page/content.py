@@ -19,7 +19,7 @@ from pipeline.analysis.decisive import decisive_rise
 from pipeline.analysis.transition import OUTCOMES, range_of
 from pipeline.figures.page.fields import FIELDS, packed_fields
 from pipeline.store.schema import DONE
-from pipeline.sweep.criterion import Conditions, rise_limit
+from pipeline.sweep.criterion import Conditions, above_colder, rise_limit
 from tribo import Criterion, WarningKind
 from tribo.types import Array, Mask
 
@@ -47,9 +47,9 @@ def content(ds: xr.Dataset, most_fields: int = MOST_FIELDS) -> dict[str, Any]:
     surfaces = [ds] if axis is None else [ds.isel({axis: at}) for at in range(ds.sizes[axis])]
     attributes = attributes_of(ds)
     conditions = Conditions(**attributes["conditions"])
-    parts = [_on_surface(part, conditions.decisive) for part in surfaces]
+    ratios, shares = _bulk_ratios(ds), _shares(ds, conditions)
+    parts = [_on_surface(part, conditions.criterion, ratios, shares) for part in surfaces]
     done = np.array([part["status"] == DONE for part in parts], dtype=bool)
-    by_share = conditions.criterion == "share"
     chosen = _nearest(surfaces, done, conditions, most_fields) if _has_fields(ds) else []
     return {
         "title": attributes.get("title"),
@@ -61,7 +61,6 @@ def content(ds: xr.Dataset, most_fields: int = MOST_FIELDS) -> dict[str, Any]:
         "range": {name: range_of(ds, name) for name in ("load", "velocity")},
         "outcomes": list(OUTCOMES.values()),
         "deciding": conditions.decisive.temperature,
-        "decisive": "" if by_share else _packed([part["decisive"] for part in parts], "<f8"),
         "loads": ds["load"].values.tolist(),
         "velocities": ds["velocity"].values.tolist(),
         "quantiles": ds["quantile"].values.tolist(),
@@ -71,9 +70,10 @@ def content(ds: xr.Dataset, most_fields: int = MOST_FIELDS) -> dict[str, Any]:
         "asked": _packed([part["asked"] for part in parts], "u1"),
         "moments": _packed([part["moments"] for part in parts], "<i4"),
         "moment_times": _packed([part["times"] for part in parts], "<f4"),
-        "bulk_ratios": ds["bulk_ratio"].values.tolist() if "bulk_ratio" in ds.coords else [],
-        "bulk_rises": _packed([part["bulk_rises"] for part in parts], "<f8"),
-        "rises": _packed([part["rises"] for part in parts], "<f8"),
+        "bulk_ratios": ratios,
+        "shares": shares,
+        "decisive": _packed([part["decisive"] for part in parts], "<f8"),
+        "rises": _packed([part["rises"] for part in parts], "<f4"),
         "numbers": {
             name: _packed([part["numbers"][name] for part in parts], "<f4")
             for name in parts[0]["numbers"]
@@ -89,27 +89,44 @@ def content(ds: xr.Dataset, most_fields: int = MOST_FIELDS) -> dict[str, Any]:
     }
 
 
-def _on_surface(ds: xr.Dataset, criterion: Criterion) -> dict[str, Any]:
-    """What is known of each point on one surface."""
+def _bulk_ratios(ds: xr.Dataset) -> list[float]:
+    """Bulk ratios at which rises are kept, ascending; 0 alone where both bulks are one [K]."""
+    others = ds["bulk_ratio"].values.tolist() if "bulk_ratio" in ds.coords else []
+    return sorted([*others, 0.0])
+
+
+def _shares(ds: xr.Dataset, conditions: Conditions) -> list[float]:
+    """Failing shares at which the deciding rise is tabulated, ascending: it is linear between them.
+
+    The scene's own alone for a criterion that does not depend on it.
+    """
+    own = conditions.failing_share
+    if not conditions.decisive.takes_share:
+        return [own]
+    shares = np.minimum(np.round(1 - ds["quantile"].values, 12), np.nextafter(1.0, 0.0))
+    return np.union1d(shares, own).tolist()
+
+
+def _on_surface(
+    ds: xr.Dataset, criterion: str, ratios: list[float], shares: list[float]
+) -> dict[str, Any]:
+    """Data of each point on one surface."""
     ds = ds.transpose("load", "velocity", "step", ...)
-    status = ds["status"].values
-    quantiles, times = ds["rise_quantile"].values, ds["time"].values
+    status, times = ds["status"].values, ds["time"].values
     normal_load = ds["normal_load"].values
-    every = quantiles[..., None, :]
-    if "bulk_rise_quantile" in ds:
-        every = np.concatenate([every, ds["bulk_rise_quantile"].values], axis=-2)
-    decisive = _decisive(ds, criterion, every)
+    names = ("rise_quantile", "mean_rise", "bulk_rise_quantile", "mean_bulk_response")
+    columns = {name: ds[name].values for name in names if name in ds}
+    at_ratios = [above_colder(columns, ratio) for ratio in ratios]
+    decisive = np.stack([_decisive(at, ds, criterion, shares) for at in at_ratios], axis=-2)
+    rises = np.stack([at["rise_quantile"] for at in at_ratios], axis=-2)
     moments = np.zeros(status.shape, dtype=int)
-    rises, at = [np.empty((0, *every.shape[-2:]))], [np.empty(0)]
-    decided = [np.empty((0, every.shape[-2]))]
+    kept = []
     for place in zip(*np.nonzero(status == DONE), strict=True):
-        rows = every[place].reshape(len(normal_load[place]), -1)
-        rows = np.hstack([rows, decisive[place]])
-        counts = _moments(rows, normal_load[place], float(ds["load"][place[0]]))
-        moments[place] = counts.size
-        rises.append(every[place][counts])
-        at.append(times[place][counts])
-        decided.append(decisive[place][counts])
+        rows = decisive[place].reshape(len(normal_load[place]), -1)
+        steps = _moments(rows, normal_load[place], float(ds["load"][place[0]]))
+        moments[place] = steps.size
+        kept += [(*place, step) for step in steps]
+    at = tuple(np.array(kept, dtype=np.intp).reshape(-1, 3).T)
     end = end_of_point(ds[[name for name in _SHOWN if name in ds]])
     flags = ds["warning_flags"].values.ravel().tolist()
     kinds = [[kind.label for kind in WarningKind if flag & kind] for flag in flags]
@@ -117,10 +134,9 @@ def _on_surface(ds: xr.Dataset, criterion: Criterion) -> dict[str, Any]:
         "status": status,
         "asked": asked(ds).transpose("load", "velocity").values,
         "moments": moments,
-        "times": np.concatenate(at),
-        "decisive": np.concatenate(decided).ravel(),
-        "rises": np.concatenate(rises)[:, 0].ravel(),
-        "bulk_rises": np.concatenate(rises)[:, 1:].ravel(),
+        "times": times[at],
+        "decisive": decisive[at],
+        "rises": rises[at],
         "numbers": {
             str(name): end[name].transpose("load", "velocity").values for name in end.data_vars
         },
@@ -129,22 +145,17 @@ def _on_surface(ds: xr.Dataset, criterion: Criterion) -> dict[str, Any]:
     }
 
 
-def _decisive(ds: xr.Dataset, criterion: Criterion, quantiles: Array) -> Array:
-    """Deciding rise by load, velocity, step and bulk ratio, that of equal bulks first [K]."""
-    mean = ds["mean_rise"].values[..., None]
-    if "mean_bulk_response" in ds:
-        ratios = np.append(0.0, ds["bulk_ratio"].values)
-        mean = mean + ratios * ds["mean_bulk_response"].values[..., None]
-    columns = {"rise_quantile": quantiles, "mean_rise": mean, "quantile": ds["quantile"].values}
-    found: Array = criterion.rise(columns)
-    return found
+def _decisive(columns: Any, ds: xr.Dataset, criterion: str, shares: list[float]) -> Array:
+    """Deciding rise by load, velocity, step and share [K]."""
+    columns = {**columns, "quantile": ds["quantile"].values}
+    return np.stack([Criterion(criterion, share).rise(columns) for share in shares], axis=-1)
 
 
-def _moments(quantiles: Array, normal_load: Array, load: float) -> NDArray[np.intp]:
-    """Steps at which a point may be at its worst, for one share of the contact or another.
+def _moments(rises: Array, normal_load: Array, load: float) -> NDArray[np.intp]:
+    """Steps at which a point may be at its worst, for one share or bulk ratio or another.
 
     Those from when the load is reached on (`pipeline.sweep.criterion.worst_moment`), without such
-    as another is hotter than at every quantile.
+    as another is hotter than at all of them.
 
     Examples
     --------
@@ -152,15 +163,15 @@ def _moments(quantiles: Array, normal_load: Array, load: float) -> NDArray[np.in
     >>> _moments(hold, np.array([500.0, 600.0, 600.0, 600.0, 600.0]), 600.0).tolist()
     [1, 3]
     """
-    known = np.isfinite(quantiles.sum(axis=-1))
+    known = np.isfinite(rises.sum(axis=-1))
     counts = np.flatnonzero(known & (normal_load >= load))
     if not counts.size and known[-1]:
         counts = np.array([len(known) - 1])
     kept: list[int] = []
     for step in counts.tolist():
-        row = quantiles[step]
-        if not any((quantiles[other] >= row).all() for other in kept):
-            kept = [other for other in kept if not (row >= quantiles[other]).all()] + [step]
+        row = rises[step]
+        if not any((rises[other] >= row).all() for other in kept):
+            kept = [other for other in kept if not (row >= rises[other]).all()] + [step]
     return np.array(kept, dtype=np.intp)
 
 

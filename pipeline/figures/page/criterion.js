@@ -34,14 +34,6 @@ function bulkRatio(conditions) {
   return difference === 0 ? 0 : difference / riseFactor(conditions);
 }
 
-/**
- * Part of a rise above the pin's bulk that makes it count from the colder body [K].
- * @param {number} ratio
- */
-function aboveColder(ratio) {
-  return Math.max(0, -ratio);
-}
-
 /** Bulk temperature of the colder body [K]. @param {Conditions} conditions */
 function coldestBulk(conditions) {
   return conditions.bulk_temperature + Math.min(0, bulkDifference(conditions));

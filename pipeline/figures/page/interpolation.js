@@ -84,6 +84,19 @@ function above(x, value) {
 }
 
 /**
+ * Value at an abscissa by straight lines, that of the nearer end beyond them.
+ * @param {ArrayLike<number>} x ascending @param {ArrayLike<number>} y @param {number} at
+ */
+function linear(x, y, at) {
+  const last = x.length - 1;
+  if (!(at > x[0])) return y[0];
+  if (at >= x[last]) return y[last];
+  const k = above(x, at);
+  const weight = (at - x[k - 1]) / (x[k] - x[k - 1]);
+  return (1 - weight) * y[k - 1] + weight * y[k];
+}
+
+/**
  * Interpolant of values close to a power law (pipeline.analysis.interpolation).
  * @param {number[]} x ascending, at least two @param {number[]} y @returns {Smooth}
  */

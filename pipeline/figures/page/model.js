@@ -1,6 +1,6 @@
 // @ts-check
 "use strict";
-/* What pipeline.analysis and pipeline.sweep.criterion compute. Nothing here knows the page. */
+/* Lines and boundaries through the deciding rises that Python has tabulated. Nothing here knows the page. */
 
 /**
  * @typedef {{normal_load: number, velocity: number, friction: number | null}} Measurement
@@ -10,7 +10,7 @@
  *   block?: [number, number], extent?: [number, (number | null)]}} Fields
  * @typedef {{title: string, name: string, conditions: Conditions, friction_heat: boolean,
  *   measured: Measurement[], chosen: boolean, loads: number[], velocities: number[],
- *   quantiles: number[], bulk_ratios: number[], bulk_rises: string, surfaces: Surfaces | null,
+ *   quantiles: number[], bulk_ratios: number[], shares: number[], surfaces: Surfaces | null,
  *   done: number, status: string, asked: string,
  *   moments: string, moment_times: string, rises: string, numbers: Object<string, string>,
  *   decisive: string, deciding: string, outcomes: string[],
@@ -29,6 +29,29 @@ const BAND = [0.1, 0.5, 0.9];
 const POINT_DONE = 1;
 const POINT_FAILED = 2;
 
+/** Rises above the colder body by moment, bulk ratio and column [K]. */
+class Table {
+  /** @param {ArrayLike<number>} values @param {number[]} ratios ascending @param {number} width */
+  constructor(values, ratios, width) {
+    this.values = values;
+    this.ratios = ratios;
+    this.width = width;
+  }
+
+  /** Row of a moment, linear between the bulk ratios. @param {number} moment @param {number} ratio */
+  row(moment, ratio) {
+    const { values, ratios, width } = this;
+    const high = Math.min(above(ratios, ratio), ratios.length - 1);
+    const low = Math.max(high - 1, 0);
+    const weight = high > low ? (ratio - ratios[low]) / (ratios[high] - ratios[low]) : 0;
+    const value = (/** @type {number} */ at, /** @type {number} */ k) =>
+      values[(moment * ratios.length + at) * width + k];
+    return Array.from({ length: width }, (_, k) =>
+      weight === 0 ? value(low, k) : (1 - weight) * value(low, k) + weight * value(high, k),
+    );
+  }
+}
+
 /** The sweep of a page. */
 class Sweep {
   /** @param {Content} content */
@@ -45,13 +68,13 @@ class Sweep {
     this.asked = new Uint8Array(bytes(content.asked));
     this.moments = new Int32Array(bytes(content.moments));
     this.times = new Float32Array(bytes(content.moment_times));
-    this.rises = new Float64Array(bytes(content.rises));
-    /** Deciding rise by moment and bulk ratio, for another criterion than the share. */
-    this.decided = content.decisive ? new Float64Array(bytes(content.decisive)) : null;
     this.range = content.range;
-    /** Ratios of the bulk temperatures' difference to friction, and rises at all but 0 of them. */
-    this.ratios = [...content.bulk_ratios, 0].sort((a, b) => a - b);
-    this.bulkRises = new Float64Array(bytes(content.bulk_rises));
+    this.shares = content.shares;
+    const ratios = content.bulk_ratios;
+    /** Rise that decides at each failing share. */
+    this.deciding = new Table(new Float64Array(bytes(content.decisive)), ratios, this.shares.length);
+    /** Quantiles of the rise, to look at. */
+    this.rises = new Table(new Float32Array(bytes(content.rises)), ratios, this.quantiles.length);
     /** @type {Object<string, Float32Array>} */
     this.numbers = {};
     for (const name in content.numbers) {
@@ -72,87 +95,18 @@ class Sweep {
   }
 
   /**
-   * Quantiles of the rise of a point at one of its moments above the colder body [K].
-   * @param {number} moment @param {number} ratio
-   */
-  riseQuantiles(moment, ratio) {
-    return this.betweenRatios(ratio, (kept) => this.riseAtRatio(moment, kept));
-  }
-
-  /**
-   * Rises above the colder body [K], linear between the bulk ratios that are kept.
-   * @param {number} ratio @param {(kept: number) => Float64Array} rises
-   */
-  betweenRatios(ratio, rises) {
-    if (ratio === 0) return rises(0);
-    const { ratios } = this;
-    const high = Math.min(Math.max(above(ratios, ratio), 1), ratios.length - 1);
-    const weight = (ratio - ratios[high - 1]) / (ratios[high] - ratios[high - 1]);
-    const [low, next] = [high - 1, high].map((k) => rises(ratios[k]));
-    return low.map((rise, k) => (1 - weight) * rise + weight * next[k] + aboveColder(ratio));
-  }
-
-  /**
-   * Deciding rise at a moment above the colder body, by a criterion without a share [K].
-   * @param {Float64Array} decided @param {number} moment @param {number} ratio
-   */
-  decidedRise(decided, moment, ratio) {
-    const n = this.ratios.length;
-    const place = (/** @type {number} */ kept) =>
-      kept === 0 ? 0 : this.ratios.indexOf(kept) + (kept > 0 ? 0 : 1);
-    return this.betweenRatios(ratio, (kept) => {
-      const begin = moment * n + place(kept);
-      return decided.subarray(begin, begin + 1);
-    })[0];
-  }
-
-  /** Quantiles of the rise at one of the ratios kept. @param {number} moment @param {number} ratio */
-  riseAtRatio(moment, ratio) {
-    const n = this.quantiles.length;
-    if (ratio === 0) return this.rises.subarray(moment * n, (moment + 1) * n);
-    const others = this.ratios.length - 1;
-    const place = this.ratios.indexOf(ratio) - (ratio > 0 ? 1 : 0);
-    const begin = (moment * others + place) * n;
-    return this.bulkRises.subarray(begin, begin + n);
-  }
-
-  /**
    * Decisive rise of a point [K] and the moment of it; NaN and −1 where it is not known.
    * @param {number} place @param {Conditions} conditions @returns {Worst}
    */
   worst(place, conditions) {
-    const { quantiles } = this;
-    const wanted = 1 - conditions.failing_share;
     const ratio = bulkRatio(conditions);
-    const last = quantiles.length - 1;
-    let high = quantiles.findIndex((quantile) => quantile >= wanted);
-    high = Math.min(Math.max(high < 0 ? last : high, 1), last);
-    const low = quantiles[high - 1];
-    const weight = (wanted - low) / (quantiles[high] - low);
     let found = { rise: NaN, moment: -1 };
     for (let k = 0; k < this.moments[place]; k++) {
       const moment = this.begins[place] + k;
-      const row = this.decided ? null : this.riseQuantiles(moment, ratio);
-      const rise =
-        row && !this.decided
-          ? (1 - weight) * row[high - 1] + weight * row[high]
-          : this.decidedRise(/** @type {Float64Array} */ (this.decided), moment, ratio);
+      const rise = linear(this.shares, this.deciding.row(moment, ratio), conditions.failing_share);
       if (!(rise <= found.rise)) found = { rise, moment };
     }
     return found;
-  }
-
-  /**
-   * Share of the contact area whose rise exceeds a limit.
-   * @param {ArrayLike<number>} row quantiles of the rise @param {number} limit of it [K]
-   */
-  failedShare(row, limit) {
-    const last = row.length - 1;
-    if (limit < row[0]) return 1;
-    if (limit >= row[last]) return 0;
-    const k = above(row, limit) - 1;
-    const weight = (limit - row[k]) / (row[k + 1] - row[k]);
-    return 1 - (this.quantiles[k] + weight * (this.quantiles[k + 1] - this.quantiles[k]));
   }
 
   /**

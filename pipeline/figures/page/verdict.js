@@ -18,15 +18,15 @@ function findings(i, j) {
     const place = sweep.place(surface, i, j);
     const { rise, moment } = sweep.worst(place, chosen.conditions);
     if (moment < 0) continue;
-    const row = sweep.riseQuantiles(moment, bulkRatio(chosen.conditions));
+    const row = sweep.rises.row(moment, bulkRatio(chosen.conditions));
     found.push({
       surface,
       place,
-      temperatures: [...row].map(temperature),
+      temperatures: row.map(temperature),
       decisive: temperature(rise),
       highest: temperature(row[row.length - 1]),
       time: sweep.times[moment],
-      failed: critical_temperature === null ? NaN : sweep.failedShare(row, limit),
+      failed: critical_temperature === null ? NaN : 1 - linear(row, sweep.quantiles, limit),
       severe: rise > limit,
     });
   }

@@ -57,14 +57,14 @@ def test_moments_left_out_decide_for_no_share():
     held = sweeps.held()
     found = content(held)
     moments = unpacked(found["moments"], "<i4")
-    rises = unpacked(found["rises"], "<f8").reshape(-1, held.sizes["quantile"])
+    table = unpacked(found["decisive"], "<f8").reshape(-1, len(found["shares"]))
     counts = (held["normal_load"] >= held["load"]) & held["rise_quantile"].notnull().all("quantile")
     assert 1 < moments.max() < int(counts.sum("step").max())
     done = moments > 0
     begins = (np.cumsum(moments) - moments)[done]
     for share in (0.0, 0.1, 0.37, 0.9):
-        exceeded = np.array([np.interp(1 - share, held["quantile"], row) for row in rises])
-        worst = np.maximum.reduceat(exceeded, begins)
+        deciding = np.array([np.interp(share, found["shares"], row) for row in table])
+        worst = np.maximum.reduceat(deciding, begins)
         expected = decisive_rise(held, synthetic.conditions(share)).values.ravel()
         np.testing.assert_allclose(worst, expected[done], rtol=1e-12)
         assert np.isnan(expected[~done]).all()
