@@ -7,6 +7,7 @@ Where these are not done, or were never asked for, the transition lies beyond wh
 from __future__ import annotations
 
 import math
+import shlex
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -155,22 +156,37 @@ def command_of(
 
     Examples
     --------
-    >>> attributes = {"name": "edge", "conditions": {"friction": 0.1, "failing_share": 0.1}}
+    >>> attributes = {"arguments": ["edge.toml", "--preset=draft"], "conditions": {"friction": 0.1}}
     >>> command_of("edge.zarr", attributes, {"friction": 0.12}, is_pending=False)
-    'irg run edge.toml -o edge.zarr --boundary-only --set friction.coefficient=0.12'
+    'irg run edge.toml --preset=draft -o edge.zarr --boundary-only --set=friction.coefficient=0.12'
     """
-    run = f"irg run {attributes.get('name')}.toml -o {store}"
-    if is_pending:
-        return run
-    stored = {"criterion": "share"} | (attributes.get("conditions") or {})
+    arguments = attributes.get("arguments") or [f"{attributes.get('name')}.toml"]
+    selection = attributes.get("selection")
+    picked = [f"--accuracy={selection['accuracy']:g}"] if selection else []
+    settings = [] if is_pending else _settings(attributes.get("conditions") or {}, conditions)
+    replaced = tuple(setting[: setting.rindex("=") + 1] for setting in settings)
+    kept = [word for word in arguments if not (replaced and word.startswith(replaced))]
+    is_whole = is_pending and not attributes.get("boundary_only")
+    searched = [] if is_whole else ["--boundary-only"]
+    return shlex.join(["irg", "run", *kept, *picked, "-o", str(store), *searched, *settings])
+
+
+def _settings(stored: Mapping[str, Any], conditions: Mapping[str, Any]) -> list[str]:
+    """Settings of the conditions that differ from those of a store."""
+    entries = ENTRIES
+    if "disk_temperature" in stored:
+        entries = entries | _BULKS
+        conditions = {"disk_temperature": conditions["bulk_temperature"], **conditions}
+    stored = {"criterion": "share", **stored}
     settings = []
-    for name, value in conditions.items():
-        if name in ENTRIES and value is not None and stored.get(name) != value:
-            text = str(value) if isinstance(value, str) else f"{value:g}"
+    for name, entry in entries.items():
+        value = conditions.get(name)
+        if value is not None and stored.get(name) != value:
+            text = value if isinstance(value, str) else repr(float(value))
             if name.endswith("temperature"):
-                text = f"'{value - 273.15:.6g} degC'"
-            settings.append(f"--set {ENTRIES[name]}={text}")
-    return " ".join([f"{run} --boundary-only", *settings])
+                text = f"{value - 273.15:.6g} degC"
+            settings.append(f"--set={entry}={text}")
+    return settings
 
 
 ENTRIES = {
@@ -179,4 +195,8 @@ ENTRIES = {
     "critical_temperature": "temperature.critical",
     "failing_share": "temperature.failing_share",
     "criterion": "temperature.criterion",
+}
+_BULKS = {
+    "bulk_temperature": "temperature.bulk.pin",
+    "disk_temperature": "temperature.bulk.disk",
 }

@@ -6,9 +6,10 @@ within a table while it is read, those between tables afterwards.
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from dataclasses import replace
-from os import PathLike
+from os import PathLike, fspath
 from typing import Any
 
 import tribo
@@ -62,6 +63,7 @@ def load_scene(
     >>> scene.preset, scene.loads
     ('standard', (200.0, 400.0, 600.0, 750.0))
     """
+    arguments = _arguments(path, preset, overrides or {})
     path = scene_path(path)
     faults: list[Fault] = []
     notes: list[str] = []
@@ -98,6 +100,7 @@ def load_scene(
             preset=preset,
             notes=tuple(notes),
             library=taken,
+            arguments=arguments,
         )
 
     try:
@@ -111,6 +114,17 @@ def load_scene(
         told = without_consequences(faults)
         raise SceneFileError(path, [document.line(fault) for fault in told])
     return sweep
+
+
+def _arguments(
+    path: str | PathLike[str], preset: str | None, overrides: Mapping[str, Any]
+) -> tuple[str, ...]:
+    """Arguments of a command that reads the scene so."""
+    settings = [
+        f"--set={key}={value if isinstance(value, str) else json.dumps(value, default=str)}"
+        for key, value in overrides.items()
+    ]
+    return (fspath(path), *([f"--preset={preset}"] if preset else []), *settings)
 
 
 SceneLike = Sweep | str | PathLike[str]

@@ -68,6 +68,7 @@ def present_attributes(sweep: Sweep) -> dict[str, Any]:
         | {
             "name": sweep.name,
             "title": sweep.title,
+            "arguments": list(sweep.arguments),
             "preset": sweep.preset,
             "conditions": sweep.conditions.as_dict(),
             "friction_band": list(sweep.friction_band) if sweep.friction_band else None,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any, NamedTuple, Self
 
 from pipeline.sweep.criterion import Conditions
@@ -139,6 +139,9 @@ class Sweep(Scene):
         Numbers that the scene takes from the library.
     chosen : collection of Point or None
         The points to simulate, if not all of them.
+    arguments : tuple of str
+        Arguments by which the command reads the scene: its file, preset and settings; none if it
+        was not read from a file.
 
     Raises
     ------
@@ -173,6 +176,7 @@ class Sweep(Scene):
     notes: tuple[str, ...] = ()
     library: tuple[FromLibrary, ...] = ()
     chosen: Collection[Point] | None = None
+    arguments: tuple[str, ...] = field(default=(), compare=False)
 
     def __post_init__(self) -> None:
         Scene.__post_init__(self)  # a slotted dataclass has no super()

@@ -12,7 +12,7 @@ import pipeline
 from pipeline.analysis.conditions import conditions_of
 from pipeline.analysis.decisive import decisive_rise
 from pipeline.analysis.transition import ABOVE, BELOW, BEYOND, CROSSES, MILD, OUTCOMES, SEVERE
-from pipeline.cli import main
+from pipeline.cli import main, values
 from pipeline.cli.crossings import document_of, tables_of
 from pipeline.figures.diagram import diagram
 from pipeline.sweep.criterion import Conditions, rise_limit
@@ -129,11 +129,23 @@ def given(request, case):
     return request.param
 
 
-def test_the_command_that_is_named_computes_what_was_beyond(tmp_path, monkeypatch, capsys):
+@pytest.mark.parametrize(
+    "settings",
+    [
+        [],
+        ["--preset", "draft", "--set", "wear.specific_wear_rate=2e-6 mm^3/(N m)"],
+        ["--set", "friction.coefficient=0.11", "--set", "increments=12"],
+    ],
+)
+def test_the_command_that_is_named_computes_what_was_beyond(
+    settings, tmp_path, monkeypatch, capsys
+):
     monkeypatch.chdir(tmp_path)
-    (tmp_path / "small.toml").write_text(SCENE)
-    run = ["run", "small.toml", "-o", "small.zarr", "--boundary-only", "-q", "--workers", "1"]
-    assert main(run) == 0
+    (tmp_path / "scenes").mkdir()
+    scene = tmp_path / "scenes" / "small.toml"
+    scene.write_text(SCENE)
+    run = ["run", "scenes/small.toml", *settings, "-o", "small.zarr", "--boundary-only", "-q"]
+    assert main([*run, "--workers", "1"]) == 0
     capsys.readouterr()
     ask = ["boundary", "small.zarr", "--json", "--friction", "0.085", "--critical-temperature"]
     ask += ["150 degC"]
@@ -145,7 +157,10 @@ def test_the_command_that_is_named_computes_what_was_beyond(tmp_path, monkeypatc
     assert main(ask) == 0
     again = json.loads(capsys.readouterr().out)
     assert again["command"] is None
-    sweep = pipeline.load_scene("small.toml")
+    overrides = dict(values.setting(text) for text in settings[1::2] if "=" in text)
+    overrides |= dict(values.setting(text) for text in settings[3::2])
+    preset = "draft" if "draft" in settings else None
+    sweep = pipeline.load_scene(scene, preset, overrides)
     conditions = sweep.conditions.changed(friction=0.085, critical_temperature=423.15)
     for load, velocity in zip(again["load"], again["critical_velocity"], strict=True):
         if velocity is not None:

@@ -104,7 +104,7 @@ def _shares(ds: xr.Dataset, conditions: Conditions) -> list[float]:
     if not conditions.decisive.takes_share:
         return [own]
     shares = np.minimum(np.round(1 - ds["quantile"].values, 12), np.nextafter(1.0, 0.0))
-    return np.union1d(shares, own).tolist()
+    return [float(share) for share in np.union1d(shares, own)]
 
 
 def _on_surface(
