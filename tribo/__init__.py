@@ -9,6 +9,9 @@ from .contact import ElasticHalfSpace as ElasticHalfSpace
 from .contact import elastic_influence as elastic_influence
 from .contact import solve_contact as solve_contact
 from .convolution import Convolution as Convolution
+from .corrections import Corrections as Corrections
+from .corrections import Stem as Stem
+from .corrections import Track as Track
 from .criterion import CRITERIA as CRITERIA
 from .criterion import Criterion as Criterion
 from .errors import ConvergenceError as ConvergenceError

@@ -14,7 +14,8 @@ from typing import NamedTuple
 import numpy as np
 
 from tribo.analytic import hertz_point_radius
-from tribo.criterion import Criterion, columns_of, rises_at
+from tribo.corrections import Corrections, moment_of
+from tribo.criterion import Criterion, rises_at
 from tribo.errors import InputError, require_positive
 from tribo.grid import Grid
 from tribo.loading import Ramp
@@ -80,6 +81,7 @@ def critical_temperature(
     bulk_temperature: float,
     criterion: Criterion | float = 0.1,
     bulk_difference: float = 0.0,
+    corrections: Corrections | None = None,
 ) -> CriticalTemperature:
     """Critical temperature from measured transitions: the deciding temperature there.
 
@@ -100,6 +102,9 @@ def critical_temperature(
     bulk_difference : float
         Bulk temperature of the disk less that of the pin [K]; the scene must have `unequal_bulks`
         if it is not 0.
+    corrections : Corrections, optional
+        Physics beside the half-spaces; of its friction by velocity nothing is used, since each
+        transition has its friction.
 
     Returns
     -------
@@ -123,13 +128,14 @@ def critical_temperature(
     if not transitions:
         raise InputError("there is no transition; at least one is needed")
     decisive = Criterion.of(criterion)
+    apart = replace(corrections, friction=()) if corrections else None
     for _, _, friction in transitions:
         require_positive(friction=friction)
     found = []
     for normal_load, velocity, friction in transitions:
         ratio = bulk_difference / friction
         rise = max(
-            float(decisive.rise(rises_at(columns_of(state.heat), ratio)))
+            float(decisive.rise(rises_at(moment_of(scene, state, apart), ratio)))
             for state in simulate(scene, normal_load, velocity)
             if state.heat and state.normal_load >= normal_load
         )

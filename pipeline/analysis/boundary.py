@@ -14,7 +14,12 @@ import xarray as xr
 
 from pipeline.analysis.attributes import attributes_of
 from pipeline.analysis.band import with_band
-from pipeline.analysis.conditions import Bulk, conditions_by_variant, conditions_of
+from pipeline.analysis.conditions import (
+    Bulk,
+    attributes_by,
+    conditions_by_variant,
+    conditions_of,
+)
 from pipeline.analysis.dataset import asked, dataset_of, variant_of
 from pipeline.analysis.decisive import decisive_rise, with_rises
 from pipeline.analysis.interpolation import exponent
@@ -158,7 +163,7 @@ def _boundary(
             for name, (dim, values, attrs) in columns.items()
         },
         {name: ds[name].variable for name in kept if name in ds.coords},
-        (conditions if axis else by_variant[0]).as_dict()
+        attributes_by(conditions if axis else by_variant[0])
         | {"missing_points": int(np.count_nonzero(missing))},
     )
     return with_band(boundaries, axis) if axis else boundaries

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import Any
@@ -81,6 +82,14 @@ def _kelvin(name: str, given: float | str | None) -> float | None:
             'text has its unit, such as "80 degC"'
         )
     return given
+
+
+def attributes_by(conditions: Conditions) -> dict[str, Any]:
+    """Conditions as attributes that netCDF holds; corrections as JSON."""
+    plain = conditions.as_dict()
+    if "corrections" in plain:
+        plain["corrections"] = json.dumps(plain["corrections"])
+    return plain
 
 
 def conditions_by_variant(

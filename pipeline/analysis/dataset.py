@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,7 @@ from pipeline.sweep import criterion
 from pipeline.sweep.criterion import Conditions
 from pipeline.sweep.unknown import first_alike
 from tribo import InputError
+from tribo.types import Array
 
 _IN_UTC = {
     "units": "seconds since 1970-01-01 00:00:00",
@@ -140,20 +142,45 @@ def at_bulks(ds: xr.Dataset, conditions: Conditions) -> xr.Dataset:
     Returns
     -------
     Dataset
-        The same where the bulk temperatures are equal; else with rises above the pin's bulk for
-        each unit of `Conditions.rise_factor`, but for the fields.
+        The same where the bulk temperatures are equal and nothing is corrected; else with rises
+        above the colder body for each unit of `Conditions.rise_factor`, but for the fields.
 
     Raises
     ------
     InputError
         If they are not, and the sweep was computed for equal ones.
     """
-    if conditions.bulk_ratio == 0:
+    if conditions.bulk_ratio == 0 and not conditions.corrections:
         return ds
     criterion.require_bulks(ds, conditions)
-    names = [name for name in criterion.RISES if name in ds]
-    kept = [name for name in ("bulk_rise_quantile", "mean_bulk_response") if name in ds]
-    rises = criterion.at_bulks({name: values_of(ds, name) for name in (*names, *kept)}, conditions)
+    return _with_rises(ds, conditions, criterion.at_bulks)
+
+
+def corrected(ds: xr.Dataset, conditions: Conditions) -> xr.Dataset:
+    """Take the rises of a sweep with the corrections of some conditions, at all bulk ratios."""
+    return _with_rises(ds, conditions, criterion.corrected) if conditions.corrections else ds
+
+
+def corrected_field(point: xr.Dataset, rise: Array, conditions: Conditions) -> Array:
+    """Rise over the window at the end of a point with corrections, shape of `rise` [K]."""
+    last = int(point["time"].notnull().sum()) - 1
+    columns = {name: point[name].values for name in criterion.columns_needed(conditions)}
+    line = {"rise_quantile": np.tile([0.0, 1.0], (len(columns["time"]), 1))}
+    zero, one = criterion.corrected(columns | line, conditions)["rise_quantile"][last]
+    field: Array = zero + (one - zero) * rise
+    return field
+
+
+def _with_rises(
+    ds: xr.Dataset,
+    conditions: Conditions,
+    judged: Callable[[Mapping[str, Any], Conditions], Mapping[str, Any]],
+) -> xr.Dataset:
+    """The sweep with rises under some conditions in place of its own."""
+    names = [name for name in (*criterion.RISES, "bulk_rise_quantile") if name in ds]
+    needed = ("bulk_rise_quantile", "mean_bulk_response", *criterion.columns_needed(conditions))
+    columns = {name: values_of(ds, name) for name in dict.fromkeys((*names, *needed)) if name in ds}
+    rises = judged(columns, conditions)
     order = [name for name in (variant_of(ds), *_ORDER) if name]
     return ds.assign(
         {

@@ -10,18 +10,15 @@ import xarray as xr
 from pipeline.analysis.dataset import dataset_of, values_of, variant_of
 from pipeline.analysis.interpolation import certain, interpolated
 from pipeline.store.schema import DONE
-from pipeline.sweep.criterion import Conditions, decisive_rises
+from pipeline.sweep.criterion import Conditions, columns_needed, decisive_rises
 
 
 def with_rises(ds: xr.Dataset, conditions: Sequence[Conditions]) -> xr.Dataset:
     """Load what decides under some conditions, and leave out the other quantiles."""
     stored, names = ds["quantile"].values, ["normal_load"]
     columns = {judged.decisive.column for judged in conditions}
-    unequal = any(judged.bulk_ratio for judged in conditions)
-    if "mean_rise" in columns:
-        names += ["mean_rise", *(["mean_bulk_response"] if unequal else [])]
+    names += [*columns, *(name for judged in conditions for name in columns_needed(judged))]
     if "rise_quantile" in columns:
-        names += ["rise_quantile", *(["bulk_rise_quantile"] if unequal else [])]
         wanted = [
             judged.decisive.quantile
             for judged in conditions
@@ -32,7 +29,7 @@ def with_rises(ds: xr.Dataset, conditions: Sequence[Conditions]) -> xr.Dataset:
             first = max(int(np.searchsorted(stored, min(levels))) - 1, 0)
             last = max(int(np.searchsorted(stored, max(levels))), first + 1)
             ds = ds.isel(quantile=slice(first, last + 1))
-    return ds.assign({name: ds[name].load() for name in names if name in ds})
+    return ds.assign({name: ds[name].load() for name in dict.fromkeys(names) if name in ds})
 
 
 def decisive_rise(ds: xr.Dataset, conditions: Conditions | Sequence[Conditions]) -> xr.DataArray:
@@ -57,11 +54,10 @@ def decisive_rise(ds: xr.Dataset, conditions: Conditions | Sequence[Conditions])
     several = [conditions] if isinstance(conditions, Conditions) else list(conditions)
     ds = with_rises(ds, several)
     names = ["normal_load", *(judged.decisive.column for judged in several)]
-    if any(judged.bulk_ratio for judged in several):
-        names += [name for name in ("bulk_rise_quantile", "mean_bulk_response") if name in ds]
-    columns = {name: values_of(ds, name) for name in dict.fromkeys(names)}
+    names += [name for judged in several for name in columns_needed(judged)]
+    columns = {name: values_of(ds, name) for name in dict.fromkeys(names) if name in ds}
     loads, levels = ds["load"].values[:, None, None], {"quantile": ds["quantile"].values}
-    if len({(judged.decisive, judged.bulk_ratio) for judged in several}) == 1:
+    if len({(own.decisive, own.bulk_ratio, own.corrections) for own in several}) == 1:
         rises = decisive_rises(columns | levels, loads, several[0])
     else:
         rises = np.array(

@@ -120,7 +120,9 @@ def critical_temperatures(
     conditions = sweep.conditions
 
     def transition(entry: Measurement) -> Transition:
-        friction = conditions.friction if entry.friction is None else entry.friction
+        friction = entry.friction
+        if friction is None:
+            friction = conditions.friction_at(entry.velocity)
         return Transition(entry.normal_load, entry.velocity, friction)
 
     transitions = tuple(transition(entry) for entry in sweep.measured)
@@ -141,6 +143,7 @@ def critical_temperatures(
             conditions.bulk_temperature,
             conditions.decisive,
             conditions.bulk_difference,
+            conditions.corrections,
         )
         found[number] += result.temperatures
     return CriticalTemperatures(

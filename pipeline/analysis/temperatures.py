@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import xarray as xr
 
-from pipeline.analysis.conditions import Bulk, conditions_of
+from pipeline.analysis.conditions import Bulk, attributes_by, conditions_of
 from pipeline.analysis.dataset import at_bulks, dataset_of
 from pipeline.analysis.decisive import decisive_rise, refined
 from pipeline.store.place import PathLike
@@ -55,7 +55,7 @@ def decisive_temperature(
     temperature.attrs = {
         "units": "K",
         "long_name": f"deciding temperature, {conditions.decisive.temperature}",
-        **conditions.as_dict(),
+        **attributes_by(conditions),
     }
     return temperature.rename("decisive_temperature")
 
@@ -96,7 +96,7 @@ def temperatures(
     ds = ds if isinstance(ds, xr.Dataset) else dataset_of(ds)
     conditions = conditions_of(ds, friction, bulk_temperature, critical_temperature)
     rises = at_bulks(ds, conditions)
-    result = xr.Dataset(attrs=conditions.as_dict())
+    result = xr.Dataset(attrs=attributes_by(conditions))
     for name, rise, meaning in (
         ("max_temperature", "max_rise", "highest temperature"),
         ("mean_temperature", "mean_rise", "mean temperature"),

@@ -41,6 +41,8 @@ def meaning(sweep: Sweep, facts: Facts) -> Iterator[str]:
         if sweep.friction_heat
         else "  heat     none, since there is no friction"
     )
+    if sweep.conditions.corrections:
+        yield f"  besides  {sweep.conditions.corrections.worded}"
 
 
 def _both_moving(facts: Facts) -> str:

@@ -172,9 +172,13 @@ OVER = _option(
     metavar="KEY=VALUE,VALUE",
     type=values.settings,
     action="append",
-    required=True,
+    default=[],
     help="an entry of the scene, and the values to give it, such as 0.08,0.12; or -20%%,+20%% of "
     "what the scene gives; may be repeated",
+)
+PHYSICS = _flag(
+    "--physics",
+    help="physics that the scene leaves out, each with its size here and how sure it is",
 )
 NEXT = _flag("--next", help="of a store of samples: rank what to measure next")
 SCATTER = _option(

@@ -15,6 +15,7 @@ from pipeline.analysis.transition import CROSSES, OUTCOMES
 from pipeline.cli.exit_codes import DONE
 from pipeline.cli.output import output_path, show, tell
 from pipeline.cli.scenes import settings_of
+from tribo import InputError
 
 if TYPE_CHECKING:
     from pipeline.run.vary import Variation, Variations
@@ -26,7 +27,12 @@ def vary(options: argparse.Namespace) -> int:
     over: dict[str, list[Any]] = {}
     for key, values in options.over:
         over.setdefault(key, []).extend(values)
-    found = pipeline.vary(options.scene, over, options.preset, settings_of(options), tell=tell)
+    if not over and not options.physics:
+        raise InputError("nothing to vary; give --over KEY=VALUE,VALUE for an entry, or --physics")
+    settings = settings_of(options)
+    found = pipeline.vary(
+        options.scene, over, options.preset, settings, tell=tell, physics=options.physics
+    )
     draw = partial(pipeline.draw_variations, found)
     show(
         options, found.as_dict(), _text(found),
@@ -57,7 +63,11 @@ def _text(found: Variations) -> Iterator[str]:
     """Table of critical velocities, a row for each value and a column for each load."""
     heads = (Column(f"{load:g}", f"at {load:g} N") for load in found.loads)
     others = itertools.chain.from_iterable(found.by_key().values())
-    entries = [("as it is", found.own), *((f"{each.key} = {each.value}", each) for each in others)]
+    effects = {effect.name for effect in found.left_out}
+    entries = [("as it is", found.own)]
+    entries += [
+        (each.key if each.key in effects else f"{each.key} = {each.value}", each) for each in others
+    ]
     rows = tuple((name, *_cells(found, each)) for name, each in entries)
     yield from Table((Column("entry", "critical velocity [m/s]"), *heads), rows).lines()
     outcomes = {outcome for each in (found.own, *found.others) for outcome in each.outcomes}
@@ -66,6 +76,12 @@ def _text(found: Variations) -> Iterator[str]:
         yield "in words: no transition between the sweep's velocities"
     yield ""
     yield f"from {found.points} points on the contacts of {found.contacts}"
+    for effect in found.left_out:
+        yield ""
+        yield f"{effect.name}: {effect.size}"
+        yield f"  certainty  {effect.certainty}"
+        if effect.entry:
+            yield f"  entry      {effect.entry}"
 
 
 def _cells(found: Variations, variation: Variation) -> Iterator[str]:

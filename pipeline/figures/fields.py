@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from pipeline.analysis.conditions import Bulk, conditions_of
-from pipeline.analysis.dataset import dataset_of, on_surface
+from pipeline.analysis.dataset import corrected_field, dataset_of, on_surface
 from pipeline.figures.points import chosen_points, name_of
 from pipeline.figures.style import Picture, celsius, heating, in_house_style, title_of
 from pipeline.sweep.criterion import Conditions, contact_temperature
@@ -100,6 +100,8 @@ def shown(ds: xr.Dataset, point: tuple[int, int], conditions: Conditions) -> tup
     if conditions.bulk_ratio:
         rise = rise + conditions.bulk_ratio * here["bulk_response"].values
         rise += max(0.0, -conditions.bulk_ratio)  # above the colder body
+    if conditions.corrections:
+        rise = corrected_field(here, rise, conditions)
     return (
         here["pressure"].values / 1e9,
         celsius(contact_temperature(rise, conditions)),

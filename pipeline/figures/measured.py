@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -58,7 +57,7 @@ def at_own_friction(
             continue
         off = np.abs(loads - point["normal_load"])
         row = plane.values[np.flatnonzero(off == off.min())[-1]]  # of two as near, the higher load
-        limit = rise_limit(replace(conditions, friction=friction))
+        limit = rise_limit(conditions.at_friction(friction))
         velocity = crossing(velocities, row, limit)
         if math.isfinite(velocity):
             found.append((velocity, point))

@@ -12,6 +12,7 @@ from matplotlib.ticker import FuncFormatter
 from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION, Picture, as_text, in_house_style
 from pipeline.run.vary import Variation, Variations
 
+_LONGEST = 20  # letters of a value beside a bar
 _LEAST = 0.01  # change on either side for which there is room where nothing moves
 
 
@@ -42,7 +43,7 @@ def draw_variations(found: Variations) -> Figure:
             at = row + (place - (len(ends) - 1) / 2) * height
             _bar(axes, found, variations, load, at, 0.86 * height, colour)
     axes.axvline(0.0, color=BLACK, lw=1.0)
-    axes.set_yticks(range(len(keys)), [as_text(key) for key in keys])
+    axes.set_yticks(range(len(keys)), [_named(key, each) for key, each in keys.items()])
     axes.set_ylim(len(keys) - 0.5, -0.5)
     moved = np.array([found.changes(each)[list(ends)] for each in found.others])
     moved = moved[np.isfinite(moved)]
@@ -65,6 +66,12 @@ def draw_variations(found: Variations) -> Figure:
     return figure
 
 
+def _named(key: str, variations: list[Variation]) -> str:
+    """Name of a row, with the value of a single one that is too long to stand at a bar's end."""
+    values = [textwrap.fill(each.value, 42) for each in variations if len(each.value) > _LONGEST]
+    return as_text("\n".join([key, *values]))
+
+
 def _bar(
     axes: Axes,
     found: Variations,
@@ -84,8 +91,9 @@ def _bar(
     axes.barh(at, high - low, left=low, height=height, color=colour, alpha=0.85)
     for each, change in zip(variations, changes, strict=True):
         if change in (low, high):
+            words = each.value if len(each.value) <= _LONGEST else f"{100 * change:+.1f} %"
             axes.annotate(
-                as_text(each.value), (change, at), (-4 if change < 0 else 4, 0),
+                as_text(words), (change, at), (-4 if change < 0 else 4, 0),
                 textcoords="offset points", ha="right" if change < 0 else "left", va="center",
                 fontsize=8, color=GREY,
             )  # fmt: skip

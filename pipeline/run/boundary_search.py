@@ -19,6 +19,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pipeline.sweep.criterion import Conditions
 from pipeline.sweep.model import Point, Sweep
 from tribo import InputError
 
@@ -59,6 +60,15 @@ def searched(sweep: Sweep, limits: Iterable[float]) -> list[float]:
             "more above 0"
         )
     return moving
+
+
+def tolerance_under(conditions: Conditions, tolerance: float) -> float:
+    """Tolerance to search with under some conditions.
+
+    Friction by velocity bends the rise where its table has a node, which points beside do not tell.
+    """
+    corrections = conditions.corrections
+    return tolerance / 10 if corrections and corrections.friction else tolerance
 
 
 @dataclass(frozen=True, slots=True)

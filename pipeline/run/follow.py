@@ -7,7 +7,7 @@ from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 
-from pipeline.run.boundary_search import BoundarySearch, searched
+from pipeline.run.boundary_search import BoundarySearch, searched, tolerance_under
 from pipeline.run.replay import Replay, Variant
 from pipeline.run.sweep import Outcome, run_sweep
 from pipeline.run.tally import Progress
@@ -70,6 +70,7 @@ def follow_boundary(
     variants = _variants(sweep)
     limits = [rise_limit(each) for variant in variants for each in variant.conditions]
     moving = searched(sweep, limits)
+    tolerance = tolerance_under(sweep.conditions, tolerance)
     within = BoundarySearch(sweep.loads, moving[0], moving[-1], limits[0], tolerance)
     search = Replay(within, variants, retry_failed)
     batches = deque(_batches(variants) if sweep.samples else [variants])

@@ -20,9 +20,9 @@ from pipeline.analysis.interpolation import crossing
 from pipeline.run.boundary_search import BoundarySearch
 from pipeline.store.schema import DONE, FAILED, LEADING, PENDING, chunks_of
 from pipeline.store.write import Store
-from pipeline.sweep.criterion import Conditions, decisive_rises, rise_limit
+from pipeline.sweep.criterion import Conditions, columns_needed, decisive_rises, rise_limit
 from pipeline.sweep.model import Point
-from tribo import Criterion
+from tribo import Corrections, Criterion
 from tribo.types import Array
 
 _COLUMNS = (
@@ -32,6 +32,13 @@ _COLUMNS = (
     "bulk_rise_quantile",
     "mean_bulk_response",
 )
+
+
+def _judged(conditions: Conditions) -> tuple[Criterion, float, Corrections | None]:
+    """Conditions on which the decisive rise depends."""
+    return conditions.decisive, conditions.bulk_ratio, conditions.corrections
+
+
 _Place = tuple[int | None, int | None]  # surface and sample of a point
 _Status = NDArray[np.int8]
 
@@ -253,13 +260,14 @@ class _Held:
 
     def rises(self, point: Point, each: Sequence[Conditions]) -> Array:
         """Decisive rise at a point under each of some conditions [K]."""
-        columns = {name: self._at(name, point) for name in _COLUMNS if name in self._store.arrays}
-        rises: dict[tuple[Criterion, float], float] = {}
+        names = dict.fromkeys((*_COLUMNS, *(name for own in each for name in columns_needed(own))))
+        columns = {name: self._at(name, point) for name in names if name in self._store.arrays}
+        rises: dict[tuple[Criterion, float, Corrections | None], float] = {}
         for conditions in each:
-            judged = conditions.decisive, conditions.bulk_ratio
+            judged = _judged(conditions)
             if judged not in rises:
                 rises[judged] = float(decisive_rises(columns, point.load, conditions))
-        return np.array([rises[own.decisive, own.bulk_ratio] for own in each])
+        return np.array([rises[_judged(own)] for own in each])
 
     def _at(self, name: str, point: Point) -> Array:
         """Column of a point, out of its chunk, which is kept for its neighbours."""

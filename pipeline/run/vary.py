@@ -12,11 +12,12 @@ from typing import Any
 import numpy as np
 
 from pipeline.analysis.transition import OUTCOMES, Transition
-from pipeline.run.boundary_search import BoundarySearch, searched
+from pipeline.run.boundary_search import BoundarySearch, searched, tolerance_under
 from pipeline.scene.scenefile import load_scene
 from pipeline.scene.variants import absolute
 from pipeline.sweep.criterion import Conditions, decisive_rises, rise_limit
 from pipeline.sweep.model import Point, Sweep
+from pipeline.sweep.physics import LeftOut, physics_left_out
 from pipeline.sweep.sharing import SharedContacts, SharedPoint
 from pipeline.sweep.stages import staged
 from pipeline.sweep.warned import NO_WARNING, Warned
@@ -80,6 +81,8 @@ class Variations:
         Points of all scenes, and the points whose contacts were computed for them.
     warned : Warned
         How many of them carry a warning, over all scenes.
+    left_out : tuple of LeftOut
+        Physics that the scene leaves out, whose names are the keys of changes.
 
     Examples
     --------
@@ -98,6 +101,7 @@ class Variations:
     points: int
     contacts: int
     warned: Warned = NO_WARNING
+    left_out: tuple[LeftOut, ...] = ()
 
     def changes(self, variation: Variation) -> Array:
         """Relative change of the critical velocity at each load; NaN where there is none."""
@@ -134,6 +138,7 @@ class Variations:
             "points": self.points,
             "contacts": self.contacts,
             "warnings": self.warned.as_dict(),
+            "certainty": {effect.name: effect.certainty for effect in self.left_out},
         }
 
 
@@ -144,6 +149,7 @@ def vary(
     overrides: Mapping[str, Any] | None = None,
     tolerance: float = 0.01,
     tell: Callable[[str], None] | None = None,
+    physics: bool = False,
 ) -> Variations:
     """Find the boundary of a scene, and of the same with single entries changed.
 
@@ -164,6 +170,8 @@ def vary(
         Relative error of the critical velocity, besides that of the scene's fidelity.
     tell : callable, optional
         Called with a line before each scene: which, of how many, and the time to go.
+    physics : bool
+        Whether to add the physics that the scene leaves out, each with a usual size.
 
     Raises
     ------
@@ -186,6 +194,8 @@ def vary(
         for key, values in over.items()
         for value in absolute(scene, key, values, overrides)
     }
+    effects = physics_left_out(sweep) if physics else ()
+    others |= {(effect.name, effect.size): effect.scene for effect in effects}
     planes: dict[Scene, _Plane] = {}
     contacts = SharedContacts()
 
@@ -207,7 +217,8 @@ def vary(
     own, *found = (boundary(*variant) for variant in staged(scenes, tell, named))
     count = sum(len(plane.known) for plane in planes.values())
     warned = _warned(planes.values())
-    return Variations(sweep.title, sweep.loads, own, tuple(found), count, contacts.computed, warned)
+    counts = count, contacts.computed
+    return Variations(sweep.title, sweep.loads, own, tuple(found), *counts, warned, effects)
 
 
 class _Plane:
@@ -237,6 +248,7 @@ class _Plane:
         limit = rise_limit(conditions)
         moving = searched(asked, [limit])
         ends = moving[0], moving[-1]
+        tolerance = tolerance_under(conditions, tolerance)
         search = BoundarySearch(asked.loads, *ends, limit, tolerance, self._scale)
         while wanted := search.wanted(rises := self._rises(conditions)):
             self.known |= self._contacts.points(self._sweep, wanted)

@@ -6,6 +6,7 @@ import math
 from typing import Any
 
 import tribo
+from pipeline.scene.corrections import check_corrections
 from pipeline.scene.entries import did_you_mean, entry_at, quoted
 from pipeline.scene.faults import Fault
 from pipeline.scene.library import nearest
@@ -39,6 +40,7 @@ def check_tables(
     _check_motion(found, faults)
     _check_conditions(found, faults)
     _check_measured(found, faults)
+    check_corrections(found, faults)
 
 
 def _check_materials(found: dict[str, Any], faults: list[Fault]) -> None:

@@ -49,12 +49,14 @@ LENGTH = Quantity("a length", "0.95 um")
 LOAD = Quantity("a load", "200 N")
 DURATION = Quantity("a duration", "4 s", zero=True)
 VELOCITY = Quantity("a velocity", "1.25 m/s", zero=True)
+SPEED = Quantity("a velocity", "1.25 m/s")
 TEMPERATURE = Quantity("a temperature", "25 degC")
 PER_PRESSURE = Quantity("a pressure coefficient", "20 1/GPa")
 VELOCITY_SCATTER = Quantity("a velocity", "0.1 m/s")
 LOAD_SCATTER = Quantity("a load", "10 N")
 FRICTION = Number(at_least=0)
 FRICTION_SCATTER = Number(above=0)
+CONDUCTIVITY = Quantity("a conductivity", "45 W/(m K)")
 SEED = Whole(at_least=0)
 SURFACES = Whole(at_least=1, at_most=100_000)
 SHAPE = Choice(("cylinder", "ball", "crowned"))
@@ -73,6 +75,12 @@ UNKNOWN = Distributions(
     listed=List(Scalar(), distinct=True),  # each as likely
 )
 
+STEM = Either(
+    Table({"length": SIZE, "area": Quantity("an area", "12 mm^2")}),
+    Table({"resistance": Quantity("a thermal resistance", "8 K/W")}),
+    when=lambda stem: isinstance(stem, dict) and "resistance" in stem,
+)
+
 EXTENDS = Text()
 WITHOUT = List(Text(), distinct=True)
 
@@ -85,19 +93,28 @@ FORMAT = Table({
         "elastic_modulus": Quantity("a modulus", "210 GPa"),
         "poisson_ratio": Number(above=-1, at_most=0.5),
         "hardness": Optional(Quantity("a pressure", "6.6 GPa"), math.inf),  # or "62 HRC"
-        "thermal_conductivity": Quantity("a conductivity", "45 W/(m K)"),
+        "thermal_conductivity": CONDUCTIVITY,
         "density": Quantity("a density", "7800 kg/m^3"),
         "specific_heat": Quantity("a specific heat", "470 J/(kg K)"),
     }))),
     "pin": Either(
-        Table({"shape": SHAPE, "radius": SIZE, "length": SIZE, "material": Text()}),
+        Table({
+            "shape": SHAPE, "radius": SIZE, "length": SIZE, "material": Text(),
+            "stem": Optional(STEM),
+        }),
         Table({
             "shape": SHAPE, "radius": SIZE, "crown_radius": Optional(SIZE), "material": Text(),
+            "stem": Optional(STEM),
         }),
         when=_is_curved,
     ),
     "disk": Table({
         "material": Text(),
+        "track_length": Optional(SIZE),  # of the ring that earlier passes have heated
+        "film": Optional(Table({  # an oxide or tribofilm
+            "thickness": LENGTH,
+            "thermal_conductivity": CONDUCTIVITY,
+        })),
         "roughness": Optional(Either(
             Table({
                 "ra": LENGTH,
@@ -159,6 +176,9 @@ FORMAT = Table({
     "friction": Table({
         "coefficient": FRICTION,
         "band": Optional(List(FRICTION, length=2)),
+        "by_velocity": Optional(
+            List(Table({"velocity": SPEED, "coefficient": FRICTION})), ()
+        ),
     }),
     "temperature": Table({
         "bulk": Either(  # of both bodies, or of each

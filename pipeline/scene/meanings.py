@@ -16,8 +16,12 @@ TABLES = {
     "it. Not needed for those of the [library](../pipeline/scene/library.toml).",
     "pin": "The body that is loaded and that wears: a cylinder across the sliding direction, a "
     "ball, or a roller with a crown.",
+    "pin.stem": "Rod between the heated end of the pin and a holder at the bulk temperature, or "
+    "its thermal resistance; a half-space without the table. It takes effect after the simulation.",
     "disk": "The body that slides under the pin.",
     "disk.roughness": "Its surface: random, or measured; smooth without the table.",
+    "disk.film": "An oxide or tribofilm on the disk, a thermal resistance; none without the table. "
+    "It takes effect after the simulation.",
     "window": "The patch of the contact that is simulated: x along sliding, y along the cylinder's "
     "axis.",
     "loading": "Growth of the load: a ramp, or a recorded load.",
@@ -28,6 +32,8 @@ TABLES = {
     'of the table `oil = "NAME"` takes one of the [library](../pipeline/scene/library.toml).',
     "friction": "Friction, by which the temperature rises. It takes effect after the simulation: "
     "`irg boundary --friction` changes it at no cost.",
+    "friction.by_velocity": "Friction at sliding velocities, smooth in between and constant beyond "
+    "them; another coefficient scales it. It takes effect after the simulation.",
     "temperature": "Temperatures that decide about wear. They take effect after the simulation, as "
     "friction does.",
     "fidelity": "Numerical choices: a preset, and single choices in place of its own; the preset "
@@ -40,6 +46,7 @@ TABLES = {
 
 VARIANTS = {
     "pin": ("cylinder", "ball or crowned pin"),
+    "pin.stem": ("rod", "resistance"),
     "disk.roughness": ("random surface", "measured surface"),
     "loading": ("ramp", "record"),
 }
@@ -70,6 +77,13 @@ _ENTRIES = {
     "pin.crown_radius": "Radius across sliding of a crowned pin, which it needs.",
     "pin.length": "Length of the cylinder's line contact, along y.",
     "pin.material": "Name of its material, here or in the library.",
+    "pin.stem.length": "Length of the rod, of the pin's material.",
+    "pin.stem.area": "Its cross section.",
+    "pin.stem.resistance": "Thermal resistance to the holder.",
+    "disk.track_length": "Length of the track under the pin, which earlier passes have warmed; "
+    "without it each pass meets a cold disk. It takes effect after the simulation.",
+    "disk.film.thickness": "Thickness of the film.",
+    "disk.film.thermal_conductivity": "Its thermal conductivity.",
     "disk.material": "Name of its material, here or in the library.",
     "disk.roughness.ra": "Mean deviation of the heights from their mean plane, Ra.",
     "disk.roughness.hurst_exponent": "Hurst exponent; the nearer to 1, the smoother at short "
@@ -118,6 +132,8 @@ _ENTRIES = {
     "oil.pressure_viscosity_coefficient": "Pressure–viscosity coefficient, one, or one at each of "
     "both temperatures; without it no film is foretold.",
     "friction.coefficient": "Coefficient of friction.",
+    "friction.by_velocity.velocity": "Sliding velocity.",
+    "friction.by_velocity.coefficient": "Coefficient of friction there.",
     "friction.band": "Lowest and highest coefficient, drawn as a band in the diagram.",
     "temperature.bulk": "Temperature far from the contact: of both bodies, or of `pin` and `disk`.",
     "temperature.critical": "Contact temperature above which the lubricant fails; needed where "

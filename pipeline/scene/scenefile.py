@@ -14,6 +14,7 @@ from typing import Any
 
 import tribo
 from pipeline.scene.consistency import check_tables
+from pipeline.scene.corrections import corrections_of
 from pipeline.scene.document import Document, read_document, with_entries
 from pipeline.scene.entries import did_you_mean, entry_at, joined
 from pipeline.scene.faults import Fault, SceneFileError
@@ -207,7 +208,7 @@ def _paths() -> list[str]:
     """Paths of the entries that overrides may name."""
     from pipeline.scene.meanings import MEANINGS  # for the sake of a fault alone
 
-    apart = ("fidelity.", "materials.NAME.", "measured.", "extends")  # not by a path
+    apart = ("fidelity.", "materials.NAME.", "measured.", "friction.by_velocity.", "extends")
     return [path for path in MEANINGS if not path.startswith(apart)]
 
 
@@ -253,11 +254,11 @@ def _entries(name: str, found: dict[str, Any]) -> dict[str, Any]:
     pin, window, sweep = found["pin"], found["window"], found["sweep"]
     friction, temperature = found["friction"], found["temperature"]
     cylinder, periodic_y = pin["shape"] == "cylinder", window["periodic_y"]
-    material = materials[pin["material"]]
+    body, disk = _pin(pin, materials[pin["material"]]), materials[found["disk"]["material"]]
     bulks = of_bulks(temperature["bulk"])
     return {
-        "pin": _pin(pin, material),
-        "disk": materials[found["disk"]["material"]],
+        "pin": body,
+        "disk": disk,
         "pixels": tribo.Grid(
             window["pixels"],
             window["pixel_size"],
@@ -276,6 +277,7 @@ def _entries(name: str, found: dict[str, Any]) -> dict[str, Any]:
             critical_temperature=temperature["critical"],
             failing_share=temperature["failing_share"],
             criterion=temperature["criterion"],
+            corrections=corrections_of(found, body, disk),
             **bulks,
         ),
         "friction_band": friction["band"],

@@ -21,8 +21,17 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
-from tribo import BULK_RATIOS, Criterion, Heat, InputError, failed_share
-from tribo.criterion import columns_of, rises_at
+from tribo import (
+    BULK_RATIOS,
+    Corrections,
+    Criterion,
+    InputError,
+    Scene,
+    State,
+    failed_share,
+)
+from tribo.corrections import NEEDED, moment_of
+from tribo.criterion import rises_at
 from tribo.types import Array, Indices
 
 if TYPE_CHECKING:
@@ -50,11 +59,15 @@ class Conditions:
         Temperature of the disk far from the contact [K]; None where it is that of the pin.
     criterion : str
         Kind of criterion, one of `tribo.CRITERIA`; the failing share belongs to "share" alone.
+    corrections : Corrections or None
+        Friction by velocity, earlier passes, stem and film; a mapping is read as what
+        `as_dict` gives.
 
     Raises
     ------
     InputError
-        If one lies outside its range.
+        If one lies outside its range, or friction varies with velocity between bodies of unequal
+        bulk temperatures.
 
     Examples
     --------
@@ -72,10 +85,13 @@ class Conditions:
     failing_share: float = 0.1
     disk_temperature: float | None = None
     criterion: str = "share"
+    corrections: Corrections | None = None
 
     def __post_init__(self) -> None:
+        if isinstance(self.corrections, Mapping):
+            object.__setattr__(self, "corrections", Corrections.of_plain(self.corrections))
         for name in self.__slots__:
-            if name == "criterion":
+            if name in ("criterion", "corrections"):
                 continue
             value = getattr(self, name)
             if value is None and name in ("critical_temperature", "disk_temperature"):
@@ -98,6 +114,11 @@ class Conditions:
                 f"temperature, {_in_celsius(warmest)}"
             )
         Criterion(self.criterion, self.failing_share)
+        if self.corrections and self.corrections.friction and self.bulk_difference:
+            raise InputError(
+                "friction.by_velocity: the bulk temperatures of pin and disk differ, and then the "
+                "rise is not proportional to friction; give one bulk temperature, or one friction"
+            )
 
     @property
     def decisive(self) -> Criterion:
@@ -135,12 +156,26 @@ class Conditions:
         difference = self.bulk_difference
         return difference / self.rise_factor if difference else 0.0
 
-    def as_dict(self) -> dict[str, float | None]:
-        """Return all values as plain data; the disk's temperature only where it is its own."""
-        found = asdict(self)
+    def as_dict(self) -> dict[str, Any]:
+        """Return all values as plain data; disk's temperature and corrections where given."""
+        plain = asdict(self)
         if self.disk_temperature is None:
-            del found["disk_temperature"]
-        return found
+            del plain["disk_temperature"]
+        del plain["corrections"]
+        return plain | ({"corrections": self.corrections.as_dict()} if self.corrections else {})
+
+    def friction_at(self, velocity: float) -> float:
+        """Coefficient of friction at a sliding velocity [m/s]."""
+        if self.corrections is None:
+            return self.friction
+        return self.friction * float(self.corrections.friction_factor(np.array(velocity)))
+
+    def at_friction(self, friction: float | None) -> Conditions:
+        """The conditions with a friction measured at one point; as they are where there is none."""
+        if friction is None:
+            return self
+        corrections = self.corrections and replace(self.corrections, friction=())
+        return replace(self, friction=friction, corrections=corrections)
 
     def known_critical_temperature(self) -> float:
         """Critical temperature [K].
@@ -281,21 +316,23 @@ def at_bulks(columns: Mapping[str, Any], conditions: Conditions) -> Mapping[str,
     ----------
     columns : mapping of ndarray
         ``rise_quantile`` (..., n_quantile), ``mean_rise`` and ``max_rise`` (...) above the pin's
-        bulk at friction 1 [K], as far as they are needed; and where the bulk temperatures differ
-        what `tribo.criterion.rises_at` needs.
+        bulk at friction 1 [K], as far as they are needed; where the bulk temperatures differ what
+        `tribo.criterion.rises_at` needs, and for corrections `tribo.corrections.NEEDED`.
     conditions : Conditions
         Conditions to judge by.
 
     Returns
     -------
     mapping of ndarray
-        The columns, with those of `RISES` at the bulk temperatures of the conditions.
+        The columns, with those of `RISES` at the bulk temperatures and with the corrections of the
+        conditions.
 
     Raises
     ------
     InputError
         If the bulk temperatures differ, and nothing is kept for that.
     """
+    columns = corrected(columns, conditions)
     ratio = conditions.bulk_ratio
     if ratio == 0:
         return columns
@@ -316,6 +353,25 @@ def above_colder(columns: Mapping[str, Any], bulk_ratio: float) -> Mapping[str, 
     above_pin = rises_at(columns, bulk_ratio)
     pin = max(0.0, -bulk_ratio)
     return {**above_pin, **{name: above_pin[name] + pin for name in RISES if name in above_pin}}
+
+
+def columns_needed(conditions: Conditions) -> tuple[str, ...]:
+    """Columns that `at_bulks` needs besides the deciding ones of some conditions."""
+    unequal = ("bulk_rise_quantile", "mean_bulk_response") if conditions.bulk_ratio else ()
+    return unequal + (NEEDED if conditions.corrections else ())
+
+
+def corrected(columns: Mapping[str, Any], conditions: Conditions) -> Mapping[str, Any]:
+    """Columns whose rises have the corrections of some conditions, at all bulk ratios.
+
+    Parameters
+    ----------
+    columns : mapping of ndarray
+        Rises by step [K], and `tribo.corrections.NEEDED`.
+    conditions : Conditions
+        Conditions with corrections; without any the columns are given back as they are.
+    """
+    return conditions.corrections.applied(columns) if conditions.corrections else columns
 
 
 def require_bulks(columns: Container[Any] | xr.Dataset, conditions: Conditions) -> None:
@@ -344,9 +400,21 @@ def failed_fraction(rise_quantile: Array, conditions: Conditions) -> float:
     return failed_share(rise_quantile, rise_limit(conditions))
 
 
-def decisive_rise(heat: Heat, conditions: Conditions) -> float:
+def rises_of(scene: Scene, state: State, conditions: Conditions) -> Mapping[str, Any]:
+    """Rises at one moment of a simulation with temperature, as `at_bulks` gives them.
+
+    Raises
+    ------
+    InputError
+        If the state has no temperature.
+    """
+    plain = replace(conditions, corrections=None)
+    return at_bulks(moment_of(scene, state, conditions.corrections), plain)
+
+
+def decisive_rise(scene: Scene, state: State, conditions: Conditions) -> float:
     """Rise that decides at one moment of a simulation [K]."""
-    return float(conditions.decisive.rise(at_bulks(columns_of(heat), conditions)))
+    return float(conditions.decisive.rise(rises_of(scene, state, conditions)))
 
 
 def worst_moment(rise: Array, normal_load: Array, load: Array | float) -> Indices:

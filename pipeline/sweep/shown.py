@@ -96,6 +96,8 @@ def on_conditions(conditions: Conditions) -> Iterator[Row]:
     if conditions.disk_temperature is not None:
         bulk += f" (pin) and {conditions.disk_temperature - 273.15:g} °C (disk)"
     yield "friction", f"{conditions.friction:g}, {bulk}"
+    if conditions.corrections:
+        yield "besides", conditions.corrections.worded
     if conditions.critical_temperature is not None:
         critical = f"{conditions.critical_temperature - 273.15:g} °C"
         yield "severe", f"{conditions.decisive.severe} {critical}"

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pipeline.sweep.criterion import at_bulks, decisive_rise, failed_fraction, rise_limit
+from pipeline.sweep.criterion import decisive_rise, failed_fraction, rise_limit, rises_of
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import chains
 from tribo import (
@@ -23,7 +23,6 @@ from tribo import (
     measures,
     simulate,
 )
-from tribo.criterion import columns_of
 from tribo.simulation import forget_contacts, leads_to
 
 
@@ -187,7 +186,7 @@ def _run(scene: Sweep, load: float, velocity: float, trunk: State | None = None)
         if state.on_trunk:
             trunk = state.history or replace(state, heat=None)
         if state.heat is not None and state.normal_load >= load:
-            hot.append((decisive_rise(state.heat, scene.conditions), state))
+            hot.append((decisive_rise(scene, state, scene.conditions), state))
     hottest = max(hot, key=lambda found: found[0])[1] if hot else state
     return _Run(hottest, trunk, convolutions, work)
 
@@ -195,10 +194,10 @@ def _run(scene: Sweep, load: float, velocity: float, trunk: State | None = None)
 def _reading(sweep: Sweep, scene: Sweep, state: State) -> Reading:
     if state.heat is None:
         raise InputError("a point ended without a temperature")
-    columns = at_bulks(columns_of(state.heat), sweep.conditions)
+    columns = rises_of(scene, state, sweep.conditions)
     found = measures(scene, state)
     return Reading(
-        rise=decisive_rise(state.heat, sweep.conditions),
+        rise=float(sweep.conditions.decisive.rise(columns)),
         failed_share=failed_fraction(columns["rise_quantile"], sweep.conditions),
         contact_width=found["contact_width"],
         contact_nodes=int(np.count_nonzero(state.pressure)),

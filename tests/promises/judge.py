@@ -29,7 +29,7 @@ def _rise(sweep, fidelity, place, velocity):
     """Decisive rise at a place, with its warnings."""
     scene = replace(sweep.variant(place.realization), fidelity=fidelity)
     state = state_at(scene, place.load, velocity)
-    return decisive_rise(state.heat, sweep.conditions), warnings(scene, state)
+    return decisive_rise(scene, state, sweep.conditions), warnings(scene, state)
 
 
 def boundary_velocity(sweep, fidelity, place, velocity, ratio=1.0, exponent=None):

@@ -91,7 +91,7 @@ def in_window(sweep, lengths, velocity):
 def _with_boundary(sweep, velocity):
     """Set the critical temperature to what a rough look gives in the middle of the diagram."""
     state = state_at(sweep, sweep.loads[2], velocity)
-    rise = decisive_rise(state.heat, sweep.conditions)
+    rise = decisive_rise(sweep, state, sweep.conditions)
     critical = sweep.conditions.bulk_temperature + sweep.conditions.friction * rise
     return replace(sweep, conditions=replace(sweep.conditions, critical_temperature=critical))
 

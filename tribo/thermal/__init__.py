@@ -1,5 +1,6 @@
 """Flash temperature, heat partition, and the temperature over the contact."""
 
+from tribo.thermal.circuit import circuit_rise
 from tribo.thermal.conduction import ConductingHalfSpace, HeatedLength, settling_time
 from tribo.thermal.duhamel import Conductor, HeatHistory, conducted_spectrum, partition_with_history
 from tribo.thermal.partition import DIRECT_MEMORY, HeatPartition, partition_heat
@@ -13,6 +14,8 @@ from tribo.thermal.quantiles import (
     require_share,
     rise_exceeded,
 )
+from tribo.thermal.stem import stem_fraction
+from tribo.thermal.track import track_warming
 
 __all__ = [
     "BULK_RATIOS",
@@ -25,6 +28,7 @@ __all__ = [
     "HeatedLength",
     "at_bulk_ratio",
     "bulk_ratio_quantiles",
+    "circuit_rise",
     "conducted_spectrum",
     "contact_quantiles",
     "failed_share",
@@ -33,4 +37,6 @@ __all__ = [
     "require_share",
     "rise_exceeded",
     "settling_time",
+    "stem_fraction",
+    "track_warming",
 ]

@@ -80,7 +80,7 @@ def ensemble(
             surface = scene.on_surface(seed)
             for column, entry in zip(ends[kind], measured, strict=True):
                 column.append(end_of(surface, entry.normal_load, entry.velocity))
-    conditions = (sweep.conditions.changed(friction=entry.friction) for entry in measured)
+    conditions = (sweep.conditions.at_friction(entry.friction) for entry in measured)
     return Ensemble(tuple(measured), tuple(conditions), ends)
 
 

@@ -85,7 +85,7 @@ def _on_grid(
     ]
     ends = [_end(scene, measured)[0] for scene in scenes]
     single = [_end(replace(scene, wear=None), measured)[0] for scene in scenes]
-    conditions = scenes[0].conditions.changed(friction=measured.friction)
+    conditions = scenes[0].conditions.at_friction(measured.friction)
     return {
         "maximum": [end.highest(conditions) for end in ends],
         "10 %": [end.exceeded(conditions) for end in ends],
@@ -116,7 +116,7 @@ def _with_steps(
             except ConvergenceError as error:
                 unstable[count] = str(error)
                 continue
-            conditions = scene.conditions.changed(friction=measured.friction)
+            conditions = scene.conditions.at_friction(measured.friction)
             highest.setdefault(count, []).append(end.highest(conditions))
             if pattern == "local" and count == shown and surface is surfaces[0]:
                 shown_pressure = pressure

@@ -112,7 +112,7 @@ def _outcome(study: Study, sweep: Sweep) -> _Outcome:
         surface = sweep.on_surface(seed)
         for number, entry in enumerate(sweep.measured):
             end = end_of(surface, entry.normal_load, entry.velocity)
-            at_its_friction = sweep.conditions.changed(friction=entry.friction)
+            at_its_friction = sweep.conditions.at_friction(entry.friction)
             outcome["exceeded_celsius"][number].append(end.exceeded(at_its_friction))
             outcome["max_celsius"][number].append(end.highest(at_its_friction))
 

@@ -14,7 +14,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from pipeline.analysis.attributes import attributes_of
-from pipeline.analysis.dataset import asked, end_of_point, ordered, variant_of
+from pipeline.analysis.dataset import asked, corrected, end_of_point, ordered, variant_of
 from pipeline.analysis.decisive import decisive_rise
 from pipeline.analysis.transition import OUTCOMES, range_of
 from pipeline.figures.page.fields import FIELDS, packed_fields
@@ -48,7 +48,10 @@ def content(ds: xr.Dataset, most_fields: int = MOST_FIELDS) -> dict[str, Any]:
     attributes = attributes_of(ds)
     conditions = Conditions(**attributes["conditions"])
     ratios, shares = _bulk_ratios(ds), _shares(ds, conditions)
-    parts = [_on_surface(part, conditions.criterion, ratios, shares) for part in surfaces]
+    parts = [
+        _on_surface(corrected(part, conditions), conditions.criterion, ratios, shares)
+        for part in surfaces
+    ]
     done = np.array([part["status"] == DONE for part in parts], dtype=bool)
     chosen = _nearest(surfaces, done, conditions, most_fields) if _has_fields(ds) else []
     return {

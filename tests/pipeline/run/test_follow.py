@@ -48,7 +48,7 @@ def grid():
         for point in chain:
             result = run_point(SWEEP, *point, trunk=trunk)
             trunk = result.trunk
-            rises[point] = decisive_rise(result.state.heat, SWEEP.conditions)
+            rises[point] = decisive_rise(SWEEP, result.state, SWEEP.conditions)
     velocities = np.array(SWEEP.velocities)
     return [
         crossing(

@@ -41,7 +41,8 @@ def format_allows(path, value):
     kind, faults = kind_at(path), []
     if isinstance(kind, Quantity):
         unit = kind.example.split(" ", 1)[1]
-        scale = {"GPa": 1e9, "g/cm^3": 1e3, "um": 1e-6, "mm": 1e-3, "mm^3/(N m)": 1e-9}
+        scale = {"GPa": 1e9, "g/cm^3": 1e3, "um": 1e-6, "mm": 1e-3, "mm^2": 1e-6}
+        scale |= {"mm^3/(N m)": 1e-9}
         value = f"{value / scale.get(unit, 1.0):.17g} {'K' if unit == 'degC' else unit}"
     kind.read(value, path, faults)
     return not faults
@@ -77,6 +78,12 @@ PLACES = {
     "materials.steel.specific_heat": (ABOVE_0, lambda v: replace(STEEL, specific_heat=v)),
     "pin.radius": (ABOVE_0, lambda v: (tribo.Cylinder(v, 1.0, STEEL), tribo.Ball(v, STEEL))),
     "pin.length": (ABOVE_0, lambda v: tribo.Cylinder(1.0, v, STEEL)),
+    "pin.stem.length": (ABOVE_0, lambda v: tribo.Stem.rod(v, 1.0, 1.0, 1.0)),
+    "pin.stem.area": (ABOVE_0, lambda v: tribo.Stem.rod(1.0, v, 1.0, 1.0)),
+    "disk.track_length": (
+        ABOVE_0,
+        lambda v: tribo.Track.under(tribo.Ball(1.0, STEEL), STEEL, v),
+    ),
     "disk.roughness.ra": (ABOVE_0, lambda v: roughness(ra=v)),
     "disk.roughness.hurst_exponent": (
         (0.0, 5e-324, 1.0, math.nextafter(1, 2)),
@@ -153,6 +160,7 @@ def test_every_range_of_the_format_is_held_against_tribo():
         "oil.dynamic_viscosity",  # as the kinematic one
         "sweep.samples",  # how many
         "sweep.sample_seed",  # as a seed above
+        "disk.film",  # a quotient of both
         "friction.band",  # as the coefficient
         "temperature.critical",  # above the bulk temperature
         "measured",

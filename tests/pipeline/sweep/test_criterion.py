@@ -63,7 +63,7 @@ def test_each_criterion_decides_by_its_own_temperature_everywhere(criterion):
         "mean": heat.rise[contact].mean(),
     }[criterion]
     conditions = replace(sweep.conditions, criterion=criterion)
-    assert decisive_rise(heat, conditions) == pytest.approx(expected, rel=1e-9)
+    assert decisive_rise(sweep, result.state, conditions) == pytest.approx(expected, rel=1e-9)
     assert decisive_rises(result.columns, 600.0, conditions) == pytest.approx(expected, rel=1e-9)
     found = result.verdict(conditions)
     assert found.decisive_temperature == pytest.approx(298.15 + 0.1 * expected, rel=1e-9)

@@ -1,0 +1,147 @@
+"""Physics beside the half-spaces: entries that cost no simulation, one for all answers."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import pipeline
+import tribo
+from pipeline.cli import main
+from pipeline.sweep.criterion import Conditions
+from tests.helpers import javascript, tiny
+from tests.pipeline.cli.test_commands import SCENE
+
+STEEL = tiny.sweep().disk
+ALL = tribo.Corrections(
+    friction=((0.5, 1.1), (1.5, 0.9)),
+    track=tribo.Track.under(tiny.sweep().pin, STEEL, 0.34),
+    stem=tribo.Stem.rod(4e-3, 13.6e-6, 45.0, STEEL.thermal_diffusivity),
+    film_resistance=1e-8,
+)
+PARTS = {
+    "friction": replace(tribo.Corrections(), friction=ALL.friction),
+    "track": replace(tribo.Corrections(), track=ALL.track),
+    "stem": replace(tribo.Corrections(), stem=ALL.stem),
+    "film": replace(tribo.Corrections(), film_resistance=ALL.film_resistance),
+    "all": ALL,
+}
+CONDITIONS = Conditions(0.1, 298.15, 345.0)
+BESIDE = """extends = "plain.toml"
+pin.stem = { length = "4 mm", area = "13.6 mm^2" }
+disk.track_length = "34 cm"
+disk.film = { thickness = "20 nm", thermal_conductivity = "2 W/(m K)" }
+friction.by_velocity = [
+  { velocity = "1.5 m/s", coefficient = 0.09 }, { velocity = "50 cm/s", coefficient = 0.11 },
+]
+"""
+
+
+@pytest.fixture(scope="module")
+def store(tmp_path_factory):
+    store = tmp_path_factory.mktemp("corrected") / "tiny.zarr"
+    pipeline.run_sweep(tiny.full(conditions=CONDITIONS), store, workers=1)
+    return store
+
+
+@pytest.mark.parametrize("name", PARTS)
+def test_all_answers_rest_on_the_same_corrected_rise(store, name):
+    conditions = replace(CONDITIONS, corrections=PARTS[name])
+    sweep = tiny.full(conditions=conditions)
+    plain = pipeline.open_sweep(store)
+    ds = plain.assign_attrs(conditions=conditions.as_dict())
+    found = pipeline.boundary(ds)
+    changed = np.abs(found["critical_velocity"] - pipeline.boundary(plain)["critical_velocity"])
+    assert (changed > 1e-3).any() or name == "track"
+    page = javascript.run(ds, "return summary().velocity.middle;")
+    np.testing.assert_allclose(page, found["critical_velocity"], rtol=1e-9)
+    point = pipeline.run_point(sweep, 600.0, 1.0).verdict(conditions)
+    (margin,) = pipeline.margins(ds, 600.0, 1.0)
+    assert margin.decisive_temperature == pytest.approx(point.decisive_temperature, rel=1e-12)
+    temperature = pipeline.temperatures(ds)["max_temperature"].sel(load=600, velocity=1.0)
+    assert temperature.dropna("step")[-1].item() == pytest.approx(point.max_temperature)
+    found.to_netcdf(store.parent / "boundary.nc")
+
+
+def test_corrections_cost_no_point_and_change_no_stored_number(store):
+    plain = pipeline.open_sweep(store).load()
+    sweep = tiny.full(conditions=replace(CONDITIONS, corrections=ALL))
+    assert not pipeline.run_sweep(sweep, store, workers=1).computed
+    ds = pipeline.open_sweep(store)
+    assert ds.drop_attrs().equals(plain.drop_attrs())
+    assert pipeline.boundary(ds).attrs["corrections"]
+    pipeline.run_sweep(tiny.full(conditions=CONDITIONS), store, workers=1)
+
+
+def test_searches_go_by_the_corrected_rise(tmp_path):
+    (tmp_path / "plain.toml").write_text(SCENE)
+    scene = tmp_path / "scene.toml"
+    scene.write_text(BESIDE)
+    pipeline.follow_boundary(scene, tmp_path / "edge.zarr", workers=1)
+    found = pipeline.boundary(tmp_path / "edge.zarr")["critical_velocity"]
+    varied = pipeline.vary(scene, {}).own.critical_velocities
+    np.testing.assert_allclose(found, varied, rtol=2e-3)
+
+
+def test_friction_by_velocity_is_that_friction_at_that_velocity(store):
+    ds = pipeline.open_sweep(store)
+    by_velocity = Conditions(0.1, 298.15, 345.0, corrections=PARTS["friction"])
+    ds = ds.assign_attrs(conditions=by_velocity.as_dict())
+    falling = pipeline.decisive_temperature(ds)
+    for velocity, friction in ((0.5, 0.11), (1.5, 0.09)):
+        steady = ds.assign_attrs(conditions=CONDITIONS.as_dict())
+        alone = pipeline.decisive_temperature(steady, friction=friction)
+        np.testing.assert_allclose(falling.sel(velocity=velocity), alone.sel(velocity=velocity))
+
+
+def test_friction_measured_at_a_point_is_not_scaled():
+    conditions = replace(CONDITIONS, corrections=ALL)
+    assert conditions.at_friction(0.07).corrections == replace(ALL, friction=())
+
+
+def test_conditions_are_read_from_what_a_store_holds():
+    conditions = replace(CONDITIONS, corrections=ALL)
+    assert Conditions(**conditions.as_dict()) == conditions
+    assert "corrections" not in CONDITIONS.as_dict()
+
+
+def test_entries_of_a_scene_become_corrections(tmp_path):
+    (tmp_path / "plain.toml").write_text(SCENE)
+    (tmp_path / "scene.toml").write_text(BESIDE)
+    found = pipeline.load_scene(tmp_path / "scene.toml").conditions.corrections
+    assert found.track == tribo.Track.under(tribo.Cylinder(2e-3, 3.4e-3, STEEL), STEEL, 0.34)
+    assert found.stem == ALL.stem
+    assert found.film_resistance == pytest.approx(1e-8)
+    np.testing.assert_allclose(found.friction, ALL.friction)
+    assert pipeline.load_scene(tmp_path / "plain.toml").conditions.corrections is None
+
+
+@pytest.mark.parametrize(
+    ("setting", "problem"),
+    [
+        ("friction.by_velocity=[{velocity='1 m/s', coefficient=0.1}, "
+         "{velocity='100 cm/s', coefficient=0.2}]", "has 1 m/s twice"),
+        ("pin.stem={resistance='3 K'}", "cannot be converted to K/W"),
+        ("pin.stem={length='3 mm'}", "pin.stem.area: missing"),
+        ("disk.track_length=0 m", "above 0"),
+    ],
+)  # fmt: skip
+def test_bad_entries_are_named(tmp_path, capsys, setting, problem):
+    (tmp_path / "plain.toml").write_text(SCENE)
+    assert main(["check", str(tmp_path / "plain.toml"), "--set", setting]) == 2
+    told = capsys.readouterr().err
+    assert setting.partition("=")[0] in told
+    assert problem in told
+    assert "Traceback" not in told
+
+
+def test_the_budget_sizes_what_a_scene_leaves_out(tmp_path, capsys):
+    (tmp_path / "plain.toml").write_text(SCENE)
+    command = ["vary", str(tmp_path / "plain.toml"), "--physics", "-q"]
+    command += ["--set", 'pin.stem={resistance="8 K/W"}', "--set", 'sweep.loads=["400 N"]']
+    assert main(command) == 0
+    told = capsys.readouterr().out
+    assert "earlier passes in the track" in told
+    assert "stem and holder" not in told
+    assert main([*command[:2], "-q"]) == 2
+    assert "--physics" in capsys.readouterr().err

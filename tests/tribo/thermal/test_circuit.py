@@ -1,0 +1,55 @@
+"""The thermal circuit held against contacts solved with what it stands for."""
+
+import numpy as np
+import pytest
+
+import tribo
+from tribo import Convolution, partition_heat
+from tribo.thermal import circuit_rise
+
+STEEL = tribo.Material(210e9, 0.3, 45.0, 7800.0, 470.0)
+GRID = tribo.Grid((64, 32), (4e-6, 4e-6))
+VELOCITY, TIME = 1.25, 3.0
+
+
+@pytest.fixture(scope="module")
+def bodies():
+    pin, disk = (tribo.ConductingHalfSpace(GRID, STEEL, V, TIME) for V in (0.0, VELOCITY))
+    x, y = (GRID.coordinates(axis) for axis in (0, 1))
+    flux = np.maximum(0.0, 1e8 * (1 - (x[:, None] / 8e-5) ** 2 - (y[None, :] / 5e-5) ** 2))
+    return pin, disk, flux
+
+
+def solved(bodies, difference=0.0, film=0.0):
+    pin, disk, flux = bodies
+    disk = Convolution(GRID, disk.spectrum + film)
+    split = partition_heat(pin, disk, flux, flux > 0, bulk_difference=difference)
+    return split.rise[flux > 0].mean() + max(0.0, -difference), split
+
+
+def test_a_film_on_the_disk_warms_the_contact_by_what_the_circuit_says(bodies):
+    film = 2e-8
+    mean, split = solved(bodies)
+    with_film, _ = solved(bodies, film=film)
+    area = np.count_nonzero(bodies[2]) * GRID.element_area
+    heat = bodies[2].sum() * GRID.element_area
+    found = circuit_rise(mean, split.pin_share, heat, disk_resistance=film / area)
+    # The bodies' rises are not uniform, which costs some percent of the change.
+    assert found - mean == pytest.approx(with_film - mean, rel=0.1)
+
+
+def test_a_warm_pin_warms_the_contact_by_its_share(bodies):
+    mean, split = solved(bodies)
+    heat = bodies[2].sum() * GRID.element_area
+    warm, _ = solved(bodies, difference=-10.0)
+    resistance = 50.0
+    found = circuit_rise(mean, split.pin_share, heat, pin_resistance=resistance)
+    pin_share = (split.pin_share * heat * mean / (mean + resistance * split.pin_share * heat)) * (
+        found / mean
+    )  # what flows through the stem
+    assert found - mean == pytest.approx((warm - mean) * resistance * pin_share / 10.0, rel=0.05)
+
+
+def test_insulators_send_all_heat_into_the_other_body():
+    assert circuit_rise(90.0, 0.1, 7.0, pin_resistance=1e12) == pytest.approx(100.0)
+    assert circuit_rise(90.0, 0.1, 7.0, disk_resistance=1e12) == pytest.approx(900.0)
