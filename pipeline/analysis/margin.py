@@ -49,8 +49,8 @@ class Margin:
     decisive_temperature : float
         Temperature of the contact that decides [K].
     temperature_error : float or None
-        Error of interpolating between the points of the sweep [K]; 0 at a point of the sweep, None
-        where there are too few points about it to tell.
+        Error of interpolating between the points of the sweep, or of continuing beyond them [K]; 0
+        at a point of the sweep, None where there are too few points about it to tell.
     is_continued : bool
         Whether the temperature is continued beyond the computed points.
     critical_temperature : float
@@ -99,7 +99,7 @@ class Margin:
 
     @property
     def is_certain(self) -> bool | None:
-        """Whether the verdict holds within the error of interpolating; None if that is unknown."""
+        """Whether the verdict holds within the temperature's error; None if that is unknown."""
         error = self.temperature_error
         return None if error is None else abs(self.distance) > error
 
@@ -241,7 +241,11 @@ def _margin(
         )
     within = np.array([_along(velocities, line, velocity) for line in r])
     is_within = math.isfinite(_along(loads, within, load))
-    error = _error(loads, velocities, r, load, velocity) if is_within else None
+    error = (
+        _error(loads, velocities, r, load, velocity)
+        if is_within
+        else _error_beyond(velocities, r, velocity)
+    )
     limit = rise_limit(conditions)
     # Along a line of the sweep's own points the boundary is that of `boundary`. Between such lines
     # rows go on where they are certainly mild or severe, and pass through the operating point.
@@ -318,6 +322,23 @@ def _error(loads: Array, velocities: Array, r: Array, load: float, velocity: flo
     across = 0.0 if load in loads else _left_out(loads, r.T, load)
     along = 0.0 if velocity in velocities else _left_out(velocities, r, velocity)
     return None if across is None or along is None else across + along
+
+
+def _error_beyond(velocities: Array, r: Array, velocity: float) -> float | None:
+    """Relative error of a rise that is continued to a velocity; None if that is unknown.
+
+    The exponent of the power law beyond the points is taken to differ from that of the last two by
+    the standard deviation of all exponents between neighbours. Beside whole diagrams of a worn pin
+    and of one warmer than its disk it was exceeded at none of 14 and at 36 % of 201 points.
+    """
+    exponents, ways = [], [0.0]
+    for row in r:
+        is_known = np.isfinite(row) & (row > 0) & (velocities > 0)
+        x, y = np.log(velocities[is_known]), np.log(row[is_known])
+        if len(x) >= 2:
+            exponents += list(np.diff(y) / np.diff(x))
+            ways += [x[0] - math.log(velocity), math.log(velocity) - x[-1]]
+    return float(np.std(exponents, ddof=1)) * max(ways) if len(exponents) >= 2 else None
 
 
 def _left_out(x: Array, rows: Array, at: float) -> float | None:

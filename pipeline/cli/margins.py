@@ -171,7 +171,8 @@ def _on_one(found: Margin) -> Iterator[str]:
 def _error(found: Margin) -> str:
     error = found.temperature_error
     if found.is_continued:
-        return ", continued as a power of the velocity beyond the computed points"
+        margin = "" if error is None else f" ± {error:.2g} K"
+        return f"{margin}, continued as a power of the velocity beyond the computed points"
     if error == 0:
         return ", at a point of the sweep"
     if error is None:

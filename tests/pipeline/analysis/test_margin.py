@@ -1,11 +1,14 @@
 """Margins of operating points, on a rise that is known in closed form."""
 
+import itertools
+
 import numpy as np
 import pytest
 
 import pipeline
 from pipeline.store.schema import PENDING
 from tests.helpers import synthetic
+from tests.pipeline.figures.page import sweeps
 from tribo import InputError
 
 LIMIT = synthetic.limit()
@@ -86,7 +89,21 @@ def test_a_sweep_about_its_boundary_alone_is_continued_as_a_power_of_the_velocit
     found = margin(synthetic.sweep(status=far), 425.0, 1.0)
     warm = 298.15 + 0.1 * synthetic.rise(425.0, 1.0, 0.9)
     assert found.decisive_temperature == pytest.approx(warm, rel=1e-9)
-    assert found.temperature_error is None
+    assert found.temperature_error == pytest.approx(0.0, abs=1e-6)
+
+
+def test_what_is_continued_tells_its_error():
+    missed = []
+    for seed in range(4):
+        searched = sweeps.along_boundary(seed)
+        whole = sweeps.one(status={}, rise=sweeps.uneven(seed))
+        for load, velocity in itertools.product(searched["load"].values, (0.5, 0.75, 3.0, 4.0)):
+            beyond, true = margin(searched, load, velocity), margin(whole, load, velocity)
+            if beyond.is_continued:
+                off = beyond.decisive_temperature - true.decisive_temperature
+                missed.append(off / beyond.temperature_error)
+    assert len(missed) >= 10
+    assert 0.2 < np.sqrt(np.mean(np.square(missed))) < 2.0
 
 
 @pytest.mark.parametrize(
