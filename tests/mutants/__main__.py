@@ -35,6 +35,49 @@ ROOMS = {
         ["pipeline/sweep/criterion.py"],
         ["pipeline/sweep", "tests/pipeline/sweep", "tests/pipeline/analysis"],
     ),
+    "analysis": (
+        [
+            f"pipeline/analysis/{name}.py"
+            for name in (
+                "band",
+                "boundary",
+                "conditions",
+                "dataset",
+                "decisive",
+                "interpolation",
+                "margin",
+                "temperatures",
+                "transition",
+                "warned",
+            )
+        ],
+        [
+            *(f"pipeline/analysis/{name}.py" for name in ("band", "interpolation", "transition")),
+            *(
+                f"tests/pipeline/analysis/test_{name}.py"
+                for name in ("interpolation", "boundary", "margin", "dataset", "warned")
+            ),
+            "tests/pipeline/analysis/test_many_surfaces.py",
+        ],
+    ),
+    "inverse": (
+        [f"tribo/{name}.py" for name in ("criterion", "inverse", "lubricant")],
+        [
+            *(f"tribo/{name}.py" for name in ("criterion", "inverse", "lubricant")),
+            "tests/tribo/test_inverse.py",
+        ],
+    ),
+    "wear": (
+        [f"tribo/{name}.py" for name in ("grid", "stencil", "topography", "wear")],
+        [
+            *(f"tribo/{name}.py" for name in ("grid", "stencil", "topography", "wear")),
+            *(
+                f"tests/tribo/test_{name}.py"
+                for name in ("grid", "stencil", "topography", "wear", "wear_schemes")
+            ),
+        ],
+    ),
+    "loading": (["tribo/loading"], ["tribo/loading", "tests/tribo/loading"]),
     "store": (["pipeline/store"], ["pipeline/store", "tests/pipeline/store"]),
     "schedule": (
         [f"pipeline/run/{name}.py" for name in ("blame", "schedule", "watch", "work")],
