@@ -62,8 +62,10 @@ def reproduce(options: argparse.Namespace) -> int:
     """Recompute a figure or table of the paper, all of them, or list them."""
     paper = _study_of_the_paper()
     if options.list or options.name is None:
-        results = paper.RESULTS
-        show(options, results, [f"{name:12} {what}" for name, what in results.items()])
+        results, others = paper.RESULTS, paper.NOT_REPRODUCED
+        text = [f"{name:12} {summary}" for name, summary in results.items()]
+        text += ["", "not recomputed", *(f"{name:12} {reason}" for name, reason in others.items())]
+        show(options, results | {"not_recomputed": others}, text)
         return DONE
     chosen = given(options, "preset", "surfaces", "workers")
     if options.name == "all":

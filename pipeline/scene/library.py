@@ -28,7 +28,10 @@ _VISCOSITY = ("temperatures", "kinematic_viscosity", "dynamic_viscosity")
 def library() -> dict[str, Any]:
     """Tables ``materials`` and ``oils``, each number with the key of its source; ``sources``."""
     file = resources.files("pipeline.scene").joinpath("library.toml")
-    return tomllib.loads(file.read_text(encoding="utf-8"))
+    tables = tomllib.loads(file.read_text(encoding="utf-8"))
+    materials = tables["materials"]
+    materials |= {name: materials[usual] for name, usual in tables.pop("names").items()}
+    return tables
 
 
 def with_library(

@@ -48,6 +48,15 @@ def test_a_material_of_the_library_is_the_same_written_in_full(read):
     assert written.library == ()
 
 
+def test_hardened_bearing_steel_goes_by_the_names_that_people_use(read):
+    for name in ("100Cr6", "1.3505", "SUJ2", "AISI 52100 through-hardened"):
+        steel = read(NO_TABLE.replace("AISI 52100", name)).disk
+        assert steel.thermal_conductivity == 21.0
+    soft = read(NO_TABLE.replace("AISI 52100", "AISI 52100 annealed")).disk
+    assert soft.thermal_conductivity == 46.0
+    assert soft.hardness < 0.5 * steel.hardness
+
+
 def test_own_entries_go_before_those_of_the_library(read):
     hard = '[materials.ball]\nlike = "AISI 52100"\nhardness = "62 HRC"\n'
     sweep = read(NO_TABLE.replace("[pin]", f"{hard}\n[pin]", 1).replace(
