@@ -25,7 +25,8 @@ from pipeline.analysis.decisive import decisive_rise, with_rises
 from pipeline.analysis.interpolation import exponent
 from pipeline.analysis.transition import OUTCOMES, UNITS, Transition, range_of
 from pipeline.store.place import PathLike
-from pipeline.sweep.criterion import Conditions, rise_limit
+from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.criterion import rise_limit
 from pipeline.sweep.lubrication import Lubrication
 from tribo import InputError
 from tribo.types import Array, Mask

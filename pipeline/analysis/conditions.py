@@ -13,7 +13,8 @@ import xarray as xr
 from pipeline.analysis.attributes import attributes_of
 from pipeline.analysis.dataset import variants
 from pipeline.scene.quantities import in_si, share_of
-from pipeline.sweep.criterion import Conditions, of_bulks, require_bulks
+from pipeline.sweep.conditions import Conditions, of_bulks
+from pipeline.sweep.rises import require_bulks
 from tribo import InputError
 
 Bulk = float | str | Mapping[str, float | str]

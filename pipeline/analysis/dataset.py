@@ -13,8 +13,8 @@ from pipeline.store.identity import simulated_inputs
 from pipeline.store.place import PathLike
 from pipeline.store.read import open_store
 from pipeline.store.schema import LEADING
-from pipeline.sweep import criterion
-from pipeline.sweep.criterion import Conditions
+from pipeline.sweep import rises
+from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.unknown import first_alike
 from tribo import InputError
 from tribo.types import Array
@@ -152,21 +152,21 @@ def at_bulks(ds: xr.Dataset, conditions: Conditions) -> xr.Dataset:
     """
     if conditions.bulk_ratio == 0 and not conditions.corrections:
         return ds
-    criterion.require_bulks(ds, conditions)
-    return _with_rises(ds, conditions, criterion.at_bulks)
+    rises.require_bulks(ds, conditions)
+    return _with_rises(ds, conditions, rises.at_bulks)
 
 
 def corrected(ds: xr.Dataset, conditions: Conditions) -> xr.Dataset:
     """Take the rises of a sweep with the corrections of some conditions, at all bulk ratios."""
-    return _with_rises(ds, conditions, criterion.corrected) if conditions.corrections else ds
+    return _with_rises(ds, conditions, rises.corrected) if conditions.corrections else ds
 
 
 def corrected_field(point: xr.Dataset, rise: Array, conditions: Conditions) -> Array:
     """Rise over the window at the end of a point with corrections, shape of `rise` [K]."""
     last = int(point["time"].notnull().sum()) - 1
-    columns = {name: point[name].values for name in criterion.columns_needed(conditions)}
+    columns = {name: point[name].values for name in rises.columns_needed(conditions)}
     line = {"rise_quantile": np.tile([0.0, 1.0], (len(columns["time"]), 1))}
-    zero, one = criterion.corrected(columns | line, conditions)["rise_quantile"][last]
+    zero, one = rises.corrected(columns | line, conditions)["rise_quantile"][last]
     field: Array = zero + (one - zero) * rise
     return field
 
@@ -177,14 +177,14 @@ def _with_rises(
     judged: Callable[[Mapping[str, Any], Conditions], Mapping[str, Any]],
 ) -> xr.Dataset:
     """The sweep with rises under some conditions in place of its own."""
-    names = [name for name in (*criterion.RISES, "bulk_rise_quantile") if name in ds]
-    needed = ("bulk_rise_quantile", "mean_bulk_response", *criterion.columns_needed(conditions))
+    names = [name for name in (*rises.RISES, "bulk_rise_quantile") if name in ds]
+    needed = ("bulk_rise_quantile", "mean_bulk_response", *rises.columns_needed(conditions))
     columns = {name: values_of(ds, name) for name in dict.fromkeys((*names, *needed)) if name in ds}
-    rises = judged(columns, conditions)
+    changed = judged(columns, conditions)
     order = [name for name in (variant_of(ds), *_ORDER) if name]
     return ds.assign(
         {
-            name: ([dim for dim in order if dim in ds[name].dims], rises[name], ds[name].attrs)
+            name: ([dim for dim in order if dim in ds[name].dims], changed[name], ds[name].attrs)
             for name in names
         }
     )

@@ -10,7 +10,9 @@ import xarray as xr
 from pipeline.analysis.dataset import dataset_of, values_of, variant_of
 from pipeline.analysis.interpolation import certain, interpolated
 from pipeline.store.schema import DONE
-from pipeline.sweep.criterion import Conditions, columns_needed, decisive_rises
+from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.criterion import decisive_rises
+from pipeline.sweep.rises import columns_needed
 
 
 def with_rises(ds: xr.Dataset, conditions: Sequence[Conditions]) -> xr.Dataset:

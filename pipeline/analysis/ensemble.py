@@ -22,7 +22,7 @@ from pipeline.analysis.dataset import end_of_point, values_of
 from pipeline.analysis.decisive import decisive_rise
 from pipeline.analysis.interpolation import interpolated
 from pipeline.analysis.surrogate import Surrogate, fitted
-from pipeline.sweep.criterion import Conditions
+from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.unknown import Unknown, drawn
 from tribo import InputError
 from tribo.types import Array

@@ -24,7 +24,8 @@ from pipeline.analysis.interpolation import certain, interpolated
 from pipeline.analysis.transition import CROSSES, OUTCOMES, Transition, range_of
 from pipeline.scene.quantities import in_si
 from pipeline.store.place import PathLike
-from pipeline.sweep.criterion import Conditions, contact_temperature, rise_limit
+from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.criterion import contact_temperature, rise_limit
 from tribo import InputError
 from tribo.types import Array
 

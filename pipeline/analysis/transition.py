@@ -150,7 +150,7 @@ def command_of(
     attributes : mapping
         Attributes of the sweep.
     conditions : mapping
-        Conditions, as `pipeline.sweep.criterion.Conditions.as_dict` has them.
+        Conditions, as `pipeline.sweep.conditions.Conditions.as_dict` has them.
     is_pending : bool
         Whether the last run asked for points that are not done, which come first.
 

@@ -40,7 +40,8 @@ from pipeline.figures.style import (
     title_of,
 )
 from pipeline.store.schema import PENDING
-from pipeline.sweep.criterion import Conditions, rise_limit
+from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.criterion import rise_limit
 from tribo import InputError
 from tribo.types import Array, Mask
 

@@ -13,7 +13,8 @@ from pipeline.analysis.conditions import Bulk, conditions_of
 from pipeline.analysis.dataset import corrected_field, dataset_of, on_surface
 from pipeline.figures.points import chosen_points, name_of
 from pipeline.figures.style import Picture, celsius, heating, in_house_style, title_of
-from pipeline.sweep.criterion import Conditions, contact_temperature
+from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.criterion import contact_temperature
 from tribo import InputError
 from tribo.types import Array
 

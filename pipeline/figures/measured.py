@@ -13,7 +13,8 @@ from matplotlib.axes import Axes
 
 from pipeline.analysis.interpolation import crossing
 from pipeline.figures.style import BLACK, GREY
-from pipeline.sweep.criterion import Conditions, rise_limit
+from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.criterion import rise_limit
 
 _NEAR = 0.02  # relative difference of friction that is not worth a mark of its own
 

@@ -13,7 +13,7 @@ from matplotlib.lines import Line2D
 
 from pipeline.analysis.attributes import attributes_of
 from pipeline.figures.style import BLACK, GREY, celsius
-from pipeline.sweep.criterion import Conditions
+from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.lubrication import Lubrication
 from pipeline.sweep.rivals import RIVALS, SmoothContact
 from tribo import InputError, lubrication_regime

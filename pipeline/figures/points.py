@@ -10,7 +10,8 @@ import xarray as xr
 
 from pipeline.analysis.decisive import decisive_rise
 from pipeline.scene.quantities import in_si
-from pipeline.sweep.criterion import Conditions, rise_limit
+from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.criterion import rise_limit
 from pipeline.sweep.model import Point
 from tribo import InputError
 

@@ -26,7 +26,8 @@ from pipeline.figures.style import (
     title_of,
 )
 from pipeline.store.schema import DONE
-from pipeline.sweep.criterion import Conditions, contact_temperature
+from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.criterion import contact_temperature
 from tribo import Criterion
 from tribo.types import Array
 

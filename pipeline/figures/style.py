@@ -17,7 +17,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
 from pipeline.analysis.attributes import Described
 from pipeline.analysis.tables import writable_path
-from pipeline.sweep.criterion import Conditions
+from pipeline.sweep.conditions import Conditions
 from tribo import InputError
 
 BLACK, GREY = "#1A1A1A", "#777777"

@@ -28,7 +28,8 @@ from pipeline.figures.style import (
     title_of,
 )
 from pipeline.scene.quantities import in_si
-from pipeline.sweep.criterion import Conditions, contact_temperature, rise_limit
+from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.criterion import contact_temperature, rise_limit
 from tribo import InputError
 from tribo.types import Array
 

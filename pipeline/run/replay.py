@@ -20,8 +20,10 @@ from pipeline.analysis.interpolation import crossing
 from pipeline.run.boundary_search import BoundarySearch
 from pipeline.store.schema import DONE, FAILED, LEADING, PENDING, chunks_of
 from pipeline.store.write import Store
-from pipeline.sweep.criterion import Conditions, columns_needed, decisive_rises, rise_limit
+from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.criterion import decisive_rises, rise_limit
 from pipeline.sweep.model import Point
+from pipeline.sweep.rises import columns_needed
 from tribo import Corrections, Criterion
 from tribo.types import Array
 

@@ -25,7 +25,7 @@ from pipeline.scene.roughness import realizations_of, roughness_of
 from pipeline.scene.schema import Table
 from pipeline.scene.shipped import scene_path
 from pipeline.scene.unknown import samples_of
-from pipeline.sweep.criterion import Conditions, of_bulks
+from pipeline.sweep.conditions import Conditions, of_bulks
 from pipeline.sweep.model import SCATTERS, Measurement, Sweep
 
 Loading = tribo.Ramp | tribo.MeasuredLoad

@@ -6,7 +6,7 @@ from collections.abc import Collection
 from dataclasses import asdict, dataclass, field, replace
 from typing import Any, NamedTuple, Self
 
-from pipeline.sweep.criterion import Conditions
+from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.selection import Selection
 from pipeline.sweep.shown import as_html, as_lines, on_conditions, on_plane, on_scene
 from pipeline.sweep.unknown import Samples

@@ -16,7 +16,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from pipeline.sweep.criterion import Conditions, Verdict, verdict
+from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.criterion import Verdict, verdict
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.shown import as_html, as_lines, on_point
 from tribo import (

@@ -5,7 +5,7 @@ from __future__ import annotations
 import html
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-from pipeline.sweep.criterion import Conditions
+from pipeline.sweep.conditions import Conditions
 from tribo import (
     Crowned,
     Cylinder,

@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 import tribo
-from pipeline.sweep.criterion import Conditions
+from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.model import Sweep
 from tests.helpers.scenes import STEEL
 

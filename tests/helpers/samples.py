@@ -6,7 +6,7 @@ import numpy as np
 from scipy import stats
 
 from pipeline.analysis.ensemble import Ensemble
-from pipeline.sweep.criterion import Conditions
+from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.unknown import Unknown, drawn
 
 LOADS, VELOCITIES = np.array([200.0, 400.0, 750.0]), np.geomspace(0.5, 6.0, 7)

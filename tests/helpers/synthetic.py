@@ -4,7 +4,7 @@ import numpy as np
 import xarray as xr
 
 from pipeline.store.schema import DONE, FAILED
-from pipeline.sweep.criterion import Conditions
+from pipeline.sweep.conditions import Conditions
 from tribo import QUANTILES
 
 FACTOR, LOAD_EXPONENT, VELOCITY_EXPONENT = 24.0, 0.58, 0.7

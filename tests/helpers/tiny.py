@@ -9,7 +9,7 @@ import time
 from dataclasses import dataclass
 
 import tribo
-from pipeline.sweep.criterion import Conditions
+from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.model import Measurement, Sweep
 from tests.helpers.scenes import STEEL
 

@@ -32,7 +32,7 @@ ROOMS = {
         ["tests/tribo/thermal", "tests/tribo/simulation/test_steps.py"],
     ),
     "criterion": (
-        ["pipeline/sweep/criterion.py"],
+        [f"pipeline/sweep/{name}.py" for name in ("conditions", "criterion", "rises")],
         ["pipeline/sweep", "tests/pipeline/sweep", "tests/pipeline/analysis"],
     ),
     "analysis": (

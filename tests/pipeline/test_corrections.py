@@ -8,7 +8,7 @@ import pytest
 import pipeline
 import tribo
 from pipeline.cli import main
-from pipeline.sweep.criterion import Conditions
+from pipeline.sweep.conditions import Conditions
 from tests.helpers import javascript, tiny
 from tests.pipeline.cli.test_commands import SCENE
 

@@ -15,7 +15,8 @@ from pipeline.analysis.transition import ABOVE, BELOW, BEYOND, CROSSES, MILD, OU
 from pipeline.cli import main, values
 from pipeline.cli.crossings import document_of, tables_of
 from pipeline.figures.diagram import diagram
-from pipeline.sweep.criterion import Conditions, rise_limit
+from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.criterion import rise_limit
 from tests.helpers import javascript, synthetic, tiny
 from tests.pipeline.cli.test_commands import SCENE
 from tests.pipeline.figures.page import sweeps

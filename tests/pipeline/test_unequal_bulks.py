@@ -9,7 +9,7 @@ import pytest
 
 import pipeline
 from pipeline.cli import main
-from pipeline.sweep.criterion import Conditions
+from pipeline.sweep.conditions import Conditions
 from tests.helpers import tiny
 from tribo import InputError
 

@@ -6,7 +6,8 @@ from dataclasses import replace
 import numpy as np
 
 import tribo
-from pipeline.sweep.criterion import Conditions, decisive_rise
+from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.criterion import decisive_rise
 from pipeline.sweep.model import Sweep
 from tests.helpers.kept import ALUMINA
 from tests.helpers.scenes import STEEL

@@ -6,8 +6,10 @@ from dataclasses import replace
 import numpy as np
 
 import tribo
-from pipeline.sweep.criterion import Conditions, at_bulks, contact_temperature
+from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.criterion import contact_temperature
 from pipeline.sweep.model import Sweep
+from pipeline.sweep.rises import at_bulks
 from tests.promises.scenes import PAIRS, ROUGHLY, in_window, state_at
 from tribo.criterion import columns_of
 

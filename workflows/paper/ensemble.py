@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from pipeline.figures.style import BLACK, BLUE, GREEN, VERMILION
-from pipeline.sweep.criterion import Conditions
+from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.model import Measurement, Sweep
 from tribo import InputError
 from workflows.paper.report import statistics

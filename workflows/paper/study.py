@@ -16,11 +16,8 @@ from pipeline.figures.style import celsius
 from pipeline.run.sweep import Outcome, run_sweep
 from pipeline.scene.scenefile import load_scene
 from pipeline.scene.shipped import WORKFLOWS
-from pipeline.sweep.criterion import (
-    Conditions,
-    contact_temperature,
-    failed_fraction,
-)
+from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.criterion import contact_temperature, failed_fraction
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.stages import staged
 from tribo import InputError, Scene, State, measures, simulate

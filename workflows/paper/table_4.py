@@ -8,7 +8,8 @@ from typing import Any
 from matplotlib.figure import Figure
 
 from pipeline.figures.style import GREY, celsius, in_house_style
-from pipeline.sweep.criterion import Conditions, rise_limit
+from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.criterion import rise_limit
 from pipeline.sweep.model import Measurement
 from workflows.paper.ensemble import (
     beside,

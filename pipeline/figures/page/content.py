@@ -19,7 +19,9 @@ from pipeline.analysis.decisive import decisive_rise
 from pipeline.analysis.transition import OUTCOMES, range_of
 from pipeline.figures.page.fields import FIELDS, packed_fields
 from pipeline.store.schema import DONE
-from pipeline.sweep.criterion import Conditions, above_colder, rise_limit
+from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.criterion import rise_limit
+from pipeline.sweep.rises import above_colder
 from tribo import Criterion, WarningKind
 from tribo.types import Array, Mask
 

@@ -18,7 +18,7 @@ from pipeline.analysis.temperatures import decisive_temperature, temperatures
 from pipeline.figures.ramp import ramp
 from pipeline.store.create import writing
 from pipeline.store.place import StoreError
-from pipeline.sweep.criterion import Conditions
+from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import points, run_point, step_count
 from tests.helpers import tiny

@@ -14,7 +14,7 @@ import tribo
 from pipeline.scene.format import FORMAT
 from pipeline.scene.kinds import Quantity
 from pipeline.scene.schema import Either, List, Optional, Table, Tables
-from pipeline.sweep.criterion import Conditions
+from pipeline.sweep.conditions import Conditions
 from tests.helpers.scenes import STEEL, small_scene
 
 GRID = tribo.Grid((8, 8), (1e-6, 1e-6))

@@ -17,7 +17,7 @@ from pipeline.scene.faults import SceneFileError
 from pipeline.scene.quantities import display
 from pipeline.scene.scenefile import load_scene
 from pipeline.scene.units import UnitError, exact_si, to_si
-from pipeline.sweep.criterion import Conditions
+from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.model import Measurement, Sweep
 
 WORKFLOWS = Path(__file__).parents[3] / "workflows"

@@ -23,7 +23,7 @@ from pipeline.store.durable import PARTIAL
 from pipeline.store.place import StoreError, StoreMismatchError
 from pipeline.store.progress import summary
 from pipeline.store.verify import verify_store
-from pipeline.sweep.criterion import Conditions
+from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import points, run_point
 from pipeline.sweep.unknown import Samples, Unknown, drawn

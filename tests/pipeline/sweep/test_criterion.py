@@ -6,9 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.criterion import (
-    Conditions,
-    at_bulks,
     boundary_velocity_error,
     contact_temperature,
     decisive_rise,
@@ -19,6 +18,7 @@ from pipeline.sweep.criterion import (
     worst_moment,
 )
 from pipeline.sweep.plan import run_point
+from pipeline.sweep.rises import at_bulks
 from tests.helpers import tiny
 from tribo import BULK_RATIOS, QUANTILES, InputError, Ramp, critical_temperature
 

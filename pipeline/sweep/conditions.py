@@ -1,0 +1,227 @@
+"""The conditions under which wear is judged, after the simulation."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import asdict, dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from tribo import BULK_RATIOS, Corrections, Criterion, InputError
+
+
+@dataclass(frozen=True, slots=True)
+class Conditions:
+    """What turns a rise at friction 1 into mild or severe wear, after the simulation.
+
+    Attributes
+    ----------
+    friction : float
+        Friction coefficient, at least 0.
+    bulk_temperature : float
+        Temperature of both bodies far from the contact, or of the pin where they differ [K].
+    critical_temperature : float or None
+        Temperature above which the lubricant fails [K]; None where it is not known.
+    failing_share : float
+        Share of the contact area above the critical temperature beyond which wear is severe, from
+        0 (Blok's criterion, the maximum temperature) to below 1.
+    disk_temperature : float or None
+        Temperature of the disk far from the contact [K]; None where it is that of the pin.
+    criterion : str
+        Kind of criterion, one of `tribo.CRITERIA`; the failing share belongs to "share" alone.
+    corrections : Corrections or None
+        Friction by velocity, earlier passes, stem and film; a mapping is read as what
+        `as_dict` gives.
+
+    Raises
+    ------
+    InputError
+        If one lies outside its range, or friction varies with velocity between bodies of unequal
+        bulk temperatures.
+
+    Examples
+    --------
+    >>> from dataclasses import replace
+    >>> white_oil = Conditions(0.1, bulk_temperature=298.15, critical_temperature=418.15)
+    >>> replace(white_oil, friction=0.12).failing_share
+    0.1
+    >>> white_oil.changed(share=0.0).failing_share
+    0.0
+    """
+
+    friction: float
+    bulk_temperature: float
+    critical_temperature: float | None
+    failing_share: float = 0.1
+    disk_temperature: float | None = None
+    criterion: str = "share"
+    corrections: Corrections | None = None
+
+    def __post_init__(self) -> None:
+        if isinstance(self.corrections, Mapping):
+            object.__setattr__(self, "corrections", Corrections.of_plain(self.corrections))
+        for name in self.__slots__:
+            if name in ("criterion", "corrections"):
+                continue
+            value = getattr(self, name)
+            if value is None and name in ("critical_temperature", "disk_temperature"):
+                continue
+            if isinstance(value, Iterable):
+                raise InputError(f"{name} is {value!r}; it must be one number here")
+            if not math.isfinite(value):
+                raise InputError(f"{name} is {value!r}; it must be finite")
+        if self.friction < 0:
+            raise InputError(f"friction is {self.friction:g}; it must be at least 0")
+        warmest = self.bulk_temperature + max(0.0, self.bulk_difference)
+        for name in ("bulk_temperature", "disk_temperature"):
+            value = getattr(self, name)
+            if value is not None and value <= 0:
+                raise InputError(f"{name} is {in_celsius(value)}; it must be above 0 K")
+        critical = self.critical_temperature
+        if critical is not None and critical <= warmest:
+            raise InputError(
+                f"critical_temperature is {in_celsius(critical)}; it must lie above the bulk "
+                f"temperature, {in_celsius(warmest)}"
+            )
+        Criterion(self.criterion, self.failing_share)
+        if self.corrections and self.corrections.friction and self.bulk_difference:
+            raise InputError(
+                "friction.by_velocity: the bulk temperatures of pin and disk differ, and then the "
+                "rise is not proportional to friction; give one bulk temperature, or one friction"
+            )
+
+    @property
+    def decisive(self) -> Criterion:
+        """Criterion of severe wear."""
+        return Criterion(self.criterion, self.failing_share)
+
+    @property
+    def bulk_difference(self) -> float:
+        """Bulk temperature of the disk less that of the pin [K]."""
+        disk = self.disk_temperature
+        return 0.0 if disk is None else disk - self.bulk_temperature
+
+    @property
+    def coldest_bulk_temperature(self) -> float:
+        """Bulk temperature of the colder body, from which rises count [K]."""
+        return self.bulk_temperature + min(0.0, self.bulk_difference)
+
+    @property
+    def mean_bulk_temperature(self) -> float:
+        """Mean of both bodies' bulk temperatures [K]: that of the oil between them."""
+        return self.bulk_temperature + self.bulk_difference / 2
+
+    @property
+    def rise_factor(self) -> float:
+        """What the rise at friction 1 is multiplied by: the friction.
+
+        Without friction unequal bulk temperatures still warm one of the bodies. Then it is so small
+        that their ratio to it is the largest one that is kept.
+        """
+        return max(self.friction, abs(self.bulk_difference) / BULK_RATIOS[-1])
+
+    @property
+    def bulk_ratio(self) -> float:
+        """Difference of the bulk temperatures over what the rise is multiplied by [K]."""
+        difference = self.bulk_difference
+        return difference / self.rise_factor if difference else 0.0
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return all values as plain data; disk's temperature and corrections where given."""
+        plain = asdict(self)
+        if self.disk_temperature is None:
+            del plain["disk_temperature"]
+        del plain["corrections"]
+        return plain | ({"corrections": self.corrections.as_dict()} if self.corrections else {})
+
+    def friction_at(self, velocity: float) -> float:
+        """Coefficient of friction at a sliding velocity [m/s]."""
+        if self.corrections is None:
+            return self.friction
+        return self.friction * float(self.corrections.friction_factor(np.array(velocity)))
+
+    def at_friction(self, friction: float | None) -> Conditions:
+        """The conditions with a friction measured at one point; as they are where there is none."""
+        if friction is None:
+            return self
+        corrections = self.corrections and replace(self.corrections, friction=())
+        return replace(self, friction=friction, corrections=corrections)
+
+    def known_critical_temperature(self) -> float:
+        """Critical temperature [K].
+
+        Raises
+        ------
+        InputError
+            If it is not known.
+        """
+        if self.critical_temperature is None:
+            raise InputError(
+                "temperature.critical: the scene does not give it, and this needs it; add it to "
+                'the scene, such as critical = "145 degC", or where options or arguments take '
+                "it, give --critical-temperature or critical_temperature"
+            )
+        return self.critical_temperature
+
+    def changed(
+        self,
+        friction: float | None = None,
+        bulk_temperature: float | Mapping[str, float] | None = None,
+        critical_temperature: float | None = None,
+        share: float | None = None,
+        criterion: str | None = None,
+    ) -> Conditions:
+        """Return the conditions with those that are given in place of their own.
+
+        Parameters
+        ----------
+        friction, critical_temperature, share : float, optional
+            Coefficient, temperature [K] and share in place of their own.
+        bulk_temperature : float or mapping, optional
+            Temperature of both bodies [K]; or one for each, by ``"pin"`` and ``"disk"``.
+        criterion : str, optional
+            Kind of criterion; "share" if a share alone is given.
+        """
+        given: dict[str, Any] = {
+            "friction": friction,
+            "critical_temperature": critical_temperature,
+            "failing_share": share,
+            "criterion": "share" if criterion is None and share is not None else criterion,
+        }
+        changes = {name: value for name, value in given.items() if value is not None}
+        if bulk_temperature is not None:
+            changes |= of_bulks(bulk_temperature)
+        return replace(self, **changes)
+
+
+def of_bulks(given: float | Mapping[str, float | None] | None) -> dict[str, Any]:
+    """Entries of `Conditions` for one bulk temperature, or for one of each body [K].
+
+    Raises
+    ------
+    InputError
+        If it names other bodies than pin and disk.
+
+    Examples
+    --------
+    >>> of_bulks({"pin": 333.15, "disk": 298.15})
+    {'bulk_temperature': 333.15, 'disk_temperature': 298.15}
+    >>> of_bulks(298.15)
+    {'bulk_temperature': 298.15, 'disk_temperature': None}
+    """
+    if not isinstance(given, Mapping):
+        return {"bulk_temperature": given, "disk_temperature": None}
+    if set(given) != {"pin", "disk"}:
+        raise InputError(
+            f"bulk_temperature names {', '.join(map(str, given)) or 'no body'}; give one "
+            "temperature for both bodies, or one for pin and one for disk"
+        )
+    disk = given["disk"] if given["disk"] != given["pin"] else None
+    return {"bulk_temperature": given["pin"], "disk_temperature": disk}
+
+
+def in_celsius(temperature: float) -> str:
+    """Write a temperature [K] in both of its usual units."""
+    return f"{temperature - 273.15:.6g} °C ({temperature:.6g} K)"
