@@ -31,6 +31,7 @@ from .analysis.warned import warned as warned
 from .figures.page.write import Page as Page
 from .figures.page.write import explore as explore
 from .figures.plot import plot as plot
+from .figures.report.write import report as report
 from .figures.style import figure_path as figure_path
 from .figures.style import save_figure as save_figure
 from .figures.tornado import draw_variations as draw_variations

@@ -44,6 +44,8 @@ def test_the_shipped_scenes_come_with_the_wheel(installed, tmp_path):
     assert {path.name for path in (installed / "pipeline/workflows").glob("*.toml")} == known
     run(installed, tmp_path, "-m", "pipeline", "new", "record.toml", "--from", "fig8")
     assert (tmp_path / "fig8_load_record.csv").exists()
+    cited = "from pipeline.figures.report.citation import citation; print(*citation())"
+    assert "irg-transition" in run(installed, tmp_path, "-c", cited)
 
 
 def test_the_page_of_a_package_index_has_no_link_that_leads_nowhere(installed):

@@ -13,7 +13,12 @@ _ATTRIBUTES = (
     "samples", "sample_seed", "unknown", "measured", "preset",
 )  # fmt: skip
 _NOT_SHOWN = ("friction_heat", "unequal_bulks", "lubrication.")  # follow from other entries
+_TYPES = tuple(
+    f"{name}.type"
+    for name in ("material", "disk", "pixels", "loading", "roughness", "wear", "motion", "fidelity")
+)
 _PATHS = {
+    "pin.type": "pin.shape",
     "pixels.shape": "window.pixels",
     "pixels.spacing": "window.pixel_size",
     "pixels.periodic": "window.periodic",
@@ -46,6 +51,7 @@ _UNITS = {
     "mm³/(N m)": ("specific_wear_rate",),
     "°C": ("bulk_temperature", "disk_temperature", "critical_temperature", "temperatures"),
     "1/GPa": ("pressure_coefficients",),
+    "mm²/s": ("viscosities",),
 }
 _UNIT_OF = {name: unit for unit, names in _UNITS.items() for name in names}
 
@@ -62,7 +68,7 @@ def entries_of(attributes: Mapping[str, Any]) -> dict[str, str]:
     --------
     >>> scene = {"pin": {"type": "Ball", "radius": 0.005}, "pixels": {"spacing": [1e-6, 2e-6]}}
     >>> entries_of({"scene": scene, "conditions": {"critical_temperature": 418.15}})
-    {'pin.type': 'Ball', 'pin.radius': '5 mm', 'window.pixel_size': '1, 2 µm', \
+    {'pin.shape': 'Ball', 'pin.radius': '5 mm', 'window.pixel_size': '1, 2 µm', \
 'temperature.critical': '145 °C'}
     """
     found = {}
@@ -70,7 +76,7 @@ def entries_of(attributes: Mapping[str, Any]) -> dict[str, str]:
         prefix = "" if attribute == "scene" else attribute
         for path, value in _flat(attributes.get(attribute), prefix):
             shown = _in_scene(path)
-            if not shown.startswith(_NOT_SHOWN):
+            if not (shown.startswith(_NOT_SHOWN) or path.endswith(_TYPES)):
                 found[shown] = _text(value, _UNIT_OF.get(path.split(".")[-1], ""))
     return found
 
@@ -97,7 +103,8 @@ def _in_scene(path: str) -> str:
 def _text(value: Any, unit: str) -> str:
     """Value with its unit."""
     if isinstance(value, list):
-        return f"{', '.join(_text(item, unit).removesuffix(f' {unit}') for item in value)} {unit}"
+        items = [_text(item, unit).removesuffix(f" {unit}") for item in value]
+        return f"{', '.join(items)} {unit}".rstrip()
     if isinstance(value, bool) or not isinstance(value, int | float):
         return str(value)
     return display(value, unit) if unit else f"{value:g}"

@@ -38,6 +38,11 @@ class OperatingPoints:
         Loads and velocities.
     others : mapping of str to sequence
         Further columns, by their headings.
+
+    Examples
+    --------
+    >>> OperatingPoints((Place(500.0, 2.0),), {"gear": [3]}).places[0].velocity
+    2.0
     """
 
     places: tuple[Place, ...]

@@ -18,6 +18,8 @@ from tribo import InputError
 TABLES = (".csv", ".md")
 """Endings of the files that a table may be written to."""
 
+_WIDE = 40  # characters of a cell, beyond which its column gets no wider on a page
+
 
 class Column(NamedTuple):
     """Column of a table.
@@ -34,6 +36,12 @@ class Column(NamedTuple):
         Significant digits in text.
     write : callable, optional
         Writes a number in SI with its unit in text, in place of the digits.
+
+    Examples
+    --------
+    >>> column = Column("bulk", "bulk temperature", "°C")
+    >>> column.head, column.text(298.15)
+    ('bulk temperature [°C]', '25')
     """
 
     name: str
@@ -138,8 +146,16 @@ class Table:
             yield "   ".join(cells).rstrip()
 
     def html(self) -> str:
-        """The table as HTML."""
-        heads = "".join(f"<th>{html.escape(column.head)}</th>" for column in self.columns)
+        """The table as HTML, with widths of columns in proportion to what they hold."""
+        columns = zip(*self.cells(), strict=True) if self.rows else [()] * len(self.columns)
+        lengths = [
+            max(max(map(len, column.head.split())), min(_WIDE, max(map(len, cells), default=0))) + 2
+            for column, cells in zip(self.columns, columns, strict=True)
+        ]
+        heads = "".join(
+            f'<th width="{100 * length // sum(lengths)}%">{html.escape(column.head)}</th>'
+            for column, length in zip(self.columns, lengths, strict=True)
+        )
         rows = (
             "".join(f"<td>{html.escape(cell) or '–'}</td>" for cell in row) for row in self.cells()
         )

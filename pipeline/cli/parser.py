@@ -160,6 +160,15 @@ COMMANDS = (
         ),
     ),
     Command(
+        "report", "results:report", "write a report for people without the tool: HTML or PDF",
+        "results/scene.zarr --points duty.csv -o report.pdf",
+        (
+            o.STORE, o.output("REPORT.html", "file to write, .html or .pdf; default: beside the "
+            "store"),
+            o.POINTS, o.CONDITIONS,
+        ),
+    ),
+    Command(
         "explore", "results:explore", "write a page to explore a store in a browser",
         "results/scene.zarr -o page.html",
         (

@@ -39,14 +39,15 @@ _MORE_AREA = {2: "14 to 17", 4: "40 to 50"}
 def boundary(options: argparse.Namespace) -> int:
     """Print critical velocities and loads."""
     out = table_path(options)
-    from pipeline.cli.crossings import command_for, document_of, tables_of, text_of  # with xarray
+    from pipeline.analysis.boundary_tables import tables_of  # with xarray
+    from pipeline.cli.crossings import command_for, document_of, text_of
 
     ds, conditions = pipeline.open_sweep(options.store), given(options, *CONDITIONS)
     found, warned = pipeline.boundary(ds, **conditions), pipeline.warned(ds, **conditions)
     command = command_for(found, options.store, ds)
-    tables, document = tables_of(found), document_of(found) | {"command": command}
-    text = text_of(found, tables, command)
-    show(options, document, text, warned=warned, out=out, tables=tables)
+    document = document_of(found) | {"command": command}
+    tables = tables_of(found)
+    show(options, document, text_of(found, command), warned=warned, out=out, tables=tables)
     return DONE
 
 
@@ -81,13 +82,31 @@ def _require_options(kind: str, names: Iterable[str]) -> None:
 
 def explore(options: argparse.Namespace) -> int:
     """Write a page to explore a store in a browser."""
-    ds, store = pipeline.open_sweep(options.store), str(options.store).rstrip("/")
-    out = options.output or Path(Path(store).name if "://" in store else store).with_suffix(".html")
+    ds = pipeline.open_sweep(options.store)
+    out = options.output or _beside(options.store, ".html")
     fields = {"most_fields": 0} if options.no_fields else given(options, "most_fields")
     with working("writing the page"):
         page = pipeline.explore(ds, out, **fields)
     show(options, page.as_dict(), [str(page)], warned=pipeline.warned(ds))
     return DONE
+
+
+def report(options: argparse.Namespace) -> int:
+    """Write a report of a store."""
+    ds, conditions = pipeline.open_sweep(options.store), given(options, *CONDITIONS)
+    out = options.output or _beside(options.store, "_report.html")
+    points = None if options.points is None else pipeline.OperatingPoints.read(options.points)
+    with working("writing the report"):
+        written = pipeline.report(ds, out, points, **conditions)
+    warned = pipeline.warned(ds, **conditions)
+    show(options, {"file": str(written)}, [str(written)], warned=warned)
+    return DONE
+
+
+def _beside(store: Path | str, ending: str) -> Path:
+    """File beside a store, or here for a store at an address."""
+    path = Path(store) if "://" not in str(store) else Path(Path(store).name)
+    return path.with_name(f"{path.stem}{ending}")
 
 
 def point(options: argparse.Namespace) -> int:

@@ -9,11 +9,12 @@ import pytest
 import xarray as xr
 
 import pipeline
+from pipeline.analysis.boundary_tables import tables_of
 from pipeline.analysis.conditions import conditions_of
 from pipeline.analysis.decisive import decisive_rise
 from pipeline.analysis.transition import ABOVE, BELOW, BEYOND, CROSSES, MILD, OUTCOMES, SEVERE
 from pipeline.cli import main, values
-from pipeline.cli.crossings import document_of, tables_of
+from pipeline.cli.crossings import document_of
 from pipeline.figures.diagram import diagram
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.criterion import rise_limit

@@ -10,7 +10,7 @@ from pipeline.analysis.boundary import boundary
 from pipeline.analysis.decisive import decisive_rise, refined
 from pipeline.analysis.interpolation import crossing, exponent, interpolated
 from pipeline.analysis.temperatures import decisive_temperature
-from pipeline.cli.crossings import document_of, tables_of, text_of
+from pipeline.cli.crossings import document_of, text_of
 from pipeline.store.schema import FAILED, PENDING
 from pipeline.sweep.lubrication import Lubrication
 from tests.helpers import synthetic
@@ -368,13 +368,13 @@ def test_each_crossing_has_its_film_parameter_where_the_scene_has_an_oil():
 
 def test_the_regime_of_each_crossing_is_told_in_words_and_in_the_document():
     found = boundary(synthetic.sweep(lubrication=OILED))
-    assert "200        3.678  film Λ 0.87" in list(text_of(found, tables_of(found)))
+    assert "200        3.678  film Λ 0.87" in list(text_of(found))
     document = document_of(found)
     assert document["regime_at_load"][0] == "boundary lubrication"
     assert document["film_parameter_at_load"][0] == pytest.approx(0.87, abs=0.005)
     assert "no crossing" in document["regime_at_velocity"]
     dry = boundary(synthetic.sweep())
-    assert "Λ" not in "".join(text_of(dry, tables_of(dry)))
+    assert "Λ" not in "".join(text_of(dry))
 
 
 def test_the_exponent_of_the_rise_is_known_at_each_crossing():
@@ -415,13 +415,11 @@ def test_a_rise_that_grows_slowly_with_the_velocity_is_told(exponents):
     sweep = synthetic.sweep(rise=rise, loads=loads)
     found = boundary(sweep)
     assert document_of(found)["rise_exponent_at_load"] == pytest.approx(exponents)
-    told = "".join(line for line in text_of(found, tables_of(found)) if "grows slowly" in line)
+    told = "".join(line for line in text_of(found) if "grows slowly" in line)
     slow = {load: each for load, each in zip(loads, exponents, strict=True) if each < 0.4}
     assert bool(told) == bool(slow)
     if slow:
         assert told.startswith(f"at {', '.join(f'{load:g}' for load in slow)} N the rise grows")
         assert told.endswith(f"by up to {1 / min(slow.values()):.2g} %")
     both = boundary(sweep, friction=[0.1, 0.1])
-    assert (
-        "".join(line for line in text_of(both, tables_of(both)) if "grows slowly" in line) == told
-    )
+    assert "".join(line for line in text_of(both) if "grows slowly" in line) == told

@@ -8,8 +8,8 @@ import xarray as xr
 
 import pipeline
 from pipeline.analysis.boundary import boundary
+from pipeline.analysis.boundary_tables import tables_of
 from pipeline.cli import main
-from pipeline.cli.crossings import tables_of
 from tests.helpers import synthetic
 
 HEADS = ["friction", "load [N]", "critical velocity [m/s]", "outcome"]

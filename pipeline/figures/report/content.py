@@ -1,0 +1,261 @@
+"""Content of a report, as plain HTML that both a browser and the PDF library lay out."""
+
+from __future__ import annotations
+
+import base64
+import html
+import io
+from collections.abc import Callable, Iterator, Mapping
+from datetime import UTC, datetime
+from typing import Any
+
+import xarray as xr
+
+from pipeline.analysis.attributes import attributes_of
+from pipeline.analysis.boundary import boundary
+from pipeline.analysis.boundary_tables import readable
+from pipeline.analysis.conditions import conditions_of
+from pipeline.analysis.dataset import asked, variant_of
+from pipeline.analysis.entries import entries_of
+from pipeline.analysis.margin_table import margin_table
+from pipeline.analysis.operating_points import OperatingPoints
+from pipeline.analysis.tables import Column, Table
+from pipeline.analysis.transition import CROSSES
+from pipeline.analysis.warned import warned
+from pipeline.figures.report.citation import citation
+from pipeline.figures.style import criterion, heating
+from pipeline.scene.meanings import MEANINGS
+from pipeline.store.schema import DONE, FAILED
+from pipeline.sweep.selection import Selection
+from pipeline.sweep.shown import on_plane
+from tribo import InputError
+
+_DPI = 200
+_PRESET_ERRORS = {"draft": 0.05, "standard": 0.006, "fine": 0.001}
+"""Largest error of the boundary velocity on the paper's system, as README has it."""
+
+_LONG = {
+    "certain", "critical_velocity", "critical_load", "velocity_outcome", "load_outcome",
+    "temperature_error", "note",
+}  # fmt: skip
+"""Columns of a table of margins for which a page is too narrow."""
+
+
+def content(ds: xr.Dataset, points: OperatingPoints | None, conditions: Mapping[str, Any]) -> str:
+    """Body of a report as HTML: headings, paragraphs, tables and pictures.
+
+    Parameters
+    ----------
+    ds : Dataset
+        Dataset of `pipeline.open_sweep`.
+    points : OperatingPoints or None
+        Operating points whose margins to tell.
+    conditions : mapping
+        Conditions in place of the sweep's own; see `pipeline.boundary`.
+    """
+    attributes = attributes_of(ds)
+    title = attributes.get("title") or attributes.get("name") or "Transition diagram"
+    sections: dict[str, Callable[[], Iterator[str]]] = {
+        "Question and answer": lambda: _question(ds, conditions),
+        "Transition diagram": lambda: _diagram(ds, conditions),
+        "Boundary in numbers": lambda: _numbers(ds, conditions),
+        "Operating points": lambda: _operating_points(ds, points, conditions),
+        "Warnings": lambda: _warnings(ds, conditions),
+        "Inputs": lambda: _inputs(attributes),
+        "Numerical choices and their error": lambda: _fidelity(attributes),
+        "Model": _model,
+        "Versions": lambda: _versions(attributes),
+        "How to cite": _cite,
+    }
+    parts = [f"<h1>{html.escape(str(title))}</h1>"]
+    for heading, write in sections.items():
+        if body := "\n".join(_or_reason(write)):
+            parts.append(f"<h2>{heading}</h2>\n{body}")
+    return "\n".join(parts)
+
+
+def _or_reason(write: Callable[[], Iterator[str]]) -> list[str]:
+    """A section, or the reason for which the sweep has no such."""
+    try:
+        return list(write())
+    except InputError as error:
+        return [_paragraph(f"Not in this report: {error}.")]
+
+
+def _paragraph(text: str) -> str:
+    return f"<p>{html.escape(text)}</p>"
+
+
+def _question(ds: xr.Dataset, changed: Mapping[str, Any]) -> Iterator[str]:
+    """Question that the sweep answers, its answer in a sentence, and the state of the sweep."""
+    attributes = attributes_of(ds)
+    loads, velocities = (attributes.get(name) or [] for name in ("loads", "velocities"))
+    plane = on_plane(loads, velocities)[1] if loads and velocities else "the points computed"
+    yield _paragraph(
+        "At which load and sliding velocity does wear of this lubricated contact turn from mild "
+        f"to severe adhesive wear (scuffing)? Examined: {plane}."
+    )
+    total = int(asked(ds).sum())
+    done, failed = (int((asked(ds) & (ds["status"] == code)).sum()) for code in (DONE, FAILED))
+    if done < total:
+        yield _paragraph(
+            f"The sweep is not finished: {done} of {total} points are done, {failed} failed. "
+            "What follows rests on those that are done."
+        )
+    found = boundary(ds, **changed)
+    judged = conditions_of(ds, **changed)
+    yield _paragraph(f"Wear is taken as severe with {criterion(judged)}, at {heating(judged)}.")
+    yield _paragraph(_answer(found))
+
+
+def _answer(found: xr.Dataset) -> str:
+    """Velocities at which wear turns severe at the lowest and the highest load."""
+    axis = variant_of(found)
+    velocities = found["critical_velocity"]
+    crosses = found["outcome_at_load"] == CROSSES
+    if axis:
+        velocities, crosses = velocities.median(axis), crosses.all(axis)
+    known = velocities.where(crosses, drop=True)
+    if not known.size:
+        return "Answer: no transition lies within the points computed; see the numbers below."
+    places = [known[0], known[-1]] if known.size > 1 else [known[0]]
+    told = " and ".join(
+        f"from {float(place):.3g} m/s on at {float(place['load']):g} N" for place in places
+    )
+    median = f", the median of {found.sizes[axis]} surfaces" if axis else ""
+    return f"Answer: wear is severe {told}{median}."
+
+
+def _diagram(ds: xr.Dataset, conditions: Mapping[str, Any]) -> Iterator[str]:
+    """Transition diagram as a picture within the document."""
+    from pipeline.figures.plot import plot
+
+    figure: Any = plot(ds, "diagram", width="17 cm", with_title=False, **conditions)
+    picture = io.BytesIO()
+    figure.savefig(picture, format="png", dpi=_DPI)
+    encoded = base64.b64encode(picture.getvalue()).decode()
+    yield f'<p><img src="data:image/png;base64,{encoded}" width="490" alt="Transition diagram"></p>'
+
+
+def _numbers(ds: xr.Dataset, conditions: Mapping[str, Any]) -> Iterator[str]:
+    """Tables of the boundary."""
+    found = boundary(ds, **conditions)
+    for table in readable(found):
+        yield table.without_empty().html()
+    if missing := found.attrs["missing_points"]:
+        yield _paragraph(f"{missing} points are pending or failed and were left out.")
+    if "film_parameter_at_load" in found:
+        yield _paragraph(
+            "Film Λ is the minimum film over Rq at the bulk temperature: below 1 boundary "
+            "lubrication, below 3 mixed, above it a full film, which the model does not have."
+        )
+
+
+def _operating_points(
+    ds: xr.Dataset, points: OperatingPoints | None, conditions: Mapping[str, Any]
+) -> Iterator[str]:
+    """Margins of operating points."""
+    if points is None:
+        return
+    table = margin_table(ds, points, **conditions)
+    yield table.without(_LONG).without_empty().html()
+    notes = enumerate(table.as_dict()["note"], 1)
+    yield from (_paragraph(f"Row {number}: {note}.") for number, note in notes if note)
+    yield _paragraph(
+        "A factor is the critical velocity or load over that of the point: wear turns severe at so "
+        "many times its velocity, or its load. Where there is none, the sweep has no transition."
+    )
+
+
+def _warnings(ds: xr.Dataset, conditions: Mapping[str, Any]) -> Iterator[str]:
+    """Warnings by kind, with counts."""
+    found = warned(ds, **conditions)
+    if not found.points:
+        yield _paragraph("No computed point carries a warning.")
+        return
+    columns = Column("kind", "kind"), Column("points", "points")
+    yield Table(columns, tuple(found.kinds.items())).html()
+    total = int((ds["status"] == DONE).sum())
+    beside = "" if found.at_boundary is None else f", {found.at_boundary} of them at the boundary"
+    yield _paragraph(f"{found.points} of {total} points carry a warning{beside}.")
+    yield _paragraph(f"For example {found.example}")
+
+
+def _inputs(attributes: Mapping[str, Any]) -> Iterator[str]:
+    """Entries of the scene with their units, and the sources of those of the library."""
+    rows = tuple(
+        (path, text, _meaning(path))
+        for path, text in entries_of(attributes).items()
+        if not path.startswith(("fidelity", "measured"))
+    )
+    yield Table(_ENTRY, rows).html()
+    library = attributes.get("library") or []
+    origin = "other values" if library else "all values"
+    if library:
+        rows = tuple((entry["key"], entry["value"], entry["source"]) for entry in library)
+        yield Table(_LIBRARY, rows).html()
+    yield _paragraph(f"Source: {origin} from the scene {attributes.get('name')}.toml.")
+    if measured := attributes.get("measured"):
+        yield "<h3>Measured transitions</h3>"
+        rows = tuple(tuple(each.get(column.name) for column in _MEASURED) for each in measured)
+        yield Table(_MEASURED, rows).without_empty().html()
+
+
+_ENTRY = Column("entry", "entry"), Column("value", "value"), Column("meaning", "meaning")
+_LIBRARY = (
+    Column("key", "from the library"), Column("value", "value"), Column("source", "source"),
+)  # fmt: skip
+_MEASURED = (
+    Column("normal_load", "load", "N"),
+    Column("velocity", "velocity", "m/s"),
+    Column("friction", "friction"),
+)
+
+
+def _meaning(path: str) -> str:
+    """First sentence on an entry, of the reference of the scene."""
+    for body in ("pin", "disk"):
+        path = path.replace(f"{body}.material.", "materials.NAME.")
+    return MEANINGS.get(path, "").split(";")[0].split(". ")[0].rstrip(".").replace("`", "")
+
+
+def _fidelity(attributes: Mapping[str, Any]) -> Iterator[str]:
+    """Numerical choices, and the error of the boundary that they bring."""
+    preset, selection = attributes.get("preset"), attributes.get("selection")
+    if selection:
+        yield _paragraph(
+            f"Picked for its accuracy on this scene: {Selection.from_dict(selection)}."
+        )
+    elif error := _PRESET_ERRORS.get(str(preset)):
+        yield _paragraph(
+            f"Preset {preset}: its boundary velocity errs by up to {100 * error:g} % on the system "
+            "of the paper, against nearly exact steps. On this scene the error was not measured: "
+            "irg run with --accuracy does so."
+        )
+    else:
+        yield _paragraph(f"Preset {preset or 'of its own'}: its error was not measured.")
+    columns = Column("entry", "choice"), Column("value", "value")
+    choices = entries_of({"scene": {"fidelity": (attributes.get("scene") or {}).get("fidelity")}})
+    rows = ((path.removeprefix("fidelity."), text) for path, text in choices.items())
+    yield Table(columns, tuple(rows)).html()
+
+
+def _model() -> Iterator[str]:
+    """Physics of the model, and its limits."""
+    yield _paragraph(
+        "A rough, elastic-plastic contact under boundary lubrication is worn by Archard's law "
+        "while the load grows, and heated by friction; after Bosman and de Rooij. A lubricating "
+        "film that carries load, and the wear after the transition, are not part of it."
+    )
+
+
+def _versions(attributes: Mapping[str, Any]) -> Iterator[str]:
+    """Programs that computed the store, and the identity of its scene."""
+    yield from (_paragraph(line) for line in str(attributes.get("history") or "").splitlines())
+    yield _paragraph(f"Scene {attributes.get('scene_hash')} (SHA-256 of its inputs).")
+    yield _paragraph(f"This report was written at {datetime.now(UTC):%Y-%m-%d %H:%M} UTC.")
+
+
+def _cite() -> Iterator[str]:
+    """References to the program and to the paper of its model."""
+    yield from (_paragraph(reference) for reference in citation())

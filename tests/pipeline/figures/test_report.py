@@ -1,0 +1,60 @@
+"""A report holds what a reader without the tool asks for, in one file."""
+
+import re
+
+import pytest
+
+import pipeline
+from tests.helpers import synthetic
+from tribo import InputError
+
+POINTS = {"load": ["300 N", "500 N"], "velocity": ["1.5 m/s", "2 m/s"], "gear": ["first", "second"]}
+HEADINGS = (
+    "Question and answer", "Transition diagram", "Boundary in numbers", "Operating points",
+    "Warnings", "Inputs", "Numerical choices and their error", "Model", "Versions", "How to cite",
+)  # fmt: skip
+
+
+@pytest.fixture
+def sweep():
+    return synthetic.sweep().assign_attrs(
+        scene={"pin": {"type": "Ball", "radius": 5e-3}, "fidelity": {"increments": 5}},
+        preset="draft",
+        library=[{"key": "disk.density", "value": "7800 kg/m^3", "source": "a <handbook>"}],
+    )
+
+
+def test_a_report_has_everything_and_asks_for_no_other_file(sweep, tmp_path):
+    page = pipeline.report(sweep, tmp_path / "report.html", POINTS).read_text(encoding="utf-8")
+    assert re.findall("<h2>(.*)</h2>", page) == list(HEADINGS)
+    (margin, _) = (pipeline.margins(sweep, *at)[0] for at in ((300.0, 1.5), (500.0, 2.0)))
+    for words in ("pin.radius", "5 mm", "a &lt;handbook&gt;", "first", f"{margin.distance:.3g}"):
+        assert f"<td>{words}</td>" in page
+    crossing = pipeline.boundary(sweep)["critical_velocity"].sel(load=600).item()
+    assert f"<td>{crossing:.4g}</td>" in page
+    assert "errs by up to 5 %" in page
+    assert not re.search(r'(src|href)="(?!data:)', page)
+
+
+def test_a_report_of_an_unfinished_sweep_says_so(tmp_path):
+    status = {(load, velocity): 0 for load in synthetic.LOADS for velocity in (3.0, 3.5)}
+    page = pipeline.report(synthetic.sweep(status=status), tmp_path / "report.html").read_text()
+    assert "The sweep is not finished" in page
+
+
+def test_a_report_is_a_pdf_too(sweep, tmp_path):
+    pages = pipeline.report(sweep, tmp_path / "report.pdf", POINTS).read_bytes()
+    assert pages.startswith(b"%PDF")
+    assert pages.count(b"/Type /Page\n") >= 2
+
+
+def test_another_ending_is_refused_with_those_allowed(sweep, tmp_path):
+    with pytest.raises(InputError, match=r"one of \.html, \.pdf"):
+        pipeline.report(sweep, tmp_path / "report.doc")
+
+
+def test_a_report_without_a_critical_temperature_says_what_it_lacks(tmp_path):
+    ds = synthetic.sweep()
+    conditions = ds.attrs["conditions"] | {"critical_temperature": None}
+    page = pipeline.report(ds.assign_attrs(conditions=conditions), tmp_path / "report.html")
+    assert "Not in this report" in page.read_text()
