@@ -4,7 +4,7 @@ BIN := .venv/bin
 MEASURE := OMP_NUM_THREADS=1 $(BIN)/python -m pytest --benchmark-only --benchmark-disable-gc \
 	--benchmark-columns=min,rounds -s
 
-.PHONY: help diagram gallery reference docs test lowest javascript slow promises samples mutants crash many bench bench-peers clean
+.PHONY: help diagram gallery reference docs test lowest javascript slow promises samples mutants crash cluster many bench bench-peers clean
 help:     ## what there is to make
 	@grep -E '^[a-z-]+: ' Makefile | sed -E 's/:[^#]*## /\t/' | expand -t 16
 
@@ -68,6 +68,9 @@ mutants: .venv/test   ## change the code at random, and see whether a test notic
 
 crash: .venv/test     ## kill sweeps, cut their power, damage their files, read beside them, for 25 minutes
 	$(BIN)/python -m tests.crash
+
+cluster: .venv/test   ## sweeps in jobs of a real Slurm, if the distribution's slurm-wlm is installed, in 10 minutes
+	$(BIN)/python -m tests.cluster
 
 many: .venv/test      ## 10000 and 100000 cheap points: what is seen early, and what they cost, in 10 to 30 minutes
 	$(BIN)/python -m tests.crash.many

@@ -7,6 +7,7 @@ import argparse
 import pipeline
 from pipeline.cli.exit_codes import DONE
 from pipeline.cli.output import show
+from pipeline.run.site import write_sample
 from pipeline.scene.editors import write_schema
 from pipeline.scene.shipped import shipped_scenes
 from tribo import InputError
@@ -25,6 +26,10 @@ def new(options: argparse.Namespace) -> int:
             f"editors go by it in a scene beside it whose first line is: #:schema ./{schema.name}",
         ]
         show(options, {"file": str(schema)}, text)
+        return DONE
+    if options.site is not None:
+        site = write_sample(options.site)
+        show(options, {"file": str(site)}, [f"{site} is written", f"irg run … --site {site}"])
         return DONE
     if options.file is None:
         raise InputError("give the name of the file to write, such as: irg new scene.toml")

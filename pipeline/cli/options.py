@@ -90,6 +90,39 @@ WORKERS = _option(
     help="number of workers; default: one for each core",
 )
 SCHEDULER = _option("--scheduler", metavar="ADDRESS", help="a running Dask scheduler to use")
+CLUSTER = _option(
+    "--cluster",
+    metavar="SYSTEM",
+    choices=("slurm",),
+    help="compute in the jobs of a batch system: slurm; with --jobs, --walltime and --site",
+)
+OF_CLUSTER = Group(
+    "jobs of --cluster",
+    (
+        _option(
+            "--jobs", metavar="N", type=values.count, help="jobs at the same time; default: 10"
+        ),
+        _option(
+            "--walltime",
+            metavar="T",
+            type=values.positive("2 h"),
+            help="time that a job may take, like 2h; default: 1h",
+        ),
+        _option(
+            "--site",
+            metavar="FILE.toml",
+            type=Path,
+            help="options of the site, such as queue and account; irg new --site writes a sample",
+        ),
+        _flag("--dry-run", help="print the script of a job, and submit none"),
+    ),
+)
+NEW_SITE = _option(
+    "--site",
+    metavar="FILE.toml",
+    type=Path,
+    help="write a sample of the options of a batch system instead, for irg run --cluster",
+)
 RETRY_FAILED = _flag("--retry-failed", help="compute failed points again")
 NEW_STORE = output("OUT.zarr", "path of the store; default: results/<scene>.zarr").but(
     type=values.new_store

@@ -48,15 +48,15 @@ COMMANDS = (
         "new", "begin:new",
         "write a commented scene to start from: all tables, keys, units and defaults",
         "scene.toml --from twin_disc",
-        (o.NEW_FILE, o.FROM, o.LIST.but(help="list the shipped scenes"), o.SCHEMA),
+        (o.NEW_FILE, o.FROM, o.LIST.but(help="list the shipped scenes"), o.SCHEMA, o.NEW_SITE),
     ),
     Command(
         "run", "running:run", "run or resume the sweep of a scene", "scene.toml --accuracy 2%",
         (
             *o.OF_SCENE,
             o.NEW_STORE,
-            o.Group("", (o.WORKERS, o.SCHEDULER)),
-            o.RETRY_FAILED, o.BOUNDARY_ONLY, o.ACCURACY,
+            o.Group("", (o.WORKERS, o.SCHEDULER, o.CLUSTER)),
+            o.RETRY_FAILED, o.BOUNDARY_ONLY, o.ACCURACY, o.OF_CLUSTER,
         ),
     ),
     Command(

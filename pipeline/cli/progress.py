@@ -75,6 +75,8 @@ def _details(progress: Progress) -> str:
     parts = [f"{progress.failed} failed", f"{duration(progress.elapsed)} so far"]
     if progress.time_to_go:
         parts.append(f"{duration(progress.time_to_go)} to go")
+    if progress.jobs:
+        parts.append(str(progress.jobs))
     return "".join(f", {part}" for part in parts)
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pipeline
+from pipeline.cli.clusters import batch_of, show_script
 from pipeline.cli.exit_codes import DONE, SOME_FAILED
 from pipeline.cli.meaning import library_lines, meaning
 from pipeline.cli.output import counted, failed_points, show, show_text, tell
@@ -25,22 +26,27 @@ from pipeline.tradeoff.forecast import Estimate, machine_bytes, worker_bytes
 def computed(options: argparse.Namespace) -> int:
     """Run or resume a sweep, or the part of it that the boundary needs."""
     out = options.output or Path("results") / f"{options.scene.stem}.zarr"
+    batch = batch_of(options)
     sweep = scene_of(options, store=out)
+    if batch and options.dry_run:
+        show_script(options, batch, out)
+        return DONE
     for note in sweep.notes:
         tell(f"note: {note}")
     with ProgressLine() as line:
-        cluster = {
+        settings = {
             "workers": options.workers,
             "scheduler": options.scheduler,
+            "cluster": batch,
             "progress": line,
             "retry_failed": options.retry_failed,
             "tell": tell,
         }
         if options.boundary_only is None and sweep.samples is None:
-            outcome = pipeline.run_sweep(sweep, out, **cluster)
+            outcome = pipeline.run_sweep(sweep, out, **settings)
         else:
             asked = given(options, "boundary_only")
-            outcome = pipeline.follow_boundary(sweep, out, *asked.values(), **cluster)
+            outcome = pipeline.follow_boundary(sweep, out, *asked.values(), **settings)
     document = {
         "store": str(out),
         "points": outcome.total,
@@ -150,6 +156,8 @@ def _cost(sweep: Sweep, found: Estimate, searched: bool) -> Iterator[str]:
         surfaces = f", {len(sweep.realizations)} surfaces" if sweep.realizations else ""
         yield f"  points   {found.points}: {loads}, {velocities}{surfaces}"
     yield f"  steps    {found.steps} contacts and {found.temperatures} temperatures to solve"
+    if not (sweep.samples or searched):
+        yield f"  chains   {found.chains}: as many workers at most have something to do at a time"
     workers = counted(found.workers, "worker", "workers")
     yield f"  time     about {duration(found.seconds)} on {workers}"
     yield from (f"           {line}" for line in found.basis.split("; "))

@@ -1,87 +1,78 @@
-"""The Dask cluster of a sweep: started here, or already running elsewhere.
-
-::
-
-    TriboError
-    └── ExecutionError   the cluster does not start, is lost, or runs other code
-"""
+"""The Dask scheduler of a sweep and its workers, as the driver deals with them."""
 
 from __future__ import annotations
 
 import gc
 import logging
-import multiprocessing
 import time
 import warnings
 from collections import Counter
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Collection, Iterator
 from concurrent.futures import CancelledError
 from contextlib import ExitStack, contextmanager, suppress
+from dataclasses import dataclass, field
 from typing import Any
-from weakref import WeakKeyDictionary
 
 import dask
-from distributed import Client, Future, LocalCluster, Security, Status, wait
+from distributed import Client, Future, wait
 from distributed.scheduler import KilledWorker
 from distributed.utils import silence_logging_cmgr
 
-from pipeline.run import forkserver
-from pipeline.run.forkserver import UNGUARDED, WORKER_ENVIRONMENT, interrupts_put_off
+from pipeline.run.batch import Batch
+from pipeline.run.jobs import jobs_of
+from pipeline.run.local import processes
+from pipeline.run.source import CONFIGURATION, SAFE, ExecutionError, Source, Tell
 from pipeline.run.versions import Versions, other_packages, versions
-from tribo import TriboError
 
-SAFE = "finished points are safe, run the sweep again to go on"
 LOST = f"the Dask scheduler is lost; {SAFE}"
 _INSTALL = f"install the same version in both places and restart the workers; {SAFE}"
-_UNSTARTED = "the worker processes do not start"
-PATIENCE = 30.0
-"""Time to wait for a scheduler, and for workers if there are none [s]."""
-
-CONFIGURATION = {
-    # `pipeline.run.schedule` tries again the points of a dead worker, and spares bystanders.
-    "distributed.scheduler.allowed-failures": 0,
-    "distributed.worker.multiprocessing-method": "forkserver",
-    "distributed.nanny.pre-spawn-environ": WORKER_ENVIRONMENT,
-    # A worker that goes on holding 80 % of its memory would be paused, and the run never end.
-    "distributed.worker.memory.pause": False,
-    # Dask looks after itself every few milliseconds. On a machine that is busy with other programs,
-    # this was a fifth of the CPU time of 12 × 30 points at `standard` (34.6 s, 26.8 s before).
-    "distributed.worker.profile.enabled": False,
-    "distributed.worker.memory.monitor-interval": "1s",
-    "distributed.admin.tick.interval": "1s",
-    "distributed.admin.system-monitor.interval": "10s",
-    "distributed.admin.large-graph-warning-threshold": "1 TB",
-}
-_LOCAL: dict[str, object] = {
-    # Anybody on this machine could give commands there.
-    "distributed.scheduler.http.routes": [],
-    "distributed.worker.http.routes": [],
-    "distributed.nanny.http.routes": [],
-    # Dask gives up a worker that is away at this time after a death, although its nanny may just
-    # be starting it again: with its 15 s, sweeps with deadly points ended without any worker.
-    "distributed.deploy.lost-worker-timeout": "1000 days",
-    # Dask would take heavy shared content from all workers but one: 24 tasks of 0.3 s then took
-    # 3.0 s in place of 2.4.
-    "distributed.scheduler.active-memory-manager.start": False,
-}
-_THREADS = 2  # of a worker: while one waits, the other computes
 _WORD = 10.0  # [s] without a worker, after which the user is told
-_ATTEMPTS = 3  # to start workers, or to reach one, which may be killed meanwhile
-_START = 120.0  # [s] that the workers may take to start
-_END = 60.0  # [s] that the cluster may take to end, after which its processes are killed
+_ATTEMPTS = 3  # to reach a worker, which may be killed meanwhile
 _ANSWER = 10.0  # [s] that a worker may take to tell its versions
 _LIGHT = 8000  # bytes, of which a scheduler has room for as many as there are tasks
 _COPIED = 1.0  # [s] to wait until each worker has a copy of the shared content
-_asked: WeakKeyDictionary[Client, dict[str, Versions | None]] = WeakKeyDictionary()
 
 
-class ExecutionError(TriboError):
-    """A cluster that does not start, is lost, or runs other code."""
+@dataclass(slots=True, eq=False)
+class Connection:
+    """A client of a scheduler, and the source of its workers.
+
+    Attributes
+    ----------
+    client : Client
+    source : Source
+    versions : dict
+        Versions of each worker that has joined; None of one that has not answered.
+    absent : float
+        Time in which there was no worker [s].
+    """
+
+    client: Client
+    source: Source
+    versions: dict[str, Versions | None] = field(default_factory=dict)
+    absent: float = 0.0
+
+    def clock(self) -> float:
+        """Time that does not go on while there is no worker [s]."""
+        return time.monotonic() - self.absent
 
 
 @contextmanager
-def connected(workers: int, scheduler: str | None, patience: float) -> Iterator[Client]:
+def connected(
+    workers: int | None, where: str | Batch | None, out: str, patience: float
+) -> Iterator[Connection]:
     """Connect to a scheduler, or start one with workers, and end those that were started.
+
+    Parameters
+    ----------
+    workers : int or None
+        Number of processes to start at most; None for as many as a batch is to have.
+    where : str, Batch or None
+        Address of a scheduler, or jobs to start; None for processes of this machine.
+    out : str
+        Store of the sweep, beside which jobs write their logs.
+    patience : float
+        Time to wait for a scheduler to answer [s].
 
     Raises
     ------
@@ -89,17 +80,18 @@ def connected(workers: int, scheduler: str | None, patience: float) -> Iterator[
         If there is no scheduler, or the workers do not start.
     """
     with ExitStack() as stack:
-        if scheduler is None:
-            stack.enter_context(dask.config.set({**CONFIGURATION, **_LOCAL}))
-            cluster = stack.enter_context(_local_cluster(workers))
-            client = Client(cluster, set_as_default=False)
-        else:
+        if isinstance(where, str):
             stack.enter_context(silence_logging_cmgr(logging.CRITICAL))  # it logs tracebacks
-            client = _client_of(scheduler, patience)
+            source, client = Source(), _client_of(where, patience)
+        else:
+            stack.enter_context(dask.config.set(CONFIGURATION))
+            started = jobs_of(where, out, workers) if where else processes(workers or 1)
+            source = stack.enter_context(started)
+            client = Client(source.cluster, set_as_default=False)
         stack.enter_context(client)
         stack.enter_context(client.as_current())
         try:
-            yield client
+            yield Connection(client, source)
         except KeyboardInterrupt:  # in the middle of a call to Dask
             warnings.filterwarnings("ignore", "coroutine .* was never awaited", RuntimeWarning)
             raise
@@ -120,60 +112,6 @@ def _client_of(scheduler: str, patience: float) -> Client:
     # lock of Dask's that this one holds, and both wait for ever.
     gc.collect()
     raise ExecutionError(reason)
-
-
-@contextmanager
-def _local_cluster(workers: int) -> Iterator[LocalCluster]:
-    forkserver.start()
-    with interrupts_put_off():
-        cluster = _started(workers)
-    try:
-        yield cluster
-    finally:
-        with interrupts_put_off():
-            try:
-                cluster.close(timeout=_END)
-            except (OSError, AssertionError):  # not in time, or a worker was just starting
-                for process in multiprocessing.active_children():
-                    process.kill()  # or Python would wait for them in the end
-
-
-def _started(workers: int, attempts: int = _ATTEMPTS) -> LocalCluster:
-    try:
-        return LocalCluster(
-            n_workers=workers,
-            threads_per_worker=_THREADS,
-            security=Security.temporary(),
-            death_timeout=_START,
-            dashboard_address="127.0.0.1:0",  # a free port, for the little that is served
-            scheduler_kwargs={"dashboard": False},
-            silence_logs=logging.CRITICAL,
-        )
-    except (TimeoutError, AssertionError):  # the latter if a process has not even begun
-        raise ExecutionError(f"{_UNSTARTED}: none has after {_START:g} s") from None
-    except (OSError, RuntimeError) as error:
-        if attempts > 1:  # one that is killed as it starts fails all of them
-            return _started(workers, attempts - 1)
-        raise ExecutionError(
-            f"{_UNSTARTED}: {error}; memory, threads or processes may be limited (ulimit -a): "
-            f"take fewer workers; {UNGUARDED}"
-        ) from None
-
-
-def dashboard_of(client: Client, patience: float) -> str | None:
-    """Address of the dashboard of a cluster that runs elsewhere, if it has one.
-
-    Raises
-    ------
-    ExecutionError
-        If the scheduler is lost or does not answer.
-    """
-    if client.cluster is not None:
-        return None
-    with _losses_told():
-        # As client.scheduler_info(), which may wait for ever.
-        identity = client.sync(client.scheduler.identity, callback_timeout=patience)
-    return str(client.dashboard_link) if "dashboard" in identity["services"] else None
 
 
 def share(client: Client, content: bytes, patience: float) -> bytes | Future:
@@ -221,10 +159,8 @@ def _copy_to_all(client: Client, shared: Future, patience: float) -> None:
         wait(copies, timeout=_COPIED)
 
 
-def threads_of(
-    client: Client, patience: float, tell: Callable[[str], None] | None = None
-) -> Counter[str]:
-    """Number of threads of each worker; if there is no worker, wait for one to come back.
+def threads_of(connection: Connection, patience: float, tell: Tell | None = None) -> Counter[str]:
+    """Number of threads of each worker; if there is no worker, wait for one to come.
 
     Raises
     ------
@@ -232,43 +168,34 @@ def threads_of(
         If the scheduler is lost or does not answer, no worker comes back, or a worker that has
         joined runs other code.
     """
-    end = time.monotonic() + patience
-    word = min(_WORD, patience / 2)
+    client, source, began = connection.client, connection.source, time.monotonic()
+    word, said = min(_WORD, patience / 2), ""
     while True:
         with _losses_told():
             threads = Counter(client.nthreads(callback_timeout=patience))
-        if client.cluster is not None:
-            _replace_lost(client.cluster)
+        source.keep(tell)
+        waited = time.monotonic() - began
         if threads:
-            _ask(client, threads, tell)
+            connection.absent += waited
+            _ask(connection, threads, tell)
             return threads
-        left = end - time.monotonic()
-        if left < 0:
-            raise ExecutionError(f"no Dask worker is left, and none has come back; {SAFE}")
-        if tell and word and left < patience - word:
-            tell(f"no Dask worker is left; waiting up to {patience:g} s for one to come back")
-            word = 0.0
-        time.sleep(0.1)
+        if source.queues:
+            words = f"no job computes: {source.jobs}"
+        elif waited < patience:
+            words = f"there is no Dask worker; waiting up to {patience:g} s for one to come"
+        else:
+            raise ExecutionError(
+                f"there is no Dask worker, and none has come within {patience:g} s; {SAFE}"
+            )
+        if tell and waited >= word and words != said:
+            tell(words)
+            said = words
+        time.sleep(0.5 if source.queues else 0.1)
 
 
-def _replace_lost(cluster: LocalCluster) -> None:
-    """Start a worker in place of each whose nanny could not start it again."""
-    lost = [
-        name
-        for name, nanny in list(cluster.workers.items())
-        if nanny.status in (Status.closed, Status.failed)
-    ]
-    for name in lost:
-        del cluster.workers[name]
-    if lost:
-        cluster.scale(len(cluster.worker_spec))
-
-
-def _ask(
-    client: Client, workers: Collection[str], tell: Callable[[str], None] | None = None
-) -> None:
+def _ask(connection: Connection, workers: Collection[str], tell: Tell | None) -> None:
     """Ask workers that have joined for their versions, once; refuse those with other code."""
-    asked = _asked.setdefault(client, {})
+    client, asked = connection.client, connection.versions
     if not (new := [worker for worker in workers if worker not in asked]):
         return
     asked.update(dict.fromkeys(new))

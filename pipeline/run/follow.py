@@ -7,6 +7,7 @@ from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 
+from pipeline.run.batch import Batch
 from pipeline.run.boundary_search import BoundarySearch, searched, tolerance_under
 from pipeline.run.replay import Replay, Variant
 from pipeline.run.sweep import Outcome, run_sweep
@@ -32,6 +33,7 @@ def follow_boundary(
     progress: Callable[[Progress], None] | None = None,
     retry_failed: bool = False,
     tell: Callable[[str], None] | None = None,
+    cluster: Batch | None = None,
 ) -> Outcome:
     """Find the critical velocity at each load of a sweep, with as few points as that takes.
 
@@ -46,7 +48,7 @@ def follow_boundary(
     ----------
     sweep : Sweep, str or path
         The scene, or its path.
-    out, workers, scheduler, progress, retry_failed, tell
+    out, workers, scheduler, progress, retry_failed, tell, cluster
         See `pipeline.run_sweep`.
     tolerance : float
         Relative error of the critical velocity, besides that of the scene's fidelity.
@@ -87,7 +89,9 @@ def follow_boundary(
     place = place_of(out)
     store = Store(place, read_root(place)) if place.exists() else None
     begun = further(store) or _with_points(sweep, search.there())
-    return run_sweep(begun, out, workers, scheduler, progress, retry_failed, further, tell)
+    return run_sweep(
+        begun, out, workers, scheduler, progress, retry_failed, further, tell, cluster=cluster
+    )
 
 
 def _variants(sweep: Sweep) -> list[Variant]:

@@ -30,7 +30,7 @@ WORKER_ENVIRONMENT = {
 UNGUARDED = 'in a script, call run_sweep under if __name__ == "__main__":, since workers import it'
 
 # SciPy would load the former two at their first use, in each worker.
-_MODULES = ["scipy.fft", "scipy.special", "pipeline.run.cluster", "pipeline.run.work"]
+_MODULES = ["scipy.fft", "scipy.special", "distributed", "pipeline.run.work"]
 
 
 def start() -> None:

@@ -10,20 +10,18 @@ from __future__ import annotations
 
 import itertools
 import pickle
-import time
 from collections import Counter, deque
 from collections.abc import Callable, Collection, Iterable
 from concurrent.futures import CancelledError
 from dataclasses import dataclass, replace
 
-from distributed import Client, Future
+from distributed import Future
 from distributed.scheduler import KilledWorker
 
 from pipeline.run.blame import Suspects
 from pipeline.run.cluster import (
     LOST,
-    SAFE,
-    ExecutionError,
+    Connection,
     gathered,
     is_processed,
     require_same_code,
@@ -31,15 +29,18 @@ from pipeline.run.cluster import (
     threads_of,
     wait_for_any,
 )
+from pipeline.run.source import SAFE, ExecutionError
 from pipeline.run.watch import Watch
 from pipeline.run.work import compute_points, records_of
 from pipeline.run.writer import Writer
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import PointRecord
+from pipeline.sweep.stages import duration
 
 _STRETCH = 1.0  # [s] that a task should take, beside which 5 ms of Dask do not count
 _JOINED = 48  # points of a task: such short ones as fill a stretch, and few to be sent
 _POLL = 2.0  # [s] after which to look for workers that came or went
+_LIVES = 2.0  # of a worker, after which a point is too long for any
 _KILLED = (
     "every worker process that computed it died, and the next one again: "
     "out of memory, or killed from outside"
@@ -65,12 +66,13 @@ class _Task:
     points: tuple[Point, ...]
     stretch: Future
     records: Future
+    begun: float
     alone_on: str | None = None
     is_wary: bool = False
 
 
 def compute(
-    client: Client,
+    connection: Connection,
     sweep: Sweep,
     with_fields: bool,
     writer: Writer,
@@ -83,7 +85,7 @@ def compute(
 
     Parameters
     ----------
-    client : Client
+    connection : Connection
     sweep : Sweep
     with_fields : bool
         Whether the fields at the end of each point are stored.
@@ -93,7 +95,7 @@ def compute(
     patience : float
         Time to wait for a worker if there is none [s].
     report : callable
-        Called with the records that have been written since the last call.
+        Called now and then with the records that have been written since the last call.
     tell : callable, optional
         Called with a line for the user if nothing has ended for long.
 
@@ -104,22 +106,23 @@ def compute(
     ExecutionError
         If the cluster is lost, or nothing moves any more.
     """
-    chains = [_Chain(points) for points in waiting]
-    run = _Run(client, sweep, with_fields, writer, patience, chains)
-    watch, absent = Watch.begin(time.monotonic()), 0.0
+    client, life = connection.client, connection.source.life
+    workers = threads_of(connection, patience, tell)
+    run = _Run(connection, sweep, with_fields, writer, patience, map(_Chain, waiting))
+    watch = Watch.begin(connection.clock())
     while run.waiting or run.running or run.suspects.losses:
-        began = time.monotonic()
-        workers = threads_of(client, patience, tell)
-        absent += time.monotonic() - began
+        workers = threads_of(connection, patience, tell)
         run.submit(workers)
         wait_for_any([task.records for task in run.running], _POLL)
         moved = run.look(workers)
+        if life is not None:
+            run.give_up(life)
         report(writer.written())
         keys = {future.key for task in run.running for future in (task.stretch, task.records)}
         computing = not moved and is_processed(client, keys, patience)
-        watch = watch.after(time.monotonic() - absent, moved, computing)
+        watch = watch.after(connection.clock(), moved, computing)
         if watch.is_over:
-            raise ExecutionError(f"{watch.word}, and no worker computes any; {SAFE}")
+            raise ExecutionError(f"{watch.words}, and no worker computes any; {SAFE}")
         if watch.word and tell:
             tell(f"{watch.word}; {run.at_work}")
             watch = watch.heard()
@@ -132,16 +135,17 @@ class _Run:
 
     def __init__(
         self,
-        client: Client,
+        connection: Connection,
         sweep: Sweep,
         with_fields: bool,
         writer: Writer,
         patience: float,
         waiting: Iterable[_Chain],
     ) -> None:
-        self._client, self._writer, self._patience = client, writer, patience
+        self._client, self._clock = connection.client, connection.clock
+        self._writer, self._patience = writer, patience
         self._pickled = pickle.dumps((replace(sweep, chosen=None), with_fields))
-        self._parcel = share(client, self._pickled, patience)
+        self._parcel = share(self._client, self._pickled, patience)
         self.waiting = deque(waiting)
         self.running: list[_Task] = []
         self.suspects = Suspects()
@@ -205,7 +209,9 @@ class _Run:
         arguments = (self._parcel, points, chain.trunk, 0.0 if chain.is_wary else _STRETCH)
         stretch = self._client.submit(compute_points, *arguments, pure=False, workers=worker)
         records = self._client.submit(records_of, stretch, pure=False, workers=worker)
-        self.running.append(_Task(chain.points, stretch, records, worker, chain.is_wary))
+        self.running.append(
+            _Task(chain.points, stretch, records, self._clock(), worker, chain.is_wary)
+        )
 
     def look(self, workers: Counter[str]) -> bool:
         """See what has become of the tasks; return whether any has ended."""
@@ -258,6 +264,19 @@ class _Run:
         self._put_back(task.points[1:], None, task.is_wary)
         reason = _KILLED if killed else f"{type(error).__name__}: {error}"
         self._settle([PointRecord(point, None, reason) for point in self.suspects.failed])
+
+    def give_up(self, life: float) -> None:
+        """Call a point failed that the workers, which live for a time [s], are too short for."""
+        late = [task for task in self.running if self._clock() - task.begun > _LIVES * life]
+        self.running = [task for task in self.running if task not in late]
+        for task in late:
+            self._client.cancel([task.stretch, task.records])
+            reason = (
+                f"not done in {duration(_LIVES * life)}, and a job lives for {duration(life)}: "
+                "raise --walltime, or take a coarser fidelity"
+            )
+            self._settle([PointRecord(task.points[0], None, reason)])
+            self._put_back(task.points[1:], None, task.is_wary)
 
     @property
     def at_work(self) -> str:

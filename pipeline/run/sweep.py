@@ -3,7 +3,7 @@
 ::
 
     TriboError
-    └── ExecutionError   the cluster does not start, or is lost (pipeline.run.cluster)
+    └── ExecutionError   the cluster does not start, or is lost (pipeline.run.source)
 """
 
 from __future__ import annotations
@@ -18,11 +18,13 @@ from typing import Any
 import numpy as np
 from dask.system import CPU_COUNT
 
-from pipeline.run.cluster import PATIENCE, ExecutionError, connected, dashboard_of
+from pipeline.run.batch import Batch
+from pipeline.run.cluster import connected
 from pipeline.run.forkserver import UNGUARDED, end_if_imported
 from pipeline.run.notebook import reported
 from pipeline.run.order import coarse_first
 from pipeline.run.schedule import compute
+from pipeline.run.source import PATIENCE, ExecutionError
 from pipeline.run.tally import Progress, Tally
 from pipeline.run.writer import Writer
 from pipeline.scene.scenefile import sweep_of
@@ -73,6 +75,7 @@ def run_sweep(
     further: Callable[[Store], Sweep | None] | None = None,
     tell: Callable[[str], None] | None = None,
     patience: float = PATIENCE,
+    cluster: Batch | None = None,
 ) -> Outcome:
     """Compute every point of a sweep that its store does not have yet.
 
@@ -98,9 +101,12 @@ def run_sweep(
         Called with the `Store` when every point is done or has failed; returns the same sweep with
         more points, or None.
     tell : callable, optional
-        Called with a line for the user, such as where the cluster's dashboard is.
+        Called with a line for the user, such as a note on jobs that were lost.
     patience : float, optional
         Time to wait for a scheduler to answer, and for workers if there are none [s].
+    cluster : Batch, optional
+        Jobs of a batch system to compute in, instead of processes of this machine. They may wait
+        in its queue for any time.
 
     Raises
     ------
@@ -123,8 +129,9 @@ def run_sweep(
     _refuse_in_a_worker(scheduler)
     sweep = sweep_of(sweep)
     began = time.monotonic()
-    if scheduler is not None and not place_of(out).exists():
-        with connected(1, scheduler, patience):
+    where = cluster or scheduler
+    if isinstance(where, str) and not place_of(out).exists():
+        with connected(None, where, str(out), patience):
             pass  # an address where nobody answers makes no store
     before = read_attributes(out) or {}
     with writing(out, sweep) as store, reported(progress) as report:
@@ -138,16 +145,14 @@ def run_sweep(
         rounds = _rounds(store, sweep, further)
         if first := next(rounds, None):
             # Points that come later may have more chains than those that wait now.
-            most = len(first[2]) if further is None else CPU_COUNT
-            with connected(min(workers or CPU_COUNT, most), scheduler, patience) as client:
-                if tell and (dashboard := dashboard_of(client, patience)):
-                    tell(f"the cluster's dashboard is at {dashboard}")
+            most = len(first[2]) if further is None else None
+            with connected(_workers(workers, most, cluster), where, str(out), patience) as link:
                 for asked, store, waiting in itertools.chain([first], rounds):
-                    tally.begin(store)
+                    tally.begin(store, link)
                     with Writer(store) as writer:
                         with_fields = "pressure" in store.arrays
                         compute(
-                            client, asked, with_fields, writer, waiting, patience, tally.note, tell
+                            link, asked, with_fields, writer, waiting, patience, tally.note, tell
                         )
         summary = summarized(store)
     return Outcome(
@@ -157,6 +162,13 @@ def run_sweep(
         failed=summary.failed,
         wall_time=time.monotonic() - began,
     )
+
+
+def _workers(asked: int | None, chains: int | None, cluster: Batch | None) -> int | None:
+    """Number of workers that can be kept busy, of those that may be started."""
+    if cluster is not None:
+        return chains
+    return min(asked or CPU_COUNT, chains or CPU_COUNT)
 
 
 def _refuse_in_a_worker(scheduler: str | None) -> None:

@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
+import re
 import time
+from collections import Counter, deque
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 import numpy as np
 
+from pipeline.run.cluster import Connection
+from pipeline.run.source import ExecutionError, JobCounts
 from pipeline.store.schema import DONE, FAILED
 from pipeline.store.write import Store
 from pipeline.sweep.plan import PointRecord
 from tribo.types import Array
 
 _ENOUGH = 3.0  # [s] since the first points, which tell how fast the others go
+_ALIKE = 20  # points that fail alike before any is done, after which a run stops
+_NUMBER = re.compile(r"\d[\d.e+-]*")
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,6 +34,8 @@ class Progress:
         Time since this run began [s].
     time_to_go : float or None
         Estimated time until the end [s]; None until the first point is done.
+    jobs : JobCounts or None
+        Jobs of a batch system; None without one.
     """
 
     done: int
@@ -35,6 +43,7 @@ class Progress:
     total: int
     elapsed: float
     time_to_go: float | None
+    jobs: JobCounts | None = None
 
 
 class Tally:
@@ -58,32 +67,58 @@ class Tally:
         self, store: Store, progress: Callable[[Progress], None] | None, began: float
     ) -> None:
         self._progress, self._began = progress, began
-        self._computing = began
+        self._connection: Connection | None = None
         self._worked = 0.0
-        self._first: tuple[float, float] | None = None
+        self._first: float | None = None
+        self._marks: deque[tuple[float, float]] = deque()
+        self._failures: Counter[str] = Counter()
+        self._reported: JobCounts | None = None
         self.computed = 0
         self._take(store)
         self._report()
 
-    def begin(self, store: Store) -> None:
+    def begin(self, store: Store, connection: Connection) -> None:
         """Take note that points of a store begin to be computed."""
         self._take(store)
+        self._connection = connection
         if not self.computed:
-            self._computing = time.monotonic()
+            self._marks = deque([(connection.clock(), 0.0)])
 
     def note(self, records: Iterable[PointRecord]) -> None:
-        """Take note of points that have been written."""
+        """Take note of points that have been written.
+
+        Raises
+        ------
+        ExecutionError
+            If so many points have failed alike, and none is done, that others would as well.
+        """
         any_new = False
         for record in records:
             any_new = True
             if record.data is None:
+                self._count_failure(record)
                 continue
             self.computed += 1
             self._worked += record.wall_time
             self._durations[self._store.index(record.point)] = record.wall_time
-        if any_new:
-            self._first = self._first or (time.monotonic(), self._worked)
+        if self._connection and self._worked > self._marks[-1][1]:
+            self._marks.append((self._connection.clock(), self._worked))
+            self._first = self._first or self._marks[-1][0]
+        if any_new or self._jobs != self._reported:
             self._report()
+
+    def _count_failure(self, record: PointRecord) -> None:
+        way = _NUMBER.sub("", record.message)
+        self._failures[way] += 1
+        if not self.computed and self._failures[way] >= _ALIKE:
+            raise ExecutionError(
+                f"the first {_ALIKE} points failed alike, and none is done: {record.message}; put "
+                "that right, and run the sweep again with --retry-failed"
+            )
+
+    @property
+    def _jobs(self) -> JobCounts | None:
+        return self._connection.source.jobs if self._connection else None
 
     def _take(self, store: Store) -> None:
         self._store = store
@@ -100,19 +135,23 @@ class Tally:
             pending = asked & (flags != DONE) & (flags != FAILED)
             expected = expected_durations(self._durations, self._store.axes["velocity"])
             work = float(expected[pending].sum())
-            time_to_go = work * self._seconds_of_work(now)
-        total = int(np.count_nonzero(asked))
-        self._progress(Progress(done, failed, total, now - self._began, time_to_go))
+            time_to_go = work * self._seconds_of_work()
+        total, self._reported = int(np.count_nonzero(asked)), self._jobs
+        elapsed = now - self._began
+        self._progress(Progress(done, failed, total, elapsed, time_to_go, self._reported))
 
-    def _seconds_of_work(self, now: float) -> float:
+    def _seconds_of_work(self) -> float:
         """Time that a second of a worker's work takes, all workers together [s].
 
-        Without the start of the workers, as soon as there is enough to tell it from.
+        By the later half of the time since the first points, as workers may come one by one; with
+        the start of the workers only as long as there is little else to tell it from.
         """
-        began, before = self._first or (self._computing, 0.0)
-        if now - began < _ENOUGH or self._worked <= before:
-            began, before = self._computing, 0.0
-        return (now - began) / (self._worked - before)
+        now, worked = self._marks[-1]
+        enough = max(_ENOUGH, (now - (self._first or now)) / 2)
+        while len(self._marks) > 2 and now - self._marks[1][0] >= enough:
+            self._marks.popleft()
+        began, before = self._marks[0]
+        return (now - began) / (worked - before)
 
 
 def expected_durations(durations: Array, velocities: Iterable[float]) -> Array:

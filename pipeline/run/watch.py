@@ -56,11 +56,14 @@ class Watch:
         return replace(self, patience=2 * self.patience)
 
     @property
+    def words(self) -> str:
+        """Time without an end, in words."""
+        return f"no point has been finished for {self.now - self.ended:.0f} s"
+
+    @property
     def word(self) -> str | None:
         """Words for the user, if it is time for them."""
-        if self.now - self.ended < self.patience:
-            return None
-        return f"no point has been finished for {self.now - self.ended:.0f} s"
+        return None if self.now - self.ended < self.patience else self.words
 
     @property
     def is_over(self) -> bool:

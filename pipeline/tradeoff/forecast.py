@@ -19,6 +19,7 @@ from tribo import BULK_RATIOS, QUANTILES, State, advance, measures, simulate, st
 from tribo.simulation import forget_contacts
 from tribo.thermal import DIRECT_MEMORY
 
+_HERE = 4  # workers a core; more of them are taken to be on other machines
 _SECONDS_TO_START = 1.0  # of a cluster and its workers
 _SECONDS_TO_COMMIT = 0.005  # of scheduling a point and writing it
 _WORKER_BYTES = 115e6  # interpreter and libraries
@@ -37,10 +38,13 @@ class Estimate:
     points, steps, temperatures : int
         Points of the diagram; contacts and heat partitions to solve for them. Without wear each
         worker solves the contact at a load once for all velocities.
+    chains : int
+        Chains of points, each of which one worker computes at a time: more workers are idle.
     workers : int
         Processes that compute.
     seconds : float
-        Wall time, as long as the machine stays as busy as it is [s].
+        Wall time, as long as the machine stays as busy as it is [s]; with many more workers than
+        it has cores, that of workers elsewhere which have a core each.
     basis : str
         Measurement from which the time is foretold.
     worker_bytes, disk_bytes : float
@@ -52,6 +56,7 @@ class Estimate:
     points: int
     steps: int
     temperatures: int
+    chains: int
     workers: int
     seconds: float
     basis: str
@@ -103,7 +108,8 @@ def estimate(sweep: SceneLike, workers: int | None = None, boundary_only: bool =
     loads, costs = zip(*sorted(timed.items()), strict=True)
     each = [[cost.step for cost in costs], [cost.end for cost in costs]]
     ramp = sum(float(np.interp(load, loads, each[heated])) for load, heated in steps)
-    parallel = min(workers, points if sweep.independent else ramps)
+    chains = points if sweep.independent else ramps
+    parallel = min(workers, chains)
     ramps_of_contacts = ramps
     if not sweep.remembers_steps:  # each worker keeps the contacts of the first velocity
         ramps_of_contacts = min(ramps, parallel * variants)
@@ -112,17 +118,22 @@ def estimate(sweep: SceneLike, workers: int | None = None, boundary_only: bool =
     turns = ramps / parallel if sweep.independent else math.ceil(ramps / parallel)
     alone = begin * variants + turns * (ramp + len(sweep.loads) * _SECONDS_TO_COMMIT)
     busy = min(os.getloadavg()[0], cores) if hasattr(os, "getloadavg") else 0.0
+    elsewhere = workers > _HERE * cores
     seconds, idle = (
-        _SECONDS_TO_START + alone * max(1.0, (others + parallel) / cores) for others in (busy, 0.0)
+        _SECONDS_TO_START + alone * (1.0 if elsewhere else max(1.0, (others + parallel) / cores))
+        for others in (busy, 0.0)
     )
     nodes = int(np.count_nonzero(costs[-1].state.pressure))
     basis = f"mostly right within a factor of 1.5, from steps at {len(loads)} loads timed just now"
+    if elsewhere:
+        basis += "; for workers that have a core each, as fast as those here"
     if seconds > 1.1 * idle:
         basis += f"; other programs use {busy:.2g} of {cores} cores, without them {duration(idle)}"
     return Estimate(
         points=points,
         steps=len(steps) * ramps_of_contacts,
         temperatures=sum(heated for _, heated in steps) * moving * variants,
+        chains=chains,
         workers=workers,
         seconds=seconds,
         basis=basis,

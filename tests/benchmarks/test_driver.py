@@ -48,10 +48,10 @@ def test_cost_of_workers(benchmark, tmp_path, monkeypatch, workers, seconds):
 
     @contextmanager
     def waiting(*arguments):
-        with connected(*arguments) as client:
-            client.run(wait_at_points, seconds)
+        with connected(*arguments) as link:
+            link.client.run(wait_at_points, seconds)
             began = time.process_time(), time.monotonic()
-            yield client
+            yield link
             spans.append((time.process_time() - began[0], time.monotonic() - began[1]))
 
     def counted(self, *arguments):

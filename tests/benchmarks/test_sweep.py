@@ -75,14 +75,14 @@ def test_store_and_scheduling_take_a_small_share(benchmark, scene, tmp_path, mon
 
     @contextmanager
     def counted(*arguments):
-        with connected(*arguments) as client:
-            client.run(CountedPoints)
+        with connected(*arguments) as link:
+            link.client.run(CountedPoints)
             for sign in -1, 1:
-                there = list(client.run(used).values())
+                there = list(link.client.run(used).values())
                 seconds.append(sign * (time.process_time() + sum(took for took, _ in there)))
                 points.append(sign * sum(of_points for _, of_points in there))
                 if sign < 0:
-                    yield client
+                    yield link
 
     monkeypatch.setattr(execute, "connected", counted)
     fidelity = tribo.PRESETS.get(preset, scene.fidelity)

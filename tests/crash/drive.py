@@ -17,7 +17,8 @@ from unittest import mock
 from pipeline.cli import main as irg
 from pipeline.run import blame, writer
 from pipeline.run import sweep as running
-from pipeline.run.cluster import ExecutionError
+from pipeline.run.cluster import Connection
+from pipeline.run.source import ExecutionError, Source
 from pipeline.run.tally import Tally
 from pipeline.store import create, durable
 from pipeline.store.lock import Lock
@@ -72,7 +73,9 @@ def noting(log):
 def computing(known, pace):
     """Let points be computed here from what is known, and be written at once."""
 
-    def compute(client, sweep, with_fields, writer, waiting, patience, report, *_):
+    link = Connection(None, Source())
+
+    def compute(link, sweep, with_fields, writer, waiting, patience, report, *_):
         for chain in waiting:
             writer.add([record_of(known, sweep, point) for point in chain])
             writer.flush()
@@ -81,7 +84,7 @@ def computing(known, pace):
 
     with (
         mock.patch.object(running, "compute", compute),
-        mock.patch.object(running, "connected", return_value=nullcontext()),
+        mock.patch.object(running, "connected", return_value=nullcontext(link)),
         mock.patch.multiple(writer, _PAUSE=0.0, _SHARE=0.0),
     ):
         yield

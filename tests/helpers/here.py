@@ -28,8 +28,6 @@ class Here:
         The worker to which each of them was pinned.
     """
 
-    cluster = None
-
     def __init__(self, workers=1, is_deadly=lambda _: False, is_hit=lambda _: False):
         self._workers, self._is_deadly, self._is_hit = workers, is_deadly, is_hit
         self.tasks, self.pinned = [], []

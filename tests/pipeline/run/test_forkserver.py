@@ -17,8 +17,8 @@ def test_workers_begin_with_their_settings_which_are_not_those_of_this_process(m
     before = dict(os.environ)
     forkserver.start()
     assert dict(os.environ) == before
-    with connected(1, None, 30.0) as client:
-        ((environment, modules),) = client.run(_beginning).values()
+    with connected(1, None, "", 30.0) as link:
+        ((environment, modules),) = link.client.run(_beginning).values()
     for name, value in forkserver.WORKER_ENVIRONMENT.items():
         assert f"{name}={value}" in environment
     assert modules > {"pipeline.run.work", "distributed", "scipy.special", "scipy.fft"}

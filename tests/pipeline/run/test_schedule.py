@@ -13,8 +13,9 @@ import xarray as xr
 import tribo
 from pipeline.run import schedule, watch, work
 from pipeline.run.blame import TRIALS
-from pipeline.run.cluster import ExecutionError
+from pipeline.run.cluster import Connection
 from pipeline.run.schedule import compute
+from pipeline.run.source import ExecutionError, Source
 from pipeline.run.writer import Writer
 from pipeline.store.create import writing
 from pipeline.store.place import StoreError
@@ -39,7 +40,8 @@ def given(tmp_path, monkeypatch):
         ended = []
         with writing(tmp_path / "out.zarr", SWEEP) as store, Writer(store) as writer:
             waiting = chains(points(SWEEP))
-            compute(client or Here(), SWEEP, False, writer, waiting, 1.0, ended.extend, tell)
+            link = Connection(client or Here(), Source())
+            compute(link, SWEEP, False, writer, waiting, 1.0, ended.extend, tell)
         return store, Counter("failed" if each.data is None else "done" for each in ended)
 
     return compute_all

@@ -19,7 +19,7 @@ import pytest
 import xarray as xr
 
 import tribo
-from pipeline.run import cluster
+from pipeline.run import local
 from pipeline.run import sweep as execute
 from pipeline.run.sweep import run_sweep
 from pipeline.store import attributes, durable
@@ -115,7 +115,7 @@ def test_fields_asked_for_later_are_refused(path):
 
 
 def test_other_versions_are_told_and_noted(path, alone, monkeypatch):
-    monkeypatch.setattr(cluster, "LocalCluster", None)
+    monkeypatch.setattr(local, "LocalCluster", None)
     shutil.copytree(alone, path)
     other = attributes.versions() | {"numpy": "99.0"}
     for module in (attributes, execute):
@@ -142,7 +142,7 @@ def test_other_conditions_of_the_scene_are_told(path, alone):
 
 def test_nothing_to_do_starts_no_cluster(alone, path, monkeypatch):
     shutil.copytree(alone, path)
-    monkeypatch.setattr(cluster, "LocalCluster", None)
+    monkeypatch.setattr(local, "LocalCluster", None)
     outcome = run_sweep(SWEEP, path)
     assert (outcome.done, outcome.computed) == (9, 0)
 
@@ -252,7 +252,7 @@ def nobody():
 
 
 def test_a_folder_that_may_not_be_written_is_refused_and_can_be_read(nobody, alone, monkeypatch):
-    monkeypatch.setattr(cluster, "LocalCluster", None)
+    monkeypatch.setattr(local, "LocalCluster", None)
     with as_root():
         shutil.copytree(alone, nobody / "tiny.zarr")
         nobody.chmod(0o555)
@@ -267,7 +267,7 @@ def test_a_folder_that_may_not_be_written_is_refused_and_can_be_read(nobody, alo
 def test_another_scene_and_a_second_driver_are_refused_before_a_cluster_starts(
     alone, path, monkeypatch
 ):
-    monkeypatch.setattr(cluster, "LocalCluster", None)
+    monkeypatch.setattr(local, "LocalCluster", None)
     shutil.copytree(alone, path)
     with pytest.raises(StoreMismatchError, match=r"fidelity\.increments"):
         run_sweep(tiny.sweep(increments=5), path)

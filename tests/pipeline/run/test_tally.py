@@ -5,6 +5,8 @@ import time
 import numpy as np
 import pytest
 
+from pipeline.run.cluster import Connection
+from pipeline.run.source import Source
 from pipeline.run.tally import Tally
 from pipeline.store.create import writing
 from pipeline.store.schema import DONE
@@ -22,7 +24,7 @@ def test_the_start_of_the_workers_is_not_taken_for_the_pace_of_their_points(tmp_
     monkeypatch.setattr(time, "monotonic", lambda: now)
     with writing(tmp_path / "out.zarr", sweep) as store:
         tally = Tally(store, told.append, now)
-        tally.begin(store)
+        tally.begin(store, Connection(None, Source()))
         for number, velocity in enumerate(sweep.velocities[:20]):
             now = START + 1 + number // 2
             point = Point(150.0, velocity)

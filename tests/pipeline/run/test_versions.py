@@ -5,7 +5,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from pipeline.run.cluster import ExecutionError, threads_of
+from pipeline.run.cluster import Connection, threads_of
+from pipeline.run.source import ExecutionError, Source
 from pipeline.run.sweep import run_sweep
 from pipeline.run.versions import hash_of_code, versions
 from pipeline.store.progress import summary
@@ -32,8 +33,6 @@ def test_a_worker_with_another_number_in_its_code_is_refused_and_computes_nothin
 class Answering:
     """A client whose workers answer with versions, or die before they do."""
 
-    cluster = None
-
     def __init__(self, **answers):
         self.answers, self.asked = answers, []
 
@@ -51,9 +50,10 @@ class Answering:
 def test_other_packages_are_told_once_and_each_worker_is_asked_once():
     here, other = dict(versions()), {**versions(), "numpy": "1.0", "python": "3.2.1"}
     told, client = [], Answering(a=here, b=other, c=other, d=OSError("died"))
-    threads_of(client, 30.0, told.append)
+    link = Connection(client, Source())
+    threads_of(link, 30.0, told.append)
     client.answers["e"] = other
-    assert set(threads_of(client, 30.0, told.append)) == set("abcde")
+    assert set(threads_of(link, 30.0, told.append)) == set("abcde")
     assert len(told) == 1
     assert "b has python 3.2.1 (here " in told[0]
     assert "numpy 1.0 (here " in told[0]
@@ -63,7 +63,7 @@ def test_other_packages_are_told_once_and_each_worker_is_asked_once():
 def test_a_worker_without_this_program_is_refused():
     client = Answering(a=ModuleNotFoundError("No module named 'pipeline'"))
     with pytest.raises(ExecutionError, match="a cannot run this program: No module named"):
-        threads_of(client, 30.0)
+        threads_of(Connection(client, Source()), 30.0)
 
 
 def test_one_that_does_not_answer_holds_nobody_up():
@@ -73,4 +73,4 @@ def test_one_that_does_not_answer_holds_nobody_up():
         raise TimeoutError
 
     client.run = late
-    assert set(threads_of(client, 30.0)) == {"a"}
+    assert set(threads_of(Connection(client, Source()), 30.0)) == {"a"}

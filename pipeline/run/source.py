@@ -1,0 +1,123 @@
+"""Sources of workers: processes of this machine, a scheduler elsewhere, jobs of a batch system.
+
+::
+
+    TriboError
+    └── ExecutionError   the workers do not start, are lost, or run other code
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+from pipeline.run.forkserver import WORKER_ENVIRONMENT
+from tribo import TriboError
+
+SAFE = "finished points are safe, run the sweep again to go on"
+PATIENCE = 30.0
+"""Time to wait for a scheduler, and for workers if there are none [s]."""
+
+CONFIGURATION = {
+    # `pipeline.run.schedule` tries again the points of a dead worker, and spares bystanders.
+    "distributed.scheduler.allowed-failures": 0,
+    "distributed.worker.multiprocessing-method": "forkserver",
+    "distributed.nanny.pre-spawn-environ": WORKER_ENVIRONMENT,
+    # A worker that goes on holding 80 % of its memory would be paused, and the run never end.
+    "distributed.worker.memory.pause": False,
+    # Dask looks after itself every few milliseconds. On a machine that is busy with other programs,
+    # this was a fifth of the CPU time of 12 × 30 points at `standard` (34.6 s, 26.8 s before).
+    "distributed.worker.profile.enabled": False,
+    "distributed.worker.memory.monitor-interval": "1s",
+    "distributed.admin.tick.interval": "1s",
+    "distributed.admin.system-monitor.interval": "10s",
+    "distributed.admin.large-graph-warning-threshold": "1 TB",
+    # Anybody on the machine could give commands there.
+    "distributed.scheduler.http.routes": [],
+    "distributed.worker.http.routes": [],
+    "distributed.nanny.http.routes": [],
+    # Dask gives up a worker that is away at this time after a death, although its nanny may just
+    # be starting it again: with its 15 s, sweeps with deadly points ended without any worker.
+    "distributed.deploy.lost-worker-timeout": "1000 days",
+    # Dask would take heavy shared content from all workers but one: 24 tasks of 0.3 s then took
+    # 3.0 s in place of 2.4.
+    "distributed.scheduler.active-memory-manager.start": False,
+}
+"""Dask's configuration of a cluster that a run starts, for the driver and its workers."""
+THREADS = 2
+"""Threads of a worker: while one waits, the other computes."""
+Tell = Callable[[str], None]
+
+
+class ExecutionError(TriboError):
+    """Workers that do not start, are lost, or run other code.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> scene, out = "workflows/first_try.toml", "results/elsewhere.zarr"
+    >>> try:
+    ...     pipeline.run_sweep(scene, out, scheduler="tcp://127.0.0.1:1", patience=1.0)
+    ... except pipeline.ExecutionError:
+    ...     print("nobody answers there")
+    nobody answers there
+    """
+
+
+class JobCounts(NamedTuple):
+    """Jobs of a run, by what a batch system says of them.
+
+    Attributes
+    ----------
+    running, pending : int
+        Jobs that run, and that wait in the queue.
+    reason : str
+        Reason of the batch system why the first of them waits; empty if none does.
+
+    Examples
+    --------
+    >>> print(JobCounts(4, 46, "Resources"), JobCounts(1, 0, ""), sep="; ")
+    4 jobs running, 46 pending (Resources); 1 job running
+    """
+
+    running: int
+    pending: int
+    reason: str
+
+    def __str__(self) -> str:
+        words = f"{self.running} {'job' if self.running == 1 else 'jobs'} running"
+        if self.pending:
+            words += f", {self.pending} pending" + f" ({self.reason})" * bool(self.reason)
+        return words
+
+
+class Source:
+    """Workers that others start: nothing to do about lost ones, and no patience without any.
+
+    Attributes
+    ----------
+    cluster : Cluster or None
+        Cluster of Dask's that starts and ends them.
+    queues : bool
+        Whether workers wait in a queue, which may take any time.
+    life : float or None
+        Time for which a worker lives [s]; None without an end.
+    """
+
+    cluster: Any = None
+    queues = False
+    life: float | None = None
+
+    def keep(self, tell: Tell | None) -> None:
+        """Replace lost workers.
+
+        Raises
+        ------
+        ExecutionError
+            If none can be started.
+        """
+
+    @property
+    def jobs(self) -> JobCounts | None:
+        """Jobs of the batch system; None without one."""
+        return None
