@@ -28,6 +28,7 @@ from .analysis.tables import Table as Table
 from .analysis.temperatures import decisive_temperature as decisive_temperature
 from .analysis.temperatures import temperatures as temperatures
 from .analysis.warned import warned as warned
+from .figures.live import watch as watch
 from .figures.page.write import Page as Page
 from .figures.page.write import explore as explore
 from .figures.plot import plot as plot

@@ -270,6 +270,17 @@ RIVAL = _option(
     help="draw what a simpler criterion says into the diagram: blok, power, power-density or pv; "
     "may be repeated",
 )
+WATCH = _flag(
+    "--watch",
+    help="draw again as points come, until the run ends: in a window, or into the file of -o",
+)
+WATCHED_RUN = _option(
+    "--watch",
+    metavar="FILE.png",
+    nargs="?",
+    const="",
+    help="draw the diagram as points come: in a window, or into a file",
+)
 FIELDS = (
     _option(
         "--most-fields",

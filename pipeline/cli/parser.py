@@ -56,7 +56,7 @@ COMMANDS = (
             *o.OF_SCENE,
             o.NEW_STORE,
             o.Group("", (o.WORKERS, o.SCHEDULER, o.CLUSTER)),
-            o.RETRY_FAILED, o.BOUNDARY_ONLY, o.ACCURACY, o.OF_CLUSTER,
+            o.RETRY_FAILED, o.BOUNDARY_ONLY, o.ACCURACY, o.WATCHED_RUN, o.OF_CLUSTER,
         ),
     ),
     Command(
@@ -155,8 +155,8 @@ COMMANDS = (
         'results/scene.zarr --kind ramp --load "600 N" --velocity "1.6 m/s"',
         (
             o.STORE, o.KIND, o.output("FILE.png", "file of the figure; default: beside the store"),
-            *o.LOOK, o.RIVAL, o.GIVEN_MEASURED, o.SCATTER, o.CONDITIONS_AT_FRICTIONS, *o.PLACE,
-            o.REALIZATION,
+            o.WATCH, *o.LOOK, o.RIVAL, o.GIVEN_MEASURED, o.SCATTER, o.CONDITIONS_AT_FRICTIONS,
+            *o.PLACE, o.REALIZATION,
         ),
     ),
     Command(

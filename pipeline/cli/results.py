@@ -7,7 +7,7 @@ import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import pipeline
 from pipeline.analysis.tables import Column, Table
@@ -59,6 +59,8 @@ def plot(options: argparse.Namespace) -> int:
     shown |= {name: True for name in ("log", "given_measured") if getattr(options, name)}
     conditions = given(options, *CONDITIONS)
     _require_options(options.kind, [*shown, *conditions])
+    if options.watch:
+        return _watched(options, shown | conditions)
     ds = pipeline.open_sweep(options.store)
     store = Path(options.store if isinstance(options.store, Path) else Path(options.store).name)
     suffix = "gif" if options.kind == "animation" else "png"
@@ -66,6 +68,21 @@ def plot(options: argparse.Namespace) -> int:
     written = pipeline.plot(ds, options.kind, out, **shown, **conditions)
     document = {"kind": options.kind, "file": str(written)}
     show(options, document, [f"{written}"], warned=pipeline.warned(ds, **conditions))
+    return DONE
+
+
+def _watched(options: argparse.Namespace, shown: dict[str, Any]) -> int:
+    """Draw the figure as points come."""
+    state = pipeline.watch(
+        options.store,
+        options.output,
+        options.kind,
+        progress=lambda state: tell(f"{state.done} of {state.total} points drawn"),
+        **shown,
+    )
+    document = {"kind": options.kind, "file": options.output and str(options.output)}
+    text = [f"{options.store}: {state.done} of {state.total} points done, and no run goes on"]
+    show(options, document | {"done": state.done, "points": state.total}, text)
     return DONE
 
 

@@ -12,6 +12,7 @@ from pipeline.cli.clusters import batch_of, show_script
 from pipeline.cli.exit_codes import DONE, SOME_FAILED
 from pipeline.cli.meaning import library_lines, meaning
 from pipeline.cli.output import counted, failed_points, show, show_text, tell
+from pipeline.cli.picture import watched
 from pipeline.cli.progress import ProgressLine
 from pipeline.cli.scenes import given, scene_of, selected
 from pipeline.sweep.doubts import doubts
@@ -33,12 +34,12 @@ def computed(options: argparse.Namespace) -> int:
         return DONE
     for note in sweep.notes:
         tell(f"note: {note}")
-    with ProgressLine() as line:
+    with ProgressLine() as line, watched(options.watch, out, line) as progress:
         settings = {
             "workers": options.workers,
             "scheduler": options.scheduler,
             "cluster": batch,
-            "progress": line,
+            "progress": progress,
             "retry_failed": options.retry_failed,
             "tell": tell,
         }

@@ -1,0 +1,175 @@
+"""A figure of a sweep that is drawn again as its points come."""
+
+from __future__ import annotations
+
+import io
+import os
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from pipeline.analysis.dataset import dataset_of
+from pipeline.figures.plot import plot
+from pipeline.figures.style import figure_path
+from pipeline.store.place import PathLike
+from pipeline.store.progress import Summary, summary
+from tribo import InputError
+
+_SHARE = 2  # times the duration of a drawing between two, so that a run keeps its cores
+
+
+def watch(
+    store: PathLike,
+    out: str | Path | None = None,
+    kind: str = "diagram",
+    interval: float = 1.0,
+    progress: Callable[[Summary], None] | None = None,
+    **options: Any,
+) -> Summary:
+    """Draw a figure of a sweep as its points come, until its run ends.
+
+    The figure is shown in a notebook below the cell, or else in a window, which stays open at the
+    end until it is closed; or written to a file, which is replaced whole each time. A run computes
+    a tenth of its points first, from end to end, so that the diagram is whole from then on.
+
+    Parameters
+    ----------
+    store : str or path
+        Path of the store, which a run in another process writes to.
+    out : path, optional
+        File to write in place of a window: .pdf, .png or .svg.
+    kind : str
+        Name of the figure; see `pipeline.plot`.
+    interval : float
+        Shortest time between two drawings [s].
+    progress : callable, optional
+        Called with the state of the sweep after each drawing.
+    **options
+        Options of `pipeline.plot`.
+
+    Returns
+    -------
+    Summary
+        State of the sweep when its run had ended.
+
+    Raises
+    ------
+    InputError
+        If an option of the figure is faulty, or no window can be opened.
+    StoreError
+        If there is no readable store.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> state = pipeline.watch("results/first_try.zarr", "results/live.png")
+    >>> state.done, state.running
+    (24, None)
+    """
+    if kind == "animation":
+        raise InputError("an animation is not drawn as points come; give another kind of figure")
+    screen = _screen(out)
+    shown = None
+    while True:
+        state = summary(store)
+        began = time.monotonic()
+        if state.done + len(state.failed) != shown:
+            shown = state.done + len(state.failed)
+            screen.show(lambda path: plot(dataset_of(store), kind, path, **options))
+            if progress:
+                progress(state)
+        if state.running is None and summary(store).done == state.done:
+            screen.end()
+            return state
+        screen.wait(max(interval, _SHARE * (time.monotonic() - began)))
+
+
+class _File:
+    """A file that holds the figure, and is replaced whole."""
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+
+    def show(self, draw: Callable[[Path], Any]) -> None:
+        """Draw the figure anew."""
+        beside = self._path.with_name(f".{self._path.stem}.{os.getpid()}{self._path.suffix}")
+        try:
+            draw(beside)
+            beside.replace(self._path)
+        finally:
+            beside.unlink(missing_ok=True)
+
+    def wait(self, seconds: float) -> None:
+        """Wait until the next look at the store."""
+        time.sleep(seconds)
+
+    def end(self) -> None:
+        """Leave the file as it is."""
+
+
+class _Notebook(_File):
+    """A picture below the cell of a notebook."""
+
+    def __init__(self) -> None:
+        from IPython.display import display
+
+        self._display: Any = display({"text/plain": "no figure yet"}, raw=True, display_id=True)  # type: ignore[no-untyped-call]
+
+    def show(self, draw: Callable[[Any], Any]) -> None:
+        """Draw the figure anew."""
+        self._display.update(draw(None))
+
+
+class _Window(_File):
+    """A window of matplotlib."""
+
+    def __init__(self) -> None:
+        require_window()
+        from matplotlib import pyplot
+
+        self._pyplot = pyplot
+        self._figure = pyplot.figure("irg")
+
+    def show(self, draw: Callable[[Any], Any]) -> None:
+        """Draw the figure anew."""
+        figure = draw(None)
+        written = io.BytesIO()
+        figure.savefig(written, format="png", dpi=self._figure.dpi)
+        written.seek(0)
+        self._figure.clear()
+        self._figure.figimage(self._pyplot.imread(written), resize=True)
+
+    def wait(self, seconds: float) -> None:
+        """Let the window live until the next look at the store."""
+        self._pyplot.pause(seconds)
+        if not self._pyplot.fignum_exists("irg"):
+            raise KeyboardInterrupt
+
+    def end(self) -> None:
+        """Leave the window open until it is closed."""
+        self._pyplot.show()
+
+
+def require_window() -> None:
+    """Refuse to open a window where there is no display.
+
+    Raises
+    ------
+    InputError
+        If matplotlib has no backend with windows here.
+    """
+    from matplotlib import pyplot
+    from matplotlib.backends.registry import BackendFilter, backend_registry
+
+    names = backend_registry.list_builtin(BackendFilter.NON_INTERACTIVE)  # type: ignore[no-untyped-call]
+    if pyplot.get_backend().lower() in names:
+        raise InputError("no window can be opened here; give a file, such as diagram.png")
+
+
+def _screen(out: str | Path | None) -> _File:
+    """The file, the notebook or the window to draw on."""
+    if out is not None:
+        return _File(figure_path(out))
+    return _Notebook() if "ipykernel" in sys.modules else _Window()

@@ -1,0 +1,39 @@
+"""A figure that is drawn again as points come, and ends with the run."""
+
+from dataclasses import replace
+
+import pytest
+
+from pipeline.cli import main
+from pipeline.figures import live
+from pipeline.store.progress import Summary
+from tests.helpers import synthetic
+from tribo import InputError
+
+
+def test_the_file_is_drawn_whole_each_time_more_points_are_done(monkeypatch, tmp_path):
+    begun = Summary("s", "A sweep", total=9, done=0, pending=9, failed=(), running="process 1")
+    grown = replace(begun, done=4, pending=5)
+    over = replace(begun, done=9, pending=0, running=None)
+    states = iter([begun, begun, grown, over, over])
+    drawn, out = [], tmp_path / "live.png"
+
+    def plot(ds, kind, path, **options):
+        assert not drawn or out.read_bytes() == f"drawing {len(drawn)}".encode()
+        drawn.append(options)
+        path.write_bytes(f"drawing {len(drawn)}".encode())
+
+    monkeypatch.setattr(live, "summary", lambda store: next(states))
+    monkeypatch.setattr(live, "plot", plot)
+    monkeypatch.setattr(live, "dataset_of", lambda store: synthetic.sweep())
+    assert live.watch("out.zarr", out, interval=0.0, log=True) == over
+    assert drawn == [{"log": True}] * 3
+    assert [path.name for path in tmp_path.iterdir()] == ["live.png"]
+
+
+def test_a_window_is_refused_where_there_is_no_display(monkeypatch, capsys):
+    monkeypatch.setenv("MPLBACKEND", "agg")
+    with pytest.raises(InputError, match="no window can be opened here"):
+        live.require_window()
+    assert main(["run", "first_try", "--watch"]) == 2
+    assert "give a file" in capsys.readouterr().err
