@@ -53,6 +53,8 @@ from .run.vary import vary as vary
 from .scene.faults import SceneFileError as SceneFileError
 from .scene.point import run_point as run_point
 from .scene.quantities import display as display
+from .scene.scan import SurfaceStatistics as SurfaceStatistics
+from .scene.scan import surface_statistics as surface_statistics
 from .scene.scenefile import load_scene as load_scene
 from .scene.scenefile import scene_entry as scene_entry
 from .scene.template import new_scene as new_scene

@@ -65,6 +65,8 @@ from .simulation import simulate as simulate
 from .simulation import start as start
 from .simulation import warnings as warnings
 from .simulation import wear_number as wear_number
+from .spectrum import SelfAffineFit as SelfAffineFit
+from .spectrum import fit_self_affine as fit_self_affine
 from .thermal import BULK_RATIOS as BULK_RATIOS
 from .thermal import QUANTILES as QUANTILES
 from .thermal import ConductingHalfSpace as ConductingHalfSpace

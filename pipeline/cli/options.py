@@ -69,6 +69,32 @@ FOLDER = _option(
     help="folder to search, with those in it; default: results",
 )  # fmt: skip
 
+SCAN = _option(
+    "scan", metavar="SCAN", type=Path, help="heights: .npy, .csv, or the file of an instrument"
+)
+OF_SCAN = (
+    SCAN,
+    _option(
+        "--height-unit",
+        metavar="UNIT",
+        help='unit of the heights, like "um", where the file gives none or a wrong one',
+    ),
+    _option(
+        "--pixel-size",
+        metavar="DX[,DY]",
+        type=values.sides,
+        help='sides of a pixel along x and y, like "0.8 um" or "0.8 um,0.9 um", where the file '
+        "gives none; after --transpose",
+    ),
+    _flag("--transpose", help="exchange x and y of the file"),
+    _option(
+        "--flip",
+        choices=("no", "x", "y", "heights"),
+        default="no",
+        help="reverse an axis, or the heights, as of a replica",
+    ),
+)
+
 NEW_FILE = _option("file", metavar="FILE.toml", type=Path, nargs="?", help="file to write")
 FROM = _option(
     "--from", metavar="NAME", dest="like", help="shipped scene to begin with; see --list"

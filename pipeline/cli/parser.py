@@ -51,6 +51,11 @@ COMMANDS = (
         (o.NEW_FILE, o.FROM, o.LIST.but(help="list the shipped scenes"), o.SCHEMA, o.NEW_SITE),
     ),
     Command(
+        "surface", "surface:surface",
+        "describe a scan: roughness, lay, correlation lengths, and a scene's table that makes more",
+        'scan.npy --height-unit um --pixel-size "0.8 um"', o.OF_SCAN,
+    ),
+    Command(
         "run", "running:run", "run or resume the sweep of a scene", "scene.toml --accuracy 2%",
         (
             *o.OF_SCENE,

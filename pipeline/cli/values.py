@@ -46,6 +46,19 @@ def positive(like: str) -> Callable[[str], float]:
     return read
 
 
+def sides(text: str) -> tuple[float, float]:
+    """Read the sides of a pixel, or the one of a square pixel.
+
+    Examples
+    --------
+    >>> sides("0.8 um"), sides("0.8 um,0.9 um")
+    ((8e-07, 8e-07), (8e-07, 9e-07))
+    """
+    read = positive("0.8 um")
+    first, comma, second = text.partition(",")
+    return read(first), read(second if comma else first)
+
+
 def bulk(text: str) -> float | dict[str, float]:
     """Read a bulk temperature, or that of pin and disk.
 

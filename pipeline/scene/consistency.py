@@ -79,11 +79,17 @@ def _check_pixels(
         faults.append(Fault("window.pixels", problem))
     if isinstance(roughness, tribo.MeasuredRoughness) and roughness.array.shape != pixels:
         rows, columns = roughness.array.shape
-        turned = " or transpose it, since its rows follow one another along x,"
+        turned = " or give disk.roughness.transpose = true, since its rows follow along x,"
+        narrow = rows < pixels[0] or columns < pixels[1]
+        ending = (
+            'or go on with it beyond its ends: disk.roughness.repeat = "mirror"'
+            if narrow
+            else "or cut a patch out with disk.roughness.crop"
+        )
         problem = (
             f"the surface has {rows} rows of {columns} heights, window.pixels is {given}; give a "
             f"surface and a window of the same size,{turned if pixels == (columns, rows) else ''} "
-            "or cut a patch out with disk.roughness.crop"
+            f"{ending}"
         )
         faults.append(Fault("disk.roughness.file", problem))
 

@@ -124,7 +124,9 @@ FORMAT = Table({
             }),
             Table({
                 "file": Text(),
-                "height_unit": Optional(Unit("a unit of length", "um")),  # where the file has none
+                "height_unit": Optional(Unit("a unit of length", "um")),  # in place of the file's
+                "transpose": Optional(Flag(), False),
+                "flip": Optional(Choice(("no", "x", "y", "heights")), "no"),
                 "crop": Optional(List(Whole(at_least=0), length=2)),  # its first row and column
                 "level": Optional(Flag(), False),
                 "missing": Optional(Choice(("refuse", "fill")), "refuse"),

@@ -94,7 +94,10 @@ _ENTRIES = {
     "disk.roughness.file": "Heights of a measured surface, a row for each x: .npy, .csv, or the "
     "file of an instrument (with the extra `surfaces`); relative to the folder of the scene.",
     "disk.roughness.height_unit": "Unit of the heights; needed where the file has none, as in .npy "
-    "and .csv.",
+    "and .csv, and used in place of a wrong one.",
+    "disk.roughness.transpose": "Exchange of x and y of the file, with the sides of its pixels.",
+    "disk.roughness.flip": "Axis to reverse; or the heights, as of a replica, whose summits were "
+    "valleys.",
     "disk.roughness.crop": "First row and column, counted from 0, of the patch to cut out; without "
     "it the surface is to have the window's size.",
     "disk.roughness.level": "Least-squares plane (tilt) taken off the heights, or not.",

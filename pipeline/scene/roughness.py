@@ -19,6 +19,7 @@ from pipeline.scene.surfaces import (
     cropped,
     filled,
     levelled,
+    oriented,
     read_surface,
     repeated,
 )
@@ -66,6 +67,7 @@ def roughness_of(
         surface = _surface(folder / table["file"], table["height_unit"], faults)
         if surface is None:
             return None
+        surface = oriented(surface, table["transpose"], table["flip"])
         heights = _fitted_heights(surface, table, found["window"], faults, notes)
         return None if heights is None else tribo.MeasuredRoughness(heights)
     if None in table.values():

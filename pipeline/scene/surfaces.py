@@ -49,7 +49,7 @@ def read_surface(path: str | Path, height_unit: float | None = None) -> Surface:
     path : str or Path
         Plain array, or a file of any format that SurfaceTopography reads.
     height_unit : float, optional
-        Length of one unit of the file's heights, where the file does not give it [m].
+        Length of one unit of the file's heights, where the file does not give it or is wrong [m].
 
     Raises
     ------
@@ -113,12 +113,46 @@ def _converted(path: Path, topography: Any, height_unit: float | None) -> Surfac
             )
         heights, pixel_size = topography.heights() * height_unit, None
     else:
+        heights = None if height_unit is None else topography.heights() * height_unit
         topography = topography.to_unit("m")
-        heights = topography.heights()
+        heights = topography.heights() if heights is None else heights
         dx, dy = topography.pixel_size
         pixel_size = float(dx), float(dy)
     copied = np.ma.filled(np.ma.masked_invalid(np.ma.array(heights, dtype=np.float64)), np.nan)
     return Surface(np.ascontiguousarray(copied), pixel_size)
+
+
+Flip = Literal["no", "x", "y", "heights"]
+
+
+def oriented(surface: Surface, transpose: bool = False, flip: Flip = "no") -> Surface:
+    """Turn a surface that an instrument wrote in another orientation.
+
+    Parameters
+    ----------
+    surface : Surface
+        Surface as read.
+    transpose : bool
+        Exchange x and y, of the pixels too.
+    flip : {"no", "x", "y", "heights"}
+        Reverse an axis; or the heights, as of a replica, whose summits were valleys.
+
+    Examples
+    --------
+    >>> surface = Surface(np.array([[1.0, 2.0, 3.0]]), (1e-6, 2e-6))
+    >>> oriented(surface, transpose=True, flip="heights")
+    Surface(heights=array([[-1.],
+           [-2.],
+           [-3.]]), pixel_size=(2e-06, 1e-06))
+    """
+    heights, sides = surface.heights, surface.pixel_size
+    if transpose:
+        heights, sides = heights.T, sides and (sides[1], sides[0])
+    if flip == "heights":
+        heights = -heights
+    elif flip != "no":
+        heights = np.flip(heights, "xy".index(flip))
+    return Surface(np.ascontiguousarray(heights), sides)
 
 
 def cropped(heights: Array, first: tuple[int, int], shape: tuple[int, int]) -> Array:

@@ -1,0 +1,216 @@
+"""Statistics of a measured surface, and the random roughness that makes more of the same."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from pipeline.scene.quantities import in_si
+from pipeline.scene.surfaces import Flip, Surface, filled, levelled, oriented, read_surface
+from tribo import InputError, SelfAffineFit, average_roughness, fit_self_affine, rms_height
+from tribo.types import Array
+
+_ASKEW = 0.5  # skewness beyond which a random surface is a poor likeness
+_SHORT = 10.0  # correlation lengths along a side, below which few of them are seen
+_DEGREES = 10.0  # of a lay from an axis, beyond which the fit along the axes is another surface
+
+
+@dataclass(frozen=True, slots=True)
+class SurfaceStatistics:
+    """Roughness of a scan, above its least-squares plane.
+
+    Attributes
+    ----------
+    file : str
+        File of the scan.
+    shape : tuple of int
+        Numbers of heights along x and y.
+    pixel_size : tuple of float
+        Sides of a pixel along x and y [m].
+    missing : int
+        Heights that the instrument has not, filled smoothly from around them.
+    ra, rq : float
+        Average and root mean square roughness [m].
+    skewness, kurtosis : float
+        Of the heights; 0 and 3 on a random surface.
+    tilt : tuple of float
+        Slopes of the plane along x and y that were taken off.
+    fit : tribo.SelfAffineFit
+        Correlation lengths, Hurst exponent and lay, with their standard errors.
+    """
+
+    file: str
+    shape: tuple[int, int]
+    pixel_size: tuple[float, float]
+    missing: int
+    ra: float
+    rq: float
+    skewness: float
+    kurtosis: float
+    tilt: tuple[float, float]
+    fit: SelfAffineFit
+
+    @property
+    def has_lay(self) -> bool:
+        """True if the correlation lengths differ by more than three standard errors."""
+        (x, y), (error_x, error_y) = self.fit.correlation_length, self.fit.length_error
+        return bool(abs(np.log(x / y)) > 3 * np.hypot(error_x / x, error_y / y))
+
+    @property
+    def toml(self) -> str:
+        """Table ``[disk.roughness]`` of a scene, whose surfaces have these statistics."""
+        x, y = (f'"{1e6 * length:.3g} um"' for length in self.fit.correlation_length)
+        mean = f'"{1e6 * float(np.sqrt(np.prod(self.fit.correlation_length))):.3g} um"'
+        return (
+            "[disk.roughness]\n"
+            f'ra = "{1e6 * self.ra:.4g} um"\n'
+            f"hurst_exponent = {self.fit.hurst_exponent:.3g}\n"
+            f"correlation_length = {f'[{x}, {y}]' if self.has_lay else mean}\n"
+        )
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Reasons why a random surface may differ from the scan."""
+        return tuple(self._warnings())
+
+    def _warnings(self) -> Iterator[str]:
+        if self.missing:
+            share = 100 * self.missing / np.prod(self.shape)
+            yield f"{self.missing} heights ({share:.2g} %) are missing and were filled"
+        if abs(self.skewness) > _ASKEW:
+            yield (
+                f"skewness {self.skewness:.2g}: a random surface has 0; simulate the scan itself: "
+                f'disk.roughness.file = "{self.file}"'
+            )
+        askew = abs((self.fit.lay + 45) % 90 - 45)
+        if self.has_lay and askew > max(_DEGREES, 3 * self.fit.lay_error):
+            yield (
+                f"the lay runs at {self.fit.lay:.0f}° from x, and [disk.roughness] has lays along "
+                "x or y alone: turn the scan, or simulate the scan itself"
+            )
+        lengths = zip("xy", self.shape, self.pixel_size, self.fit.correlation_length, strict=True)
+        for axis, count, side, length in lengths:
+            if count * side < _SHORT * length:
+                yield (
+                    f"the scan is {count * side / length:.2g} correlation lengths long along "
+                    f"{axis}: measure a larger area"
+                )
+        if self.fit.misfit > 2:
+            yield (
+                f"the fitted spectrum is off by a factor {self.fit.misfit:.2g} at some wavelengths:"
+                " the scan is not self-affine, or its instrument filters it"
+            )
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the statistics by name, with the table as text."""
+        return asdict(self) | {"toml": self.toml, "warnings": list(self.warnings)}
+
+    def lines(self) -> Iterator[str]:
+        """Describe the scan, a line for each quantity."""
+        fit, sides = self.fit, [1e6 * side for side in self.pixel_size]
+        lengths = [f"{n * side:.4g}" for n, side in zip(self.shape, sides, strict=True)]
+        yield (
+            f"{self.file}: {self.shape[0]} × {self.shape[1]} heights, {' × '.join(lengths)} µm, "
+            f"pixels {sides[0]:.4g} × {sides[1]:.4g} µm"
+        )
+        percent = f"± {100 * fit.rms_error:.2g} % from surface to surface of this size"
+        yield f"  Ra                  {1e6 * self.ra:.4g} µm  {percent}"
+        yield f"  Rq                  {1e6 * self.rq:.4g} µm"
+        yield f"  skewness, kurtosis  {self.skewness:.2g}, {self.kurtosis:.2g}"
+        degrees = [f"{np.degrees(np.arctan(slope)):.2g}°" for slope in self.tilt]
+        yield f"  tilt                {degrees[0]} along x, {degrees[1]} along y, taken off"
+        lay = f"{fit.lay:.0f}° from x ± {fit.lay_error:.1g}°" if self.has_lay else "none"
+        yield f"  lay                 {lay}"
+        x, y = (
+            f"{1e6 * length:.3g} ± {1e6 * error:.1g} µm"
+            for length, error in zip(fit.correlation_length, fit.length_error, strict=True)
+        )
+        yield f"  correlation length  {x} along x, {y} along y"
+        yield f"  Hurst exponent      {fit.hurst_exponent:.3g} ± {fit.hurst_error:.1g}"
+        yield f"  spectrum            within a factor {fit.misfit:.2g} of that of the fit"
+        yield from (f"  warning             {warning}" for warning in self.warnings)
+
+    def __str__(self) -> str:
+        return "\n".join(self.lines())
+
+
+def surface_statistics(
+    path: str | Path,
+    height_unit: float | str | None = None,
+    pixel_size: Sequence[float | str] | None = None,
+    transpose: bool = False,
+    flip: Flip = "no",
+) -> SurfaceStatistics:
+    """Find the roughness of a scan, and the random roughness that makes more of the same.
+
+    Parameters
+    ----------
+    path : str or Path
+        Plain array (.npy, .csv), or the file of an instrument, with the extra ``surfaces``.
+    height_unit : float or str, optional
+        Length of one unit of the file's heights [m], or its name, such as ``"um"``; needed for a
+        plain array, and used in place of a unit that the file says wrongly.
+    pixel_size : two of float or str, optional
+        Sides of a pixel along x and y after any exchange [m], or text with a unit; needed for a
+        plain array.
+    transpose : bool
+        Exchange x and y of the file.
+    flip : {"no", "x", "y", "heights"}
+        Reverse an axis, or the heights, as of a replica.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, or lacks a unit or the size of its pixels; or if it has fewer
+        than 16 heights along a side.
+
+    Examples
+    --------
+    >>> from tribo import Grid, self_affine
+    >>> heights = self_affine(Grid((256, 256), (1e-6, 1e-6)), 0.3e-6, 0.8, (4e-6, 4e-6), seed=0)
+    >>> np.save("scan.npy", heights * 1e6)
+    >>> print(surface_statistics("scan.npy", "um", ("1 um", "1 um")).toml)
+    [disk.roughness]
+    ra = "0.3 um"
+    hurst_exponent = 0.776
+    correlation_length = "4.1 um"
+    <BLANKLINE>
+    """
+    unit = height_unit
+    if isinstance(unit, str):
+        unit = in_si("height_unit", unit if unit[:1].isdigit() else f"1 {unit}", "1 um")
+    surface = oriented(read_surface(path, unit), transpose, flip)
+    if pixel_size is not None:
+        x, y = (in_si("pixel_size", side, "1 um") for side in pixel_size)
+        surface = Surface(surface.heights, (x, y))
+    if surface.pixel_size is None or min(surface.pixel_size) <= 0:
+        raise InputError(f"{path}: no size of a pixel; give pixel_size, such as 0.8 um")
+    holes = int(np.count_nonzero(~np.isfinite(surface.heights)))
+    heights = filled(surface.heights)
+    if min(heights.shape) < 2:
+        raise InputError(f"{path}: a profile; give a map of heights")
+    level = levelled(heights)
+    plane = heights - level
+    return SurfaceStatistics(
+        file=str(path),
+        shape=(level.shape[0], level.shape[1]),
+        pixel_size=surface.pixel_size,
+        missing=holes,
+        ra=average_roughness(level),
+        rq=rms_height(level),
+        skewness=_moment(level, 3),
+        kurtosis=_moment(level, 4),
+        tilt=(
+            float((plane[1, 0] - plane[0, 0]) / surface.pixel_size[0]),
+            float((plane[0, 1] - plane[0, 0]) / surface.pixel_size[1]),
+        ),
+        fit=fit_self_affine(level, surface.pixel_size),
+    )
+
+
+def _moment(level: Array, order: int) -> float:
+    return float(np.mean((level / rms_height(level)) ** order))

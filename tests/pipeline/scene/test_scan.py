@@ -1,0 +1,88 @@
+"""A scan, and the random roughness that makes more of the same."""
+
+import json
+import tomllib
+
+import numpy as np
+import pytest
+
+from pipeline import load_scene, surface_statistics
+from pipeline.cli import main
+from pipeline.scene.faults import SceneFileError
+from pipeline.scene.units import to_si
+from tribo import Grid, InputError, self_affine
+
+GRID = Grid((320, 256), (0.8e-6, 0.9e-6))
+
+
+@pytest.fixture(scope="module")
+def scan(tmp_path_factory):
+    """Path of a tilted scan with a lay across x, in micrometres."""
+    heights = self_affine(GRID, 0.27e-6, 0.8, (4e-6, 12e-6), seed=3)
+    i, j = np.indices(heights.shape)
+    path = tmp_path_factory.mktemp("scan") / "scan.npy"
+    np.save(path, 1e6 * (heights + 5e-2 * i * 0.8e-6 - 3e-2 * j * 0.9e-6))
+    return path
+
+
+def test_the_tilt_is_taken_off_and_the_printed_table_makes_the_same(scan):
+    found = surface_statistics(scan, "um", ("0.8 um", "0.9 um"))
+    assert found.tilt == pytest.approx((5e-2, -3e-2), abs=1e-3)
+    assert found.ra == pytest.approx(0.27e-6, rel=2 * found.fit.rms_error)
+    assert found.fit.lay == pytest.approx(90.0, abs=2) or found.fit.lay == pytest.approx(-90, abs=2)
+    table = tomllib.loads(found.toml)["disk"]["roughness"]
+    lengths = tuple(to_si(length, "1 um") for length in table["correlation_length"])
+    ra = to_si(table["ra"], "1 um")
+    again = self_affine(GRID, ra, table["hurst_exponent"], lengths, seed=8)
+    np.save(scan.with_name("again.npy"), again)
+    other = surface_statistics(scan.with_name("again.npy"), 1.0, GRID.spacing)
+    assert other.ra == pytest.approx(found.ra, rel=0.01)
+    assert other.rq == pytest.approx(found.rq, rel=2 * found.fit.rms_error)
+    for one, two, error in zip(
+        other.fit.correlation_length,
+        found.fit.correlation_length,
+        found.fit.length_error,
+        strict=True,
+    ):
+        assert abs(one - two) < 4 * error
+    assert abs(other.fit.hurst_exponent - found.fit.hurst_exponent) < 4 * found.fit.hurst_error
+
+
+def test_a_scan_is_turned_and_turned_over(scan):
+    plain = surface_statistics(scan, "um", ("0.8 um", "0.9 um"))
+    turned = surface_statistics(scan, "1 um", ("0.9 um", "0.8 um"), True, "heights")
+    assert turned.shape == plain.shape[::-1]
+    assert turned.skewness == pytest.approx(-plain.skewness)
+    assert turned.fit.correlation_length == pytest.approx(
+        plain.fit.correlation_length[::-1], rel=0.01
+    )
+    assert turned.fit.lay == pytest.approx(0.0, abs=2)
+
+
+def test_the_command_prints_the_table_and_says_what_is_missing(scan, capsys):
+    sides = ["--pixel-size", "0.8 um,0.9 um"]
+    assert main(["surface", str(scan), "--height-unit", "um", *sides, "--json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert document["toml"].startswith("[disk.roughness]")
+    assert main(["surface", str(scan), "--height-unit", "um"]) == 2
+    assert "no size of a pixel; give pixel_size" in capsys.readouterr().err
+    with pytest.raises(InputError, match='"1 kg" cannot be converted'):
+        surface_statistics(scan, "kg")
+
+
+def test_a_scene_turns_its_scan_and_answers_a_narrow_one_with_mirror(scan):
+    surface = {
+        "without": "disk.roughness",
+        "disk.roughness.file": str(scan),
+        "disk.roughness.height_unit": "um",
+        "window.pixels": [256, 320],
+    }
+    turned = {"disk.roughness.transpose": True, "disk.roughness.flip": "x"}
+    sweep = load_scene("first_try", overrides=surface | turned)
+    assert np.array_equal(sweep.roughness.array, 1e-6 * np.load(scan).T[::-1])
+    with pytest.raises(SceneFileError, match=r"disk\.roughness\.transpose = true"):
+        load_scene("first_try", overrides=surface)
+    wide = surface | {"window.pixels": [640, 256]}
+    with pytest.raises(SceneFileError, match=r'disk\.roughness\.repeat = "mirror"'):
+        load_scene("first_try", overrides=wide)
+    load_scene("first_try", overrides=wide | {"disk.roughness.repeat": "mirror"})
