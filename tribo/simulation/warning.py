@@ -137,16 +137,18 @@ def _coarse_pixels(scene: Scene, state: State) -> Iterator[Found]:
             f"{fewest} the rise is mostly too low, by 5 to 70 %, whatever the fidelity: give a "
             f"smaller {smaller}",
         )
-    if not isinstance(scene.roughness, SelfAffineRoughness):
-        return
-    for name, length, size in zip(
-        "xy", scene.roughness.correlation_length, scene.pixels.spacing, strict=True
-    ):
-        if length < FEWEST_PIXELS * size * (1 - 1e-9):
+    if isinstance(scene.roughness, SelfAffineRoughness):
+        lengths = zip("xy", scene.roughness.correlation_length, scene.pixels.spacing, strict=True)
+        short = [
+            f"{length / size:.2g} pixels along {name}"
+            for name, length, size in lengths
+            if length < FEWEST_PIXELS * size * (1 - 1e-9)
+        ]
+        if short:
             yield (
                 WarningKind.COARSE_PIXELS,
-                f"the roughness has a correlation length of {length / size:.2g} pixels along "
-                f"{name}; below {FEWEST_PIXELS:g} its slopes depend on the pixels: give a smaller "
+                f"the roughness has a correlation length of {' and '.join(short)}; below "
+                f"{FEWEST_PIXELS:g} its slopes depend on the pixels: give a smaller "
                 "window.pixel_size or a longer disk.roughness.correlation_length",
             )
 
