@@ -21,7 +21,7 @@ from pipeline.analysis.transition import (
 from tribo import lubrication_regime
 from tribo.lubricant import BOUNDARY, FULL_FILM
 
-_SLOW = 0.4  # exponent of the rise over the velocity, below which its errors are said to count more
+SLOW = 0.4  # exponent of the rise over the velocity, below which its errors are said to count more
 
 
 def document_of(found: xr.Dataset) -> dict[str, Any]:
@@ -110,7 +110,7 @@ def _slow_rise(found: xr.Dataset) -> Iterator[str]:
     slow = {
         float(load): float(np.nanmedian(row))
         for load, row in zip(found["load"].values, exponents, strict=True)
-        if not np.isnan(row).all() and np.nanmedian(row) < _SLOW
+        if not np.isnan(row).all() and np.nanmedian(row) < SLOW
     }
     if slow:
         yield ""

@@ -16,6 +16,7 @@ import time
 from pathlib import Path
 from unittest import mock
 
+from pipeline.cli.crossings import SLOW
 from pipeline.tradeoff import choose
 from tests.promises.judge import boundaries, exponents, largest_error, places, true_boundary
 from tests.promises.report import ACCURACIES, PROMISED, report
@@ -68,9 +69,14 @@ def presets(sweep, known):
         rows[name] = {
             "error": largest_error(found, present),
             "with_past": largest_error(found, by_all),
-            "warnings": kinds,
+            "warnings": kinds + _slow(slopes),
         }
     return rows
+
+
+def _slow(slopes):
+    """The line of `irg boundary` on a rise that grows so slowly that errors of it count more."""
+    return ["slow rise"] if min(slopes.values()) < SLOW else []
 
 
 def accuracies(sweep, known):
@@ -84,7 +90,7 @@ def accuracies(sweep, known):
     @functools.cache
     def judged(fidelity):
         velocities, kinds = boundaries(sweep, fidelity, true, slopes)
-        return largest_error(velocities, true), kinds
+        return largest_error(velocities, true), kinds + _slow(slopes)
 
     found = {}
     shared = "measured", "own_error", "probe", "near_the_boundary"
