@@ -21,7 +21,7 @@ from pipeline.sweep.criterion import rise_limit
 from tests.helpers import javascript, synthetic, tiny
 from tests.pipeline.cli.test_commands import SCENE
 from tests.pipeline.figures.page import sweeps
-from tribo import CRITERIA, QUANTILES
+from tribo import CRITERIA, QUANTILES, Corrections
 from tribo.criterion import Rule
 
 CONDITIONS = (
@@ -80,8 +80,16 @@ CASES = {
         full().isel(velocity=[3]),
     ),
     "a warm pin": lambda: (interrupted(warm_pin()), warm_pin()),
+    "friction by velocity": lambda: (interrupted(slippery()), slippery()),
     "a warm disk": lambda: (interrupted(sweeps.of_two_bulks()), sweeps.of_two_bulks()),
 }
+
+
+def slippery():
+    """Friction that falls with velocity, and a film on the disk."""
+    ds = full()
+    falling = Corrections(friction=((1.0, 1.1), (3.0, 0.9)), film_resistance=1e-7)
+    return ds.assign_attrs(conditions=ds.attrs["conditions"] | {"corrections": falling.as_dict()})
 
 
 def warm_pin():
