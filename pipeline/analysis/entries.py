@@ -10,7 +10,7 @@ from pipeline.scene.quantities import display
 
 _ATTRIBUTES = (
     "scene", "conditions", "friction_band", "lubrication", "loads", "velocities", "realizations",
-    "samples", "sample_seed", "unknown", "measured", "preset",
+    "samples", "sample_seed", "unknown", "measured", "tested", "preset",
 )  # fmt: skip
 _NOT_SHOWN = ("friction_heat", "unequal_bulks", "lubrication.")  # follow from other entries
 _TYPES = tuple(

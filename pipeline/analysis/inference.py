@@ -93,7 +93,8 @@ def critical_temperatures(
     ----------
     sweep : Sweep, str or path
         Scene, or its path or name, with measured transitions, simulated on each of its
-        realizations if it has any. A transition without a friction of its own has the sweep's.
+        realizations if it has any. A transition without a friction, a bulk temperature or a hold
+        of its own has the sweep's.
     progress : callable, optional
         Called with a line before each transition on each surface, and the time to go.
 
@@ -137,12 +138,13 @@ def critical_temperatures(
     )
     found: list[list[float]] = [[] for _ in transitions]
     for seed, number in stages:
+        bulk, hold = sweep.measured[number].bulk_temperature, sweep.measured[number].hold
         result = critical_temperature(
-            sweep.on_surface(seed),
+            sweep.on_surface(seed) if hold is None else sweep.on_surface(seed).held(hold),
             transitions[number : number + 1],
-            conditions.bulk_temperature,
+            conditions.bulk_temperature if bulk is None else bulk,
             conditions.decisive,
-            conditions.bulk_difference,
+            conditions.bulk_difference if bulk is None else 0.0,
             conditions.corrections,
         )
         found[number] += result.temperatures

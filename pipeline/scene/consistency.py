@@ -160,7 +160,9 @@ def _check_conditions(found: dict[str, Any], faults: list[Fault]) -> None:
 
 
 def _check_measured(found: dict[str, Any], faults: list[Fault]) -> None:
-    for number, entry in enumerate(found["measured"] or ()):
-        if entry and entry["friction_scatter"] is not None and not entry["friction"]:
-            problem = f"{entry['friction_scatter']:g} needs a measured friction; give it above 0"
-            faults.append(Fault(f"measured[{number}].friction_scatter", problem))
+    for table in ("measured", "tested"):
+        for number, entry in enumerate(found[table] or ()):
+            if entry and entry["friction_scatter"] is not None and not entry["friction"]:
+                scatter = f"{entry['friction_scatter']:g}"
+                problem = f"{scatter} needs a measured friction; give it above 0"
+                faults.append(Fault(f"{table}[{number}].friction_scatter", problem))

@@ -81,6 +81,20 @@ STEM = Either(
     when=lambda stem: isinstance(stem, dict) and "resistance" in stem,
 )
 
+_PLACE: dict[str, Kind | Optional] = {  # of a test
+    "load": LOAD,
+    "load_scatter": Optional(LOAD_SCATTER),
+    "velocity": VELOCITY,
+    "velocity_scatter": Optional(VELOCITY_SCATTER),
+    "friction": Optional(FRICTION),
+    "friction_scatter": Optional(FRICTION_SCATTER),
+    "bulk_temperature": Optional(TEMPERATURE),
+    "hold": Optional(DURATION),
+}
+TRANSITION = Table(_PLACE)
+TEST = Table({**_PLACE, "outcome": Choice(("mild", "severe"))})
+LOG = Table({"file": Text()})  # rows of a CSV file, replaced before the scene is read
+
 EXTENDS = Text()
 WITHOUT = List(Text(), distinct=True)
 
@@ -201,17 +215,6 @@ FORMAT = Table({
         "independent": Optional(Flag(), False),
     }),
     "unknown": Optional(UNKNOWN),  # by the paths of entries
-    "measured": Optional(
-        List(
-            Table({
-                "load": LOAD,
-                "load_scatter": Optional(LOAD_SCATTER),
-                "velocity": VELOCITY,
-                "velocity_scatter": Optional(VELOCITY_SCATTER),
-                "friction": Optional(FRICTION),
-                "friction_scatter": Optional(FRICTION_SCATTER),
-            })
-        ),
-        (),
-    ),
+    "measured": Optional(List(Either(TRANSITION, LOG, when=_has_file)), ()),
+    "tested": Optional(List(Either(TEST, LOG, when=_has_file)), ()),
 })  # fmt: skip

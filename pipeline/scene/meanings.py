@@ -41,6 +41,8 @@ TABLES = {
     "sweep": "The points of the load–velocity plane to compute.",
     "measured": "Transitions that were measured, each a table `[[measured]]`: drawn in the "
     "diagram, and what `irg infer` goes by.",
+    "tested": "Tests that stayed mild or turned severe, each a table `[[tested]]`, or rows of a "
+    "log in CSV; what `irg infer` of samples goes by, too.",
 }
 """Sentence on each table, by its path."""
 
@@ -49,6 +51,8 @@ VARIANTS = {
     "pin.stem": ("rod", "resistance"),
     "disk.roughness": ("random surface", "measured surface"),
     "loading": ("ramp", "record"),
+    "measured": ("entries", "log"),
+    "tested": ("entries", "log"),
 }
 """Forms of a table that has two, with keys of their own, the usual one first."""
 
@@ -156,14 +160,25 @@ _ENTRIES = {
     "sweep.fields": "Pressure, temperature rise and wear depth over the window stored, or not.",
     "sweep.independent": "Each point simulated from the start, not on from the next lower load; "
     "takes longer.",
-    "measured.load": "Load at which wear turned severe.",
-    "measured.load_scatter": "Standard deviation of the load in repeated tests, which "
-    "`irg infer` of samples counts with; none by default.",
-    "measured.velocity": "Sliding velocity there.",
-    "measured.velocity_scatter": "Standard deviation of the velocity; by default what `--scatter` "
-    "gives, 5 % of the velocity.",
-    "measured.friction": "Coefficient of friction measured there; by default the scene's.",
-    "measured.friction_scatter": "Standard deviation of the measured friction; none by default.",
+    **{
+        f"{table}.{key}": text
+        for table in ("measured", "tested")
+        for key, text in {
+            "load": "Normal load on the pin there.",
+            "load_scatter": "Standard deviation of the load in repeated tests, which `irg infer` "
+            "of samples counts with; none by default.",
+            "velocity": "Sliding velocity there.",
+            "velocity_scatter": "Standard deviation of the velocity; by default what `--scatter` "
+            "gives, 5 % of the velocity.",
+            "friction": "Coefficient of friction measured there; by default the scene's.",
+            "friction_scatter": "Standard deviation of the measured friction; none by default.",
+            "bulk_temperature": "Bulk temperature of both bodies there; by default the scene's.",
+            "hold": "Duration at the full load; by default that of `[loading]`.",
+            "file": "Log in CSV in place of the entries: a row for each test, and columns by the "
+            "names of the entries, such as `load [N]`; beside the scene.",
+        }.items()
+    },
+    "tested.outcome": "Outcome of the test, at the end of its hold.",
 }
 
 

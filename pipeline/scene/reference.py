@@ -90,6 +90,8 @@ def forms_of(kind: Kind) -> tuple[Table, ...]:
             return (of,)
         case Either(Table() as usual, Table() as other):
             return (usual, other)
+        case List(Either(Table() as usual, Table() as other)):
+            return (usual, other)
     return ()
 
 

@@ -18,15 +18,16 @@ from pipeline.scene.corrections import corrections_of
 from pipeline.scene.document import Document, read_document, with_entries
 from pipeline.scene.entries import did_you_mean, entry_at, joined
 from pipeline.scene.faults import Fault, SceneFileError
-from pipeline.scene.format import FIDELITY, FORMAT, PRESET, USUAL_PRESET
+from pipeline.scene.format import FIDELITY, FORMAT, PRESET, TEST, TRANSITION, USUAL_PRESET
 from pipeline.scene.library import with_library, without_consequences
+from pipeline.scene.logs import with_rows
 from pipeline.scene.oil import oil_of
 from pipeline.scene.roughness import realizations_of, roughness_of
 from pipeline.scene.schema import Table
 from pipeline.scene.shipped import scene_path
 from pipeline.scene.unknown import samples_of
 from pipeline.sweep.conditions import Conditions, of_bulks
-from pipeline.sweep.model import SCATTERS, Measurement, Sweep
+from pipeline.sweep.model import Measurement, Sweep
 
 Loading = tribo.Ramp | tribo.MeasuredLoad
 Pin = tribo.Cylinder | tribo.Ball | tribo.Crowned
@@ -72,6 +73,8 @@ def load_scene(
     entries_set = {key: overrides.pop(key) for key in list(overrides) if _is_entry(key)}
     document = with_entries(read_document(path, faults), entries_set, faults)
     entries, taken = with_library(document.entries(), faults)
+    for key, row_of in (("measured", TRANSITION), ("tested", TEST)):
+        entries = with_rows(entries, key, row_of, document, faults, notes)
     found = FORMAT.read(entries, "", faults)
     preset = overrides.pop("preset", preset)
     fidelity, preset = _fidelity(found["fidelity"] or {}, preset, overrides, faults)
@@ -208,7 +211,14 @@ def _paths() -> list[str]:
     """Paths of the entries that overrides may name."""
     from pipeline.scene.meanings import MEANINGS  # for the sake of a fault alone
 
-    apart = ("fidelity.", "materials.NAME.", "measured.", "friction.by_velocity.", "extends")
+    apart = (
+        "fidelity.",
+        "materials.NAME.",
+        "measured.",
+        "tested.",
+        "friction.by_velocity.",
+        "extends",
+    )
     return [path for path in MEANINGS if not path.startswith(apart)]
 
 
@@ -281,15 +291,8 @@ def _entries(name: str, found: dict[str, Any]) -> dict[str, Any]:
             **bulks,
         ),
         "friction_band": friction["band"],
-        "measured": tuple(
-            Measurement(
-                entry["load"],
-                entry["velocity"],
-                entry["friction"],
-                **{name: entry[name] for name in SCATTERS},
-            )
-            for entry in found["measured"]
-        ),
+        "measured": tuple(Measurement.of(entry) for entry in found["measured"]),
+        "tested": tuple(Measurement.of(entry) for entry in found["tested"]),
         "store_fields": sweep["fields"],
         "independent": sweep["independent"],
     }

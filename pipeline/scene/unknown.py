@@ -27,7 +27,17 @@ Build = Callable[[dict[str, Any], list[Fault]], Sweep | None]
 """Makes a sweep of what the format gives; notes faults."""
 
 _ENDS = np.array([1e-4, 1 - 1e-4])
-_FIXED = ("sweep", "fidelity", "window", "measured", "unknown", "title", "extends", "without")
+_FIXED = (
+    "sweep",
+    "fidelity",
+    "window",
+    "measured",
+    "tested",
+    "unknown",
+    "title",
+    "extends",
+    "without",
+)
 _PAIRS: dict[tuple[str, str], Kind] = {
     ("mean", "sd"): "normal",
     ("median", "factor"): "log-normal",

@@ -73,6 +73,7 @@ def present_attributes(sweep: Sweep) -> dict[str, Any]:
             "conditions": sweep.conditions.as_dict(),
             "friction_band": list(sweep.friction_band) if sweep.friction_band else None,
             "measured": [measurement.as_dict() for measurement in sweep.measured],
+            "tested": [measurement.as_dict() for measurement in sweep.tested],
             "library": [entry._asdict() for entry in sweep.library],
             "loads": list(sweep.loads),
             "velocities": list(sweep.velocities),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from dataclasses import asdict, dataclass, field, replace
 from typing import Any, NamedTuple, Self
 
@@ -10,10 +10,7 @@ from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.selection import Selection
 from pipeline.sweep.shown import as_html, as_lines, on_conditions, on_plane, on_scene
 from pipeline.sweep.unknown import Samples
-from tribo import InputError, Oil, Scene, SelfAffineRoughness
-
-SCATTERS = ("load_scatter", "velocity_scatter", "friction_scatter")
-"""What a measured transition may say of its own scatter."""
+from tribo import InputError, Oil, Ramp, Scene, SelfAffineRoughness
 
 
 class Point(NamedTuple):
@@ -49,7 +46,7 @@ class Point(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Measurement:
-    """A measured transition from mild to severe wear.
+    """A test on a rig: a transition from mild to severe wear, or a point that was one of them.
 
     Attributes
     ----------
@@ -61,6 +58,12 @@ class Measurement:
         Friction coefficient, if it was measured.
     load_scatter, velocity_scatter, friction_scatter : float or None
         Standard deviations of the three, if they are known [N, m/s, 1].
+    bulk_temperature : float or None
+        Bulk temperature of both bodies [K], where it was not the scene's.
+    hold : float or None
+        Duration at the full load [s], where it was not the scene's.
+    outcome : {"mild", "severe"} or None
+        Wear of the test; None at a transition.
 
     Examples
     --------
@@ -74,11 +77,20 @@ class Measurement:
     load_scatter: float | None = None
     velocity_scatter: float | None = None
     friction_scatter: float | None = None
+    bulk_temperature: float | None = None
+    hold: float | None = None
+    outcome: str | None = None
+
+    @classmethod
+    def of(cls, entry: Mapping[str, Any]) -> Measurement:
+        """The test of an entry of a scene."""
+        return cls(normal_load=entry["load"], **{k: v for k, v in entry.items() if k != "load"})
 
     def as_dict(self) -> dict[str, Any]:
-        """Return all fields as plain data, without scatters that are not known."""
+        """Return all fields as plain data, of those after the friction only what is known."""
         data = asdict(self)
-        return {k: v for k, v in data.items() if v is not None or k not in SCATTERS}
+        always = ("normal_load", "velocity", "friction")
+        return {k: v for k, v in data.items() if v is not None or k in always}
 
 
 class FromLibrary(NamedTuple):
@@ -123,6 +135,8 @@ class Sweep(Scene):
         Lowest and highest friction coefficient measured.
     measured : tuple of Measurement
         Measured transitions, for comparison.
+    tested : tuple of Measurement
+        Tests that stayed mild or turned severe.
     oil : Oil or None
         Lubricant, to tell the regime of lubrication; no number of the simulation depends on it.
     store_fields : bool
@@ -168,6 +182,7 @@ class Sweep(Scene):
     samples: Samples | None = None
     friction_band: tuple[float, float] | None = None
     measured: tuple[Measurement, ...] = ()
+    tested: tuple[Measurement, ...] = ()
     oil: Oil | None = None
     store_fields: bool = False
     independent: bool = False
@@ -237,6 +252,21 @@ class Sweep(Scene):
             raise InputError(f"sample is {sample}, which the sweep does not have; {held}")
         parts: dict[str, Any] = dict(self.samples.parts[sample])
         return replace(self, **parts, samples=None)
+
+    def held(self, duration: float) -> Self:
+        """The sweep with another duration at the full load [s].
+
+        Raises
+        ------
+        InputError
+            If the load follows a record.
+        """
+        if not isinstance(self.loading, Ramp):
+            raise InputError(
+                f"hold is {duration:g} s, and the load follows a record, which has its own: leave "
+                "out the hold, or give a loading with rate and reference_load"
+            )
+        return replace(self, loading=replace(self.loading, hold=duration, hold_steps=None))
 
     def on_surface(self, seed: int | None) -> Self:
         """The sweep on the random surface of a seed alone; itself if None."""

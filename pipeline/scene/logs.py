@@ -1,0 +1,130 @@
+"""Tests of a laboratory's log: rows of a CSV file in place of tables of the scene.
+
+A heading names an entry, with the unit of its column in brackets, such as ``load [N]``; a cell that
+is empty leaves the entry out. Columns of other names, as of dates and operators, are not used.
+"""
+
+from __future__ import annotations
+
+import csv
+import re
+from pathlib import Path
+from typing import Any
+
+from pipeline.scene.document import Document
+from pipeline.scene.faults import Fault
+from pipeline.scene.kinds import Kind
+from pipeline.scene.schema import Table
+
+_HEAD = re.compile(r"\s*(?P<title>[^\[\]]*?)\s*(?:\[(?P<unit>[^\[\]]*)\])?\s*")
+_USUAL = {"normal_load": "load", "sliding_velocity": "velocity", "bulk": "bulk_temperature"}
+
+
+def with_rows(
+    entries: dict[str, Any],
+    key: str,
+    row_of: Table,
+    document: Document,
+    faults: list[Fault],
+    notes: list[str],
+) -> dict[str, Any]:
+    """Put the rows of log files in the place of the tables that name them.
+
+    Parameters
+    ----------
+    entries : dict
+        Entries of the scene.
+    key : str
+        Key of a list of tables, some of them with ``file``.
+    row_of : Table
+        Format of a row.
+    document : Document
+        Scene that they stand in.
+    faults : list of Fault
+        List to which a fault is added for each wrong cell, by its row and column.
+    notes : list of str
+        List to which the names of columns that are not used are added.
+    """
+    listed = entries.get(key)
+    if not isinstance(listed, list):
+        return entries
+    rows: list[Any] = []
+    for number, entry in enumerate(listed):
+        if not isinstance(entry, dict) or not isinstance(entry.get("file"), str):
+            rows.append(entry)
+            continue
+        at = f"{key}[{number}].file"
+        if others := [f'"{name}"' for name in entry if name != "file"]:
+            problem = f"stands beside {', '.join(others)}; give these as columns of the file"
+            faults.append(Fault(at, problem))
+        path = document.file_of(key).parent / entry["file"]
+        try:
+            rows += _rows(path, at, row_of, faults, notes)
+        except (OSError, UnicodeDecodeError) as error:
+            reason = getattr(error, "strerror", None) or "not in UTF-8"
+            faults.append(Fault(at, f"{path} cannot be read: {reason}; give a CSV file in UTF-8"))
+    return entries | {key: rows}
+
+
+def _rows(
+    path: Path, at: str, row_of: Table, faults: list[Fault], notes: list[str]
+) -> list[dict[str, Any]]:
+    """Rows of a file as tables of a scene; faults are named by row and column."""
+    text = path.read_text(encoding="utf-8-sig")
+    separator = max(",;\t", key=text.partition("\n")[0].count)
+    lines = [
+        (number, cells)
+        for number, cells in enumerate(csv.reader(text.splitlines(), delimiter=separator), 1)
+        if any(map(str.strip, cells))
+    ]
+    if len(lines) < 2:
+        problem = f'{path} has no rows; begin it with a line such as "load [N],velocity [m/s]"'
+        faults.append(Fault(at, problem))
+        return []
+    columns = dict(enumerate(map(_named, lines[0][1])))
+    if unused := [name for name, _ in columns.values() if name not in row_of.keys]:
+        notes.append(f"{at}: columns not used: {', '.join(unused)}")
+    rows = []
+    for number, cells in lines[1:]:
+        if len(cells) != len(columns):
+            problem = f"{path.name}, row {number}: {len(cells)} cells below {len(columns)} headings"
+            faults.append(Fault(at, problem))
+            continue
+        row = {
+            name: _value(cell.strip(), unit, row_of.keys[name])
+            for (name, unit), cell in zip(columns.values(), cells, strict=True)
+            if name in row_of.keys and cell.strip()
+        }
+        wrong: list[Fault] = []
+        row_of.read(row, "", wrong)
+        place = f"{path.name}, row {number}"
+        faults += [Fault(at, f"{place}, {fault.key or 'row'}: {fault.problem}") for fault in wrong]
+        if not wrong:
+            rows.append(row)
+    return rows
+
+
+def _named(heading: str) -> tuple[str, str]:
+    """Entry that a heading stands for, and its unit.
+
+    Examples
+    --------
+    >>> _named("Normal load [kN]"), _named("outcome")
+    (('load', 'kN'), ('outcome', ''))
+    """
+    match = _HEAD.fullmatch(heading)
+    if match is None:
+        return heading.strip(), ""
+    name = match["title"].lower().replace(" ", "_")
+    return _USUAL.get(name, name), match["unit"] or ""
+
+
+def _value(cell: str, unit: str, kind: Kind | Any) -> Any:
+    """A cell as a scene file has it: a number, or text with a unit."""
+    wants_number = "a number" in str(getattr(kind, "kind", kind))
+    if unit in ("", "1", "-") and wants_number:
+        try:
+            return float(cell)
+        except ValueError:
+            return cell
+    return f"{cell} {unit}".strip()
