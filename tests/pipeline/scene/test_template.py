@@ -67,7 +67,7 @@ def test_every_example_is_allowed(section, key, template):
 
 def test_an_entry_without_its_mark_takes_effect(template, tmp_path):
     text = template.read_text(encoding="utf-8")
-    (tmp_path / "held.toml").write_text(text.replace("#hold = ", "hold = "), encoding="utf-8")
+    (tmp_path / "held.toml").write_text(text.replace("#hold = ", "hold = ", 1), encoding="utf-8")
     assert load_scene(template).loading.hold == 0.0
     assert load_scene(tmp_path / "held.toml").loading.hold == 4.0
 
