@@ -14,6 +14,7 @@ import pipeline
 from pipeline.analysis.margin_table import table_of_margins
 from pipeline.analysis.operating_points import OperatingPoints, Place
 from pipeline.cli.exit_codes import DONE
+from pipeline.cli.next_steps import after_margin
 from pipeline.cli.output import counted, show, table_path
 from pipeline.cli.scenes import CONDITIONS, given
 from pipeline.cli.unknowns import notes, samples_of
@@ -58,7 +59,9 @@ def margin(options: argparse.Namespace) -> int:
             "as they were drawn: give [unknown] and sweep.samples in the scene, and no conditions"
         )
     command = _command(options, ds, conditions, found)
-    lines = [*text, *([f"compute more of the boundary with: {command}"] if command else [])]
+    lines = [*text, *after_margin(attributes_of(ds), options.store, found)]
+    if command:
+        lines.append(f"compute more of the boundary with: {command}")
     warned = pipeline.warned(ds, **conditions)
     here = OperatingPoints((Place(options.load, options.velocity),), {})
     tables = [table_of_margins(here, [found])]

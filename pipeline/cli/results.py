@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import pipeline
 from pipeline.analysis.tables import Column, Table
 from pipeline.cli.exit_codes import DONE
+from pipeline.cli.next_steps import after_boundary
 from pipeline.cli.output import counted, micrometres, show, table_path, tell
 from pipeline.cli.progress import working
 from pipeline.cli.scenes import CONDITIONS, PLACE, given, scene_of, selected
@@ -39,7 +40,8 @@ _MORE_AREA = {2: "14 to 17", 4: "40 to 50"}
 def boundary(options: argparse.Namespace) -> int:
     """Print critical velocities and loads."""
     out = table_path(options)
-    from pipeline.analysis.boundary_tables import tables_of  # with xarray
+    from pipeline.analysis.attributes import attributes_of  # with xarray
+    from pipeline.analysis.boundary_tables import tables_of
     from pipeline.cli.crossings import command_for, document_of, text_of
 
     ds, conditions = pipeline.open_sweep(options.store), given(options, *CONDITIONS)
@@ -47,7 +49,8 @@ def boundary(options: argparse.Namespace) -> int:
     command = command_for(found, options.store, ds)
     document = document_of(found) | {"command": command}
     tables = tables_of(found)
-    show(options, document, text_of(found, command), warned=warned, out=out, tables=tables)
+    text = [*text_of(found, command), *after_boundary(attributes_of(ds), options.store)]
+    show(options, document, text, warned=warned, out=out, tables=tables)
     return DONE
 
 

@@ -11,6 +11,7 @@ import pipeline
 from pipeline.cli.clusters import batch_of, show_script
 from pipeline.cli.exit_codes import DONE, SOME_FAILED
 from pipeline.cli.meaning import library_lines, meaning
+from pipeline.cli.next_steps import after_run
 from pipeline.cli.output import counted, failed_points, show, show_text, tell
 from pipeline.cli.picture import watched
 from pipeline.cli.progress import ProgressLine
@@ -64,6 +65,8 @@ def computed(options: argparse.Namespace) -> int:
     ]
     if outcome.failed:
         text.append("try these again with: irg run --retry-failed")
+    elif outcome.done:
+        text.append(after_run(sweep, out))
     warned = pipeline.warned(out) if pipeline.summary(out).warned else NO_WARNING
     show(options, document, text, warned=warned)
     return SOME_FAILED if outcome.failed else DONE

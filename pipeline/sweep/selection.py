@@ -11,6 +11,9 @@ from tribo import Fidelity
 KEPT_FIELDS = ("temperature_interval", "heat_model", "heat_kernel")
 """Fields of a scene's own fidelity that it keeps: what it asks to see, and how heat acts."""
 
+PRESET_BOUNDS = {"draft": 0.08, "standard": 0.03, "fine": 0.01}
+"""Relative error of the boundary velocity that a preset is to keep to, see CHOOSING.md."""
+
 
 @dataclass(frozen=True, slots=True)
 class Trial:

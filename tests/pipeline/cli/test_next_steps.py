@@ -1,0 +1,43 @@
+"""The next command that a result calls for."""
+
+import shlex
+from dataclasses import replace
+
+import pytest
+
+from pipeline.analysis.margin import margins
+from pipeline.cli.next_steps import after_boundary, after_margin, after_run
+from pipeline.cli.parser import parse
+from tests.helpers import synthetic, tiny
+
+DRAFT = {
+    "preset": "draft",
+    "arguments": ["my scene.toml", "--preset=draft", "--set=sweep.fields=1"],
+}
+
+
+def commands(lines):
+    return [shlex.split(line.partition("next: ")[2])[1:] for line in lines]
+
+
+def test_a_boundary_at_draft_is_followed_by_one_of_known_accuracy():
+    (command,) = commands(after_boundary(DRAFT, "out/look.zarr"))
+    options = parse(command)
+    assert str(options.scene) == "my scene.toml"
+    assert options.preset is None
+    assert options.accuracy == 0.02
+    assert str(options.output) == "out/look_accurate.zarr"
+    assert not list(after_boundary({"preset": "standard"}, "look.zarr"))
+    assert not list(after_boundary(DRAFT | {"selection": {"accuracy": 0.02}}, "look.zarr"))
+
+
+@pytest.mark.parametrize(("velocity", "count"), [(1.2, 1), (0.9, 0)])
+def test_a_margin_below_the_error_of_the_preset_is_not_relied_on(velocity, count):
+    near = margins(synthetic.sweep(), 750.0, velocity)
+    assert len(list(after_margin(DRAFT, "look.zarr", near))) == count
+
+
+def test_a_run_ends_with_the_commands_that_show_it():
+    assert after_run(tiny.sweep(), "a.zarr") == "next: irg boundary a.zarr, irg plot a.zarr"
+    drawn = replace(tiny.sweep(), samples=object())
+    assert after_run(drawn, "a.zarr").startswith("next: irg risk a.zarr")
