@@ -14,6 +14,7 @@ from .corrections import Stem as Stem
 from .corrections import Track as Track
 from .criterion import CRITERIA as CRITERIA
 from .criterion import Criterion as Criterion
+from .criterion import Rule as Rule
 from .errors import ConvergenceError as ConvergenceError
 from .errors import InputError as InputError
 from .errors import InvariantError as InvariantError
@@ -30,6 +31,9 @@ from .inverse import critical_temperature as critical_temperature
 from .inverse import critical_temperature_rig as critical_temperature_rig
 from .inverse import rig_heating as rig_heating
 from .inverse import specific_wear_rate as specific_wear_rate
+from .laws import RunningIn as RunningIn
+from .laws import Surface as Surface
+from .laws import WearLaw as WearLaw
 from .loading import MeasuredLoad as MeasuredLoad
 from .loading import Ramp as Ramp
 from .loading import Station as Station

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from tribo.errors import InputError
+from tribo.errors import InputError, InvariantError, of_law
 from tribo.simulation import Heat
 from tribo.thermal import QUANTILES, at_bulk_ratio, require_share, rise_exceeded
 from tribo.types import Array
@@ -156,7 +156,28 @@ class Criterion:
             ``quantile`` where the former is not at all of `tribo.QUANTILES`.
         """
         quantiles = columns.get("quantile", np.array(QUANTILES))
-        return self._rule.rise(columns[self.column], self.share, quantiles)
+        with of_law(f"criterion {self.name}"):
+            rise = self._rule.rise(columns[self.column], self.share, quantiles)
+        if ":" in self.name and self.column == "rise_quantile":
+            _require_within(self.name, rise, columns[self.column])
+        return rise
+
+
+def _require_within(name: str, rise: Any, quantiles: Array) -> None:
+    """Raise for a criterion of one's own that says a rise beyond those of the contact."""
+    expected = np.shape(quantiles)[:-1]
+    if np.shape(rise) != expected:
+        raise InvariantError(
+            f"criterion {name}: its rises have the shape {np.shape(rise)}; they must have "
+            f"{expected}, one for each row of quantiles"
+        )
+    low, high = quantiles[..., 0], quantiles[..., -1]
+    room = 1e-9 * np.abs(high)
+    if np.any((rise < low - room) | (rise > high + room)) or np.any(np.isnan(rise) & (low <= high)):
+        raise InvariantError(
+            f"criterion {name}: a rise lies beyond the lowest and highest of its contact, or is no "
+            "number"
+        )
 
 
 def rises_at(columns: Columns, bulk_ratio: float) -> Columns:

@@ -14,6 +14,8 @@ A message says what is wrong, the value given, what is allowed and what to do.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
@@ -93,6 +95,26 @@ class RangeError(TriboError, ArithmeticError):
     >>> issubclass(RangeError, TriboError)
     True
     """
+
+
+@contextmanager
+def of_law(name: str) -> Iterator[None]:
+    """Turn any error within a law of one's own into one that names it.
+
+    Examples
+    --------
+    >>> with of_law("wear law"):
+    ...     1 / 0
+    Traceback (most recent call last):
+        ...
+    tribo.errors.InputError: wear law: ZeroDivisionError: division by zero
+    """
+    try:
+        yield
+    except TriboError:
+        raise
+    except Exception as error:
+        raise InputError(f"{name}: {type(error).__name__}: {error}") from error
 
 
 def require_positive(**values: float) -> None:

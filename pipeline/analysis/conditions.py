@@ -49,6 +49,8 @@ def conditions_of(
     }
     values = dict(attributes_of(ds).get("conditions") or {})
     values |= {name: value for name, value in given.items() if value is not None}
+    if given["criterion"]:
+        values.pop("criterion_hash", None)
     if bulk_temperature is not None:
         each = (
             {body: _kelvin("bulk_temperature", own) for body, own in bulk_temperature.items()}

@@ -9,6 +9,7 @@ import numpy as np
 from pipeline.sweep.facts import Facts, Span
 from pipeline.sweep.lubrication import Lubrication
 from pipeline.sweep.model import Sweep
+from pipeline.sweep.own import own_laws
 from pipeline.sweep.surface import SurfaceFacts
 from tribo import lubrication_regime
 
@@ -26,7 +27,9 @@ def meaning(sweep: Sweep, facts: Facts) -> Iterator[str]:
         f"{_text(facts.contact_width, 1e6)} µm wide at the end"
     )
     yield f"  window   {1e6 * x:.4g} × {1e6 * y:.4g} µm, {_share(facts)}"
-    yield f"  surface  {_surface(facts.surface) if facts.surface else 'smooth'}"
+    surface = _surface(facts.surface) if facts.surface else "smooth"
+    is_own = "roughness" in own_laws(sweep)
+    yield f"  surface  {surface.replace('measured', 'own law') if is_own else surface}"
     yield (
         f"  motion   {_text(facts.duration)} s and {_text(facts.sliding_distance)} m until the end"
         f"{_both_moving(facts)}"
@@ -41,6 +44,13 @@ def meaning(sweep: Sweep, facts: Facts) -> Iterator[str]:
         if sweep.friction_heat
         else "  heat     none, since there is no friction"
     )
+    laws = own_laws(sweep)
+    if sweep.conditions.criterion_hash:
+        reference = {"law": sweep.conditions.criterion, "parameters": {}}
+        laws["criterion"] = reference | {"hash": sweep.conditions.criterion_hash}
+    for entry, law in laws.items():
+        named = "".join(f", {name} = {value}" for name, value in law["parameters"].items())
+        yield f"  own law  {entry}: {law['law']}{named}, hash {law['hash'][:8]}"
     if sweep.conditions.corrections:
         yield f"  besides  {sweep.conditions.corrections.worded}"
 

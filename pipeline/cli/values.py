@@ -193,8 +193,10 @@ def criterion(text: str) -> str:
     """Read the name of a criterion."""
     from tribo import CRITERIA  # with its solvers, which help does not need
 
-    if text not in CRITERIA:
-        raise argparse.ArgumentTypeError(f'"{text}": give one of {", ".join(CRITERIA)}')
+    if text not in CRITERIA and ":" not in text:
+        raise argparse.ArgumentTypeError(
+            f'"{text}": give one of {", ".join(CRITERIA)}, or "module:name" of your own'
+        )
     return text
 
 

@@ -12,7 +12,7 @@ from pipeline.scene.faults import Fault
 from pipeline.scene.library import nearest
 from pipeline.scene.quantities import display
 
-Roughness = tribo.SelfAffineRoughness | tribo.MeasuredRoughness
+Roughness = tribo.SelfAffineRoughness | tribo.MeasuredRoughness | tribo.Surface
 
 
 def check_tables(

@@ -36,6 +36,14 @@ def _has_file(table: Any) -> bool:
     return isinstance(table, dict) and "file" in table
 
 
+def _has_law(table: Any) -> bool:
+    return isinstance(table, dict) and "law" in table
+
+
+def _is_reference(value: Any) -> bool:
+    return isinstance(value, str) and ":" in value
+
+
 def _is_list(value: Any) -> bool:
     return isinstance(value, list)
 
@@ -94,6 +102,7 @@ _PLACE: dict[str, Kind | Optional] = {  # of a test
 TRANSITION = Table(_PLACE)
 TEST = Table({**_PLACE, "outcome": Choice(("mild", "severe"))})
 LOG = Table({"file": Text()})  # rows of a CSV file, replaced before the scene is read
+OWN = Table({"law": Text(), "parameters": Optional(ByPath(Scalar()), {})})
 
 EXTENDS = Text()
 WITHOUT = List(Text(), distinct=True)
@@ -129,6 +138,7 @@ FORMAT = Table({
             "thickness": LENGTH,
             "thermal_conductivity": CONDUCTIVITY,
         })),
+        "surface": Optional(OWN),  # in place of a roughness
         "roughness": Optional(Either(
             Table({
                 "ra": LENGTH,
@@ -173,10 +183,14 @@ FORMAT = Table({
         "entrainment_velocity": Optional(VELOCITY),  # and this
         "track_length": Optional(SIZE),  # by default the pin's circumference
     })),
-    "wear": Optional(Table({
-        "specific_wear_rate": Quantity("a specific wear rate", "1.2e-6 mm^3/(N m)", zero=True),
-        "pattern": _kind(get_type_hints(tribo.Wear)["pattern"]),
-    })),
+    "wear": Optional(Either(
+        Table({
+            "specific_wear_rate": Quantity("a specific wear rate", "1.2e-6 mm^3/(N m)", zero=True),
+            "pattern": _kind(get_type_hints(tribo.Wear)["pattern"]),
+        }),
+        OWN,
+        when=_has_law,
+    )),
     "oil": Optional(Table({  # says only which film it would build
         "like": Optional(Text()),  # an oil of the library, for what is not given here
         "temperatures": Optional(List(TEMPERATURE, length=2), (313.15, 373.15)),
@@ -202,7 +216,9 @@ FORMAT = Table({
         ),
         "critical": Optional(TEMPERATURE),  # needed where wear is judged
         "failing_share": Optional(Number(at_least=0, below=1), 0.1),
-        "criterion": Optional(Choice(tuple(tribo.CRITERIA)), "share"),
+        "criterion": Optional(
+            Either(Choice(("share", "highest", "mean")), Text(), when=_is_reference), "share"
+        ),
     }),
     "fidelity": Optional(Table({"preset": Optional(PRESET, USUAL_PRESET), **FIDELITY})),
     "sweep": Table({

@@ -22,12 +22,15 @@ TABLES = {
     "disk.roughness": "Its surface: random, or measured; smooth without the table.",
     "disk.film": "An oxide or tribofilm on the disk, a thermal resistance; none without the table. "
     "It takes effect after the simulation.",
+    "disk.surface": "A surface of one's own in place of a roughness, see "
+    "[`OWN_LAWS.md`](OWN_LAWS.md).",
     "window": "The patch of the contact that is simulated: x along sliding, y along the cylinder's "
     "axis.",
     "loading": "Growth of the load: a ramp, or a recorded load.",
     "motion": "Motion of both bodies; without it the pin is at rest. Give one of "
     "`slide_roll_ratio` and `entrainment_velocity`.",
-    "wear": "Archard's wear of the pin; no wear without the table.",
+    "wear": "Archard's wear of the pin, or [a law of one's own](OWN_LAWS.md); no wear "
+    "without the table.",
     "oil": "The lubricant, which says only which crossings lie in boundary lubrication. In place "
     'of the table `oil = "NAME"` takes one of the [library](../pipeline/scene/library.toml).',
     "friction": "Friction, by which the temperature rises. It takes effect after the simulation: "
@@ -53,6 +56,7 @@ VARIANTS = {
     "loading": ("ramp", "record"),
     "measured": ("entries", "log"),
     "tested": ("entries", "log"),
+    "wear": ("Archard's wear", "own law"),
 }
 """Forms of a table that has two, with keys of their own, the usual one first."""
 
@@ -89,6 +93,8 @@ _ENTRIES = {
     "disk.film.thickness": "Thickness of the film.",
     "disk.film.thermal_conductivity": "Its thermal conductivity.",
     "disk.material": "Name of its material, here or in the library.",
+    "disk.surface.law": 'Module and name of the surface, such as "laws:dimples".',
+    "disk.surface.parameters": "Names and values that it is made with, in SI units.",
     "disk.roughness.ra": "Mean deviation of the heights from their mean plane, Ra.",
     "disk.roughness.hurst_exponent": "Hurst exponent; the nearer to 1, the smoother at short "
     "wavelengths.",
@@ -131,6 +137,8 @@ _ENTRIES = {
     "wear.pattern": 'Wear of the pin: "swept" by the mean pressure along y, or over positions of '
     'the disk where y is free, since the roughness moves past it; "local" each element by its own '
     "pressure.",
+    "wear.law": 'Module and name of the law, such as "laws:RunningIn".',
+    "wear.parameters": "Names and values that it is made with, in SI units.",
     "oil.like": "An oil of the library, which gives what is not given here.",
     "oil.temperatures": "Two temperatures at which its viscosity is known.",
     "oil.kinematic_viscosity": "Kinematic viscosity at both; this or the dynamic one.",
@@ -148,7 +156,8 @@ _ENTRIES = {
     "temperature.failing_share": "Share of the contact area above the critical temperature beyond "
     "which wear is severe; 0 for the highest temperature alone.",
     "temperature.criterion": "Temperature that decides: the one that the failing share of the "
-    "contact area exceeds, the highest, or the mean of the contact.",
+    "contact area exceeds, the highest, or the mean of the contact; or a "
+    '[criterion of one\'s own](OWN_LAWS.md), such as "laws:hottest_tenth".',
     "fidelity.preset": 'Preset to begin with: "draft" is the fastest, "reference" the best.',
     "sweep.loads": "Normal loads.",
     "sweep.velocities": "Sliding velocities.",

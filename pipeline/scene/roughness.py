@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -12,6 +12,7 @@ import tribo
 from pipeline.scene.document import Document
 from pipeline.scene.entries import entry_at, quoted
 from pipeline.scene.faults import Fault
+from pipeline.scene.own import own_of
 from pipeline.scene.quantities import display
 from pipeline.scene.surfaces import (
     PLAIN,
@@ -55,9 +56,12 @@ def realizations_of(found: dict[str, Any], faults: list[Fault]) -> tuple[int, ..
 
 def roughness_of(
     found: dict[str, Any], document: Document, faults: list[Fault], notes: list[str]
-) -> tribo.SelfAffineRoughness | tribo.MeasuredRoughness | None:
+) -> tribo.SelfAffineRoughness | tribo.MeasuredRoughness | tribo.Surface | None:
     """Make the disk's roughness; None if there is none, or a faulty one."""
     table = entry_at(found, "disk.roughness")
+    surface = entry_at(found, "disk.surface")
+    if surface and surface["law"]:
+        return _own_surface(surface, table, faults)
     if table is None:
         return None
     if "file" in table:
@@ -75,6 +79,24 @@ def roughness_of(
     length = table["correlation_length"]
     pair = length if isinstance(length, tuple) else (length, length)
     return tribo.SelfAffineRoughness(**{**table, "correlation_length": pair})
+
+
+def _own_surface(
+    surface: dict[str, Any], roughness: Any, faults: list[Fault]
+) -> tribo.Surface | None:
+    if roughness is not None:
+        problem = "there is a [disk.roughness], too; leave out one of them"
+        faults.append(Fault("disk.surface", problem))
+        return None
+    try:
+        own: Any = own_of("disk.surface", surface)
+    except tribo.InputError as error:
+        faults.append(Fault("disk.surface.law", str(error).partition(": ")[2]))
+        return None
+    if hasattr(own, "heights"):
+        return cast(tribo.Surface, own)
+    faults.append(Fault("disk.surface.law", f"{own!r} has no heights; see tribo.Surface"))
+    return None
 
 
 def _is_faulty(key: str, faults: list[Fault]) -> bool:

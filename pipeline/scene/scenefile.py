@@ -22,6 +22,7 @@ from pipeline.scene.format import FIDELITY, FORMAT, PRESET, TEST, TRANSITION, US
 from pipeline.scene.library import with_library, without_consequences
 from pipeline.scene.logs import with_rows
 from pipeline.scene.oil import oil_of
+from pipeline.scene.own import own_of
 from pipeline.scene.roughness import realizations_of, roughness_of
 from pipeline.scene.schema import Table
 from pipeline.scene.shipped import scene_path
@@ -112,7 +113,7 @@ def load_scene(
         if sweep is not None:
             samples = samples_of(entries, found, sweep, build, faults, notes)
             sweep = replace(sweep, samples=samples, notes=tuple(notes))
-    except tribo.InputError as error:
+    except (tribo.InputError, tribo.InvariantError) as error:
         raise SceneFileError(path, [str(error)]) from error
     if sweep is None or faults:
         told = without_consequences(faults)
@@ -255,6 +256,12 @@ def _pin(table: Mapping[str, Any], material: tribo.Material) -> Pin:
     return tribo.Ball(table["radius"], material)
 
 
+def _wear(table: Mapping[str, Any] | None) -> Any:
+    if table is None:
+        return None
+    return own_of("wear", table) if "law" in table else tribo.Wear(**table)
+
+
 def _entries(name: str, found: dict[str, Any]) -> dict[str, Any]:
     """Fields of the sweep that follow from sound entries alone."""
     materials = {
@@ -275,7 +282,7 @@ def _entries(name: str, found: dict[str, Any]) -> dict[str, Any]:
             periodic=(False, cylinder if periodic_y is None else periodic_y),
         ),
         "motion": tribo.Motion(**found["motion"]) if found["motion"] else None,
-        "wear": tribo.Wear(**found["wear"]) if found["wear"] else None,
+        "wear": _wear(found["wear"]),
         "friction_heat": max([friction["coefficient"], *(friction["band"] or [])]) > 0,
         "name": name,
         "title": found["title"] or name,

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.sweep.model import Point, Sweep
+from pipeline.sweep.own import own_laws
 from pipeline.sweep.plan import PointRecord
 from tribo import Scene
 
@@ -24,7 +25,11 @@ def describe(sweep: Sweep) -> dict[str, Any]:
     The seed is left out where there are realizations, each with its own. Unknown inputs are part of
     it where there are samples, as far as the simulation depends on them.
     """
-    parts = {entry.name: _plain(getattr(sweep, entry.name)) for entry in fields(Scene)}
+    own = own_laws(sweep)
+    parts = {
+        entry.name: own.get(entry.name) or _plain(getattr(sweep, entry.name))
+        for entry in fields(Scene)
+    }
     if sweep.realizations:
         parts["roughness"]["seed"] = None
     if sweep.samples and sweep.samples.are_simulated:

@@ -9,7 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from tribo import BULK_RATIOS, Corrections, Criterion, InputError
+from pipeline.sweep.own import Own
+from tribo import BULK_RATIOS, CRITERIA, Corrections, Criterion, InputError, Rule
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,6 +32,8 @@ class Conditions:
         Temperature of the disk far from the contact [K]; None where it is that of the pin.
     criterion : str
         Kind of criterion, one of `tribo.CRITERIA`; the failing share belongs to "share" alone.
+    criterion_hash : str or None
+        Hash of a criterion of one's own, which must be the one that is found now.
     corrections : Corrections or None
         Friction by velocity, earlier passes, stem and film; a mapping is read as what
         `as_dict` gives.
@@ -58,12 +61,15 @@ class Conditions:
     disk_temperature: float | None = None
     criterion: str = "share"
     corrections: Corrections | None = None
+    criterion_hash: str | None = None
 
     def __post_init__(self) -> None:
+        is_own = ":" in self.criterion
+        object.__setattr__(self, "criterion_hash", _checked(self) if is_own else None)
         if isinstance(self.corrections, Mapping):
             object.__setattr__(self, "corrections", Corrections.of_plain(self.corrections))
         for name in self.__slots__:
-            if name in ("criterion", "corrections"):
+            if name in ("criterion", "corrections", "criterion_hash"):
                 continue
             value = getattr(self, name)
             if value is None and name in ("critical_temperature", "disk_temperature"):
@@ -134,6 +140,8 @@ class Conditions:
         if self.disk_temperature is None:
             del plain["disk_temperature"]
         del plain["corrections"]
+        if self.criterion_hash is None:
+            del plain["criterion_hash"]
         return plain | ({"corrections": self.corrections.as_dict()} if self.corrections else {})
 
     def friction_at(self, velocity: float) -> float:
@@ -190,10 +198,25 @@ class Conditions:
             "failing_share": share,
             "criterion": "share" if criterion is None and share is not None else criterion,
         }
-        changes = {name: value for name, value in given.items() if value is not None}
+        changes: dict[str, Any] = {"criterion_hash": None} if given["criterion"] else {}
+        changes |= {name: value for name, value in given.items() if value is not None}
         if bulk_temperature is not None:
             changes |= of_bulks(bulk_temperature)
         return replace(self, **changes)
+
+
+def _checked(conditions: Conditions) -> str:
+    """Make a criterion of one's own known by its name, and return its hash."""
+    own = Own.named(conditions.criterion)
+    if not isinstance(own.made, Rule):
+        raise InputError(f'criterion is "{conditions.criterion}", which is no tribo.Rule')
+    if conditions.criterion_hash not in (None, own.digest):
+        raise InputError(
+            f'criterion is "{conditions.criterion}", whose module has changed since the store '
+            "was judged by it; run the scene into the store again, which costs no point"
+        )
+    CRITERIA[conditions.criterion] = own.made
+    return own.digest
 
 
 def of_bulks(given: float | Mapping[str, float | None] | None) -> dict[str, Any]:

@@ -24,6 +24,7 @@ from tribo import (
     analytic,
     contact_modulus,
 )
+from tribo.laws import OwnWear
 from tribo.types import Array
 
 _ROUGH_RISE = 3.0  # root mean squares by which peaks reach beyond the smooth contact
@@ -124,6 +125,15 @@ def _with_unit(value: Any, unit: str) -> dict[str, Any] | None:
     return value._asdict() | {"unit": unit} if isinstance(value, Span) else with_unit(value, unit)
 
 
+def _rates(sweep: Sweep, slid: Array) -> Array:
+    """Mean specific wear rates up to sliding distances [m²/N]."""
+    wear = sweep.wear
+    if not isinstance(wear, OwnWear) or wear.law is None:
+        return np.full(slid.shape, wear.specific_wear_rate if wear else 0.0)
+    rates = [OwnWear.between(wear.law, 0.0, end).specific_wear_rate for end in slid.ravel()]
+    return np.reshape(rates, slid.shape)
+
+
 def facts_of(sweep: Sweep) -> Facts:
     """Find what a scene means, without a simulation."""
     modulus = contact_modulus(sweep.pin.material, sweep.disk)
@@ -132,7 +142,7 @@ def facts_of(sweep: Sweep) -> Facts:
     pressures, half_widths = np.transpose([_hertz(sweep, load, modulus) for load in sweep.loads])
     durations, impulses = np.transpose([_duration(sweep, load) for load in sweep.loads])
     surface = surface_facts(sweep)
-    worn = (sweep.wear.specific_wear_rate if sweep.wear else 0.0) * np.outer(impulses, velocities)
+    worn = _rates(sweep, np.outer(durations, velocities)) * np.outer(impulses, velocities)
     widths, depths = _worn(sweep, half_widths[:, None], worn)
     if surface:
         widths = np.sqrt(widths**2 + 8 * sweep.pin.radius * _ROUGH_RISE * surface.rq)

@@ -124,4 +124,6 @@ def _surface(scene: Scene) -> str:
     roughness = scene.roughness
     if isinstance(roughness, SelfAffineRoughness):
         return f"random roughness, Ra {1e6 * roughness.ra:.3g} µm"
-    return "measured roughness" if isinstance(roughness, MeasuredRoughness) else "smooth"
+    if roughness is None:
+        return "smooth"
+    return "measured roughness" if isinstance(roughness, MeasuredRoughness) else "a surface law"

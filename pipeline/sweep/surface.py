@@ -77,13 +77,13 @@ def _facts(rough: Any, pixels: Grid) -> SurfaceFacts | None:
             lay = 0.0 if along_x >= _LAY * along_y else 90.0 if along_y >= _LAY * along_x else None
             return SurfaceFacts(False, rough.ra, rough.ra * _RQ_OF_RA, lay=lay)
         heights = rough.heights(pixels)
-    elif isinstance(rough, MeasuredRoughness):
-        heights = rough.array
-    else:
+    elif rough is None:
         return None
+    else:
+        heights = rough.array if isinstance(rough, MeasuredRoughness) else rough.heights(pixels)
     level, rise = _level(heights)
     return SurfaceFacts(
-        measured=isinstance(rough, MeasuredRoughness),
+        measured=not isinstance(rough, SelfAffineRoughness),
         ra=float(np.abs(level).mean()),
         rq=float(np.sqrt(np.mean(level**2))),
         mean_height=float(heights.mean()),

@@ -29,6 +29,7 @@ from typing import Any
 import numpy as np
 
 from tribo.errors import InputError, require_positive
+from tribo.laws import OwnWear
 from tribo.loading import Station
 from tribo.simulation.ending import ended
 from tribo.simulation.fidelity import Fidelity
@@ -79,7 +80,7 @@ def mechanics(scene: Scene) -> Scene:
     parts = {field.name: getattr(scene, field.name) for field in fields(Scene)}
     parts["pin"] = replace(scene.pin, material=replace(scene.pin.material, **athermal))
     parts["disk"] = replace(scene.disk, **athermal)
-    if scene.wear and scene.wears:
+    if scene.wear and scene.wears and not isinstance(scene.wear, OwnWear):
         parts["wear"] = replace(scene.wear, specific_wear_rate=1.0)
     return Scene(**parts)
 
@@ -107,6 +108,8 @@ def inseparable(scene: Scene, velocities: Iterable[float]) -> str | None:
     """
     if scene.remembers_heat:
         return "heat_model is 'history': temperatures depend on the heat of all the steps before"
+    if isinstance(scene.wear, OwnWear):
+        return "the wear follows a law of one's own, by the distance slid"
     if scene.wears and len({scene.windows_worn(velocity) for velocity in velocities}) > 1:
         return "the pin rolls at some of the velocities and stands still at others"
     return None

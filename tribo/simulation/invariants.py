@@ -7,7 +7,7 @@ that do not depend on how it was found:
 load balance           Σp·dA is the load
 pressure bounds        0 ≤ p ≤ H
 complementarity        gap and pressure exclude each other as far as the tolerance asks
-wear balance           the worn volume is k·∫F dS, and nowhere does the pin grow back
+wear balance           the worn volume is that of the law, and nowhere does the pin grow back
 heat balance           what flows into both bodies is the frictional heat, and none flows elsewhere
 common temperature     both surfaces are equally warm as far as the tolerance asks
 finite                 no field holds NaN or inf
@@ -104,7 +104,7 @@ def check_wear(before: Array, after: Array, area: float, volume: float) -> None:
     area : float
         Area that an element stands for, on the whole pin [m²].
     volume : float
-        k·∫F dS since the start, of the loading itself, F on the whole pin [m³].
+        Worn volume by the law: k·∫F dS since the start, F on the whole pin [m³].
 
     Raises
     ------
@@ -117,7 +117,7 @@ def check_wear(before: Array, after: Array, area: float, volume: float) -> None:
     >>> check_wear(h, 2 * h, area=1e-12, volume=9e-21)
     Traceback (most recent call last):
         ...
-    tribo.errors.InvariantError: wear balance: the pin has lost 8e-21 m³, k·∫F dS is 9e-21 m³
+    tribo.errors.InvariantError: wear balance: the pin has lost 8e-21 m³, its law says 9e-21 m³
     """
     total = float(after.sum())
     _require_finite("wear depth", total, after)
@@ -125,7 +125,7 @@ def check_wear(before: Array, after: Array, area: float, volume: float) -> None:
     smallest = after.size * float(np.finfo(np.float64).tiny) * area  # that a field can hold
     if not abs(lost - volume) <= _BALANCE * volume + smallest:
         raise InvariantError(
-            f"wear balance: the pin has lost {lost:.12g} m³, k·∫F dS is {volume:.12g} m³"
+            f"wear balance: the pin has lost {lost:.12g} m³, its law says {volume:.12g} m³"
         )
     least = float((after - before).min())
     if least < 0:

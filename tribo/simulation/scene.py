@@ -9,6 +9,7 @@ from dataclasses import dataclass, field, replace
 
 from tribo.errors import InputError
 from tribo.grid import Grid
+from tribo.laws import OwnWear, Surface, heights_of, wear_of
 from tribo.loading import MeasuredLoad, Ramp, Station
 from tribo.material import Material
 from tribo.simulation.fidelity import Fidelity
@@ -41,10 +42,10 @@ class Scene:
         The patch of the contact, and the pixels on which the disk's roughness is given.
     loading : Ramp or MeasuredLoad
         How the load grows with time.
-    roughness : SelfAffineRoughness or MeasuredRoughness, optional
-        Roughness of the disk; smooth if not given.
-    wear : Wear, optional
-        Wear of the pin; none if not given.
+    roughness : SelfAffineRoughness, MeasuredRoughness or Surface, optional
+        Roughness of the disk, or a surface of one's own; smooth if not given.
+    wear : Wear or WearLaw, optional
+        Wear of the pin, or a law of one's own, which becomes an `OwnWear`; none if not given.
     friction_heat : bool
         Whether there is friction, and with it heat. If not, no temperature is solved for: the rise
         is 0.
@@ -77,7 +78,7 @@ class Scene:
     disk: Material
     pixels: Grid
     loading: Ramp | MeasuredLoad
-    roughness: SelfAffineRoughness | MeasuredRoughness | None = None
+    roughness: SelfAffineRoughness | MeasuredRoughness | Surface | None = None
     wear: Wear | None = None
     friction_heat: bool = True
     motion: Motion | None = None
@@ -85,6 +86,7 @@ class Scene:
     fidelity: Fidelity = field(default_factory=Fidelity)
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "wear", wear_of(self.wear))
         block = self.fidelity.pixels_per_element
         if any(n % block for n in self.pixels.shape):
             raise InputError(
@@ -107,8 +109,13 @@ class Scene:
                 f"the heat_kernel {self.fidelity.heat_kernel!r} needs a patch that is periodic "
                 "along y; use 'pin'"
             )
-        if isinstance(self.roughness, MeasuredRoughness):
+        if not isinstance(self.roughness, SelfAffineRoughness):
             self.heights()
+        if self.motion and isinstance(self.wear, OwnWear):
+            raise InputError(
+                "wear follows a law of one's own, and the scene has a motion; a law of one's own "
+                "needs a pin at rest: leave out one of them"
+            )
         if self.unequal_bulks and self.fidelity.partition == "uniform":
             raise InputError(
                 "the partition 'uniform' divides frictional heat alone, and the bulk temperatures "
@@ -153,9 +160,19 @@ class Scene:
         wear = self.wear_of_contact
         return wear is not None and wear.pattern == "local" and not self.sweeps_over
 
-    def wear_at(self, sliding: float) -> Wear | None:
-        """Wear of the pin by one contact at a sliding velocity [m/s]; None if it does not wear."""
+    def wear_at(self, sliding: float, way: tuple[float, float] = (0.0, 1.0)) -> Wear | None:
+        """Wear of the pin by one contact; None if it does not wear.
+
+        Parameters
+        ----------
+        sliding : float
+            Sliding velocity [m/s].
+        way : tuple of float
+            Distances slid at both ends of the step [m], on which a law of one's own may depend.
+        """
         wear = self.wear_of_contact
+        if isinstance(wear, OwnWear) and wear.law:
+            wear = replace(OwnWear.between(wear.law, *way), pattern=wear.pattern)
         windows = self.windows_worn(sliding) if wear and self.motion else 1.0
         if wear is None or windows == 1:
             return wear
@@ -206,7 +223,8 @@ class Scene:
     @property
     def wears(self) -> bool:
         """Return whether the pin loses any material."""
-        return self.wear is not None and self.wear.specific_wear_rate > 0
+        wear = self.wear
+        return wear is not None and (wear.specific_wear_rate > 0 or isinstance(wear, OwnWear))
 
     @property
     def remembers_steps(self) -> bool:
@@ -236,7 +254,11 @@ class Scene:
 
     def heights(self) -> Array | None:
         """Heights of the disk on the pixels [m], shape ``pixels.shape``; None if it is smooth."""
-        return self.roughness.heights(self.pixels) if self.roughness else None
+        if self.roughness is None:
+            return None
+        if isinstance(self.roughness, SelfAffineRoughness | MeasuredRoughness):
+            return self.roughness.heights(self.pixels)
+        return heights_of(self.roughness, self.pixels)
 
     def separation(self, heights: Array | None) -> Array:
         """Distance of the unworn, undeformed surfaces [m], shape ``grid.shape``.

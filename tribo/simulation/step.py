@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from tribo.contact import ContactSolution, solve_contact
+from tribo.laws import OwnWear
 from tribo.loading import Station
 from tribo.simulation.heating import heated_since
 from tribo.simulation.invariants import check_contact, check_wear, within_range
@@ -94,7 +95,8 @@ def advance(
     """
     wear_depth, iterations, residual = state.wear_depth, 0, 0.0
     distance = abs(velocity) * (station.time - state.time)
-    wear = scene.wear_at(velocity)
+    slid = state.sliding_distance
+    wear = scene.wear_at(velocity, (slid, slid + distance))
     passed = state.pressure if guess is None else guess
     for stage, shift in passes(scene, state, station, wear, distance, observed, scheme):
         extrapolated = (guess is None and shift is None) or not passed.any()
@@ -105,8 +107,12 @@ def advance(
             wear_depth = wear_depth + wear.depth(contact.pressure, stage.distance)
         passed = contact.pressure
     if wear:
-        volume = wear.specific_wear_rate * abs(velocity) * station.impulse
         area = _element_area(scene) * scene.windows_worn(velocity)
+        if isinstance(wear, OwnWear):
+            mean_load = (station.impulse - state.impulse) / (station.time - state.time)
+            volume = float(state.wear_depth.sum()) * area + wear.volume(mean_load)
+        else:
+            volume = wear.specific_wear_rate * abs(velocity) * station.impulse
         check_wear(state.wear_depth, wear_depth, area, volume)
     advanced = State(
         pressure=contact.pressure,

@@ -1,0 +1,157 @@
+"""Laws that a scene names: checked, stored with their hash, taken along to workers, refused."""
+
+import json
+import pickle
+import re
+import shlex
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import pipeline
+import tribo
+from pipeline.cli import main
+from pipeline.sweep.own import Own
+from tests.helpers import tiny
+from tests.pipeline.cli.test_commands import SCENE
+
+PAGE = (Path(__file__).parents[2] / "workflows" / "OWN_LAWS.md").read_text(encoding="utf-8")
+LAWS = (
+    re.findall(r"```python\n(.*?)```", PAGE, flags=re.DOTALL)[0]
+    + """
+class Broken(RunningIn):
+    def depth(self, pressure, begin, end):
+        return -self.compliance(begin, end) * pressure
+
+def _median(rises, share, quantiles):
+    return np.apply_along_axis(lambda row: np.interp(0.5, quantiles, row), -1, rises)
+
+median = tribo.Rule("rise_quantile", _median, "median of the contact", "its median above")
+beyond = tribo.Rule("rise_quantile", lambda r, *_: 2 * r[..., -1], "twice", "twice above")
+"""
+)
+RATES = {"initial_rate": 6e-15, "final_rate": 1e-15, "distance": 1.5}
+OWN = f"""extends = "small.toml"
+without = ["wear"]
+[wear]
+law = "laws:RunningIn"
+parameters = {{ {", ".join(f"{name} = {value}" for name, value in RATES.items())} }}
+[sweep]
+loads = ["400 N"]
+"""
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "small.toml").write_text(SCENE)
+    (tmp_path / "laws.py").write_text(LAWS)
+    (tmp_path / "own.toml").write_text(OWN)
+    return tmp_path
+
+
+def test_a_named_law_runs_on_workers_that_have_no_file(folder, capsys):
+    assert main(["check", "own.toml"]) == 0
+    assert "own law  wear: laws:RunningIn, distance = 1.5" in capsys.readouterr().out
+    assert main(["run", "own.toml", "-q", "--workers", "2", "-o", "own.zarr"]) == 0
+    ds = pipeline.open_sweep("own.zarr")
+    stored = json.loads(ds.attrs["scene"])["wear"]
+    assert stored["law"] == "laws:RunningIn"
+    assert stored["parameters"] == RATES
+    law = tribo.RunningIn(**RATES)
+    scene = pipeline.load_scene("own.toml")
+    end = pipeline.end_of_point(ds).sel(load=400, velocity=2)
+    *_, state = tribo.simulate(scene, 400.0, 2.0)
+    assert end["wear_volume"].item() == tribo.measures(scene, state)["wear_volume"]
+    slid, L = 2.0 * 400 / 150, law.distance
+    faded = L**2 - L * (L + slid) * np.exp(-slid / L)
+    closed = 150 / 2.0 * (1e-15 * slid**2 / 2 + 5e-15 * faded)
+    assert end["wear_volume"].item() == pytest.approx(closed, rel=0.05)  # of ten steps
+    (folder / "laws.py").write_text(LAWS + "# changed\n")
+    capsys.readouterr()
+    assert main(["run", "own.toml", "-q", "-o", "own.zarr"]) == 3
+    assert "scene.wear.hash" in capsys.readouterr().err
+
+
+def test_a_law_that_breaks_its_word_fails_its_points_by_name(folder, capsys):
+    options = ["--set", "wear.law=laws:Broken", "-q", "--workers", "1", "-o", "own.zarr"]
+    assert main(["run", "own.toml", *options]) == 1
+    told = capsys.readouterr()
+    assert "400 N, 2 m/s: InvariantError: wear balance" in told.out + told.err
+
+
+def test_a_criterion_of_one_s_own_judges_a_store(folder, capsys):
+    pipeline.run_sweep("small.toml", "small.zarr", workers=1)
+    own = pipeline.boundary("small.zarr", criterion="laws:median")
+    half = pipeline.boundary("small.zarr", share=0.5)
+    np.testing.assert_allclose(own["critical_velocity"], half["critical_velocity"], rtol=1e-6)
+    assert own.attrs["criterion_hash"] == Own.named("laws:median").digest
+    with pytest.raises(tribo.InvariantError, match="laws:beyond: a rise lies beyond"):
+        pipeline.boundary("small.zarr", criterion="laws:beyond")
+    judged = {"temperature.criterion": "laws:median"}
+    scene = pipeline.load_scene("small.toml", overrides=judged)
+    assert not pipeline.run_sweep(scene, "small.zarr", workers=1).computed
+    assert pipeline.boundary("small.zarr").attrs["criterion"] == "laws:median"
+    (folder / "laws.py").write_text(LAWS + "# changed\n")
+    with pytest.raises(tribo.InputError, match="has changed"):
+        pipeline.boundary("small.zarr")
+    pipeline.boundary("small.zarr", criterion="mean")
+
+
+def test_a_surface_of_one_s_own_is_part_of_the_scene(folder):
+    text = 'extends = "small.toml"\nwithout = ["disk.roughness"]\n'
+    text += (
+        'disk.surface = { law = "laws:Dimples", parameters = { height = 2e-7, spacing = 1e-4 } }\n'
+    )
+    (folder / "waves.toml").write_text(text)
+    scene = pipeline.load_scene("waves.toml")
+    heights = scene.heights()
+    assert heights.max() == pytest.approx(2e-7)
+    copy = pickle.loads(pickle.dumps(scene))
+    assert copy.roughness == scene.roughness
+    np.testing.assert_array_equal(copy.heights(), heights)
+
+
+def test_a_law_given_in_python_is_stored_with_its_hash(folder):
+    sweep = tiny.sweep(wear=tribo.RunningIn(**RATES), loads=(250.0,), velocities=(1.0,))
+    pipeline.run_sweep(sweep, "python.zarr", workers=1)
+    stored = json.loads(pipeline.open_sweep("python.zarr").attrs["scene"])["wear"]
+    assert stored["law"] == "tribo.laws:RunningIn"
+    assert len(stored["hash"]) == 64
+
+
+def test_the_scene_of_the_page_runs(folder, capsys):
+    scene = re.findall(r"```toml\n(.*?)```", PAGE, flags=re.DOTALL)[0]
+    folder.joinpath("running_in.toml").write_text(scene.replace("workflows/first_try", "small"))
+    commands = re.findall(r"^irg .*$", PAGE, flags=re.MULTILINE)
+    assert len(commands) == 4
+    few = ["--set", 'sweep.loads=["400 N"]', "--set", 'sweep.velocities=["1 m/s", "3 m/s"]']
+    for command in commands:
+        places = [] if " boundary " in command else few
+        assert main([*shlex.split(command)[1:], *places, "-q"]) == 0
+    assert "criterion laws:hottest" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("setting", "told"),
+    [
+        ("wear.law=none:X", "there is no none.py in"),
+        ("wear.law=laws:Missing", "the module has no Missing; it has Broken"),
+        ("wear.law=laws", 'give "module:name"'),
+        ("wear.law=faulty:X", "faulty.py, line 2: ZeroDivisionError"),
+        ("wear.parameters.distance=x", "TypeError: unsupported operand"),
+        ("temperature.criterion=laws:Dimples", "cannot be made"),
+        ("temperature.criterion=laws:np", "no tribo.Rule"),
+        ("disk.surface={law='laws:Dimples'}", "leave out one of them"),
+    ],
+)
+def test_each_mistake_is_named(folder, capsys, setting, told):
+    (folder / "faulty.py").write_text("x = 1\n1 / 0\n")
+    before = set(sys.modules)
+    assert main(["check", "own.toml", "--set", setting]) == 2
+    error = capsys.readouterr().err
+    assert told in error
+    assert "Traceback" not in error
+    assert not {"laws", "faulty"} & (set(sys.modules) - before)

@@ -1,0 +1,118 @@
+"""Laws of one's own: the shipped example against its closed form, and laws that break their own."""
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+
+import tribo
+from tests.helpers.scenes import small_scene
+
+LAW = tribo.RunningIn(initial_rate=6e-15, final_rate=1e-15, distance=1.5)
+CONSTANT = tribo.RunningIn(initial_rate=1.2e-15, final_rate=1.2e-15, distance=1.0)
+VELOCITY, LOAD = 1.25, 600.0
+
+
+def worn_volume(scene, velocity=VELOCITY):
+    *_, state = tribo.simulate(scene, LOAD, velocity)
+    return tribo.measures(scene, state)["wear_volume"]
+
+
+def ramped_volume(law, rate, velocity, load):
+    """∫ F k dS of a load that grows in proportion to the distance slid."""
+    slid, L = velocity * load / rate, law.distance
+    faded = L**2 - L * (L + slid) * math.exp(-slid / L)
+    excess = law.initial_rate - law.final_rate
+    return rate / velocity * (law.final_rate * slid**2 / 2 + excess * faded)
+
+
+@pytest.mark.parametrize("scheme", ["implicit", "sdirk2"])
+def test_running_in_wears_off_what_the_closed_form_says(scheme):
+    scene = small_scene(increments=40)
+    scene = replace(scene, wear=LAW, fidelity=replace(scene.fidelity, wear_scheme=scheme))
+    expected = ramped_volume(LAW, scene.loading.rate, VELOCITY, LOAD)
+    assert worn_volume(scene) == pytest.approx(expected, rel=2e-3)  # of second order in the steps
+
+
+def test_a_law_of_a_constant_rate_is_archard_s():
+    scene = small_scene(increments=6)
+    *_, own = tribo.simulate(replace(scene, wear=CONSTANT), LOAD, VELOCITY)
+    *_, archard = tribo.simulate(replace(scene, wear=tribo.Wear(1.2e-15)), LOAD, VELOCITY)
+    np.testing.assert_allclose(own.wear_depth, archard.wear_depth, rtol=1e-9)
+    assert own.heat.max_rise == pytest.approx(archard.heat.max_rise, rel=1e-9)
+
+
+def test_contacts_of_a_law_by_distance_are_not_shared():
+    assert tribo.inseparable(replace(small_scene(), wear=LAW), (1.0, 2.0))
+    assert worn_volume(replace(small_scene(), wear=LAW), 0.5) != pytest.approx(
+        worn_volume(replace(small_scene(), wear=LAW), 2.0), rel=0.3
+    )
+
+
+@dataclass(frozen=True)
+class Growing(tribo.RunningIn):
+    def depth(self, pressure, begin, end):
+        return -self.compliance(begin, end) * pressure
+
+
+class Doubled(tribo.RunningIn):
+    def depth(self, pressure, begin, end):
+        return 2 * self.compliance(begin, end) * pressure
+
+
+class Broken(tribo.RunningIn):
+    def depth(self, pressure, begin, end):
+        return np.where(begin > 1.0, np.nan, self.compliance(begin, end)) * pressure
+
+
+class Negative(tribo.RunningIn):
+    def compliance(self, begin, end):
+        return (1.0 - begin) * 1e-15
+
+
+@pytest.mark.parametrize(
+    ("law", "said"),
+    [
+        (Growing, "wear balance"),
+        (Doubled, "wear balance: the pin has lost .* its law says"),
+        (Broken, "wear law: its depth from .* is no finite number"),
+        (Negative, "wear law: its compliance from .* must be finite and at least 0"),
+    ],
+)
+def test_a_law_that_breaks_its_own_word_is_refused(law, said):
+    scene = replace(small_scene(increments=6), wear=law(6e-15, 1e-15, 1.5))
+    with pytest.raises(tribo.InvariantError, match=said):
+        worn_volume(scene)
+
+
+def test_what_is_no_law_is_refused():
+    with pytest.raises(tribo.InputError, match="has no pattern, compliance, depth, volume"):
+        replace(small_scene(), wear=object())
+
+
+@dataclass(frozen=True)
+class Dimples:
+    depth: float = 1e-6
+    spoilt: bool = False
+
+    def heights(self, pixels):
+        x, y = (np.arange(n) * d for n, d in zip(pixels.shape, pixels.spacing, strict=True))
+        waves = np.cos(x[:, None] / 3e-5) * np.cos(y[None, :] / 3e-5)
+        return np.where(self.spoilt & (waves > 0.99), np.nan, self.depth * waves)
+
+
+def test_a_surface_of_one_s_own_is_that_of_its_heights():
+    scene = small_scene(wear=False, increments=1)
+    measured = tribo.MeasuredRoughness(Dimples().heights(scene.pixels))
+    rises = []
+    for surface in (Dimples(), replace(Dimples(), depth=2e-6), measured):
+        *_, state = tribo.simulate(replace(scene, roughness=surface), LOAD, VELOCITY)
+        rises.append(state.heat.mean_rise)
+    assert rises[0] == pytest.approx(rises[2], rel=1e-6)
+    assert rises[1] != pytest.approx(rises[0], rel=1e-3)
+
+
+def test_a_height_that_is_no_number_is_named():
+    with pytest.raises(tribo.InvariantError, match=r"height is nan at pixel \(0, 0\)"):
+        replace(small_scene(), roughness=Dimples(spoilt=True))
