@@ -201,6 +201,12 @@ def rises_at(columns: Columns, bulk_ratio: float) -> Columns:
     ------
     InputError
         If the ratio is not 0, and nothing is kept for that.
+
+    Examples
+    --------
+    >>> mean = {"mean_rise": 500.0, "mean_bulk_response": 0.75}
+    >>> rises_at(mean, bulk_ratio=200.0)["mean_rise"]
+    650.0
     """
     if bulk_ratio == 0:
         return columns

@@ -156,8 +156,10 @@ def command_of(
 
     Examples
     --------
-    >>> attributes = {"arguments": ["edge.toml", "--preset=draft"], "conditions": {"friction": 0.1}}
-    >>> command_of("edge.zarr", attributes, {"friction": 0.12}, is_pending=False)
+    >>> stored = {"friction": 0.1, "critical_temperature": 418.15}
+    >>> attributes = {"arguments": ["edge.toml", "--preset=draft"], "conditions": stored}
+    >>> asked = {"friction": 0.12, "critical_temperature": 418.15}
+    >>> command_of("edge.zarr", attributes, asked, is_pending=False)
     'irg run edge.toml --preset=draft -o edge.zarr --boundary-only --set=friction.coefficient=0.12'
     """
     arguments = attributes.get("arguments") or [f"{attributes.get('name')}.toml"]
