@@ -57,7 +57,8 @@ slow: .venv/test      ## the long checks: random scenes, large capped contacts, 
 	$(BIN)/python -m pytest tests -m slow
 
 promises: .venv/test  ## judge --accuracy and the presets on random scenes, for an hour at most
-	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises
+	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises --minutes 30
+	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises --minutes 30 --family wide
 
 samples: .venv/test   ## judge irg risk by 2000 simulations, and irg infer by 40 truths
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.risk
