@@ -69,8 +69,8 @@ def interpolated(x: Array, y: Array, at: Array, continued: bool = False) -> Arra
     at : ndarray
         Abscissae to interpolate at.
     continued : bool
-        Whether to continue beyond the outermost points by the power law through the last two of
-        them, where x and y are positive.
+        Continuation beyond the outermost points by the power law through the last two of them,
+        where x and y are positive.
 
     Examples
     --------

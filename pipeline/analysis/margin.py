@@ -1,4 +1,4 @@
-"""How far an operating point lies from severe wear: in temperature, in velocity and in load.
+"""Distance of an operating point from severe wear: in temperature, in velocity and in load.
 
 Between the points of a sweep the decisive rise is interpolated as everywhere
 (`pipeline.analysis.interpolation`): along the velocity at each load, then along the load. What that
@@ -53,7 +53,7 @@ class Margin:
         Error of interpolating between the points of the sweep, or of continuing beyond them [K]; 0
         at a point of the sweep, None where there are too few points about it to tell.
     is_continued : bool
-        Whether the temperature is continued beyond the computed points.
+        Continuation of the temperature beyond the computed points.
     critical_temperature : float
         Temperature above which the lubricant fails [K].
     critical_velocity, critical_load : float
@@ -90,17 +90,17 @@ class Margin:
 
     @property
     def distance(self) -> float:
-        """What is left to the critical temperature [K]; negative where wear is severe."""
+        """Critical less deciding temperature [K]; negative where wear is severe."""
         return self.critical_temperature - self.decisive_temperature
 
     @property
     def is_severe(self) -> bool:
-        """Whether wear is severe."""
+        """Severe wear at the operating point."""
         return self.distance < 0
 
     @property
     def is_certain(self) -> bool | None:
-        """Whether the verdict holds within the temperature's error; None if that is unknown."""
+        """A distance beyond the temperature's error; None if that is unknown."""
         error = self.temperature_error
         return None if error is None else abs(self.distance) > error
 
@@ -135,7 +135,7 @@ def margins(
     share: float | str | None = None,
     criterion: str | None = None,
 ) -> tuple[Margin, ...]:
-    """Tell how far an operating point lies from severe wear, without a new simulation.
+    """Distance of an operating point from severe wear, without a new simulation.
 
     Parameters
     ----------
@@ -319,7 +319,7 @@ def _along(x: Array, y: Array, at: float, continued: bool = False) -> float:
 
 
 def _error(loads: Array, velocities: Array, r: Array, load: float, velocity: float) -> float | None:
-    """How far the rise found between the points may be off, relative; None if that is unknown."""
+    """Relative error of a rise between the points; None if that is unknown."""
     across = 0.0 if load in loads else _left_out(loads, r.T, load)
     along = 0.0 if velocity in velocities else _left_out(velocities, r, velocity)
     return None if across is None or along is None else across + along

@@ -94,12 +94,12 @@ class Transition:
         return cls(place, outcome, computed)
 
     def worded(self, along: str) -> str:
-        """Say the outcome along ``"velocity"`` or ``"load"`` in words."""
+        """The outcome along ``"velocity"`` or ``"load"`` in words."""
         return in_words(OUTCOMES[self.outcome], self.computed, along)
 
 
 def in_words(outcome: str, computed: tuple[float, float], along: str) -> str:
-    """Say one of `OUTCOMES` along ``"velocity"`` or ``"load"``, with the range computed.
+    """One of `OUTCOMES` along ``"velocity"`` or ``"load"``, with the range computed.
 
     Examples
     --------
@@ -152,7 +152,7 @@ def command_of(
     conditions : mapping
         Conditions, as `pipeline.sweep.conditions.Conditions.as_dict` has them.
     is_pending : bool
-        Whether the last run asked for points that are not done, which come first.
+        Points that the last run asked for are not done; these come first.
 
     Examples
     --------

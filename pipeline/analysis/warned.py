@@ -101,7 +101,7 @@ def _beside(rise: Array, limit: float) -> Mask:
 
 
 def _turns(known: Mask, severe: Mask) -> Mask:
-    """Which known points of a row differ from the next known one on either side.
+    """Known points of a row that differ from the next known one on either side.
 
     Examples
     --------

@@ -15,7 +15,7 @@ from tribo import BULK_RATIOS, CRITERIA, Corrections, Criterion, InputError, Rul
 
 @dataclass(frozen=True, slots=True)
 class Conditions:
-    """What turns a rise at friction 1 into mild or severe wear, after the simulation.
+    """Conditions that turn a rise at friction 1 into mild or severe wear.
 
     Attributes
     ----------
@@ -121,7 +121,7 @@ class Conditions:
 
     @property
     def rise_factor(self) -> float:
-        """What the rise at friction 1 is multiplied by: the friction.
+        """Factor of the rise at friction 1: the friction.
 
         Without friction unequal bulk temperatures still warm one of the bodies. Then it is so small
         that their ratio to it is the largest one that is kept.

@@ -38,12 +38,12 @@ Rise = TypeVar("Rise", float, Array, "xr.DataArray")
 
 @dataclass(frozen=True, slots=True)
 class Verdict:
-    """Whether wear is severe at a point, and what is so at its worst moment.
+    """Mild or severe wear at a point, and its temperatures at its worst moment.
 
     Attributes
     ----------
     is_severe : bool or None
-        Whether the deciding temperature is above the critical one; None where that is not known.
+        A deciding temperature above the critical one; None where that is not known.
     time : float
         The worst moment, from the start of the ramp [s].
     decisive_temperature : float
@@ -171,7 +171,7 @@ def decisive_rises(
 
 
 def verdict(columns: Mapping[str, Array], load: float, conditions: Conditions) -> Verdict:
-    """Tell whether wear is severe at a point.
+    """Mild or severe wear at a point.
 
     Parameters
     ----------

@@ -7,12 +7,12 @@
  *   step: number, show: (value: number) => number, read: (shown: number) => number}} Control
  */
 
-/** Whether the sweep was computed for bulk temperatures that may differ. */
+/** The sweep was computed for bulk temperatures that may differ. */
 function hasTwoBulks() {
   return content.bulk_ratios.length > 1;
 }
 
-/** Whether a share of the contact decides. */
+/** A share of the contact decides. */
 function hasShare() {
   return content.shares.length > 1;
 }
@@ -69,7 +69,7 @@ const EVERY_CONTROL = [
 const CONTROLS = EVERY_CONTROL.filter(({ name }) => name !== "failing_share" || hasShare());
 
 /**
- * What is wrong with conditions; empty if nothing.
+ * Fault of conditions; empty if there is none.
  * @param {Conditions} conditions @param {Control["name"]} name of the one that was changed
  */
 function faultOf(conditions, name) {
@@ -149,7 +149,7 @@ function typed(text) {
   return /^[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$/i.test(plain) ? Number(plain) : NaN;
 }
 
-/** What is wrong with text that is no number. @param {string} text */
+/** Fault of text that is no number. @param {string} text */
 function commaFault(text) {
   const pointed = text.trim().replace(",", ".");
   const isComma = text.includes(",") && Number.isFinite(typed(pointed));

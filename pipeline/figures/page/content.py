@@ -1,4 +1,4 @@
-"""What a page holds of a sweep: all that its boundary rests on, in full; the rest to look at.
+"""Data of a sweep in a page: all that its boundary rests on, in full; the rest to look at.
 
 Numbers go in as base64 of little-endian arrays, in the order surface, load, velocity.
 """
@@ -181,7 +181,7 @@ def _moments(rises: Array, normal_load: Array, load: float) -> NDArray[np.intp]:
 
 
 def _surfaces(ds: xr.Dataset, axis: str) -> dict[str, Any]:
-    """Say what the surfaces or samples are called, and in what they differ."""
+    """Names of the surfaces or samples, and the inputs in which they differ."""
     inputs = {
         str(name): [value.item() for value in np.atleast_1d(coordinate.values)]
         for name, coordinate in ds.coords.items()
@@ -216,7 +216,7 @@ def _nearest(
 
 
 def _by_place(texts: list[list[Any]]) -> dict[str, Any]:
-    """Give what is there by its place; most have none."""
+    """Texts by place; most have none."""
     entries = (entry for part in texts for entry in part)
     return {str(place): entry for place, entry in enumerate(entries) if entry}
 

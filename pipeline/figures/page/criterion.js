@@ -15,7 +15,7 @@ function bulkDifference({ bulk_temperature, disk_temperature = bulk_temperature 
 }
 
 /**
- * What the rise at friction 1 is multiplied by: the friction. Without friction unequal bulk
+ * Factor of the rise at friction 1: the friction. Without friction unequal bulk
  * temperatures still warm one of the bodies; then it is so small that their ratio to it is the
  * largest one that is kept.
  * @param {Conditions} conditions

@@ -134,7 +134,7 @@ function lineOf(x, y) {
 }
 
 /**
- * Where a line first goes from below to above a limit; NaN if it does not.
+ * First place at which a line goes from below to above a limit; NaN if there is none.
  * @param {Line} line @param {number} limit
  */
 function crossing({ x, y, smooth }, limit) {

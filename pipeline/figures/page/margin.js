@@ -34,7 +34,7 @@ function showMeasured() {
   element("measured").replaceChildren(table(how, heads, rows));
 }
 
-/** Whether the operating point lies within the sweep. */
+/** The operating point lies within the sweep. */
 function isInside() {
   const within = (/** @type {number} */ value, /** @type {number[]} */ all) =>
     value > 0 && value >= all[0] && value <= all[all.length - 1];
@@ -130,7 +130,7 @@ function bandedText(quantiles, unit, digits = 4) {
   return `${middle} (${low} to ${high})`;
 }
 
-/** Where wear turns severe, and how many times the present value that is. */
+/** Transition in words, and its ratio to the present value. */
 function wayText(
   /** @type {Ends[]} */ found,
   /** @type {number} */ now,

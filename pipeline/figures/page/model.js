@@ -85,7 +85,7 @@ class Sweep {
     for (let k = 1; k < this.moments.length; k++) {
       this.begins[k] = this.begins[k - 1] + this.moments[k - 1];
     }
-    /** What rests on share and bulk ratio alone. @type {Map<string, Decisive>} */
+    /** Lines by share and bulk ratio. @type {Map<string, Decisive>} */
     this.kept = new Map();
   }
 

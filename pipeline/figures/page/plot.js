@@ -63,7 +63,7 @@ function logTicks(low, high, count) {
 }
 
 /**
- * Where values of an axis lie [px].
+ * Places of an axis' values [px].
  * @param {Axis} axis @param {number} from @param {number} to @returns {(value: number) => number}
  */
 function scale({ low, high, isLog }, from, to) {

@@ -1,13 +1,13 @@
 // @ts-check
 "use strict";
-/* What the page shows, and what its reader has set: in SI, with units on display only. */
+/* Content of the page, and choices of its reader: in SI, with units on display only. */
 
 const ZERO_CELSIUS = 273.15;
 
 /** @type {Content} */
 const content = JSON.parse(element("content").textContent ?? "");
 const sweep = new Sweep(content);
-/** What the reader has set. @type {{conditions: Conditions, surface: number | null,
+/** Choices of the reader. @type {{conditions: Conditions, surface: number | null,
  *  point: {i: number, j: number} | null, load: number, velocity: number, isLog: boolean}} */
 const chosen = {
   conditions: { ...content.conditions },
@@ -50,7 +50,7 @@ function temperature(rise) {
   return coldestBulk(chosen.conditions) + riseFactor(chosen.conditions) * rise;
 }
 
-/** Whether it is known what is severe. */
+/** There is a critical temperature to judge by. */
 function isJudged() {
   return chosen.conditions.critical_temperature !== null;
 }

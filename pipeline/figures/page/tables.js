@@ -73,7 +73,7 @@ function table(
 }
 
 /**
- * How many cross, and why the others do not.
+ * Count of crossings, and the reasons of the others.
  * @param {number[]} outcomes @param {Ends[]} computed @param {string} unit
  */
 function outcomeText(outcomes, computed, unit) {

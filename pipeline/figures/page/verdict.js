@@ -1,6 +1,6 @@
 // @ts-check
 "use strict";
-/* What is so at a point under the present conditions, in words. */
+/* State of a point under the present conditions, in words. */
 
 /**
  * @typedef {{surface: number, place: number, decisive: number, highest: number, time: number,
@@ -8,7 +8,7 @@
  *   which each quantile of the contact stays below one
  */
 
-/** What the surfaces say of a point that are done there. @param {number} i @param {number} j */
+/** Findings on the surfaces that are done at a point. @param {number} i @param {number} j */
 function findings(i, j) {
   const { critical_temperature } = chosen.conditions;
   const limit = riseLimit(chosen.conditions);
@@ -80,7 +80,7 @@ function span(values, unit, digits = 4) {
 }
 
 /**
- * What is to tell of a point, as pairs of a name and a text.
+ * Description of a point, as pairs of a name and a text.
  * @param {number} i @param {number} j @param {boolean} full @returns {[string, string][]}
  */
 function told(i, j, full) {

@@ -144,5 +144,5 @@ def _as_json(held: dict[str, Any]) -> str:
 
 
 def _hash(text: str) -> str:
-    """What the page's policy knows a script or a style by."""
+    """Digest by which the page's policy allows a script or a style."""
     return f"sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}"
