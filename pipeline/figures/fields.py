@@ -18,6 +18,8 @@ from pipeline.sweep.criterion import contact_temperature
 from tribo import InputError
 from tribo.types import Array
 
+_HIGHEST_STACKED = 2.6  # [inch] of each of three panels, which fit a page at a column's width
+
 
 def fields(
     ds: xr.Dataset,
@@ -159,7 +161,7 @@ def contact(
     centres = 1e6 * ds["x"].values, 1e6 * ds["y"].values
     x, y = (_edges(each) for each in centres)
     height = 3.3 * np.ptp(y) / np.ptp(x)
-    panel = 1.4 + float(np.clip(height, 1.0, 6.0))
+    panel = 1.4 + float(np.clip(height, 1.0, _HIGHEST_STACKED if stacked else 6.0))
     size = (4.6, 1.0 + 3 * panel) if stacked else (11.0, 0.8 + panel)
     figure = Picture(figsize=size)
     row = figure.subplots(*((3, 1) if stacked else (1, 3)), sharex=True, sharey=True)

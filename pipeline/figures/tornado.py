@@ -2,18 +2,25 @@
 
 from __future__ import annotations
 
+import re
 import textwrap
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter
+from matplotlib.ticker import FuncFormatter, MaxNLocator
 
 from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION, Picture, as_text, in_house_style
 from pipeline.run.vary import Variation, Variations
 
 _LONGEST = 20  # letters of a value beside a bar
 _LEAST = 0.01  # change on either side for which there is room where nothing moves
+
+_TICKS = 6
+_LETTERS = 22  # of a name on one line
+_POWER = re.compile(r"(?<=\d)[eE]([+-]?\d+)")
+_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+_SIGNS = {"um": "µm", "deg": "°", "^2": "²", "^3": "³"}
 
 
 @in_house_style
@@ -53,6 +60,7 @@ def draw_variations(found: Variations) -> Figure:
     room = 0.45 * (high - low)  # for the values beside the bars
     axes.set_xlim(low - room, high + room)
     axes.grid(visible=False, axis="y")
+    axes.xaxis.set_major_locator(MaxNLocator(_TICKS))
     axes.xaxis.set_major_formatter(
         FuncFormatter(lambda value, _: f"{100 * value:+.3g} %" if value else "0 %")
     )
@@ -67,9 +75,36 @@ def draw_variations(found: Variations) -> Figure:
 
 
 def _named(key: str, variations: list[Variation]) -> str:
-    """Name of a row, with the value of a single one that is too long to stand at a bar's end."""
-    values = [textwrap.fill(each.value, 42) for each in variations if len(each.value) > _LONGEST]
-    return as_text("\n".join([key, *values]))
+    """Name of a row in words, with values that are too long to stand at a bar's end.
+
+    Examples
+    --------
+    >>> print(_named("disk.roughness.correlation_length", []))
+    disk roughness:
+    correlation length
+    """
+    *tables, name = (part.replace("_", " ") for part in key.split("."))
+    words = f"{' '.join(tables)}: {name}" if tables else name
+    values = [as_text(each.value) for each in variations if len(each.value) > _LONGEST]
+    lines = [textwrap.fill(as_text(words), _LETTERS)]
+    return "\n".join(lines + [textwrap.fill(value, 42) for value in values])
+
+
+def _shown(value: str) -> str:
+    """Write a value as in print.
+
+    Examples
+    --------
+    >>> _shown("1.44e-06 mm^3/(N m)"), _shown("3 um"), _shown("145 degC")
+    ('1.44·10⁻⁶ mm³/(N m)', '3 µm', '145 °C')
+    """
+    for sign, printed in _SIGNS.items():
+        value = value.replace(sign, printed)
+    power = _POWER.search(value)
+    if power:
+        exponent = str(int(power[1])).translate(_RAISED)
+        value = value.replace(power[0], f"·10{exponent}")
+    return as_text(value)
 
 
 def _bar(
@@ -91,19 +126,23 @@ def _bar(
     axes.barh(at, high - low, left=low, height=height, color=colour, alpha=0.85)
     for each, change in zip(variations, changes, strict=True):
         if change in (low, high):
-            words = each.value if len(each.value) <= _LONGEST else f"{100 * change:+.1f} %"
+            words = f"{100 * change:+.1f} %"
+            if len(each.value) <= _LONGEST:
+                words = _shown(each.value)
             axes.annotate(
-                as_text(words), (change, at), (-4 if change < 0 else 4, 0),
+                words, (change, at), (-4 if change < 0 else 4, 0),
                 textcoords="offset points", ha="right" if change < 0 else "left", va="center",
                 fontsize=8, color=GREY,
             )  # fmt: skip
     if not known.all():
         told = "no transition at " + ", ".join(
-            each.value for each, is_known in zip(variations, known, strict=True) if not is_known
+            _shown(each.value)
+            for each, is_known in zip(variations, known, strict=True)
+            if not is_known
         )
         is_right = high == 0.0  # where no bar is
         axes.annotate(
-            as_text(told), (high if is_right else low, at), (4 if is_right else -4, 0),
+            told, (high if is_right else low, at), (4 if is_right else -4, 0),
             textcoords="offset points", ha="left" if is_right else "right", va="center",
             fontsize=7, color=GREY, style="italic",
         )  # fmt: skip

@@ -477,3 +477,8 @@ def test_what_does_not_go_with_samples_is_refused(unknown, options, told):
 def test_without_samples_nothing_is_to_be_narrowed(sweep):
     with pytest.raises(InputError, match="the sweep has no samples"):
         diagram(sweep, given_measured=True)
+
+
+def test_the_fields_of_a_column_fit_a_page():
+    figure = plot(synthetic.sweep(fields=True), "fields", width="8.5 cm")
+    assert figure.get_size_inches()[1] < 24.5 / 2.54
