@@ -77,8 +77,19 @@ def entries_of(attributes: Mapping[str, Any]) -> dict[str, str]:
         for path, value in _flat(attributes.get(attribute), prefix):
             shown = _in_scene(path)
             if not (shown.startswith(_NOT_SHOWN) or path.endswith(_TYPES)):
-                found[shown] = _text(value, _UNIT_OF.get(path.split(".")[-1], ""))
+                found[shown] = in_usual_unit(path, value)
     return found
+
+
+def in_usual_unit(path: str, value: Any) -> str:
+    """Write the value of an entry, in SI, in the unit in which such entries are usually given.
+
+    Examples
+    --------
+    >>> in_usual_unit("pin.radius", [0.002, 0.003])
+    '2, 3 mm'
+    """
+    return _text(value, _UNIT_OF.get(path.split(".")[-1], ""))
 
 
 def _flat(value: Any, path: str) -> Iterator[tuple[str, Any]]:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import base64
 import math
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -16,17 +17,22 @@ from numpy.typing import NDArray
 from pipeline.analysis.attributes import attributes_of
 from pipeline.analysis.dataset import asked, corrected, end_of_point, ordered, variant_of
 from pipeline.analysis.decisive import decisive_rise
+from pipeline.analysis.entries import entries_of, in_usual_unit
 from pipeline.analysis.transition import OUTCOMES, range_of
 from pipeline.figures.page.fields import FIELDS, packed_fields
 from pipeline.store.schema import DONE
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.criterion import rise_limit
+from pipeline.sweep.lubrication import Lubrication
 from pipeline.sweep.rises import above_colder
+from pipeline.sweep.selection import Selection
 from tribo import Criterion, WarningKind
 from tribo.types import Array, Mask
 
 MOST_FIELDS = 500
 """Number of points whose fields a page holds unless told otherwise, some 5 MB."""
+
+_OIL_TEMPERATURES = np.arange(220.0, 601.0, 5.0)  # [K]
 
 _SHOWN = (
     "time", "sliding_distance", "contact_fraction", "contact_width", "max_pressure",
@@ -62,6 +68,8 @@ def content(ds: xr.Dataset, most_fields: int = MOST_FIELDS) -> dict[str, Any]:
         "conditions": _conditions(ds, conditions),
         "friction_heat": attributes.get("scene", {}).get("friction_heat", True),
         "measured": attributes.get("measured") or [],
+        "friction_band": attributes.get("friction_band"),
+        "film": _film(attributes, ds),
         "chosen": bool(attributes.get("boundary_only")),
         "range": {name: range_of(ds, name) for name in ("load", "velocity")},
         "outcomes": list(OUTCOMES.values()),
@@ -86,11 +94,7 @@ def content(ds: xr.Dataset, most_fields: int = MOST_FIELDS) -> dict[str, Any]:
         "messages": _by_place([part["messages"] for part in parts]),
         "warnings": _by_place([part["warnings"] for part in parts]),
         "fields": packed_fields(surfaces, chosen) | {"stored": int(done.sum()) * _has_fields(ds)},
-        "record": {
-            name: attributes[name]
-            for name in ("scene", "scene_hash", "preset", "selection", "versions", "later_versions")
-            if attributes.get(name) is not None
-        },
+        "record": _record(ds, attributes),
     }
 
 
@@ -188,6 +192,41 @@ def _surfaces(ds: xr.Dataset, axis: str) -> dict[str, Any]:
         if coordinate.dims == (axis,) and name != axis
     }
     return {"axis": axis, "names": ds[axis].values.tolist(), "inputs": inputs}
+
+
+def _film(attributes: Mapping[str, Any], ds: xr.Dataset) -> dict[str, Any] | None:
+    """Film parameter as powers of load and velocity, times a factor of the bulk temperature."""
+    lubrication = Lubrication.stored(attributes)
+    if lubrication is None:
+        return None
+    load, velocity = float(ds["load"].max()), float(ds["velocity"].max()) or 1.0
+    here = [lubrication.film_thickness(load, velocity, float(each)) for each in _OIL_TEMPERATURES]
+    cold = float(_OIL_TEMPERATURES[0])
+    halves = (
+        lubrication.film_thickness(load / 2, velocity, cold),
+        lubrication.film_thickness(load, velocity / 2, cold),
+    )
+    return {
+        "load": load,
+        "velocity": velocity,
+        "powers": [math.log2(here[0] / half) for half in halves],
+        "temperatures": _OIL_TEMPERATURES.tolist(),
+        "logarithms": np.log(np.array(here) / lubrication.rms_height).tolist(),
+    }
+
+
+def _record(ds: xr.Dataset, attributes: Mapping[str, Any]) -> dict[str, str]:
+    """Entries of the scene with their units, inputs that differ, and what computed the sweep."""
+    axis = variant_of(ds)
+    inputs = _surfaces(ds, axis)["inputs"] if axis else {}
+    selection = attributes.get("selection")
+    return (
+        entries_of(attributes)
+        | {path: in_usual_unit(path, values) for path, values in inputs.items()}
+        | ({"accuracy": str(Selection.from_dict(selection))} if selection else {})
+        | {"history": str(attributes.get("history", ""))}
+        | {"scene hash": str(attributes.get("scene_hash", ""))}
+    )
 
 
 def _conditions(ds: xr.Dataset, own: Conditions) -> dict[str, Any]:

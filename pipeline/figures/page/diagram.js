@@ -89,14 +89,20 @@ function drawnShades(frame) {
   const { fine } = sweep.decisive(chosen.conditions);
   const [lowest, highest] = [sweep.loads[0], sweep.loads[sweep.loads.length - 1]];
   // What lies beyond the sweep is drawn to its end.
-  const edges = sweep
-    .drawn(chosen.surface, chosen.conditions)
-    .map(({ loads }) => loads.map((load) => Math.min(Math.max(load, lowest), highest)));
+  const edgesAt = (/** @type {number} */ friction) =>
+    sweep
+      .drawn(chosen.surface, { ...chosen.conditions, friction })
+      .map(({ loads }) => loads.map((load) => Math.min(Math.max(load, lowest), highest)));
+  const edges = edgesAt(chosen.conditions.friction);
   const middle = edges[edges.length >> 1];
   const found = [];
   if (!content.chosen) {
     found.push(area(frame, fine, fine.map(() => lowest), middle, "mild"));
     found.push(area(frame, fine, middle, fine.map(() => highest), "severe"));
+  }
+  if (content.friction_band) {
+    const [upper, lower] = content.friction_band.map(edgesAt).map((each) => each[each.length >> 1]);
+    found.push(area(frame, fine, lower, upper, "friction"));
   }
   if (edges.length > 1) found.push(area(frame, fine, edges[0], edges[2], "band"));
   return found;
@@ -204,6 +210,10 @@ function showLegend() {
       const text = `${100 * BAND[0]} to ${100 * BAND[2]} % of ${surfaces().length}`;
       signs.push([text, svg("rect", { class: "band", width: 26, height: 14 })]);
     }
+  }
+  if (isJudged() && content.friction_band) {
+    const span = content.friction_band.map((each) => shown(each)).join(" to ");
+    signs.push([`transition at friction ${span}`, svg("rect", { class: "friction", width: 26, height: 14 })]);
   }
   for (const [kind, words] of KINDS) if (kinds.has(kind)) signs.push([words, mark(kind, 13, 7, 4)]);
   if (warned) signs.push(["carries a warning", svg("circle", { class: "ring", cx: 13, cy: 7, r: 6 })]);

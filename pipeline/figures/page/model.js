@@ -8,6 +8,8 @@
  * @typedef {[number, number, number, number, number, number, string]} Packed
  * @typedef {{points: Object<string, Packed>, stored: number, shape?: [number, number],
  *   block?: [number, number], extent?: [number, (number | null)]}} Fields
+ * @typedef {{load: number, velocity: number, powers: [number, number], temperatures: number[],
+ *   logarithms: number[]}} Film
  * @typedef {{title: string, name: string, conditions: Conditions, friction_heat: boolean,
  *   measured: Measurement[], chosen: boolean, loads: number[], velocities: number[],
  *   quantiles: number[], bulk_ratios: number[], shares: number[], surfaces: Surfaces | null,
@@ -16,7 +18,8 @@
  *   decisive: string, deciding: string, outcomes: string[],
  *   range: {velocity: [number, number], load: [number, number]},
  *   messages: Object<string, string>, warnings: Object<string, string[]>, fields: Fields,
- *   record: Object<string, any>}} Content what pipeline.figures.page.content gives
+ *   friction_band: [number, number] | null, film: Film | null,
+ *   record: Object<string, string>}} Content what pipeline.figures.page.content gives
  * @typedef {[number, number]} Ends least and greatest place that a transition may have
  * @typedef {{at: number[], outcome: number[], ends: Ends[], computed: Ends[]}} Crossings
  * @typedef {{velocity: Crossings, load: Crossings, missing: number}} Boundary

@@ -2,27 +2,15 @@
 "use strict";
 /* The page as a whole: what is shown once, and what again whenever the reader sets something. */
 
-/** Entries of nested data as pairs of a path and a text. @returns {[string, string][]} */
-function flat(/** @type {any} */ data, /** @type {string} */ name = "") {
-  const isList = Array.isArray(data) && data.every((each) => typeof each !== "object");
-  if (data === null || typeof data !== "object" || isList) {
-    return [[name, isList ? data.join(", ") : String(data)]];
-  }
-  return Object.keys(data).flatMap((key) => flat(data[key], name ? `${name}.${key}` : key));
-}
-
 function showRecord() {
-  const own = content.conditions;
   const drawn = Object.keys(content.surfaces?.inputs ?? {});
   element("samples-note").hidden = !drawn.some((path) => /^(friction|temperature)\./.test(path));
-  const inputs = flat(content.surfaces?.inputs ?? {});
-  const rows = [...flat({ conditions: own, ...content.record }), ...inputs];
   const sizes = `${sweep.loads.length} loads, ${sweep.velocities.length} velocities`;
   const what = content.surfaces?.axis === "sample" ? "samples" : "surfaces";
   const several = content.surfaces ? `, ${sweep.surfaces} ${what}` : "";
   element("record").replaceChildren(
-    table(`The scene as it was stored, in SI: ${sizes}${several}, ${content.done} points done.`,
-      ["entry", "value"], rows, 2),
+    table(`The scene as it was stored: ${sizes}${several}, ${content.done} points done.`,
+      ["entry", "value"], Object.entries(content.record), 2),
   );
 }
 

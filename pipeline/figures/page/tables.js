@@ -90,6 +90,19 @@ function outcomeText(outcomes, computed, unit) {
     .join(", ");
 }
 
+/**
+ * Film parameter at a load [N] and a velocity [m/s], which Python has tabulated over the bulk.
+ * @param {Film} film @param {number} load @param {number} velocity
+ */
+function filmParameter(film, load, velocity) {
+  if (!Number.isFinite(load * velocity)) return NaN;
+  const { bulk_temperature, disk_temperature } = chosen.conditions;
+  const bulk = (bulk_temperature + (disk_temperature ?? bulk_temperature)) / 2;
+  const powers = [Math.log(load / film.load), Math.log(Math.abs(velocity) / film.velocity)];
+  const oil = linear(film.temperatures, film.logarithms, bulk);
+  return Math.exp(oil + film.powers[0] * powers[0] + film.powers[1] * powers[1]);
+}
+
 /** Show both tables; return what they say, in a sentence. */
 function showTables() {
   const found = summary();
@@ -103,12 +116,15 @@ function showTables() {
     const heads = several
       ? [head, `median ${unit}`, "10 %", "90 %", "mean", "spread", "outcome"]
       : [head, `${what} ${unit}`, "outcome"];
+    if (content.film) heads.splice(-1, 0, "film Λ");
     const rows = at.map((value, k) => {
       const values = several
         ? [side.middle, side.low, side.high, side.mean, side.spread].map((each) => shown(each[k]))
         : [shown(side.middle[k])];
       const outcome = outcomeText(side.outcome[k], side.computed[k], unit.slice(1, -1));
-      return [shown(value, 6), ...values, outcome];
+      const place = id === "velocities" ? [value, side.middle[k]] : [side.middle[k], value];
+      const film = content.film ? [shown(filmParameter(content.film, place[0], place[1]), 2)] : [];
+      return [shown(value, 6), ...values, ...film, outcome];
     });
     element(id).replaceChildren(table(conditionsText(), heads, rows, 1));
     const link = /** @type {HTMLAnchorElement} */ (element(`${id}-csv`));

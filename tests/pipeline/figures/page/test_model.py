@@ -11,9 +11,11 @@ import pipeline
 from pipeline.analysis.decisive import decisive_rise
 from pipeline.analysis.interpolation import crossing, interpolated
 from pipeline.analysis.transition import OUTCOMES
+from pipeline.sweep.lubrication import Lubrication
 from tests.helpers import synthetic
 from tests.helpers.javascript import run
 from tests.pipeline.figures.page import sweeps
+from tribo import Oil
 
 BOUNDARY = """
 return argument.map((given) => {
@@ -155,3 +157,20 @@ def test_no_line_is_drawn_beyond_what_was_computed():
         crosses = pipeline.boundary(ds, friction)["outcome_at_load"].values == 0
         assert (np.isfinite(found["velocities"]) == crosses).all()
         assert np.isfinite(found["loads"]).any() == crosses.any()
+
+
+def test_the_film_of_each_crossing_is_that_of_the_boundary():
+    oil = Oil((313.15, 373.15), (32e-6, 5e-6), 866.0, (20e-9, 18e-9))
+    lubrication = Lubrication(oil, 2e-3, 3.4e-3, 115.385e9, 0.338e-6).as_dict()
+    ds = synthetic.sweep(lubrication=lubrication)
+    script = """
+    return argument.map((bulk_temperature) => {
+      chosen.conditions = { ...content.conditions, bulk_temperature };
+      const { velocity } = summary();
+      return sweep.loads.map((load, k) => filmParameter(content.film, load, velocity.middle[k]));
+    });
+    """
+    bulks = [298.15, 331.0]
+    for bulk, films in zip(bulks, run(ds, script, bulks), strict=True):
+        expected = pipeline.boundary(ds, bulk_temperature=bulk)["film_parameter_at_load"]
+        np.testing.assert_allclose(films, expected, rtol=2e-3)  # 5 K between rows of the table
