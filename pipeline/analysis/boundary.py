@@ -69,6 +69,8 @@ def boundary(
         Temperature that decides: ``"share"``, which that share exceeds, ``"highest"`` or
         ``"mean"``; see `tribo.CRITERIA`.
 
+    At another wear rate take the boundary of `pipeline.at_wear_rate`.
+
     Returns
     -------
     Dataset
@@ -165,7 +167,8 @@ def _boundary(
         },
         {name: ds[name].variable for name in kept if name in ds.coords},
         attributes_by(conditions if axis else by_variant[0])
-        | {"missing_points": int(np.count_nonzero(missing))},
+        | {"missing_points": int(np.count_nonzero(missing))}
+        | {name: ds.attrs[name] for name in ("wear_rate",) if name in ds.attrs},
     )
     return with_band(boundaries, axis) if axis else boundaries
 

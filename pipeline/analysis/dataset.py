@@ -24,7 +24,7 @@ _IN_UTC = {
     "calendar": "standard",
     "long_name": "when the point was finished, UTC",
 }
-_ORDER = ("load", "velocity", "step", "bulk_ratio", "quantile")
+_ORDER = ("load", "velocity", "step", "bulk_ratio", "wear_rate", "quantile")
 
 
 def open_sweep(path: PathLike) -> xr.Dataset:

@@ -26,7 +26,10 @@ SLOW = 0.4  # exponent of the rise over the velocity, below which its errors are
 
 def document_of(found: xr.Dataset) -> dict[str, Any]:
     """Plain data of `pipeline.boundary`, under its names; outcomes and regimes in words."""
-    names = ("bulk_temperature", "disk_temperature", "critical_temperature", "failing_share")
+    names = (
+        "bulk_temperature", "disk_temperature", "critical_temperature", "failing_share",
+        "wear_rate",
+    )  # fmt: skip
     conditions = {name: found.attrs[name] for name in names if name in found.attrs}
     frictions = frictions_of(found)
     conditions["criterion"] = found.attrs["criterion"]
@@ -81,6 +84,11 @@ def text_of(found: xr.Dataset, command: str | None = None) -> Iterator[str]:
             f"failing share {found.attrs['failing_share']:g}"
             if found.attrs["criterion"] == "share"
             else f"criterion {found.attrs['criterion']}"
+        )
+        + (
+            f", wear rate {pipeline.display(found.attrs['wear_rate'], 'mm³/(N m)')}"
+            if "wear_rate" in found.attrs
+            else ""
         )
     )
     for table in readable(found):

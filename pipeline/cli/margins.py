@@ -16,7 +16,7 @@ from pipeline.analysis.operating_points import OperatingPoints, Place
 from pipeline.cli.exit_codes import DONE
 from pipeline.cli.next_steps import after_margin
 from pipeline.cli.output import counted, show, table_path
-from pipeline.cli.scenes import CONDITIONS, given
+from pipeline.cli.scenes import CONDITIONS, given, opened
 from pipeline.cli.unknowns import notes, samples_of
 from pipeline.store.schema import PENDING
 from tribo import InputError
@@ -43,7 +43,7 @@ def margin(options: argparse.Namespace) -> int:
     out = table_path(options)
     from pipeline.analysis.attributes import attributes_of  # with xarray
 
-    ds, conditions = pipeline.open_sweep(options.store), given(options, *CONDITIONS)
+    ds, conditions = opened(options), given(options, *CONDITIONS)
     found = pipeline.margins(ds, options.load, options.velocity, **conditions)
     document = found[0].as_dict() if len(found) == 1 else _document(found)
     text = _on_one(found[0]) if len(found) == 1 else _on_several(found)
@@ -74,7 +74,7 @@ def _of_points(options: argparse.Namespace) -> int:
     if given(options, "load", "velocity", "scatter") or options.given_measured:
         raise InputError("--points stands alone, without --load, --velocity or --given-measured")
     out, points = table_path(options), OperatingPoints.read(options.points)
-    ds, conditions = pipeline.open_sweep(options.store), given(options, *CONDITIONS)
+    ds, conditions = opened(options), given(options, *CONDITIONS)
     table = pipeline.margin_table(ds, points, **conditions)
     verdicts = Counter(table.as_dict()["verdict"])
     counts = ", ".join(f"{number} {verdict}" for verdict, number in sorted(verdicts.items()))

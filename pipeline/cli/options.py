@@ -222,6 +222,12 @@ CRITERION = _option(
     type=values.criterion,
     help="temperature that decides: share (the one that the share exceeds), highest or mean",
 )
+WEAR_RATE = _option(
+    "--wear-rate",
+    metavar="K",
+    type=values.positive("2e-6 mm^3/(N m)"),
+    help='specific wear rate, like "2e-6 mm^3/(N m)", of a store whose scene has wear_rates',
+)
 _INSTEAD = "conditions, in place of the scene's own"
 CONDITIONS = Group(_INSTEAD, (FRICTION, BULK, CRITICAL, SHARE, CRITERION))
 CONDITIONS_AT_FRICTIONS = Group(_INSTEAD, (FRICTIONS, BULK, CRITICAL, SHARE, CRITERION))

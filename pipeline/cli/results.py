@@ -15,7 +15,7 @@ from pipeline.cli.exit_codes import DONE
 from pipeline.cli.next_steps import after_boundary
 from pipeline.cli.output import counted, micrometres, show, table_path, tell
 from pipeline.cli.progress import working
-from pipeline.cli.scenes import CONDITIONS, PLACE, given, scene_of, selected
+from pipeline.cli.scenes import CONDITIONS, PLACE, given, opened, scene_of, selected
 from pipeline.cli.unknowns import posterior
 from pipeline.sweep.criterion import Verdict
 from pipeline.sweep.facts import require_bearable_load
@@ -44,7 +44,7 @@ def boundary(options: argparse.Namespace) -> int:
     from pipeline.analysis.boundary_tables import tables_of
     from pipeline.cli.crossings import command_for, document_of, text_of
 
-    ds, conditions = pipeline.open_sweep(options.store), given(options, *CONDITIONS)
+    ds, conditions = opened(options), given(options, *CONDITIONS)
     found, warned = pipeline.boundary(ds, **conditions), pipeline.warned(ds, **conditions)
     command = command_for(found, options.store, ds)
     document = document_of(found) | {"command": command}
@@ -64,7 +64,7 @@ def plot(options: argparse.Namespace) -> int:
     _require_options(options.kind, [*shown, *conditions])
     if options.watch:
         return _watched(options, shown | conditions)
-    ds = pipeline.open_sweep(options.store)
+    ds = opened(options)
     store = Path(options.store if isinstance(options.store, Path) else Path(options.store).name)
     suffix = "gif" if options.kind == "animation" else "png"
     out = options.output or store.with_name(f"{store.stem}_{options.kind}.{suffix}")

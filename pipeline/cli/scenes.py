@@ -6,13 +6,16 @@ import argparse
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pipeline
 from pipeline.cli.output import tell
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.selection import KEPT_FIELDS
 from tribo import InputError
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 CONDITIONS = ("friction", "bulk_temperature", "critical_temperature", "share", "criterion")
 """Options that `pipeline.boundary` and `Conditions.changed` take by these names."""
@@ -81,6 +84,12 @@ def settings_of(options: argparse.Namespace) -> dict[str, Any]:
 def selected(sweep: Sweep) -> dict[str, Any]:
     """Return why the fidelity was picked, for a JSON document; nothing if it was not."""
     return {"selection": sweep.selection.as_dict()} if sweep.selection else {}
+
+
+def opened(options: argparse.Namespace) -> xr.Dataset:
+    """The store, at the wear rate that the user asked for."""
+    ds = pipeline.open_sweep(options.store)
+    return ds if options.wear_rate is None else pipeline.at_wear_rate(ds, options.wear_rate)
 
 
 def given(options: argparse.Namespace, *names: str) -> dict[str, Any]:

@@ -18,6 +18,7 @@ from pipeline.store.root import read_root
 from pipeline.store.write import Store
 from pipeline.sweep.criterion import rise_limit
 from pipeline.sweep.model import Point, Sweep
+from tribo import InputError
 
 _FIRST = 16  # samples that are searched without knowing where others found their boundary
 _GROWTH = 2  # of the number of samples that are searched at a time
@@ -69,6 +70,12 @@ def follow_boundary(
     11
     """
     sweep = sweep_of(sweep)
+    if sweep.wear_rates:
+        raise InputError(
+            "sweep.wear_rates: the search looks for the boundary at the scene's own wear rate "
+            "alone; leave them out (--set without='[\"sweep.wear_rates\"]'), or compute the whole "
+            "sweep"
+        )
     variants = _variants(sweep)
     limits = [rise_limit(each) for variant in variants for each in variant.conditions]
     moving = searched(sweep, limits)

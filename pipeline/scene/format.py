@@ -54,6 +54,7 @@ def _is_table(value: Any) -> bool:
 
 SIZE = Quantity("a length", "2 mm")
 LENGTH = Quantity("a length", "0.95 um")
+WEAR_RATE = Quantity("a specific wear rate", "1.2e-6 mm^3/(N m)")
 LOAD = Quantity("a load", "200 N")
 DURATION = Quantity("a duration", "4 s", zero=True)
 VELOCITY = Quantity("a velocity", "1.25 m/s", zero=True)
@@ -227,6 +228,7 @@ FORMAT = Table({
         "realizations": Optional(Either(SURFACES, List(SEED, distinct=True), when=_is_list)),
         "samples": Optional(SAMPLES),  # of what is unknown
         "sample_seed": Optional(SEED, 0),
+        "wear_rates": Optional(Table({"from": WEAR_RATE, "to": WEAR_RATE})),
         "fields": Optional(Flag(), False),
         "independent": Optional(Flag(), False),
     }),

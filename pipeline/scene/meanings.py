@@ -42,6 +42,9 @@ TABLES = {
     "fidelity": "Numerical choices: a preset, and single choices in place of its own; the preset "
     '"standard" without the table.',
     "sweep": "The points of the load–velocity plane to compute.",
+    "sweep.wear_rates": "Specific wear rates for which the diagram answers, too, with the scene's "
+    "own between them: `irg boundary --wear-rate`. Velocities are added so far beyond the scene's "
+    "that each rate has those of the scene.",
     "measured": "Transitions that were measured, each a table `[[measured]]`: drawn in the "
     "diagram, and what `irg infer` goes by.",
     "tested": "Tests that stayed mild or turned severe, each a table `[[tested]]`, or rows of a "
@@ -166,6 +169,8 @@ _ENTRIES = {
     "sweep.samples": "Number of samples drawn of the `unknown` inputs, each with a boundary of its "
     "own.",
     "sweep.sample_seed": "Seed of the samples.",
+    "sweep.wear_rates.from": "Lowest of them.",
+    "sweep.wear_rates.to": "Highest of them.",
     "sweep.fields": "Pressure, temperature rise and wear depth over the window stored, or not.",
     "sweep.independent": "Each point simulated from the start, not on from the next lower load; "
     "takes longer.",

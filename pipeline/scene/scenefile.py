@@ -27,6 +27,7 @@ from pipeline.scene.roughness import realizations_of, roughness_of
 from pipeline.scene.schema import Table
 from pipeline.scene.shipped import scene_path
 from pipeline.scene.unknown import samples_of
+from pipeline.scene.wear_rates import with_velocities_for_rates
 from pipeline.sweep.conditions import Conditions, of_bulks
 from pipeline.sweep.model import Measurement, Sweep
 
@@ -111,6 +112,7 @@ def load_scene(
     try:
         sweep = build(found, faults)
         if sweep is not None:
+            sweep = with_velocities_for_rates(sweep, notes)
             samples = samples_of(entries, found, sweep, build, faults, notes)
             sweep = replace(sweep, samples=samples, notes=tuple(notes))
     except (tribo.InputError, tribo.InvariantError) as error:
@@ -300,6 +302,7 @@ def _entries(name: str, found: dict[str, Any]) -> dict[str, Any]:
         "friction_band": friction["band"],
         "measured": tuple(Measurement.of(entry) for entry in found["measured"]),
         "tested": tuple(Measurement.of(entry) for entry in found["tested"]),
+        "wear_rates": tuple(sweep["wear_rates"].values()) if sweep["wear_rates"] else None,
         "store_fields": sweep["fields"],
         "independent": sweep["independent"],
     }

@@ -120,6 +120,7 @@ def grown_axes(axes: Mapping[str, list[Any]], sweep: Sweep) -> dict[str, list[An
             "step": list(range(1, max(steps, len(axes.get("step", []))) + 1)),
             "quantile": list(QUANTILES),
             "bulk_ratio": list(BULK_RATIOS),
+            "wear_rate": list(sweep.rates),
             "x": sweep.grid.coordinates(0).tolist(),
             "y": sweep.grid.coordinates(1).tolist(),
         }

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
@@ -158,7 +158,7 @@ def _created(place: Place, sweep: Sweep, stack: ExitStack) -> Lock | None:
 def _variables(sweep: Sweep, with_fields: bool) -> dict[str, Variable]:
     name, _ = sweep.axis or (None, ())
     units = {each.path: each.unit for each in sweep.samples.unknown} if sweep.samples else {}
-    return variables(name, with_fields, sweep.unequal_bulks, units)
+    return variables(name, with_fields, sweep.unequal_bulks, bool(sweep.rates), units)
 
 
 def _present(
@@ -194,6 +194,12 @@ def _mismatches(root: Root, sweep: Sweep) -> Iterator[str]:
     ]
     if different:
         yield "\n  ".join(["belongs to another scene; write to another store", *different])
+    if root.axes.get("wear_rate", []) != list(sweep.rates):
+        yield (
+            "was created for other sweep.wear_rates, and its wear rates stay what they were then: "
+            f"{_ends(root.axes.get('wear_rate', []))} in the store, {_ends(sweep.rates)} in the "
+            "scene; write to another store"
+        )
     if sweep.store_fields and "pressure" not in root.arrays:
         yield (
             "has no fields, since its scene did not ask for them when it was created; leave out "
@@ -205,6 +211,11 @@ def _mismatches(root: Root, sweep: Sweep) -> Iterator[str]:
             "in [unknown] too; give its entries in the order that they had, new ones last, or "
             "write to another store"
         )
+
+
+def _ends(rates: Sequence[float]) -> str:
+    """Write the lowest and the highest wear rate."""
+    return f"{rates[0]:g} to {rates[-1]:g} m²/N" if rates else "none"
 
 
 def _inputs_drawn_otherwise(axes: Mapping[str, Any], sweep: Sweep) -> Iterator[str]:

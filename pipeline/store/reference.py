@@ -13,6 +13,7 @@ from pipeline.store.schema import (
     COLUMNS,
     COORDINATES,
     FIELDS,
+    RATE_COLUMNS,
     RECORDS,
     Variable,
 )
@@ -43,6 +44,7 @@ _TABLES: dict[str, Mapping[str, Variable]] = {
     "Variables at each step": COLUMNS,
     "Fields at the end of each point": FIELDS,
     "Variables of bodies that differ in bulk temperature": BULK_COLUMNS | BULK_FIELDS,
+    "Variables of sweeps with `wear_rates`": RATE_COLUMNS,
 }
 
 

@@ -60,6 +60,9 @@ COORDINATES = {
     "bulk_ratio": Variable(
         ("bulk_ratio",), "K", "bulk temperature of the disk less that of the pin, over friction"
     ),
+    "wear_rate": Variable(
+        ("wear_rate",), "m^2/N", "specific wear rate at which a point's contacts have other heat"
+    ),
     "x": Variable(("x",), "m", "position along the sliding direction"),
     "y": Variable(("y",), "m", "position across the sliding direction"),
 }
@@ -99,6 +102,24 @@ BULK_COLUMNS = {
     ),
 }
 """Variables of scenes with unequal bulk temperatures besides `COLUMNS`."""
+RATE_COLUMNS = {
+    "rise_quantile_at_wear_rate": Variable(
+        (*_STEP, "wear_rate", "quantile"),
+        "K",
+        f"quantile of the rise at the velocity times own over other wear rate, {_RISE}",
+    ),
+    "mean_rise_at_wear_rate": Variable(
+        (*_STEP, "wear_rate"),
+        "K",
+        f"mean rise of the contact at the velocity times own over other wear rate, {_RISE}",
+    ),
+    "pin_heat_share_at_wear_rate": Variable(
+        (*_STEP, "wear_rate"),
+        "1",
+        "share of the heat that enters the pin at the velocity times own over other wear rate",
+    ),
+}
+"""Variables of sweeps that answer for several wear rates besides `COLUMNS`."""
 BULK_FIELDS = {
     "bulk_response": _field(
         "1", "rise of the pin for each kelvin by which the disk's bulk is warmer"
@@ -135,9 +156,9 @@ RECORDS = {
     ),
 }
 
-VARIABLES = COORDINATES | RECORDS | COLUMNS | BULK_COLUMNS | FIELDS | BULK_FIELDS
+VARIABLES = COORDINATES | RECORDS | COLUMNS | BULK_COLUMNS | RATE_COLUMNS | FIELDS | BULK_FIELDS
 """All that a store may hold."""
-STEPPED = COLUMNS | BULK_COLUMNS
+STEPPED = COLUMNS | BULK_COLUMNS | RATE_COLUMNS
 """Variables at each step."""
 AT_END = FIELDS | BULK_FIELDS
 """Variables at the end of a point."""
@@ -156,7 +177,11 @@ def is_coordinate(name: str) -> bool:
 
 
 def variables(
-    leading: str | None, with_fields: bool, of_bulks: bool, inputs: Mapping[str, str]
+    leading: str | None,
+    with_fields: bool,
+    of_bulks: bool,
+    of_rates: bool,
+    inputs: Mapping[str, str],
 ) -> dict[str, Variable]:
     """Variables of a store.
 
@@ -168,6 +193,8 @@ def variables(
         Whether the fields at the end of each point are kept.
     of_bulks : bool
         Whether the bodies differ in bulk temperature.
+    of_rates : bool
+        Whether the points answer for several wear rates.
     inputs : mapping
         Unit of each input that is drawn, by its path in the scene.
     """
@@ -176,6 +203,8 @@ def variables(
         absent |= {"x", "y", *AT_END}
     if not of_bulks:
         absent |= {"bulk_ratio", *BULK_COLUMNS, *BULK_FIELDS}
+    if not of_rates:
+        absent |= {"wear_rate", *RATE_COLUMNS}
     present = {name: variable for name, variable in VARIABLES.items() if name not in absent}
     if leading is None:
         return present

@@ -6,11 +6,16 @@ from collections.abc import Collection, Mapping
 from dataclasses import asdict, dataclass, field, replace
 from typing import Any, NamedTuple, Self
 
+import numpy as np
+
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.selection import Selection
 from pipeline.sweep.shown import as_html, as_lines, on_conditions, on_plane, on_scene
 from pipeline.sweep.unknown import Samples
-from tribo import InputError, Oil, Ramp, Scene, SelfAffineRoughness
+from tribo import InputError, Oil, Ramp, Scene, SelfAffineRoughness, inseparable
+
+RATES = 4
+"""Specific wear rates at which heat is taken where a sweep has `Sweep.wear_rates`."""
 
 
 class Point(NamedTuple):
@@ -139,6 +144,9 @@ class Sweep(Scene):
         Tests that stayed mild or turned severe.
     oil : Oil or None
         Lubricant, to tell the regime of lubrication; no number of the simulation depends on it.
+    wear_rates : tuple of float or None
+        Lowest and highest specific wear rate for which the points are to answer, beside the
+        scene's own [m²/N]; None for that alone.
     store_fields : bool
         Whether the fields at the end of each point are kept.
     independent : bool
@@ -184,6 +192,7 @@ class Sweep(Scene):
     measured: tuple[Measurement, ...] = ()
     tested: tuple[Measurement, ...] = ()
     oil: Oil | None = None
+    wear_rates: tuple[float, float] | None = None
     store_fields: bool = False
     independent: bool = False
     preset: str | None = None
@@ -205,6 +214,33 @@ class Sweep(Scene):
                 "sweep.realizations and sweep.samples exclude each other; make the surface an "
                 'unknown input: "disk.roughness.seed" = [0, 1, 2, 3]'
             )
+        if fault := self._fault_of_wear_rates():
+            raise InputError(f"sweep.wear_rates: {fault}")
+
+    def _fault_of_wear_rates(self) -> str | None:
+        """Reason why the points cannot answer for other wear rates, and what to do."""
+        if self.wear_rates is None:
+            return None
+        low, high = (f"{1e9 * rate:g} mm³/(N m)" for rate in self.wear_rates)
+        if self.wear is None or not self.wears:
+            return "nothing wears; give [wear], or leave them out"
+        own = self.wear.specific_wear_rate
+        if not self.wear_rates[0] <= own <= self.wear_rates[1] or low == high:
+            return (
+                f"from {low} to {high} does not enclose the scene's own, {1e9 * own:g} mm³/(N m); "
+                "give a lower and a higher one"
+            )
+        if self.samples:
+            return "samples draw what is not known themselves; leave out one or the other"
+        if self.unequal_bulks:
+            return "the bulk temperatures are unequal; give one, or leave them out"
+        if not self.friction_heat:
+            return "there is no friction, and so no heat; give friction.coefficient above 0"
+        rates = (own, *self.wear_rates)
+        velocities = [speed * own / rate for speed in self.velocities for rate in rates]
+        if reason := inseparable(self, velocities):
+            return f"{reason}; change that, or leave them out"
+        return None
 
     def __repr__(self) -> str:
         return as_lines(f"{self.name}: {self.title}", self._rows())
@@ -223,6 +259,17 @@ class Sweep(Scene):
             ("fidelity", self.preset or "of its own"),
             *on_conditions(self.conditions),
         ]
+
+    @property
+    def rates(self) -> tuple[float, ...]:
+        """Specific wear rates at which heat is taken on each contact, ascending [m²/N].
+
+        They are even in the logarithm, and none if the scene's own is all there is.
+        """
+        if self.wear_rates is None:
+            return ()
+        low, high = self.wear_rates
+        return tuple(float(f"{rate:.12g}") for rate in np.geomspace(low, high, RATES))
 
     @property
     def axis(self) -> tuple[str, tuple[int, ...]] | None:

@@ -26,6 +26,7 @@ from tribo import (
     PointWarning,
     Scene,
     State,
+    heat,
     measures,
     simulate,
     start,
@@ -222,26 +223,56 @@ def run_point(
     began = time.perf_counter()
     sweep = sweep.variant(realization, sample)
     trunk = _leading_to(sweep, load, trunk)
-    records = list(trunk.records)
+    records, at_load = list(trunk.records), dict[int, State]()
     steps = step_count(sweep, load) if progress else 0
-    at_load = []
     for state in simulate(sweep, load, velocity, trunk.state):
         records.append(_record(sweep, state))
         trunk = _extended(sweep, trunk, state, load, records[-1])
         if state.heat and state.normal_load >= load:
-            at_load.append(state)
+            at_load[len(records) - 1] = state
         if progress:
             progress(len(records), steps)
     return PointResult(
         point=Point(load, velocity, realization, sample),
-        columns=_columns(records),
+        columns=_columns(records) | _at_wear_rates(sweep, velocity, at_load, len(records)),
         state=state,
         shape=sweep.grid.shape,
         warnings=tuple(warnings(sweep, state)),
         trunk=trunk,
-        at_load=tuple(at_load),
+        at_load=tuple(at_load.values()),
         wall_time=time.perf_counter() - began,
     )
+
+
+def _at_wear_rates(
+    sweep: Sweep, velocity: float, at_load: Mapping[int, State], steps: int
+) -> dict[str, Array]:
+    """Heat on the contacts of a point at the velocities at which other wear rates have them.
+
+    Parameters
+    ----------
+    sweep : Sweep
+    velocity : float
+        Velocity at which the scene's own wear rate has them [m/s].
+    at_load : mapping
+        States from when the load is reached on, by their places among the steps.
+    steps : int
+        Number of steps.
+    """
+    if sweep.wear is None or not sweep.rates:
+        return {}
+    own, rates = sweep.wear.specific_wear_rate, sweep.rates
+    found = {
+        "rise_quantile": np.full((steps, len(rates), len(QUANTILES)), np.nan),
+        "mean_rise": np.full((steps, len(rates)), np.nan),
+        "pin_heat_share": np.full((steps, len(rates)), np.nan),
+    }
+    for step, state in at_load.items():
+        for place, rate in enumerate(rates):
+            temperature = heat(sweep, state, velocity * own / rate)
+            for name, values in found.items():
+                values[step, place] = getattr(temperature, name)
+    return {f"{name}_at_wear_rate": values for name, values in found.items()}
 
 
 def columns_of(sweep: Sweep, states: Iterable[State]) -> dict[str, Array]:

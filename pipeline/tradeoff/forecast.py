@@ -15,7 +15,7 @@ from pipeline.scene.scenefile import SceneLike, sweep_of
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.plan import step_count
 from pipeline.sweep.stages import duration
-from tribo import BULK_RATIOS, QUANTILES, State, advance, measures, simulate, start
+from tribo import BULK_RATIOS, QUANTILES, State, advance, heat, measures, simulate, start
 from tribo.simulation import forget_contacts
 from tribo.thermal import DIRECT_MEMORY
 
@@ -108,6 +108,9 @@ def estimate(sweep: SceneLike, workers: int | None = None, boundary_only: bool =
     loads, costs = zip(*sorted(timed.items()), strict=True)
     each = [[cost.step for cost in costs], [cost.end for cost in costs]]
     ramp = sum(float(np.interp(load, loads, each[heated])) for load, heated in steps)
+    ends = [load for load, heated in steps if heated and load in sweep.loads]
+    at_rates = ends * len(sweep.rates)
+    ramp += sum(float(np.interp(load, loads, [cost.heat for cost in costs])) for load in at_rates)
     chains = points if sweep.independent else ramps
     parallel = min(workers, chains)
     ramps_of_contacts = ramps
@@ -132,7 +135,7 @@ def estimate(sweep: SceneLike, workers: int | None = None, boundary_only: bool =
     return Estimate(
         points=points,
         steps=len(steps) * ramps_of_contacts,
-        temperatures=sum(heated for _, heated in steps) * moving * variants,
+        temperatures=(sum(heated for _, heated in steps) + len(at_rates)) * moving * variants,
         chains=chains,
         workers=workers,
         seconds=seconds,
@@ -169,12 +172,14 @@ class _Timed(NamedTuple):
     """CPU time of a step without a temperature and with one [s], and the last state.
 
     Where the scene remembers no step, both are without the contact, which takes its own time once.
+    Heat at another wear rate takes its own time, too.
     """
 
     step: float
     end: float
     state: State
     contact: float = 0.0
+    heat: float = 0.0
 
 
 def _timed_loads(sweep: Sweep) -> tuple[dict[float, _Timed], float]:
@@ -224,7 +229,11 @@ def _timed_from(sweep: Sweep, load: float, velocity: float, before: State | None
         (ends if state.heat is not None else steps if number > 2 else []).append(now - began)
         began = now
     end = float(np.median(ends))
-    return _Timed(float(np.median(steps)) if steps else end, end, state)
+    began = time.process_time()
+    for place in range(len(sweep.rates)):
+        heat(sweep, state, velocity * 1.1**place)
+    at_rates = (time.process_time() - began) / max(len(sweep.rates), 1)
+    return _Timed(float(np.median(steps)) if steps else end, end, state, heat=at_rates)
 
 
 def _eliminated(timed: _Timed) -> float:
@@ -260,6 +269,7 @@ def _steps_of_ramp(sweep: Sweep) -> Iterator[tuple[float, bool]]:
 def _point_bytes(sweep: Sweep, state: State) -> float:
     """Size of a point in the store [B]."""
     numbers = len(measures(sweep, state)) + len(QUANTILES)
+    numbers += len(sweep.rates) * (len(QUANTILES) + 2)
     if sweep.unequal_bulks:
         numbers += len(BULK_RATIOS) * len(QUANTILES)
     fields = (3 + sweep.unequal_bulks) * math.prod(sweep.grid.shape) * sweep.store_fields

@@ -14,8 +14,8 @@ from pipeline.figures.page.content import content
 
 _FOLDER = Path(pipeline.figures.page.__file__).parent
 _SCRIPTS = (
-    "interpolation", "criterion", "transition", "model", "plot", "state", "conditions", "verdict",
-    "tables", "margin",
+    "interpolation", "criterion", "transition", "rises", "model", "plot", "state", "conditions",
+    "verdict", "tables", "margin",
 )  # fmt: skip
 _STUB = """
 const held = JSON.parse(require("fs").readFileSync(0, "utf8"));

@@ -65,8 +65,19 @@ const EVERY_CONTROL = [
     show: (/** @type {number} */ value) => 100 * value,
     read: (/** @type {number} */ value) => value / 100,
   },
+  {
+    name: "wear_rate",
+    label: "specific wear rate [10⁻⁶ mm³/(N m)]",
+    low: 1e15 * Math.min(...content.wear_rates),
+    high: 1e15 * Math.max(...content.wear_rates),
+    step: 0.01,
+    show: (value) => 1e15 * value,
+    read: (value) => value / 1e15,
+  },
 ];
-const CONTROLS = EVERY_CONTROL.filter(({ name }) => name !== "failing_share" || hasShare());
+const CONTROLS = EVERY_CONTROL.filter(({ name }) =>
+  name === "wear_rate" ? content.wear_rates.length : name !== "failing_share" || hasShare(),
+);
 
 /**
  * Fault of conditions; empty if there is none.
@@ -87,6 +98,10 @@ function faultOf(conditions, name) {
   const warmest = Math.max(bulk_temperature, disk_temperature);
   if (critical_temperature !== null && critical_temperature <= warmest) {
     return "the critical temperature must lie above the bulk temperature";
+  }
+  const [least, most] = [Math.min(...content.wear_rates), Math.max(...content.wear_rates)];
+  if (name === "wear_rate" && (value < least * (1 - 1e-9) || value > most * (1 + 1e-9))) {
+    return `from ${shown(1e15 * least, 6)} to ${shown(1e15 * most, 6)}, for which the sweep was computed`;
   }
   if (failing_share < 0 || failing_share >= 1) return "from 0 (the maximum) to below 100 %";
   return "";
@@ -185,6 +200,12 @@ function showControl(
   input(control.name).setAttribute("aria-invalid", "false");
 }
 
+/** The wear rate that is shown, where there are several. */
+function rateText() {
+  const { wear_rate } = chosen.conditions;
+  return wear_rate === undefined ? "" : `, wear rate ${shown(1e15 * wear_rate, 6)} × 10⁻⁶ mm³/(N m)`;
+}
+
 function conditionsText() {
   const { friction, bulk_temperature, critical_temperature, failing_share } = chosen.conditions;
   const critical = critical_temperature === null ? "not known" : celsius(critical_temperature, 6);
@@ -195,6 +216,6 @@ function conditionsText() {
   const disk = disk_temperature === undefined ? "" : ` (pin) and ${celsius(disk_temperature, 6)} (disk)`;
   return (
     `friction ${shown(friction, 6)}, bulk ${celsius(bulk_temperature, 6)}${disk}, ` +
-    `critical ${critical}, ${decisive}`
+    `critical ${critical}, ${decisive}${rateText()}`
   );
 }

@@ -19,6 +19,7 @@ from pipeline.analysis.dataset import asked, corrected, end_of_point, ordered, v
 from pipeline.analysis.decisive import decisive_rise
 from pipeline.analysis.entries import entries_of, in_usual_unit
 from pipeline.analysis.transition import OUTCOMES, range_of
+from pipeline.analysis.wear_rate import at_wear_rate, own_wear_rate
 from pipeline.figures.page.fields import FIELDS, packed_fields
 from pipeline.store.schema import DONE
 from pipeline.sweep.conditions import Conditions
@@ -56,16 +57,20 @@ def content(ds: xr.Dataset, most_fields: int = MOST_FIELDS) -> dict[str, Any]:
     attributes = attributes_of(ds)
     conditions = Conditions(**attributes["conditions"])
     ratios, shares = _bulk_ratios(ds), _shares(ds, conditions)
+    own, rates = _wear_rates(ds)
     parts = [
-        _on_surface(corrected(part, conditions), conditions.criterion, ratios, shares)
+        _on_surface(
+            [corrected(at_wear_rate(part, rate), conditions) for rate in rates or (None,)],
+            own, conditions.criterion, ratios, shares,
+        )
         for part in surfaces
-    ]
+    ]  # fmt: skip
     done = np.array([part["status"] == DONE for part in parts], dtype=bool)
     chosen = _nearest(surfaces, done, conditions, most_fields) if _has_fields(ds) else []
     return {
         "title": attributes.get("title"),
         "name": attributes.get("name"),
-        "conditions": _conditions(ds, conditions),
+        "conditions": _conditions(ds, conditions) | ({"wear_rate": rates[own]} if rates else {}),
         "friction_heat": attributes.get("scene", {}).get("friction_heat", True),
         "measured": attributes.get("measured") or [],
         "friction_band": attributes.get("friction_band"),
@@ -83,6 +88,7 @@ def content(ds: xr.Dataset, most_fields: int = MOST_FIELDS) -> dict[str, Any]:
         "asked": _packed([part["asked"] for part in parts], "u1"),
         "moments": _packed([part["moments"] for part in parts], "<i4"),
         "moment_times": _packed([part["times"] for part in parts], "<f4"),
+        "wear_rates": rates,
         "bulk_ratios": ratios,
         "shares": shares,
         "decisive": _packed([part["decisive"] for part in parts], "<f8"),
@@ -96,6 +102,15 @@ def content(ds: xr.Dataset, most_fields: int = MOST_FIELDS) -> dict[str, Any]:
         "fields": packed_fields(surfaces, chosen) | {"stored": int(done.sum()) * _has_fields(ds)},
         "record": _record(ds, attributes),
     }
+
+
+def _wear_rates(ds: xr.Dataset) -> tuple[int, list[float]]:
+    """Place of the sweep's own among the wear rates that it answers for, and these [m²/N]."""
+    if "wear_rate" not in ds.coords:
+        return 0, []
+    own = own_wear_rate(ds)
+    rates = sorted({own, *ds["wear_rate"].values.tolist()})
+    return rates.index(own), rates
 
 
 def _bulk_ratios(ds: xr.Dataset) -> list[float]:
@@ -117,17 +132,15 @@ def _shares(ds: xr.Dataset, conditions: Conditions) -> list[float]:
 
 
 def _on_surface(
-    ds: xr.Dataset, criterion: str, ratios: list[float], shares: list[float]
+    systems: list[xr.Dataset], own: int, criterion: str, ratios: list[float], shares: list[float]
 ) -> dict[str, Any]:
-    """Data of each point on one surface."""
-    ds = ds.transpose("load", "velocity", "step", ...)
+    """Data of each point on one surface, from the sweep at each wear rate, and at its own."""
+    systems = [each.transpose("load", "velocity", "step", ...) for each in systems]
+    tables = [_tables(each, criterion, ratios, shares) for each in systems]
+    decisive, rises = (np.stack(each, axis=3) for each in zip(*tables, strict=True))
+    ds = systems[own]
     status, times = ds["status"].values, ds["time"].values
     normal_load = ds["normal_load"].values
-    names = ("rise_quantile", "mean_rise", "bulk_rise_quantile", "mean_bulk_response")
-    columns = {name: ds[name].values for name in names if name in ds}
-    at_ratios = [above_colder(columns, ratio) for ratio in ratios]
-    decisive = np.stack([_decisive(at, ds, criterion, shares) for at in at_ratios], axis=-2)
-    rises = np.stack([at["rise_quantile"] for at in at_ratios], axis=-2)
     moments = np.zeros(status.shape, dtype=int)
     kept = []
     for place in zip(*np.nonzero(status == DONE), strict=True):
@@ -152,6 +165,17 @@ def _on_surface(
         "messages": [str(message) for message in ds["message"].values.ravel()],
         "warnings": kinds,
     }
+
+
+def _tables(
+    ds: xr.Dataset, criterion: str, ratios: list[float], shares: list[float]
+) -> tuple[Array, Array]:
+    """Deciding rises by share, and quantiles, by load, velocity, step and bulk ratio [K]."""
+    names = ("rise_quantile", "mean_rise", "bulk_rise_quantile", "mean_bulk_response")
+    columns = {name: ds[name].values for name in names if name in ds}
+    at_ratios = [above_colder(columns, ratio) for ratio in ratios]
+    decisive = [_decisive(at, ds, criterion, shares) for at in at_ratios]
+    return np.stack(decisive, axis=-2), np.stack([at["rise_quantile"] for at in at_ratios], axis=-2)
 
 
 def _decisive(columns: Any, ds: xr.Dataset, criterion: str, shares: list[float]) -> Array:

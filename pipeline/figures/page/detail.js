@@ -59,11 +59,12 @@ function showDistribution(found) {
 /** Unpack the fields of a point, and show them. @param {number} i @param {number} j */
 function showFields(i, j) {
   const places = surfaces().map((surface) => sweep.place(surface, i, j));
-  const place = places.find((each) => String(each) in content.fields.points);
+  const isOwn = sweep.wearRate === content.conditions.wear_rate || !content.wear_rates.length;
+  const place = places.find((each) => isOwn && String(each) in content.fields.points);
   if (place === undefined) {
     element("fields").replaceChildren();
     element("fields-note").textContent = content.fields.stored
-      ? "The page does not hold the fields of this point."
+      ? `The page does not hold the fields of this point${isOwn ? "" : " at this wear rate"}.`
       : "The sweep holds no fields; store them with fields = true under [sweep] in the scene.";
     return;
   }

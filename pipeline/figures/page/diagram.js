@@ -16,10 +16,19 @@ function ends(/** @type {number[]} */ values, isLog = false) {
   return { low: low - room, high: high + room };
 }
 
+/** Velocities of the sweep; where it answers for several wear rates those that all of them have. */
+function commonVelocities() {
+  const { velocities, wear_rates, conditions } = content;
+  const { wear_rate = NaN } = conditions;
+  if (!wear_rates.length) return velocities;
+  const [low, high] = [velocities.find((velocity) => velocity > 0) ?? 0, velocities.slice(-1)[0]];
+  return [(low * wear_rate) / wear_rates[0], (high * wear_rate) / wear_rates.slice(-1)[0]];
+}
+
 /** Velocities and loads that the diagram is to hold. */
 function extent() {
   return {
-    velocities: [...sweep.velocities, ...content.measured.map((at) => at.velocity)],
+    velocities: [...commonVelocities(), ...content.measured.map((at) => at.velocity)],
     loads: [...sweep.loads, ...content.measured.map((at) => at.normal_load)],
   };
 }
@@ -57,7 +66,12 @@ function makeDiagram() {
   root.setAttribute("aria-label", "Points of the sweep by velocity and load; arrow keys move");
   const shades = svg("g", { "aria-hidden": "true" });
   const lines = svg("g", { "aria-hidden": "true" });
-  inside.append(shades, lines);
+  const { left, top, right, bottom } = frame;
+  const size = { x: left, y: top, width: right - left, height: bottom - top };
+  const viewBox = `${left} ${top} ${size.width} ${size.height}`;
+  const view = svg("svg", { ...size, viewBox, class: "view" });
+  view.append(shades, lines); // cut off where another wear rate has velocities beyond
+  inside.append(view);
   const targets = sweep.loads.map((_load, i) =>
     sweep.velocities.map((_velocity, j) => target(frame, i, j)),
   );
@@ -77,8 +91,9 @@ function drawDiagram() {
   lines.replaceChildren(...drawnLines(frame), ...marks, ...drawnMeasured(frame), ...drawnPlace(frame));
   targets.forEach((row, i) =>
     row.forEach((each, j) => {
-      const kind = kindOf(i, j);
-      each.setAttribute("display", kind ? "inline" : "none");
+      const x = frame.x(sweep.velocities[j]);
+      const isThere = kindOf(i, j) && x >= frame.left && x <= frame.right;
+      each.setAttribute("display", isThere ? "inline" : "none");
     }),
   );
 }

@@ -12,7 +12,8 @@
  *   logarithms: number[]}} Film
  * @typedef {{title: string, name: string, conditions: Conditions, friction_heat: boolean,
  *   measured: Measurement[], chosen: boolean, loads: number[], velocities: number[],
- *   quantiles: number[], bulk_ratios: number[], shares: number[], surfaces: Surfaces | null,
+ *   quantiles: number[], wear_rates: number[], bulk_ratios: number[], shares: number[],
+ *   surfaces: Surfaces | null,
  *   done: number, status: string, asked: string,
  *   moments: string, moment_times: string, rises: string, numbers: Object<string, string>,
  *   decisive: string, deciding: string, outcomes: string[],
@@ -32,36 +33,15 @@ const BAND = [0.1, 0.5, 0.9];
 const POINT_DONE = 1;
 const POINT_FAILED = 2;
 
-/** Rises above the colder body by moment, bulk ratio and column [K]. */
-class Table {
-  /** @param {ArrayLike<number>} values @param {number[]} ratios ascending @param {number} width */
-  constructor(values, ratios, width) {
-    this.values = values;
-    this.ratios = ratios;
-    this.width = width;
-  }
-
-  /** Row of a moment, linear between the bulk ratios. @param {number} moment @param {number} ratio */
-  row(moment, ratio) {
-    const { values, ratios, width } = this;
-    const high = Math.min(above(ratios, ratio), ratios.length - 1);
-    const low = Math.max(high - 1, 0);
-    const weight = high > low ? (ratio - ratios[low]) / (ratios[high] - ratios[low]) : 0;
-    const value = (/** @type {number} */ at, /** @type {number} */ k) =>
-      values[(moment * ratios.length + at) * width + k];
-    return Array.from({ length: width }, (_, k) =>
-      weight === 0 ? value(low, k) : (1 - weight) * value(low, k) + weight * value(high, k),
-    );
-  }
-}
-
 /** The sweep of a page. */
 class Sweep {
   /** @param {Content} content */
   constructor(content) {
     const { loads, velocities } = content;
     this.loads = loads;
+    /** Those at which the contacts have the wear rate that is shown. */
     this.velocities = velocities;
+    this.content = content;
     this.quantiles = content.quantiles;
     this.continued = content.chosen;
     /** Number of surfaces; each has a place for every load and velocity. */
@@ -73,11 +53,13 @@ class Sweep {
     this.times = new Float32Array(bytes(content.moment_times));
     this.range = content.range;
     this.shares = content.shares;
-    const ratios = content.bulk_ratios;
+    this.everyDeciding = new Float64Array(bytes(content.decisive));
+    this.everyRise = new Float32Array(bytes(content.rises));
+    this.wearRate = content.conditions.wear_rate ?? NaN;
     /** Rise that decides at each failing share. */
-    this.deciding = new Table(new Float64Array(bytes(content.decisive)), ratios, this.shares.length);
+    this.deciding = this.table(this.everyDeciding, this.shares.length);
     /** Quantiles of the rise, to look at. */
-    this.rises = new Table(new Float32Array(bytes(content.rises)), ratios, this.quantiles.length);
+    this.rises = this.table(this.everyRise, this.quantiles.length);
     /** @type {Object<string, Float32Array>} */
     this.numbers = {};
     for (const name in content.numbers) {
@@ -90,6 +72,48 @@ class Sweep {
     }
     /** Lines by share and bulk ratio. @type {Map<string, Decisive>} */
     this.kept = new Map();
+  }
+
+  /**
+   * Number of a point at the wear rate that is shown; NaN where only that of its own is known.
+   * @param {string} name @param {number} place
+   */
+  number(name, place) {
+    const ratio = (this.content.conditions.wear_rate ?? NaN) / this.wearRate;
+    const value = this.numbers[name]?.[place] ?? NaN;
+    if (!Number.isFinite(ratio) || ratio === 1) return value;
+    if (name === "sliding_distance") return ratio * value;
+    return name === "pin_heat_share" ? NaN : value;
+  }
+
+  /**
+   * Rises at the wear rate that is shown.
+   * @param {Float64Array | Float32Array} values @param {number} width
+   */
+  table(values, width) {
+    const { bulk_ratios, wear_rates } = this.content;
+    const at = atWearRate(values, wear_rates, this.wearRate, bulk_ratios.length * width);
+    return new Table(at, bulk_ratios, width);
+  }
+
+  /**
+   * Take the sweep at a wear rate, where its points answer for several (pipeline.at_wear_rate);
+   * whether it was at another one before.
+   * @param {number | undefined} rate
+   */
+  takeWearRate(rate) {
+    const own = this.content.conditions.wear_rate;
+    if (rate === undefined || own === undefined || rate === this.wearRate) return false;
+    this.wearRate = rate;
+    const [low, high] = this.content.range.velocity;
+    /** @type {[number, number]} */
+    const velocity = [(low * own) / rate, (high * own) / rate];
+    this.velocities = this.content.velocities.map((each) => (each * own) / rate);
+    this.range = { ...this.content.range, velocity };
+    this.deciding = this.table(this.everyDeciding, this.shares.length);
+    this.rises = this.table(this.everyRise, this.quantiles.length);
+    this.kept.clear();
+    return true;
   }
 
   /** @param {number} surface @param {number} i of the load @param {number} j of the velocity */

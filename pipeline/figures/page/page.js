@@ -26,6 +26,7 @@ function onceAtRest(work) {
 /** Show all that follows from what the reader has set. */
 function update() {
   hideTip();
+  if (sweep.takeWearRate(chosen.conditions.wear_rate)) makeDiagram();
   drawDiagram();
   showLegend();
   const found = showTables();

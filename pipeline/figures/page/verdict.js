@@ -98,7 +98,7 @@ function told(i, j, full) {
       rows.push(["contact above critical", span(found.map((each) => 100 * each.failed), "%", 3)]);
     }
     for (const [label, name, factor, unit] of full ? NUMBERS : NUMBERS.slice(0, 1)) {
-      const values = found.map((each) => factor * (sweep.numbers[name]?.[each.place] ?? NaN));
+      const values = found.map((each) => factor * sweep.number(name, each.place));
       if (values.some(Number.isFinite)) rows.push([label, span(values, unit)]);
     }
     if (full) rows.push(["at its worst after", span(found.map((each) => each.time), "s")]);

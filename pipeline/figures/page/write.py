@@ -20,8 +20,8 @@ from tribo import InputError
 
 _SUFFIXES = (".html", ".htm")
 _SCRIPTS = (
-    "interpolation", "criterion", "transition", "model", "plot", "state", "conditions", "verdict",
-    "points", "diagram", "tables", "margin", "detail", "page",
+    "interpolation", "criterion", "transition", "rises", "model", "plot", "state", "conditions",
+    "verdict", "points", "diagram", "tables", "margin", "detail", "page",
 )  # fmt: skip
 
 

@@ -1,0 +1,149 @@
+"""A stored sweep at another wear rate, where it was computed for several.
+
+A point at the velocity V and the sweep's own rate k has the contacts of V' = Vk/k' at the rate k'.
+Heat was taken on them at some rates; between these the logarithm of the rise is interpolated over
+that of the rate, as it is between velocities.
+"""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import xarray as xr
+
+from pipeline.analysis.attributes import attributes_of
+from pipeline.analysis.dataset import dataset_of
+from pipeline.scene.quantities import display, in_si
+from pipeline.store.place import PathLike
+from tribo import InputError
+from tribo.types import Array
+
+_EXAMPLE = "2e-6 mm^3/(N m)"
+
+
+def at_wear_rate(ds: xr.Dataset | PathLike, wear_rate: float | str | None) -> xr.Dataset:
+    """Take a sweep at a specific wear rate, without a new simulation.
+
+    Parameters
+    ----------
+    ds : Dataset, str or path
+        Dataset of `pipeline.open_sweep`, or the path of a store, of a scene with
+        ``[sweep] wear_rates``.
+    wear_rate : float or str or None
+        Specific wear rate [m²/N] or text such as ``"2e-6 mm^3/(N m)"``, within those of the sweep;
+        its own if None.
+
+    Returns
+    -------
+    Dataset
+        The sweep with its contacts at the velocities at which this rate has them, and their rises;
+        these only from when the load of a point is reached on. Without fields, since those were
+        stored at the sweep's own rate alone. The attribute ``wear_rate`` is the rate [m²/N].
+
+    Raises
+    ------
+    InputError
+        If the sweep does not answer for that wear rate.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> ds = pipeline.open_sweep("results/first_try.zarr")
+    >>> pipeline.at_wear_rate(ds, "2e-6 mm^3/(N m)")
+    Traceback (most recent call last):
+        ...
+    tribo.errors.InputError: wear_rate is 2e-06 mm³/(N m); the sweep was computed for its own \
+rate alone, 1.2e-06 mm³/(N m): give its scene sweep.wear_rates, and run it into another store
+    """
+    ds = dataset_of(ds)
+    if wear_rate is None:
+        return ds
+    rate = in_si("wear_rate", wear_rate, _EXAMPLE)
+    attributes = attributes_of(ds)
+    own = own_wear_rate(ds)
+    if rate == own:
+        return ds.assign_attrs(wear_rate=rate)
+    _require_known(rate, own, ds)
+    rates = np.append(ds["wear_rate"].values, own)
+    order = np.argsort(rates)
+    _, kept = np.unique(rates[order], return_index=True)
+    order = order[kept]
+
+    def at_rate(name: str) -> xr.DataArray:
+        others = ds[f"{name}_at_wear_rate"]
+        known = others.transpose(..., "wear_rate").values
+        values = np.concatenate([known, _own_rise(ds, name, others)[..., None]], axis=-1)
+        dims = [dim for dim in others.dims if dim != "wear_rate"]
+        rise = _power_law(rates[order], values[..., order], rate)
+        return xr.DataArray(rise, dims=dims, attrs=ds[name].attrs).transpose(*ds[name].dims)
+
+    quantile = at_rate("rise_quantile")
+    highest = quantile.isel(quantile=-1).assign_attrs(ds["max_rise"].attrs)
+    scale = own / rate
+    velocities = ds["velocity"] * scale
+    own_range = [velocity * scale for velocity in attributes.get("velocities", [])]
+    left_out = [name for name in ds.data_vars if {"wear_rate", "x"} & set(ds[name].dims)]
+    return (
+        ds.drop_vars([*left_out, "wear_rate"])
+        .assign(
+            rise_quantile=quantile,
+            mean_rise=at_rate("mean_rise"),
+            max_rise=highest,
+            sliding_distance=(ds["sliding_distance"] * scale).assign_attrs(
+                ds["sliding_distance"].attrs
+            ),
+            pin_heat_share=at_rate("pin_heat_share"),
+        )
+        .assign_coords(velocity=velocities.assign_attrs(ds["velocity"].attrs))
+        .assign_attrs(
+            wear_rate=rate,
+            velocities=json.dumps(own_range),
+            title=f"{attributes.get('title')}, wear rate {display(rate, 'mm³/(N m)', 4)}",
+        )
+    )
+
+
+def own_wear_rate(ds: xr.Dataset) -> float:
+    """Specific wear rate of a sweep's scene [m²/N]; 0 where nothing wears."""
+    wear = attributes_of(ds).get("scene", {}).get("wear") or {}
+    return float(wear.get("specific_wear_rate", 0.0))
+
+
+def _require_known(rate: float, own: float, ds: xr.Dataset) -> None:
+    text = f"wear_rate is {display(rate, 'mm³/(N m)', 4)}; the sweep was computed for"
+    if not own:
+        raise InputError(f"{text} a pin that does not wear, and has no others")
+    if "wear_rate" not in ds.coords:
+        raise InputError(
+            f"{text} its own rate alone, {display(own, 'mm³/(N m)', 4)}: give its scene "
+            "sweep.wear_rates, and run it into another store"
+        )
+    low, high = ds["wear_rate"].values[[0, -1]]
+    if not low * (1 - 1e-9) <= rate <= high * (1 + 1e-9):
+        ends = " to ".join(display(end, "mm³/(N m)", 4) for end in (low, high))
+        raise InputError(f"{text} {ends}: give one within")
+
+
+def _own_rise(ds: xr.Dataset, name: str, others: xr.DataArray) -> Array:
+    """Values at the sweep's own rate, in the order of those at others."""
+    dims = [dim for dim in others.dims if dim != "wear_rate"]
+    return ds[name].transpose(*dims).values
+
+
+def _power_law(rates: Array, rises: Array, rate: float) -> Array:
+    """Rises at a rate, between those at others along the last axis; NaN where one is not known.
+
+    Examples
+    --------
+    >>> rates = np.array([1.0, 2.0, 4.0])
+    >>> _power_law(rates, np.array([10 * rates**-0.5, [0.0, 0.0, 0.0]]), 3.0).round(3)
+    array([5.774, 0.   ])
+    """
+    from scipy.interpolate import PchipInterpolator  # takes a while to load
+
+    positive = np.all(rises > 0, axis=-1, keepdims=True)
+    logarithms = np.log(np.where(positive, rises, 1.0))
+    found = np.exp(PchipInterpolator(np.log(rates), logarithms, axis=-1)(np.log(rate)))
+    known = np.isfinite(rises).all(axis=-1)
+    return np.where(known, np.where(positive[..., 0], found, 0.0), np.nan)

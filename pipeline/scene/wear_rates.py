@@ -1,0 +1,53 @@
+"""Velocities of a sweep that answers for several wear rates."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+from pipeline.scene.quantities import display
+from pipeline.sweep.model import Sweep
+
+_RATIO = 1.3  # of neighbouring velocities beyond those of the scene, at most
+
+
+def with_velocities_for_rates(sweep: Sweep, notes: list[str]) -> Sweep:
+    """Add velocities at which contacts are as worn as at other rates and the scene's velocities.
+
+    A contact at the velocity V and the scene's own rate k is that at V' and another rate k' where
+    kV = k'V'. So the scene's velocities are covered at every rate where they are from k₁/k times
+    the lowest to k₂/k times the highest.
+
+    Parameters
+    ----------
+    sweep : Sweep
+    notes : list of str
+        List to which a note on these velocities is added.
+    """
+    moving = [velocity for velocity in sweep.velocities if velocity > 0]
+    if sweep.wear is None or sweep.wear_rates is None or not moving:
+        return sweep
+    own, (low, high) = sweep.wear.specific_wear_rate, sweep.wear_rates
+    further = [
+        *_beyond(moving[0], low / own),
+        *_beyond(moving[-1], high / own),
+    ]
+    if further:
+        ends = " and ".join(display(end, "m/s", 4) for end in (min(further), max(further)))
+        notes.append(
+            f"sweep.wear_rates: {len(further)} velocities down and up to {ends} are added, so that "
+            "every wear rate has the scene's velocities"
+        )
+    return replace(sweep, velocities=tuple(sorted({*sweep.velocities, *further})))
+
+
+def _beyond(velocity: float, factor: float) -> list[float]:
+    """Velocities from one, without it, to a multiple of it [m/s].
+
+    Examples
+    --------
+    >>> _beyond(4.0, 2.0), _beyond(1.0, 0.9), _beyond(1.0, 1.0)
+    ([5.04, 6.35, 8.0], [0.9], [])
+    """
+    count = math.ceil(abs(math.log(factor)) / math.log(_RATIO) - 1e-9)
+    return [float(f"{velocity * factor ** (n / count):.4g}") for n in range(1, count + 1)]

@@ -1,0 +1,142 @@
+"""A sweep that answers for several wear rates: heat of each on the contacts of one."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import pipeline
+from pipeline.cli import main
+from pipeline.scene.wear_rates import with_velocities_for_rates
+from pipeline.store.create import writing
+from pipeline.store.place import StoreMismatchError
+from pipeline.sweep.criterion import decisive_rises
+from pipeline.sweep.plan import points, run_point
+from tests.helpers import tiny
+from tests.helpers.javascript import run
+from tests.pipeline.cli.test_commands import SCENE
+from tribo import Fidelity, InputError, Motion, Ramp, Wear
+
+RATES = (0.6e-15, 2.4e-15)
+SWEEP = replace(
+    tiny.sweep(wear_rates=RATES, fidelity={"contact_tolerance": 1e-6}),
+    loads=(300.0, 600.0),
+    velocities=(1.0, 1.25, 1.6, 2.0),
+)
+
+
+@pytest.fixture(scope="module")
+def store(tmp_path_factory):
+    path = tmp_path_factory.mktemp("rates") / "rates.zarr"
+    with writing(path, SWEEP) as store, np.errstate(all="raise", under="ignore"):
+        store.commit([run_point(SWEEP, *point).record(False) for point in points(SWEEP)])
+    return path
+
+
+def direct(rate, load, velocity):
+    """Deciding rise of a point that is simulated with a wear rate of its own."""
+    scene = replace(SWEEP, wear=Wear(rate), wear_rates=None)
+    columns = pipeline.run_point(scene, load, velocity).columns
+    return float(decisive_rises(columns, load, scene.conditions))
+
+
+@pytest.mark.parametrize("rate", [RATES[0], 1.5e-15, RATES[1]])
+def test_a_rise_at_another_rate_is_that_of_a_simulation_with_it(store, rate):
+    ds = pipeline.at_wear_rate(store, rate)
+    ratio = rate / SWEEP.wear.specific_wear_rate
+    assert ds["velocity"].values * ratio == pytest.approx(SWEEP.velocities)
+    tolerance = 1e-9 if rate in RATES else 1e-3  # between rates they are interpolated
+    for load in SWEEP.loads:
+        for velocity in ds["velocity"].values[[0, -1]]:
+            rises = ds.sel(load=load, velocity=velocity)
+            columns = {name: rises[name].values for name in ("normal_load", "rise_quantile")}
+            found = float(decisive_rises(columns, load, SWEEP.conditions))
+            assert found == pytest.approx(direct(rate, load, velocity), rel=tolerance)
+
+
+def test_the_rate_of_the_scene_is_one_of_them(store):
+    ds = pipeline.open_sweep(store)
+    own = pipeline.at_wear_rate(ds, "1.2e-6 mm^3/(N m)")
+    assert own["rise_quantile"].identical(ds["rise_quantile"])
+    assert pipeline.at_wear_rate(ds, None).identical(ds)
+
+
+def test_rises_are_known_from_when_the_load_is_reached_on():
+    held = replace(SWEEP, loading=Ramp(150.0, 750.0, hold=2.0, hold_steps=2))
+    found = run_point(held, 600.0, 1.25).columns
+    known = np.isfinite(found["mean_rise_at_wear_rate"])
+    assert known.all(axis=1).tolist() == known.any(axis=1).tolist()
+    assert known.any(axis=1).tolist() == [False] * 4 + [True, False, True]
+
+
+def test_the_command_answers_for_rates_within_those_of_the_scene(store, capsys):
+    assert main(["boundary", str(store), "--wear-rate", "2e-6 mm^3/(N m)"]) == 0
+    assert "wear rate 2e-06 mm³/(N m)" in capsys.readouterr().out
+    margin = ["margin", str(store), "--load", "400 N", "--velocity", "1 m/s", "--wear-rate"]
+    assert main([*margin, "2e-6 mm^3/(N m)"]) == 0
+    assert main([*margin, "3e-6 mm^3/(N m)"]) == 2
+    assert "6e-07 mm³/(N m) to 2.4e-06 mm³/(N m)" in capsys.readouterr().err
+
+
+def test_a_store_keeps_the_wear_rates_of_its_creation(store):
+    other = replace(SWEEP, wear_rates=(1e-15, 2e-15))
+    for sweep in (other, replace(SWEEP, wear_rates=None)):
+        with pytest.raises(StoreMismatchError, match="wear_rates"), writing(store, sweep):
+            pass
+
+
+def test_velocities_are_added_so_that_each_rate_has_those_of_the_scene():
+    notes = []
+    wider = with_velocities_for_rates(SWEEP, notes)
+    ends = wider.velocities[0], wider.velocities[-1]
+    assert ends == (0.5, 4.0)
+    assert set(SWEEP.velocities) < set(wider.velocities)
+    assert max(np.diff(np.log(wider.velocities))) <= np.log(1.3)
+    assert "0.5 m/s and 4 m/s" in notes[0]
+
+
+@pytest.mark.parametrize(
+    ("changes", "reason"),
+    [
+        ({"wear": None}, "nothing wears"),
+        ({"wear_rates": (2e-15, 3e-15)}, "does not enclose"),
+        ({"friction_heat": False}, "no friction"),
+        ({"unequal_bulks": True}, "bulk temperatures are unequal"),
+        ({"fidelity": Fidelity(heat_model="history")}, "heat of all the steps"),
+        ({"motion": Motion(entrainment_velocity=1.0)}, "stands still"),
+    ],
+)
+def test_it_is_refused_where_contacts_are_not_shared(changes, reason):
+    with pytest.raises(InputError, match=reason):
+        replace(SWEEP, **changes)
+
+
+def test_a_scene_asks_for_them_and_a_search_refuses_them(tmp_path, capsys):
+    scene = tmp_path / "rates.toml"
+    rates = 'wear_rates = { from = "1e-6 mm^3/(N m)", to = "2e-6 mm^3/(N m)" }'
+    scene.write_text(SCENE.replace("[sweep]", f"[sweep]\n{rates}"))
+    sweep = pipeline.load_scene(scene)
+    assert sweep.wear_rates == pytest.approx((1e-15, 2e-15))
+    cost = pipeline.estimate(sweep, workers=1)
+    assert cost.temperatures == 5 * len(sweep.loads) * len(sweep.velocities)
+    assert main(["run", str(scene), "-o", str(tmp_path / "a.zarr"), "--boundary-only"]) == 2
+    assert "own wear rate alone" in capsys.readouterr().err
+
+
+def test_the_page_has_the_boundary_at_each_wear_rate(store):
+    ds = pipeline.open_sweep(store)
+    rates = [0.9e-15, 1.2e-15, 1.5e-15]
+    given = [{"wear_rate": rate, "critical_temperature": 373.15} for rate in rates]
+    script = """
+    return argument.map((given) => {
+      chosen.conditions = { ...content.conditions, ...given };
+      sweep.takeWearRate(given.wear_rate);
+      return [sweep.velocities, sweep.boundary(0, chosen.conditions).velocity.at];
+    });
+    """
+    for rate, (velocities, critical) in zip(rates, run(ds, script, given), strict=True):
+        at_rate = pipeline.at_wear_rate(ds, rate)
+        expected = pipeline.boundary(at_rate, critical_temperature=373.15)["critical_velocity"]
+        assert velocities == pytest.approx(at_rate["velocity"].values)
+        assert critical == pytest.approx(expected.values, rel=1e-9, nan_ok=True)
+        assert np.isfinite(expected).any()
