@@ -30,7 +30,8 @@ _ANSWER = 60.0  # [s] that a command of Slurm may take
 _END = 60.0  # [s] that the jobs may take to be cancelled
 _AT_ONCE = 8  # jobs that are submitted at the same time
 _EARLY = 3, 10  # jobs in a row that end before their workers start: before any has, and later
-_OF_SLURM = "slurmstepd:"
+_NO_FAULT = "slurmstepd", " - INFO - "  # of the lines of a log
+_REFUSALS = 20  # looks at the queue in a row with jobs refused and none left
 
 
 class Job(SLURMJob):  # type: ignore[misc]
@@ -85,16 +86,19 @@ class SlurmJobs(Source):
         Number of jobs.
     life : float
         Time for which a worker computes [s].
+    folder : Path
+        Folder of their logs.
     """
 
     queues = True
 
-    def __init__(self, cluster: SLURMCluster, name: str, number: int, life: float) -> None:
+    def __init__(
+        self, cluster: SLURMCluster, name: str, number: int, life: float, folder: Path
+    ) -> None:
         self.cluster, self.name, self.number, self.life = cluster, name, number, life
-        self._folder = Path(cluster._dummy_job.log_directory)
-        self._counts = JobCounts(0, number, "")
+        self._folder, self._counts = folder, JobCounts(0, number, "")
         self._joined: set[str] = set()
-        self._early = 0
+        self._early = self._refusals = 0
         self._notes: list[str] = []
         self._noted: set[str] = set()
         self._error = ""
@@ -167,15 +171,14 @@ class SlurmJobs(Source):
             return
         self._note_joined(before)
         for name, job in before.items():
-            if not job.refusal and job.job_id in queue:
+            if job.job_id in queue:
                 continue
-            if job.refusal:
-                self._notes.append(f"Slurm refuses further jobs: {job.refusal}; it is asked again")
-            elif job.job_id not in self._joined:
+            if not job.refusal and job.job_id not in self._joined:
                 self._note_early(job.job_id)
             job.status = Status.closed
             self.cluster.workers.pop(name, None)
             self.cluster.worker_spec.pop(name, None)
+        self._note_refusals({job.refusal for job in before.values()} - {""}, bool(queue))
         states = [queue[job.job_id] for job in before.values() if job.job_id in queue]
         waiting = [reason for state, reason in states if state == "PENDING"]
         reason = next((reason for reason in waiting if reason != "None"), "")
@@ -203,17 +206,26 @@ class SlurmJobs(Source):
             self._joined |= joined
             self._early = 0
 
+    def _note_refusals(self, refusals: set[str], any_left: bool) -> None:
+        self._refusals = self._refusals + 1 if refusals and not any_left else 0
+        for refusal in refusals:
+            self._notes.append(f"Slurm refuses further jobs: {refusal}; it is asked again")
+            if self._refusals >= _REFUSALS:
+                self._error = f"Slurm refuses the jobs: {refusal}"
+
     def _note_early(self, number: str) -> None:
         """Take note of a job that has ended before its workers started."""
-        self._early += 1
         logs = sorted(self._folder.glob(f"*-{number}.err"))
         lines = [line for log in logs for line in log.read_text(errors="replace").splitlines()]
+        if any("Registered to:" in line for line in lines):
+            return
+        self._early += 1
         said = [line.strip() for line in lines if line.strip()]
-        by_worker = [line for line in said if not line.startswith(_OF_SLURM)]
-        words = (by_worker or said or ["it left no word"])[-1]
+        faults = [line for line in said if not any(words in line for words in _NO_FAULT)]
+        words = (faults or said or ["it left no word"])[-1]
         log = f" ({logs[0]})" if logs else ""
         first, later = _EARLY
-        if self._early >= (later if self._joined else 1 if by_worker else first):
+        if self._early >= (later if self._joined else 1 if faults else first):
             self._error = f"workers do not start in the jobs: {words}{log}"
         self._notes.append(f"a job has ended before its workers started: {words}{log}")
 
@@ -236,7 +248,7 @@ def submitted(batch: Batch, number: int, name: str, folder: Path) -> Iterator[Sl
         with interrupts_put_off():
             cluster = _started(batch, batch.options(name, folder), security)
         stack.callback(_end, cluster, name)
-        jobs = SlurmJobs(cluster, name, number, batch.life)
+        jobs = SlurmJobs(cluster, name, number, batch.life, folder)
         jobs.submit()
         yield jobs
 
@@ -262,7 +274,11 @@ def _started(batch: Batch, options: dict[str, Any], security: Security) -> SLURM
         return SLURMCluster(
             job_cls=Job,
             security=security,
-            scheduler_options={"dashboard": False, "port": batch.site.port or 0},
+            scheduler_options={
+                "dashboard": False,
+                "dashboard_address": "127.0.0.1:0",
+                "port": batch.site.port or 0,
+            },
             silence_logs=logging.CRITICAL,
             **options,
         )

@@ -120,13 +120,13 @@ def losses(batch, folder, expected):
 
 def walltime(batch, folder, expected):
     """A sweep that outlives its jobs more than once."""
-    driver = Driver(folder / "walltime.zarr", 200, _SHORT)
+    driver = Driver(folder / "walltime.zarr", 120, _SHORT)
     result = driver.result()
     logs = list(folder.glob("walltime.zarr.jobs/*.err"))
     yield {**result, "jobs": len(logs)}
     if len(logs) <= _JOBS:
         yield f"{len(logs)} jobs have run, and more were needed"
-    yield from faults_of(driver.path, 200, result, expected)
+    yield from faults_of(driver.path, 120, result, expected)
 
 
 def killed(batch, folder, expected):
@@ -216,7 +216,11 @@ def main():
         (folder / "slurm").mkdir()
         with slurm(folder / "slurm") as batch:
             for name in options.trials or TRIALS:
-                began, results = time.monotonic(), list(TRIALS[name](batch, folder, expected))
+                began, results = time.monotonic(), []
+                try:
+                    results += TRIALS[name](batch, folder, expected)
+                except (AssertionError, OSError, subprocess.SubprocessError) as error:
+                    results += [{}, f"{type(error).__name__}: {error}"]
                 took = {"took": round(time.monotonic() - began, 1)}
                 reports = [each for each in results if isinstance(each, dict)]
                 faults = [each for each in results if isinstance(each, str)]

@@ -26,13 +26,18 @@ for number in "$@"; do kill -TERM -- "-$(cat {folder}/$number.pid)"; done
 
 def stand_in(folder, monkeypatch, **commands):
     """Put the commands into a folder and at the front of the path; some of them may be others."""
+    write_commands(folder, **commands)
+    monkeypatch.setenv("PATH", f"{folder}:{os.environ['PATH']}")
+    return folder
+
+
+def write_commands(folder, **commands):
+    """Write the commands into a new folder; some of them may be others."""
     folder.mkdir()
     for name, script in (_COMMANDS | commands).items():
         file = folder / name
         file.write_text("#!/bin/sh\n" + script.replace("{folder}", str(folder)))
         file.chmod(0o700)
-    monkeypatch.setenv("PATH", f"{folder}:{os.environ['PATH']}")
-    return folder
 
 
 def running(folder):

@@ -6,28 +6,66 @@ import numpy as np
 import pytest
 
 from pipeline.run.cluster import Connection
-from pipeline.run.source import Source
+from pipeline.run.source import ExecutionError, Source
 from pipeline.run.tally import Tally
 from pipeline.store.create import writing
 from pipeline.store.schema import DONE
 from pipeline.sweep.model import Point
-from pipeline.sweep.plan import PointRecord
+from pipeline.sweep.plan import PointRecord, points
 from tests.helpers import tiny
 
 START, COUNT = 10.0, 100
 
 
-def test_the_start_of_the_workers_is_not_taken_for_the_pace_of_their_points(tmp_path, monkeypatch):
+@pytest.fixture
+def tallied(tmp_path, monkeypatch):
+    """A function that tells a tally of points that end at these times; the time to go."""
+
+    def run(ends, absent=0.0):
+        now, told, link = 0.0, [], Connection(None, Source())
+        monkeypatch.setattr(time, "monotonic", lambda: now)
+        sweep = tiny.sweep(loads=(150.0,), velocities=tuple(np.linspace(0.5, 1.5, COUNT).tolist()))
+        with writing(tmp_path / "out.zarr", sweep) as store:
+            tally = Tally(store, told.append, now)
+            tally.begin(store, link)
+            link.absent = absent
+            for now, velocity in zip(ends, sweep.velocities, strict=False):  # noqa: B007
+                point = Point(150.0, velocity)
+                store.flags[store.index(point)] = DONE
+                tally.note([PointRecord(point, {}, wall_time=1.0)])
+        return told[-1].time_to_go
+
+    return run
+
+
+def test_the_start_of_the_workers_is_not_taken_for_the_pace_of_their_points(tallied):
     """Two workers begin after 10 s, and finish a point of 1 s each in every second."""
-    sweep = tiny.sweep(loads=(150.0,), velocities=tuple(np.linspace(0.5, 1.5, COUNT).tolist()))
-    now, told = 0.0, []
-    monkeypatch.setattr(time, "monotonic", lambda: now)
+    to_go = tallied([START + 1 + number // 2 for number in range(20)])
+    assert to_go == pytest.approx((COUNT - 20) / 2, rel=0.15)
+
+
+def test_the_wait_in_the_queue_is_not_taken_for_the_pace_of_points(tallied):
+    """The first worker comes after an hour, and finishes its first point a second later."""
+    assert tallied([3601.0], absent=3600.0) == pytest.approx(COUNT - 1)
+
+
+def test_workers_that_come_later_count_with_the_time_to_go(tallied):
+    """One worker for 20 s, ten from then on."""
+    ends = [1.0 + number for number in range(20)] + [20.0 + number / 10 for number in range(40)]
+    assert tallied(ends) < 15.0  # 40 points are left, and take ten workers 4 s
+
+
+def test_points_that_all_fail_alike_end_a_run(tmp_path):
+    sweep = tiny.sweep(velocities=tuple(np.linspace(0.5, 1.5, 10).tolist()))
+    places = points(sweep)
     with writing(tmp_path / "out.zarr", sweep) as store:
-        tally = Tally(store, told.append, now)
+        tally = Tally(store, None, time.monotonic())
         tally.begin(store, Connection(None, Source()))
-        for number, velocity in enumerate(sweep.velocities[:20]):
-            now = START + 1 + number // 2
-            point = Point(150.0, velocity)
-            store.flags[store.index(point)] = DONE
-            tally.note([PointRecord(point, {}, wall_time=1.0)])
-    assert told[-1].time_to_go == pytest.approx((COUNT - 20) / 2, rel=0.15)
+        failures = [PointRecord(point, None, f"OSError: no file at {point}") for point in places]
+        other = [PointRecord(point, None, "MemoryError: ") for point in places]
+        tally.note([*failures[:19], *other[:19]])
+        with pytest.raises(ExecutionError, match=r"first 20 points failed alike, .*: OSError: no"):
+            tally.note(failures[19:20])
+        done = Tally(store, None, time.monotonic())
+        done.begin(store, Connection(None, Source()))
+        done.note([PointRecord(places[-1], {}, wall_time=1.0), *failures])
