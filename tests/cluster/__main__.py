@@ -84,7 +84,7 @@ class Driver:
         return json.loads(self.path.with_suffix(".json").read_text())
 
 
-def faults_of(path, velocities, result, expected):
+def faults_of(path, velocities, result, expected, with_logs=True):
     """What a run in jobs leaves to be desired."""
     if result["failed"] or result["done"] != 3 * velocities:
         yield f"{result['done']} points are done; failed: {result['failed']}"
@@ -96,7 +96,7 @@ def faults_of(path, velocities, result, expected):
         yield f"{path.name} differs from a run on this machine"
     if (errors := path.with_suffix(".err").read_text()).strip():
         yield f"a driver says: {errors}"
-    for log in path.with_name(f"{path.name}.jobs").glob("*.err"):
+    for log in path.with_name(f"{path.name}.jobs").glob("*.err") if with_logs else ():
         if "Traceback" in log.read_text() or "TIME LIMIT" in log.read_text():
             yield f"{log.name}: {log.read_text()[-1000:]}"
 
@@ -144,7 +144,7 @@ def killed(batch, folder, expected):
     yield {**result, "done_before": before, "jobs_ended_after": round(took, 1)}
     if left or before < 30:
         yield f"jobs of a killed driver go on: {left}; {before} points were done"
-    yield from faults_of(driver.path, 80, result, expected)
+    yield from faults_of(driver.path, 80, result, expected, with_logs=False)
 
 
 def command(folder, *options, wait=True, site='interface = "lo"\n'):

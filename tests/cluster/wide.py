@@ -14,6 +14,7 @@ import resource
 import stat
 import sys
 import tempfile
+import threading
 import time
 from contextlib import nullcontext, suppress
 from dataclasses import replace
@@ -42,10 +43,12 @@ class Waiting:
 
     def __init__(self, seconds):
         self._seconds, self._known, self._run_point = seconds, {}, work.run_point
+        self._lock = threading.Lock()
 
     def __call__(self, sweep, load, velocity, *place, trunk=None):
-        if load not in self._known:
-            self._known[load] = self._run_point(sweep, load, velocity, *place)
+        with self._lock:
+            if load not in self._known:
+                self._known[load] = self._run_point(sweep, load, velocity, *place)
         time.sleep(self._seconds)
         point = self._known[load].point._replace(velocity=velocity)
         return replace(self._known[load], point=point)
