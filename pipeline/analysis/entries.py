@@ -34,11 +34,15 @@ _PATHS = {
     "preset": "fidelity.preset",
     **{f"conditions.{name}": path for name, path in ENTRIES.items()},
     "conditions.disk_temperature": "temperature.bulk.disk",
+    "conditions.corrections.friction": "friction.by_velocity",
+    "conditions.corrections.stem": "pin.stem",
+    "conditions.corrections.track": "disk.track",
+    "conditions.corrections.film_resistance": "disk.film",
 }
 """Paths in the scene file of what a store calls otherwise, the more special ones first."""
 
 _UNITS = {
-    "mm": ("radius", "length", "crown_radius", "track_length"),
+    "mm": ("radius", "length", "width", "crown_radius", "track_length"),
     "µm": ("spacing", "ra", "correlation_length"),
     "GPa": ("elastic_modulus", "hardness"),
     "W/(m K)": ("thermal_conductivity",),
@@ -47,11 +51,14 @@ _UNITS = {
     "N/s": ("rate",),
     "N": ("reference_load", "loads", "normal_load", "load_scatter"),
     "m/s": ("entrainment_velocity", "velocities", "velocity", "velocity_scatter"),
-    "s": ("hold",),
+    "s": ("hold", "settling_time"),
     "mm³/(N m)": ("specific_wear_rate",),
     "°C": ("bulk_temperature", "disk_temperature", "critical_temperature", "temperatures"),
     "1/GPa": ("pressure_coefficients",),
-    "mm²/s": ("viscosities",),
+    "mm²/s": ("viscosities", "thermal_diffusivity"),
+    "K/W": ("resistance",),
+    "mm² K/W": ("film_resistance",),
+    "MJ/(m³ K)": ("heat_capacity",),
 }
 _UNIT_OF = {name: unit for unit, names in _UNITS.items() for name in names}
 

@@ -186,7 +186,7 @@ def _inputs(attributes: Mapping[str, Any]) -> Iterator[str]:
     rows = tuple(
         (path, text, _meaning(path))
         for path, text in entries_of(attributes).items()
-        if not path.startswith(("fidelity", "measured"))
+        if not path.startswith(("fidelity", "measured", "tested"))
     )
     yield Table(_ENTRY, rows).html()
     library = attributes.get("library") or []
@@ -195,20 +195,22 @@ def _inputs(attributes: Mapping[str, Any]) -> Iterator[str]:
         rows = tuple((entry["key"], entry["value"], entry["source"]) for entry in library)
         yield Table(_LIBRARY, rows).html()
     yield _paragraph(f"Source: {origin} from the scene {attributes.get('name')}.toml.")
-    if measured := attributes.get("measured"):
-        yield "<h3>Measured transitions</h3>"
-        rows = tuple(tuple(each.get(column.name) for column in _MEASURED) for each in measured)
-        yield Table(_MEASURED, rows).without_empty().html()
+    for heading, name in (("Measured transitions", "measured"), ("Tests", "tested")):
+        if entries := attributes.get(name):
+            yield f"<h3>{heading}</h3>"
+            rows = tuple(tuple(each.get(column.name) for column in _TESTS) for each in entries)
+            yield Table(_TESTS, rows).without_empty().html()
 
 
 _ENTRY = Column("entry", "entry"), Column("value", "value"), Column("meaning", "meaning")
 _LIBRARY = (
     Column("key", "from the library"), Column("value", "value"), Column("source", "source"),
 )  # fmt: skip
-_MEASURED = (
+_TESTS = (
     Column("normal_load", "load", "N"),
     Column("velocity", "velocity", "m/s"),
     Column("friction", "friction"),
+    Column("outcome", "wear"),
 )
 
 
