@@ -24,6 +24,8 @@ _SECONDS_TO_START = 1.0  # of a cluster and its workers
 _SECONDS_TO_COMMIT = 0.005  # of scheduling a point and writing it
 _WORKER_BYTES = 115e6  # interpreter and libraries
 _FIELDS_IN_MEMORY = 60  # arrays of the grid's size that a worker holds at a time
+_EARLY = 0.25  # of the lowest load, up to which heated steps are timed from the start on
+_PATIENCE = 3.0  # [s] of CPU time that this may take
 _STEPS = 5  # timed below a load; the first two are not yet extrapolated from earlier ones
 _NODES = 1280  # of the elimination that is timed
 _SPAN = 0.35  # logarithm of the ratio of two velocities that enclose a boundary
@@ -198,6 +200,7 @@ def _timed_loads(sweep: Sweep) -> tuple[dict[float, _Timed], float]:
     for load in (sweep.loads[0], sweep.loads[len(sweep.loads) // 2]):
         if load not in timed:
             timed[load] = _timed(sweep, load, velocity)
+    timed |= _timed_early(sweep, velocity)
     if direct:
         timed = {load: each._replace(end=_eliminated(each)) for load, each in timed.items()}
     return timed, begin
@@ -234,6 +237,30 @@ def _timed_from(sweep: Sweep, load: float, velocity: float, before: State | None
         heat(sweep, state, velocity * 1.1**place)
     at_rates = (time.process_time() - began) / max(len(sweep.rates), 1)
     return _Timed(float(np.median(steps)) if steps else end, end, state, heat=at_rates)
+
+
+def _timed_early(sweep: Sweep, velocity: float) -> dict[float, _Timed]:
+    """The first steps of the ramp on average, and the last of them, where they are heated.
+
+    While few elements touch, a step is computed once more on smaller ones.
+    """
+    early = _EARLY * sweep.loads[0]
+    if not any(is_heated and load < early for load, is_heated in _steps_of_ramp(sweep)):
+        return {}
+    steps, ends = [0.0], [0.0]
+    began = last = time.process_time()
+    for state in simulate(sweep, sweep.loads[0], velocity):
+        now = time.process_time()
+        (steps if state.heat is None else ends).append(now - last)
+        last = now
+        if state.normal_load > early or now - began > _PATIENCE:
+            break
+    count, heated = max(1, len(steps) - 1), max(1, len(ends) - 1)
+    mean = _Timed(sum(steps) / count, sum(ends) / heated, state)
+    return {
+        state.normal_load: mean,
+        state.normal_load * (1 + 1e-9): mean._replace(step=steps[-1], end=ends[-1]),
+    }
 
 
 def _eliminated(timed: _Timed) -> float:
