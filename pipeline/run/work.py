@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from pipeline.run.versions import Versions, versions
+from pipeline.store.packing import packed
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import PointRecord, Trunk, run_point
 
@@ -82,7 +83,7 @@ def compute_points(
             except Exception as error:
                 records.append(PointRecord(point, None, f"{type(error).__name__}: {error}"))
                 continue
-        records.append(result.record(with_fields))
+        records.append(packed(result.record(with_fields)))
         trunk = result.trunk
         if time.monotonic() > end:
             break

@@ -16,6 +16,8 @@ FORMAT = 1
 """Version of the layout."""
 PENDING, DONE, FAILED = 0, 1, 2
 """Values of the variable ``status``."""
+COMPRESSION: dict[str, Any] = {"level": 1, "checksum": True}
+"""Settings of zstd."""
 
 
 class Variable(NamedTuple):
@@ -293,7 +295,7 @@ def documents(
             chunks=tuple(chunks[dim] for dim in variable.dims),
             dtype=str if variable.dtype == "str" else variable.dtype,
             fill_value="" if variable.dtype == "str" else np.nan if is_real else 0,
-            compressors=ZstdCodec(level=1, checksum=True),
+            compressors=ZstdCodec(**COMPRESSION),
             dimension_names=variable.dims,
             attributes={"long_name": variable.long_name, **units, **variable.attributes},
             chunk_key_encoding={"name": "default", "separator": "."},

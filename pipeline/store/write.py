@@ -17,8 +17,9 @@ import zarr
 from numpy.typing import NDArray
 from zarr.storage import StorePath
 
-from pipeline.store.identity import checksum, record_checksum
+from pipeline.store.identity import record_checksum
 from pipeline.store.lock import Lock
+from pipeline.store.packing import packed
 from pipeline.store.place import LOCK, Bucket, Folder, Place, StoreError, is_lack_of_memory
 from pipeline.store.points import Places, Slices
 from pipeline.store.root import Root
@@ -169,10 +170,14 @@ class Store(Places):
     ) -> None:
         """Write values of points by name, and once they are on the disk statuses."""
         by_name: dict[str, dict[_Index, Any]] = {}
+        chunks: dict[str, bytes] = {}
         for index, each in values.items():
             for name, value in each.items():
-                by_name.setdefault(name, {})[index] = value
-        self._put_all(by_name)
+                if isinstance(value, bytes):
+                    chunks[f"{name}/{chunk_name((*index, 0, 0))}"] = value
+                else:
+                    by_name.setdefault(name, {})[index] = value
+        self._put_all(by_name, chunks)
         self._put_all({"status": flags})
         self._require_lock()  # a driver that came meanwhile may have read the statuses before
         for index, flag in flags.items():
@@ -182,19 +187,16 @@ class Store(Places):
         """All that is stored of a point by name, its status included."""
         # Names of files in a message may be no text.
         message = record.message[:_LONGEST].encode(errors="backslashreplace").decode()
-        record = replace(record, message=message)
+        record = packed(replace(record, message=message))
         about = {name: getattr(record, name) for name in ABOUT}
         about["record_checksum"] = record_checksum(record)
         if record.data is None:
             return about | {"status": FAILED}
-        data = {
-            name: np.asarray(values, self.arrays[name].dtype)
-            for name, values in record.data.items()
-            if name in self.arrays
-        }
-        return data | about | {"checksum": checksum(record.point, data), "status": DONE}
+        return {**record.data, **about, "checksum": record.checksum, "status": DONE}
 
-    def _put_all(self, by_name: Mapping[str, Mapping[_Index, Any]]) -> None:
+    def _put_all(
+        self, by_name: Mapping[str, Mapping[_Index, Any]], chunks: Mapping[str, bytes] | None = None
+    ) -> None:
         """Write values at the indices of points, chunk by chunk and side by side."""
         self._require_lock()
         jobs: dict[tuple[str, _Index], dict[_Index, Any]] = {}
@@ -204,6 +206,7 @@ class Store(Places):
                 chunk = tuple(i // n for i, n in zip(index, sizes, strict=True))
                 jobs.setdefault((name, chunk), {})[index] = value
         try:
+            self.place.put(chunks or {})
             with ThreadPoolExecutor(_THREADS) as threads:  # which ends when all have
                 list(threads.map(lambda job: self._put(job[0], job[1], jobs[job]), jobs))
         except OSError as error:

@@ -150,6 +150,7 @@ class PointRecord:
     point : Point
     data : dict of ndarray or None
         Variables of the dataset, at the point's own steps and at its end; None if it failed.
+        Fields of a packed record are bytes, see `pipeline.store.packing`.
     message : str
         Its warnings, or the reason why it failed.
     warning_flags : int
@@ -158,14 +159,17 @@ class PointRecord:
         Duration of its computation [s].
     finished_at : float
         End of its computation, since 1970-01-01 UTC [s].
+    checksum : int or None
+        Checksum of the data, if they are packed.
     """
 
     point: Point
-    data: Mapping[str, Array] | None
+    data: Mapping[str, Array | bytes] | None
     message: str = ""
     warning_flags: int = 0
     wall_time: float = math.nan
     finished_at: float = math.nan
+    checksum: np.uint64 | None = field(default=None, kw_only=True)
 
 
 def points(sweep: Sweep) -> tuple[Point, ...]:

@@ -194,7 +194,11 @@ def wide(tmp_path):
     chosen = [Point(150.0, 1.0), Point(150.0, 1025.0)]
     with writing(path, many) as store:
         store.commit(
-            replace(record(Point(150.0, velocity)), point=point)
+            replace(
+                result := record(Point(150.0, velocity)),
+                point=point,
+                data={name: result.data[name] for name in COLUMNS},
+            )
             for point, velocity in zip(chosen, (0.5, 1.0), strict=True)
         )
     return path, chosen

