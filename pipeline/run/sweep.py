@@ -31,7 +31,7 @@ from pipeline.scene.scenefile import sweep_of
 from pipeline.store.attributes import versions
 from pipeline.store.create import grown, writing
 from pipeline.store.identity import differences
-from pipeline.store.place import PathLike, place_of
+from pipeline.store.place import Bucket, PathLike, place_of
 from pipeline.store.progress import FailedPoint, summarized
 from pipeline.store.root import read_attributes
 from pipeline.store.schema import FAILED
@@ -196,8 +196,11 @@ def _rounds(
 
 
 def _repaired(store: Store) -> int:
-    """Make damaged points pending; return how many."""
-    is_new = not store.place.names("checksum")
+    """Make damaged points pending; return how many.
+
+    Not in a bucket: its servers look after their objects, and each is a request.
+    """
+    is_new = isinstance(store.place, Bucket) or not store.place.names("checksum")
     return 0 if is_new else len(examined(store, repair=True).damaged)
 
 

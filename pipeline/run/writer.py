@@ -7,10 +7,12 @@ import time
 from collections.abc import Collection, Iterable
 from types import TracebackType
 
+from pipeline.store.place import Bucket
 from pipeline.store.write import Store
 from pipeline.sweep.plan import PointRecord
 
 _PAUSE = 1.0  # [s] between commits: as much work as a kill may cost
+_PAUSE_OF_BUCKET = 10.0  # [s], since each commit to an object store is some 50 requests
 _SHARE = 10.0  # durations of a commit between two, so that they take a tenth of a core at most
 _LONGEST = 10.0  # [s] between commits, however slow the disk or busy the machine
 
@@ -28,6 +30,7 @@ class Writer:
 
     def __init__(self, store: Store) -> None:
         self._store = store
+        self._pause = _PAUSE_OF_BUCKET if isinstance(store.place, Bucket) else _PAUSE
         self._arrived: list[PointRecord] = []
         self._written: list[PointRecord] = []
         self._error: Exception | None = None
@@ -107,4 +110,4 @@ class Writer:
             self._written += () if error else records
             self._is_idle = True
             self._changed.notify_all()
-        return min(max(_PAUSE, _SHARE * (time.monotonic() - began)), _LONGEST)
+        return min(max(self._pause, _SHARE * (time.monotonic() - began)), _LONGEST)

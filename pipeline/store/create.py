@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 import os
+import shutil
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
@@ -17,13 +19,12 @@ from pipeline.store.attributes import (
     present_attributes,
     with_present_versions,
 )
-from pipeline.store.durable import PARTIAL, replace_files, sync
+from pipeline.store.durable import PARTIAL, make_folder, replace_files, sync
 from pipeline.store.identity import describe, differences
 from pipeline.store.lock import Lock, held
 from pipeline.store.place import (
     LOCK,
     ROOT,
-    Bucket,
     Folder,
     PathLike,
     Place,
@@ -64,11 +65,17 @@ def writing(path: PathLike, sweep: Sweep) -> Iterator[Store]:
     place = place_of(path)
     with ExitStack() as stack:
         try:
-            lock = _created(place, sweep, stack) if not place.exists() else None
-            if lock is None:
+            if place.exists():
                 read_root(place)  # before a lock is laid in what is no store
-                lock = stack.enter_context(held(place))
+            elif isinstance(place, Folder):
+                _create_beside(place, sweep)
+            lock = stack.enter_context(held(place))
+            if isinstance(place, Folder):
                 _remove_partial(place)
+            elif not place.exists():
+                contents, root = _new(sweep)
+                place.put(contents)
+                place.put(root)
         except OSError as error:
             raise unwritable(place, error) from error
         yield grown(place, sweep, lock)
@@ -96,7 +103,8 @@ def grown(place: Place, sweep: Sweep, lock: Lock | None) -> Store:
     axes = _present(grown_axes(root.axes, sweep), sweep, with_fields)
     attributes = {k: v for k, v in root.attributes.items() if k not in OPTIONAL}
     attributes |= present_attributes(sweep) | {"axes": axes}
-    attributes = with_present_versions(attributes)
+    # As the root gives them back: JSON knows no tuples.
+    attributes = json.loads(json.dumps(with_present_versions(attributes)))
     if attributes != root.attributes:
         try:
             root = _rewritten(place, root, attributes, sweep)
@@ -118,11 +126,29 @@ def _rewritten(place: Place, root: Root, attributes: dict[str, Any], sweep: Swee
     return read_root(place)
 
 
-def _created(place: Place, sweep: Sweep, stack: ExitStack) -> Lock | None:
-    """Create a store, beside its place if that is a folder; its lock is held from then on.
+def _create_beside(place: Folder, sweep: Sweep) -> None:
+    """Create a store beside its place, and rename it, unless another process was faster."""
+    partial = Folder(place.path.with_name(place.path.name + PARTIAL))
+    if not partial.is_unfinished():
+        raise StoreError(
+            f"{partial} is no store that was being made; move it, or write to another store"
+        )
+    make_folder(place.path.parent)
+    with held(partial) as lock:
+        if lock is None or not lock.is_in_place(partial.path / LOCK):
+            return
+        if place.exists():
+            shutil.rmtree(partial.path)
+            return
+        partial.clear()
+        contents, root = _new(sweep)
+        replace_files(partial.path, contents | root)
+        os.rename(partial.path, place.path)  # noqa: PTH104, also onto an empty folder
+        sync(place.path.parent)
 
-    None in a bucket, or if another process was faster.
-    """
+
+def _new(sweep: Sweep) -> tuple[dict[str, bytes], dict[str, bytes]]:
+    """Contents of a new store, and its root, by their keys."""
     axes = _present(grown_axes({}, sweep), sweep, sweep.store_fields)
     wanted = _variables(sweep, sweep.store_fields)
     sizes = {dim: len(axes[dim]) for dim in wanted["status"].dims}
@@ -133,26 +159,7 @@ def _created(place: Place, sweep: Sweep, stack: ExitStack) -> Lock | None:
         "steps_per_chunk": len(axes["step"]),
     }
     contents = _documents(attributes, sweep, sweep.store_fields)
-    root = {ROOT: root_document(attributes, metadata_of(contents))}
-    if isinstance(place, Bucket):
-        place.put(contents)
-        place.put(root)
-        return None
-    partial = Folder(place.path.with_name(place.path.name + PARTIAL))
-    if not partial.is_unfinished():
-        raise StoreError(
-            f"{partial} is no store that was being made; move it, or write to another store"
-        )
-    with ExitStack() as creation:
-        lock = creation.enter_context(held(partial))
-        if lock is None or not lock.is_in_place(partial.path / LOCK) or place.exists():
-            return None
-        partial.clear()
-        replace_files(partial.path, contents | root)
-        os.rename(partial.path, place.path)  # noqa: PTH104, also onto an empty folder
-        sync(place.path.parent)
-        stack.push(creation.pop_all())
-    return lock
+    return contents, {ROOT: root_document(attributes, metadata_of(contents))}
 
 
 def _variables(sweep: Sweep, with_fields: bool) -> dict[str, Variable]:
@@ -229,9 +236,8 @@ def _inputs_drawn_otherwise(axes: Mapping[str, Any], sweep: Sweep) -> Iterator[s
                 yield path
 
 
-def _remove_partial(place: Place) -> None:
+def _remove_partial(place: Folder) -> None:
     """Remove what a killed writer was writing."""
-    if isinstance(place, Folder):
-        for file in place.path.glob(f"*/*{PARTIAL}"):
-            file.unlink(missing_ok=True)
-        Path(place.path, ROOT + PARTIAL).unlink(missing_ok=True)
+    for file in place.path.glob(f"*/*{PARTIAL}"):
+        file.unlink(missing_ok=True)
+    Path(place.path, ROOT + PARTIAL).unlink(missing_ok=True)

@@ -69,8 +69,7 @@ def replace_file(file: Path, content: bytes) -> None:
 
     Only one process and thread may replace a file at a time.
     """
-    created = [folder for folder in file.parents if not folder.exists()]
-    file.parent.mkdir(parents=True, exist_ok=True)
+    make_folder(file.parent)
     partial = file.with_name(file.name + PARTIAL)
     try:
         with partial.open("wb") as stream:
@@ -81,8 +80,7 @@ def replace_file(file: Path, content: bytes) -> None:
     except BaseException:
         partial.unlink(missing_ok=True)
         raise
-    for folder in {file.parent, *(each.parent for each in created)}:
-        sync(folder)
+    sync(file.parent)
 
 
 def replace_files(root: Path, contents: Mapping[str, bytes]) -> None:
@@ -90,6 +88,14 @@ def replace_files(root: Path, contents: Mapping[str, bytes]) -> None:
     with ThreadPoolExecutor(_THREADS) as threads:
         files = [(root / key, content) for key, content in contents.items()]
         list(threads.map(lambda each: replace_file(*each), files))
+
+
+def make_folder(folder: Path) -> None:
+    """Make a folder and those above it; return once their names are on the disk."""
+    if not folder.exists():
+        make_folder(folder.parent)
+        folder.mkdir(exist_ok=True)
+        sync(folder.parent)
 
 
 def sync(folder: Path) -> None:

@@ -12,7 +12,7 @@ from __future__ import annotations
 import errno
 import os
 import shutil
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
@@ -113,6 +113,10 @@ class Folder:
         except FileNotFoundError:
             return set()
 
+    def all_names(self, names: Iterable[str]) -> dict[str, set[str]]:
+        """Names of the files in the folder of each array."""
+        return {name: self.names(name) for name in names}
+
     def is_unfinished(self) -> bool:
         """Return whether a creation that was cut short left the folder, if there is one."""
         if not os.path.lexists(self.path):
@@ -182,12 +186,21 @@ class Bucket:
                 return set()
         return {address.rsplit("/", 1)[-1] for address in listed}
 
+    def all_names(self, names: Iterable[str]) -> dict[str, set[str]]:
+        """Names of the objects directly below the name of each array, by one listing of all."""
+        listed: dict[str, set[str]] = {name: set() for name in names}
+        for key in self._keys():
+            name, _, rest = key.partition("/")
+            if name in listed:
+                listed[name].add(rest)
+        return listed
+
     def create(self, key: str, content: bytes) -> bool:
         """Create an object unless there is one; return whether that was done."""
         with self._as_os_error():
             try:
                 self._objects.pipe_file(self._key(key), content, mode="create")
-            except OSError:
+            except Exception:
                 # Each kind of server says in its own way that there is one.
                 if self.read(key) is None:
                     raise
@@ -223,7 +236,8 @@ class Bucket:
             raise OSError(f"{self.address}: {error}") from error
 
 
-_OPTIONS = {"use_listings_cache": False}
+# With more, each read of an object would begin with a request for its size.
+_OPTIONS = {"use_listings_cache": False, "max_concurrency": 1}
 
 
 Place = Folder | Bucket
@@ -264,11 +278,13 @@ def require_writable(path: PathLike) -> None:
     StoreError
         If the folder around it cannot be made or written.
     """
+    from pipeline.store.durable import make_folder
+
     place = place_of(path)
     if isinstance(place, Bucket):
         return
     try:
-        place.path.parent.mkdir(parents=True, exist_ok=True)
+        make_folder(place.path.parent)
         if not os.access(place.path.parent, os.W_OK):
             raise PermissionError("no permission to write to its folder")
     except OSError as error:

@@ -108,10 +108,10 @@ def missing_chunks(place: Place, root: Root, flags: NDArray[np.int8]) -> dict[st
     done = flags == DONE
     missing: dict[str, Mask] = {}
     needed: dict[tuple[int, ...], list[tuple[int, ...]]] = {}  # by the sizes, alike for most
-    for name, array in root.arrays.items():
-        if is_coordinate(name):
-            continue
-        sizes, names = chunks_of(array), place.names(name)
+    listed = place.all_names(name for name in root.arrays if not is_coordinate(name))
+    for name, names in listed.items():
+        array = root.arrays[name]
+        sizes = chunks_of(array)
         tail = [-(-n // size) for n, size in zip(array["shape"], sizes, strict=True)][done.ndim :]
         block = tuple(sizes[: done.ndim])
         if block not in needed:

@@ -42,7 +42,11 @@ def open_store(path: PathLike) -> xr.Dataset:
     root = read_root(place)
     try:
         ds = xr.open_zarr(
-            place.zarr(read_only=True), chunks=None, consolidated=True, decode_cf=False
+            place.zarr(read_only=True),
+            chunks=None,
+            consolidated=True,
+            decode_cf=False,
+            zarr_format=3,  # or it looks for the files of format 2 too
         )
         ds = ds.set_coords([str(name) for name in ds.variables if is_coordinate(str(name))])
         flags: NDArray[np.int8] = ds["status"].values

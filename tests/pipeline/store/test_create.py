@@ -7,6 +7,7 @@ import os
 import shutil
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -18,6 +19,7 @@ from hypothesis import strategies as st
 import tribo
 from pipeline.analysis.dataset import open_sweep
 from pipeline.cli import main
+from pipeline.store import create
 from pipeline.store.create import writing
 from pipeline.store.durable import PARTIAL
 from pipeline.store.place import StoreError, StoreMismatchError
@@ -34,6 +36,7 @@ from tests.helpers.stores import (
     commit,
     contents,
     killed_after,
+    make,
     opened,
 )
 
@@ -393,3 +396,25 @@ def test_a_place_that_cannot_be_written_is_refused(tmp_path):
     for below in ("tiny.zarr", "a/tiny.zarr"):
         with pytest.raises(StoreError, match=r"cannot be written: .*/file is a file, not a folder"):
             commit(tmp_path / "file" / below, SWEEP, ())
+
+
+def test_the_name_of_a_new_folder_is_on_the_disk_too(tmp_path, monkeypatch):
+    synced, fsync = [], os.fsync
+
+    def logged(descriptor):
+        synced.append(Path(f"/proc/self/fd/{descriptor}").readlink())
+        fsync(descriptor)
+
+    monkeypatch.setattr(os, "fsync", logged)
+    make(tmp_path / "results" / "more" / "tiny.zarr", SWEEP)
+    assert {tmp_path, tmp_path / "results", tmp_path / "results" / "more"} <= set(synced)
+
+
+def test_a_creator_that_comes_second_leaves_nothing_beside_the_store(path, monkeypatch):
+    def overtaken(folder):
+        monkeypatch.undo()
+        make(path, SWEEP)
+
+    monkeypatch.setattr(create, "make_folder", overtaken)
+    make(path, SWEEP)
+    assert [entry.name for entry in path.parent.iterdir()] == [path.name]

@@ -8,7 +8,10 @@ import sys
 import boto3
 import pytest
 import s3fs
+from aiobotocore.endpoint import AioEndpoint
+from botocore.exceptions import ClientError
 from moto.server import ThreadedMotoServer
+from s3fs.errors import translate_boto_error
 
 from pipeline.analysis.dataset import open_sweep
 from pipeline.cli import main
@@ -117,6 +120,34 @@ def test_damage_is_named_and_repaired(address, capsys):
         open_sweep(address)
 
 
+@pytest.fixture
+def requests(monkeypatch):
+    """Requests to the server, by method and address."""
+    log, send = [], AioEndpoint._send
+
+    async def logged(self, request):
+        log.append(f"{request.method} {request.url}")
+        return await send(self, request)
+
+    monkeypatch.setattr(AioEndpoint, "_send", logged)
+    return log
+
+
+def test_a_commit_and_a_run_with_nothing_to_do_take_few_requests(address, requests):
+    """Each one is charged for, and takes a tenth of a second on its way."""
+    with writing(address, SWEEP) as store:
+        store.commit([record(POINT)])
+        requests.clear()
+        store.commit([record(OTHER)])
+        assert len(requests) <= 60
+    requests.clear()
+    assert run_sweep(SWEEP, address).computed == 0
+    assert len(requests) <= 15
+    requests.clear()
+    open_sweep(address).load()
+    assert len(requests) <= 50
+
+
 def test_one_driver_at_a_time(address):
     with writing(address, SWEEP):
         assert summary(address).running.startswith(f"process {os.getpid()} on ")
@@ -147,15 +178,28 @@ def test_a_driver_that_was_killed_does_not_count_and_one_elsewhere_does(address)
         commit(address, SWEEP, ())
 
 
-def test_a_server_that_refuses_without_a_reason_is_believed(address, monkeypatch):
-    """Some answer to an exclusive creation of what is there with an error of no name."""
+def refusal(status, code):
+    error = {"Error": {"Code": code, "Message": "no"}}
+    return ClientError(error | {"ResponseMetadata": {"HTTPStatusCode": status}}, "PutObject")
+
+
+REFUSALS = {
+    "AWS": translate_boto_error(refusal(412, "PreconditionFailed")),
+    "AWS, two at once": translate_boto_error(refusal(409, "ConditionalRequestConflict")),
+    "MinIO": refusal(412, "PreconditionFailed"),
+    "Ceph": OSError(22, None),
+}
+
+
+@pytest.mark.parametrize("error", REFUSALS.values(), ids=REFUSALS)
+def test_a_server_refuses_in_its_own_way_to_create_what_is_there(address, monkeypatch, error):
     commit(address, SWEEP, ())
     put(f"{address}/status/lock", b"process 7 on elsewhere\n")
     call = s3fs.S3FileSystem._call_s3
 
     async def refused(self, method, *arguments, **options):
         if "IfNoneMatch" in options:
-            raise OSError(22, None)
+            raise error
         return await call(self, method, *arguments, **options)
 
     monkeypatch.setattr(s3fs.S3FileSystem, "_call_s3", refused)
