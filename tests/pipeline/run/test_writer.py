@@ -8,7 +8,7 @@ from pipeline.run.writer import Writer
 class SlowStore:
     """A store of which each commit takes a minute, by a clock of its own."""
 
-    now = 0.0
+    now, place = 0.0, None
 
     def commit(self, records):
         self.now += 60.0
