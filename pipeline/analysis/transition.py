@@ -58,6 +58,8 @@ class Transition:
     'above what was computed: 1.2 to 2.2 m/s'
     >>> Transition.along(velocity, rise, 1200.0, (1.2, 2.2)).worded("velocity")
     'mild at every velocity computed (to 2.2 m/s)'
+    >>> Transition.along(velocity, rise, 600.0, (1.0, 4.0)).worded("velocity")
+    'below what was computed: 1.2 to 2.2 m/s'
     """
 
     place: float

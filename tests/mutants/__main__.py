@@ -55,7 +55,7 @@ ROOMS = {
             *(f"pipeline/analysis/{name}.py" for name in ("band", "interpolation", "transition")),
             *(
                 f"tests/pipeline/analysis/test_{name}.py"
-                for name in ("interpolation", "boundary", "margin", "dataset", "warned")
+                for name in ("band", "interpolation", "boundary", "margin", "dataset", "warned")
             ),
             "tests/pipeline/analysis/test_many_surfaces.py",
         ],
