@@ -73,8 +73,8 @@ def _film(sweep: Sweep) -> Iterator[str]:
     yield f"  oil      {1e3 * sweep.oil.viscosity(bulk):.3g} mPa s at the bulk temperature"
     lubrication = Lubrication.of(sweep)
     if lubrication is None:
-        known = sweep.oil.pressure_coefficients is not None
-        missing = "a rough disk" if known else "pressure_viscosity_coefficient"
+        has_pressure_coefficient = sweep.oil.pressure_coefficients is not None
+        missing = "a rough disk" if has_pressure_coefficient else "pressure_viscosity_coefficient"
         yield f"  film     not known without {missing}"
         return
     corners = np.meshgrid(sweep.loads, sweep.velocities)

@@ -98,7 +98,7 @@ def show(
         lines.append(str(out))
     if options.json:
         written = json.dumps(_without_nan(document), indent=2, ensure_ascii=False, allow_nan=False)
-        print(_CONTROLS.sub(lambda found: f"\\u{ord(found[0]):04x}", written))
+        print(_CONTROLS.sub(lambda match: f"\\u{ord(match[0]):04x}", written))
     else:
         show_text(lines)
 
@@ -156,7 +156,7 @@ def complain(message: str) -> None:
 def _shown(line: str) -> str:
     """A line as a terminal can show it: without control characters, and of some length at most."""
     line = line if len(line) <= _LONGEST else f"{line[:_LONGEST]} …"
-    return _CONTROLS.sub(lambda found: f"\\x{ord(found[0]):02x}", line)
+    return _CONTROLS.sub(lambda match: f"\\x{ord(match[0]):02x}", line)
 
 
 def _without_nan(value: Any) -> Any:

@@ -58,8 +58,8 @@ def _accurate(
     options: argparse.Namespace, sweep: Sweep, points: Sequence[Point] | None, store: Path | None
 ) -> Sweep:
     settings = settings_of(options)
-    own = [f"--set {key}" for key in settings if "." not in key and key not in KEPT_FIELDS]
-    if chosen := [*(["--preset"] if options.preset else []), *own]:
+    choices = [f"--set {key}" for key in settings if "." not in key and key not in KEPT_FIELDS]
+    if chosen := [*(["--preset"] if options.preset else []), *choices]:
         raise InputError(
             f"--accuracy picks the numerical choices itself; leave out {', '.join(chosen)}"
         )

@@ -19,78 +19,78 @@ if TYPE_CHECKING:
 
 def status(options: argparse.Namespace) -> int:
     """Count points."""
-    found = pipeline.summary(options.store)
+    state = pipeline.summary(options.store)
     selection = pipeline.stored_selection(options.store)
-    warned = pipeline.warned(options.store) if found.warned else NO_WARNING
+    warned = pipeline.warned(options.store) if state.warned else NO_WARNING
     document = {
-        "title": found.title,
-        "points": found.total,
-        "done": found.done,
-        "failed": failed_points(found.failed),
-        "pending": found.pending,
-        "done_earlier": found.earlier,
-        "running": found.running is not None,
-        "points_per_minute": None if found.rate is None else 60 * found.rate,
-        "time_to_go": found.time_to_go,
+        "title": state.title,
+        "points": state.total,
+        "done": state.done,
+        "failed": failed_points(state.failed),
+        "pending": state.pending,
+        "done_earlier": state.earlier,
+        "running": state.running is not None,
+        "points_per_minute": None if state.rate is None else 60 * state.rate,
+        "time_to_go": state.time_to_go,
         "selection": selection.as_dict() if selection else None,
     }
     text = [
-        found.title,
-        f"{found.total} points: {found.done} done, {len(found.failed)} failed, "
-        f"{found.pending} pending",
-        *_more_text(found),
+        state.title,
+        f"{state.total} points: {state.done} done, {len(state.failed)} failed, "
+        f"{state.pending} pending",
+        *_more_text(state),
         *([str(selection)] if selection else []),
-        *(f"failed: {point}" for point in found.failed),
+        *(f"failed: {point}" for point in state.failed),
     ]
     show(options, document, text, warned=warned)
-    return SOME_FAILED if found.failed else DONE
+    return SOME_FAILED if state.failed else DONE
 
 
-def _more_text(found: Summary) -> Iterable[str]:
+def _more_text(state: Summary) -> Iterable[str]:
     """Points beyond those that were asked for, and the pace of a run."""
-    if found.earlier:
-        yield f"{found.earlier} more are done, for which an earlier run asked"
-    if found.running:
-        yield f"running: {found.running}"
-    if found.pending and found.rate and found.time_to_go:
-        when = "now" if found.running else "the last time"
+    if state.earlier:
+        yield f"{state.earlier} more are done, for which an earlier run asked"
+    if state.running:
+        yield f"running: {state.running}"
+    if state.pending and state.rate and state.time_to_go:
+        when = "now" if state.running else "the last time"
         yield (
-            f"{_pace(60 * found.rate)} points a minute {when}, {duration(found.time_to_go)} to go"
+            f"{_pace(60 * state.rate)} points a minute {when}, {duration(state.time_to_go)} to go"
         )
 
 
 def verify(options: argparse.Namespace) -> int:
     """Read everything and name what is damaged."""
     with working("reading points") as progress:
-        found = pipeline.verify_store(options.store, options.repair, progress)
+        check = pipeline.verify_store(options.store, options.repair, progress)
     document = {
-        "done": found.done,
-        "damaged": failed_points(found.damaged),
-        "damaged_records": failed_points(found.records),
-        "shared": found.shared,
-        "without_status": [point._asdict() for point in found.without_status],
-        "repaired": found.repaired,
+        "done": check.done,
+        "damaged": failed_points(check.damaged),
+        "damaged_records": failed_points(check.records),
+        "shared": check.shared,
+        "without_status": [point._asdict() for point in check.without_status],
+        "repaired": check.repaired,
     }
     text = [
-        f"{found.done} points are done and intact, {len(found.damaged)} are damaged",
-        *(f"damaged: {damage}" for damage in found.damaged),
-        *(f"damaged, but not its data: {damage}" for damage in found.records),
-        *(f"damaged: {fault}" for fault in found.shared),
+        f"{check.done} points are done and intact, {len(check.damaged)} are damaged",
+        *(f"damaged: {damage}" for damage in check.damaged),
+        *(f"damaged, but not its data: {damage}" for damage in check.records),
+        *(f"damaged: {fault}" for fault in check.shared),
         *(
             f"complete, but without a status: {point}; "
-            + ("done again" if found.repaired else "the next run takes it as done")
-            for point in found.without_status
+            + ("done again" if check.repaired else "the next run takes it as done")
+            for point in check.without_status
         ),
     ]
-    if not found.is_clean:
+    if not check.is_clean:
         text.append(
             "repaired; damaged points are pending, and computed again by: irg run"
-            if found.repaired
+            if check.repaired
             else "set damaged points to be computed again with: irg verify --repair"
         )
-    is_readable = found.is_clean or found.repaired
+    is_readable = check.is_clean or check.repaired
     show(options, document, text, warned=pipeline.warned(options.store) if is_readable else None)
-    return DONE if found.is_clean else SOME_FAILED
+    return DONE if check.is_clean else SOME_FAILED
 
 
 def _pace(per_minute: float) -> str:

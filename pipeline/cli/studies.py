@@ -22,15 +22,15 @@ if TYPE_CHECKING:
 def trade(options: argparse.Namespace) -> int:
     """Measure speed against accuracy on a scene."""
     out = output_path(options)
-    found = pipeline.trade(
+    measured = pipeline.trade(
         scene_of(options), base=options.base, diagram=options.diagram, progress=tell
     )
-    draw, tables = partial(pipeline.draw_trade, found), [_choices(found)]
-    show(options, found.as_dict(), [str(found)], out=out, tables=tables, draw=draw)
+    draw, tables = partial(pipeline.draw_trade, measured), [_choices(measured)]
+    show(options, measured.as_dict(), [str(measured)], out=out, tables=tables, draw=draw)
     return DONE
 
 
-def _choices(found: Trade) -> Table:
+def _choices(measured: Trade) -> Table:
     """Table with a row for each choice."""
     columns = (
         Column("name", "choice"),
@@ -41,7 +41,9 @@ def _choices(found: Trade) -> Table:
         Column("seconds", "processor time", "s"),
         Column("peak_bytes", "memory", "MB"),
     )
-    rows = (tuple(getattr(choice, column.name) for column in columns) for choice in found.choices)
+    rows = (
+        tuple(getattr(choice, column.name) for column in columns) for choice in measured.choices
+    )
     return Table(columns, tuple(rows))
 
 

@@ -148,9 +148,9 @@ class Several(argparse.Action):
     ) -> None:
         """Add values to those that are there."""
         before = getattr(namespace, self.dest)
-        known = () if before is None else before if isinstance(before, tuple) else (before,)
-        found = (*known, *values)
-        setattr(namespace, self.dest, found if len(found) > 1 else found[0])
+        earlier = () if before is None else before if isinstance(before, tuple) else (before,)
+        several = (*earlier, *values)
+        setattr(namespace, self.dest, several if len(several) > 1 else several[0])
 
 
 def share(text: str) -> float:

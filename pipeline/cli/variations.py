@@ -30,18 +30,18 @@ def vary(options: argparse.Namespace) -> int:
     if not over and not options.physics:
         raise InputError("nothing to vary; give --over KEY=VALUE,VALUE for an entry, or --physics")
     settings = settings_of(options)
-    found = pipeline.vary(
+    result = pipeline.vary(
         options.scene, over, options.preset, settings, tell=tell, physics=options.physics
     )
-    draw = partial(pipeline.draw_variations, found)
+    draw = partial(pipeline.draw_variations, result)
     show(
-        options, found.as_dict(), _text(found),
-        warned=found.warned, out=out, tables=[_table(found)], draw=draw,
+        options, result.as_dict(), _text(result),
+        warned=result.warned, out=out, tables=[_table(result)], draw=draw,
     )  # fmt: skip
     return DONE
 
 
-def _table(found: Variations) -> Table:
+def _table(result: Variations) -> Table:
     """Table with a row for each value and load."""
     columns = (
         Column("entry", "entry"),
@@ -52,31 +52,41 @@ def _table(found: Variations) -> Table:
         Column("outcome", "outcome"),
     )
     rows = []
-    for each in (found.own, *found.others):
-        changes = found.changes(each).tolist() if each.key else [None] * len(found.loads)
-        values = zip(found.loads, each.critical_velocities, changes, each.outcomes, strict=True)
-        rows += [(each.key or "as it is", each.value, *row) for row in values]
+    for variation in (result.own, *result.others):
+        changes = (
+            result.changes(variation).tolist() if variation.key else [None] * len(result.loads)
+        )
+        values = zip(
+            result.loads, variation.critical_velocities, changes, variation.outcomes, strict=True
+        )
+        rows += [(variation.key or "as it is", variation.value, *row) for row in values]
     return Table(columns, tuple(rows))
 
 
-def _text(found: Variations) -> Iterator[str]:
+def _text(result: Variations) -> Iterator[str]:
     """Table of critical velocities, a row for each value and a column for each load."""
-    heads = (Column(f"{load:g}", f"at {load:g} N") for load in found.loads)
-    others = itertools.chain.from_iterable(found.by_key().values())
-    effects = {effect.name for effect in found.left_out}
-    entries = [("as it is", found.own)]
+    heads = (Column(f"{load:g}", f"at {load:g} N") for load in result.loads)
+    others = itertools.chain.from_iterable(result.by_key().values())
+    effects = {effect.name for effect in result.left_out}
+    entries = [("as it is", result.own)]
     entries += [
-        (each.key if each.key in effects else f"{each.key} = {each.value}", each) for each in others
+        (
+            variation.key if variation.key in effects else f"{variation.key} = {variation.value}",
+            variation,
+        )
+        for variation in others
     ]
-    rows = tuple((name, *_cells(found, each)) for name, each in entries)
+    rows = tuple((name, *_cells(result, variation)) for name, variation in entries)
     yield from Table((Column("entry", "critical velocity [m/s]"), *heads), rows).lines()
-    outcomes = {outcome for each in (found.own, *found.others) for outcome in each.outcomes}
+    outcomes = {
+        outcome for variation in (result.own, *result.others) for outcome in variation.outcomes
+    }
     if outcomes - {OUTCOMES[CROSSES]}:
         yield ""
         yield "in words: no transition between the sweep's velocities"
     yield ""
-    yield f"from {found.points} points on the contacts of {found.contacts}"
-    for effect in found.left_out:
+    yield f"from {result.points} points on the contacts of {result.contacts}"
+    for effect in result.left_out:
         yield ""
         yield f"{effect.name}: {effect.size}"
         yield f"  certainty  {effect.certainty}"
@@ -84,9 +94,9 @@ def _text(found: Variations) -> Iterator[str]:
             yield f"  entry      {effect.entry}"
 
 
-def _cells(found: Variations, variation: Variation) -> Iterator[str]:
+def _cells(result: Variations, variation: Variation) -> Iterator[str]:
     """Critical velocities and their changes by load, or outcomes in words."""
-    changes = found.changes(variation) if variation.key else [math.nan] * len(found.loads)
+    changes = result.changes(variation) if variation.key else [math.nan] * len(result.loads)
     for velocity, change, outcome in zip(
         variation.critical_velocities, changes, variation.outcomes, strict=True
     ):

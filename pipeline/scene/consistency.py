@@ -16,7 +16,7 @@ Roughness = tribo.SelfAffineRoughness | tribo.MeasuredRoughness | tribo.Surface
 
 
 def check_tables(
-    found: dict[str, Any],
+    tables: dict[str, Any],
     fidelity: tribo.Fidelity,
     roughness: Roughness | None,
     faults: list[Fault],
@@ -25,7 +25,7 @@ def check_tables(
 
     Parameters
     ----------
-    found : dict
+    tables : dict
         What the format gives of the file; None where an entry is faulty.
     fidelity : tribo.Fidelity
         Numerical choices.
@@ -34,43 +34,43 @@ def check_tables(
     faults : list of Fault
         List to which a fault is added for everything that does not fit.
     """
-    _check_materials(found, faults)
-    _check_pixels(found, fidelity.pixels_per_element, roughness, faults)
-    _check_pin(found, faults)
-    _check_motion(found, faults)
-    _check_conditions(found, faults)
-    _check_measured(found, faults)
-    check_corrections(found, faults)
+    _check_materials(tables, faults)
+    _check_pixels(tables, fidelity.pixels_per_element, roughness, faults)
+    _check_pin(tables, faults)
+    _check_motion(tables, faults)
+    _check_conditions(tables, faults)
+    _check_measured(tables, faults)
+    check_corrections(tables, faults)
 
 
-def _check_materials(found: dict[str, Any], faults: list[Fault]) -> None:
+def _check_materials(tables: dict[str, Any], faults: list[Fault]) -> None:
     if any(fault.key == "materials" for fault in faults):
         return
-    materials = found["materials"] or {}
+    materials = tables["materials"] or {}
     for body in ("pin", "disk"):
-        name = entry_at(found, f"{body}.material")
+        name = entry_at(tables, f"{body}.material")
         if name and name not in materials:
             hint = did_you_mean(name, materials) or f" ({nearest(name, 'materials')})"
             problem = f"{quoted(name)} is neither a table of [materials] nor in the library{hint}"
-            own = " or ".join(map(quoted, materials)) or "one of them, or add a table for it"
-            faults.append(Fault(f"{body}.material", f"{problem}; give {own}"))
+            choices = " or ".join(map(quoted, materials)) or "one of them, or add a table for it"
+            faults.append(Fault(f"{body}.material", f"{problem}; give {choices}"))
 
 
 def _check_pixels(
-    found: dict[str, Any], block: int, roughness: Roughness | None, faults: list[Fault]
+    tables: dict[str, Any], block: int, roughness: Roughness | None, faults: list[Fault]
 ) -> None:
-    pixels = entry_at(found, "window.pixels")
+    pixels = entry_at(tables, "window.pixels")
     if not pixels:
         return
-    given = quoted(list(pixels))
-    if sides := entry_at(found, "window.pixel_size"):
+    size = quoted(list(pixels))
+    if sides := entry_at(tables, "window.pixel_size"):
         try:
             tribo.Grid(pixels, sides)
         except tribo.InputError as error:
             faults.append(Fault("window.pixel_size", str(error)))
     if any(n % block for n in pixels):
         problem = (
-            f"{given} cannot be averaged {block} × {block}; give multiples of {block}, or another "
+            f"{size} cannot be averaged {block} × {block}; give multiples of {block}, or another "
             "fidelity.pixels_per_element"
         )
         faults.append(Fault("window.pixels", problem))
@@ -87,24 +87,24 @@ def _check_pixels(
             else "or cut a patch out with disk.roughness.crop"
         )
         problem = (
-            f"the surface has {rows} rows of {columns} heights, window.pixels is {given}; give a "
+            f"the surface has {rows} rows of {columns} heights, window.pixels is {size}; give a "
             f"surface and a window of the same size,{turned if pixels == (columns, rows) else ''} "
             f"{ending}"
         )
         faults.append(Fault("disk.roughness.file", problem))
 
 
-def _check_pin(found: dict[str, Any], faults: list[Fault]) -> None:
-    length, pixels = entry_at(found, "pin.length"), entry_at(found, "window.pixels")
-    sides = entry_at(found, "window.pixel_size")
+def _check_pin(tables: dict[str, Any], faults: list[Fault]) -> None:
+    length, pixels = entry_at(tables, "pin.length"), entry_at(tables, "window.pixels")
+    sides = entry_at(tables, "window.pixel_size")
     if length and pixels and sides and length < pixels[1] * sides[1] * (1 - 1e-9):
         problem = (
             f"{display(length, 'mm')} is shorter than the window, which is "
             f"{display(pixels[1] * sides[1], 'mm')} along y; give at least that"
         )
         faults.append(Fault("pin.length", problem))
-    shape, crown = entry_at(found, "pin.shape"), entry_at(found, "pin.crown_radius")
-    if shape in ("ball", "crowned") and entry_at(found, "window.periodic_y"):
+    shape, crown = entry_at(tables, "pin.shape"), entry_at(tables, "pin.crown_radius")
+    if shape in ("ball", "crowned") and entry_at(tables, "window.periodic_y"):
         problem = f"true does not fit a {shape} pin; give false, or leave it out"
         faults.append(Fault("window.periodic_y", problem))
     if any(fault.key == "pin.crown_radius" for fault in faults):
@@ -117,14 +117,14 @@ def _check_pin(found: dict[str, Any], faults: list[Fault]) -> None:
         faults.append(Fault("pin.crown_radius", problem))
 
 
-def _check_motion(found: dict[str, Any], faults: list[Fault]) -> None:
-    motion = found["motion"]
+def _check_motion(tables: dict[str, Any], faults: list[Fault]) -> None:
+    motion = tables["motion"]
     if motion is None or any(fault.key.startswith("motion.") for fault in faults):
         return
     ratio, entrainment = motion["slide_roll_ratio"], motion["entrainment_velocity"]
     if (ratio is None) == (entrainment is None):
-        given = "neither is" if ratio is None else "both are"
-        problem = f"{given} given; give either slide_roll_ratio or entrainment_velocity"
+        subject = "neither is" if ratio is None else "both are"
+        problem = f"{subject} given; give either slide_roll_ratio or entrainment_velocity"
         faults.append(Fault("motion", problem))
     elif ratio == 0:
         problem = (
@@ -132,7 +132,7 @@ def _check_motion(found: dict[str, Any], faults: list[Fault]) -> None:
             'entrainment_velocity and the velocity "0 m/s"'
         )
         faults.append(Fault("motion.slide_roll_ratio", problem))
-    window, radius = found["window"] or {}, entry_at(found, "pin.radius")
+    window, radius = tables["window"] or {}, entry_at(tables, "pin.radius")
     pixels, sides = window.get("pixels"), window.get("pixel_size")
     track = motion["track_length"] or (radius and 2 * math.pi * radius)
     if pixels and sides and track and track < pixels[0] * sides[0] * (1 - 1e-9):
@@ -143,8 +143,8 @@ def _check_motion(found: dict[str, Any], faults: list[Fault]) -> None:
         faults.append(Fault("motion.track_length", problem))
 
 
-def _check_conditions(found: dict[str, Any], faults: list[Fault]) -> None:
-    bulk, critical = entry_at(found, "temperature.bulk"), entry_at(found, "temperature.critical")
+def _check_conditions(tables: dict[str, Any], faults: list[Fault]) -> None:
+    bulk, critical = entry_at(tables, "temperature.bulk"), entry_at(tables, "temperature.critical")
     if isinstance(bulk, dict):
         bulk = None if None in bulk.values() else max(bulk.values())
     if bulk and critical and critical <= bulk:
@@ -153,15 +153,15 @@ def _check_conditions(found: dict[str, Any], faults: list[Fault]) -> None:
             'give a higher one, such as "145 degC"'
         )
         faults.append(Fault("temperature.critical", problem))
-    band = entry_at(found, "friction.band")
+    band = entry_at(tables, "friction.band")
     if band and band[0] > band[1]:
         problem = f"{quoted(list(band))} falls; give the lower one first"
         faults.append(Fault("friction.band", problem))
 
 
-def _check_measured(found: dict[str, Any], faults: list[Fault]) -> None:
+def _check_measured(tables: dict[str, Any], faults: list[Fault]) -> None:
     for table in ("measured", "tested"):
-        for number, entry in enumerate(found[table] or ()):
+        for number, entry in enumerate(tables[table] or ()):
             if entry and entry["friction_scatter"] is not None and not entry["friction"]:
                 scatter = f"{entry['friction_scatter']:g}"
                 problem = f"{scatter} needs a measured friction; give it above 0"

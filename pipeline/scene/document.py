@@ -100,17 +100,17 @@ def read_document(path: Path, faults: list[Fault], above: tuple[Path, ...] = ())
     SceneFileError
         If one of the files cannot be read, or extends itself.
     """
-    own = _toml(path)
-    extends, without = own.pop("extends", None), own.pop("without", None)
-    document = Document((Layer(path, own),))
+    table = _toml(path)
+    extends, without = table.pop("extends", None), table.pop("without", None)
+    document = Document((Layer(path, table),))
     if extends is None:
         if without is not None:
             faults.append(Fault("without", "there is nothing to leave out; give extends too", path))
         return document
-    found: list[Fault] = []
-    name = EXTENDS.read(extends, "extends", found)
-    if found:
-        raise SceneFileError(path, [document.line(found[0])])
+    wrong: list[Fault] = []
+    name = EXTENDS.read(extends, "extends", wrong)
+    if wrong:
+        raise SceneFileError(path, [document.line(wrong[0])])
     other, chain = scene_path(name, path.parent), (*above, path)
     if any(_is_same(other, file) for file in chain):
         circle = " extends ".join(str(file) for file in (*chain, other))
@@ -122,7 +122,7 @@ def read_document(path: Path, faults: list[Fault], above: tuple[Path, ...] = ())
     except SceneFileError as error:
         raise SceneFileError(path, [f"extends: {error}"]) from error
     left_out = _left_out(without, base, path, faults)
-    if "preset" in (_table(own, "fidelity") or {}):
+    if "preset" in (_table(table, "fidelity") or {}):
         left_out.append("fidelity")
     layers = (replace(layer, entries=_without(layer.entries, left_out)) for layer in base.layers)
     return Document((*document.layers, *layers))
@@ -150,23 +150,23 @@ def with_entries(document: Document, overrides: Mapping[str, Any], faults: list[
 
 def _left_out(value: Any, base: Document, path: Path, faults: list[Fault]) -> list[str]:
     """Key paths that ``without`` names, as far as the other scene has them."""
-    found: list[Fault] = []
-    keys = [] if value is None else WITHOUT.read(value, "without", found) or []
+    wrong: list[Fault] = []
+    keys = [] if value is None else WITHOUT.read(value, "without", wrong) or []
     entries = base.entries()
     for index, key in enumerate(keys):
         parts = key.split(".")
         depth = _depth(entries, parts)
         if depth < len(parts):
-            known = list(_table(entries, *parts[:depth]) or {})
-            found.append(
+            present = list(_table(entries, *parts[:depth]) or {})
+            wrong.append(
                 Fault(
                     f"without[{index}]",
                     f"{quoted(key)} is not an entry of {base.file}"
-                    f"{did_you_mean(parts[depth], known)}; give one that it has, such as "
-                    f"{quoted('.'.join([*parts[:depth], *known[:1]]))}",
+                    f"{did_you_mean(parts[depth], present)}; give one that it has, such as "
+                    f"{quoted('.'.join([*parts[:depth], *present[:1]]))}",
                 )
             )
-    faults += [fault._replace(file=path) for fault in found]
+    faults += [fault._replace(file=path) for fault in wrong]
     return list(keys)
 
 

@@ -78,10 +78,10 @@ def _of(kind: Kind, path: str) -> dict[str, Any]:
     if isinstance(kind, Tables):
         path += ".NAME"
     about = MEANINGS.get(path) or TABLES.get(path)
-    found = _allowed(kind, path)
+    rule = _allowed(kind, path)
     if short := _SHORT.get(path):
-        found = {"anyOf": [found, short]}
-    return found | ({"description": about} if about else {})
+        rule = {"anyOf": [rule, short]}
+    return rule | ({"description": about} if about else {})
 
 
 def _allowed(kind: Kind, path: str) -> dict[str, Any]:

@@ -26,7 +26,7 @@ def quoted(value: object) -> str:
     return text if len(text) <= 100 else f"{text[:96]} ..."
 
 
-def did_you_mean(word: str, known: Iterable[str]) -> str:
+def did_you_mean(word: str, words: Iterable[str]) -> str:
     """Ask whether the nearest known word was meant; empty if none is near.
 
     Examples
@@ -36,22 +36,22 @@ def did_you_mean(word: str, known: Iterable[str]) -> str:
     >>> did_you_mean("loads", ["sweep.loads"])
     ' (did you mean "sweep.loads"?)'
     """
-    word, known = word[:80].lower(), list(known)
-    ends = [other for other in known if other.endswith(f".{word}")]
-    longer = [other for other in known if len(word) > 2 and other.startswith(word)]
-    near = ends or longer or difflib.get_close_matches(word, known, n=1)
+    word, words = word[:80].lower(), list(words)
+    ends = [other for other in words if other.endswith(f".{word}")]
+    longer = [other for other in words if len(word) > 2 and other.startswith(word)]
+    near = ends or longer or difflib.get_close_matches(word, words, n=1)
     return f' (did you mean "{near[0]}"?)' if near else ""
 
 
-def entry_at(found: Mapping[str, Any], path: str) -> Any:
+def entry_at(tables: Mapping[str, Any], path: str) -> Any:
     """Look up a path; None where it, or a table on the way to it, is missing or faulty."""
-    entry: Any = found
+    entry: Any = tables
     for key in path.split("."):
         entry = None if entry is None else entry.get(key)
     return entry
 
 
-def joined(at: str, key: str) -> str:
-    """Path of a key of the table `at`, as TOML writes it."""
+def joined(place: str, key: str) -> str:
+    """Path of a key of the table `place`, as TOML writes it."""
     bare = key if re.fullmatch(r"[A-Za-z0-9_-]+", key) else quoted(key)
-    return f"{at}.{bare}" if at else bare
+    return f"{place}.{bare}" if place else bare

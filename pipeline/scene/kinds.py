@@ -26,26 +26,26 @@ class UnfitError(Exception):
 class Kind(ABC):
     """Values allowed at one place of a file."""
 
-    def read(self, value: object, at: str, faults: list[Fault]) -> Any:
+    def read(self, value: object, place: str, faults: list[Fault]) -> Any:
         """Read a value; None if it is faulty.
 
         Parameters
         ----------
         value : object
             Value as TOML has it.
-        at : str
+        place : str
             Key path of the value.
         faults : list of Fault
             List to which every fault found is added.
         """
         try:
-            return self._read(value, at, faults)
+            return self._read(value, place, faults)
         except UnfitError as problem:
-            faults.append(Fault(at, f"{problem}; give {self}"))
+            faults.append(Fault(place, f"{problem}; give {self}"))
             return None
 
     @abstractmethod
-    def _read(self, value: Any, at: str, faults: list[Fault]) -> Any:
+    def _read(self, value: Any, place: str, faults: list[Fault]) -> Any:
         """Raise `UnfitError` if the value as a whole is wrong; note the faults of its parts."""
 
 
@@ -56,7 +56,7 @@ class Text(Kind):
     def __str__(self) -> str:
         return "text in quotes"
 
-    def _read(self, value: Any, at: str, faults: list[Fault]) -> str:
+    def _read(self, value: Any, place: str, faults: list[Fault]) -> str:
         if not isinstance(value, str):
             raise UnfitError(f"{quoted(value)} is not text")
         if not value:
@@ -73,7 +73,7 @@ class Flag(Kind):
     def __str__(self) -> str:
         return "true or false"
 
-    def _read(self, value: Any, at: str, faults: list[Fault]) -> bool:
+    def _read(self, value: Any, place: str, faults: list[Fault]) -> bool:
         if not isinstance(value, bool):
             raise UnfitError(f"{quoted(value)} is neither true nor false")
         return value
@@ -89,7 +89,7 @@ class Choice(Kind):
         *others, last = map(quoted, self.options)
         return f"{', '.join(others)} or {last}"
 
-    def _read(self, value: Any, at: str, faults: list[Fault]) -> str:
+    def _read(self, value: Any, place: str, faults: list[Fault]) -> str:
         if not isinstance(value, str):
             raise UnfitError(f"{quoted(value)} is not text")
         if value not in self.options:
@@ -109,7 +109,7 @@ class Number(Kind):
     def __str__(self) -> str:
         return f"a number without a unit{self._limits()}"
 
-    def _read(self, value: Any, at: str, faults: list[Fault]) -> float:
+    def _read(self, value: Any, place: str, faults: list[Fault]) -> float:
         if isinstance(value, bool) or not isinstance(value, int | float):
             raise UnfitError(f"{quoted(value)} is not a plain number")
         fits = self.above < value < self.below and self.at_least <= value <= self.at_most
@@ -124,8 +124,8 @@ class Number(Kind):
             "below": self.below,
             "at most": self.at_most,
         }
-        given = [f"{word} {limit:g}" for word, limit in limits.items() if math.isfinite(limit)]
-        return ", " * bool(given) + " and ".join(given)
+        bounds = [f"{word} {limit:g}" for word, limit in limits.items() if math.isfinite(limit)]
+        return ", " * bool(bounds) + " and ".join(bounds)
 
 
 @dataclass(frozen=True)
@@ -135,10 +135,10 @@ class Whole(Number):
     def __str__(self) -> str:
         return f"a whole number{self._limits()}"
 
-    def _read(self, value: Any, at: str, faults: list[Fault]) -> int:
+    def _read(self, value: Any, place: str, faults: list[Fault]) -> int:
         if isinstance(value, bool) or not isinstance(value, int):
             raise UnfitError(f"{quoted(value)} is not a whole number")
-        super()._read(value, at, faults)
+        super()._read(value, place, faults)
         return value
 
 
@@ -167,7 +167,7 @@ class Quantity(Kind):
         limit = "of at least 0" if self.zero else "above 0"
         return f"{self.name} {limit}, such as {quoted(self.example)}"
 
-    def _read(self, value: Any, at: str, faults: list[Fault]) -> float | Decimal:
+    def _read(self, value: Any, place: str, faults: list[Fault]) -> float | Decimal:
         if not isinstance(value, str):
             raise UnfitError(f"{quoted(value)} has no unit")
         try:
@@ -190,7 +190,7 @@ class Unit(Kind):
     def __str__(self) -> str:
         return f"{self.name}, such as {quoted(self.example)}"
 
-    def _read(self, value: Any, at: str, faults: list[Fault]) -> float:
+    def _read(self, value: Any, place: str, faults: list[Fault]) -> float:
         try:
             return float(exact_si(f"1 {value}", like=f"1 {self.example}"))
         except UnitError as error:

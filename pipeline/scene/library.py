@@ -87,7 +87,7 @@ def without_consequences(faults: list[Fault]) -> list[Fault]:
 def nearest(name: str, kind: str) -> str:
     """Say which names of the library are near a name, or all of them if none is."""
     names = list(library()[kind])
-    near = [known for known in names if name.lower() in known.lower()] or difflib.get_close_matches(
+    near = [other for other in names if name.lower() in other.lower()] or difflib.get_close_matches(
         name, names, n=3, cutoff=0.5
     )
     if near:
@@ -116,26 +116,26 @@ def _filled(
     table: dict[str, Any],
     like: Any,
     kind: str,
-    at: str,
+    place: str,
     taken: list[FromLibrary],
     faults: list[Fault],
 ) -> dict[str, Any]:
     """The entries of a table, and those that it lacks from an entry of the library."""
     if not isinstance(like, str) or not like:
         return table
-    known = library()[kind].get(like)
-    if known is None:
+    usual = library()[kind].get(like)
+    if usual is None:
         problem = f"{quoted(like)} is not in the library ({nearest(like, kind)}); give a name of it"
-        faults.append(Fault(f"{at}.like", problem))
+        faults.append(Fault(f"{place}.like", problem))
         return table
     has_viscosity = any(key in table for key in _VISCOSITY)
-    found = {}
-    for key, (value, source) in known.items():
+    added = {}
+    for key, (value, source) in usual.items():
         at_temperatures = key in _VISCOSITY or isinstance(value, list)
         if key not in table and not (has_viscosity and at_temperatures):
-            found[key] = value
-            taken.append(FromLibrary(f"{at}.{key}", _text(value), library()["sources"][source]))
-    return found | table
+            added[key] = value
+            taken.append(FromLibrary(f"{place}.{key}", _text(value), library()["sources"][source]))
+    return added | table
 
 
 def _text(value: Any) -> str:

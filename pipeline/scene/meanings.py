@@ -200,11 +200,11 @@ def _of_fidelity() -> dict[str, str]:
     """First sentence on each parameter in the docstring of `tribo.Fidelity`."""
     text = inspect.cleandoc(tribo.Fidelity.__doc__ or "")
     section = text.partition("Parameters\n----------\n")[2].partition("\n\nRaises")[0]
-    found = {}
+    sentences = {}
     for name, about in re.findall(r"^(\w+) : .*\n((?:    .*\n?)+)", section, flags=re.MULTILINE):
         sentence = re.split(r"(?<=[.\w])[.;] ", " ".join(about.split()))[0].rstrip(".") + "."
-        found[f"fidelity.{name}"] = sentence.replace('``"', '"').replace('"``', '"')
-    return found
+        sentences[f"fidelity.{name}"] = sentence.replace('``"', '"').replace('"``', '"')
+    return sentences
 
 
 MEANINGS = _ENTRIES | _of_fidelity()

@@ -10,14 +10,14 @@ from pipeline.scene.faults import Fault
 _NOMINAL = 1000.0  # kg/m³: makes of a viscosity in mPa s as much in mm²/s
 
 
-def oil_of(found: dict[str, Any], faults: list[Fault]) -> tribo.Oil | None:
+def oil_of(tables: dict[str, Any], faults: list[Fault]) -> tribo.Oil | None:
     """Make the oil; None if there is none, or a faulty one.
 
     Where the dynamic viscosity is given, the equation between its two temperatures is applied to
     its value in mPa s, as ASTM D341 does it to the kinematic one in mm²/s; it needs no density
     then.
     """
-    table = found["oil"]
+    table = tables["oil"]
     if table is None or any(fault.key.split(".")[0] == "oil" for fault in faults):
         return None
     kinematic, dynamic = table["kinematic_viscosity"], table["dynamic_viscosity"]

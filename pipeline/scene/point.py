@@ -58,5 +58,5 @@ def run_point(
     >>> verdict.is_severe, f"{verdict.max_temperature - 273.15:.0f} °C"
     (False, '158 °C')
     """
-    at = in_si("load", load, "600 N"), in_si("velocity", velocity, "1.5 m/s")
-    return plan.run_point(sweep_of(sweep), *at, realization, sample, trunk, progress)
+    place = in_si("load", load, "600 N"), in_si("velocity", velocity, "1.5 m/s")
+    return plan.run_point(sweep_of(sweep), *place, realization, sample, trunk, progress)

@@ -29,14 +29,14 @@ _DISPLAY = {
 }
 
 
-def in_si(name: str, given: float | str, like: str) -> float:
+def in_si(name: str, value: float | str, like: str) -> float:
     """Value of a quantity in SI.
 
     Parameters
     ----------
     name : str
         What it is called, for the error.
-    given : float or str
+    value : float or str
         Number in SI, or text with a unit.
     like : str
         Quantity of the dimension that is needed, as an example.
@@ -51,16 +51,16 @@ def in_si(name: str, given: float | str, like: str) -> float:
     >>> in_si("load", 600.0, like="750 N"), in_si("load", "0.6 kN", like="750 N")
     (600.0, 600.0)
     """
-    if not isinstance(given, str):
-        return float(given)
+    if not isinstance(value, str):
+        return float(value)
 
     try:
-        return to_si(given, like)
+        return to_si(value, like)
     except UnitError as error:
         raise InputError(f'{name}: {error}; give one such as "{like}"') from error
 
 
-def share_of(given: float | str) -> float:
+def share_of(value: float | str) -> float:
     """Value of a share, as a number or as text such as ``"10%"``.
 
     Raises
@@ -73,13 +73,13 @@ def share_of(given: float | str) -> float:
     >>> share_of(0.1), share_of("10%"), share_of("0.1")
     (0.1, 0.1, 0.1)
     """
-    if not isinstance(given, str):
-        return given
-    number = given.strip().removesuffix("%")
+    if not isinstance(value, str):
+        return value
+    number = value.strip().removesuffix("%")
     try:
-        return float(number) / 100 if number != given.strip() else float(number)
+        return float(number) / 100 if number != value.strip() else float(number)
     except ValueError:
-        raise InputError(f'"{given}": give a share such as 10% or 0.1') from None
+        raise InputError(f'"{value}": give a share such as 10% or 0.1') from None
 
 
 def shown_in(value: float, unit: str) -> float:

@@ -55,14 +55,14 @@ class Section:
 
     def keys(self) -> dict[str, tuple[Kind | Optional, str]]:
         """Keys that hold a value, each with its kind and the form that it belongs to, if to one."""
-        found = {}
+        entries = {}
         for form, table in enumerate(self.forms):
             for key, entry in table.keys.items():
-                if forms_of(kind_of(entry)) or key in found:
+                if forms_of(kind_of(entry)) or key in entries:
                     continue
                 everywhere = all(key in other.keys for other in self.forms)
-                found[key] = entry, "" if everywhere else VARIANTS[self.path][form]
-        return found
+                entries[key] = entry, "" if everywhere else VARIANTS[self.path][form]
+        return entries
 
     def path_of(self, key: str) -> str:
         """Path of a key of the table."""

@@ -27,27 +27,27 @@ from pipeline.scene.surfaces import (
 from tribo.types import Array
 
 
-def realizations_of(found: dict[str, Any], faults: list[Fault]) -> tuple[int, ...]:
+def realizations_of(tables: dict[str, Any], faults: list[Fault]) -> tuple[int, ...]:
     """Seeds of the random surfaces: those listed, or a number of them from the surface's own on.
 
     The first becomes the scene's own.
     """
-    wanted = entry_at(found, "sweep.realizations")
-    if wanted is None or found["disk"] is None:
+    wanted = entry_at(tables, "sweep.realizations")
+    if wanted is None or tables["disk"] is None:
         return ()
-    rough = entry_at(found, "disk.roughness")
+    rough = entry_at(tables, "disk.roughness")
     if rough is None or "file" in rough:
         if not _is_faulty("disk.roughness", faults):
             surface = "smooth" if rough is None else "measured"
-            given = wanted if isinstance(wanted, int) else list(wanted)
+            asked = wanted if isinstance(wanted, int) else list(wanted)
             problem = (
-                f"{quoted(given)} does not fit a {surface} disk; leave it out, or give a "
+                f"{quoted(asked)} does not fit a {surface} disk; leave it out, or give a "
                 "[disk.roughness] that is made from a seed"
             )
             faults.append(Fault("sweep.realizations", problem))
         return ()
     if isinstance(wanted, int):
-        first = entry_at(found, "disk.roughness.seed") or 0
+        first = entry_at(tables, "disk.roughness.seed") or 0
         return tuple(range(first, first + wanted))
     seeds = tuple(sorted(wanted))
     rough["seed"] = seeds[0]
@@ -55,11 +55,11 @@ def realizations_of(found: dict[str, Any], faults: list[Fault]) -> tuple[int, ..
 
 
 def roughness_of(
-    found: dict[str, Any], document: Document, faults: list[Fault], notes: list[str]
+    tables: dict[str, Any], document: Document, faults: list[Fault], notes: list[str]
 ) -> tribo.SelfAffineRoughness | tribo.MeasuredRoughness | tribo.Surface | None:
     """Make the disk's roughness; None if there is none, or a faulty one."""
-    table = entry_at(found, "disk.roughness")
-    surface = entry_at(found, "disk.surface")
+    table = entry_at(tables, "disk.roughness")
+    surface = entry_at(tables, "disk.surface")
     if surface and surface["law"]:
         return _own_surface(surface, table, faults)
     if table is None:
@@ -72,7 +72,7 @@ def roughness_of(
         if surface is None:
             return None
         surface = oriented(surface, table["transpose"], table["flip"])
-        heights = _fitted_heights(surface, table, found["window"], faults, notes)
+        heights = _fitted_heights(surface, table, tables["window"], faults, notes)
         return None if heights is None else tribo.MeasuredRoughness(heights)
     if None in table.values():
         return None
@@ -129,8 +129,8 @@ def _fitted_heights(
     """Heights fit for a scene: cropped, without holes, levelled; None if that is impossible."""
     pixels, sides = ((window or {}).get(key) for key in ("pixels", "pixel_size"))
     if surface.pixel_size and sides and not np.allclose(surface.pixel_size, sides, rtol=0.01):
-        own = " × ".join(display(side, "µm") for side in surface.pixel_size)
-        problem = f"the pixels of disk.roughness.file are {own}; give those"
+        size = " × ".join(display(side, "µm") for side in surface.pixel_size)
+        problem = f"the pixels of disk.roughness.file are {size}; give those"
         faults.append(Fault("window.pixel_size", problem))
     heights = surface.heights
     if table["crop"] is not None and pixels:

@@ -77,29 +77,29 @@ def load_scene(
     entries, taken = with_library(document.entries(), faults)
     for key, row_of in (("measured", TRANSITION), ("tested", TEST)):
         entries = with_rows(entries, key, row_of, document, faults, notes)
-    found = FORMAT.read(entries, "", faults)
+    tables = FORMAT.read(entries, "", faults)
     preset = overrides.pop("preset", preset)
-    fidelity, preset = _fidelity(found["fidelity"] or {}, preset, overrides, faults)
-    realizations = realizations_of(found, faults)
-    roughness = roughness_of(found, document, faults, notes)
-    loading = _loading(found["loading"], document, faults, notes)
+    fidelity, preset = _fidelity(tables["fidelity"] or {}, preset, overrides, faults)
+    realizations = realizations_of(tables, faults)
+    roughness = roughness_of(tables, document, faults, notes)
+    loading = _loading(tables["loading"], document, faults, notes)
 
     def build(other: dict[str, Any], wrong: list[Fault]) -> Sweep | None:
         """The sweep of these entries, of which few differ from those found."""
-        own = roughness
-        if entry_at(other, "disk.roughness") is not entry_at(found, "disk.roughness"):
-            own = roughness_of(other, document, wrong, [])
+        surface = roughness
+        if entry_at(other, "disk.roughness") is not entry_at(tables, "disk.roughness"):
+            surface = roughness_of(other, document, wrong, [])
         ramp = loading
-        if other["loading"] is not found["loading"]:
+        if other["loading"] is not tables["loading"]:
             ramp = _loading(other["loading"], document, wrong, [])
         oil = oil_of(other, wrong)
-        check_tables(other, fidelity, own, wrong)
+        check_tables(other, fidelity, surface, wrong)
         if wrong or ramp is None:
             return None
         return Sweep(
             **_entries(path.stem, other),
             loading=ramp,
-            roughness=own,
+            roughness=surface,
             oil=oil,
             realizations=realizations,
             fidelity=fidelity,
@@ -110,16 +110,16 @@ def load_scene(
         )
 
     try:
-        sweep = build(found, faults)
+        sweep = build(tables, faults)
         if sweep is not None:
             sweep = with_velocities_for_rates(sweep, notes)
-            samples = samples_of(entries, found, sweep, build, faults, notes)
+            samples = samples_of(entries, tables, sweep, build, faults, notes)
             sweep = replace(sweep, samples=samples, notes=tuple(notes))
     except (tribo.InputError, tribo.InvariantError) as error:
         raise SceneFileError(path, [str(error)]) from error
     if sweep is None or faults:
-        told = without_consequences(faults)
-        raise SceneFileError(path, [document.line(fault) for fault in told])
+        causes = without_consequences(faults)
+        raise SceneFileError(path, [document.line(fault) for fault in causes])
     return sweep
 
 
@@ -168,8 +168,8 @@ def scene_entry(
     >>> pipeline.scene_entry("workflows/first_try.toml", "temperature.bulk")
     '25 degC'
     """
-    given = {name: value for name, value in (overrides or {}).items() if _is_entry(name)}
-    document = with_entries(read_document(scene_path(path), []), given, [])
+    replaced = {name: value for name, value in (overrides or {}).items() if _is_entry(name)}
+    document = with_entries(read_document(scene_path(path), []), replaced, [])
     return entry_at(with_library(document.entries(), [])[0], key)
 
 
@@ -190,8 +190,8 @@ def _fidelity(
             f"{', '.join(FIDELITY)}; or an entry such as wear.pattern, loading.hold or title"
         )
         faults.append(Fault(key, problem))
-    known = {key: value for key, value in overrides.items() if key in FIDELITY}
-    last = Table(FIDELITY).read(known, "", faults)
+    fields = {key: value for key, value in overrides.items() if key in FIDELITY}
+    last = Table(FIDELITY).read(fields, "", faults)
     for where, values, counts in (("fidelity", entries, preset is None), ("", last, True)):
         for key, value in values.items():
             if value is None:
@@ -264,16 +264,16 @@ def _wear(table: Mapping[str, Any] | None) -> Any:
     return own_of("wear", table) if "law" in table else tribo.Wear(**table)
 
 
-def _entries(name: str, found: dict[str, Any]) -> dict[str, Any]:
+def _entries(name: str, tables: dict[str, Any]) -> dict[str, Any]:
     """Fields of the sweep that follow from sound entries alone."""
     materials = {
         name: tribo.Material(**{key: value for key, value in table.items() if key != "like"})
-        for name, table in found["materials"].items()
+        for name, table in tables["materials"].items()
     }
-    pin, window, sweep = found["pin"], found["window"], found["sweep"]
-    friction, temperature = found["friction"], found["temperature"]
+    pin, window, sweep = tables["pin"], tables["window"], tables["sweep"]
+    friction, temperature = tables["friction"], tables["temperature"]
     cylinder, periodic_y = pin["shape"] == "cylinder", window["periodic_y"]
-    body, disk = _pin(pin, materials[pin["material"]]), materials[found["disk"]["material"]]
+    body, disk = _pin(pin, materials[pin["material"]]), materials[tables["disk"]["material"]]
     bulks = of_bulks(temperature["bulk"])
     return {
         "pin": body,
@@ -283,11 +283,11 @@ def _entries(name: str, found: dict[str, Any]) -> dict[str, Any]:
             window["pixel_size"],
             periodic=(False, cylinder if periodic_y is None else periodic_y),
         ),
-        "motion": tribo.Motion(**found["motion"]) if found["motion"] else None,
-        "wear": _wear(found["wear"]),
+        "motion": tribo.Motion(**tables["motion"]) if tables["motion"] else None,
+        "wear": _wear(tables["wear"]),
         "friction_heat": max([friction["coefficient"], *(friction["band"] or [])]) > 0,
         "name": name,
-        "title": found["title"] or name,
+        "title": tables["title"] or name,
         "loads": tuple(sorted(set(sweep["loads"]))),
         "velocities": tuple(sorted(set(sweep["velocities"]))),
         "unequal_bulks": bulks["disk_temperature"] is not None,
@@ -296,12 +296,12 @@ def _entries(name: str, found: dict[str, Any]) -> dict[str, Any]:
             critical_temperature=temperature["critical"],
             failing_share=temperature["failing_share"],
             criterion=temperature["criterion"],
-            corrections=corrections_of(found, body, disk),
+            corrections=corrections_of(tables, body, disk),
             **bulks,
         ),
         "friction_band": friction["band"],
-        "measured": tuple(Measurement.of(entry) for entry in found["measured"]),
-        "tested": tuple(Measurement.of(entry) for entry in found["tested"]),
+        "measured": tuple(Measurement.of(entry) for entry in tables["measured"]),
+        "tested": tuple(Measurement.of(entry) for entry in tables["tested"]),
         "wear_rates": tuple(sweep["wear_rates"].values()) if sweep["wear_rates"] else None,
         "store_fields": sweep["fields"],
         "independent": sweep["independent"],

@@ -29,20 +29,22 @@ class List(Kind):
     def __str__(self) -> str:
         return f"a list{f' of {self.length}' if self.length else ''}, each {self.of}"
 
-    def _read(self, value: Any, at: str, faults: list[Fault]) -> tuple[Any, ...] | None:
+    def _read(self, value: Any, place: str, faults: list[Fault]) -> tuple[Any, ...] | None:
         if not isinstance(value, list):
             raise UnfitError(f"{quoted(value)} is not a list")
         if len(value) != (self.length or max(len(value), 1)):
             count = f"has {len(value)} {'entry' if len(value) == 1 else 'entries'}"
             raise UnfitError(f"{quoted(value)} {count if value else 'is empty'}")
-        found = [self.of.read(item, f"{at}[{index}]", faults) for index, item in enumerate(value)]
+        entries = [
+            self.of.read(item, f"{place}[{index}]", faults) for index, item in enumerate(value)
+        ]
         if self.distinct:
             first: dict[Any, int] = {}
-            for index, item in enumerate(found):
+            for index, item in enumerate(entries):
                 if item is not None and first.setdefault(item, index) != index:
                     problem = f"{quoted(value[index])} equals entry [{first[item]}]"
-                    faults.append(Fault(f"{at}[{index}]", f"{problem}; give each value once"))
-        return None if None in found else tuple(found)
+                    faults.append(Fault(f"{place}[{index}]", f"{problem}; give each value once"))
+        return None if None in entries else tuple(entries)
 
 
 @dataclass(frozen=True)
@@ -54,20 +56,20 @@ class Range(Kind):
     def __str__(self) -> str:
         return f"a table with from, to, step, each {self.of}"
 
-    def _read(self, value: Any, at: str, faults: list[Fault]) -> tuple[float, ...] | None:
+    def _read(self, value: Any, place: str, faults: list[Fault]) -> tuple[float, ...] | None:
         # Decimals, so that three steps of 0.1 m/s make 0.3 and not 0.30000000000000004.
         end = replace(self.of, exact=True)
         step = replace(end, zero=False)
-        found = Table({"from": end, "to": end, "step": step}).read(value, at, faults)
-        if found is None or None in found.values():
+        entries = Table({"from": end, "to": end, "step": step}).read(value, place, faults)
+        if entries is None or None in entries.values():
             return None
-        steps = (found["to"] - found["from"]) / found["step"]
+        steps = (entries["to"] - entries["from"]) / entries["step"]
         if not 0 <= steps <= _MOST_STEPS or abs(steps - round(steps)) > 1e-9:
             raise UnfitError(
                 f"from {quoted(value['from'])} to {quoted(value['to'])} there are {steps:.6g} "
                 f"steps of {quoted(value['step'])}, not a whole number up to {_MOST_STEPS}"
             )
-        return tuple(float(found["from"] + i * found["step"]) for i in range(round(steps) + 1))
+        return tuple(float(entries["from"] + i * entries["step"]) for i in range(round(steps) + 1))
 
 
 @dataclass(frozen=True)
@@ -81,8 +83,8 @@ class Either(Kind):
     def __str__(self) -> str:
         return f"{self.usual}; or {self.other}"
 
-    def _read(self, value: Any, at: str, faults: list[Fault]) -> Any:
-        return (self.other if self.when(value) else self.usual)._read(value, at, faults)
+    def _read(self, value: Any, place: str, faults: list[Fault]) -> Any:
+        return (self.other if self.when(value) else self.usual)._read(value, place, faults)
 
 
 @dataclass(frozen=True)
@@ -107,24 +109,24 @@ class Table(Kind):
         """Keys that may not be left out."""
         return [key for key, entry in self.keys.items() if not isinstance(entry, Optional)]
 
-    def _read(self, value: Any, at: str, faults: list[Fault]) -> dict[str, Any]:
+    def _read(self, value: Any, place: str, faults: list[Fault]) -> dict[str, Any]:
         if not isinstance(value, dict):
             raise UnfitError(f"{quoted(value)} is not a table")
         for key in value:
             if key not in self.keys:
                 hint = did_you_mean(key, self.keys)
                 problem = f"unknown key{hint}; give one of {', '.join(self.keys)}"
-                faults.append(Fault(joined(at, key), problem))
-        found = {}
+                faults.append(Fault(joined(place, key), problem))
+        entries = {}
         for key, entry in self.keys.items():
             kind = entry.kind if isinstance(entry, Optional) else entry
             if key in value:
-                found[key] = kind.read(value[key], joined(at, key), faults)
+                entries[key] = kind.read(value[key], joined(place, key), faults)
             else:
-                found[key] = entry.default if isinstance(entry, Optional) else None
+                entries[key] = entry.default if isinstance(entry, Optional) else None
                 if kind is entry:
-                    faults.append(Fault(joined(at, key), f"missing; give {kind}"))
-        return found
+                    faults.append(Fault(joined(place, key), f"missing; give {kind}"))
+        return entries
 
 
 @dataclass(frozen=True)
@@ -134,7 +136,7 @@ class Scalar(Kind):
     def __str__(self) -> str:
         return "a number, or a quantity in quotes"
 
-    def _read(self, value: Any, at: str, faults: list[Fault]) -> float | int | str:
+    def _read(self, value: Any, place: str, faults: list[Fault]) -> float | int | str:
         if isinstance(value, bool) or not isinstance(value, int | float | str):
             raise UnfitError(f"{quoted(value)} is neither a number nor a quantity")
         return value
@@ -142,12 +144,12 @@ class Scalar(Kind):
 
 def _flat(tables: dict[str, Any], above: str, ends: Collection[str]) -> Iterator[tuple[str, Any]]:
     """Paths, and what stands there: no table, an empty one, or one with any of some keys."""
-    for key, each in tables.items():
+    for key, inner in tables.items():
         path = f"{above}.{key}" if above else key
-        if isinstance(each, dict) and each and not set(ends) & set(each):
-            yield from _flat(each, path, ends)
+        if isinstance(inner, dict) and inner and not set(ends) & set(inner):
+            yield from _flat(inner, path, ends)
         else:
-            yield path, each
+            yield path, inner
 
 
 @dataclass(frozen=True)
@@ -159,14 +161,14 @@ class ByPath(Kind):
     def __str__(self) -> str:
         return f"a table with the paths of others, each with {self.of}"
 
-    def _read(self, value: Any, at: str, faults: list[Fault]) -> dict[str, Any]:
+    def _read(self, value: Any, place: str, faults: list[Fault]) -> dict[str, Any]:
         if not isinstance(value, dict):
             raise UnfitError(f"{quoted(value)} is not a table")
         read = {
-            path: self.of.read(each, f"{at}.{quoted(path)}", faults)
-            for path, each in _flat(value, "", ())
+            path: self.of.read(leaf, f"{place}.{quoted(path)}", faults)
+            for path, leaf in _flat(value, "", ())
         }
-        return {path: each for path, each in read.items() if each is not None}
+        return {path: leaf for path, leaf in read.items() if leaf is not None}
 
 
 @dataclass(frozen=True)
@@ -188,23 +190,25 @@ class Distributions(Kind):
         pairs = [" and ".join(table.needed) for table in self.of]
         return f"a table with {', or '.join(pairs)}; or {self.listed}"
 
-    def _read(self, value: Any, at: str, faults: list[Fault]) -> dict[str, Any]:
+    def _read(self, value: Any, place: str, faults: list[Fault]) -> dict[str, Any]:
         if not isinstance(value, dict):
             raise UnfitError(f"{quoted(value)} is not a table")
         ours = {key for table in self.of for key in table.keys}
-        found = {path: self._one(each, path, at, faults) for path, each in _flat(value, "", ours)}
-        return {path: each for path, each in found.items() if each is not None}
+        entries = {
+            path: self._one(leaf, path, place, faults) for path, leaf in _flat(value, "", ours)
+        }
+        return {path: leaf for path, leaf in entries.items() if leaf is not None}
 
-    def _one(self, value: Any, path: str, at: str, faults: list[Fault]) -> Any:
-        key = f"{at}.{quoted(path)}"
+    def _one(self, value: Any, path: str, place: str, faults: list[Fault]) -> Any:
+        key = f"{place}.{quoted(path)}"
         if isinstance(value, list):
             return self.listed.read(value, key, faults)
         keys = set(value) if isinstance(value, dict) else set()
         fits = (table for table in self.of if set(table.needed) <= keys <= set(table.keys))
         table = next(fits, None)
         if table is None:
-            given = f"a table with {', '.join(value)}" if isinstance(value, dict) else quoted(value)
-            faults.append(Fault(key, f"{given} is not a distribution; give {self}"))
+            shown = f"a table with {', '.join(value)}" if isinstance(value, dict) else quoted(value)
+            faults.append(Fault(key, f"{shown} is not a distribution; give {self}"))
             return None
         read = table.read(value, key, faults)
         return None if None in read.values() else read
@@ -219,9 +223,9 @@ class Tables(Kind):
     def __str__(self) -> str:
         return f"at least one table under a name of your choice, each {self.of}"
 
-    def _read(self, value: Any, at: str, faults: list[Fault]) -> dict[str, Any]:
+    def _read(self, value: Any, place: str, faults: list[Fault]) -> dict[str, Any]:
         if not isinstance(value, dict) or not value:
             raise UnfitError(f"{quoted(value)} is not a table that holds tables")
         return {
-            name: self.of.read(table, joined(at, name), faults) for name, table in value.items()
+            name: self.of.read(table, joined(place, name), faults) for name, table in value.items()
         }

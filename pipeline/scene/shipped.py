@@ -23,7 +23,7 @@ def shipped_scenes() -> dict[str, Path]:
     return {path.stem: path for path in sorted(WORKFLOWS.glob("*.toml"))}
 
 
-def scene_path(given: str | PathLike[str], folder: Path = Path()) -> Path:
+def scene_path(scene: str | PathLike[str], folder: Path = Path()) -> Path:
     """File of a scene that is given by its path from a folder, or by its name if it is shipped.
 
     Examples
@@ -31,5 +31,5 @@ def scene_path(given: str | PathLike[str], folder: Path = Path()) -> Path:
     >>> scene_path("first_try").name, scene_path("my/scene.toml").name
     ('first_try.toml', 'scene.toml')
     """
-    path, shipped = folder / given, shipped_scenes().get(str(given))
+    path, shipped = folder / scene, shipped_scenes().get(str(scene))
     return path if shipped is None or path.exists() else shipped

@@ -208,7 +208,9 @@ def repeated(heights: Array, shape: tuple[int, int], how: Literal["mirror", "til
     >>> repeated(np.array([[1.0, 2.0, 3.0]]), (1, 7), "tile")
     array([[1., 2., 3., 1., 2., 3., 1.]])
     """
-    more = [(0, max(0, wanted - own)) for wanted, own in zip(shape, heights.shape, strict=True)]
+    more = [
+        (0, max(0, wanted - present)) for wanted, present in zip(shape, heights.shape, strict=True)
+    ]
     if how == "mirror":
         return np.pad(heights, more, mode="symmetric")
     return np.pad(heights, more, mode="wrap")
@@ -223,10 +225,10 @@ def levelled(heights: Array) -> Array:
     >>> bool(np.abs(levelled(3.0 + 2.0 * i - 0.5 * j)).max() < 1e-12)
     True
     """
-    known = np.isfinite(heights)
+    measured = np.isfinite(heights)
     i, j = np.indices(heights.shape) / max(heights.shape)
     terms = np.stack([np.ones(heights.shape), i, j], axis=-1)
-    plane, *_ = np.linalg.lstsq(terms[known], heights[known], rcond=None)
+    plane, *_ = np.linalg.lstsq(terms[measured], heights[measured], rcond=None)
     level: Array = heights - terms @ plane
     return level
 
@@ -261,17 +263,17 @@ def filled(heights: Array) -> Array:
     number = np.full(heights.shape, -1)
     number[missing] = np.arange(count)
     rows, columns, weights = [np.empty(0, int)], [np.empty(0, int)], [np.empty(0)]
-    neighbours, known = np.zeros(count), np.zeros(count)
+    neighbours, around = np.zeros(count), np.zeros(count)
     for axis in (0, 1):
         low = tuple(slice(None, -1) if k == axis else slice(None) for k in (0, 1))
         high = tuple(slice(1, None) if k == axis else slice(None) for k in (0, 1))
         for here, there in ((low, high), (high, low)):
             hole = missing[here]
-            own, other, height = number[here][hole], number[there][hole], heights[there][hole]
-            neighbours += np.bincount(own, minlength=count)
+            inside, other, height = number[here][hole], number[there][hole], heights[there][hole]
+            neighbours += np.bincount(inside, minlength=count)
             to_known = other < 0
-            known += np.bincount(own[to_known], height[to_known], minlength=count)
-            rows.append(own[~to_known])
+            around += np.bincount(inside[to_known], height[to_known], minlength=count)
+            rows.append(inside[~to_known])
             columns.append(other[~to_known])
             weights.append(-np.ones(int((~to_known).sum())))
     off = sparse.csc_matrix(
@@ -279,5 +281,5 @@ def filled(heights: Array) -> Array:
         shape=(count, count),
     )
     result = heights.copy()
-    result[missing] = spsolve(sparse.diags(neighbours, format="csc") + off, known)
+    result[missing] = spsolve(sparse.diags(neighbours, format="csc") + off, around)
     return result

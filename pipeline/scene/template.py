@@ -76,16 +76,16 @@ def new_scene(path: str | Path, like: str | None = None) -> list[Path]:
     >>> [file.name for file in new_scene(folder / "mine.toml", like="fig8")]
     ['mine.toml', 'fig8_load_record.csv']
     """
-    path, known = Path(path), shipped_scenes()
+    path, shipped = Path(path), shipped_scenes()
     if path.suffix != ".toml":
         name = path.stem or "scene"
         raise InputError(f"{path}: a scene is a TOML file; give a name such as {name}.toml")
-    if like is not None and like not in known:
+    if like is not None and like not in shipped:
         raise InputError(
-            f'"{like}" is not a shipped scene{did_you_mean(like, known)}; there are '
-            f"{', '.join(known)}"
+            f'"{like}" is not a shipped scene{did_you_mean(like, shipped)}; there are '
+            f"{', '.join(shipped)}"
         )
-    source = known[like or _USUAL]
+    source = shipped[like or _USUAL]
     entries = read_document(source, []).entries()
     if like is None:
         head = _HEAD
@@ -143,12 +143,12 @@ def _section(
         yield from _wrapped(_plain(TABLES[section.path]))
     if header:
         yield header if values is not None else f"#{header}"
-    given = values or {}
-    used = _form(section, given)
+    entries = values or {}
+    used = _form(section, entries)
     keys = section.keys()
     for key, (entry, form) in keys.items():
-        if form in ("", used) and (comment or key in given):
-            yield from _key(section, key, entry, given, comment)
+        if form in ("", used) and (comment or key in entries):
+            yield from _key(section, key, entry, entries, comment)
     others = {key: entry for key, (entry, form) in keys.items() if form not in ("", used)}
     if others and comment:
         form = next(form for form in VARIANTS[section.path] if form != used)
@@ -157,31 +157,31 @@ def _section(
             yield from _key(section, key, entry, {}, comment)
 
 
-def _form(section: Section, given: Mapping[str, Any]) -> str:
+def _form(section: Section, entries: Mapping[str, Any]) -> str:
     """Form of a table with two forms that some keys are of; empty if it has but one."""
     if len(section.forms) == 1:
         return ""
     usual, other = VARIANTS[section.path]
-    is_other = any(form == other for key, (_, form) in section.keys().items() if key in given)
-    return other if is_other or str(given.get("shape")) in other else usual
+    is_other = any(form == other for key, (_, form) in section.keys().items() if key in entries)
+    return other if is_other or str(entries.get("shape")) in other else usual
 
 
 def _key(
-    section: Section, key: str, entry: Kind | Optional, given: Mapping[str, Any], comment: bool
+    section: Section, key: str, entry: Kind | Optional, entries: Mapping[str, Any], comment: bool
 ) -> Iterator[str]:
     """Lines of one key: what it means and what is allowed, and its value or an example."""
     kind = kind_of(entry)
     default = entry.default if isinstance(entry, Optional) else None
     path = section.path_of(key)
     if section.path == "fidelity" and key != "preset":
-        preset = given.get("preset", USUAL_PRESET)
+        preset = entries.get("preset", USUAL_PRESET)
         default = getattr(tribo.PRESETS[preset], key)
     if comment:
         is_said = default not in (None, (), math.inf)
-        known = f"; default {written(default, kind)}" if is_said else ""
-        yield from _wrapped(f"{_plain(MEANINGS[path])} Give {kind}{known}.")
-    value = given[key] if key in given else _EXAMPLES.get(path, example(kind, default))
-    mark = "" if key in given else "#"
+        usual = f"; default {written(default, kind)}" if is_said else ""
+        yield from _wrapped(f"{_plain(MEANINGS[path])} Give {kind}{usual}.")
+    value = entries[key] if key in entries else _EXAMPLES.get(path, example(kind, default))
+    mark = "" if key in entries else "#"
     if isinstance(kind, Distributions):  # a line for each, since they are long
         for name, distribution in value.items():
             yield f"{mark}{key}.{name} = {_toml(distribution)}"
@@ -229,6 +229,6 @@ def _plain(text: str) -> str:
 
 
 def _wrapped(text: str) -> Iterator[str]:
-    kept = re.sub('"[^"]*"', lambda found: found[0].replace(" ", "\N{NO-BREAK SPACE}"), text)
+    kept = re.sub('"[^"]*"', lambda match: match[0].replace(" ", "\N{NO-BREAK SPACE}"), text)
     for line in textwrap.wrap(kept, _WIDTH, break_long_words=False, break_on_hyphens=False):
         yield "# " + line.replace("\N{NO-BREAK SPACE}", " ")

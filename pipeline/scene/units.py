@@ -122,7 +122,7 @@ def si_unit(text: str) -> str:
     """
     units: Any = _parsed(text).to_base_units().unit_items()
     powers = [(f"{_registry().get_symbol(name)}", int(power)) for name, power in units]
-    powers.sort(key=lambda each: each[1] < 0)
+    powers.sort(key=lambda power: power[1] < 0)
     return " ".join(name + ("" if power == 1 else f"{power}") for name, power in powers) or "1"
 
 
