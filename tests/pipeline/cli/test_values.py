@@ -5,10 +5,9 @@ import re
 
 import pytest
 
+import pipeline
 from pipeline.cli import main, values
 from pipeline.cli.parser import parse
-from pipeline.cli.scenes import settings_of
-from pipeline.cli.variations import _with
 
 
 @pytest.mark.parametrize(
@@ -105,12 +104,9 @@ def test_a_key_is_set_once(command, again, capsys):
     assert told in capsys.readouterr().err
 
 
-def test_what_is_varied_replaces_what_is_set():
-    varied = ["--over", "fidelity.increments=6", "--over", "wear.pattern=local"]
-    options = parse(["vary", "s.toml", *varied, "--set", "increments=5"])
-    (one, (six,)), (other, (local,)) = options.over
-    assert settings_of(_with(options, one, six)) == {"increments": 6}
-    assert settings_of(_with(options, other, local)) == {"increments": 5, "wear.pattern": "local"}
+def test_a_value_that_is_varied_goes_before_one_that_is_set():
+    overrides = {"increments": 5, "fidelity.increments": 6}
+    assert pipeline.load_scene("first_try", overrides=overrides).fidelity.increments == 6
 
 
 def test_a_store_may_have_any_other_name(tmp_path):
