@@ -17,6 +17,7 @@ from pipeline.analysis.tables import Column, Table
 from pipeline.analysis.transition import OUTCOMES
 from pipeline.store.place import PathLike
 from pipeline.store.schema import DONE, FAILED
+from tribo import InputError
 
 _STATES = {DONE: "done", FAILED: "failed"}
 
@@ -105,10 +106,10 @@ def _boundary(a: xr.Dataset, b: xr.Dataset) -> Table:
         Column("outcome_a", "outcome in A"),
         Column("outcome_b", "outcome in B"),
     )
-    judged = all(attributes_of(ds)["conditions"].get("critical_temperature") for ds in (a, b))
-    if not judged:
+    try:
+        crossings = [_crossings(ds) for ds in (a, b)]
+    except InputError:  # no critical temperature, or samples, whose boundary is a probability
         return Table(columns, ())
-    crossings = [_crossings(ds) for ds in (a, b)]
     loads = sorted(crossings[0].keys() & crossings[1].keys())
     rows = []
     for load in loads:
@@ -164,15 +165,15 @@ def _states(
     """Place of each point that is done, failed or asked for; its state and highest rise [K]."""
     axis = variant_of(ds)
     roughness = attributes_of(ds)["scene"].get("roughness") or {}
-    seed = [roughness.get("seed") if has_seeds else None]
-    order = [name for name in ("load", "velocity", axis) if name]
-    rises = end_of_point(ds[["time", "max_rise"]])["max_rise"].transpose(*order).values
-    status, is_asked = (each.transpose(*order).values for each in (ds["status"], asked(ds)))
-    values = [ds[name].values.tolist() for name in order]
-    for index in np.ndindex(*status.shape):
-        if not (status[index] or is_asked[index]):
-            continue
-        place = [column[number] for column, number in zip(values, index, strict=True)]
-        load, velocity, variant = place if axis else place + seed
-        state = _STATES.get(int(status[index]), "pending")
-        yield (load, velocity, variant), (state, float(rises[index]))
+    seed = roughness.get("seed") if has_seeds else None
+    rise = end_of_point(ds[["time", "max_rise"]])["max_rise"]
+    variant = ds[axis] if axis else xr.DataArray(-1)
+    columns = xr.broadcast(
+        ds["status"], asked(ds), rise, ds["load"], ds["velocity"], variant, exclude=("step",)
+    )
+    for status, is_asked, value, load, velocity, number in zip(
+        *(column.values.ravel().tolist() for column in columns), strict=True
+    ):
+        if status or is_asked:
+            place = load, velocity, number if axis else seed
+            yield place, (_STATES.get(status, "pending"), value)

@@ -93,7 +93,7 @@ def _of_store(path: Path) -> dict[str, Any]:
     try:
         state, preset = summary(path), (read_attributes(path) or {}).get("preset")
     except StoreError as error:
-        reason = str(error).split(";")[0].removeprefix(str(path)).strip(": ")
+        reason = str(error).split(";")[0].replace(str(path.absolute()), "").strip(": ")
         return {"kind": "store", "state": f"unreadable: {reason}"}
     words = "done" if not state.pending else f"{state.done} of {state.total} done"
     if state.failed:

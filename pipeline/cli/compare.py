@@ -24,7 +24,10 @@ def diff(options: argparse.Namespace) -> int:
     if found.boundary.rows:
         text += [*found.boundary.without_empty().lines(), ""]
     else:
-        text += ["no boundary to compare: no load in common, or no critical temperature", ""]
+        text += [
+            "no boundaries to compare: no common load, no critical temperature, or samples",
+            "",
+        ]
     differing = len(found.points.rows)
     changes = [abs(change) for change in found.points.as_dict()["change"] if isfinite(change)]
     unlike = f" (by up to {100 * max(changes):.2g} % of the rise)" if changes else ""

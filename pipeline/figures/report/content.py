@@ -20,20 +20,17 @@ from pipeline.analysis.entries import entries_of
 from pipeline.analysis.margin_table import margin_table
 from pipeline.analysis.operating_points import OperatingPoints
 from pipeline.analysis.tables import Column, Table
-from pipeline.analysis.transition import CROSSES
+from pipeline.analysis.transition import CROSSES, OUTCOMES
 from pipeline.analysis.warned import warned
 from pipeline.figures.report.citation import citation
 from pipeline.figures.style import criterion, heating
 from pipeline.scene.meanings import MEANINGS
 from pipeline.store.schema import DONE, FAILED
-from pipeline.sweep.selection import Selection
+from pipeline.sweep.selection import PRESET_BOUNDS, Selection
 from pipeline.sweep.shown import on_plane
 from tribo import InputError
 
 _DPI = 200
-_PRESET_ERRORS = {"draft": 0.05, "standard": 0.006, "fine": 0.001}
-"""Largest error of the boundary velocity on the paper's system, as README has it."""
-
 _LONG = {
     "certain", "critical_velocity", "critical_load", "velocity_outcome", "load_outcome",
     "temperature_error", "note",
@@ -75,11 +72,13 @@ def content(ds: xr.Dataset, points: OperatingPoints | None, conditions: Mapping[
 
 
 def _or_reason(write: Callable[[], Iterator[str]]) -> list[str]:
-    """A section, or the reason for which the sweep has no such."""
+    """Parts of a section, and the reason for which the sweep has no more."""
+    parts: list[str] = []
     try:
-        return list(write())
+        parts.extend(write())
     except InputError as error:
-        return [_paragraph(f"Not in this report: {error}.")]
+        parts.append(_paragraph(f"Not in this report: {error}."))
+    return parts
 
 
 def _paragraph(text: str) -> str:
@@ -117,7 +116,9 @@ def _answer(found: xr.Dataset) -> str:
         velocities, crosses = velocities.median(axis), crosses.all(axis)
     known = velocities.where(crosses, drop=True)
     if not known.size:
-        return "Answer: no transition lies within the points computed; see the numbers below."
+        codes = sorted(set(found["outcome_at_load"].values.ravel().tolist()))
+        words = " or ".join(OUTCOMES[code] for code in codes)
+        return f"Answer: no transition is known among the points computed: {words}."
     places = [known[0], known[-1]] if known.size > 1 else [known[0]]
     told = " and ".join(
         f"from {float(place):.3g} m/s on at {float(place['load']):g} N" for place in places
@@ -228,11 +229,11 @@ def _fidelity(attributes: Mapping[str, Any]) -> Iterator[str]:
         yield _paragraph(
             f"Picked for its accuracy on this scene: {Selection.from_dict(selection)}."
         )
-    elif error := _PRESET_ERRORS.get(str(preset)):
+    elif bound := PRESET_BOUNDS.get(str(preset)):
         yield _paragraph(
-            f"Preset {preset}: its boundary velocity errs by up to {100 * error:g} % on the system "
-            "of the paper, against nearly exact steps. On this scene the error was not measured: "
-            "irg run with --accuracy does so."
+            f"Preset {preset}: its boundary velocity may err by up to {100 * bound:g} %, against "
+            "nearly exact steps. On this scene the error was not measured: irg run with --accuracy "
+            "does so."
         )
     else:
         yield _paragraph(f"Preset {preset or 'of its own'}: its error was not measured.")
