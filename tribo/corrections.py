@@ -14,7 +14,7 @@ from dataclasses import asdict, dataclass
 from typing import Any, Self
 
 import numpy as np
-from scipy.interpolate import PchipInterpolator
+import scipy  # parts of it are loaded where they are used
 
 from tribo.analytic import hertz_ellipse
 from tribo.criterion import columns_of
@@ -211,7 +211,9 @@ class Corrections:
         known, factors = np.array(self.friction).T
         # Smooth also at the ends, since a boundary is interpolated between points on both sides.
         nodes = np.concatenate([[known[0] / 2], known, [2 * known[-1]]])
-        curve = PchipInterpolator(np.log(nodes), factors[[0, *range(len(factors)), -1]])
+        curve = scipy.interpolate.PchipInterpolator(
+            np.log(nodes), factors[[0, *range(len(factors)), -1]]
+        )
         within = np.clip(velocity, nodes[0], nodes[-1])
         found: Array = curve(np.log(within))
         return found

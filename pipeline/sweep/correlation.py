@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from scipy.special import ndtr, ndtri
+import scipy  # its special functions take 0.2 s to load
 
 from tribo.types import Array
 
@@ -42,11 +42,11 @@ def correlated(correlations: Array, shares: Array) -> list[Array]:
     if not dependent:
         return columns
     factor = np.linalg.cholesky(correlations)
-    scores = [ndtri(column) for column in columns]
+    scores = [scipy.special.ndtri(column) for column in columns]
     for i in dependent:
         # One after the other, so that a sample does not depend on how many there are.
         score = sum(factor[i, j] * scores[j] for j in range(i + 1))
-        columns[i] = np.clip(ndtr(score), OUTERMOST, 1 - OUTERMOST)
+        columns[i] = np.clip(scipy.special.ndtr(score), OUTERMOST, 1 - OUTERMOST)
     return columns
 
 

@@ -15,7 +15,7 @@ from dataclasses import asdict, dataclass, field
 from typing import Any, Literal, get_args
 
 import numpy as np
-from scipy.special import ndtri
+import scipy  # its special functions take 0.2 s to load
 
 from pipeline.sweep.correlation import OUTERMOST, correlated
 from tribo import InputError
@@ -143,9 +143,9 @@ class Unknown:
         """
         first, *rest = self.parameters
         if self.kind == "normal":
-            return np.asarray(first + rest[0] * ndtri(share))
+            return np.asarray(first + rest[0] * scipy.special.ndtri(share))
         if self.kind == "log-normal":
-            return np.asarray(first * rest[0] ** ndtri(share))
+            return np.asarray(first * rest[0] ** scipy.special.ndtri(share))
         if self.kind == "uniform":
             return np.asarray(first + (rest[0] - first) * share)
         values = np.array(self.parameters)
