@@ -1,1 +1,1 @@
-"""What a stored sweep says: labelled dataset, boundary, band and inference."""
+"""Results of a stored sweep: labelled dataset, boundary, band and inference."""

@@ -12,7 +12,7 @@ _INTERNAL = ("axes", "root_hash", "points_per_chunk", "steps_per_chunk")
 
 
 class Described(Protocol):
-    """What has attributes: a dataset, or what a store holds."""
+    """Anything with attributes: a dataset, or an array of a store."""
 
     @property
     def attrs(self) -> Mapping[Any, Any]:
@@ -60,7 +60,7 @@ def _decoded(text: str) -> Any:
 
 
 def _provenance(attributes: Mapping[Any, Any]) -> dict[str, str]:
-    """What computed a store, and when it was gone on with by other versions."""
+    """Versions that computed a store, and the times at which others went on with it."""
     versions = attributes.get("versions")
     if not versions:
         return {}

@@ -25,11 +25,11 @@ class Command(NamedTuple):
     function : str
         Module in this folder and function that carry it out.
     what : str
-        What it does, for the help.
+        Purpose, for the help.
     example : str
-        What may follow its name.
+        Arguments of an example.
     takes : tuple of Option or Group
-        What it takes besides what all commands do.
+        Options besides those of all commands.
     """
 
     name: str

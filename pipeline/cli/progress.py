@@ -87,7 +87,7 @@ def working(what: str) -> Iterator[Callable[[int, int], None]]:
     Parameters
     ----------
     what : str
-        What it does, such as "reading points".
+        Work in progress, such as "reading points".
 
     Yields
     ------

@@ -49,7 +49,7 @@ def animation(
     realization : int, optional
         Seed of the surface to draw; the first if not given.
     stacked : bool
-        Whether the panels lie below each other, rather than side by side.
+        Panels below each other, not side by side.
 
     Returns
     -------

@@ -91,7 +91,7 @@ def diagram(
         Names of simpler criteria whose transition to draw beside the computed one, out of
         `pipeline.sweep.rivals.RIVALS`.
     log : bool
-        Whether both axes are logarithmic, as in the classical figures; without velocity 0.
+        Both axes logarithmic, as in the classical figures; without velocity 0.
     given_measured : bool
         Of samples of what is not known: whether the measured transitions narrow it down.
     scatter : float, optional

@@ -49,7 +49,7 @@ def fields(
     realization : int, optional
         Seed of the surface to draw; the first if not given.
     stacked : bool
-        Whether the three lie below each other, rather than side by side.
+        The three below each other, not side by side.
 
     Raises
     ------
@@ -83,7 +83,7 @@ def with_fields(ds: xr.Dataset, conditions: Conditions, realization: int | None)
 
 
 def has_fields(ds: xr.Dataset, point: tuple[int, int]) -> bool:
-    """Whether a point was computed with fields, and not before the scene asked for them."""
+    """True if a point was computed with fields, not before the scene asked for them."""
     return bool(ds["pressure"].isel(load=point[0], velocity=point[1]).notnull().any())
 
 
@@ -143,7 +143,7 @@ def contact(
     conditions : Conditions
         Friction and temperatures to draw.
     stacked : bool
-        Whether the panels lie below each other, rather than side by side.
+        Panels below each other, not side by side.
     ends : ndarray, shape (3, 2), optional
         Ends of the scale of each panel; the point's own `scales` if not given.
     """

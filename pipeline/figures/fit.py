@@ -32,7 +32,7 @@ def fitted(figure: Figure, width: float | None = None, with_title: bool = True) 
     width : float, optional
         Width [m]; its own if not given.
     with_title : bool
-        Whether to keep the titles of the figure and of its axes.
+        Keep the titles of the figure and of its axes.
 
     Raises
     ------

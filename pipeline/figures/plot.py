@@ -61,7 +61,7 @@ def plot(
     dpi : float, optional
         Dots per inch of a .png, 150 if not given, or of a .gif, 100 if not given.
     with_title : bool
-        Whether the figure has its titles.
+        Draw the titles of the figure.
     **options
         Options of the function of that name.
 

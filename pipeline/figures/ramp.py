@@ -1,4 +1,4 @@
-"""What happens at points of a sweep while the load grows."""
+"""Contact, wear and temperature at points of a sweep while the load grows."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What moves the boundary, one input at a time, as a tornado."""
+"""Inputs that move the boundary, one at a time, as a tornado."""
 
 from __future__ import annotations
 

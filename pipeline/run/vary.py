@@ -81,7 +81,7 @@ class Variations:
     points, contacts : int
         Points of all scenes, and the points whose contacts were computed for them.
     warned : Warned
-        How many of them carry a warning, over all scenes.
+        Points that carry a warning, over all scenes.
     left_out : tuple of LeftOut
         Physics that the scene leaves out, whose names are the keys of changes.
 
@@ -172,7 +172,7 @@ def vary(
     tell : callable, optional
         Called with a line before each scene: which, of how many, and the time to go.
     physics : bool
-        Whether to add the physics that the scene leaves out, each with a usual size.
+        Add the physics that the scene leaves out, each with a usual size.
 
     Raises
     ------

@@ -26,7 +26,7 @@ def check_tables(
     Parameters
     ----------
     tables : dict
-        What the format gives of the file; None where an entry is faulty.
+        Tables of the file as the format reads them; None where an entry is faulty.
     fidelity : tribo.Fidelity
         Numerical choices.
     roughness : tribo.SelfAffineRoughness or tribo.MeasuredRoughness or None

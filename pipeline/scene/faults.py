@@ -19,7 +19,7 @@ class Fault(NamedTuple):
     key : str
         Key path of the entry, such as ``disk.roughness.ra``; empty if the whole file is meant.
     problem : str
-        What is wrong, the value given, what is allowed and what to do; one line.
+        Fault, value, allowed values and cure, in one line.
     file : Path or None
         File that the entry stands in, where the key alone does not tell.
     """

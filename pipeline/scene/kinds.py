@@ -155,7 +155,7 @@ class Quantity(Kind):
     zero : bool
         Whether 0 is allowed.
     exact : bool
-        Whether the value is kept as a decimal, without rounding.
+        True if the value is kept as a decimal, without rounding.
     """
 
     name: str

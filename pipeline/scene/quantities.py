@@ -35,7 +35,7 @@ def in_si(name: str, value: float | str, like: str) -> float:
     Parameters
     ----------
     name : str
-        What it is called, for the error.
+        Name of the quantity, for the error.
     value : float or str
         Number in SI, or text with a unit.
     like : str

@@ -38,9 +38,9 @@ class Section:
     forms : tuple of Table
         The table; or both, where it has either of two forms, the usual one first.
     is_needed : bool
-        Whether a scene has to have it.
+        True if a scene has to have it.
     is_list : bool
-        Whether there may be several, each in double brackets.
+        True if there may be several, each in double brackets.
     """
 
     path: str

@@ -199,7 +199,7 @@ def repeated(heights: Array, shape: tuple[int, int], how: Literal["mirror", "til
     shape : tuple of int
         Rows and columns wanted; a surface with more keeps them.
     how : {"mirror", "tile"}
-        Whether each repetition is the mirror image of the one before, or the same again.
+        Mirror image of the repetition before, or the same again.
 
     Examples
     --------

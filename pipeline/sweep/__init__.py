@@ -1,1 +1,1 @@
-"""What is to be simulated: a sweep, its points and their order."""
+"""A sweep, its points and their order."""

@@ -1,4 +1,4 @@
-"""What in a scene is hardly meant: values far from the usual, contacts beyond the model."""
+"""Probable slips in a scene: values far from the usual, contacts beyond the model."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ _ALONG = 30.0  # angle up to which grooves lie along sliding [°]
 
 
 def doubts(sweep: Sweep, facts: Facts) -> tuple[str, ...]:
-    """What a user hardly means, or should know before the simulation; a line each."""
+    """Probable slips, and limits to know of before the simulation; a line each."""
     return (
         *_of_bodies(sweep),
         *_of_conditions(sweep),
@@ -175,7 +175,7 @@ def _of_contact(sweep: Sweep, facts: Facts) -> Iterator[str]:
 
 
 def _length_over_width(pin: Ball | Crowned) -> float:
-    """How many times longer the elastic contact is along y than along x, at any load."""
+    """Length of the elastic contact along y over that along x, at any load."""
     if isinstance(pin, Ball):
         return 1.0
     half_x, half_y, *_ = analytic.hertz_ellipse(1.0, pin.radius, pin.crown_radius, 1e11)

@@ -1,4 +1,4 @@
-"""What a scene means: its contact, motion, wear and surface in closed form, before any simulation.
+"""Contact, motion, wear and surface of a scene in closed form, before any simulation.
 
 The worn contact is that of a smooth, rigid pin (`tribo.analytic`), joined with the elastic one so
 that each holds where the other is small. Against simulations of smooth pins the width is within
@@ -45,7 +45,7 @@ class Span(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Facts:
-    """What a scene means. Spans are over its loads and velocities.
+    """Meaning of a scene in numbers. Spans are over its loads and velocities.
 
     Attributes
     ----------

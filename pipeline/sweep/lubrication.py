@@ -32,7 +32,7 @@ from tribo.types import Array
 
 @dataclass(frozen=True, slots=True)
 class Lubrication:
-    """What the film parameter of a scene depends on.
+    """Quantities that the film parameter of a scene depends on.
 
     Attributes
     ----------
@@ -47,7 +47,7 @@ class Lubrication:
     rms_height : float
         Root mean square height of the disk [m].
     motion : Motion or None
-        How both bodies move; None if the pin is at rest.
+        Motion of both bodies; None if the pin is at rest.
     crown_radius : float or None
         Radius of a crowned roller across the motion [m]; None for any other pin.
     """

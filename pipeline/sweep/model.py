@@ -1,4 +1,4 @@
-"""What a scene file says: a scene, where to simulate it, and under which conditions it fails."""
+"""A scene, the points to simulate it at, and the conditions of severe wear."""
 
 from __future__ import annotations
 
@@ -148,15 +148,15 @@ class Sweep(Scene):
         Lowest and highest specific wear rate for which the points are to answer, beside the
         scene's own [m²/N]; None for that alone.
     store_fields : bool
-        Whether the fields at the end of each point are kept.
+        True if the fields at the end of each point are kept.
     independent : bool
-        Whether each point is simulated from the start instead of on from the next lower load.
+        True if each point is simulated from the start, not on from the next lower load.
     preset : str or None
         Name of the preset that the fidelity equals; None if it equals none.
     selection : Selection or None
         Why the fidelity is what it is, if it was picked for its accuracy.
     notes : tuple of str
-        What was assumed on reading the scene, for the user to know.
+        Assumptions made on reading the scene.
     library : tuple of FromLibrary
         Numbers that the scene takes from the library.
     chosen : collection of Point or None
@@ -250,7 +250,7 @@ class Sweep(Scene):
         return as_html(f"{self.name}: {self.title}", self._rows())
 
     def _rows(self) -> list[tuple[str, str]]:
-        """What the scene is, a row for each subject."""
+        """Description of the scene, a row for each subject."""
         several = [(f"{self.axis[0]}s", str(len(self.axis[1])))] if self.axis else []
         return [
             *on_scene(self),
@@ -282,7 +282,7 @@ class Sweep(Scene):
 
     @property
     def simulated(self) -> tuple[int | None, ...]:
-        """What of the axis has a simulation of its own; None if there is no axis.
+        """Part of the axis that has simulations of its own; None if there is no axis.
 
         Samples that differ in friction and temperatures alone share that of the first of them.
         """

@@ -82,7 +82,7 @@ class PointResult:
     wall_time : float
         Duration of the computation, which may have begun on a trunk [s].
     finished_at : float
-        When it was finished, since 1970-01-01 UTC [s].
+        Time of its end, since 1970-01-01 UTC [s].
     """
 
     point: Point
@@ -137,7 +137,7 @@ class PointResult:
         )
 
     def verdict(self, conditions: Conditions) -> Verdict:
-        """Whether wear is severe at the point under these conditions, by its worst moment."""
+        """Verdict on the wear at the point under these conditions, by its worst moment."""
         return verdict(self.columns, self.point.load, conditions)
 
 
@@ -189,7 +189,7 @@ def chains(todo: Iterable[Point], independent: bool = False) -> tuple[tuple[Poin
     todo : iterable of Point
         Points to compute.
     independent : bool
-        Whether every point begins at the start of the ramp instead.
+        True if every point begins at the start of the ramp.
 
     Examples
     --------
@@ -332,7 +332,7 @@ def _extended(sweep: Sweep, trunk: Trunk, state: State, load: float, record: Rec
 
 
 def _is_same_for_higher_loads(sweep: Sweep, state: State, load: float) -> bool:
-    """Whether a state has its temperature, as it is shown, also where it ends no point."""
+    """True if a ramp to a higher load reports the same temperature at this state."""
     if state.normal_load < load:
         return True
     (station,) = (at for at in sweep.stations(load) if at.on_trunk and at.normal_load == load)

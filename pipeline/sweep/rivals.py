@@ -1,4 +1,4 @@
-"""What simpler criteria say of a point: from the smooth contact alone, without a simulation.
+"""Simpler criteria of severe wear: from the smooth contact alone, without a simulation.
 
 Each is a number that grows with load and velocity. As a criterion it says that wear turns severe
 where the number exceeds a limit: for Blok's flash temperature the limit is the critical
@@ -37,7 +37,7 @@ class SmoothContact:
     pin, disk : Material
         Materials of the two bodies.
     motion : Motion or None
-        How both bodies move; None if the pin is at rest.
+        Motion of both bodies; None if the pin is at rest.
     crown_radius : float or None
         Radius of a crowned pin across sliding [m]; None for a cylinder or a ball.
     """
@@ -127,7 +127,7 @@ class Rival(NamedTuple):
     unit : str
         Unit in which to show its value.
     scale : float
-        What its value in SI is to be multiplied by for that.
+        Factor from its value in SI to that unit.
     value : callable
         Called with a contact, load [N], velocity [m/s] and friction; returns the criterion's value
         in SI.

@@ -60,7 +60,7 @@ class Selection:
     points : tuple of (float, float)
         Loads [N] and velocities [m/s] at which errors were measured.
     saving : float
-        How many times less work the fidelity takes than the yardstick.
+        Work of the yardstick over that of the fidelity.
     work : float
         Work of the whole probe, in elements times convolutions.
     seconds : float

@@ -1,4 +1,4 @@
-"""How a scene and a point show themselves where they are looked at: as lines, or as a table."""
+"""Description of a scene or a point in a notebook or terminal: as lines, or as a table."""
 
 from __future__ import annotations
 

@@ -24,7 +24,7 @@ def staged(
     Parameters
     ----------
     items : iterable
-        What is computed one after the other.
+        Stages, computed one after the other.
     tell : callable or None
         Called with a line before each; nothing is said if None.
     name : callable

@@ -25,7 +25,7 @@ class SurfaceFacts:
     Attributes
     ----------
     measured : bool
-        Whether the heights come from a file.
+        True if the heights come from a file.
     ra, rq : float
         Mean and root mean square distance of the heights from their mean plane [m].
     mean_height : float

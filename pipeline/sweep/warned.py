@@ -1,4 +1,4 @@
-"""How many points of a sweep carry a warning, as every command tells it."""
+"""Points of a sweep that carry a warning, as every command counts them."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any
 
 @dataclass(frozen=True, slots=True)
 class Warned:
-    """How many points of a sweep carry a warning.
+    """Points of a sweep that carry a warning, by kind.
 
     Attributes
     ----------
@@ -35,7 +35,7 @@ class Warned:
         return asdict(self)
 
     def lines(self) -> Iterator[str]:
-        """What to tell a user; nothing where no point carries a warning."""
+        """Lines for the user; none where no point carries a warning."""
         if not self.points:
             return
         kinds = ", ".join(f"{kind} at {count}" for kind, count in self.kinds.items())

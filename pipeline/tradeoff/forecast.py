@@ -81,7 +81,7 @@ def estimate(sweep: SceneLike, workers: int | None = None, boundary_only: bool =
     workers : int, optional
         Number of processes; one for each core if not given.
     boundary_only : bool
-        Whether velocities are chosen on the way, as for samples, instead of computed all.
+        True if velocities are chosen on the way, as for samples, not computed all.
 
     Raises
     ------
