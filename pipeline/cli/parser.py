@@ -171,7 +171,7 @@ COMMANDS = (
         (
             o.STORE, o.output("REPORT.html", "file to write, .html or .pdf; default: beside the "
             "store"),
-            o.POINTS, o.CONDITIONS,
+            o.POINTS, o.WEAR_RATE, o.CONDITIONS,
         ),
     ),
     Command(

@@ -113,7 +113,7 @@ def explore(options: argparse.Namespace) -> int:
 
 def report(options: argparse.Namespace) -> int:
     """Write a report of a store."""
-    ds, conditions = pipeline.open_sweep(options.store), given(options, *CONDITIONS)
+    ds, conditions = opened(options), given(options, *CONDITIONS)
     out = options.output or _beside(options.store, "_report.html")
     points = None if options.points is None else pipeline.OperatingPoints.read(options.points)
     with working("writing the report"):
