@@ -92,7 +92,7 @@ def replace_files(root: Path, contents: Mapping[str, bytes]) -> None:
 
 def make_folder(folder: Path) -> None:
     """Make a folder and those above it; return once their names are on the disk."""
-    if not folder.exists():
+    if not folder.is_dir():
         make_folder(folder.parent)
         folder.mkdir(exist_ok=True)
         sync(folder.parent)
