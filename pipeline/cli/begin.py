@@ -29,7 +29,11 @@ def new(options: argparse.Namespace) -> int:
         return DONE
     if options.site is not None:
         site = write_sample(options.site)
-        show(options, {"file": str(site)}, [f"{site} is written", f"irg run … --site {site}"])
+        show(
+            options,
+            {"file": str(site)},
+            [f"{site} is written", f"irg run SCENE.toml --cluster slurm --site {site}"],
+        )
         return DONE
     if options.file is None:
         raise InputError("give the name of the file to write, such as: irg new scene.toml")

@@ -161,7 +161,7 @@ def _cost(sweep: Sweep, found: Estimate, searched: bool) -> Iterator[str]:
         yield f"  points   {found.points}: {loads}, {velocities}{surfaces}"
     yield f"  steps    {found.steps} contacts and {found.temperatures} temperatures to solve"
     if not (sweep.samples or searched):
-        yield f"  chains   {found.chains}: as many workers at most have something to do at a time"
+        yield f"  chains   {found.chains}, each computed by one worker: more would be idle"
     workers = counted(found.workers, "worker", "workers")
     yield f"  time     about {duration(found.seconds)} on {workers}"
     yield from (f"           {line}" for line in found.basis.split("; "))
