@@ -15,6 +15,19 @@ if TYPE_CHECKING:
 _LAST = 60.0  # [s] for the last drawing of a file, after the run
 
 
+def require_screen(file: str | None) -> None:
+    """Refuse a file that cannot be written or a window that cannot be opened, before the run."""
+    if file is None:
+        return
+    from pipeline.figures.live import require_window  # with matplotlib
+    from pipeline.figures.style import figure_path
+
+    if file:
+        figure_path(file)
+    else:
+        require_window()
+
+
 @contextmanager
 def watched(
     file: str | None, store: Path | str, show: Callable[[Progress], None]
@@ -35,13 +48,6 @@ def watched(
     if file is None:
         yield show
         return
-    from pipeline.figures.live import require_window
-    from pipeline.figures.style import figure_path
-
-    if file:
-        figure_path(file)
-    else:
-        require_window()
     drawing: list[subprocess.Popen[bytes]] = []
 
     def begin_and_show(progress: Progress) -> None:

@@ -13,7 +13,7 @@ from pipeline.cli.exit_codes import DONE, SOME_FAILED
 from pipeline.cli.meaning import library_lines, meaning
 from pipeline.cli.next_steps import after_run
 from pipeline.cli.output import counted, failed_points, show, show_text, tell
-from pipeline.cli.picture import watched
+from pipeline.cli.picture import require_screen, watched
 from pipeline.cli.progress import ProgressLine
 from pipeline.cli.scenes import given, scene_of, selected
 from pipeline.sweep.doubts import doubts
@@ -29,6 +29,7 @@ def computed(options: argparse.Namespace) -> int:
     """Run or resume a sweep, or the part of it that the boundary needs."""
     out = options.output or Path("results") / f"{options.scene.stem}.zarr"
     batch = batch_of(options)
+    require_screen(options.watch)
     sweep = scene_of(options, store=out)
     if batch and options.dry_run:
         show_script(options, batch, out)
