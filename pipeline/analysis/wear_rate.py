@@ -119,7 +119,8 @@ def _require_known(rate: float, own: float, ds: xr.Dataset) -> None:
             f"{text} its own rate alone, {display(own, 'mm³/(N m)', 4)}: give its scene "
             "sweep.wear_rates, and run it into another store"
         )
-    low, high = ds["wear_rate"].values[[0, -1]]
+    rates = [own, *ds["wear_rate"].values]
+    low, high = min(rates), max(rates)
     if not low * (1 - 1e-9) <= rate <= high * (1 + 1e-9):
         ends = " to ".join(display(end, "mm³/(N m)", 4) for end in (low, high))
         raise InputError(f"{text} {ends}: give one within")
