@@ -100,6 +100,8 @@ class Criterion:
     True
     >>> Criterion(share=0.1).temperature
     'exceeded on 10 % of the contact'
+    >>> Criterion(share=0.1).severe
+    'more than 10 % of the contact above'
     >>> Criterion("highest").quantile, Criterion("mean").quantile
     (1.0, None)
     """

@@ -142,3 +142,11 @@ def test_what_is_no_record_is_refused(times, loads, said):
 def test_a_reference_load_beyond_the_record_is_refused():
     with pytest.raises(InputError, match="reaches 750 N; its reference load of 800 N"):
         MeasuredLoad(TIMES, np.linspace(0.0, 750.0, TIMES.size), reference_load=800.0)
+
+
+def test_a_weak_record_has_the_impulses_of_a_strong_one_in_proportion():
+    times, loads = np.arange(5.0), np.array([0.0, -3.0, 4.0, -2.0, 100.0])
+    strong = list(MeasuredLoad(times, loads).stations(100.0, 7))
+    weak = list(MeasuredLoad(times, 1e-3 * loads).stations(0.1, 7))
+    expected = [1e-3 * station.impulse for station in strong]
+    assert [station.impulse for station in weak] == pytest.approx(expected, rel=1e-9)
