@@ -64,6 +64,7 @@ ROOMS = {
         [f"tribo/{name}.py" for name in ("criterion", "inverse", "lubricant")],
         [
             *(f"tribo/{name}.py" for name in ("criterion", "inverse", "lubricant")),
+            "tests/tribo/test_criterion.py",
             "tests/tribo/test_inverse.py",
         ],
     ),

@@ -29,6 +29,7 @@ from tribo import (
     warnings,
 )
 from tribo.loading import Station
+from tribo.wear import RollingWear
 
 LOAD, VELOCITY = 750.0, 1.25  # the paper's severest point
 
@@ -259,6 +260,9 @@ def test_stiffness_is_that_of_the_shapes_that_wear():
     # The smallest eigenvalues of this grid are 8.80e-18 and 1.05e-17 m/Pa, to three digits.
     assert local == pytest.approx(1.2e-15 * 0.0625 / 8.80e-18, rel=1e-3)
     assert swept == pytest.approx(1.2e-15 * 0.0625 / 1.05e-17, rel=2e-3)
+    rolling = RollingWear(1.2e-15, "local", 0.5).stiffness(solid, 0.0625)
+    assert rolling > 0  # of its stripes along the track
+    assert RollingWear(1.2e-15, "swept", 0.5).stiffness(solid, 0.0625) == 0
 
 
 @pytest.mark.parametrize("scheme", WEAR_SCHEMES)

@@ -1,0 +1,29 @@
+"""The deciding rise of one moment (tribo/criterion.py)."""
+
+import numpy as np
+import pytest
+
+from tribo import BULK_RATIOS, QUANTILES, Criterion
+from tribo.criterion import columns_of, rises_at
+from tribo.simulation import Heat
+
+RISE = np.linspace(100.0, 400.0, len(QUANTILES))
+
+
+@pytest.mark.parametrize("ratio", [200.0, -1000.0])
+def test_a_uniform_response_moves_every_criterion_alike(ratio):
+    unequal = np.array([RISE + 0.75 * each for each in BULK_RATIOS])
+    heat = Heat(
+        rise=np.zeros((1, 1)),
+        rise_quantile=RISE,
+        max_rise=400.0,
+        mean_rise=250.0,
+        pin_heat_share=0.2,
+        mean_bulk_response=0.75,
+        bulk_rise_quantile=unequal,
+    )
+    equal = columns_of(heat)
+    moved = rises_at(equal, ratio)
+    for criterion in (Criterion(), Criterion("highest"), Criterion("mean")):
+        expected = criterion.rise(equal) + 0.75 * ratio
+        assert criterion.rise(moved) == pytest.approx(expected)
