@@ -62,7 +62,7 @@ def test_a_scene_file_may_leave_it_out(tmp_path, capsys):
     assert main(["point", str(scene), *place, "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["severe"] is None
     assert main(["point", str(scene), *place]) == 0
-    assert "not known without temperature.critical" in capsys.readouterr().out
+    assert "open without temperature.critical" in capsys.readouterr().out
     assert main(["point", str(scene), *place, "--critical-temperature", "145 degC"]) == 0
     assert "mild wear" in capsys.readouterr().out
     out = str(tmp_path / "out.zarr")
