@@ -31,8 +31,8 @@ def watch(
     """Draw a figure of a sweep as its points come, until its run ends.
 
     The figure is shown in a notebook below the cell, or else in a window, which stays open at the
-    end until it is closed; or written to a file, which is replaced whole each time. A run computes
-    a tenth of its points first, from end to end, so that the diagram is whole from then on.
+    end until it is closed; or written to a file, which is replaced whole each time. Points that are
+    pending are marked as such.
 
     Parameters
     ----------
