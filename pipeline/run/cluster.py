@@ -180,7 +180,7 @@ def threads_of(connection: Connection, patience: float, tell: Tell | None = None
             _ask(connection, threads, tell)
             return threads
         if source.queues:
-            words = f"no job computes: {source.jobs}"
+            words = f"waiting for a worker: {source.jobs}"
         elif waited < patience:
             words = f"there is no Dask worker; waiting up to {patience:g} s for one to come"
         else:

@@ -30,7 +30,7 @@ _ANSWER = 60.0  # [s] that a command of Slurm may take
 _END = 60.0  # [s] that the jobs may take to be cancelled
 _AT_ONCE = 8  # jobs that are submitted at the same time
 _EARLY = 3, 10  # jobs in a row that end before their workers start: before any has, and later
-_NO_FAULT = "slurmstepd", " - INFO - "  # of the lines of a log
+_OF_SLURM, _INFO = "slurmstepd", " - INFO - "  # in lines of a log
 _REFUSALS = 20  # looks at the queue in a row with jobs refused and none left
 
 
@@ -220,8 +220,8 @@ class SlurmJobs(Source):
         if any("Registered to:" in line for line in lines):
             return
         self._early += 1
-        said = [line.strip() for line in lines if line.strip()]
-        faults = [line for line in said if not any(words in line for words in _NO_FAULT)]
+        said = [line.strip() for line in lines if line.strip() and _INFO not in line]
+        faults = [line for line in said if not line.startswith(_OF_SLURM)]
         words = (faults or said or ["it left no word"])[-1]
         log = f" ({logs[0]})" if logs else ""
         first, later = _EARLY
