@@ -120,13 +120,13 @@ def losses(batch, folder, expected):
 
 def walltime(batch, folder, expected):
     """A sweep that outlives its jobs more than once."""
-    driver = Driver(folder / "walltime.zarr", 120, _SHORT)
+    driver = Driver(folder / "walltime.zarr", 200, _SHORT)
     result = driver.result()
     logs = list(folder.glob("walltime.zarr.jobs/*.err"))
     yield {**result, "jobs": len(logs)}
     if len(logs) <= _JOBS:
         yield f"{len(logs)} jobs have run, and more were needed"
-    yield from faults_of(driver.path, 120, result, expected)
+    yield from faults_of(driver.path, 200, result, expected)
 
 
 def killed(batch, folder, expected):
