@@ -66,6 +66,7 @@ ROOMS = {
             *(f"tribo/{name}.py" for name in ("criterion", "inverse", "lubricant")),
             "tests/tribo/test_criterion.py",
             "tests/tribo/test_inverse.py",
+            "tests/tribo/test_lubricant.py",
         ],
     ),
     "wear": (

@@ -23,7 +23,8 @@ def test_a_uniform_response_moves_every_criterion_alike(ratio):
         bulk_rise_quantile=unequal,
     )
     equal = columns_of(heat)
-    moved = rises_at(equal, ratio)
+    moved = rises_at(equal | {"max_rise": 400.0}, ratio)
+    assert moved["max_rise"] == pytest.approx(400.0 + 0.75 * ratio)
     for criterion in (Criterion(), Criterion("highest"), Criterion("mean")):
         expected = criterion.rise(equal) + 0.75 * ratio
         assert criterion.rise(moved) == pytest.approx(expected)

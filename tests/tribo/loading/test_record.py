@@ -150,3 +150,8 @@ def test_a_weak_record_has_the_impulses_of_a_strong_one_in_proportion():
     weak = list(MeasuredLoad(times, 1e-3 * loads).stations(0.1, 7))
     expected = [1e-3 * station.impulse for station in strong]
     assert [station.impulse for station in weak] == pytest.approx(expected, rel=1e-9)
+
+
+def test_a_load_that_the_record_begins_with_is_reached_at_its_start():
+    record = MeasuredLoad(np.array([2.0, 3.0, 4.0]), np.array([20.0, 60.0, 100.0]))
+    assert [record.time_at(share) for share in (0.1, 0.2, 0.6)] == [2.0, 2.0, 3.0]
