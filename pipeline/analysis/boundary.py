@@ -14,13 +14,8 @@ import xarray as xr
 
 from pipeline.analysis.attributes import attributes_of
 from pipeline.analysis.band import with_band
-from pipeline.analysis.conditions import (
-    Bulk,
-    attributes_by,
-    conditions_by_variant,
-    conditions_of,
-)
-from pipeline.analysis.dataset import asked, dataset_of, variant_of
+from pipeline.analysis.conditions import Bulk, attributes_by, conditions_of
+from pipeline.analysis.dataset import asked, plane_of, variant_of, variants
 from pipeline.analysis.decisive import decisive_rise, with_rises
 from pipeline.analysis.interpolation import exponent
 from pipeline.analysis.transition import OUTCOMES, UNITS, Transition, range_of
@@ -118,14 +113,11 @@ def boundary(
     """
     if isinstance(friction, str):
         raise InputError(f'friction: "{friction}" is text; give a number such as 0.1, or several')
-    ds = dataset_of(ds)
+    ds = plane_of(ds)
     others = (bulk_temperature, critical_temperature, share, criterion)
     frictions = list(friction) if isinstance(friction, Iterable) else [friction]
     several = [conditions_of(ds, value, *others) for value in frictions]
-    by_variant = [
-        conditions_by_variant(ds, conditions, (value, *others))
-        for conditions, value in zip(several, frictions, strict=True)
-    ]
+    by_variant = [[conditions] * len(variants(ds)) for conditions in several]
     ds = with_rises(ds, [conditions for part in by_variant for conditions in part])
     boundaries = [
         _boundary(ds, conditions, judged)

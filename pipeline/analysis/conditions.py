@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Mapping
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from pipeline.analysis.attributes import attributes_of
-from pipeline.analysis.dataset import variants
 from pipeline.scene.quantities import in_si, share_of
 from pipeline.sweep.conditions import Conditions, of_bulks
 from pipeline.sweep.rises import require_bulks
@@ -93,34 +91,3 @@ def attributes_by(conditions: Conditions) -> dict[str, Any]:
     if "corrections" in plain:
         plain["corrections"] = json.dumps(plain["corrections"])
     return plain
-
-
-def conditions_by_variant(
-    ds: xr.Dataset, conditions: Conditions, given: Iterable[Any]
-) -> list[Conditions]:
-    """Conditions of each surface or sample: as it was drawn, where they are not given.
-
-    Parameters
-    ----------
-    ds : Dataset
-        Dataset of `pipeline.open_sweep`.
-    conditions : Conditions
-        Those that hold otherwise.
-    given : iterable
-        Values given of `CONDITIONS`, in this order; None where the sweep's own holds.
-    """
-    free = [entry for entry, value in zip(_DRAWN.items(), given, strict=False) if value is None]
-    found = []
-    for place in variants(ds):
-        drawn: dict[str, Any] = {n: float(place[path]) for n, path in free if path in place}
-        found.append(replace(conditions, **drawn))
-    return found
-
-
-_DRAWN = {
-    "friction": "friction.coefficient",
-    "bulk_temperature": "temperature.bulk",
-    "critical_temperature": "temperature.critical",
-    "failing_share": "temperature.failing_share",
-}
-"""Conditions that may be unknown inputs, and their paths in the scene."""

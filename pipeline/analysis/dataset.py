@@ -9,13 +9,11 @@ import numpy as np
 import xarray as xr
 
 from pipeline.analysis.attributes import portable
-from pipeline.store.identity import simulated_inputs
 from pipeline.store.place import PathLike
 from pipeline.store.read import open_store
 from pipeline.store.schema import LEADING
 from pipeline.sweep import rises
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.unknown import first_alike
 from tribo import InputError
 from tribo.types import Array
 
@@ -58,7 +56,7 @@ def open_sweep(path: PathLike) -> xr.Dataset:
     >>> end["contact_width"].sel(load=600, velocity=1.6).round(6).item()
     0.00029
     """
-    ds = _shared(ordered(open_store(path)))
+    ds = ordered(open_store(path))
     ds["finished_at"].attrs |= _IN_UTC
     ds = ds.drop_vars(["checksum", "record_checksum"])
     return ds.drop_attrs(deep=False).assign_attrs(portable(ds.attrs))
@@ -67,6 +65,24 @@ def open_sweep(path: PathLike) -> xr.Dataset:
 def dataset_of(source: xr.Dataset | PathLike) -> xr.Dataset:
     """The dataset of a sweep, opened if given by its path, with ascending axes."""
     return ordered(source) if isinstance(source, xr.Dataset) else open_sweep(source)
+
+
+def plane_of(source: xr.Dataset | PathLike) -> xr.Dataset:
+    """Dataset of a sweep with loads and velocities, of one surface or several.
+
+    Raises
+    ------
+    InputError
+        If it has samples, each with one velocity.
+    """
+    ds = dataset_of(source)
+    if "sample" in ds.dims:
+        raise InputError(
+            "the sweep has samples of unknown inputs, each at one velocity, and no plane of "
+            "velocities and loads; irg risk, boundary, margin and plot show what follows from "
+            "them, in Python pipeline.Ensemble.of(ds)"
+        )
+    return ds
 
 
 def ordered(ds: xr.Dataset) -> xr.Dataset:
@@ -107,11 +123,7 @@ def on_surface(ds: xr.Dataset, realization: int | None = None) -> xr.Dataset:
     InputError
         If the sweep does not hold that surface.
     """
-    if "sample" in ds.dims:
-        raise InputError(
-            "the sweep has samples of unknown inputs; irg risk and irg sensitivity show them all, "
-            "and in Python ds.sel(sample=0) is one of them"
-        )
+    ds = plane_of(ds)
     seeds = ds["realization"].values.tolist() if "realization" in ds.dims else []
     if realization is None:
         return ds.sel(realization=seeds[0]) if seeds else ds
@@ -214,20 +226,3 @@ def end_of_point(ds: xr.Dataset | PathLike) -> xr.Dataset:
     ds = dataset_of(ds)
     steps = ds["time"].notnull().sum("step")
     return ds.isel(step=(steps - 1).clip(min=0)).drop_vars("step")
-
-
-def _shared(ds: xr.Dataset) -> xr.Dataset:
-    """Give each sample the simulation that it shares with another, if it has none of its own.
-
-    The coordinate ``simulation`` is the number of the sample that was simulated.
-    """
-    if "sample" not in ds.dims:
-        return ds
-    columns = [ds[path].values.tolist() for path in simulated_inputs(ds.attrs)]
-    first = first_alike(ds.sizes["sample"], columns)
-    if first == tuple(range(len(first))):
-        return ds
-    labels = {name: entry for name, entry in ds.coords.items() if "sample" in entry.dims}
-    return ds.isel(sample=list(first)).assign_coords(
-        labels | {"simulation": ("sample", list(first))}
-    )

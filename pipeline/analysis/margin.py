@@ -17,8 +17,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from pipeline.analysis.conditions import Bulk, conditions_by_variant, conditions_of
-from pipeline.analysis.dataset import dataset_of, variants
+from pipeline.analysis.conditions import Bulk, conditions_of
+from pipeline.analysis.dataset import plane_of, variants
 from pipeline.analysis.decisive import decisive_rise
 from pipeline.analysis.interpolation import certain, interpolated
 from pipeline.analysis.transition import CROSSES, OUTCOMES, Transition, range_of
@@ -169,7 +169,7 @@ def margins(
     (True, '-13 K')
     """
     judge = judge_of(
-        dataset_of(ds), friction, bulk_temperature, critical_temperature, share, criterion
+        plane_of(ds), friction, bulk_temperature, critical_temperature, share, criterion
     )
     return judge(in_si("load", load, "500 N"), in_si("velocity", velocity, "2 m/s"))
 
@@ -191,13 +191,12 @@ def judge_of(
             "friction is 0; without friction there is no heat and no boundary; give one above 0"
         )
     conditions.known_critical_temperature()
-    given = (friction, bulk_temperature, critical_temperature, share, criterion)
-    several = conditions_by_variant(ds, conditions, given)
+    places = variants(ds)
+    several = [conditions] * len(places)
     rise = decisive_rise(ds, several)
     loads, velocities = rise["load"].values, rise["velocity"].values
     planes = rise.values.reshape(len(several), *rise.shape[-2:])
     ends = {name: range_of(ds, name) for name in ("load", "velocity")}
-    places = variants(ds)
 
     def judge(load: float, velocity: float) -> tuple[Margin, ...]:
         _require_within("load", load, loads, ends["load"], "N")

@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from pipeline.analysis.band import BAND
-from pipeline.analysis.dataset import dataset_of
+from pipeline.analysis.dataset import plane_of
 from pipeline.analysis.margin import Margin, judge_of
 from pipeline.analysis.operating_points import OperatingPoints
 from pipeline.analysis.tables import Column, Table
@@ -56,7 +56,7 @@ def margin_table(
     600        severe
     """
     read = points if isinstance(points, OperatingPoints) else OperatingPoints.read(points)
-    judge = judge_of(dataset_of(ds), **conditions)
+    judge = judge_of(plane_of(ds), **conditions)
     answers: list[tuple[Margin, ...] | str] = []
     for place in read.places:
         try:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import xarray as xr
 
 from pipeline.analysis.conditions import Bulk, attributes_by, conditions_of
-from pipeline.analysis.dataset import at_bulks, dataset_of
+from pipeline.analysis.dataset import at_bulks, plane_of
 from pipeline.analysis.decisive import decisive_rise, refined
 from pipeline.store.place import PathLike
 from pipeline.sweep.criterion import contact_temperature, failed_fraction
@@ -44,7 +44,7 @@ def decisive_temperature(
     >>> temperature.sel(load=600, velocity=1.6).round().item()
     444.0
     """
-    ds = dataset_of(ds)
+    ds = plane_of(ds)
     conditions = conditions_of(
         ds, friction, bulk_temperature, critical_temperature, share, criterion
     )
@@ -93,7 +93,7 @@ def temperatures(
     >>> pipeline.temperatures(end, friction=0.12)["max_temperature"].round().item()
     463.0
     """
-    ds = ds if isinstance(ds, xr.Dataset) else dataset_of(ds)
+    ds = ds if isinstance(ds, xr.Dataset) else plane_of(ds)
     conditions = conditions_of(ds, friction, bulk_temperature, critical_temperature)
     rises = at_bulks(ds, conditions)
     result = xr.Dataset(attrs=attributes_by(conditions))

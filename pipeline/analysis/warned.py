@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from pipeline.analysis.conditions import CONDITIONS, conditions_by_variant, conditions_of
+from pipeline.analysis.conditions import conditions_of
 from pipeline.analysis.dataset import dataset_of, variant_of
 from pipeline.analysis.decisive import decisive_rise
 from pipeline.store.place import PathLike
@@ -55,14 +55,17 @@ def warned(ds: xr.Dataset | PathLike, **conditions: Any) -> Warned:
 def has_warning(ds: xr.Dataset) -> xr.DataArray:
     """Points that are done and carry a warning."""
     carries: xr.DataArray = (ds["status"] == DONE) & (ds["warning_flags"] != 0)
-    return carries.transpose(..., "load", "velocity")
+    return carries.transpose(..., "load", "velocity", missing_dims="ignore")
 
 
 def _beside_boundary(ds: xr.Dataset, conditions: dict[str, Any]) -> xr.DataArray | None:
     """Points with a neighbour with the other kind of wear, at any of the frictions.
 
-    None where no critical temperature tells the kind of wear.
+    None where no critical temperature tells the kind of wear, and for samples, each of which has
+    its own inputs and velocity.
     """
+    if "sample" in ds.dims:
+        return None
     frictions = conditions.get("friction")
     several = frictions if isinstance(frictions, Iterable) else [frictions]
     near = None
@@ -71,11 +74,9 @@ def _beside_boundary(ds: xr.Dataset, conditions: dict[str, Any]) -> xr.DataArray
         judged = conditions_of(ds, **asked)
         if judged.critical_temperature is None:
             return None
-        by_variant = conditions_by_variant(ds, judged, map(asked.get, CONDITIONS))
-        rise = decisive_rise(ds, by_variant)
-        planes = rise.values.reshape(len(by_variant), *rise.shape[-2:])
-        limits = map(rise_limit, by_variant)
-        beside = [_beside(plane, limit) for plane, limit in zip(planes, limits, strict=True)]
+        rise = decisive_rise(ds, judged)
+        planes = rise.values.reshape(-1, *rise.shape[-2:])
+        beside = [_beside(plane, rise_limit(judged)) for plane in planes]
         marked = rise.copy(data=np.reshape(beside, rise.shape))
         near = marked if near is None else near | marked
     return near

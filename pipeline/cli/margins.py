@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import itertools
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any
@@ -17,15 +16,15 @@ from pipeline.cli.exit_codes import DONE
 from pipeline.cli.next_steps import after_margin
 from pipeline.cli.output import counted, show, table_path
 from pipeline.cli.scenes import CONDITIONS, given, opened
-from pipeline.cli.unknowns import notes, samples_of
+from pipeline.cli.unknowns import judged_by, notes, samples_of
 from pipeline.store.schema import PENDING
 from tribo import InputError
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from pipeline.analysis.intervals import MarginIntervals
     from pipeline.analysis.margin import Margin
+    from pipeline.uncertain.answers import MarginIntervals
 
 
 _ONLY_IN_FILES = (
@@ -41,23 +40,17 @@ def margin(options: argparse.Namespace) -> int:
     if options.load is None or options.velocity is None:
         raise InputError("give --load and --velocity, or --points FILE.csv")
     out = table_path(options)
-    from pipeline.analysis.attributes import attributes_of  # with xarray
-
     ds, conditions = opened(options), given(options, *CONDITIONS)
+    if "sample" in ds.dims:
+        return _of_samples(options, ds, conditions)
+    if options.given_measured or options.scatter is not None:
+        raise InputError(
+            "--given-measured and --scatter need samples of unknown inputs: give [unknown] and "
+            "sweep.samples in the scene"
+        )
     found = pipeline.margins(ds, options.load, options.velocity, **conditions)
     document = found[0].as_dict() if len(found) == 1 else _document(found)
     text = _on_one(found[0]) if len(found) == 1 else _on_several(found)
-    if attributes_of(ds).get("samples") and not conditions:
-        ensemble, measured = samples_of(options, ds)
-        draws = measured.draws if measured else None
-        intervals = pipeline.margin_intervals(ensemble, options.load, options.velocity, draws)
-        document |= {"given_measured": measured is not None, "intervals": intervals.as_dict()}
-        text = itertools.chain(_on_intervals(intervals), notes(ensemble, measured))
-    elif options.given_measured or options.scatter is not None:
-        raise InputError(
-            "--given-measured and --scatter need samples of what is not known, and the conditions "
-            "as they were drawn: give [unknown] and sweep.samples in the scene, and no conditions"
-        )
     command = _command(options, ds, conditions, found)
     lines = [*text, *after_margin(attributes_of(ds), options.store, found)]
     if command:
@@ -66,6 +59,39 @@ def margin(options: argparse.Namespace) -> int:
     here = OperatingPoints((Place(options.load, options.velocity),), {})
     tables = [table_of_margins(here, [found])]
     show(options, document | {"command": command}, lines, warned=warned, out=out, tables=tables)
+    return DONE
+
+
+def _of_samples(options: argparse.Namespace, ds: xr.Dataset, conditions: dict[str, Any]) -> int:
+    """Print the distance of an operating point as intervals of probability."""
+    out = table_path(options)
+    if conditions and (options.given_measured or options.scatter is not None):
+        flags = ", ".join(f"--{name.replace('_', '-')}" for name in conditions)
+        raise InputError(
+            "--given-measured and --scatter weigh the conditions as they were drawn: leave out "
+            f"{flags}"
+        )
+    measured, here = None, dict[str, float]()
+    if conditions:
+        ensemble, here = judged_by(ds, conditions)
+    else:
+        ensemble, measured = samples_of(options, ds)
+    found = pipeline.margin_intervals(
+        ensemble, options.load, options.velocity, measured.draws if measured else None, here
+    )
+    document = {"given_measured": measured is not None, "intervals": found.as_dict()}
+    rows = [
+        {"quantity": name, "low": each.low, "middle": each.middle, "high": each.high}
+        for name, each in (
+            ("deciding temperature [K]", found.decisive_temperature),
+            ("distance [K]", found.distance),
+            ("critical velocity [m/s]", found.critical_velocity),
+            ("critical load [N]", found.critical_load),
+        )
+        if each is not None
+    ]
+    lines = [*_on_intervals(found), *notes(ensemble, measured)]
+    show(options, document, lines, warned=pipeline.warned(ds), out=out, rows=rows)
     return DONE
 
 
@@ -130,11 +156,12 @@ def _on_intervals(found: MarginIntervals) -> Iterator[str]:
 
 
 def _factor(own: float, ends: tuple[float, float]) -> Callable[[float], str]:
-    """Writes what a critical value is of one's own; at an end of the sweep it may lie beyond."""
+    """Writer of a critical value as a multiple of the point's; beyond the sweep of its end."""
 
     def told(value: float) -> str:
-        beyond = "≤ " if value <= ends[0] else "≥ " if value >= ends[1] else ""
-        return f"{beyond}{value / own:.3g}"
+        if not 0 < value < np.inf:
+            return f"> {ends[1] / own:.3g}" if value else f"< {ends[0] / own:.3g}"
+        return f"{value / own:.3g}"
 
     return told
 

@@ -16,7 +16,7 @@ from pipeline.cli.next_steps import after_boundary
 from pipeline.cli.output import counted, micrometres, show, table_path, tell
 from pipeline.cli.progress import working
 from pipeline.cli.scenes import CONDITIONS, PLACE, given, opened, scene_of, selected
-from pipeline.cli.unknowns import posterior
+from pipeline.cli.unknowns import boundary_of_samples, posterior
 from pipeline.sweep.criterion import Verdict
 from pipeline.sweep.facts import require_bearable_load
 from pipeline.sweep.model import Point, Sweep
@@ -45,6 +45,8 @@ def boundary(options: argparse.Namespace) -> int:
     from pipeline.cli.crossings import command_for, document_of, text_of
 
     ds, conditions = opened(options), given(options, *CONDITIONS)
+    if "sample" in ds.dims:
+        return boundary_of_samples(options, ds, conditions)
     found, warned = pipeline.boundary(ds, **conditions), pipeline.warned(ds, **conditions)
     command = command_for(found, options.store, ds)
     document = document_of(found) | {"command": command}

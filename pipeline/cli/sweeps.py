@@ -45,7 +45,7 @@ def computed(options: argparse.Namespace) -> int:
             "retry_failed": options.retry_failed,
             "tell": tell,
         }
-        if options.boundary_only is None and sweep.samples is None:
+        if options.boundary_only is None:
             outcome = pipeline.run_sweep(sweep, out, **settings)
         else:
             asked = given(options, "boundary_only")
@@ -123,13 +123,14 @@ def _unknown(sweep: Sweep) -> dict[str, Any]:
     """Inputs that are not known exactly, as plain data; nothing where all are."""
     if sweep.samples is None:
         return {}
-    simulated = sweep.samples.simulated
+    simulated = {each.path for each in sweep.samples.design.inputs}
     return {
         "unknown": [
             each.as_dict() | {"simulated": each.path in simulated} for each in sweep.samples.unknown
         ],
         "samples": len(sweep.samples),
-        "sample_seed": sweep.samples.seed,
+        "samples_per_contact": sweep.samples.design.per_contact,
+        "sample_seed": sweep.samples.design.seed,
     }
 
 
@@ -137,22 +138,27 @@ def _on_unknown(sweep: Sweep) -> Iterator[str]:
     """Say what is not known exactly, and how samples are drawn of it."""
     if sweep.samples is None:
         return
+    design = sweep.samples.design
+    simulated = {each.path for each in design.inputs}
     for each in sweep.samples.unknown:
-        free = "" if each.path in sweep.samples.simulated else "; applied afterwards, at no cost"
+        free = "" if each.path in simulated else "; applied afterwards, at no cost"
         yield f"  unknown  {each}{free}"
+    low, high = design.velocities
     yield (
-        f"  samples  {len(sweep.samples)} of a scrambled Sobol' sequence, seed "
-        f"{sweep.samples.seed}; more of them go on from these"
+        f"  samples  {len(sweep.samples)} of a scrambled Sobol' sequence, seed {design.seed}, from "
+        f"{low:g} to {high:g} m/s; more of them go on from these"
     )
-    if not sweep.axis:
-        yield "           all of one simulation, since nothing unknown acts before it ends"
+    if design.per_contact > 1:
+        yield f"           {design.per_contact} share each contact, and have heat of their own"
 
 
 def _cost(sweep: Sweep, found: Estimate, searched: bool) -> Iterator[str]:
     """Say what a sweep would cost."""
     loads = counted(len(sweep.loads), "load", "loads")
     velocities = counted(len(sweep.velocities), "velocity", "velocities")
-    if sweep.samples or searched:
+    if sweep.samples:
+        yield f"  points   {found.points}: {loads}, {len(sweep.samples)} samples"
+    elif searched:
         sought = f"the boundary is sought between {sweep.velocities[0]:g} and "
         sought += f"{sweep.velocities[-1]:g} m/s, {loads}"
         variants = f", {len(sweep.axis[1])} {sweep.axis[0]}s" if sweep.axis else ""

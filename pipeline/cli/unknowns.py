@@ -12,15 +12,18 @@ import numpy as np
 
 import pipeline
 from pipeline.cli.exit_codes import DONE
-from pipeline.cli.output import counted, output_path, show
+from pipeline.cli.output import counted, output_path, show, table_path
 from pipeline.cli.progress import working
 from pipeline.cli.scenes import given
 from tribo import InputError
 
 if TYPE_CHECKING:
-    from pipeline.analysis.ensemble import Ensemble
-    from pipeline.analysis.posterior import Posterior
-    from pipeline.analysis.sobol import Sensitivity
+    from pipeline.uncertain.ensemble import Ensemble
+    from pipeline.uncertain.sensitivity import Sensitivity
+    from pipeline.uncertain.weigh import Posterior
+
+
+_GOOD = 0.3  # of the spread of a velocity, which its error may be
 
 
 def risk(options: argparse.Namespace) -> int:
@@ -41,8 +44,8 @@ def risk(options: argparse.Namespace) -> int:
             f"{at.load:g} N at {at.velocity:g} m/s: severe wear with a probability of "
             f"{at.probability:.3g} ± {at.error:.2g}",
             *text,
-            f"  the polynomial through {at.samples} samples errs by "
-            f"{100 * at.surrogate_error:.2g} % of the rise",
+            f"  emulated by {at.samples} samples, whose rise errs by {100 * at.rise_error:.2g} %; "
+            "the error of the probability has it in",
         ]
     if options.load is None or out:
         with working("finding probabilities over the plane"):
@@ -109,7 +112,7 @@ def posterior(options: argparse.Namespace, store: Path | str) -> int:
 
 def samples_of(options: argparse.Namespace, ds: Any) -> tuple[Ensemble, Posterior | None]:
     """The samples of a sweep, and what measurements say of them if that is to count."""
-    from pipeline.analysis.posterior import posterior_if_given  # with its libraries
+    from pipeline.uncertain.weigh import posterior_if_given  # with its libraries
 
     with working("reading samples"):
         ensemble = pipeline.Ensemble.of(ds)
@@ -141,11 +144,11 @@ def notes(ensemble: Ensemble, found: Posterior | None) -> Iterator[str]:
 def on_draws(found: Posterior) -> Iterator[str]:
     """Say how many draws the numbers rest on, and where those are too few."""
     effective, count = found.draws.effective, len(found.draws.weights)
-    yield f"  {count} draws, weighed: as much as {effective:.0f} of equal weight"
+    yield f"  effective sample size {effective:.0f} of {count}"
     if found.is_thin:
         yield (
-            "warning: too few draws decide to rely on intervals; what was measured lies at the "
-            "edge of what [unknown] allows, or is taken as more exact than it is (--scatter)"
+            "warning: the intervals are unreliable, because few draws agree with the measurements: "
+            "widen [unknown] or raise --scatter"
         )
 
 
@@ -192,14 +195,65 @@ def _lines(plane: Any) -> dict[str, Any]:
     }
 
 
-def _table(plane: Any) -> Iterator[str]:
+def _signed(value: float) -> str:
+    return f"{value:+.2f}".replace("-", "−")
+
+
+def boundary_of_samples(options: argparse.Namespace, ds: Any, conditions: dict[str, Any]) -> int:
+    """Print the velocities at which wear is severe with some probabilities."""
+    out = table_path(options)
+    ensemble, given_here = judged_by(ds, conditions)
+    with working("finding probabilities at each load"):
+        velocities = np.geomspace(*ensemble.velocities, 161)
+        plane = pipeline.probabilities(
+            ensemble, loads=ensemble.loads, velocities=velocities, conditions=given_here
+        )
     shares, rows = pipeline.risk_lines(plane)
+    table = [
+        {"load [N]": load} | {
+            f"velocity of {100 * share:g} % [m/s]": velocity if 0 < velocity < np.inf else None
+            for share, velocity in zip(shares, row, strict=True)
+        }
+        for load, row in zip(plane["load"].values.tolist(), rows.tolist(), strict=True)
+    ]  # fmt: skip
+    text = [*_table(plane), *notes(ensemble, None)]
+    document = _about(ensemble) | _lines(plane)
+    show(options, document, text, warned=pipeline.warned(ds), out=out, rows=table)
+    return DONE
+
+
+def judged_by(ds: Any, conditions: dict[str, Any]) -> tuple[Ensemble, dict[str, float]]:
+    """Samples of a sweep, judged by conditions that are given, and those of them by number."""
+    from pipeline.analysis.conditions import conditions_of  # with xarray
+
+    judged = conditions_of(ds, **conditions)
+    frictions = conditions.get("friction")
+    if isinstance(frictions, list | tuple) and len(frictions) > 1:
+        raise InputError("samples are judged at one --friction at a time; give one")
+    ensemble = pipeline.Ensemble.of(
+        ds,
+        share=judged.failing_share if "share" in conditions else None,
+        criterion=conditions.get("criterion"),
+    )
+    names = ("friction", "bulk_temperature", "critical_temperature")
+    return ensemble, {name: getattr(judged, name) for name in names if name in conditions}
+
+
+def _table(plane: Any) -> Iterator[str]:
+    """Velocities of some probabilities by load; beyond the sweep its end."""
+    shares, rows = pipeline.risk_lines(plane)
+    lowest, *_, highest = plane["velocity"].values.tolist()
+
+    def shown(velocity: float) -> str:
+        if not 0 < velocity < np.inf:
+            return f"> {highest:.3g}" if velocity else f"< {lowest:.3g}"
+        return f"{velocity:.3g}"
+
     heads = " ".join(f"{f'{100 * share:g} %':>8}" for share in shares)
     yield "velocity [m/s] at which wear is severe with a probability of"
     yield f"{'load [N]':>10} {heads}"
-    for load, row in zip(plane["load"].values, rows, strict=True):
-        cells = " ".join(f"{f'{v:.3g}' if np.isfinite(v) else '-':>8}" for v in row)
-        yield f"{load:10g} {cells}"
+    for load, row in zip(plane["load"].values, rows.tolist(), strict=True):
+        yield f"{load:10g} {' '.join(f'{shown(velocity):>8}' for velocity in row)}"
 
 
 def _indices(found: Sensitivity) -> Iterator[str]:
@@ -221,15 +275,13 @@ def _indices(found: Sensitivity) -> Iterator[str]:
         yield f"no total index: {_why_dependent(found)} the inputs depend on one another"
     spreads = " ".join(f"{f'± {100 * each:.2g} %':>18}" for each in found.spread)
     yield f"{'spread of velocity':{width}} {spreads}"
-    errors = " ".join(f"{f'{100 * each:.2g} %':>18}" for each in found.surrogate_error)
-    yield f"{'polynomial errs by':{width}} {errors}"
-    from pipeline.analysis.sobol import GOOD  # with its libraries, which only this command needs
-
+    errors = " ".join(f"{f'{100 * each:.2g} %':>18}" for each in found.velocity_error)
+    yield f"{'emulator errs by':{width}} {errors}"
     yield from (
-        f"warning: at {load:g} N the polynomial explains only {100 * share:.0f} % of the variance "
-        "of the rise; run more samples"
-        for load, share in zip(found.loads, found.explained, strict=True)
-        if share < GOOD
+        f"warning: at {load:g} N the emulated velocity errs by {100 * error:.2g} %, of a spread of "
+        f"{100 * spread:.2g} %; run more samples"
+        for load, error, spread in zip(found.loads, found.velocity_error, found.spread, strict=True)
+        if error > _GOOD * spread
     )
 
 
@@ -274,7 +326,8 @@ def _on_inputs(found: Posterior) -> Iterator[str]:
         unit = shown.suffix if spread == shown else f"{shown.suffix}, ± in{spread.suffix}"
         yield f"{each.path:{width}} {before:>24}   {after:>24}   {within:>22}{unit}"
     yield from (
-        f"{a} and {b} hide behind each other: correlation {c:+.2f}" for a, b, c in found.hidden()
+        f"{a} and {b} cannot be told apart by these tests (correlation {_signed(c)})"
+        for a, b, c in found.hidden()
     )
     for entry, (low, middle, high) in zip(found.measured, found.computed, strict=True):
         yield (

@@ -156,10 +156,10 @@ def diagram(
 def _probability(ds: xr.Dataset, given_measured: bool, scatter: float | None, log: bool) -> Figure:
     """Draw the probability of severe wear of a sweep with samples."""
     # With the libraries that only this needs.
-    from pipeline.analysis.ensemble import Ensemble
-    from pipeline.analysis.posterior import posterior_if_given
-    from pipeline.analysis.risk import probabilities
     from pipeline.figures.uncertainty import draw_risk
+    from pipeline.uncertain.answers import probabilities
+    from pipeline.uncertain.ensemble import Ensemble
+    from pipeline.uncertain.weigh import posterior_if_given
 
     samples = Ensemble.of(ds)
     found = posterior_if_given(samples, given_measured, scatter)

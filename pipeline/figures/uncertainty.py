@@ -11,10 +11,6 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from pipeline.analysis.ensemble import Ensemble
-from pipeline.analysis.posterior import Posterior
-from pipeline.analysis.risk import QUANTILES, Draws
-from pipeline.analysis.sobol import Sensitivity
 from pipeline.figures.measured import measured_transitions
 from pipeline.figures.style import (
     BLACK,
@@ -30,6 +26,11 @@ from pipeline.figures.style import (
     in_house_style,
     plain_numbers,
 )
+from pipeline.uncertain.answers import QUANTILES
+from pipeline.uncertain.ensemble import Ensemble
+from pipeline.uncertain.inputs import Draws
+from pipeline.uncertain.sensitivity import Sensitivity
+from pipeline.uncertain.weigh import Posterior
 from tribo.types import Array
 
 _COLOURS = (VERMILION, BLUE, GREEN, PURPLE, ORANGE, SKY, GREY)

@@ -124,7 +124,6 @@ class BoundarySearch:
         self,
         known: Mapping[Point, float],
         hopeless: Iterable[Point] = (),
-        expected: Mapping[float, float] | None = None,
     ) -> tuple[Point, ...]:
         """Points to look at next; none once the boundary is known at every load.
 
@@ -134,14 +133,10 @@ class BoundarySearch:
             Rise at the points that are done [K], whether asked for here or not.
         hopeless : iterable of Point
             Points that failed; they are not asked for again.
-        expected : mapping, optional
-            Where the critical velocity is expected at each load [m/s], for want of known points.
         """
         rows = {load: self._row(known, load) for load in self.loads}
         curvature = self._curvature(rows)
         guesses = self._guesses(rows)
-        if not guesses and expected:
-            guesses = {load: math.log(velocity) for load, velocity in expected.items()}
         asked = set()
         if not guesses:
             ends = (self.loads[0], self.loads[len(self.loads) // 2], self.loads[-1])
@@ -159,14 +154,6 @@ class BoundarySearch:
             if low is not None and high is not None:
                 found[load] = math.log(high / low)
         return found
-
-    def may_ask(self, velocity: float) -> bool:
-        """Return whether it may ever ask for points at a velocity."""
-        if not self.lowest <= velocity <= self.highest:
-            return False
-        finest = self._span() / 2 ** (_FINEST - 1)
-        number = round(math.log(velocity * self.scale / self.lowest) / finest)
-        return velocity == self._node(number, _FINEST - 1)
 
     def _first_node(self, load: float) -> float:
         """The velocity of the axis to begin with: in its middle at the middle load."""

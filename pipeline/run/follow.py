@@ -3,26 +3,24 @@
 from __future__ import annotations
 
 import itertools
-from collections import deque
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import replace
+from typing import Any
+
+import numpy as np
 
 from pipeline.run.batch import Batch
 from pipeline.run.boundary_search import BoundarySearch, searched, tolerance_under
-from pipeline.run.replay import Replay, Variant
 from pipeline.run.sweep import Outcome, run_sweep
 from pipeline.run.tally import Progress
 from pipeline.scene.scenefile import sweep_of
 from pipeline.store.place import PathLike, place_of
 from pipeline.store.root import read_root
+from pipeline.store.schema import DONE, FAILED, STEPPED
 from pipeline.store.write import Store
-from pipeline.sweep.criterion import rise_limit
+from pipeline.sweep.criterion import decisive_rises, rise_limit
 from pipeline.sweep.model import Point, Sweep
 from tribo import InputError
-
-_FIRST = 16  # samples that are searched without knowing where others found their boundary
-_GROWTH = 2  # of the number of samples that are searched at a time
-_MOST = 1024  # samples that are searched at a time, since what is known of them is kept
 
 
 def follow_boundary(
@@ -38,9 +36,7 @@ def follow_boundary(
 ) -> Outcome:
     """Find the critical velocity at each load of a sweep, with as few points as that takes.
 
-    Where there are several surfaces, the boundary of each is searched for. So is that of each
-    sample of unknown inputs: of a few first, of the others about where these let it be expected;
-    samples that differ in friction and temperatures alone share their points. The result is a store
+    Where there are several surfaces, the boundary of each is searched for. The result is a store
     like that of `pipeline.run_sweep`, with velocities that the search chose between the sweep's
     lowest and highest. It is resumed in the same way, begins with what is there, and can be
     completed to the whole sweep later.
@@ -57,7 +53,7 @@ def follow_boundary(
     Raises
     ------
     InputError
-        If there is no boundary to look for: no friction, or one velocity alone.
+        If there is no boundary to look for: no friction, one velocity alone, or samples.
     StoreMismatchError, StoreError, ExecutionError
         See `pipeline.run_sweep`.
 
@@ -76,60 +72,50 @@ def follow_boundary(
             "alone; leave them out (--set without='[\"sweep.wear_rates\"]'), or compute the whole "
             "sweep"
         )
-    variants = _variants(sweep)
-    limits = [rise_limit(each) for variant in variants for each in variant.conditions]
-    moving = searched(sweep, limits)
+    if sweep.samples:
+        raise InputError(
+            "the samples of a scene are computed by run_sweep, and the boundary follows from them; "
+            "leave out the search (--boundary-only)"
+        )
+    limit = rise_limit(sweep.conditions)
+    moving = searched(sweep, [limit])
     tolerance = tolerance_under(sweep.conditions, tolerance)
-    within = BoundarySearch(sweep.loads, moving[0], moving[-1], limits[0], tolerance)
-    search = Replay(within, variants, retry_failed)
-    batches = deque(_batches(variants) if sweep.samples else [variants])
+    search = BoundarySearch(sweep.loads, moving[0], moving[-1], limit, tolerance)
 
-    def further(store: Store | None) -> Sweep | None:
-        """The sweep at the points that are known or failed, and at those to look at next."""
-        search.look(store)
-        while batches:
-            if wanted := search.wanted(batches[0]):
-                return _with_points(sweep, itertools.chain(search.there(), wanted))
-            search.leave(batches.popleft())
-        return None
+    def further(store: Store | None, retry_failed: bool = False) -> Sweep | None:
+        """The sweep at the points that are done or failed, and at those to look at next."""
+        rises, failed = _seen(store, sweep) if store else ({}, set())
+        wanted: set[Point] = set()
+        for seed in sweep.realizations or (None,):
+            own = {Point(*at[:2]): rise for at, rise in rises.items() if at.realization == seed}
+            hopeless = {Point(*at[:2]) for at in failed if at.realization == seed}
+            asked = search.wanted(own, () if retry_failed else hopeless)
+            wanted |= {Point(*at[:2], seed) for at in asked}
+        return replace(sweep, chosen=frozenset({*rises, *failed, *wanted})) if wanted else None
 
     place = place_of(out)
     store = Store(place, read_root(place)) if place.exists() else None
-    begun = further(store) or _with_points(sweep, search.there())
+    begun = further(store, retry_failed)
+    if begun is None and store:
+        begun = replace(sweep, chosen=frozenset(itertools.chain(*_seen(store, sweep))))
     return run_sweep(
-        begun, out, workers, scheduler, progress, retry_failed, further, tell, cluster=cluster
-    )
+        begun or sweep, out, workers, scheduler, progress, retry_failed, further, tell,
+        cluster=cluster,
+    )  # fmt: skip
 
 
-def _variants(sweep: Sweep) -> list[Variant]:
-    if sweep.samples is None:
-        seeds = sweep.realizations or (None,)
-        return [Variant((seed, None), (sweep.conditions,)) for seed in seeds]
-    samples = sweep.samples
-    conditions = [sweep.variant(sample=number).conditions for number in range(len(samples))]
-    if not samples.are_simulated:
-        return [Variant((None, None), tuple(conditions))]
-    alike: dict[int, list[int]] = {}
-    for number, first in enumerate(samples.simulations):
-        alike.setdefault(first, []).append(number)
-    return [
-        Variant(
-            (None, first),
-            tuple(conditions[number] for number in each),
-            tuple(samples.scaled(number) for number in each),
-        )
-        for first, each in alike.items()
-    ]
+def _seen(store: Store, sweep: Sweep) -> tuple[dict[Point, float], set[Point]]:
+    """Decisive rise of each point of a store that is done [K], and points that failed."""
+    names = [name for name in STEPPED if name in store.arrays]
+    columns = {name: store.read(name, ...) for name in names}
+    loads = np.array(store.axes["load"])[:, None, None]
+    rises = decisive_rises(columns, loads, sweep.conditions)
+    surfaces = sweep.realizations or (None,)
 
+    def of_sweep(flag: int) -> Iterator[tuple[Point, tuple[Any, ...]]]:
+        for point in store.points_at(np.nonzero(store.flags == flag)):
+            if point.load in sweep.loads and point.realization in surfaces:
+                yield point, store.index(point)
 
-def _batches(variants: Sequence[Variant]) -> Iterator[Sequence[Variant]]:
-    """Samples to search at a time: few at first, from which the others learn."""
-    begin, size = 0, _FIRST
-    while begin < len(variants):
-        yield variants[begin : begin + size]
-        begin, size = begin + size, min(_GROWTH * size, _MOST)
-
-
-def _with_points(sweep: Sweep, chosen: Iterable[Point]) -> Sweep:
-    """The same sweep at these points alone."""
-    return replace(sweep, chosen=frozenset(chosen))
+    done = {point: float(rises[index]) for point, index in of_sweep(DONE)}
+    return done, {point for point, _ in of_sweep(FAILED)}

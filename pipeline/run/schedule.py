@@ -143,7 +143,7 @@ class _Run:
         waiting: Iterable[_Chain],
     ) -> None:
         self._client, self._clock = connection.client, connection.clock
-        self._writer, self._patience = writer, patience
+        self._writer, self._patience, self._sweep = writer, patience, sweep
         self._pickled = pickle.dumps((replace(sweep, chosen=None), with_fields))
         self._parcel = share(self._client, self._pickled, patience)
         self.waiting = deque(waiting)
@@ -196,7 +196,7 @@ class _Run:
         self, left: Iterable[Point], trunk: Future | None = None, is_wary: bool = False
     ) -> None:
         """Let points wait again, each ramp as a chain; the first one has a trunk."""
-        ramps = itertools.groupby(left, key=lambda point: point[1:])
+        ramps = itertools.groupby(left, key=self._sweep.contact_of)
         ramps_left = [tuple(points) for _, points in ramps]
         self.waiting.extendleft(_Chain(each, None, is_wary) for each in reversed(ramps_left[1:]))
         self.waiting.extendleft(_Chain(each, trunk, is_wary) for each in ramps_left[:1])

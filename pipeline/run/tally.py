@@ -133,7 +133,11 @@ class Tally:
         time_to_go = None
         if self.computed and self._worked:
             pending = asked & (flags != DONE) & (flags != FAILED)
-            expected = expected_durations(self._durations, self._store.axes["velocity"])
+            durations, velocities = self._durations, self._store.axes["velocity"]
+            if self._store.leading == "sample":  # each of which has one velocity
+                expected = expected_durations(durations.T, velocities).T
+            else:
+                expected = expected_durations(durations, velocities)
             work = float(expected[pending].sum())
             time_to_go = work * self._seconds_of_work()
         total, self._reported = int(np.count_nonzero(asked)), self._jobs

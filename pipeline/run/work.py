@@ -7,6 +7,7 @@ records alone, and writes them.
 from __future__ import annotations
 
 import functools
+import itertools
 import pickle
 import threading
 import time
@@ -17,7 +18,7 @@ from typing import Any
 from pipeline.run.versions import Versions, versions
 from pipeline.store.packing import packed
 from pipeline.sweep.model import Point, Sweep
-from pipeline.sweep.plan import PointRecord, Trunk, run_point
+from pipeline.sweep.plan import PointRecord, Trunk, run_points
 
 # Buffers of the transforms are shared within a process. The second thread computes while the
 # results of the first are on their way.
@@ -73,21 +74,32 @@ def compute_points(
     sweep, with_fields = _unpacked(parcel)
     trunk, ramp = (before.trunk, before.ramp) if before else (None, None)
     end = time.monotonic() + seconds
-    records = []
-    for point in points:
-        if point[1:] != ramp:
-            trunk, ramp = None, point[1:]
-        with _one_at_a_time:
-            try:
-                result = run_point(sweep, *point, trunk=trunk)
-            except Exception as error:
-                records.append(PointRecord(point, None, f"{type(error).__name__}: {error}"))
-                continue
-        records.append(packed(result.record(with_fields)))
-        trunk = result.trunk
+    records: list[PointRecord] = []
+    for (contact, _), rows in itertools.groupby(
+        points, key=lambda point: (sweep.contact_of(point), point.load)
+    ):
+        if contact != ramp:
+            trunk, ramp = None, contact
+        new, trunk = _computed(sweep, tuple(rows), trunk, with_fields)
+        records += new
         if time.monotonic() > end:
             break
     return Stretch(tuple(records), trunk, ramp)
+
+
+def _computed(
+    sweep: Sweep, points: tuple[Point, ...], trunk: Trunk | None, with_fields: bool
+) -> tuple[list[PointRecord], Trunk | None]:
+    """Records of points of one contact, and the trunk after them."""
+    try:
+        with _one_at_a_time:
+            results = run_points(sweep, points, trunk)
+    except Exception as error:
+        if len(points) > 1:  # the others may have a solution
+            alone = [_computed(sweep, (point,), None, with_fields)[0] for point in points]
+            return [record for records in alone for record in records], None
+        return [PointRecord(points[0], None, f"{type(error).__name__}: {error}")], trunk
+    return [packed(result.record(with_fields)) for result in results], results[0].trunk
 
 
 def records_of(stretch: Stretch) -> tuple[Versions, bytes]:

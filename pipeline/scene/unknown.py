@@ -12,6 +12,7 @@ from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
+from scipy.special import ndtr
 
 from pipeline.scene.correlation import with_correlations
 from pipeline.scene.entries import quoted
@@ -20,32 +21,36 @@ from pipeline.scene.format import FORMAT
 from pipeline.scene.units import UnitError, si_unit, to_si
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.plan import step_count
-from pipeline.sweep.unknown import MOST, Kind, Samples, Unit, Unknown, drawn
-from tribo import InputError, Scene
+from pipeline.sweep.samples import (
+    REACH,
+    WEAR_RATE,
+    Design,
+    Layer,
+    Samples,
+    drawn_samples,
+    samples_per_contact,
+)
+from pipeline.sweep.unknown import MOST, Kind, Unit, Unknown
+from tribo import InputError, Material, Scene, Wear, inseparable
 
 Build = Callable[[dict[str, Any], list[Fault]], Sweep | None]
 """Makes a sweep of what the format gives; notes faults."""
 
-_ENDS = np.array([1e-4, 1 - 1e-4])
+_ENDS = ndtr(np.array([-REACH, REACH]))
+_FACTOR = 1.25  # of a wear rate that is known, in which samples of a contact differ all the same
 _FIXED = (
-    "sweep",
-    "fidelity",
-    "window",
-    "measured",
-    "tested",
-    "unknown",
-    "title",
-    "extends",
-    "without",
-)
+    "sweep", "fidelity", "window", "measured", "tested", "unknown", "title", "extends", "without",
+)  # fmt: skip
 _PAIRS: dict[tuple[str, str], Kind] = {
     ("mean", "sd"): "normal",
     ("median", "factor"): "log-normal",
     ("from", "to"): "uniform",
 }
 _SIGNS = {"degC": "°C", "degF": "°F", "um": "µm"}
+_SHARE, _OF_RATE = "temperature.failing_share", "m s2 kg-1"  # and the unit of a wear rate
 _EVERYWHERE = {"name", "title", "notes"}
 _SIMULATED = {each.name for each in fields(Scene)}
+_THERMAL = "thermal_conductivity", "density", "specific_heat"
 _DECISIVE = _SIMULATED | {"conditions"}
 
 
@@ -113,44 +118,76 @@ def samples_of(
     unknown = [replace(entry, unknown=own) for entry, own in zip(unknown, joint, strict=True)]
     if len(unknown) > MOST:
         faults.append(Fault("unknown", f"{len(unknown)} inputs are unknown; give {MOST} at most"))
-    simulated = []
-    for entry in unknown:
-        changed = _changed(entry, entries, found, build, sweep, faults)
-        if changed & _SIMULATED:
-            simulated.append(entry.unknown.path)
+    layers = [_layer(entry, entries, found, build, sweep, faults) for entry in unknown]
     if len(faults) > known:
         return None
     if count is None:
         inputs = "1 input" if len(unknown) == 1 else f"{len(unknown)} inputs"
         notes.append(f"unknown: {inputs} not known exactly; give sweep.samples to draw them")
         return None
-    return _drawn(unknown, tuple(simulated), found, sweep, build, faults)
+    design = _design(unknown, layers, found["sweep"]["sample_seed"], sweep, faults)
+    return _drawn(unknown, design, found, sweep, build, faults) if design else None
+
+
+def _design(
+    entries: list[_Entry],
+    layers: list[Layer],
+    seed: int,
+    sweep: Sweep,
+    faults: list[Fault],
+) -> Design | None:
+    """Rule by which samples are drawn; None where the sweep has no range of velocities."""
+    moving = [velocity for velocity in sweep.velocities if velocity > 0]
+    if len(moving) < 2 or not sweep.friction_heat:
+        problem = "samples need friction, and two velocities above 0, between which each has one"
+        faults.append(Fault("sweep.velocities", f"{problem}; give them"))
+        return None
+    ends = moving[0], moving[-1]
+    separable = inseparable(sweep, ends) is None
+    inputs = [
+        (entry.unknown, layer)
+        for entry, layer in zip(entries, layers, strict=True)
+        if layer != "conditions"
+    ]
+    known = sweep.wear.specific_wear_rate if isinstance(sweep.wear, Wear) else 0.0
+    if separable and known and "wear rate" not in layers:
+        rate = Unknown(WEAR_RATE, "log-normal", (known, _FACTOR), _OF_RATE)
+        inputs.append((rate, "wear rate"))
+    if not separable:
+        inputs = [(each, "contact" if layer != "heat" else layer) for each, layer in inputs]
+    unknown, kinds = tuple(each for each, _ in inputs), tuple(layer for _, layer in inputs)
+    group = samples_per_contact(kinds, known > 0, separable)
+    return Design(unknown, kinds, ends, seed, group)
 
 
 def _drawn(
     entries: list[_Entry],
-    simulated: tuple[str, ...],
+    design: Design,
     found: dict[str, Any],
     sweep: Sweep,
     build: Build,
     faults: list[Fault],
 ) -> Samples | None:
-    unknown, seed = tuple(entry.unknown for entry in entries), found["sweep"]["sample_seed"]
-    values = drawn(unknown, seed, found["sweep"]["samples"])
-    parts = []
-    for number, row in enumerate(values.tolist()):
-        wrong: list[Fault] = []
+    """Samples of a design; None if one is not a sound scene."""
+    by_path = {entry.unknown.path: entry for entry in entries}
+    wrong: list[Fault] = []
+
+    def part(values: tuple[float, ...]) -> tuple[tuple[str, Any], ...]:
         variant = found
-        for entry, value in zip(entries, row, strict=True):
-            variant = _with(variant, entry.unknown.path, entry.found(value))
-        built = build(variant, wrong)
-        if built is None:
-            told = f"sample {number} is not a sound scene: {wrong[0].key}: {wrong[0].problem}"
-            faults.append(Fault("unknown", f"{told}; give narrower distributions"))
-            return None
-        parts.append(tuple(differing(sweep, built)))
-    rows = tuple(map(tuple, values.tolist()))
-    return Samples(unknown, seed, rows, tuple(parts), simulated)
+        for each, value in zip(design.inputs, values, strict=True):
+            entry = by_path.get(each.path)
+            variant = _with(variant, each.path, entry.found(value) if entry else value)
+        built = None if wrong else build(variant, wrong)
+        return () if built is None else tuple(differing(sweep, built))
+
+    samples = drawn_samples(
+        tuple(entry.unknown for entry in entries), design, found["sweep"]["samples"], part
+    )
+    if wrong:
+        told = f"a sample is not a sound scene: {wrong[0].key}: {wrong[0].problem}"
+        faults.append(Fault("unknown", f"{told}; give narrower distributions"))
+        return None
+    return samples
 
 
 def differing(sweep: Sweep, other: Sweep) -> Iterator[tuple[str, Any]]:
@@ -228,18 +265,19 @@ def _spread(text: str, like: str) -> float:
     return spread
 
 
-def _changed(
+def _layer(
     entry: _Entry,
     entries: Mapping[str, Any],
     found: dict[str, Any],
     build: Build,
     sweep: Sweep,
     faults: list[Fault],
-) -> set[str]:
-    """Names of the fields of the sweep that an input moves; it is tried out at its ends."""
+) -> Layer:
+    """Layer of a point that an input enters; it is tried out at its ends."""
     unknown, loads = entry.unknown, max(sweep.loads)
     key = f"unknown.{quoted(unknown.path)}"
     changed: set[str] = set()
+    is_heat_alone = True
     for value, where, instead in _tried(entry):
         wrong: list[Fault] = []
         FORMAT.read(_with(dict(entries), unknown.path, entry.written(value)), "", wrong)
@@ -247,8 +285,10 @@ def _changed(
         if built is None:
             why = f"{wrong[0].key}: {wrong[0].problem}" if wrong else "the scene does not fit"
             faults.append(Fault(key, f"{where}{why}{instead}"))
-            return set()
+            return "conditions"
         changed |= {name for name, _ in differing(sweep, built)}
+        alike = {name for name, _ in differing(sweep, _with_heat_of(built, sweep))}
+        is_heat_alone &= not alike & _SIMULATED
         if step_count(built, loads) != step_count(sweep, loads):
             faults.append(Fault(key, "it changes the number of steps, which must stay; give it"))
     if not changed:
@@ -256,7 +296,24 @@ def _changed(
     elif not changed & _DECISIVE:
         problem = f"no temperature or wear depends on it, only the {_listed(changed)}; leave it out"
         faults.append(Fault(key, problem))
-    return changed
+    if unknown.path == _SHARE:
+        return "heat"  # each sample has a rise of its own share
+    if not changed & _SIMULATED:
+        return "conditions"
+    if unknown.path == WEAR_RATE:
+        return "wear rate"
+    return "heat" if is_heat_alone else "contact"
+
+
+def _with_heat_of(built: Sweep, sweep: Sweep) -> Sweep:
+    """A sweep with the thermal constants of another."""
+
+    def thermal(material: Material) -> dict[str, float]:
+        return {name: getattr(material, name) for name in _THERMAL}
+
+    pin = replace(built.pin.material, **thermal(sweep.pin.material))
+    disk = replace(built.disk, **thermal(sweep.disk))
+    return replace(built, pin=replace(built.pin, material=pin), disk=disk)
 
 
 def _tried(entry: _Entry) -> Iterator[tuple[float, str, str]]:

@@ -13,7 +13,6 @@ from pipeline.store.schema import FORMAT
 from pipeline.sweep.lubrication import Lubrication
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.plan import step_count
-from pipeline.sweep.unknown import drawn
 from tribo import BULK_RATIOS, QUANTILES
 
 OPTIONAL = ("coordinates", "lubrication", "samples", "sample_seed", "unknown")
@@ -91,10 +90,11 @@ def _samples_of(sweep: Sweep) -> dict[str, Any]:
     if not sweep.samples:
         return {}
     samples = sweep.samples
-    paths = " ".join(each.path for each in samples.unknown)
-    return ({"coordinates": paths} if samples.are_simulated and paths else {}) | {
+    paths = (*(each.path for each in samples.design.inputs), "velocity")
+    return {
+        "coordinates": " ".join(paths),
         "samples": len(samples),
-        "sample_seed": samples.seed,
+        "sample_seed": samples.design.seed,
         "unknown": [each.as_dict() for each in samples.unknown],
     }
 
@@ -111,12 +111,12 @@ def grown_axes(axes: Mapping[str, list[Any]], sweep: Sweep) -> dict[str, list[An
     name, values = sweep.axis or (None, ())
     leading = {name: widened(name, values)} if name else {}
     velocities = sweep.velocities if sweep.chosen is None else sorted({p.velocity for p in chosen})
+    of_samples = sweep.samples.columns(len(leading["sample"])) if sweep.samples else None
     return (
         leading
-        | _inputs(sweep, len(leading.get("sample", [])))
+        | (of_samples or {"velocity": widened("velocity", velocities)})
         | {
             "load": widened("load", sweep.loads),
-            "velocity": widened("velocity", velocities),
             "step": list(range(1, max(steps, len(axes.get("step", []))) + 1)),
             "quantile": list(QUANTILES),
             "bulk_ratio": list(BULK_RATIOS),
@@ -125,13 +125,3 @@ def grown_axes(axes: Mapping[str, list[Any]], sweep: Sweep) -> dict[str, list[An
             "y": sweep.grid.coordinates(1).tolist(),
         }
     )
-
-
-def _inputs(sweep: Sweep, count: int) -> dict[str, list[float]]:
-    """Values drawn of each input for so many samples, which may be more than the sweep's."""
-    if not (count and sweep.samples and sweep.samples.unknown):
-        return {}
-    if count == len(sweep.samples):
-        return sweep.samples.columns
-    values = drawn(sweep.samples.unknown, sweep.samples.seed, count)
-    return {each.path: values[:, i].tolist() for i, each in enumerate(sweep.samples.unknown)}

@@ -10,8 +10,6 @@ from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from pipeline.store.attributes import (
     OPTIONAL,
     grown_axes,
@@ -164,7 +162,8 @@ def _new(sweep: Sweep) -> tuple[dict[str, bytes], dict[str, bytes]]:
 
 def _variables(sweep: Sweep, with_fields: bool) -> dict[str, Variable]:
     name, _ = sweep.axis or (None, ())
-    units = {each.path: each.unit for each in sweep.samples.unknown} if sweep.samples else {}
+    inputs = sweep.samples.design.inputs if sweep.samples else ()
+    units = {each.path: each.unit for each in inputs}
     return variables(name, with_fields, sweep.unequal_bulks, bool(sweep.rates), units)
 
 
@@ -212,28 +211,11 @@ def _mismatches(root: Root, sweep: Sweep) -> Iterator[str]:
             "has no fields, since its scene did not ask for them when it was created; leave out "
             "sweep.store_fields, or write to another store"
         )
-    for path in _inputs_drawn_otherwise(root.axes, sweep):
-        yield (
-            f"has samples with other values of {path}: what is drawn of it follows from its place "
-            "in [unknown] too; give its entries in the order that they had, new ones last, or "
-            "write to another store"
-        )
 
 
 def _ends(rates: Sequence[float]) -> str:
     """Write the lowest and the highest wear rate."""
     return f"{rates[0]:g} to {rates[-1]:g} m²/N" if rates else "none"
-
-
-def _inputs_drawn_otherwise(axes: Mapping[str, Any], sweep: Sweep) -> Iterator[str]:
-    """Paths of inputs of which the samples of a store have other values than those of a sweep."""
-    if sweep.samples and sweep.axis:
-        columns = sweep.samples.columns
-        for path in sweep.samples.simulated:
-            stored, wanted = zip(*zip(axes[path], columns[path], strict=False), strict=True)
-            # Rounding differs from machine to machine.
-            if not np.allclose(stored, wanted, rtol=1e-9, atol=0.0):
-                yield path
 
 
 def _remove_partial(place: Folder) -> None:

@@ -22,8 +22,8 @@ from tribo import Scene
 def describe(sweep: Sweep) -> dict[str, Any]:
     """Describe what decides a scene's numbers, as plain data in SI, arrays as their digest.
 
-    The seed is left out where there are realizations, each with its own. Unknown inputs are part of
-    it where there are samples, as far as the simulation depends on them.
+    The seed is left out where there are realizations, each with its own. Of samples the rule by
+    which they follow is part of it.
     """
     own = own_laws(sweep)
     parts = {
@@ -32,24 +32,9 @@ def describe(sweep: Sweep) -> dict[str, Any]:
     }
     if sweep.realizations:
         parts["roughness"]["seed"] = None
-    if sweep.samples and sweep.samples.are_simulated:
-        drawn = {each.path: each.as_dict() for each in sweep.samples.unknown}
-        for each in drawn.values():
-            each.pop("written", None)  # the same values in another unit are the same scene
-        parts["unknown"] = {path: drawn[path] for path in sweep.samples.simulated}
-        parts["unknown"]["seed"] = sweep.samples.seed
+    if sweep.samples:
+        parts["samples"] = sweep.samples.design.as_dict()
     return parts
-
-
-def simulated_inputs(attributes: Mapping[str, Any]) -> tuple[str, ...]:
-    """Paths of the unknown inputs on which the simulations of a store depend.
-
-    Examples
-    --------
-    >>> simulated_inputs({"scene": {"unknown": {"pin.radius": {"kind": "normal"}, "seed": 0}}})
-    ('pin.radius',)
-    """
-    return tuple(path for path in attributes["scene"].get("unknown", ()) if path != "seed")
 
 
 def scene_hash(description: Mapping[str, Any]) -> str:

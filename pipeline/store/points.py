@@ -69,6 +69,9 @@ class Places:
             name: np.array(self.axes[name], dtype=object)[along].tolist()
             for name, along in zip(self.dims, where, strict=True)
         }
+        if self.leading == "sample":  # each of which has one velocity
+            velocities = np.array(self.axes["velocity"], dtype=object)
+            axes["velocity"] = velocities[where[0]].tolist()
         none = [None] * len(where[0])
         columns = (axes.get(name, none) for name in Point._fields)
         return list(itertools.starmap(Point, zip(*columns, strict=True)))
@@ -85,8 +88,8 @@ class Places:
         if sweep.chosen is not None:
             return self.mask_of(sweep.chosen)
         wanted: dict[str, Iterable[Any]] = {"load": sweep.loads, "velocity": sweep.velocities}
-        if self.leading:
-            wanted[self.leading] = sweep.simulated
+        if sweep.axis:
+            wanted |= [sweep.axis]
         mask = np.zeros(self.shape, bool)
         rows = [
             [numbers[value] for value in wanted[name]]

@@ -169,7 +169,8 @@ AT_END = FIELDS | BULK_FIELDS
 LEADING = ("realization", "sample")
 """Dimensions of which one may stand in front of the others."""
 
-_INPUT = Variable(("sample",), None, "value drawn of an input that is not known exactly")
+_INPUT = Variable(("sample",), None, "value of an input that is not known exactly")
+_VELOCITY = Variable(("sample",), "m/s", "sliding velocity of the sample")
 _PATH = re.compile(r"[\w-]+(\.[\w-]+)+")
 
 
@@ -210,10 +211,19 @@ def variables(
     present = {name: variable for name, variable in VARIABLES.items() if name not in absent}
     if leading is None:
         return present
-    return {path: _INPUT._replace(units=unit) for path, unit in inputs.items()} | {
-        name: variable if name in COORDINATES else variable._replace(dims=(leading, *variable.dims))
+    # Each sample has one velocity.
+    absent_dims = {"velocity"} if leading == "sample" else set[str]()
+    dims = {
+        name: (leading, *(dim for dim in variable.dims if dim not in absent_dims))
         for name, variable in present.items()
     }
+    found = {
+        name: variable if name in COORDINATES else variable._replace(dims=dims[name])
+        for name, variable in present.items()
+    }
+    if leading == "sample":
+        found["velocity"] = _VELOCITY
+    return {path: _INPUT._replace(units=unit) for path, unit in inputs.items()} | found
 
 
 def block_of(sizes: Mapping[str, int], bytes_of_a_point: int) -> dict[str, int]:
@@ -235,16 +245,16 @@ def block_of(sizes: Mapping[str, int], bytes_of_a_point: int) -> dict[str, int]:
     {'load': 12, 'velocity': 30}
     >>> block_of({"load": 12, "velocity": 8334}, 2880)
     {'load': 12, 'velocity': 85}
-    >>> block_of({"sample": 1000, "load": 1, "velocity": 3}, 1200)
-    {'sample': 64, 'load': 1, 'velocity': 16}
+    >>> block_of({"sample": 1000, "load": 4}, 1200)
+    {'sample': 256, 'load': 4}
     """
     room = min(max(_LARGEST // bytes_of_a_point, _FEWEST), _MOST)
     block = dict.fromkeys(sizes, 1)
     block["load"] = min(sizes["load"], room)
-    # A search adds velocities later.
-    block["velocity"] = max(1, min(max(sizes["velocity"], 16), room // block["load"]))
+    if "velocity" in sizes:  # to which a search adds others later
+        block["velocity"] = max(1, min(max(sizes["velocity"], 16), room // block["load"]))
     for name in set(sizes) & set(LEADING):
-        block[name] = max(1, min(sizes[name], room // (block["load"] * block["velocity"])))
+        block[name] = max(1, min(sizes[name], room // math.prod(block.values())))
     return block
 
 

@@ -10,9 +10,9 @@ from typing import Any, NamedTuple, Self
 import numpy as np
 
 from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.samples import Samples
 from pipeline.sweep.selection import Selection
 from pipeline.sweep.shown import as_html, as_lines, on_conditions, on_plane, on_scene
-from pipeline.sweep.unknown import Samples
 from tribo import InputError, Oil, Ramp, Scene, SelfAffineRoughness, inseparable
 
 # Ratio of neighbouring wear rates at which heat is taken, at most. On four contacts rises between
@@ -281,19 +281,14 @@ class Sweep(Scene):
         """Name and values of what leads the dimensions of its points, if anything does."""
         if self.realizations:
             return "realization", self.realizations
-        if self.samples and self.samples.are_simulated:
-            return "sample", tuple(range(len(self.samples)))
-        return None
+        return ("sample", tuple(range(len(self.samples)))) if self.samples else None
 
     @property
-    def simulated(self) -> tuple[int | None, ...]:
-        """Part of the axis that has simulations of its own; None if there is no axis.
-
-        Samples that differ in friction and temperatures alone share that of the first of them.
-        """
-        if self.samples and self.axis:
-            return tuple(dict.fromkeys(self.samples.simulations))
-        return self.axis[1] if self.axis else (None,)
+    def ramps(self) -> int:
+        """Number of ramps that are simulated, each at one velocity through all loads."""
+        if self.samples:
+            return len(self.samples)
+        return len(self.velocities) * max(1, len(self.realizations))
 
     def variant(self, realization: int | None = None, sample: int | None = None) -> Self:
         """The sweep on one random surface, or with the inputs of one sample; itself if neither."""
@@ -304,6 +299,15 @@ class Sweep(Scene):
             raise InputError(f"sample is {sample}, which the sweep does not have; {held}")
         parts: dict[str, Any] = dict(self.samples.parts[sample])
         return replace(self, **parts, samples=None)
+
+    def contact_of(self, point: Point) -> tuple[float | None, int | None, int | None]:
+        """Velocity and variant whose ramp of contacts leads through a point."""
+        if self.samples is None or point.sample is None:
+            return point[1:]
+        if point.velocity != self.samples.velocities[point.sample]:
+            return point[1:]  # the scene with the inputs of a sample, at another velocity
+        lead = self.samples.lead(point.sample)
+        return self.samples.velocities[lead], None, lead
 
     def held(self, duration: float) -> Self:
         """The sweep with another duration at the full load [s].

@@ -2,8 +2,9 @@
 
 At one velocity every load passes through the same trunk of the ramp, so the points of a velocity
 form a chain: each continues the trunk where the next lower load left it. A point computed from
-the start, or from any trunk, has the same numbers, bit for bit. Each random surface, and each
-sample of unknown inputs, has chains of its own.
+the start, or from any trunk, has the same numbers, bit for bit. Each random surface has chains of
+its own. So have samples of unknown inputs, of which some share each contact (`tribo.contacts`): a
+chain has the points of all of them, load by load.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ import numpy as np
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.criterion import Verdict, verdict
 from pipeline.sweep.model import Point, Sweep
+from pipeline.sweep.samples import Samples
 from pipeline.sweep.shown import as_html, as_lines, on_point
 from tribo import (
     BULK_RATIOS,
@@ -26,9 +28,10 @@ from tribo import (
     PointWarning,
     Scene,
     State,
+    contacts,
     heat,
+    heated,
     measures,
-    simulate,
     start,
     warnings,
 )
@@ -49,12 +52,12 @@ class Trunk:
     ----------
     state : State
         State at the last station, without temperature.
-    records : tuple of dict
-        Values of `PointResult.columns` at each station so far.
+    records : mapping of tuple of dict
+        Values of `PointResult.columns` at each station so far, for each sample on it.
     """
 
     state: State
-    records: tuple[Record, ...] = ()
+    records: Mapping[int | None, tuple[Record, ...]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -176,12 +179,21 @@ def points(sweep: Sweep) -> tuple[Point, ...]:
     """Every point of a sweep, variant by variant, velocity by velocity, loads ascending."""
     if sweep.chosen is not None:
         return tuple(sorted(sweep.chosen, key=_order))
-    name = sweep.axis[0] if sweep.axis else "realization"
-    places = itertools.product(sweep.simulated, sweep.velocities, sweep.loads)
-    return tuple(Point(load, velocity, **{name: each}) for each, velocity, load in places)
+    if sweep.samples:
+        numbered = list(enumerate(sweep.samples.velocities))
+        size = sweep.samples.design.per_contact
+        return tuple(
+            Point(load, velocity, sample=number)
+            for begin, load in itertools.product(range(0, len(numbered), size), sweep.loads)
+            for number, velocity in numbered[begin : begin + size]
+        )
+    places = itertools.product(sweep.realizations or (None,), sweep.velocities, sweep.loads)
+    return tuple(Point(load, velocity, each) for each, velocity, load in places)
 
 
-def chains(todo: Iterable[Point], independent: bool = False) -> tuple[tuple[Point, ...], ...]:
+def chains(
+    todo: Iterable[Point], independent: bool = False, samples: Samples | None = None
+) -> tuple[tuple[Point, ...], ...]:
     """Group points so that each continues the trunk of the one before it.
 
     Parameters
@@ -190,6 +202,8 @@ def chains(todo: Iterable[Point], independent: bool = False) -> tuple[tuple[Poin
         Points to compute.
     independent : bool
         True if every point begins at the start of the ramp.
+    samples : Samples, optional
+        Samples of the sweep, of which some share contacts.
 
     Examples
     --------
@@ -198,10 +212,16 @@ def chains(todo: Iterable[Point], independent: bool = False) -> tuple[tuple[Poin
     150 N, 1 m/s
     150 N, 1.5 m/s; 300 N, 1.5 m/s
     """
-    ordered = sorted(todo, key=_order)
-    if independent:
-        return tuple((point,) for point in ordered)
-    ramps = itertools.groupby(ordered, key=lambda point: point[1:])
+
+    def contact(point: Point) -> tuple[float, ...]:
+        if samples and point.sample is not None:
+            return (samples.lead(point.sample),)
+        return point.realization or 0, point.velocity
+
+    ordered = sorted(todo, key=lambda point: (contact(point), point.load, point.sample or 0))
+    ramps = itertools.groupby(
+        ordered, key=lambda point: (contact(point), point.load if independent else 0.0)
+    )
     return tuple(tuple(chain) for _, chain in ramps)
 
 
@@ -224,28 +244,77 @@ def run_point(
     progress: Callable[[int, int], None] | None = None,
 ) -> PointResult:
     """Simulate one point; see `pipeline.run_point`, which takes text, too."""
+    point = Point(load, velocity, realization, sample)
+    return run_points(sweep, (point,), trunk, progress)[0]
+
+
+def run_points(
+    sweep: Sweep,
+    points: Sequence[Point],
+    trunk: Trunk | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> tuple[PointResult, ...]:
+    """Simulate points of one contact: one point, or samples that share it, at one load.
+
+    Parameters
+    ----------
+    sweep : Sweep
+    points : sequence of Point
+        Points whose `Sweep.contact_of` and load are the same.
+    trunk : Trunk, optional
+        Trunk of the contact, with the records of these samples, to continue.
+    progress : callable, optional
+        Called with the steps done and their number.
+    """
     began = time.perf_counter()
-    sweep = sweep.variant(realization, sample)
-    trunk = _leading_to(sweep, load, trunk)
-    records, at_load = list(trunk.records), dict[int, State]()
-    steps = step_count(sweep, load) if progress else 0
-    for state in simulate(sweep, load, velocity, trunk.state):
-        records.append(_record(sweep, state))
-        trunk = _extended(sweep, trunk, state, load, records[-1])
-        if state.heat and state.normal_load >= load:
-            at_load[len(records) - 1] = state
+    (load, velocity, realization, _), samples = points[0], [point.sample for point in points]
+    variants = [sweep.variant(realization, number) for number in samples]
+    lead, first = variants[0], velocity
+    if len(points) > 1 or sweep.contact_of(points[0]) != points[0][1:]:
+        first, _, number = sweep.contact_of(points[0])  # type: ignore[assignment]
+        lead = sweep.variant(sample=number)
+    trunk = _leading_to(lead, load, trunk, samples)
+    records = {number: list(trunk.records.get(number, ())) for number in samples}
+    steps = step_count(lead, load) if progress else 0
+    states: list[State] = []
+    at_load = [dict[int, State]() for _ in points]
+    for number_of_step, contact in enumerate(contacts(lead, load, first, trunk.state), 1):
+        states = [
+            _with_heat(variant, contact, point.velocity, first)
+            for variant, point in zip(variants, points, strict=True)
+        ]
+        rows = list(zip(variants, states, strict=True))
+        for number, row, own in zip(samples, rows, at_load, strict=True):
+            if row[1].heat and row[1].normal_load >= load:
+                own[len(records[number])] = row[1]
+            records[number].append(_record(*row))
+        trunk = _extended(trunk, contact, rows, load, records)
         if progress:
-            progress(len(records), steps)
-    return PointResult(
-        point=Point(load, velocity, realization, sample),
-        columns=_columns(records) | _at_wear_rates(sweep, velocity, at_load, len(records)),
-        state=state,
-        shape=sweep.grid.shape,
-        warnings=tuple(warnings(sweep, state)),
-        trunk=trunk,
-        at_load=tuple(at_load.values()),
-        wall_time=time.perf_counter() - began,
+            progress(number_of_step, steps)
+    duration = (time.perf_counter() - began) / len(points)
+    return tuple(
+        PointResult(
+            point=point,
+            columns=_stacked(records[point.sample])
+            | _at_wear_rates(variant, point.velocity, own, len(records[point.sample])),
+            state=state,
+            shape=variant.grid.shape,
+            warnings=tuple(warnings(variant, state)),
+            trunk=trunk,
+            at_load=tuple(own.values()),
+            wall_time=duration,
+        )
+        for point, variant, state, own in zip(points, variants, states, at_load, strict=True)
     )
+
+
+def _with_heat(scene: Scene, contact: State, velocity: float, first: float) -> State:
+    """A contact with its temperature, at its own velocity or at that of another sample."""
+    if velocity != first:
+        return heated(scene, contact, velocity)
+    if contact.is_asked and contact.heat is None:
+        return replace(contact, heat=heat(scene, contact, velocity))
+    return contact
 
 
 def _at_wear_rates(
@@ -281,54 +350,42 @@ def _at_wear_rates(
 
 def columns_of(sweep: Sweep, states: Iterable[State]) -> dict[str, Array]:
     """Columns of a point at some of its states, as in `PointResult.columns`."""
-    return _columns([_record(sweep, state) for state in states])
+    return _stacked([_record(sweep, state) for state in states])
 
 
-def _columns(records: Sequence[Record]) -> dict[str, Array]:
+def _stacked(records: Sequence[Record]) -> dict[str, Array]:
     return {name: np.array([record[name] for record in records]) for name in records[0]}
 
 
-def advance_trunk(
-    sweep: Sweep,
-    load: float,
-    velocity: float,
-    realization: int | None = None,
-    sample: int | None = None,
-    trunk: Trunk | None = None,
+def _leading_to(
+    sweep: Sweep, load: float, trunk: Trunk | None, samples: Sequence[int | None]
 ) -> Trunk:
-    """Continue a trunk up to the last station below a load, without computing the point there.
-
-    Parameters are those of `run_point`.
-    """
-    sweep = sweep.variant(realization, sample)
-    trunk = _leading_to(sweep, load, trunk)
-    below = [
-        station
-        for station in sweep.stations(load, after=trunk.state.normal_load)
-        if station.on_trunk and station.normal_load < load
-    ]
-    if below:
-        states = simulate(sweep, load, velocity, trunk.state)
-        for state in itertools.islice(states, len(below)):
-            trunk = _extended(sweep, trunk, state, load, _record(sweep, state))
-    return trunk
-
-
-def _leading_to(sweep: Sweep, load: float, trunk: Trunk | None) -> Trunk:
-    """The trunk if the ramp to a load goes on from it, else the start of the ramp."""
-    return trunk if trunk and leads_to(sweep, trunk.state, load) else Trunk(start(sweep))
-
-
-def _extended(sweep: Sweep, trunk: Trunk, state: State, load: float, record: Record) -> Trunk:
-    """Return the trunk with one more state of a point, if higher loads pass through it."""
-    if not state.on_trunk:
+    """The trunk if the ramp of these samples to a load goes on from it, else the start."""
+    if trunk and leads_to(sweep, trunk.state, load) and set(samples) <= set(trunk.records):
         return trunk
-    passed = state.history or state
-    onwards = replace(passed, heat=None)
-    if not _is_same_for_higher_loads(sweep, state, load):
-        at_every_step = sweep.remembers_heat and not sweep.fidelity.fewest_elements
-        record = _record(sweep, passed if at_every_step else onwards)
-    return Trunk(onwards, (*trunk.records, record))
+    return Trunk(start(sweep))
+
+
+def _extended(
+    trunk: Trunk,
+    contact: State,
+    rows: Sequence[tuple[Sweep, State]],
+    load: float,
+    records: Mapping[int | None, list[Record]],
+) -> Trunk:
+    """Return the trunk with one more contact and its rows, if higher loads pass through it."""
+    if not contact.on_trunk:
+        return trunk
+    onwards = replace(contact.history or contact, heat=None)
+    longer: dict[int | None, tuple[Record, ...]] = {}
+    for (number, known), (sweep, state) in zip(records.items(), rows, strict=True):
+        record = known[-1]
+        if not _is_same_for_higher_loads(sweep, state, load):
+            passed = replace(state.history or state, sliding_distance=state.sliding_distance)
+            at_every_step = sweep.remembers_heat and not sweep.fidelity.fewest_elements
+            record = _record(sweep, passed if at_every_step else replace(passed, heat=None))
+        longer[number] = (*trunk.records.get(number, ()), record)
+    return Trunk(onwards, longer)
 
 
 def _is_same_for_higher_loads(sweep: Sweep, state: State, load: float) -> bool:

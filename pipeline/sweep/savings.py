@@ -12,7 +12,7 @@ from pipeline.sweep.plan import step_count
 def savings(sweep: Sweep) -> Iterator[str]:
     """Say in a line each which work is saved that another scene would need, and why."""
     nx, ny = sweep.grid.shape
-    surfaces = len(sweep.simulated)
+    surfaces = max(1, len(sweep.realizations))
     steps = max(step_count(sweep, load) for load in sweep.loads)
     if sweep.is_plane:
         rows = sweep.rows_per_element
@@ -36,5 +36,5 @@ def savings(sweep: Sweep) -> Iterator[str]:
         factor = sweep.coarsening
         yield f"wear before the last step on a coarser grid ({nx // factor} × {ny // factor})"
     if not sweep.store_fields:
-        megabytes = 24e-6 * nx * ny * len(sweep.loads) * len(sweep.velocities) * surfaces
+        megabytes = 24e-6 * nx * ny * len(sweep.loads) * sweep.ramps
         yield f"fields, since the scene does not ask for them (up to {megabytes:.0f} MB)"

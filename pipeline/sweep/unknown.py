@@ -8,9 +8,8 @@ drawn of an input does not depend on those that stand after it.
 from __future__ import annotations
 
 import functools
-import itertools
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Any, Literal, get_args
 
@@ -201,79 +200,6 @@ class Unknown:
         return f"{self.path}: {told}{''.join(pairs)}"
 
 
-@dataclass(frozen=True, slots=True)
-class Samples:
-    """What the samples of a sweep have in place of the scene's own entries.
-
-    Attributes
-    ----------
-    unknown : tuple of Unknown
-        Inputs that are drawn.
-    seed : int
-        Seed of the scrambling.
-    values : tuple of tuple of float
-        Values drawn, by sample and input [SI].
-    parts : tuple of tuple of (str, value)
-        Fields of the `Sweep` that differ from its own, and their values, for each sample.
-    simulated : tuple of str
-        Paths of the inputs that the simulation depends on; the others are applied afterwards.
-    """
-
-    unknown: tuple[Unknown, ...]
-    seed: int
-    values: tuple[tuple[float, ...], ...]
-    parts: tuple[tuple[tuple[str, Any], ...], ...]
-    simulated: tuple[str, ...]
-
-    def __len__(self) -> int:
-        return len(self.values)
-
-    @property
-    def are_simulated(self) -> bool:
-        """Whether any sample needs a simulation of its own."""
-        return bool(self.simulated)
-
-    @property
-    def simulations(self) -> tuple[int, ...]:
-        """For each sample the first with the same simulated inputs, which is simulated for it."""
-        columns = self.columns
-        return first_alike(len(self), [columns[path] for path in self.simulated])
-
-    def scaled(self, number: int) -> tuple[float, ...]:
-        """Values of a sample on scales on which a power law is straight."""
-        row = zip(self.unknown, self.values[number], strict=True)
-        return tuple(math.log(value) if each.is_relative else value for each, value in row)
-
-    @property
-    def columns(self) -> dict[str, list[float]]:
-        """Values drawn of each input, by its path [SI]."""
-        columns = np.array(self.values, float).reshape(len(self.values), len(self.unknown)).T
-        return {
-            each.path: column.tolist() for each, column in zip(self.unknown, columns, strict=True)
-        }
-
-
-def first_alike(count: int, columns: Iterable[Sequence[float]]) -> tuple[int, ...]:
-    """Find for each sample the first one whose values are all the same.
-
-    Parameters
-    ----------
-    count : int
-        Number of samples.
-    columns : iterable of sequence of float
-        Values of each input that counts, by sample.
-
-    Examples
-    --------
-    >>> first_alike(4, [[0.0, 1.0, 0.0, 1.0], [5.0, 5.0, 5.0, 6.0]])
-    (0, 1, 0, 3)
-    """
-    each = list(columns)
-    rows = zip(*each, strict=True) if each else itertools.repeat((), count)
-    first: dict[tuple[float, ...], int] = {}
-    return tuple(first.setdefault(row, number) for number, row in enumerate(rows))
-
-
 def drawn(unknown: tuple[Unknown, ...], seed: int, count: int) -> Array:
     """Draw samples of unknown inputs.
 
@@ -300,7 +226,7 @@ def drawn(unknown: tuple[Unknown, ...], seed: int, count: int) -> Array:
     >>> bool((values[:8] == drawn((friction,), seed=0, count=8)).all())
     True
     """
-    shares = _sequence(seed, max(count - 1, 1).bit_length())[:count]
+    shares = sequence(seed, count)
     columns = correlated(correlations(unknown), shares)
     return np.stack([each.at(column) for each, column in zip(unknown, columns, strict=True)], 1)
 
@@ -315,13 +241,19 @@ def correlations(unknown: Sequence[Unknown]) -> Array:
     return found
 
 
+def sequence(seed: int, count: int) -> Array:
+    """The first points of a scrambled Sobol' sequence, shape (count, `MOST` + 1).
+
+    They lie within the unit cube and not on its faces.
+    """
+    return _sequence(seed, max(count - 1, 1).bit_length())[:count]
+
+
 @functools.lru_cache(maxsize=2)
 def _sequence(seed: int, levels: int) -> Array:
-    """The first 2**levels points of the sequence, within the unit cube and not on its faces."""
     from scipy.stats import qmc  # takes 0.5 s, and few scenes need it
 
-    points: Array = qmc.Sobol(MOST, scramble=True, rng=np.random.default_rng(seed)).random_base2(
-        levels
-    )
+    rng = np.random.default_rng(seed)
+    points: Array = qmc.Sobol(MOST + 1, scramble=True, rng=rng).random_base2(levels)
     shares: Array = np.clip(points, OUTERMOST, 1 - OUTERMOST)
     return shares

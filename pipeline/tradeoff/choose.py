@@ -278,7 +278,7 @@ def _steps_of_sweep(sweep: Sweep) -> int:
     scene = replace(sweep, fidelity=fitted(sweep, PRESETS["reference"]))
     ends = [step_count(scene, load) for load in sweep.loads]
     each = sum(ends) if sweep.independent or ends[0] == ends[-1] else ends[-1] + len(ends)
-    return each * len(sweep.velocities) * len(sweep.simulated)
+    return each * sweep.ramps
 
 
 def _finest(sweep: Sweep, accuracy: float, own: OwnError, past: bool, work: float) -> list[Trial]:

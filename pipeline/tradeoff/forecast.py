@@ -81,7 +81,7 @@ def estimate(sweep: SceneLike, workers: int | None = None, boundary_only: bool =
     workers : int, optional
         Number of processes; one for each core if not given.
     boundary_only : bool
-        True if velocities are chosen on the way, as for samples, not computed all.
+        True if velocities are chosen on the way, not computed all.
 
     Raises
     ------
@@ -96,12 +96,16 @@ def estimate(sweep: SceneLike, workers: int | None = None, boundary_only: bool =
     24
     """
     sweep, cores = sweep_of(sweep), os.cpu_count() or 1
-    workers, variants, searched = workers or cores, len(sweep.simulated), boundary_only
-    searched |= sweep.samples is not None
-    velocities = _searched(sweep) if searched else len(sweep.velocities)
+    workers, variants = workers or cores, max(1, len(sweep.realizations))
+    searched = boundary_only and not sweep.samples
+    velocities = _searched(sweep) if searched else sweep.ramps // variants
     ramps = velocities * variants
     points = (min(2, velocities) if searched else velocities) * len(sweep.loads) * variants
     moving = sum(velocity != 0 for velocity in sweep.velocities) if sweep.friction_heat else 0
+    shared, surfaces = 1, variants  # samples that share a contact
+    if sweep.samples:
+        moving, shared, surfaces = ramps, sweep.samples.design.per_contact, 1
+        variants = math.ceil(ramps / shared)
     steps = list(_steps_of_ramp(sweep))
     if searched:  # each velocity is looked at for some of the loads alone
         moving = min(moving, velocities)
@@ -109,14 +113,18 @@ def estimate(sweep: SceneLike, workers: int | None = None, boundary_only: bool =
     timed, begin = _timed_loads(sweep)
     loads, costs = zip(*sorted(timed.items()), strict=True)
     each = [[cost.step for cost in costs], [cost.end for cost in costs]]
+    unheated = sum(float(np.interp(load, loads, each[False])) for load, _ in steps)
     ramp = sum(float(np.interp(load, loads, each[heated])) for load, heated in steps)
+    ramp -= unheated * (1 - 1 / shared)
     ends = [load for load, heated in steps if heated and load in sweep.loads]
     at_rates = ends * len(sweep.rates)
     ramp += sum(float(np.interp(load, loads, [cost.heat for cost in costs])) for load in at_rates)
     chains = points if sweep.independent else ramps
     parallel = min(workers, chains)
-    ramps_of_contacts = ramps
-    if not sweep.remembers_steps:  # each worker keeps the contacts of the first velocity
+    ramps_of_contacts = math.ceil(ramps / shared)
+    if (
+        not sweep.remembers_steps and not sweep.samples
+    ):  # workers keep contacts of the first velocity
         ramps_of_contacts = min(ramps, parallel * variants)
         first = [cost.contact for cost in costs]
         begin += sum(float(np.interp(load, loads, first)) for load, _ in steps)
@@ -137,7 +145,7 @@ def estimate(sweep: SceneLike, workers: int | None = None, boundary_only: bool =
     return Estimate(
         points=points,
         steps=len(steps) * ramps_of_contacts,
-        temperatures=(sum(heated for _, heated in steps) + len(at_rates)) * moving * variants,
+        temperatures=(sum(heated for _, heated in steps) + len(at_rates)) * moving * surfaces,
         chains=chains,
         workers=workers,
         seconds=seconds,

@@ -5,17 +5,21 @@ import math
 import numpy as np
 from scipy import stats
 
-from pipeline.analysis.ensemble import Ensemble
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.unknown import Unknown, drawn
+from pipeline.sweep.samples import Design, samples_per_contact
+from pipeline.sweep.unknown import Unknown
+from pipeline.uncertain.ensemble import BULK, Ensemble
+from pipeline.uncertain.ensemble import CRITICAL as CRITICAL_PATH
+from pipeline.uncertain.ensemble import FRICTION as FRICTION_PATH
 
-LOADS, VELOCITIES = np.array([200.0, 400.0, 750.0]), np.geomspace(0.5, 6.0, 7)
+LOADS, VELOCITIES = np.array([200.0, 400.0, 750.0]), (0.5, 6.0)
 CRITICAL = Unknown("temperature.critical", "normal", (418.15, 8.0), "K")
 RATE = Unknown("wear.specific_wear_rate", "log-normal", (1.2e-15, 1.5), "m s2 kg-1")
 FRICTION = Unknown("friction.coefficient", "normal", (0.1, 0.005))
 LENGTH = Unknown("disk.roughness.correlation_length", "uniform", (3e-6, 6e-6), "m")
 ALL = (CRITICAL, RATE, FRICTION, LENGTH)
 EXPONENT = 0.7  # of the rise over the velocity
+_AFTERWARDS = {BULK, CRITICAL_PATH, FRICTION_PATH}
 
 
 def rise(inputs, load, velocity, unknown=ALL):
@@ -32,22 +36,25 @@ def rise(inputs, load, velocity, unknown=ALL):
 
 
 def ensemble(unknown=ALL, count=64, measured=(), noise=0.0):
-    inputs = drawn(unknown, 0, count)
-    rises = np.array([[rise(inputs, F, V, unknown) for V in VELOCITIES] for F in LOADS])
-    rises = np.moveaxis(rises, -1, 0)
-    rises = rises * np.exp(noise * np.random.default_rng(0).standard_normal((count, 1, 1)))
+    inputs = tuple(each for each in unknown if each.path not in _AFTERWARDS)
+    layers = tuple("wear rate" if each.path == RATE.path else "contact" for each in inputs)
+    size = samples_per_contact(layers, wears=True, separable=True)
+    design = Design(inputs, layers, VELOCITIES, 0, size)
+    values, velocities = design.draw(count)
+    rises = np.stack([rise(values, load, velocities, inputs) for load in LOADS], axis=1)
+    rises = rises * np.exp(noise * np.random.default_rng(0).standard_normal((count, 1)))
     return Ensemble(
         title="Closed form",
         unknown=unknown,
-        seed=0,
-        inputs=inputs,
+        design=design,
         conditions=Conditions(0.1, 298.15, 418.15),
+        inputs=values,
+        sample_velocities=velocities,
+        contacts=np.arange(count) // size,
         loads=LOADS,
-        velocities=VELOCITIES,
         rises=rises,
-        widths=np.full(rises.shape, 2e-4),
+        widths=np.full(rises.shape, 2e-4) * velocities[:, None] ** 0.1,
         measured=tuple(measured),
-        missing=0,
     )
 
 

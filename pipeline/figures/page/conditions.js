@@ -140,9 +140,8 @@ function makeConditions() {
 
 /** @returns {HTMLElement[]} */
 function surfaceChoice() {
-  const all = content.surfaces?.axis === "sample" ? "samples" : "surfaces";
   const select = html("select", { id: "surface" });
-  select.append(html("option", { value: "" }, `all ${sweep.surfaces} ${all}`));
+  select.append(html("option", { value: "" }, `all ${sweep.surfaces} surfaces`));
   for (let k = 0; k < sweep.surfaces; k++) {
     select.append(html("option", { value: `${k}` }, surfaceName(k)));
   }

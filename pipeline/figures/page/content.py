@@ -15,7 +15,14 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from pipeline.analysis.attributes import attributes_of
-from pipeline.analysis.dataset import asked, corrected, end_of_point, ordered, variant_of
+from pipeline.analysis.dataset import (
+    asked,
+    corrected,
+    end_of_point,
+    ordered,
+    plane_of,
+    variant_of,
+)
 from pipeline.analysis.decisive import decisive_rise
 from pipeline.analysis.entries import entries_of, in_usual_unit
 from pipeline.analysis.transition import OUTCOMES, range_of
@@ -51,7 +58,7 @@ def content(ds: xr.Dataset, most_fields: int = MOST_FIELDS) -> dict[str, Any]:
     most_fields : int
         Number of points whose fields to take, those nearest to the transition.
     """
-    ds = ordered(ds)
+    ds = ordered(plane_of(ds))
     axis = variant_of(ds)
     surfaces = [ds] if axis is None else [ds.isel({axis: at}) for at in range(ds.sizes[axis])]
     attributes = attributes_of(ds)
@@ -209,13 +216,8 @@ def _moments(rises: Array, normal_load: Array, load: float) -> NDArray[np.intp]:
 
 
 def _surfaces(ds: xr.Dataset, axis: str) -> dict[str, Any]:
-    """Names of the surfaces or samples, and the inputs in which they differ."""
-    inputs = {
-        str(name): [value.item() for value in np.atleast_1d(coordinate.values)]
-        for name, coordinate in ds.coords.items()
-        if coordinate.dims == (axis,) and name != axis
-    }
-    return {"axis": axis, "names": ds[axis].values.tolist(), "inputs": inputs}
+    """Names of several surfaces."""
+    return {"axis": axis, "names": ds[axis].values.tolist()}
 
 
 def _film(attributes: Mapping[str, Any], ds: xr.Dataset) -> dict[str, Any] | None:

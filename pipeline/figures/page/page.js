@@ -3,11 +3,8 @@
 /* The page as a whole: what is shown once, and what again whenever the reader sets something. */
 
 function showRecord() {
-  const drawn = Object.keys(content.surfaces?.inputs ?? {});
-  element("samples-note").hidden = !drawn.some((path) => /^(friction|temperature)\./.test(path));
   const sizes = `${sweep.loads.length} loads, ${sweep.velocities.length} velocities`;
-  const what = content.surfaces?.axis === "sample" ? "samples" : "surfaces";
-  const several = content.surfaces ? `, ${sweep.surfaces} ${what}` : "";
+  const several = content.surfaces ? `, ${sweep.surfaces} surfaces` : "";
   element("record").replaceChildren(
     table(`The scene as it was stored: ${sizes}${several}, ${content.done} points done.`,
       ["entry", "value"], Object.entries(content.record), 2),

@@ -36,8 +36,7 @@ function surfaces() {
 
 /** @param {number} surface */
 function surfaceName(surface) {
-  const word = content.surfaces?.axis === "sample" ? "sample" : "surface";
-  return `${word} ${content.surfaces?.names[surface]}`;
+  return `surface ${content.surfaces?.names[surface]}`;
 }
 
 /** @param {number} kelvin @param {number} [digits] */

@@ -9,9 +9,6 @@ import pytest
 from matplotlib.figure import Figure
 
 import pipeline.analysis.dataset
-from pipeline.analysis.ensemble import Ensemble
-from pipeline.analysis.posterior import posterior
-from pipeline.analysis.risk import probabilities, risk_lines
 from pipeline.figures.diagram import diagram
 from pipeline.figures.fields import fields
 from pipeline.figures.plot import plot
@@ -20,6 +17,8 @@ from pipeline.store.schema import FAILED, PENDING
 from pipeline.sweep.lubrication import Lubrication
 from pipeline.sweep.rivals import SmoothContact
 from pipeline.sweep.unknown import Unknown
+from pipeline.uncertain.answers import probabilities, risk_lines
+from pipeline.uncertain.weigh import posterior
 from tests.helpers import synthetic
 from tests.helpers.synthetic import LOADS, MEASURED, VELOCITIES
 from tribo import InputError
@@ -436,7 +435,7 @@ def test_given_the_measurements_the_diagram_is_that_of_their_probability(unknown
     axes = diagram(unknown, given_measured=True, scatter=0.1).axes[0]
     assert axes.get_title().endswith("given 4 measured transitions")
     assert lines(axes)["measured"][:, 1].tolist() == [each["normal_load"] for each in MEASURED]
-    samples = Ensemble.of(unknown)
+    samples = pipeline.Ensemble.of(unknown)
     draws = posterior(samples, 0.1).draws
     _, expected = risk_lines(probabilities(samples, draws, loads=[400.0]))
     # The three lines of 5, 50 and 95 %, where they pass 400 N.

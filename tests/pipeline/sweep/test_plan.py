@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 import tribo
 from pipeline.store.schema import COLUMNS
 from pipeline.sweep.model import Point
-from pipeline.sweep.plan import advance_trunk, chains, points, run_point, step_count
+from pipeline.sweep.plan import chains, points, run_point, step_count
 from tests.helpers import tiny
 
 SWEEP = tiny.sweep()
@@ -106,7 +106,7 @@ def test_a_point_on_a_trunk_equals_the_point_alone_bit_for_bit(physics, interval
         assert np.isfinite(result.columns["max_rise"][-1])
         trunk = pickle.loads(pickle.dumps(result.trunk))
         assert same(
-            run_point(sweep, 625.0, 1.0, trunk=advance_trunk(sweep, load, 1.0)),
+            run_point(sweep, 625.0, 1.0),
             run_point(sweep, 625.0, 1.0, trunk=trunk),
         )
 
@@ -147,20 +147,6 @@ def test_whatever_lower_loads_there_are_the_point_is_the_same(loads, interval):
     for load in sorted(loads):
         trunk = run_point(sweep, load, 1.5, trunk=trunk).trunk
     assert same(run_point(sweep, 500.0, 1.5, trunk=trunk), run_point(sweep, 500.0, 1.5))
-
-
-@pytest.mark.parametrize("load", [100.0, 150.0, 250.0, 600.0])
-def test_a_trunk_advanced_without_its_point_serves_the_next_one(load):
-    trunk = advance_trunk(SWEEP, load, 1.0)
-    assert trunk.state.normal_load < load
-    assert same(run_point(SWEEP, 700.0, 1.0, trunk=trunk), run_point(SWEEP, 700.0, 1.0))
-
-
-def test_advancing_a_trunk_in_two_goes_is_advancing_it_once():
-    halfway = advance_trunk(SWEEP, 300.0, 1.0)
-    assert same_trunks(
-        advance_trunk(SWEEP, 700.0, 1.0, trunk=halfway), advance_trunk(SWEEP, 700.0, 1.0)
-    )
 
 
 @pytest.mark.parametrize(("load", "other"), [(200.0, 600.0), (600.0, 150.0)])

@@ -1,4 +1,4 @@
-"""Which unknown input moves the boundary how much: Sobol' indices, by load.
+"""Share of the boundary's variance that each unknown input causes: Sobol' indices, by load.
 
 The first index of an input is the share of the variance that would be gone if it alone were known;
 the total index the share that would stay if all others were.
@@ -6,6 +6,7 @@ the total index the share that would stay if all others were.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -13,19 +14,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.analysis.ensemble import Ensemble
-from pipeline.analysis.risk import Draws, prior, resampled
-from pipeline.analysis.surrogate import Surrogate
 from pipeline.sweep.correlation import OUTERMOST
 from pipeline.sweep.unknown import Unknown
+from pipeline.uncertain.answers import STEPS, draws_of, log_crossings
+from pipeline.uncertain.ensemble import Ensemble
+from pipeline.uncertain.inputs import Draws
 from tribo.types import Array
 
-_POINTS = 2**12
-_FEW = 2**10  # for each of many fits
-_STEPS = 41  # velocities among which a boundary is found
+_POINTS = 2**10
+_SCRAMBLES = 4  # of the points, whose scatter tells their error
+_SCORE = 1.645  # standard deviations within which 90 % lie
 _BINS = 24
-GOOD = 0.9
-"""Share of the variance that a polynomial must explain to be relied on."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -41,12 +40,11 @@ class Sensitivity:
     first, total : ndarray, shape (n_load, n_unknown)
         Indices; the total ones NaN where the inputs are not independent.
     first_interval, total_interval : ndarray, shape (2, n_load, n_unknown)
-        Ends of their 90 % intervals, from what the number of samples leaves open.
+        Ends of their 90 % intervals, from the numbers of points and of samples.
     spread : tuple of float
         Standard deviation of the logarithm of the critical velocity, by load.
-    surrogate_error, explained : tuple of float
-        By load, what the polynomial in place of the simulation errs by: of the rise, relative; and
-        the share of the rise's variance that it explains of samples that it leaves out.
+    velocity_error : tuple of float
+        Standard error of the emulated critical velocity against a simulation, relative, by load.
     given_measured : bool
         Whether they are those of the boundary given measured transitions.
 
@@ -66,8 +64,7 @@ class Sensitivity:
     first_interval: Array
     total_interval: Array
     spread: tuple[float, ...]
-    surrogate_error: tuple[float, ...]
-    explained: tuple[float, ...]
+    velocity_error: tuple[float, ...]
     given_measured: bool = False
 
     def as_dict(self) -> dict[str, Any]:
@@ -80,55 +77,20 @@ class Sensitivity:
             "total": self.total.tolist(),
             "total_interval": np.moveaxis(self.total_interval, 0, -1).tolist(),
             "spread": list(self.spread),
-            "surrogate_error": list(self.surrogate_error),
-            "explained": list(self.explained),
+            "velocity_error": list(self.velocity_error),
             "given_measured": self.given_measured,
         }
 
 
-def indices(
-    function: Callable[[Array], Array], unknown: Sequence[Unknown], count: int, seed: int
-) -> tuple[Array, Array]:
-    """First and total Sobol' indices of functions of unknown inputs (`scipy.stats`).
-
-    Parameters
-    ----------
-    function : callable
-        Takes values of shape (n, n_unknown), gives those of the functions, (n, n_output).
-    unknown : sequence of Unknown
-        The inputs, which are independent.
-    count : int
-        Number of points, a power of 2; the function is called at n_unknown + 2 times as many.
-    seed : int
-        Seed of the points.
-
-    Returns
-    -------
-    tuple of ndarray, shape (n_output, n_unknown)
-        First and total indices.
-    """
-    from scipy.stats import sobol_indices, uniform  # takes 0.5 s
-
-    def of_shares(shares: Array) -> Array:
-        inside = np.clip(shares, OUTERMOST, 1 - OUTERMOST)
-        values = np.stack([each.at(row) for each, row in zip(unknown, inside, strict=True)], axis=1)
-        outputs: Array = function(values).T
-        return outputs
-
-    rng = np.random.default_rng(seed)
-    found = sobol_indices(func=of_shares, n=count, dists=[uniform()] * len(unknown), rng=rng)
-    return np.atleast_2d(found.first_order), np.atleast_2d(found.total_order)
-
-
 def sensitivity(ensemble: Ensemble, posterior: Draws | None = None) -> Sensitivity:
-    """Find which unknown input moves the critical velocity how much, at each load.
+    """Share of the variance of the critical velocity that each unknown input causes, by load.
 
     Parameters
     ----------
     ensemble : Ensemble
         Samples of a sweep.
     posterior : Draws, optional
-        What measurements leave open of the inputs, in place of what the scene assumes. The inputs
+        Draws that measurements leave, in place of the scene's distributions. The inputs
         depend on one another then, and there are no total indices; nor are there any where the
         scene correlates inputs.
 
@@ -145,34 +107,26 @@ def sensitivity(ensemble: Ensemble, posterior: Draws | None = None) -> Sensitivi
     >>> found.total.shape
     (4, 2)
     """
-    velocities = np.geomspace(ensemble.velocities[0], ensemble.velocities[-1], _STEPS)
-    fits = [ensemble.surrogate(load, velocities) for load in ensemble.loads.tolist()]
-    shape = len(ensemble.loads), len(ensemble.unknown)
-    dependent = posterior
-    if posterior is None and any(each.correlated for each in ensemble.unknown):
-        dependent = prior(ensemble)
-
-    def logs(inputs: Array, each: Sequence[Surrogate]) -> Array:
-        rows = [ensemble.crossings(fit, velocities, inputs) for fit in each]
-        found: Array = np.stack(rows, axis=1)
-        return found
-
-    def both(each: Sequence[Surrogate], count: int) -> tuple[Array, Array]:
-        if dependent is None:
-            return indices(lambda at: logs(at, each), ensemble.unknown, count, ensemble.seed)
-        return _first_of(dependent, logs(dependent.inputs, each)), np.full(shape, np.nan)
-
-    outputs = [ensemble.outputs(load, velocities) for load in ensemble.loads.tolist()]
-    others = zip(
-        *(resampled(ensemble, fit, y) for fit, y in zip(fits, outputs, strict=True)), strict=True
-    )
-    first, total = both(fits, _POINTS)
-    off = np.array([both(each, _FEW) for each in others]) - np.array(both(fits, _FEW))
-    ends = np.maximum(np.array([first, total]) + np.quantile(off, (0.05, 0.95), axis=0), 0.0)
-    draws = dependent or prior(ensemble)
-    values = logs(draws.inputs, fits)
+    draws = draws_of(ensemble, posterior)
+    values, error = _boundary(ensemble, draws.inputs)
     variance = draws.mean((values - draws.mean(values)) ** 2)
-    middle = [int(np.argmin(np.abs(np.log(velocities) - at))) for at in draws.mean(values)]
+    missed = np.sqrt(draws.mean(error**2))
+    is_dependent = posterior is not None or any(each.correlated for each in ensemble.unknown)
+    if is_dependent:
+        first = _first_of(draws, values)
+        total = np.full_like(first, np.nan)
+        by_points = np.zeros((2, *first.shape))
+    else:
+        first, total, by_points = indices(
+            lambda inputs: _boundary(ensemble, inputs, with_error=False)[0],
+            ensemble.unknown, _POINTS, ensemble.design.seed,
+        )  # fmt: skip
+    # An error of the share e of the spread moves an index S by 2e√S + e² at most.
+    share = (_SCORE * missed / np.sqrt(np.maximum(variance, 1e-30)))[:, None]
+    both = np.array([first, total])
+    by_samples = np.minimum(2 * share * np.sqrt(np.maximum(both, 0.0)) + share**2, 1.0)
+    off = np.hypot(by_points, by_samples)
+    ends = np.clip([both - off, both + off], 0.0, 1.0)
     return Sensitivity(
         unknown=ensemble.unknown,
         loads=tuple(ensemble.loads.tolist()),
@@ -181,10 +135,66 @@ def sensitivity(ensemble: Ensemble, posterior: Draws | None = None) -> Sensitivi
         first_interval=ends[:, 0],
         total_interval=ends[:, 1],
         spread=tuple(np.sqrt(variance).tolist()),
-        surrogate_error=tuple(float(f.error[at]) for f, at in zip(fits, middle, strict=True)),
-        explained=tuple(float(f.explained[at]) for f, at in zip(fits, middle, strict=True)),
+        velocity_error=tuple(missed.tolist()),
         given_measured=posterior is not None,
     )
+
+
+def indices(
+    function: Callable[[Array], Array], unknown: Sequence[Unknown], count: int, seed: int
+) -> tuple[Array, Array, Array]:
+    """First and total Sobol' indices of functions of unknown inputs (`scipy.stats`).
+
+    Parameters
+    ----------
+    function : callable
+        Takes values of shape (n, n_unknown), gives those of the functions, (n, n_output).
+    unknown : sequence of Unknown
+        The inputs, which are independent.
+    count : int
+        Number of points, a power of 2; the function is called at n_unknown + 2 times as many.
+    seed : int
+        Seed of the points.
+
+    Returns
+    -------
+    tuple of ndarray, shape (n_output, n_unknown)
+        First and total indices; and by how much they may be off for want of points with 90 %
+        probability, shape (2, n_output, n_unknown).
+    """
+    from scipy.stats import sobol_indices, uniform  # takes 0.5 s
+
+    def of_shares(shares: Array) -> Array:
+        inside = np.clip(shares, OUTERMOST, 1 - OUTERMOST)
+        values = np.stack([each.at(row) for each, row in zip(unknown, inside, strict=True)], axis=1)
+        outputs: Array = function(values).T
+        return outputs
+
+    found = [
+        sobol_indices(
+            func=of_shares,
+            n=count // _SCRAMBLES,
+            dists=[uniform()] * len(unknown),
+            rng=np.random.default_rng([seed, number]),
+        )
+        for number in range(_SCRAMBLES)
+    ]
+    each = np.array([np.atleast_3d([one.first_order, one.total_order]) for one in found])
+    each = each.reshape(_SCRAMBLES, 2, -1, len(unknown))
+    first, total = each.mean(axis=0)
+    return first, total, _SCORE * each.std(axis=0, ddof=1) / math.sqrt(_SCRAMBLES)
+
+
+def _boundary(ensemble: Ensemble, inputs: Array, with_error: bool = True) -> tuple[Array, Array]:
+    """Logarithm of the critical velocity by draw and load, and its standard error."""
+    velocities = np.geomspace(*ensemble.velocities, STEPS)
+    excess = ensemble.excesses(inputs, ensemble.loads, velocities, with_error=with_error)
+    found = log_crossings(velocities, excess.values)
+    x = np.log(velocities)
+    at = np.clip(np.searchsorted(x, found), 1, len(x) - 1)[..., None]
+    low, high = (np.take_along_axis(excess.values, at - 1 + i, axis=-1)[..., 0] for i in (0, 1))
+    slope = np.maximum((high - low) / (x[1] - x[0]), 0.05)
+    return found, np.take_along_axis(excess.error, at, axis=-1)[..., 0] / slope
 
 
 def _first_of(draws: Draws, values: Array) -> Array:

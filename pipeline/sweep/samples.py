@@ -1,0 +1,186 @@
+"""Samples of a sweep whose inputs are not known exactly: the design of a computer experiment.
+
+A sample is a value of each input that a rise depends on, *and one velocity*; one ramp leads it
+through all loads. Contacts depend on the wear rate k and the velocity V through w = kV alone
+(`tribo.contacts`), and heat is cheap beside them. So samples that follow each other share a
+contact: they have the same inputs of it and the same w, and differ in V, with k = w/V, and in the
+thermal constants. Samples fill the range of the inputs evenly, somewhat beyond what is likely; they
+are not draws of it, which `pipeline.uncertain` makes by the thousand.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+from scipy.special import ndtr, ndtri
+
+from pipeline.sweep.unknown import MOST, Unknown, sequence
+from tribo.types import Array
+
+Layer = Literal["contact", "wear rate", "heat", "conditions"]
+"""Layer of a point that an input enters."""
+
+WIDENED = 1.4
+"""Normal scores of the samples over those of the inputs' distributions."""
+REACH = 3.7
+"""Normal score beyond which no sample lies."""
+WEAR_RATE = "wear.specific_wear_rate"
+_RATES = 2.6  # normal scores between which the wear rates of one contact lie
+_WITH_CONTACTS, _ALONG_WEAR, _OF_ONE_CONTACT = 4, 16, 64  # samples of a contact
+
+
+def samples_per_contact(layers: tuple[Layer, ...], wears: bool, separable: bool) -> int:
+    """Number of samples that share a contact.
+
+    Parameters
+    ----------
+    layers : tuple of str
+        Layers of the inputs.
+    wears : bool
+        Whether contacts depend on the velocity, through the wear.
+    separable : bool
+        Whether contacts of one wear number are the same at all velocities.
+    """
+    if not separable:
+        return 1
+    if "contact" in layers:
+        return _WITH_CONTACTS
+    return _ALONG_WEAR if wears else _OF_ONE_CONTACT
+
+
+@dataclass(frozen=True, slots=True)
+class Design:
+    """Rule by which samples follow from a seed.
+
+    Attributes
+    ----------
+    inputs : tuple of Unknown
+        Inputs that rises depend on; the wear rate among them where samples differ in it.
+    layers : tuple of str
+        Layer of each of them.
+    velocities : tuple of float
+        Velocities between which samples lie [m/s].
+    seed : int
+        Seed of the scrambling.
+    per_contact : int
+        Number of samples that share a contact.
+    """
+
+    inputs: tuple[Unknown, ...]
+    layers: tuple[Layer, ...]
+    velocities: tuple[float, float]
+    seed: int
+    per_contact: int
+
+    def draw(self, count: int) -> tuple[Array, Array]:
+        """Inputs [SI], shape (count, n_input), and velocities [m/s], shape (count,).
+
+        More samples begin with fewer.
+        """
+        group = self.per_contact
+        contacts = sequence(self.seed, -(-count // group)).repeat(group, axis=0)[:count]
+        rows = sequence(self.seed + 2**31, count)
+        leads = np.arange(count) % group == 0
+        columns = [
+            each.at(_widened(each, (rows if layer == "heat" else contacts)[:, i]))
+            for i, (each, layer) in enumerate(zip(self.inputs, self.layers, strict=True))
+        ]
+        low, high = np.log(self.velocities)
+        first = low + (high - low) * contacts[:, MOST]
+        if "wear rate" in self.layers:
+            # Others of a contact have velocities that leave their wear rate likely.
+            at = self.layers.index("wear rate")
+            number = np.log(columns[at]) + first
+            least, most = np.log(self.inputs[at].at(ndtr(np.array([-_RATES, _RATES]))))
+            low = np.minimum(np.maximum(low, number - most), first)
+            high = np.maximum(np.minimum(high, number - least), first)
+        stratum = (np.arange(count) % group - 1 + rows[:, MOST]) / max(group - 1, 1)
+        velocities = np.exp(np.where(leads, first, low + (high - low) * stratum))
+        if "wear rate" in self.layers:
+            columns[at] = np.where(leads, columns[at], np.exp(number) / velocities)
+        return np.column_stack([*columns, velocities])[:, :-1], velocities
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return all that decides the samples as plain data."""
+        inputs = {each.path: each.as_dict() for each in self.inputs}
+        for each in inputs.values():
+            each.pop("written", None)  # the same values in another unit are the same samples
+            each.pop("correlated", None)
+        return {
+            "inputs": inputs,
+            "layers": list(self.layers),
+            "velocities": list(self.velocities),
+            "seed": self.seed,
+            "per_contact": self.per_contact,
+        }
+
+    @classmethod
+    def from_dict(cls, data: dict[str, Any]) -> Design:
+        """Make one from what `as_dict` returned."""
+        inputs = tuple(Unknown.from_dict(each) for each in data["inputs"].values())
+        low, high = data["velocities"]
+        layers = tuple(data["layers"])
+        return cls(inputs, layers, (low, high), data["seed"], data["per_contact"])
+
+
+@dataclass(frozen=True, slots=True)
+class Samples:
+    """Samples of a sweep, each with its inputs in place of the scene's own, and one velocity.
+
+    Attributes
+    ----------
+    unknown : tuple of Unknown
+        Inputs that are not known exactly.
+    design : Design
+        Rule by which the samples follow.
+    values : tuple of tuple of float
+        Values by sample and input of the design [SI].
+    velocities : tuple of float
+        Velocity of each sample [m/s].
+    parts : tuple of tuple of (str, value)
+        Fields of the `Sweep` that differ from its own, and their values, for each sample.
+    """
+
+    unknown: tuple[Unknown, ...]
+    design: Design
+    values: tuple[tuple[float, ...], ...]
+    velocities: tuple[float, ...]
+    parts: tuple[tuple[tuple[str, Any], ...], ...]
+
+    def __len__(self) -> int:
+        return len(self.velocities)
+
+    def lead(self, number: int) -> int:
+        """Number of the sample whose contact a sample shares."""
+        return number - number % self.design.per_contact
+
+    def columns(self, count: int) -> dict[str, list[float]]:
+        """Inputs by their paths [SI], and ``velocity`` [m/s], of so many samples."""
+        values, velocities = self.design.draw(count)
+        inputs = zip(self.design.inputs, values.T, strict=True)
+        return {each.path: column.tolist() for each, column in inputs} | {
+            "velocity": velocities.tolist()
+        }
+
+
+def drawn_samples(
+    unknown: tuple[Unknown, ...],
+    design: Design,
+    count: int,
+    part: Callable[[tuple[float, ...]], tuple[tuple[str, Any], ...]],
+) -> Samples:
+    """Samples of a design, with the fields of the sweep that `part` gives for a sample's inputs."""
+    values, velocities = design.draw(count)
+    rows = tuple(map(tuple, values.tolist()))
+    return Samples(unknown, design, rows, tuple(velocities.tolist()), tuple(map(part, rows)))
+
+
+def _widened(unknown: Unknown, shares: Array) -> Array:
+    """Shares by which to draw samples of an input, from even ones."""
+    if unknown.kind not in ("normal", "log-normal"):
+        return shares
+    scores: Array = ndtr(np.clip(WIDENED * ndtri(shares), -REACH, REACH))
+    return scores

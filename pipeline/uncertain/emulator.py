@@ -1,0 +1,189 @@
+"""Kriging: a simulation's smooth outputs at inputs that were not simulated, with a local error.
+
+An output y of features u, here the logarithm of a temperature rise, is a Gaussian process about its
+mean (Rasmussen & Williams, Gaussian Processes for Machine Learning, 2006, Eqs. 2.25 and 2.26),
+
+    k(u, u') = a² (1 + u·u') + b² (u·u')² + c² exp(−Σ (uᵢ − uᵢ')²/2ℓᵢ²) + s² [same contact] + n²,
+
+a plane and a quadric with a smooth departure, besides what each contact, and each row, has of its
+own. All loads share one kernel. Its constants are those of the greatest likelihood (their Eq. 5.9).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import cho_factor, cho_solve, solve_triangular
+from scipy.optimize import minimize
+
+from tribo.types import Array
+
+_MOST_TO_FIT = 256  # rows by which the constants are found, in n³ operations a step
+_BEGIN = np.log([0.1, 0.03, 0.05, 0.003, 0.002])  # a, b, c, s, n, of ln(rise)
+_LENGTH = np.log(4.0)  # of features whose spread is 1
+_LEAST = np.log(1e-5)
+
+Groups = NDArray[np.intp]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Emulator:
+    """A Gaussian process through rows of outputs.
+
+    Attributes
+    ----------
+    features : ndarray, shape (n, n_feature)
+        Features of the rows, each with a spread of about 1.
+    dimensions : ndarray of int, shape (n_feature,)
+        Number of the input that a feature belongs to; those of one share a length.
+    mean, weights : ndarray, shape (n_output,) and (n, n_output)
+        Mean of each output, and the solution of the kernel's equations for what departs from it.
+    constants : ndarray
+        Logarithms of a, b, c, s, n and the lengths ℓ.
+    factor : tuple
+        Cholesky factor of the kernel between the rows.
+    calibration : float
+        Root mean square of what contacts miss that are left out, over the error foretold; at
+        least 1.
+    """
+
+    features: Array
+    dimensions: Groups
+    mean: Array
+    weights: Array
+    constants: Array
+    factor: tuple[Array, bool]
+    calibration: float = 1.0
+
+    def __call__(self, features: Array) -> tuple[Array, Array, Array]:
+        """Outputs, shape (n, n_output), their standard error, and that of their smooth part, (n,).
+
+        The first error is that against a simulation, which has something of its own; the second
+        one neighbours share.
+        """
+        smooth = self._smooth(features)
+        a, b, c, s, n = np.exp(2 * self.constants[:5])
+        square = np.sum(features**2, axis=1)
+        prior = a * (1 + square) + b * square**2 + c
+        explained = np.sum(solve_triangular(self.factor[0], smooth.T, lower=True) ** 2, axis=0)
+        shared = np.maximum(prior - explained, 0.0)
+        return (
+            self.mean + smooth @ self.weights,
+            self.calibration * np.sqrt(shared + s + n),
+            self.calibration * np.sqrt(shared),
+        )
+
+    def values(self, features: Array) -> Array:
+        """Outputs alone, shape (n, n_output)."""
+        found: Array = self.mean + self._smooth(features) @ self.weights
+        return found
+
+    def _smooth(self, features: Array) -> Array:
+        return _kernel(features, self.features, self.dimensions, self.constants)[0]
+
+
+def fitted(features: Array, dimensions: Groups, contacts: Groups, outputs: Array) -> Emulator:
+    """Fit a Gaussian process to rows of outputs.
+
+    Parameters
+    ----------
+    features, dimensions
+        See `Emulator`.
+    contacts : ndarray of int, shape (n,)
+        Number of the contact that a row shares with others.
+    outputs : ndarray, shape (n, n_output)
+        Outputs of each row.
+
+    Examples
+    --------
+    >>> rng = np.random.default_rng(0)
+    >>> u = rng.standard_normal((60, 2))
+    >>> def truth(u):
+    ...     return (0.5 * u[:, :1] + 0.1 * u[:, :1] * u[:, 1:])
+    >>> emulator = fitted(u, np.arange(2), np.arange(60), truth(u))
+    >>> values, error, _ = emulator(np.array([[0.3, -0.4]]))
+    >>> print(f"{values[0, 0]:.4f}", bool(error[0] < 1e-3))
+    0.1380 True
+    """
+    mean = outputs.mean(axis=0)
+    part = slice(0, _MOST_TO_FIT)
+    constants = _constants(features[part], dimensions, contacts[part], (outputs - mean)[part])
+    smooth, _ = _kernel(features, features, dimensions, constants)
+    factor = cho_factor(_with_own(smooth, contacts, constants), lower=True)
+    weights = cho_solve(factor, outputs - mean)
+    calibration = _calibration(factor, contacts, weights)
+    return Emulator(features, dimensions, mean, weights, constants, factor, calibration)
+
+
+def _kernel(
+    one: Array, other: Array, dimensions: Groups, constants: Array
+) -> tuple[Array, tuple[Array, ...]]:
+    """Smooth part of the kernel between two sets of features, and its terms."""
+    a, b, c = np.exp(2 * constants[:3])
+    lengths = np.exp(constants[5:])[dimensions]
+    product = one @ other.T
+    u, v = one / lengths, other / lengths
+    distance = np.sum(u**2, axis=1)[:, None] + np.sum(v**2, axis=1) - 2 * u @ v.T
+    terms = a * (1 + product), b * product**2, c * np.exp(-0.5 * np.maximum(distance, 0.0))
+    return terms[0] + terms[1] + terms[2], terms
+
+
+def _with_own(smooth: Array, contacts: Groups, constants: Array) -> Array:
+    """The kernel between rows, with what each contact and each row has of its own."""
+    s, n = np.exp(2 * constants[3:5])
+    kernel: Array = smooth + s * (contacts[:, None] == contacts)
+    kernel[np.diag_indices_from(kernel)] += n
+    return kernel
+
+
+def _constants(features: Array, dimensions: Groups, contacts: Groups, outputs: Array) -> Array:
+    """Constants of the greatest likelihood, by its gradient."""
+    count = int(dimensions.max(initial=-1)) + 1
+    middle = np.concatenate([_BEGIN, np.full(count, _LENGTH)])
+    spread = np.concatenate([np.full(5, 3.0), np.full(count, 1.0)])  # of a weak prior
+    differences = [
+        sum(np.subtract.outer(column, column) ** 2 for column in features.T[dimensions == i])
+        for i in range(count)
+    ]
+    same = contacts[:, None] == contacts
+    rows, n_output = outputs.shape
+
+    def loss(constants: Array) -> tuple[float, Array]:
+        smooth, (plane, quadric, departure) = _kernel(features, features, dimensions, constants)
+        factor = cho_factor(_with_own(smooth, contacts, constants), lower=True)
+        weights = cho_solve(factor, outputs)
+        off = (constants - middle) / spread
+        value = 0.5 * np.sum(weights * outputs) + n_output * np.log(np.diag(factor[0])).sum()
+        inner = weights @ weights.T - n_output * cho_solve(factor, np.eye(rows))
+        inside = departure * inner
+        slopes = [
+            np.sum(plane * inner), np.sum(quadric * inner), np.sum(inside),
+            np.exp(2 * constants[3]) * np.sum(inner[same]),
+            np.exp(2 * constants[4]) * np.trace(inner),
+            *(0.5 * np.sum(inside * d) / np.exp(2 * e)
+              for d, e in zip(differences, constants[5:], strict=True)),
+        ]  # fmt: skip
+        return float(value + 0.5 * np.sum(off**2)), off / spread - np.array(slopes)
+
+    bounds = [(_LEAST, 3.0)] * 5 + [(-2.0, 5.0)] * count
+    found: Array = minimize(loss, middle, jac=True, method="L-BFGS-B", bounds=bounds).x
+    return found
+
+
+def _calibration(factor: tuple[Array, bool], contacts: Groups, weights: Array) -> float:
+    """Root mean square of what contacts miss that are left out, over the error foretold.
+
+    With the inverse C of the kernel, rows I that are left out miss by C_II⁻¹ (C y)_I, with the
+    covariance C_II⁻¹ (Rasmussen & Williams, Sec. 5.4.2, for several rows).
+    """
+    inverse = cho_solve(factor, np.eye(len(weights)))
+    squares = 0.0
+    for contact in np.unique(contacts):
+        (at,) = np.nonzero(contacts == contact)
+        squares += float(
+            np.sum(weights[at] * np.linalg.solve(inverse[np.ix_(at, at)], weights[at]))
+        )
+    return max(1.0, math.sqrt(squares / weights.size))

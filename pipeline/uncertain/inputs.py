@@ -1,0 +1,65 @@
+"""Draws of the unknown inputs, before or after they are weighed by measurements."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from pipeline.sweep.unknown import Unknown, drawn
+from tribo.types import Array
+
+COUNT = 2**12
+"""Number of draws of the scene's own distributions."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Draws:
+    """Values of the unknown inputs, each with a weight.
+
+    Attributes
+    ----------
+    inputs : ndarray, shape (n, n_unknown)
+        Values [SI].
+    weights : ndarray, shape (n,)
+        Probabilities; their sum is 1.
+    """
+
+    inputs: Array
+    weights: Array
+
+    @property
+    def effective(self) -> float:
+        """Number of draws of equal weight that would tell as much."""
+        return float(1 / np.sum(self.weights**2))
+
+    def mean(self, values: Array) -> Any:
+        """Weighted mean over the draws, the first axis."""
+        return np.tensordot(self.weights, values, axes=1)
+
+    def quantile(self, values: Array, share: float) -> float:
+        """Value that a share of the probability stays below; values may be infinite."""
+        order = np.argsort(values)
+        below = np.cumsum(self.weights[order]) - 0.5 * self.weights[order]
+        ordered = values[order]
+        at = int(np.clip(np.searchsorted(below, share), 1, len(ordered) - 1))
+        low, high = ordered[at - 1], ordered[at]
+        if low == high or not np.isfinite([low, high]).all():
+            return float(high if share >= below[at] else low)
+        return float(np.interp(share, below[at - 1 : at + 1], [low, high]))
+
+
+def prior(unknown: Sequence[Unknown], seed: int, count: int = COUNT) -> Draws:
+    """Draw from the distributions that the scene gives its unknown inputs.
+
+    Examples
+    --------
+    >>> friction = Unknown("friction.coefficient", "normal", (0.1, 0.005))
+    >>> draws = prior([friction], seed=0)
+    >>> print(f"{draws.mean(draws.inputs)[0]:.4f}")
+    0.1000
+    """
+    inputs = drawn(tuple(unknown), seed, count)
+    return Draws(inputs, np.full(count, 1 / count))
