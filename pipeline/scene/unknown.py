@@ -324,7 +324,7 @@ def _tried(entry: _Entry) -> Iterator[tuple[float, str, str]]:
         return
     yield float(unknown.at(np.array([0.5]))[0]), "", ""  # what is wrong here is so everywhere
     for value in unknown.at(_ENDS).tolist():
-        where = f"reaches {entry.written(value)} in one of 10000 samples: "
+        where = f"reaches {entry.written(value)} in the outermost samples: "
         yield value, where, "; or a narrower distribution, or one with median and factor"
 
 

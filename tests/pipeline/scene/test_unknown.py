@@ -3,12 +3,12 @@
 import json
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 import pipeline
 from pipeline.scene.faults import SceneFileError
 from pipeline.store.identity import describe, scene_hash
-from pipeline.sweep.plan import points
 from tests.pipeline.cli.test_commands import SCENE
 
 UNKNOWN = """
@@ -46,29 +46,50 @@ def test_quantities_are_read_in_si(tmp_path):
 
 def test_friction_and_temperatures_are_not_simulated(tmp_path):
     sweep = pipeline.load_scene(scene(tmp_path))
-    assert sweep.samples.simulated == (
+    design = sweep.samples.design
+    assert [each.path for each in design.inputs] == [
         "wear.specific_wear_rate",
         "disk.roughness.correlation_length",
         "disk.roughness.seed",
-    )
+    ]
+    assert (design.layers, design.per_contact) == (("wear rate", "contact", "contact"), 4)
     only = '[unknown]\n"temperature.critical" = { mean = "145 degC", sd = "8 K" }\n'
-    judged = pipeline.load_scene(scene(tmp_path, only))
-    assert judged.axis is None
-    assert points(judged) == points(pipeline.load_scene(scene(tmp_path, "", None)))
+    judged = pipeline.load_scene(scene(tmp_path, only)).samples.design
+    # Samples that share a contact differ in the wear rate, though it is known.
+    assert (judged.layers, judged.per_contact) == (("wear rate",), 16)
+
+
+def test_thermal_constants_enter_heat_alone(tmp_path):
+    text = SCENE + '\n[unknown]\n"materials.steel.thermal_conductivity" = '
+    text += '{ from = "21 W/(m K)", to = "46 W/(m K)" }\n'
+    design = pipeline.load_scene(scene(tmp_path, "", text=text)).samples.design
+    assert design.layers == ("heat", "wear rate")
+    assert design.per_contact == 16
+
+
+def test_samples_of_a_contact_have_its_inputs_and_its_wear_number(tmp_path):
+    samples = pipeline.load_scene(scene(tmp_path, samples=16)).samples
+    values, velocities = np.array(samples.values), np.array(samples.velocities)
+    number = values[:, 0] * velocities
+    for begin in range(0, 16, 4):
+        assert np.ptp(values[begin : begin + 4, 1:], axis=0).max() == 0.0
+        assert number[begin : begin + 4] == pytest.approx(number[begin], rel=1e-12)
+        assert len(set(velocities[begin : begin + 4])) == 4
+    fewer = pipeline.load_scene(scene(tmp_path)).samples
+    assert fewer.values == samples.values[:8]
+    assert fewer.velocities == samples.velocities[:8]
 
 
 def test_a_sample_is_the_scene_with_its_values_typed_in(tmp_path):
     path = scene(tmp_path)
     sweep = pipeline.load_scene(path)
     for number in (0, 5):
-        rate, length, friction, critical, seed = sweep.samples.values[number]
+        rate, length, seed = sweep.samples.values[number]
         typed = pipeline.load_scene(
             scene(tmp_path, "", None),
             overrides={
                 "wear.specific_wear_rate": f"{rate!r} m^2/N",
                 "disk.roughness.correlation_length": f"{length!r} m",
-                "friction.coefficient": friction,
-                "temperature.critical": f"{critical!r} K",
                 "disk.roughness.seed": round(seed),
             },
         )
@@ -190,19 +211,9 @@ def test_either_of_two_inputs_may_say_that_they_are_correlated(tmp_path):
         ("friction.coefficient", -0.2),
     )
     plain = pipeline.load_scene(scene(tmp_path, PAIR.replace("CORRELATED", "{}")))
-    assert plain.samples.columns[rate.path] == sweep.samples.columns[rate.path]
-    assert plain.samples.columns[critical.path] != sweep.samples.columns[critical.path]
-    assert describe(plain) == describe(sweep)  # what is applied afterwards makes no other store
-
-
-def test_a_correlation_that_moves_what_is_simulated_makes_another_scene(tmp_path):
-    _, _, rate, friction, *_ = PAIR.splitlines()
-    turned = "\n".join(["[unknown]", friction, rate, ""])
-    first, other = (
-        pipeline.load_scene(scene(tmp_path, turned.replace("CORRELATED", pair)))
-        for pair in ("{}", '{ "friction.coefficient" = 0.6 }')
-    )
-    assert describe(first) != describe(other)
+    # Samples fill the ranges of the inputs, which correlations leave as they are.
+    assert plain.samples.values == sweep.samples.values
+    assert describe(plain) == describe(sweep)
 
 
 @pytest.mark.parametrize(
