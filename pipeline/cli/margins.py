@@ -52,6 +52,8 @@ def margin(options: argparse.Namespace) -> int:
     document = found[0].as_dict() if len(found) == 1 else _document(found)
     text = _on_one(found[0]) if len(found) == 1 else _on_several(found)
     command = _command(options, ds, conditions, found)
+    from pipeline.analysis.attributes import attributes_of  # with xarray
+
     lines = [*text, *after_margin(attributes_of(ds), options.store, found)]
     if command:
         lines.append(f"compute more of the boundary with: {command}")

@@ -189,6 +189,7 @@ def _flat(row: dict[str, Any]) -> dict[str, Any]:
 def _lines(plane: Any) -> dict[str, Any]:
     """Velocities of some probabilities by load, as plain data."""
     shares, rows = pipeline.risk_lines(plane)
+    rows = np.where((rows > 0) & np.isfinite(rows), rows, np.nan)  # null where it lies beyond
     return {
         "load": plane["load"].values.tolist(),
         "velocity_of_probability": dict(zip(map(str, shares), rows.T.tolist(), strict=True)),

@@ -9,13 +9,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipeline.uncertain.answers import STEPS, log_crossings
-from pipeline.uncertain.ensemble import FRICTION
+from pipeline.uncertain.ensemble import FRICTION, Ensemble
 from pipeline.uncertain.inputs import Draws
 from pipeline.uncertain.weigh import Posterior
 from tribo.types import Array
 
 WIDTH_SCATTER = 0.03
 """Relative standard deviation of a measured width."""
+_SPAN = 1.05  # ratio of velocities between which a slope is taken
 _KNOWN = 0.1  # of an input's spread: what a good measurement of it leaves
 
 
@@ -100,7 +101,8 @@ def _quantities(found: Posterior, boundary: Array) -> Iterator[tuple[str, Array,
     for load, column in zip(ensemble.loads.tolist(), boundary.T, strict=True):
         at = math.exp(draws.quantile(column, 0.5))
         velocity = float(np.clip(at, *ensemble.velocities))
-        yield f"a transition at {load:g} N, about {at:.3g} m/s", column, found.scatter
+        error = math.hypot(found.scatter, _velocity_error(ensemble, draws, load, velocity))
+        yield f"a transition at {load:g} N, about {at:.3g} m/s", column, error
         width = ensemble.width(draws.inputs, load, velocity)
         error = math.hypot(WIDTH_SCATTER, float(draws.mean(width.error)[0]))
         yield f"the worn width at {load:g} N, {velocity:.3g} m/s", width.values[:, 0], error
@@ -112,6 +114,14 @@ def _quantities(found: Posterior, boundary: Array) -> Iterator[tuple[str, Array,
         spread = math.sqrt(float(draws.mean((values - draws.mean(values)) ** 2)))
         name = "friction" if each.path == FRICTION else each.path
         yield f"{name}, to a tenth of its spread today", values, _KNOWN * spread
+
+
+def _velocity_error(ensemble: Ensemble, draws: Draws, load: float, velocity: float) -> float:
+    """Standard error of the emulated critical velocity against a simulation, relative."""
+    ends = np.clip([velocity / _SPAN, velocity * _SPAN], *ensemble.velocities)
+    excess = ensemble.excess(draws.inputs, load, ends)
+    slope = draws.mean(np.diff(excess.values)[:, 0]) / math.log(ends[1] / ends[0])
+    return float(np.sqrt(draws.mean(excess.error[:, 0] ** 2)) / max(slope, 0.05))
 
 
 def _effect(values: Array, boundary: Array, draws: Draws) -> Array:

@@ -164,21 +164,27 @@ def posterior(ensemble: Ensemble, scatter: float = SCATTER) -> Posterior:
     count = _FIRST
     while True:
         before = prior(ensemble.unknown, ensemble.design.seed + 1, count)
-        likelihood = sum((term.log_likelihood(before.inputs) for term in terms), np.zeros(count))
+        parts = [term.parts(before.inputs) for term in terms]
+        likelihood = np.zeros(count)
+        for excess, deviation, _ in parts:
+            likelihood -= 0.5 * (excess / deviation) ** 2 + np.log(deviation)
         weights = np.exp(likelihood - likelihood.max())
         draws = Draws(before.inputs, weights / weights.sum())
         if draws.effective >= _ENOUGH or count >= _MOST:
             break
         count *= 4
     if draws.effective < _ENOUGH / 10:
-        best = before.inputs[[int(np.argmax(likelihood))]]
-        apart = math.sqrt(np.mean([term.distance(best)[0] ** 2 for term in terms]))
+        best = int(np.argmax(likelihood))
+        apart = math.sqrt(np.mean([(each[0][best] / each[1][best]) ** 2 for each in parts]))
         raise InputError(
             f"hardly any of {count} draws comes near to what was measured, the best by "
             f"{apart:.1f} standard deviations a transition; widen what [unknown] allows, or look "
             "at the measurements"
         )
-    computed = tuple(term.computed(draws) for term in terms)
+    computed = tuple(
+        _computed(draws, term.velocity * np.exp(-excess / slope))
+        for term, (excess, _, slope) in zip(terms, parts, strict=True)
+    )
     return Posterior(ensemble, before, draws, ensemble.measured, computed, scatter)
 
 
@@ -205,6 +211,12 @@ def posterior_if_given(
             "the scene has no measured transition; give it a [[measured]] with load and velocity"
         )
     return posterior(ensemble, SCATTER if scatter is None else scatter)
+
+
+def _computed(draws: Draws, velocities: Array) -> tuple[float, float, float]:
+    """Critical velocities that 5, 50 and 95 % stay below [m/s]."""
+    low, middle, high = (draws.quantile(velocities, share) for share in (0.05, 0.5, 0.95))
+    return low, middle, high
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -240,35 +252,16 @@ class _Term:
             )
         return cls(ensemble, load, velocity, conditions, {"velocity": scatter} | scatters)
 
-    def distance(self, inputs: Array) -> Array:
-        """Distance of each draw from the transition, over its standard deviation."""
-        excess, deviation, _ = self._parts(inputs)
-        return excess / deviation
-
-    def log_likelihood(self, inputs: Array) -> Array:
-        """Logarithm of the likelihood of the transition by draw, but for a constant."""
-        excess, deviation, _ = self._parts(inputs)
-        found: Array = -0.5 * (excess / deviation) ** 2 - np.log(deviation)
-        return found
-
-    def computed(self, draws: Draws) -> tuple[float, float, float]:
-        """Critical velocity that 5, 50 and 95 % stay below [m/s]."""
-        excess, _, slope = self._parts(draws.inputs)
-        at = self.velocity * np.exp(-excess / slope)
-        low, middle, high = (draws.quantile(at, share) for share in (0.05, 0.5, 0.95))
-        return low, middle, high
-
-    def _parts(self, inputs: Array) -> tuple[Array, Array, Array]:
+    def parts(self, inputs: Array) -> tuple[Array, Array, Array]:
         """Excess, its standard deviation, and its slope over ln(velocity), by draw."""
-        ends = np.clip(
-            [self.velocity / _SLOPE_SPAN, self.velocity * _SLOPE_SPAN], *self.ensemble.velocities
-        )
-        beside = self.ensemble.excesses(
-            inputs, [self.load], ends, self.conditions, with_error=False
-        ).values[:, 0]
-        slope = (beside[:, 1] - beside[:, 0]) / math.log(ends[1] / ends[0])
-        slope = np.maximum(slope, _LEAST_SLOPE)
         excess = self.ensemble.excess(inputs, self.load, self.velocity, self.conditions)
+        slow = self.velocity / _SLOPE_SPAN >= self.ensemble.velocities[0]
+        near = self.velocity / _SLOPE_SPAN if slow else self.velocity * _SLOPE_SPAN
+        beside = self.ensemble.excesses(
+            inputs, [self.load], [near], self.conditions, with_error=False
+        ).values[:, 0, 0]
+        slope = (beside - excess.values[:, 0]) / math.log(near / self.velocity)
+        slope = np.maximum(slope, _LEAST_SLOPE)
         variance = excess.error[:, 0] ** 2 + (slope * self.scatters["velocity"]) ** 2
         if "load" in self.scatters:
             variance += (self._slope_over_load(inputs) * self.scatters["load"]) ** 2

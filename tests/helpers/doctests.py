@@ -3,6 +3,7 @@
 A plugin of pytest, so that it reaches the packages: their folders hold no tests of their own.
 """
 
+import pickle
 from pathlib import Path
 
 import numpy as np
@@ -46,14 +47,12 @@ def folder_with_results(tmp_path_factory):
 def _compute(scene, path):
     """Compute a scene here, without a cluster."""
     import pipeline
+    from pipeline.run.work import compute_points
     from pipeline.store.create import writing
-    from pipeline.sweep.plan import points, run_point
+    from pipeline.sweep.plan import chains, points
 
     sweep = pipeline.load_scene(scene)
     with writing(path, sweep) as store, np.errstate(all="raise", under="ignore"):
-        records, trunk, velocity = [], None, None
-        for point in points(sweep):
-            result = run_point(sweep, *point, trunk=trunk if point.velocity == velocity else None)
-            records.append(result.record(sweep.store_fields))
-            trunk, velocity = result.trunk, point.velocity
-        store.commit(records)
+        for chain in chains(points(sweep), False, sweep.samples):
+            parcel = pickle.dumps((sweep, sweep.store_fields))
+            store.commit(compute_points(parcel, chain, None, 1e9).records)

@@ -3,6 +3,7 @@
 import math
 
 import numpy as np
+import xarray as xr
 from scipy import stats
 
 from pipeline.sweep.conditions import Conditions
@@ -11,6 +12,7 @@ from pipeline.sweep.unknown import Unknown
 from pipeline.uncertain.ensemble import BULK, Ensemble
 from pipeline.uncertain.ensemble import CRITICAL as CRITICAL_PATH
 from pipeline.uncertain.ensemble import FRICTION as FRICTION_PATH
+from tribo import QUANTILES
 
 LOADS, VELOCITIES = np.array([200.0, 400.0, 750.0]), (0.5, 6.0)
 CRITICAL = Unknown("temperature.critical", "normal", (418.15, 8.0), "K")
@@ -75,3 +77,37 @@ def distribution_of(unknown):
         case "log-normal":
             return stats.lognorm(s=math.log(second), scale=first)
     return stats.uniform(first, second - first)
+
+
+def dataset(samples):
+    """A dataset as `pipeline.open_sweep` gives it, whose ensemble is the one of these samples."""
+    rise = samples.rises[..., None, None]
+    quantiles = np.array(QUANTILES)
+    at = ("sample", "load", "step")
+    loads = np.broadcast_to(samples.loads[:, None], rise.shape[:3])
+    about = {
+        "title": samples.title,
+        "scene": {"samples": samples.design.as_dict()},
+        "conditions": samples.conditions.as_dict(),
+        "unknown": [each.as_dict() for each in samples.unknown],
+        "samples": len(samples.rises),
+        "measured": list(samples.measured),
+    }
+    inputs = zip(samples.design.inputs, samples.inputs.T, strict=True)
+    return xr.Dataset(
+        {
+            "normal_load": (at, loads),
+            "time": (at, np.ones(rise.shape[:3])),
+            "contact_width": (at, samples.widths[..., None]),
+            "mean_rise": (at, 0.6 * rise[..., 0]),
+            "rise_quantile": ((*at, "quantile"), rise * (1 + 0.5 * (quantiles - 0.9))),
+        },
+        {
+            "sample": np.arange(len(samples.rises)),
+            "load": samples.loads,
+            "quantile": quantiles,
+            "velocity": ("sample", samples.sample_velocities),
+            **{each.path: ("sample", column) for each, column in inputs},
+        },
+        about,
+    )

@@ -70,10 +70,6 @@ CASES = {
         several("realization", [interrupted(full(k)) for k in range(3)]),
         several("realization", [full(k) for k in range(3)]),
     ),
-    "samples": lambda: (
-        several("sample", [sweeps.along_boundary(k) for k in range(3)]),
-        several("sample", [full(k) for k in range(3)]),
-    ),
     "one load": lambda: (interrupted(full()).isel(load=[3]), full().isel(load=[3])),
     "one velocity": lambda: (
         done_only(full(), full()["load"] < 500.0).isel(velocity=[3]),
@@ -228,7 +224,7 @@ def test_margins_say_what_the_boundary_says(case, given):
             continue
         load, velocity = float(ds["load"][i]), float(ds["velocity"][j])
         for k, margin in enumerate(pipeline.margins(ds, load, velocity, **given)):
-            at = found.isel({name: k for name in ("realization", "sample") if name in found.dims})
+            at = found.isel({name: k for name in ("realization",) if name in found.dims})
             assert margin.is_severe == true[k, i, j]
             assert margin.velocity_outcome == OUTCOMES[int(at["outcome_at_load"][i])]
             assert margin.load_outcome == OUTCOMES[int(at["outcome_at_velocity"][j])]
@@ -249,8 +245,6 @@ def test_documents_and_tables_say_what_the_boundary_says(case, given):
 
 def test_a_diagram_draws_no_boundary_that_was_not_found(case, given):
     ds = case[0]
-    if "sample" in ds.dims:
-        pytest.skip("draws probabilities")
     found = pipeline.boundary(ds, **given)
     figure = diagram(ds, **given)
     axes, texts = figure.axes[0], [text.get_text() for text in figure.legends[0].texts]

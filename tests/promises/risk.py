@@ -1,7 +1,7 @@
 """Judge `pipeline.risk` at one operating point by direct simulations, each with inputs of its own.
 
-The direct ones know no surrogate and no boundary: each draws its inputs by another seed than the
-samples and the probability do, simulates the point from the start of the ramp, and looks whether
+The direct ones know no emulator: each draws its inputs by another seed than the samples and the
+probability do, simulates the point from the start of the ramp, and looks whether
 wear is severe. Prints a JSON document; the exit code is 1 if the two differ by more than chance
 and the stated error let expect.
 """
@@ -19,41 +19,54 @@ from pathlib import Path
 import numpy as np
 
 import pipeline
-from pipeline.run.follow import follow_boundary
-from pipeline.sweep.criterion import rise_limit
+from pipeline.sweep.criterion import decisive_rises, rise_limit
 from pipeline.sweep.plan import run_point
+from pipeline.sweep.unknown import drawn
 
 WORKFLOWS = Path(__file__).parents[2] / "workflows"
 SEED = 2718  # of the direct draws; the samples have 0 in the shipped scenes, and their risk has 1
 LIMIT = 3.0  # standard errors of the difference
 
 
-def excess(sweep, number, load, velocity):
-    """Logarithm of the rise over its limit at a point, by the inputs of one sample alone."""
-    alone = sweep.variant(sample=number)
-    conditions = alone.conditions
-    found = run_point(alone, load, velocity).verdict(conditions)
-    limit = rise_limit(conditions) * conditions.friction
-    return math.log((found.decisive_temperature - conditions.bulk_temperature) / limit)
-
-
 def _of_chunk(task):
-    scene, count, overrides, place, numbers = task
+    scene, overrides, place, inputs = task
     np.seterr(all="raise", under="ignore")
-    sweep = drawn_anew(scene, count, overrides)
-    return [excess(sweep, number, *place) for number in numbers]
+    return [excess(scene, overrides, each, *place) for each in inputs]
 
 
-def drawn_anew(scene, count, overrides):
-    """The scene with other samples than its own."""
-    draws = {"sweep.samples": count, "sweep.sample_seed": SEED}
-    return pipeline.load_scene(scene, overrides={**overrides, **draws})
+def excess(scene, overrides, inputs, load, velocity):
+    """Logarithm of the rise over its limit at a point, with inputs as the scene would give them."""
+    alone = pipeline.load_scene(scene, overrides=overrides | inputs)
+    alone = replace(alone, samples=None)
+    rise = decisive_rises(run_point(alone, load, velocity).columns, load, alone.conditions)
+    return math.log(float(rise) / rise_limit(alone.conditions))
 
 
-def direct(scene, count, overrides, place, processes):
-    """Logarithms of rise over limit at a point, of so many direct simulations."""
-    chunks = np.array_split(np.arange(count), min(count, 8 * processes))
-    tasks = [(scene, count, overrides, place, chunk.tolist()) for chunk in chunks]
+def drawn_anew(ensemble, count):
+    """Inputs by another seed: values, shape (count, n_unknown), and the entries of the scene."""
+    values = drawn(ensemble.unknown, SEED, count)
+    entries = [
+        {
+            each.path: round(value) if each.kind == "list" else written(each, value)
+            for each, value in zip(ensemble.unknown, row, strict=True)
+        }
+        for row in values.tolist()
+    ]
+    return values, entries
+
+
+def written(unknown, value):
+    """A value as it would stand in the scene."""
+    unit = unknown.shown
+    number = repr(float(unit.of(value)))
+    return float(number) if unit.name == "1" else f"{number} {unit.name}"
+
+
+def direct(scene, entries, overrides, place, processes):
+    """Logarithms of rise over limit at a point, a direct simulation each."""
+    chunks = np.array_split(np.arange(len(entries)), min(len(entries), 8 * processes))
+    without = overrides | {"without": ["unknown", "sweep.samples"]}
+    tasks = [(scene, without, place, [entries[i] for i in chunk]) for chunk in chunks]
     if processes == 1:
         return np.concatenate([_of_chunk(task) for task in tasks])
     with multiprocessing.get_context("spawn").Pool(processes) as pool:
@@ -61,15 +74,15 @@ def direct(scene, count, overrides, place, processes):
 
 
 def judged(ensemble, scene, count, overrides, place, processes=1):
-    """The risk beside direct simulations, and what the surrogate misses of each."""
+    """The risk beside direct simulations, and the error of the emulated rise of each."""
     load, velocity = place
     stated = pipeline.risk(ensemble, load, velocity)
-    found = direct(scene, count, overrides, place, processes)
+    values, entries = drawn_anew(ensemble, count)
+    found = direct(scene, entries, overrides, place, processes)
     share = float(np.mean(found > 0))
     by_chance = math.sqrt(share * (1 - share) / count)
-    fit = ensemble.surrogate(load, [velocity])
-    inputs = np.array(drawn_anew(scene, count, overrides).samples.values)
-    missed = ensemble.excess(fit, inputs)[:, 0] - found
+    emulated = ensemble.excess(values, load, velocity)
+    missed = emulated.values[:, 0] - found
     return {
         "load": load,
         "velocity": velocity,
@@ -79,10 +92,12 @@ def judged(ensemble, scene, count, overrides, place, processes=1):
         "direct_simulations": count,
         "direct": share,
         "direct_error": by_chance,
-        "standard_errors_apart": (stated.probability - share) / math.hypot(stated.error, by_chance),
-        "surrogate_bias": float(missed.mean()),
-        "surrogate_spread": float(missed.std()),
-        "surrogate_error": stated.surrogate_error,
+        "standard_errors_apart": (stated.probability - share)
+        / max(math.hypot(stated.error, by_chance), 1e-12),
+        "bias": float(missed.mean()),
+        "spread": float(missed.std()),
+        "rise_error": stated.rise_error,
+        "within_90_percent": float(np.mean(np.abs(missed) < 1.645 * emulated.error[:, 0])),
     }
 
 
@@ -99,7 +114,8 @@ def main():
     sweep = replace(pipeline.load_scene(options.scene, overrides=overrides), store_fields=False)
     with tempfile.TemporaryDirectory() as folder:
         store = options.store or Path(folder) / "samples.zarr"
-        follow_boundary(sweep, store, workers=options.processes)
+        if options.store is None:
+            pipeline.run_sweep(sweep, store, workers=options.processes)
         ensemble = pipeline.Ensemble.of(pipeline.open_sweep(store))
     place = tuple(options.at)
     told = judged(ensemble, options.scene, options.direct, overrides, place, options.processes)

@@ -24,7 +24,7 @@ from pipeline.analysis.dataset import (
     variant_of,
 )
 from pipeline.analysis.decisive import decisive_rise
-from pipeline.analysis.entries import entries_of, in_usual_unit
+from pipeline.analysis.entries import entries_of
 from pipeline.analysis.transition import OUTCOMES, range_of
 from pipeline.analysis.wear_rate import at_wear_rate, own_wear_rate
 from pipeline.figures.page.fields import FIELDS, packed_fields
@@ -242,13 +242,10 @@ def _film(attributes: Mapping[str, Any], ds: xr.Dataset) -> dict[str, Any] | Non
 
 
 def _record(ds: xr.Dataset, attributes: Mapping[str, Any]) -> dict[str, str]:
-    """Entries of the scene with their units, inputs that differ, and what computed the sweep."""
-    axis = variant_of(ds)
-    inputs = _surfaces(ds, axis)["inputs"] if axis else {}
+    """Entries of the scene with their units, and what computed the sweep."""
     selection = attributes.get("selection")
     return (
         entries_of(attributes)
-        | {path: in_usual_unit(path, values) for path, values in inputs.items()}
         | ({"accuracy": str(Selection.from_dict(selection))} if selection else {})
         | {"history": str(attributes.get("history", ""))}
         | {"scene hash": str(attributes.get("scene_hash", ""))}

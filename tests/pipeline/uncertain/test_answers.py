@@ -145,7 +145,7 @@ def test_correlated_inputs_have_first_indices_alone_which_count_what_they_share(
 
 def test_intervals_of_indices_stay_narrow_where_few_samples_suffice():
     seed = Unknown("disk.roughness.seed", "list", tuple(map(float, range(6))))
-    found = pipeline.sensitivity(ensemble((*ALL, seed), 16))
+    found = pipeline.sensitivity(ensemble((*ALL, seed), 96))
     assert (found.first_interval[1] - found.first_interval[0] < 0.15).all()
     assert (found.first_interval[0] <= found.first).all()
     assert (found.first <= found.first_interval[1]).all()

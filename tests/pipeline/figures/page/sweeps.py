@@ -90,11 +90,11 @@ def along_boundary(seed=0, left_out=()):
     return found.assign(asked=(("load", "velocity"), np.array(asked, np.int8)))
 
 
-def samples():
-    """Five samples, each along its own boundary; two are mild throughout 200 N, one lacks 750 N."""
+def searched_surfaces():
+    """Five surfaces, each along its own boundary; two are mild at 200 N, one lacks 750 N."""
     lacking = [(750.0, velocity) for velocity in _VELOCITIES]
     parts = [along_boundary(k, lacking if k == 4 else ()) for k in range(5)]
-    return xr.concat(parts, xr.Variable("sample", np.arange(5)), combine_attrs="override")
+    return xr.concat(parts, xr.Variable("realization", np.arange(5)), combine_attrs="override")
 
 
 def by_mean():
@@ -131,7 +131,7 @@ KINDS = {
     "several surfaces": over_surfaces,
     "a hold": held,
     "boundary only": along_boundary,
-    "samples": samples,
+    "searched surfaces": searched_surfaces,
     "two bulk temperatures": of_two_bulks,
     "mean temperature": by_mean,
     "a warm pin": of_a_warm_pin,

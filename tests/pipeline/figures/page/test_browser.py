@@ -57,8 +57,8 @@ def same(found, expected, rtol=1e-9):
     np.testing.assert_allclose(found, expected, rtol=rtol, atol=0)
 
 
-def test_the_median_goes_on_where_one_sample_has_no_boundary(page):
-    ds = sweeps.samples()
+def test_the_median_goes_on_where_one_surface_has_no_boundary(page):
+    ds = sweeps.searched_surfaces()
     found = pipeline.boundary(ds)
     assert np.isin(found["outcome_at_load"].sel(load=200.0), (MILD, ABOVE)).sum() == 2
     assert found["known_at_load"].sel(load=750.0) == 4
@@ -189,14 +189,6 @@ def test_a_sweep_without_a_critical_temperature_awaits_one(page):
     assert not driver.find_elements(By.CSS_SELECTOR, ".boundary")
     driver.find_element(By.ID, "critical_temperature").send_keys("145")
     assert driver.find_elements(By.CSS_SELECTOR, "#diagram .boundary")
-
-
-def test_samples_are_said_to_be_judged_at_the_conditions_that_are_set(page):
-    ds = sweeps.over_surfaces("sample")
-    note = (By.ID, "samples-note")
-    assert not page(ds).find_element(*note).is_displayed()
-    drawn = ds.assign_coords({"friction.coefficient": ("sample", np.linspace(0.09, 0.11, 5))})
-    assert page(drawn).find_element(*note).is_displayed()
 
 
 def test_an_operating_point_gets_its_margin(page):

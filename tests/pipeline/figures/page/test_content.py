@@ -70,15 +70,15 @@ def test_moments_left_out_decide_for_no_share():
         assert np.isnan(expected[~done]).all()
 
 
-@pytest.mark.parametrize("axis", ["realization", "sample"])
-def test_points_are_asked_for_on_their_own_surface_or_sample(axis):
+def test_points_are_asked_for_on_their_own_surface():
+    axis = "realization"
     ds = sweeps.over_surfaces(axis)
     wanted = (ds[axis] == 1) & (ds["load"] == 200.0) & (ds["velocity"] == 1.8)
     ds = ds.assign(asked=wanted.astype(np.int8))
     found = content(ds)
     asked = unpacked(found["asked"], "u1").reshape(5, ds.sizes["load"], ds.sizes["velocity"])
     assert np.argwhere(asked).tolist() == [[1, 1, 4]]
-    assert found["surfaces"] == {"axis": axis, "names": [0, 1, 2, 3, 4], "inputs": {}}
+    assert found["surfaces"] == {"axis": axis, "names": [0, 1, 2, 3, 4]}
 
 
 def test_points_are_asked_for_on_the_surfaces_of_the_last_run():

@@ -137,7 +137,7 @@ def test_the_line_that_is_drawn_lies_on_the_plane_of_the_diagram():
     same(loads, expected)
 
 
-@pytest.mark.parametrize("kind", ["several surfaces", "samples"])
+@pytest.mark.parametrize("kind", ["several surfaces", "searched surfaces"])
 def test_the_lines_over_several_meet_the_quantiles_of_the_command_at_each_load(kind):
     ds = sweeps.KINDS[kind]()
     expected = pipeline.boundary(ds)["critical_velocity_quantile"].values
