@@ -23,7 +23,7 @@ from tribo.types import Array
 SCATTER = 0.05
 """Relative standard deviation of measured velocities, where a scene does not give it."""
 _ENOUGH = 400  # draws of equal weight, that tell either end of 90 % to 6 % of the half-width
-_FIRST, _MOST = 2**13, 2**16
+_FIRST, _MOST = 2**13, 2**15
 _SLOPE_SPAN = 1.05  # ratio of velocities and of loads between which a slope is taken
 _LEAST_SLOPE = 0.05
 _HIDDEN = 0.5  # correlation from which two inputs cannot be told apart

@@ -106,6 +106,7 @@ def dataset(samples):
             "sample": np.arange(len(samples.rises)),
             "load": samples.loads,
             "quantile": quantiles,
+            "step": [1],
             "velocity": ("sample", samples.sample_velocities),
             **{each.path: ("sample", column) for each, column in inputs},
         },
