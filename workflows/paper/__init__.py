@@ -16,6 +16,7 @@ from pipeline.figures.style import figure_path, save_figure
 from pipeline.scene.entries import did_you_mean
 from pipeline.sweep.stages import staged
 from tribo import InputError
+from workflows.paper.evidence import evidence
 from workflows.paper.gallery import page
 from workflows.paper.held_load import fig5
 from workflows.paper.inference import inverse
@@ -25,6 +26,7 @@ from workflows.paper.report import WORDS, Report
 from workflows.paper.resolution import fig6
 from workflows.paper.rivals import rivals
 from workflows.paper.sensitivity import sensitivity
+from workflows.paper.steel import steel
 from workflows.paper.study import Study
 from workflows.paper.surface_band import band
 from workflows.paper.table_4 import table4
@@ -51,7 +53,7 @@ _MAKERS: dict[str, Callable[[Study], Report]] = {
     maker.__name__: maker
     for maker in (
         *(fig4, fig5, fig6, fig8, fig10, band),
-        *(table4, table6, rivals, sensitivity, inverse),
+        *(table4, table6, rivals, sensitivity, inverse, steel, evidence),
     )
 }
 

@@ -1,0 +1,170 @@
+"""Conductivity of the steel, from the measured transitions of both oils."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from scipy.interpolate import CubicSpline
+from scipy.special import logsumexp
+
+from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, VERMILION, in_house_style
+from pipeline.run.vary import vary
+from tribo.types import Array
+from workflows.paper.eight import (
+    Physics,
+    Transition,
+    log_evidence,
+    rounded,
+    transitions_of,
+)
+from workflows.paper.report import Report, Table, line
+from workflows.paper.study import Study
+
+_NODES = (15.0, 21.0, 27.0, 33.0, 39.0, 45.0, 51.0, 60.0, 70.0)  # W/(m K)
+_FINE = np.linspace(_NODES[0], _NODES[-1], 221)
+_SOFT, _HARD = 45.0, 21.0  # of the paper's table, and measured of the through-hardened steel
+_SETS = {
+    "white oil alone": ("white oil",),
+    "oil A alone": ("oil A",),
+    "both oils": ("white oil", "oil A"),
+}
+_LOOKS = dict(zip(_SETS, (BLUE, VERMILION, BLACK), strict=True))
+_STEADY = 0.2  # of the conductivity that was taken, which the transitions have to allow
+
+
+def steel(study: Study) -> Report:
+    """Conductivity against critical temperature, by white oil, oil A and both."""
+    transitions = transitions_of(study, [("swept", _NODES)])
+    warmings = np.array([Physics(K).warming(transitions) for K in _NODES])
+    found = {name: _posterior(transitions, warmings, oils) for name, oils in _SETS.items()}
+    boundary = _boundary(study)
+    named = [f"{t.oil}, {t.measured.normal_load:g} N, {t.bulk_celsius:g} °C" for t in transitions]
+    celsius = {
+        f"{K:g}": [t.bulk_celsius + float(np.exp(w)) for t, w in zip(transitions, row, strict=True)]
+        for K, row in zip(_NODES, warmings, strict=True)
+    }
+    hard, soft = (celsius[f"{K:g}"] for K in (_HARD, _SOFT))
+    mean = {name: its["mean"] for name, its in found.items()}
+    values: dict[str, Any] = {
+        "soft": _SOFT,
+        "hard": _HARD,
+        "surfaces": len(next(iter(transitions[0].columns.values()))),
+        **{f"{name.split()[0]}_{key}": its[key] for name, its in found.items() for key in its},
+        "changes": boundary["change"],
+        "odds": found["both oils"]["odds"],
+    }
+    return Report.of(
+        "steel",
+        values,
+        verdicts={
+            "conductivity": abs(mean["both oils"] / _SOFT - 1) < _STEADY,
+            "hardened": found["both oils"]["odds"] < 1,
+        },
+        table=Table(
+            ("", f"K {_SOFT:g} W/(m K)", f"K {_HARD:g} W/(m K)"),
+            (
+                ("critical velocity at friction 0.1 [m/s]",),
+                *(
+                    line(f"  {load:g} N", pair, ".2f")
+                    for load, *pair in zip(
+                        boundary["load"], boundary["soft"], boundary["hard"], strict=True
+                    )
+                ),
+                ("critical temperature from each transition [°C]",),
+                *(line(f"  {name}", pair) for name, *pair in zip(named, soft, hard, strict=True)),
+            ),
+        ),
+        data={
+            "critical_celsius_by_conductivity": celsius,
+            "conductivity": found,
+            "boundary": boundary,
+        },
+        figure=_draw(transitions, warmings, found),
+    )
+
+
+def _posterior(
+    transitions: Sequence[Transition], warmings: Array, oils: Sequence[str]
+) -> dict[str, Any]:
+    """Conductivity by the transitions of some oils, evenly likely before."""
+    own = [number for number, transition in enumerate(transitions) if transition.oil in oils]
+    fine = CubicSpline(_NODES, warmings[:, own])(_FINE)
+    log, white, oil_a = log_evidence([transitions[number] for number in own], fine)
+    probability = np.exp(log - logsumexp(log))
+    mean = float(probability @ _FINE)
+    below = np.cumsum(probability)
+    low, high = (float(np.interp(level, below, _FINE)) for level in (0.05, 0.95))
+    odds = np.exp(np.interp(_SOFT, _FINE, log) - np.interp(_HARD, _FINE, log))
+    return {
+        "mean": mean,
+        "sd": float(np.sqrt(probability @ (_FINE - mean) ** 2)),
+        "low": low,
+        "high": high,
+        "odds": float(1 / odds),
+        "times": rounded(float(odds)),
+        "density": (probability / (_FINE[1] - _FINE[0])).tolist(),
+        "critical": (white if "white oil" in oils else oil_a).tolist(),
+    }
+
+
+def _boundary(study: Study) -> dict[str, Any]:
+    """Critical velocities with both conductivities, at friction 0.1."""
+    own: Mapping[str, Any] = {
+        "sweep.loads": ["200 N", "400 N", "600 N", "750 N"],
+        "sweep.velocities": {"from": "0.2 m/s", "to": "5 m/s", "step": "0.2 m/s"},
+    }
+    entry = "materials.steel.thermal_conductivity"
+    scene = Path(study.scenes, "irg_transition.toml")
+    found = vary(scene, {entry: [f"{_HARD:g} W/(m K)"]}, study.preset, own, tell=study.tell)
+    (hard,) = found.others
+    return {
+        "load": list(found.loads)[::-1],
+        "soft": list(found.own.critical_velocities)[::-1],
+        "hard": list(hard.critical_velocities)[::-1],
+        "change": found.changes(hard).tolist()[::-1],
+    }
+
+
+@in_house_style
+def _draw(transitions: Sequence[Transition], warmings: Array, found: Mapping[str, Any]) -> Figure:
+    figure = Figure(figsize=(9.6, 4.4))
+    left, right = figure.subplots(1, 2)
+    _draw_temperatures(left, transitions, warmings)
+    for name, posterior in found.items():
+        right.plot(_FINE, posterior["density"], color=_LOOKS[name], label=name)
+    for K, label in ((_SOFT, "taken, as annealed"), (_HARD, "measured, hardened")):
+        right.axvline(K, color=GREY, ls=":", lw=1.2)
+        right.annotate(
+            label, (K, 1.0), (3, -3), xycoords=("data", "axes fraction"), va="top", fontsize=8,
+            textcoords="offset points", color=GREY, rotation=90,
+        )  # fmt: skip
+    right.set_ylim(0, None)
+    right.set_xlabel("conductivity of the steel [W/(m K)]")
+    right.set_ylabel("probability per W/(m K)")
+    right.set_title("what the transitions say", loc="left")
+    right.legend(loc="upper right")
+    return figure
+
+
+def _draw_temperatures(axes: Axes, transitions: Sequence[Transition], warmings: Array) -> None:
+    looks = {25.0: "-", 100.0: "--"}
+    labelled = set()
+    for number, transition in enumerate(transitions):
+        bulk = transition.bulk_celsius
+        label = f"{transition.oil}, bulk {bulk:.0f} °C"
+        axes.plot(
+            _FINE, bulk + np.exp(CubicSpline(_NODES, warmings[:, number])(_FINE)),
+            color=BLUE if transition.oil == "white oil" else VERMILION, ls=looks[round(bulk)],
+            label=None if label in labelled else label, lw=1.2,
+        )  # fmt: skip
+        labelled.add(label)
+    axes.axhspan(137, 153, color=GREEN, alpha=0.2, lw=0, label="white oil on the rig, 145 ± 8 °C")
+    axes.set_xlabel("conductivity of the steel [W/(m K)]")
+    axes.set_ylabel("critical temperature [°C]")
+    axes.set_title("from each measured transition", loc="left")
+    axes.legend(loc="upper right", fontsize=8)
