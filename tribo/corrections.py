@@ -95,6 +95,11 @@ class Track:
     ------
     InputError
         If one is not positive.
+
+    Examples
+    --------
+    >>> Track(0.34, 3.4e-3, 1.0, thermal_diffusivity=1.2275e-5, heat_capacity=3.666e6).length
+    0.34
     """
 
     length: float

@@ -38,6 +38,12 @@ class Rule:
         The deciding temperature and severe wear in words, with the ``{share}`` [%].
     quantile : callable, optional
         Called with the share; gives the quantile of the temperature that decides, if it is one.
+
+    Examples
+    --------
+    >>> mean = Rule("mean_rise", lambda rises, *_: rises, "mean", "the mean above")
+    >>> mean.column
+    'mean_rise'
     """
 
     column: str

@@ -22,7 +22,11 @@ from tribo.wear import Wear, WearPattern
 class WearLaw(Protocol):
     """A law of wear in proportion to pressure, with a rate that depends on the distance slid.
 
-    `RunningIn` is an example.
+    Examples
+    --------
+    >>> law: WearLaw = RunningIn(initial_rate=6e-15, final_rate=1e-15, distance=2.0)
+    >>> bool(law.volume(750.0, 0.0, 2.0) == 750.0 * law.compliance(0.0, 2.0))
+    True
     """
 
     @property
@@ -52,7 +56,15 @@ class WearLaw(Protocol):
 
 
 class Surface(Protocol):
-    """A surface of the disk; it has to be hashable, and the same for the same hash."""
+    """A surface of the disk; it has to be hashable, and the same for the same hash.
+
+    Examples
+    --------
+    >>> from tribo.simulation import SelfAffineRoughness
+    >>> ground: Surface = SelfAffineRoughness(0.27e-6, 0.8, correlation_length=(4e-6, 4e-6))
+    >>> ground.heights(Grid((8, 4), (1e-6, 1e-6))).shape
+    (8, 4)
+    """
 
     def __hash__(self) -> int:
         """Hash by which its heights are kept."""
