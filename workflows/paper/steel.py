@@ -132,7 +132,7 @@ def _boundary(study: Study) -> dict[str, Any]:
 
 @in_house_style
 def _draw(transitions: Sequence[Transition], warmings: Array, found: Mapping[str, Any]) -> Figure:
-    figure = Figure(figsize=(9.6, 4.4))
+    figure = Figure(figsize=(7.0, 3.4))
     left, right = figure.subplots(1, 2)
     _draw_temperatures(left, transitions, warmings)
     for name, posterior in found.items():
@@ -147,7 +147,7 @@ def _draw(transitions: Sequence[Transition], warmings: Array, found: Mapping[str
     right.set_xlabel("conductivity of the steel [W/(m K)]")
     right.set_ylabel("probability per W/(m K)")
     right.set_title("what the transitions say", loc="left")
-    right.legend(loc="upper right")
+    right.legend(loc="upper right", fontsize=7.5)
     return figure
 
 
@@ -167,4 +167,4 @@ def _draw_temperatures(axes: Axes, transitions: Sequence[Transition], warmings: 
     axes.set_xlabel("conductivity of the steel [W/(m K)]")
     axes.set_ylabel("critical temperature [°C]")
     axes.set_title("from each measured transition", loc="left")
-    axes.legend(loc="upper right", fontsize=8)
+    axes.legend(loc="upper right", fontsize=7.5)

@@ -57,9 +57,12 @@ def small(folder, scenes):
         if name not in made:
             # fig4 is cheap enough to be made as it is.
             options = {} if name == "fig4" else SMALL
+            if name in ("steel", "evidence"):
+                options = SMALL | {"surfaces": 1}
             with (
                 np.errstate(all="raise", under="ignore"),
                 mock.patch.multiple(inference, **fewer_durations),
+                mock.patch("workflows.paper.evidence._DATA", 40),
             ):
                 made[name] = paper.reproduce(
                     name, folder / f"{name}.png", scenes=scenes, results=folder, **options
@@ -86,6 +89,16 @@ def test_every_result_has_numbers_verdicts_and_a_figure(small, folder, name):
     assert len(png) < 150_000
     columns = len(report.table.columns)
     assert all(len(row) in (1, columns) for row in report.table.rows)
+
+
+def test_the_transitions_say_which_steel_and_each_model_knows_its_own_data(small):
+    conductivity = small("steel").data["conductivity"]
+    assert 33 < conductivity["both oils"]["mean"] < 51
+    assert conductivity["both oils"]["sd"] < conductivity["oil A alone"]["sd"]
+    chosen = small("evidence").data["chosen_on_data_of"]
+    assert all(row[number] == max(row) for number, row in enumerate(chosen.values()))
+    odds = small("evidence").data["log_odds"]
+    assert odds["local for swept wear"] < -5
 
 
 def test_the_nearest_image_overestimates_the_peak_of_hertz_by_one_percent(small):
