@@ -143,7 +143,7 @@ def _draw(transitions: Sequence[Transition], warmings: Array, found: Mapping[str
             label, (K, 1.0), (3, -3), xycoords=("data", "axes fraction"), va="top", fontsize=8,
             textcoords="offset points", color=GREY, rotation=90,
         )  # fmt: skip
-    right.set_ylim(0, None)
+    right.set_ylim(0, 1.4 * right.get_ylim()[1])  # room for the names of both
     right.set_xlabel("conductivity of the steel [W/(m K)]")
     right.set_ylabel("probability per W/(m K)")
     right.set_title("what the transitions say", loc="left")
