@@ -166,7 +166,7 @@ _ENTRIES = {
     "sweep.velocities": "Sliding velocities.",
     "sweep.realizations": "Random surfaces to compute it all on: a number of them from the seed "
     "on, or a list of seeds.",
-    "sweep.samples": "Number of samples drawn of the `unknown` inputs, each with a boundary of its "
+    "sweep.samples": "Number of samples drawn of the `unknown` inputs, each at a velocity of its "
     "own.",
     "sweep.sample_seed": "Seed of the samples.",
     "sweep.wear_rates.from": "Lowest of them.",
