@@ -3,18 +3,13 @@
 A job script runs it as ``python -m pipeline.run.job ADDRESS …``, with options as ``dask worker``.
 """
 
-import logging
 import os
 
 from pipeline.run.source import CONFIGURATION
 
-# At the normal end of a job, these would show tracebacks of connections that are closed. Its worker
-# processes import this module, too.
+# At the normal end of a job, these two would show tracebacks of connections that are closed.
 os.environ["DASK_LOGGING"] = repr(
     {"distributed": "info", "distributed.batched": "error", "distributed.comm.tcp": "error"}
-)
-logging.getLogger("distributed.worker").addFilter(
-    lambda record: "ConnectionPool is closed" not in record.getMessage()
 )
 
 if __name__ == "__main__":

@@ -96,8 +96,8 @@ def faults_of(path, velocities, result, expected, with_logs=True):
         yield f"{path.name} differs from a run on this machine"
     if (errors := path.with_suffix(".err").read_text()).strip():
         yield f"a driver says: {errors}"
-    for log in path.with_name(f"{path.name}.jobs").glob("*.err") if with_logs else ():
-        if "Traceback" in log.read_text() or "TIME LIMIT" in log.read_text():
+    for log in path.with_name(f"{path.name}.jobs").glob("*.err"):
+        if "TIME LIMIT" in log.read_text() or (with_logs and "Traceback" in log.read_text()):
             yield f"{log.name}: {log.read_text()[-1000:]}"
 
 
@@ -126,7 +126,8 @@ def walltime(batch, folder, expected):
     yield {**result, "jobs": len(logs)}
     if len(logs) <= _JOBS:
         yield f"{len(logs)} jobs have run, and more were needed"
-    yield from faults_of(driver.path, 200, result, expected)
+    # Dask logs a closed pool of connections where a worker retires.
+    yield from faults_of(driver.path, 200, result, expected, with_logs=False)
 
 
 def killed(batch, folder, expected):
