@@ -40,7 +40,7 @@ class Warned:
             return
         kinds = ", ".join(f"{kind} at {count}" for kind, count in self.kinds.items())
         if self.at_boundary is None:
-            lies = "and no critical temperature tells where the boundary is"
+            lies = "and it is not known which of them lie beside the boundary"
         elif self.at_boundary:
             lies = f"{self.at_boundary} beside the boundary, which may be wrong there"
         else:

@@ -25,8 +25,9 @@ def test_intervals_are_those_of_the_closed_form():
     hot = 298.15 + DIRECT[:, 2] * rise(DIRECT, 400.0, 2.0)
     # The ends from 8192 draws are known to 2 % of a standard deviation, of 5 to 10 K.
     assert values(found.decisive_temperature) == pytest.approx(np.quantile(hot, SHARES), abs=0.4)
+    # Those of a difference of two, whose standard deviation is 13 K, to twice the error of 0.4 K.
     left = np.quantile(DIRECT[:, 0] - hot, SHARES)
-    assert values(found.distance) == pytest.approx(left, abs=0.5)
+    assert values(found.distance) == pytest.approx(left, abs=0.8)
     at_load = np.quantile(critical_velocity(DIRECT, 400.0), SHARES)
     assert values(found.critical_velocity) == pytest.approx(at_load, rel=0.01)
     at_velocity = np.quantile((limit(DIRECT) / rise(DIRECT, 1.0, 2.0)) ** (1 / 0.58), SHARES)
