@@ -82,8 +82,10 @@ from .uncertain.answers import risk as risk
 from .uncertain.answers import risk_lines as risk_lines
 from .uncertain.ensemble import Ensemble as Ensemble
 from .uncertain.plan import Candidate as Candidate
+from .uncertain.plan import batch as batch
 from .uncertain.plan import candidates as candidates
 from .uncertain.sensitivity import Sensitivity as Sensitivity
 from .uncertain.sensitivity import sensitivity as sensitivity
+from .uncertain.weigh import Judged as Judged
 from .uncertain.weigh import Posterior as Posterior
 from .uncertain.weigh import posterior as posterior

@@ -245,7 +245,21 @@ PHYSICS = _flag(
     "--physics",
     help="physics that the scene leaves out, each with its size here and how sure it is",
 )
-NEXT = _flag("--next", help="of a store of samples: rank what to measure next")
+NEXT = _option(
+    "--next",
+    metavar="COUNT",
+    nargs="?",
+    const=1,
+    type=values.count,
+    help="of samples: rank what to measure next, or plan so many tests at once",
+)
+FOR = _option(
+    "--for",
+    metavar="ENTRY",
+    dest="target",
+    help="target of the next test: an unknown input, such as temperature.critical, or a load, such "
+    'as "400 N", for the boundary there; default: the whole boundary',
+)
 SCATTER = _option(
     "--scatter",
     metavar="SHARE",

@@ -123,8 +123,14 @@ COMMANDS = (
         "width; from a store of samples, what the transitions tell of all unknown inputs",
         'scene.toml --contact-width "348 um" --load "750 N" --velocity "1.25 m/s"',
         (
-            o.SCENE.but(help="the scene file; or a store of samples"), *o.OF_SCENE[1:],
-            o.NEXT, o.SCATTER, o.CONTACT_WIDTH, o.DURATION, o.BULK,
+            o.SCENE.but(nargs="+", help="the scene file; or stores of samples, which share inputs"),
+            *o.OF_SCENE[1:],
+            o.NEXT, o.FOR, o.SCATTER, o.CONTACT_WIDTH, o.DURATION,
+            o.BULK.but(
+                action="append",
+                help='bulk temperature, like "25 degC"; with --next one to choose from, may be '
+                "repeated",
+            ),
             o.output(
                 "TABLE.csv", "write the table, to .csv or .md; or, of samples, draw a figure"
             ),

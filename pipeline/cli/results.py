@@ -215,25 +215,39 @@ def _on_point(
 
 def infer(options: argparse.Namespace) -> int:
     """Find what was not measured from what was."""
-    if options.scene.is_dir():
+    stores = [path for path in options.scene if path.is_dir()]
+    if stores:
+        if others := [str(path) for path in options.scene if path not in stores]:
+            raise InputError(
+                f"{others[0]} is no store, and stores do not go with others; give stores of "
+                "samples alone, or one scene"
+            )
         if names := [*given(options, "contact_width", "duration", "preset", *PLACE)]:
             flags = ", ".join(f"--{name.replace('_', '-')}" for name in names)
             raise InputError(
-                f"{options.scene} is a store, to which {flags} does not belong; give the scene"
+                f"{stores[0]} is a store, to which {flags} does not belong; give the scene"
             )
-        return posterior(options, options.scene)
-    sweep = scene_of(options)
-    if sweep.samples and options.contact_width is None:
+        return posterior(options, stores)
+    if len(options.scene) > 1:
+        raise InputError(f"give one scene, or several stores; {options.scene[1]} is no store")
+    (options.scene,) = options.scene
+    bulks = options.bulk_temperature or [None]
+    sweep = None
+    if len(bulks) == 1:
+        options.bulk_temperature = bulks[0]
+        sweep = scene_of(options)
+    if sweep is None or (sweep.samples and options.contact_width is None):
         store = Path("results") / f"{options.scene.stem}.zarr"
         if not store.exists():
             raise InputError(
                 f"the samples of {options.scene} are computed first: irg run {options.scene}; then "
                 "irg infer OUT.zarr with what that wrote"
             )
-        return posterior(options, store)
-    if options.next or options.scatter is not None:
+        options.bulk_temperature = [bulk for bulk in bulks if bulk is not None]
+        return posterior(options, [store])
+    if options.next is not None or options.target or options.scatter is not None:
         raise InputError(
-            "--next and --scatter need samples of what is not known: give [unknown] and "
+            "--next, --for and --scatter need samples of what is not known: give [unknown] and "
             "sweep.samples in the scene"
         )
     sweep = sweep.on_surface(options.realization)

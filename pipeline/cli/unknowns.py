@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -20,9 +20,10 @@ from tribo import InputError
 if TYPE_CHECKING:
     from pipeline.uncertain.ensemble import Ensemble
     from pipeline.uncertain.sensitivity import Sensitivity
-    from pipeline.uncertain.weigh import Posterior
+    from pipeline.uncertain.weigh import Judged, Posterior
 
 
+_SHOWN = 12  # candidates
 _GOOD = 0.3  # of the spread of a velocity, which its error may be
 
 
@@ -76,38 +77,60 @@ def sensitivity(options: argparse.Namespace) -> int:
     return DONE
 
 
-def posterior(options: argparse.Namespace, store: Path | str) -> int:
-    """Print and draw what the measured transitions say of the unknown inputs."""
+def posterior(options: argparse.Namespace, stores: Sequence[Path]) -> int:
+    """Print and draw the inputs as the tests leave them, and the tests to make next."""
     out = output_path(options)
     with working("reading samples"):
-        ds = pipeline.open_sweep(store)
-        ensemble = pipeline.Ensemble.of(ds)
-    with working("weighing the inputs by what was measured"):
-        found = pipeline.posterior(ensemble, **given(options, "scatter"))
+        datasets = [pipeline.open_sweep(store) for store in stores]
+        ensembles = [pipeline.Ensemble.of(ds) for ds in datasets]
+    with working("weighing the inputs by the tests"):
+        found = pipeline.posterior(ensembles, **given(options, "scatter"))
     document: dict[str, Any] = found.as_dict()
     text = [*_on_inputs(found)]
-    if options.next:
-        with working("ranking what to measure"):
-            ranked = pipeline.candidates(found)
-        document["next"] = [
-            {"what": each.what, "spread": each.spread, "narrows": each.narrows} for each in ranked
-        ]
-        text += [
-            "what to measure next, and by how much it is expected to narrow the boundary, now "
-            f"± {100 * ranked[0].before:.2g} % in velocity",
-            *(
-                f"  to ± {100 * each.spread:<5.2g}% (by {100 * each.narrows:.0f} %)  {each.what}"
-                for each in ranked
-            ),
-        ]
+    if options.next is not None:
+        with working("ranking tests"):
+            document["next"], lines = _next(options, found)
+        text += lines
+    elif options.target or options.bulk_temperature:
+        name = "--for" if options.target else "--bulk-temperature"
+        raise InputError(f"{name} belongs to --next, which is not given")
     show(
         options, document, text,
-        warned=pipeline.warned(ds),
+        warned=pipeline.warned(datasets[0]),
         out=out,
         rows=map(_flat, found.summary()),
         draw=partial(pipeline.draw_posterior, found),
     )  # fmt: skip
     return DONE
+
+
+def _next(options: argparse.Namespace, found: Posterior) -> tuple[list[dict[str, Any]], list[str]]:
+    """Measurements ranked for a target, or a batch of tests, as plain data and as text."""
+    about = {"target": options.target, "bulk_temperatures": options.bulk_temperature or ()}
+    if options.next > 1:
+        ranked = pipeline.batch(found, options.next, **about)
+        head = f"{options.next} tests to make next, each beside those before it"
+    else:
+        ranked = pipeline.candidates(found, **about)[:_SHOWN]
+        head = "measurements to make next, the best first"
+    unknown = {each.path: each for each in found.unknown}.get(options.target or "")
+
+    def shown(spread: float) -> str:
+        if unknown is None or unknown.is_relative:
+            return f"± {100 * spread:.2g} %"
+        return f"± {unknown.spread.of(spread):.2g}{unknown.spread.suffix}"
+
+    target = options.target or "the boundary, in velocity"
+    lines = [f"{head}; {target} is known to {shown(ranked[0].before)} today"]
+    lines += [
+        f"  to {shown(each.spread):10} (by {100 * each.narrows:.0f} %)  {each.what}"
+        for each in ranked
+    ]
+    rows = [
+        {"what": each.what, "test": each.test, "spread": each.spread, "narrows": each.narrows}
+        for each in ranked
+    ]
+    return rows, lines
 
 
 def samples_of(options: argparse.Namespace, ds: Any) -> tuple[Ensemble, Posterior | None]:
@@ -132,8 +155,7 @@ def notes(ensemble: Ensemble, found: Posterior | None) -> Iterator[str]:
     """Say on what the numbers rest."""
     what = "as the scene assumes them"
     if found:
-        count = counted(len(found.measured), "measured transition", "measured transitions")
-        what = f"given {count}, {_scattered(found)}"
+        what = f"given {_tests(found)}, {_scattered(found)}"
     yield f"  {counted(len(ensemble.unknown), 'unknown input', 'unknown inputs')}, {what}"
     if found:
         yield from on_draws(found)
@@ -291,26 +313,38 @@ def _why_dependent(found: Sensitivity) -> str:
     return "given the measurements" if found.given_measured else "as the scene correlates them,"
 
 
+def _tests(found: Posterior) -> str:
+    """Numbers of transitions and of tests, in words."""
+    outcomes = sum("outcome" in judged.test for judged in found.judged)
+    transitions = len(found.judged) - outcomes
+    words = []
+    if transitions or not outcomes:
+        words.append(counted(transitions, "measured transition", "measured transitions"))
+    if outcomes:
+        words.append(counted(outcomes, "test", "tests"))
+    return " and ".join(words)
+
+
 def _scattered(found: Posterior) -> str:
-    """Scatter that the measured velocities are taken to have, in words."""
-    own = sum("velocity_scatter" in entry for entry in found.measured)
-    if found.measured and own == len(found.measured):
-        return "velocities scattered as the scene says of each"
-    others = f", {own} as the scene says" if own else ""
-    return f"velocities scattered by {100 * found.scatter:g} %{others}"
+    """Scatter of the velocities, as said and as inferred."""
+    low, middle, high = (100 * value for value in found.inferred_scatter)
+    said = f"velocities said to scatter by {100 * found.scatter:g} %"
+    if not found.judged:
+        return said
+    return f"{said}: by the tests {middle:.2g} % ({low:.2g} to {high:.2g})"
 
 
 def _on_inputs(found: Posterior) -> Iterator[str]:
-    """Say what is known of each input, before and after."""
-    yield (
-        f"{counted(len(found.measured), 'measured transition', 'measured transitions')}, "
-        f"{_scattered(found)}; {len(found.ensemble.inputs)} samples"
-    )
+    """Lines on each input, before and after, and on each test."""
+    samples = " and ".join(str(len(sweep.inputs)) for sweep in found.ensembles)
+    yield f"{_tests(found)}, {_scattered(found)}; {samples} samples"
+    if len(found.ensembles) > 1:
+        yield from (f"  {n}: {sweep.title}" for n, sweep in enumerate(found.ensembles, 1))
     yield from on_draws(found)
     rows = list(found.summary())
     width = max(len(row["path"]) for row in rows) + 2
     yield f"{'':{width}} {'before':>24}   {'after':>24}   {'90 % within':>22}"
-    for row, each in zip(rows, found.ensemble.unknown, strict=True):
+    for row, each in zip(rows, found.unknown, strict=True):
         if each.kind == "list":
             odds = row["posterior"]["probability"]
             best = max(odds, key=odds.__getitem__)
@@ -330,8 +364,25 @@ def _on_inputs(found: Posterior) -> Iterator[str]:
         f"{a} and {b} cannot be told apart by these tests (correlation {_signed(c)})"
         for a, b, c in found.hidden()
     )
-    for entry, (low, middle, high) in zip(found.measured, found.computed, strict=True):
-        yield (
-            f"at {entry['normal_load']:g} N measured {entry['velocity']:g} m/s, computed "
-            f"{middle:.3g} ({low:.3g} to {high:.3g})"
-        )
+    for judged in found.judged:
+        low, middle, high = judged.critical_velocity
+        yield f"{_place(found, judged)}, computed {middle:.3g} ({low:.3g} to {high:.3g})"
+    yield from (
+        f"warning: {_place(found, judged)}: the other tests leave this a probability of "
+        f"{judged.probability:.1g}; look at the test, or leave it out"
+        for judged in found.judged
+        if judged.contradicts
+    )
+
+
+def _place(found: Posterior, judged: Judged) -> str:
+    """Test, in words."""
+    test = judged.test
+    words = [f"{judged.sweep + 1}: at" if len(found.ensembles) > 1 else "at"]
+    words.append(f"{test['normal_load']:g} N")
+    if "bulk_temperature" in test:
+        words.append(f"and a bulk of {pipeline.display(test['bulk_temperature'], '°C')}")
+    outcome = test.get("outcome")
+    velocity = f"{test['velocity']:g} m/s"
+    words.append(f"{outcome} at {velocity}" if outcome else f"measured {velocity}")
+    return " ".join(words)

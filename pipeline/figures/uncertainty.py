@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import textwrap
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import xarray as xr
@@ -30,7 +30,7 @@ from pipeline.uncertain.answers import QUANTILES
 from pipeline.uncertain.ensemble import Ensemble
 from pipeline.uncertain.inputs import Draws
 from pipeline.uncertain.sensitivity import Sensitivity
-from pipeline.uncertain.weigh import Posterior
+from pipeline.uncertain.weigh import Judged, Posterior
 from tribo.types import Array
 
 _COLOURS = (VERMILION, BLUE, GREEN, PURPLE, ORANGE, SKY, GREY)
@@ -95,7 +95,7 @@ def draw_risk(
         axes.set_xscale("log")
         axes.set_yscale("log")
         plain_numbers(axes)
-    number = len(posterior.measured) if posterior else 0
+    number = len(posterior.judged) if posterior else 0
     given = (
         f"given {number} measured transition{'s' if number > 1 else ''}"
         if posterior
@@ -178,8 +178,9 @@ def draw_posterior(found: Posterior) -> Figure:
     >>> ensemble = pipeline.Ensemble.of(pipeline.open_sweep("results/unknown.zarr"))
     >>> figure = pipeline.draw_posterior(pipeline.posterior(ensemble))
     """
-    unknown = found.ensemble.unknown
-    panels = len(unknown) + bool(found.measured)
+    unknown = found.unknown
+    transitions = [judged for judged in found.judged if "outcome" not in judged.test]
+    panels = len(unknown) + bool(transitions)
     columns = min(3, panels)
     rows = -(-panels // columns)
     figure = Picture(figsize=(3.4 * columns, 3.0 * rows + 0.9))
@@ -198,8 +199,8 @@ def draw_posterior(found: Posterior) -> Figure:
         panel.set_xlabel(_broken(each.path) + _unit(each.shown.name, power), fontsize=9)
         panel.set_yticks([])
         panel.grid(visible=False)
-    if found.measured:
-        _parity(axes[len(unknown)], found)
+    if transitions:
+        _parity(axes[len(unknown)], transitions, found.inferred_scatter[1])
     for panel in axes[panels:]:
         panel.set_axis_off()
     figure.suptitle(textwrap.fill(as_text(found.ensemble.title), 34 * columns))
@@ -217,20 +218,19 @@ def _histogram(
     )  # fmt: skip
 
 
-def _parity(axes: Axes, found: Posterior) -> None:
+def _parity(axes: Axes, transitions: Sequence[Judged], inferred: float) -> None:
     """Measured velocities beside those computed, with what 90 % of the draws give."""
-    measured = np.array([entry["velocity"] for entry in found.measured])
-    scatter = [
-        entry.get("velocity_scatter", found.scatter * entry["velocity"]) for entry in found.measured
-    ]
-    low, middle, high = np.array(found.computed).T
+    tests = [judged.test for judged in transitions]
+    measured = np.array([test["velocity"] for test in tests])
+    scatter = [test.get("velocity_scatter", inferred * test["velocity"]) for test in tests]
+    low, middle, high = np.array([judged.critical_velocity for judged in transitions]).T
     ends = np.array([0.9 * min(measured.min(), low.min()), 1.1 * max(measured.max(), high.max())])
     axes.plot(ends, ends, color=GREY, lw=1.0)
     axes.errorbar(
         measured, middle, [middle - low, high - middle], scatter, ls="none",
         marker="D", ms=4.5, color=VERMILION, elinewidth=1.0,
     )  # fmt: skip
-    for entry, at in zip(found.measured, middle, strict=True):
+    for entry, at in zip(tests, middle, strict=True):
         axes.annotate(
             f"{entry['normal_load']:g} N", (entry["velocity"], at), (6, -10),
             textcoords="offset points", fontsize=8, color=GREY,

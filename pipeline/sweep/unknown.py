@@ -226,7 +226,15 @@ def drawn(unknown: tuple[Unknown, ...], seed: int, count: int) -> Array:
     >>> bool((values[:8] == drawn((friction,), seed=0, count=8)).all())
     True
     """
-    shares = sequence(seed, count)
+    return _at_shares(unknown, sequence(seed, count))
+
+
+def from_scores(unknown: Sequence[Unknown], scores: Array) -> Array:
+    """Values of unknown inputs [SI] at independent normal scores, both of shape (n, n_unknown)."""
+    return _at_shares(unknown, np.clip(scipy.special.ndtr(scores), OUTERMOST, 1 - OUTERMOST))
+
+
+def _at_shares(unknown: Sequence[Unknown], shares: Array) -> Array:
     columns = correlated(correlations(unknown), shares)
     return np.stack([each.at(column) for each, column in zip(unknown, columns, strict=True)], 1)
 

@@ -97,8 +97,10 @@ class Ensemble:
         Normal loads on the whole pin [N].
     rises, widths : ndarray, shape (n_sample, n_load)
         Rise that decides at friction 1 [K], and width of the contact at the end [m].
-    measured : tuple of dict
-        Measured transitions of the scene.
+    measured, tested : tuple of dict
+        Transitions that were measured, and tests that stayed mild or turned severe.
+    hold : float
+        Duration at the full load [s].
     missing : int
         Samples left out, since some of their loads are not done.
 
@@ -121,6 +123,8 @@ class Ensemble:
     rises: Array
     widths: Array
     measured: tuple[dict[str, Any], ...]
+    tested: tuple[dict[str, Any], ...] = ()
+    hold: float = 0.0
     missing: int = 0
 
     @classmethod
@@ -173,6 +177,8 @@ class Ensemble:
             rises=rises[done],
             widths=widths[done],
             measured=tuple(about["measured"]),
+            tested=tuple(about["tested"]),
+            hold=float(about["scene"]["loading"].get("hold", 0.0)),
             missing=int(np.count_nonzero(~done)),
         )
 

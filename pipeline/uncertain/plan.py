@@ -1,23 +1,35 @@
-"""The next measurement: candidates, ranked by how much each is expected to narrow the boundary."""
+"""The next test: candidates, ranked by the spread of a target that each is expected to leave.
+
+A candidate is tried on truths drawn from what is known today: each gives the result that the test
+would have, scatter and measured friction included, all draws are weighed by it, and the spread that
+is left is averaged. So what is promised is what is had where the samples are right.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from scipy.special import ndtr
 
+from pipeline.scene.quantities import in_si
+from pipeline.scene.units import UnitError, to_si
 from pipeline.uncertain.answers import STEPS, log_crossings
-from pipeline.uncertain.ensemble import FRICTION, Ensemble
-from pipeline.uncertain.inputs import Draws
+from pipeline.uncertain.ensemble import BULK, CRITICAL, FRICTION
+from pipeline.uncertain.evidence import Evidence, scatters_of
 from pipeline.uncertain.weigh import Posterior
+from tribo import InputError
 from tribo.types import Array
 
 WIDTH_SCATTER = 0.03
 """Relative standard deviation of a measured width."""
-_SPAN = 1.05  # ratio of velocities between which a slope is taken
 _KNOWN = 0.1  # of an input's spread: what a good measurement of it leaves
+_DRAWS, _TRUTHS = 1024, 96
+_VELOCITIES = 9  # of tests at a load and bulk temperature
+_WARMER = (1 / 3, 2 / 3)  # of the way from the bulk to the critical temperature
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,108 +39,250 @@ class Candidate:
     Attributes
     ----------
     what : str
-        What to measure.
+        Measurement, in words.
     spread : float
-        Spread of the boundary that is expected to be left by it: the standard deviation of the
-        logarithm of the critical velocity, root mean square over the loads.
+        Standard deviation of the target that is expected to be left by it, and by those before it
+        in a batch. Of the boundary that of the logarithm of the critical velocity, root mean
+        square over the loads.
     before : float
-        Spread of the boundary today, in the same measure.
+        Standard deviation today.
+    test : dict or None
+        Load [N], velocity [m/s] and bulk temperature [K] of a test; None for other measurements.
 
     Examples
     --------
-    >>> Candidate("the friction", spread=0.03, before=0.05).spread
-    0.03
+    >>> Candidate("the friction", spread=0.03, before=0.05).narrows
+    0.4
     """
 
     what: str
     spread: float
     before: float
+    test: dict[str, float] | None = None
 
     @property
     def narrows(self) -> float:
         """Share of today's spread that the measurement takes away."""
-        return 1 - self.spread / self.before
+        return round(1 - self.spread / self.before, 12)
 
 
-def candidates(found: Posterior) -> tuple[Candidate, ...]:
-    """Rank measurements by how much each is expected to narrow the boundary, the best first.
-
-    Expected as if all were normal and linear: what is measured with some error takes away its
-    share of the variance.
+def candidates(
+    posterior: Posterior,
+    target: str | None = None,
+    bulk_temperatures: Sequence[float | str] = (),
+) -> tuple[Candidate, ...]:
+    """Rank measurements by the spread of a target that each is expected to leave, the best first.
 
     Parameters
     ----------
-    found : Posterior
-        What is known today.
+    posterior : Posterior
+        State of knowledge today.
+    target : str, optional
+        Path of an unknown input, such as ``temperature.critical``, or a load, such as ``400 N``,
+        for the critical velocity there; the whole boundary if not given.
+    bulk_temperatures : sequence of float or str, optional
+        Bulk temperatures of tests [K], or text with a unit; the scene's, and two above it, if not
+        given.
+
+    Raises
+    ------
+    InputError
+        If the target is no unknown input and no load of the sweep.
 
     Examples
     --------
     >>> import pipeline
     >>> ensemble = pipeline.Ensemble.of(pipeline.open_sweep("results/unknown.zarr"))
-    >>> best, *_ = pipeline.candidates(pipeline.posterior(ensemble))
+    >>> best, *_ = pipeline.candidates(pipeline.posterior(ensemble), "temperature.critical")
     >>> best.spread < best.before
     True
     """
-    ensemble, draws = found.ensemble, found.draws
-    velocities = np.geomspace(*ensemble.velocities, STEPS)
-    excess = ensemble.excesses(draws.inputs, ensemble.loads, velocities, with_error=False)
-    boundary = log_crossings(velocities, excess.values)
-
-    def centred(values: Array) -> Array:
-        off: Array = values - draws.mean(values)
-        return off
-
-    y = centred(boundary)
-    variance = draws.mean(y**2)
-    before = math.sqrt(float(variance.mean()))
-
-    def after(quantity: Array, error: float) -> float:
-        q = centred(quantity)
-        total = float(draws.mean(q**2)) + error**2
-        left = variance - draws.mean(q[:, None] * y) ** 2 / max(total, 1e-300)
-        return math.sqrt(max(float(left.mean()), 0.0))
-
+    plan = _Plan(posterior, target, bulk_temperatures)
+    none = np.zeros((_TRUTHS, len(plan.values)))
     ranked = [
-        Candidate(what, after(quantity, error), before)
-        for what, quantity, error in _quantities(found, boundary)
+        Candidate(one.what, plan.spread(none + one.log_likelihood), plan.before, one.test)
+        for one in plan.measurements()
     ]
-    return tuple(sorted(ranked, key=lambda each: each.spread))
+    return tuple(sorted(ranked, key=lambda candidate: candidate.spread))
 
 
-def _quantities(found: Posterior, boundary: Array) -> Iterator[tuple[str, Array, float]]:
-    """Name of each quantity that could be measured, its value by draw, and its error."""
-    ensemble, draws = found.ensemble, found.draws
-    for load, column in zip(ensemble.loads.tolist(), boundary.T, strict=True):
-        at = math.exp(draws.quantile(column, 0.5))
-        velocity = float(np.clip(at, *ensemble.velocities))
-        error = math.hypot(found.scatter, _velocity_error(ensemble, draws, load, velocity))
-        yield f"a transition at {load:g} N, about {at:.3g} m/s", column, error
-        width = ensemble.width(draws.inputs, load, velocity)
-        error = math.hypot(WIDTH_SCATTER, float(draws.mean(width.error)[0]))
-        yield f"the worn width at {load:g} N, {velocity:.3g} m/s", width.values[:, 0], error
-    for each, column in zip(ensemble.unknown, draws.inputs.T, strict=True):
-        values = np.log(column) if each.is_relative else column
-        if each.kind == "list":
-            yield f"{each.path} itself", _effect(values, boundary, draws), 0.0
-            continue
-        spread = math.sqrt(float(draws.mean((values - draws.mean(values)) ** 2)))
-        name = "friction" if each.path == FRICTION else each.path
-        yield f"{name}, to a tenth of its spread today", values, _KNOWN * spread
+def batch(
+    posterior: Posterior,
+    count: int,
+    target: str | None = None,
+    bulk_temperatures: Sequence[float | str] = (),
+) -> tuple[Candidate, ...]:
+    """Plan several tests at once, each the best beside those before it.
+
+    Parameters
+    ----------
+    posterior, target, bulk_temperatures : optional
+        See `candidates`.
+    count : int
+        Number of tests, at least 1.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> ensemble = pipeline.Ensemble.of(pipeline.open_sweep("results/unknown.zarr"))
+    >>> first, second = pipeline.batch(pipeline.posterior(ensemble), 2, "temperature.critical")
+    >>> second.spread < first.spread
+    True
+    """
+    if count < 1:
+        raise InputError(f"count is {count}; plan at least 1 test")
+    plan = _Plan(posterior, target, bulk_temperatures)
+    likelihood = np.zeros((_TRUTHS, len(plan.values)))
+    planned = []
+    for _ in range(count):
+        tests = [one for one in plan.measurements() if one.test is not None]
+        spreads = [plan.spread(likelihood + one.log_likelihood) for one in tests]
+        best = tests[int(np.argmin(spreads))]
+        likelihood += best.log_likelihood
+        planned.append(Candidate(best.what, min(spreads), plan.before, best.test))
+    return tuple(planned)
 
 
-def _velocity_error(ensemble: Ensemble, draws: Draws, load: float, velocity: float) -> float:
-    """Standard error of the emulated critical velocity against a simulation, relative."""
-    ends = np.clip([velocity / _SPAN, velocity * _SPAN], *ensemble.velocities)
-    excess = ensemble.excess(draws.inputs, load, ends)
-    slope = draws.mean(np.diff(excess.values)[:, 0]) / math.log(ends[1] / ends[0])
-    return float(np.sqrt(draws.mean(excess.error[:, 0] ** 2)) / max(slope, 0.05))
+@dataclass(frozen=True, slots=True, eq=False)
+class _Measurement:
+    """A measurement, and the likelihood of its results for each truth, shape (n_truth, n)."""
+
+    what: str
+    log_likelihood: Array
+    test: dict[str, float] | None = None
 
 
-def _effect(values: Array, boundary: Array, draws: Draws) -> Array:
-    """Mean of the boundary by value of an input that has no scale."""
-    found = np.empty(len(values))
-    each = boundary.mean(axis=1)
-    for value in np.unique(values):
-        at = values == value
-        found[at] = np.average(each[at], weights=np.maximum(draws.weights[at], 1e-300))
-    return found
+class _Plan:
+    """Draws of today, those of them that are taken as truths, and the target."""
+
+    def __init__(
+        self, posterior: Posterior, target: str | None, bulks: Sequence[float | str]
+    ) -> None:
+        self._posterior, self._ensemble = posterior, posterior.ensemble
+        # Of equal weight, so that truths are the first of them.
+        rng = np.random.default_rng(self._ensemble.design.seed)
+        draws = posterior.draws
+        kept = rng.choice(len(draws.weights), _DRAWS, p=draws.weights)
+        self._all = draws.inputs[kept]
+        self._inputs = self._all[:, posterior.columns[0]]
+        self._chance = rng
+        self._bulks = [in_si("bulk_temperature", bulk, "60 degC") for bulk in bulks]
+        velocities = np.geomspace(*self._ensemble.velocities, STEPS)
+        excess = self._ensemble.excesses(
+            self._inputs, self._ensemble.loads, velocities, with_error=False
+        )
+        self._boundary = log_crossings(velocities, excess.values)
+        self.values = self._target(target)
+        self.before = math.sqrt(float(self.values.var(axis=0).mean()))
+
+    def _target(self, target: str | None) -> Array:
+        """Values of the target by draw, shape (n, n_target)."""
+        if target is None:
+            return self._boundary
+        for each, column in zip(self._posterior.unknown, self._all.T, strict=True):
+            if each.path == target and each.kind != "list":
+                return np.asarray(np.log(column) if each.is_relative else column)[:, None]
+        loads = self._ensemble.loads
+        try:
+            load = to_si(target, "400 N")
+        except UnitError:
+            load = math.nan
+        if not loads[0] <= load <= loads[-1]:
+            known = ", ".join(each.path for each in self._posterior.unknown)
+            raise InputError(
+                f'target is "{target}"; give one of {known}, or a load from {loads[0]:g} to '
+                f'{loads[-1]:g} N for the boundary there, such as "{loads[0]:g} N"'
+            )
+        velocities = np.geomspace(*self._ensemble.velocities, STEPS)
+        excess = self._ensemble.excesses(self._inputs, [load], velocities, with_error=False)
+        return log_crossings(velocities, excess.values)
+
+    def spread(self, log_likelihood: Array) -> float:
+        """Standard deviation of the target that is left, averaged over the truths."""
+        weights = np.exp(log_likelihood - log_likelihood.max(axis=1, keepdims=True))
+        weights /= weights.sum(axis=1, keepdims=True)
+        mean = weights @ self.values
+        variance = weights @ self.values**2 - mean**2
+        return math.sqrt(max(float(variance.mean()), 0.0))
+
+    def measurements(self) -> Iterator[_Measurement]:
+        """All that could be measured, each with results drawn anew."""
+        yield from self._tests()
+        for load, column in zip(self._ensemble.loads.tolist(), self._boundary.T, strict=True):
+            at = math.exp(float(np.median(column)))
+            velocity = float(np.clip(at, *self._ensemble.velocities))
+            width = self._ensemble.width(self._inputs, load, velocity)
+            error = math.hypot(WIDTH_SCATTER, float(np.mean(width.error)))
+            what = f"the worn width at {load:g} N, {velocity:.3g} m/s"
+            yield _Measurement(what, self._gaussian(width.values[:, 0], error))
+        for each, column in zip(self._posterior.unknown, self._all.T, strict=True):
+            if each.kind == "list":
+                same = column[:_TRUTHS, None] == column
+                yield _Measurement(f"{each.path} itself", np.where(same, 0.0, -np.inf))
+                continue
+            values = np.log(column) if each.is_relative else column
+            name = "friction" if each.path == FRICTION else each.path
+            what = f"{name}, to a tenth of its spread today"
+            yield _Measurement(what, self._gaussian(values, _KNOWN * float(values.std())))
+
+    def _tests(self) -> Iterator[_Measurement]:
+        """Searches for a transition, and single tests, at each load and bulk temperature."""
+        ensemble, conditions = self._ensemble, self._ensemble.conditions
+        bulks = self._bulks
+        if not bulks:
+            bulk = float(np.median(ensemble.values(BULK, self._inputs)))
+            critical = float(np.median(ensemble.values(CRITICAL, self._inputs)))
+            bulks = [bulk, *(bulk + share * (critical - bulk) for share in _WARMER)]
+        scatters = self._posterior.inferred_scatter[1:2]
+        friction = float(np.median(ensemble.values(FRICTION, self._inputs)))
+        about = {"friction": friction, "friction_scatter": self._friction_scatter(friction)}
+        velocities = np.geomspace(*ensemble.velocities, _VELOCITIES)
+        for load in ensemble.loads.tolist():
+            for bulk in bulks:
+                own = {} if bulk == conditions.bulk_temperature else {"bulk_temperature": bulk}
+                place: dict[str, Any] = {"normal_load": load, **own, **about}
+                middle = float(velocities[len(velocities) // 2])
+                evidence = Evidence(
+                    ensemble, self._posterior.columns[0], ({**place, "velocity": middle},)
+                )
+                distances = evidence.distances(self._all)
+                at = math.log(middle) - distances.values[0]
+                deviation = np.sqrt(distances.variance[0] + scatters_of({}, scatters) ** 2)
+                where = f"{load:g} N, bulk {bulk - 273.15:.3g} °C"
+                likely = math.exp(float(np.median(at)))
+                test = {"normal_load": load, "velocity": likely, "bulk_temperature": bulk}
+                if velocities[0] <= likely <= velocities[-1]:
+                    yield _Measurement(
+                        f"the transition at {where}, about {likely:.3g} m/s",
+                        self._gaussian(at, deviation), test,
+                    )  # fmt: skip
+                for velocity in velocities.tolist():
+                    yield _Measurement(
+                        f"a test at {where}, {velocity:.3g} m/s",
+                        self._outcome((math.log(velocity) - at) / deviation),
+                        test | {"velocity": velocity},
+                    )
+
+    def _friction_scatter(self, friction: float) -> float:
+        """Standard deviation with which the friction of a test is known."""
+        tests: list[Mapping[str, Any]] = [judged.test for judged in self._posterior.judged]
+        said = [test["friction_scatter"] for test in tests if "friction_scatter" in test]
+        if said:
+            return float(np.mean(said))
+        spread = float(np.std(self._ensemble.values(FRICTION, self._inputs)))
+        return spread or 1e-9 * friction
+
+    def _gaussian(self, values: Array, deviation: Array | float) -> Array:
+        """Likelihood of a number that is measured with an error."""
+        deviation = np.broadcast_to(deviation, values.shape)
+        truths = values[:_TRUTHS] + deviation[:_TRUTHS] * self._chance.standard_normal(_TRUTHS)
+        z = (truths[:, None] - values) / np.maximum(deviation, 1e-300)
+        log: Array = -0.5 * z**2 - np.log(np.maximum(deviation, 1e-300))
+        return log
+
+    def _outcome(self, z: Array) -> Array:
+        """Likelihood of a test that turns severe with the probability Φ(z)."""
+        severe = np.clip(ndtr(z), 1e-12, 1 - 1e-12)
+        is_severe = self._chance.random(_TRUTHS) < severe[:_TRUTHS]
+        log: Array = np.where(is_severe[:, None], np.log(severe), np.log1p(-severe))
+        return log

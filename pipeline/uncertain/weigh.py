@@ -1,88 +1,134 @@
-"""Inputs weighed by measured transitions.
+"""Unknown inputs, weighed by tests of one sweep or of several that share inputs.
 
-At a measured transition the decisive rise equals its limit. So each draw of the inputs is weighed
-by how far its logarithm of rise over limit is from 0 there, beside the scatter of the measurement
-and the emulator's error.
+The scatter of measured velocities is inferred with the inputs: one factor, log-normal about 1, on that
+which is said. Each test is also judged by all others, so that one that contradicts them is named.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.special import logsumexp, ndtr
 
-from pipeline.sweep.unknown import correlations
+from pipeline.sweep.unknown import Unknown, correlations
 from pipeline.uncertain.ensemble import Ensemble
+from pipeline.uncertain.evidence import Distances, Evidence, log_likelihoods, scatters_of
 from pipeline.uncertain.inputs import Draws, prior
+from pipeline.uncertain.tempering import tempered
 from tribo import InputError
 from tribo.types import Array
 
 SCATTER = 0.05
 """Relative standard deviation of measured velocities, where a scene does not give it."""
+OF_LUBRICANT = ("temperature.", "wear.", "friction.", "oil.")
+"""Beginnings of the paths of inputs that each sweep has of its own; others are shared."""
 _ENOUGH = 400  # draws of equal weight, that tell either end of 90 % to 6 % of the half-width
-_FIRST, _MOST = 2**13, 2**15
-_SLOPE_SPAN = 1.05  # ratio of velocities and of loads between which a slope is taken
-_LEAST_SLOPE = 0.05
+_FIRST, _TEMPERED = 2**13, 2**11
 _HIDDEN = 0.5  # correlation from which two inputs cannot be told apart
+_FACTORS = np.exp(np.log(2.0) * np.linspace(-2.0, 2.5, 10))  # on the scatter that is said
+_PRIOR_OF_FACTORS = np.log(_FACTORS) / math.log(2.0)  # its normal scores
+_CONTRADICTS = 0.02  # probability, by all others, below which a test contradicts them
+_FAR = 3.0  # standard deviations of a test from the best draw, root mean square
+
+
+class Judged(NamedTuple):
+    """A test, beside what all others and all together say.
+
+    Attributes
+    ----------
+    test : mapping
+        Entries of the test.
+    sweep : int
+        Number of the sweep that it belongs to.
+    critical_velocity : tuple of float
+        Critical velocity there that 5, 50 and 95 % stay below, given all tests [m/s].
+    probability : float
+        Probability of its outcome, or of a transition as far off, given all others.
+    """
+
+    test: Mapping[str, Any]
+    sweep: int
+    critical_velocity: tuple[float, float, float]
+    probability: float
+
+    @property
+    def contradicts(self) -> bool:
+        """Whether the others hardly allow it."""
+        return self.probability < _CONTRADICTS
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Posterior:
-    """Joint distribution of the unknown inputs, given measured transitions.
+    """Joint distribution of the unknown inputs, given tests.
 
     Attributes
     ----------
-    ensemble : Ensemble
-        The samples that it rests on.
+    ensembles : tuple of Ensemble
+        Sweeps whose samples it rests on.
+    unknown : tuple of Unknown
+        Inputs; those that each of several sweeps has of its own have its name before their path.
+    columns : tuple of ndarray of int
+        Inputs of each sweep, among all.
     prior, draws : Draws
-        Values before and after they were weighed by the measurements.
-    measured : tuple of dict
-        Measured transitions, each with ``normal_load`` [N], ``velocity`` [m/s] and ``friction``.
-    computed : tuple of tuple of float
-        Critical velocity at each transition that 5, 50 and 95 % stay below, given all of them
-        [m/s].
+        Values before and after they were weighed.
+    judged : tuple of Judged
+        Tests, beside what the others say.
     scatter : float
-        Relative standard deviation of measured velocities that do not give their own.
+        Relative standard deviation that velocities are said to have.
+    inferred_scatter : tuple of float
+        That which 5, 50 and 95 % stay below, given the tests.
 
     Examples
     --------
     >>> import pipeline
     >>> ensemble = pipeline.Ensemble.of(pipeline.open_sweep("results/unknown.zarr"))
     >>> found = pipeline.posterior(ensemble)
-    >>> len(found.measured)
-    4
+    >>> len(found.judged), any(judged.contradicts for judged in found.judged)
+    (4, False)
     """
 
-    ensemble: Ensemble
+    ensembles: tuple[Ensemble, ...]
+    unknown: tuple[Unknown, ...]
+    columns: tuple[Any, ...]
     prior: Draws
     draws: Draws
-    measured: tuple[dict[str, Any], ...]
-    computed: tuple[tuple[float, float, float], ...]
+    judged: tuple[Judged, ...]
     scatter: float
+    inferred_scatter: tuple[float, float, float]
+
+    @property
+    def ensemble(self) -> Ensemble:
+        """The first sweep."""
+        return self.ensembles[0]
+
+    def of_sweep(self, number: int) -> Draws:
+        """Draws of the inputs of one sweep."""
+        return Draws(self.draws.inputs[:, self.columns[number]], self.draws.weights)
 
     def summary(self) -> Iterator[dict[str, Any]]:
         """Mean, spread and 90 % interval of each input, before and after [SI].
 
         Of an input that is one of a list, the probability of each of its values instead.
         """
-        for number, each in enumerate(self.ensemble.unknown):
-            found: dict[str, Any] = {"path": each.path, "unit": each.unit}
+        for number, each in enumerate(self.unknown):
+            row: dict[str, Any] = {"path": each.path, "unit": each.unit}
             for name, draws in (("prior", self.prior), ("posterior", self.draws)):
                 column = draws.inputs[:, number]
                 if each.kind == "list":
                     odds = {f"{v:g}": float(draws.mean(column == v)) for v in each.parameters}
-                    found[name] = {"probability": odds}
+                    row[name] = {"probability": odds}
                     continue
                 mean = float(draws.mean(column))
-                found[name] = {
+                row[name] = {
                     "mean": mean,
                     "sd": math.sqrt(float(draws.mean((column - mean) ** 2))),
                     "interval": [draws.quantile(column, share) for share in (0.05, 0.95)],
                 }
-            yield found
+            yield row
 
     @property
     def is_thin(self) -> bool:
@@ -92,27 +138,24 @@ class Posterior:
     @property
     def correlations(self) -> Array:
         """Correlation of each two inputs, shape (n_unknown, n_unknown)."""
-        values = self._scaled()
+        columns = zip(self.unknown, self.draws.inputs.T, strict=True)
+        values = np.stack([np.log(c) if u.is_relative else c for u, c in columns], axis=1)
         values = values - self.draws.mean(values)
         covariance = values.T @ (self.draws.weights[:, None] * values)
         spread = np.sqrt(np.diag(covariance))
-        found: Array = covariance / np.maximum(np.outer(spread, spread), 1e-300)
-        return found
+        correlation: Array = covariance / np.maximum(np.outer(spread, spread), 1e-300)
+        return correlation
 
     def hidden(self) -> Iterator[tuple[str, str, float]]:
-        """Pairs of inputs that the measurements cannot tell apart, and their correlation.
+        """Pairs of inputs that the tests cannot tell apart, and their correlation.
 
         Those that the scene correlates itself are not among them.
         """
-        found, assumed = self.correlations, correlations(self.ensemble.unknown)
-        paths = [each.path for each in self.ensemble.unknown]
+        correlation, assumed = self.correlations, correlations(self.unknown)
+        paths = [each.path for each in self.unknown]
         for i, j in zip(*np.triu_indices(len(paths), 1), strict=True):
-            if abs(found[i, j]) >= _HIDDEN and assumed[i, j] == 0:
-                yield paths[i], paths[j], float(found[i, j])
-
-    def _scaled(self) -> Array:
-        columns = zip(self.ensemble.unknown, self.draws.inputs.T, strict=True)
-        return np.stack([np.log(c) if u.is_relative else c for u, c in columns], axis=1)
+            if abs(correlation[i, j]) >= _HIDDEN and assumed[i, j] == 0:
+                yield paths[i], paths[j], float(correlation[i, j])
 
     def as_dict(self) -> dict[str, Any]:
         """Return all results as plain data."""
@@ -120,78 +163,98 @@ class Posterior:
             "inputs": list(self.summary()),
             "correlations": self.correlations.tolist(),
             "hidden": [{"inputs": [a, b], "correlation": c} for a, b, c in self.hidden()],
-            "transitions": [
-                entry | {"computed": dict(zip(("5 %", "50 %", "95 %"), found, strict=True))}
-                for entry, found in zip(self.measured, self.computed, strict=True)
+            "tests": [
+                dict(judged.test)
+                | {
+                    "sweep": self.ensembles[judged.sweep].title,
+                    "critical_velocity": dict(
+                        zip(("5 %", "50 %", "95 %"), judged.critical_velocity, strict=True)
+                    ),
+                    "probability_by_others": judged.probability,
+                    "contradicts_others": judged.contradicts,
+                }
+                for judged in self.judged
             ],
             "scatter": self.scatter,
-            "samples": len(self.ensemble.inputs),
+            "inferred_scatter": dict(
+                zip(("5 %", "50 %", "95 %"), self.inferred_scatter, strict=True)
+            ),
+            "samples": [len(ensemble.inputs) for ensemble in self.ensembles],
             "draws": len(self.draws.weights),
             "effective_draws": self.draws.effective,
             "too_few_draws": self.is_thin,
         }
 
 
-def posterior(ensemble: Ensemble, scatter: float = SCATTER) -> Posterior:
-    """Weigh the unknown inputs by the scene's measured transitions.
+def posterior(ensemble: Ensemble | Sequence[Ensemble], scatter: float = SCATTER) -> Posterior:
+    """Weigh the unknown inputs by the transitions and tests of the scene.
 
     Without any, what the scene assumes of them comes back.
 
     Parameters
     ----------
-    ensemble : Ensemble
-        Samples of a sweep.
+    ensemble : Ensemble or sequence of Ensemble
+        Samples of a sweep; or of several, which share the inputs of body and surface that have the
+        same path, and have those of the lubricant (`OF_LUBRICANT`) each of its own.
     scatter : float
-        Relative standard deviation of measured velocities that do not give their own.
+        Relative standard deviation that measured velocities are said to have where they do not
+        give their own; inferred with the inputs, about this one within a factor of 2.
 
     Raises
     ------
     InputError
-        If a transition lies outside the sweep, the samples are too few, or no draw comes near to
-        what was measured.
+        If a test lies outside its sweep, sweeps differ in the distribution of an input that they
+        share, the samples are too few, or no draw comes near to the tests.
 
     Examples
     --------
     >>> import pipeline
     >>> ensemble = pipeline.Ensemble.of(pipeline.open_sweep("results/unknown.zarr"))
     >>> found = pipeline.posterior(ensemble)
-    >>> len(found.computed)
-    4
+    >>> before, after = (row["sd"] for row in list(found.summary())[1].values() if "sd" in row)
+    >>> after < before
+    True
     """
     if not 0 < scatter < 1:
         raise InputError(f"scatter is {scatter:g}; give a share between 0 and 1, such as 0.05")
-    terms = [_Term.of(ensemble, entry, scatter) for entry in ensemble.measured]
-    count = _FIRST
-    while True:
-        before = prior(ensemble.unknown, ensemble.design.seed + 1, count)
-        parts = [term.parts(before.inputs) for term in terms]
-        likelihood = np.zeros(count)
-        for excess, deviation, _ in parts:
-            likelihood -= 0.5 * (excess / deviation) ** 2 + np.log(deviation)
-        weights = np.exp(likelihood - likelihood.max())
-        draws = Draws(before.inputs, weights / weights.sum())
-        if draws.effective >= _ENOUGH or count >= _MOST:
-            break
-        count *= 4
-    if draws.effective < _ENOUGH / 10:
-        best = int(np.argmax(likelihood))
-        apart = math.sqrt(np.mean([(each[0][best] / each[1][best]) ** 2 for each in parts]))
-        raise InputError(
-            f"hardly any of {count} draws comes near to what was measured, the best by "
-            f"{apart:.1f} standard deviations a transition; widen what [unknown] allows, or look "
-            "at the measurements"
-        )
-    computed = tuple(
-        _computed(draws, term.velocity * np.exp(-excess / slope))
-        for term, (excess, _, slope) in zip(terms, parts, strict=True)
-    )
-    return Posterior(ensemble, before, draws, ensemble.measured, computed, scatter)
+    ensembles = (ensemble,) if isinstance(ensemble, Ensemble) else tuple(ensemble)
+    unknown, columns = _joined(ensembles)
+    evidence = [
+        Evidence(each, at, (*each.measured, *each.tested))
+        for each, at in zip(ensembles, columns, strict=True)
+    ]
+    tests = [test for each in evidence for test in each.tests]
+    scatters = scatter * _FACTORS
+    seed = ensembles[0].design.seed + 1
+    before = prior(unknown, seed, _FIRST)
+    if not tests:
+        middle = tuple(scatter * 2.0**score for score in (-1.645, 0.0, 1.645))
+        return Posterior(ensembles, unknown, columns, before, before, (), scatter, middle)
+
+    def judge(inputs: Array) -> tuple[Distances, Array]:
+        parts = [each.distances(inputs) for each in evidence if each.tests]
+        distances = Distances(*(np.concatenate(part) for part in zip(*parts, strict=True)))
+        return distances, log_likelihoods(tests, distances, scatters)
+
+    distances, each = judge(before.inputs)
+    total = _over_factors(each.sum(axis=0))
+    weights = np.exp(total - logsumexp(total))
+    draws, base = Draws(before.inputs, weights), np.zeros(len(weights))
+    if draws.effective < _ENOUGH:
+        after = tempered(unknown, lambda x: _over_factors(judge(x)[1].sum(axis=0)), seed, _TEMPERED)
+        distances, each = judge(after)
+        base = -_over_factors(each.sum(axis=0))
+        draws = Draws(after, np.full(_TEMPERED, 1 / _TEMPERED))
+    _require_near(tests, distances, draws, scatter)
+    judged = _judged(tests, evidence, distances, each, base, draws, scatters)
+    inferred = _inferred(each, base, scatters)
+    return Posterior(ensembles, unknown, columns, before, draws, judged, scatter, inferred)
 
 
 def posterior_if_given(
     ensemble: Ensemble, given_measured: bool, scatter: float | None = None
 ) -> Posterior | None:
-    """Inputs weighed by the measured transitions, if they are to count; None if not.
+    """Inputs weighed by the tests, if they are to count; None if not.
 
     Raises
     ------
@@ -206,75 +269,106 @@ def posterior_if_given(
                 "(--given-measured, in Python given_measured=True), or leave it out"
             )
         return None
-    if not ensemble.measured:
+    if not (ensemble.measured or ensemble.tested):
         raise InputError(
-            "the scene has no measured transition; give it a [[measured]] with load and velocity"
+            "the scene has no measured transition and no test; give it a [[measured]] with load "
+            "and velocity, or a [[tested]] with an outcome besides"
         )
     return posterior(ensemble, SCATTER if scatter is None else scatter)
 
 
-def _computed(draws: Draws, velocities: Array) -> tuple[float, float, float]:
-    """Critical velocities that 5, 50 and 95 % stay below [m/s]."""
-    low, middle, high = (draws.quantile(velocities, share) for share in (0.05, 0.5, 0.95))
-    return low, middle, high
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Term:
-    """One measured transition, with its scatters: relative ones of load, velocity and friction."""
-
-    ensemble: Ensemble
-    load: float
-    velocity: float
-    conditions: dict[str, float]
-    scatters: dict[str, float]
-
-    @classmethod
-    def of(cls, ensemble: Ensemble, entry: dict[str, Any], scatter: float) -> _Term:
-        load, velocity = entry["normal_load"], entry["velocity"]
-        try:
-            ensemble.require_within([load], [velocity])
-        except InputError as error:
-            place = f"the transition measured at {load:g} N and {velocity:g} m/s"
-            raise InputError(f"{place}: {error}") from error
-        measured = {"load": load, "velocity": velocity, "friction": entry["friction"]}
-        scatters = {
-            name: entry[f"{name}_scatter"] / value
-            for name, value in measured.items()
-            if entry.get(f"{name}_scatter") is not None
+def _joined(ensembles: Sequence[Ensemble]) -> tuple[tuple[Unknown, ...], tuple[Any, ...]]:
+    """Unknown inputs of all sweeps, and those of each among them."""
+    inputs: dict[str, Unknown] = {}
+    columns = []
+    for number, ensemble in enumerate(ensembles, 1):
+        names = {
+            each.path: f"{number}: {each.path}"
+            if len(ensembles) > 1 and each.path.startswith(OF_LUBRICANT)
+            else each.path
+            for each in ensemble.unknown
         }
-        friction = entry["friction"]
-        conditions = {} if friction is None else {"friction": friction}
-        if "load" in scatters and len(ensemble.loads) < 2:
-            raise InputError(
-                f"a load of {load:g} N is said to scatter, which takes samples at other loads to "
-                "judge by; give more sweep.loads, or leave out load_scatter"
+        for each in ensemble.unknown:
+            named = replace(
+                each,
+                path=names[each.path],
+                correlated=tuple((names[path], value) for path, value in each.correlated),
             )
-        return cls(ensemble, load, velocity, conditions, {"velocity": scatter} | scatters)
+            same = inputs.setdefault(named.path, named)
+            if (same.kind, same.parameters) != (named.kind, named.parameters):
+                raise InputError(
+                    f"{each.path} is shared by the sweeps, which differ in its distribution; give "
+                    "the same one in [unknown] of each, and run them again"
+                )
+        columns.append([*names.values()])
+    order = list(inputs)
+    at = tuple(np.array([order.index(name) for name in names], int) for names in columns)
+    return tuple(inputs.values()), at
 
-    def parts(self, inputs: Array) -> tuple[Array, Array, Array]:
-        """Excess, its standard deviation, and its slope over ln(velocity), by draw."""
-        excess = self.ensemble.excess(inputs, self.load, self.velocity, self.conditions)
-        slow = self.velocity / _SLOPE_SPAN >= self.ensemble.velocities[0]
-        near = self.velocity / _SLOPE_SPAN if slow else self.velocity * _SLOPE_SPAN
-        beside = self.ensemble.excesses(
-            inputs, [self.load], [near], self.conditions, with_error=False
-        ).values[:, 0, 0]
-        slope = (beside - excess.values[:, 0]) / math.log(near / self.velocity)
-        slope = np.maximum(slope, _LEAST_SLOPE)
-        variance = excess.error[:, 0] ** 2 + (slope * self.scatters["velocity"]) ** 2
-        if "load" in self.scatters:
-            variance += (self._slope_over_load(inputs) * self.scatters["load"]) ** 2
-        variance += self.scatters.get("friction", 0.0) ** 2
-        return excess.values[:, 0], np.sqrt(variance), slope
 
-    def _slope_over_load(self, inputs: Array) -> Array:
-        ends = np.clip(
-            [self.load / _SLOPE_SPAN, self.load * _SLOPE_SPAN], *self.ensemble.loads[[0, -1]]
+def _over_factors(likelihood: Array) -> Array:
+    """Sum over the factors of the scatter, each with its prior; the last axis goes."""
+    log_prior = -0.5 * _PRIOR_OF_FACTORS**2
+    summed: Array = logsumexp(likelihood + log_prior - logsumexp(log_prior), axis=-1)
+    return summed
+
+
+def _weights(each: Array, base: Array, without: int | None = None) -> Array:
+    """Weights of draws and factors, shape (n, n_factor), by all tests or all but one."""
+    total = each.sum(axis=0) - (0.0 if without is None else each[without])
+    log = total + base[:, None] - 0.5 * _PRIOR_OF_FACTORS**2
+    weights: Array = np.exp(log - logsumexp(log))
+    return weights
+
+
+def _inferred(each: Array, base: Array, scatters: Array) -> tuple[float, float, float]:
+    """Scatter that 5, 50 and 95 % stay below."""
+    below = np.cumsum(_weights(each, base).sum(axis=0))
+    low, middle, high = np.exp(np.interp((0.05, 0.5, 0.95), below, np.log(scatters)))
+    return float(low), float(middle), float(high)
+
+
+def _judged(
+    tests: Sequence[Mapping[str, Any]],
+    evidence: Sequence[Evidence],
+    distances: Distances,
+    each: Array,
+    base: Array,
+    draws: Draws,
+    scatters: Array,
+) -> tuple[Judged, ...]:
+    """Each test beside what all others, and all together, say."""
+    sweeps = [number for number, one in enumerate(evidence) for _ in one.tests]
+    judged = []
+    for number, (test, d, variance) in enumerate(zip(tests, *distances, strict=True)):
+        weights = _weights(each, base, without=number)
+        deviation = np.sqrt(variance[:, None] + scatters_of(test, scatters) ** 2)
+        severe = float(np.sum(weights * ndtr(d[:, None] / deviation)))
+        probability = {"severe": severe, "mild": 1 - severe}.get(
+            test.get("outcome", ""), 2 * min(severe, 1 - severe)
         )
-        excess = self.ensemble.excesses(
-            inputs, ends, [self.velocity], self.conditions, with_error=False
+        critical = test["velocity"] * np.exp(-d)
+        low, middle, high = (draws.quantile(critical, share) for share in (0.05, 0.5, 0.95))
+        judged.append(Judged(test, sweeps[number], (low, middle, high), probability))
+    return tuple(judged)
+
+
+def _require_near(
+    tests: Sequence[Mapping[str, Any]], distances: Distances, draws: Draws, scatter: float
+) -> None:
+    """Raise an `InputError` where even the best draws are far from the tests."""
+    squares = []
+    for test, d, variance in zip(tests, *distances, strict=True):
+        z = d / np.sqrt(variance + scatters_of(test, [scatter]) ** 2)
+        match test.get("outcome"):
+            case "severe":
+                z = np.minimum(z, 0.0)
+            case "mild":
+                z = np.maximum(z, 0.0)
+        squares.append(z**2)
+    apart = float(np.sqrt(np.mean(squares, axis=0)[draws.weights > 0].min()))
+    if apart > _FAR:
+        raise InputError(
+            f"hardly any draw comes near to the tests, the best by {apart:.1f} standard "
+            "deviations a test; widen what [unknown] allows, or look at the tests"
         )
-        low, high = excess.values[:, 0, 0], excess.values[:, 1, 0]
-        slope: Array = (high - low) / math.log(ends[1] / ends[0])
-        return slope

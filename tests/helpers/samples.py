@@ -87,11 +87,12 @@ def dataset(samples):
     loads = np.broadcast_to(samples.loads[:, None], rise.shape[:3])
     about = {
         "title": samples.title,
-        "scene": {"samples": samples.design.as_dict()},
+        "scene": {"samples": samples.design.as_dict(), "loading": {"hold": samples.hold}},
         "conditions": samples.conditions.as_dict(),
         "unknown": [each.as_dict() for each in samples.unknown],
         "samples": len(samples.rises),
         "measured": list(samples.measured),
+        "tested": list(samples.tested),
     }
     inputs = zip(samples.design.inputs, samples.inputs.T, strict=True)
     return xr.Dataset(
