@@ -164,14 +164,9 @@ def notes(ensemble: Ensemble, found: Posterior | None) -> Iterator[str]:
 
 
 def on_draws(found: Posterior) -> Iterator[str]:
-    """Say how many draws the numbers rest on, and where those are too few."""
+    """Number of draws that the numbers rest on, in words."""
     effective, count = found.draws.effective, len(found.draws.weights)
     yield f"  effective sample size {effective:.0f} of {count}"
-    if found.is_thin:
-        yield (
-            "warning: the intervals are unreliable, because few draws agree with the measurements: "
-            "widen [unknown] or raise --scatter"
-        )
 
 
 def _beside(store: Path | str, kind: str) -> Path:

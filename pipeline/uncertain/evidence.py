@@ -1,10 +1,10 @@
 """Likelihood of tests: transitions that were measured, and points that were mild or severe.
 
 Each draw of the inputs has a velocity V_c of its own at which wear turns severe, at the load,
-friction and bulk temperature of the test. With d = ln(V/V_c) over its standard deviation σ, a transition
-measured at V has the likelihood φ(d/σ)/σ, a test that turned severe Φ(d/σ), a mild one Φ(−d/σ).
-σ has the scatter of the velocity, those of load and friction by the slope of the rise, and the
-emulator's error.
+friction and bulk temperature of the test. With d = ln(V/V_c) over its standard deviation σ, a
+transition measured at V has the likelihood φ(d/σ)/σ, a test that turned severe Φ(d/σ), a mild one
+Φ(−d/σ). σ has the scatter of the velocity, those of load and friction by the slope of the rise, and
+the emulator's error.
 """
 
 from __future__ import annotations

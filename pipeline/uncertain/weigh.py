@@ -1,7 +1,8 @@
 """Unknown inputs, weighed by tests of one sweep or of several that share inputs.
 
-The scatter of measured velocities is inferred with the inputs: one factor, log-normal about 1, on that
-which is said. Each test is also judged by all others, so that one that contradicts them is named.
+The scatter of measured velocities is inferred with the inputs: one factor, log-normal about 1, on
+that which is said. Each test is also judged by all others, so that one that contradicts them is
+named.
 """
 
 from __future__ import annotations
@@ -32,7 +33,7 @@ _HIDDEN = 0.5  # correlation from which two inputs cannot be told apart
 _FACTORS = np.exp(np.log(2.0) * np.linspace(-2.0, 2.5, 10))  # on the scatter that is said
 _PRIOR_OF_FACTORS = np.log(_FACTORS) / math.log(2.0)  # its normal scores
 _CONTRADICTS = 0.02  # probability, by all others, below which a test contradicts them
-_FAR = 3.0  # standard deviations of a test from the best draw, root mean square
+_FAR = 2.0  # largest standard deviations of a test from the best draw, root mean square
 
 
 class Judged(NamedTuple):
@@ -131,11 +132,6 @@ class Posterior:
             yield row
 
     @property
-    def is_thin(self) -> bool:
-        """Whether so few draws decide that intervals are not to be relied on."""
-        return self.draws.effective < _ENOUGH
-
-    @property
     def correlations(self) -> Array:
         """Correlation of each two inputs, shape (n_unknown, n_unknown)."""
         columns = zip(self.unknown, self.draws.inputs.T, strict=True)
@@ -182,7 +178,6 @@ class Posterior:
             "samples": [len(ensemble.inputs) for ensemble in self.ensembles],
             "draws": len(self.draws.weights),
             "effective_draws": self.draws.effective,
-            "too_few_draws": self.is_thin,
         }
 
 
@@ -245,7 +240,7 @@ def posterior(ensemble: Ensemble | Sequence[Ensemble], scatter: float = SCATTER)
         distances, each = judge(after)
         base = -_over_factors(each.sum(axis=0))
         draws = Draws(after, np.full(_TEMPERED, 1 / _TEMPERED))
-    _require_near(tests, distances, draws, scatter)
+    _require_near(tests, distances, draws, float(scatters[-1]))
     judged = _judged(tests, evidence, distances, each, base, draws, scatters)
     inferred = _inferred(each, base, scatters)
     return Posterior(ensembles, unknown, columns, before, draws, judged, scatter, inferred)
@@ -369,6 +364,6 @@ def _require_near(
     apart = float(np.sqrt(np.mean(squares, axis=0)[draws.weights > 0].min()))
     if apart > _FAR:
         raise InputError(
-            f"hardly any draw comes near to the tests, the best by {apart:.1f} standard "
-            "deviations a test; widen what [unknown] allows, or look at the tests"
+            f"hardly any draw comes near to the tests, the best within {apart * scatter:.0%} of "
+            "their velocities; widen what [unknown] allows, or look at the tests"
         )

@@ -7,13 +7,12 @@ import numpy as np
 import pytest
 
 import pipeline
-from pipeline.sweep.unknown import Unknown, correlations, drawn
+from pipeline.sweep.unknown import Unknown, drawn
 from pipeline.uncertain.inputs import Draws, prior
 from pipeline.uncertain.sensitivity import _first_of, indices
 from tests.helpers.samples import (
     ALL,
     CRITICAL,
-    EXPONENT,
     FRICTION,
     LENGTH,
     LOADS,
@@ -188,154 +187,3 @@ def test_weighted_first_indices_are_the_variance_of_means_less_what_chance_gives
     found = _first_of(Draws(column[:, None], weights), 3.0 + y[:, None])
     assert 0.1 < expected < 0.9
     assert found == pytest.approx(np.array([[expected]]), rel=1e-9)
-
-
-# What measurements say
-
-
-def transitions(truth, scatter=0.05, seed=0, friction=None):
-    noise = np.exp(scatter * np.random.default_rng(seed).standard_normal(len(LOADS)))
-    return [
-        {
-            "normal_load": float(load),
-            "velocity": float(critical_velocity(truth[None], load)[0] * factor),
-            "friction": float(truth[2]) if friction else None,
-        }
-        for load, factor in zip(LOADS, noise, strict=True)
-    ]
-
-
-@pytest.mark.parametrize("unknown", [ALL, JOINT], ids=["alone", "correlated"])
-def test_without_data_what_is_assumed_comes_back(unknown):
-    found = pipeline.posterior(ensemble(unknown))
-    for row in found.summary():
-        assert row["posterior"] == row["prior"]
-    assert not list(found.hidden())
-    # Values of a uniform input are correlated a little less than their normal scores.
-    assert found.correlations == pytest.approx(correlations(unknown), abs=0.02)
-
-
-def test_what_is_learnt_of_an_input_tells_of_those_correlated_with_it():
-    truth = np.array([418.15, 1.2e-15, 0.1, 4.5e-6])
-    near = dataclasses.replace(FRICTION, correlated=((CRITICAL.path, 0.9),))
-    sharp = ensemble((CRITICAL, RATE, near, LENGTH), measured=transitions(truth, friction=True))
-    _, _, friction, _ = pipeline.posterior(sharp).summary()
-    # Its own value was measured at each transition, and decides nothing there.
-    assert friction["posterior"]["sd"] < 0.75 * friction["prior"]["sd"]
-
-
-def test_90_percent_intervals_hold_most_of_10_hidden_truths():
-    truths = drawn(ALL, 7, 10)
-    held = []
-    for number, truth in enumerate(truths):
-        measured = transitions(truth, seed=number, friction=True)
-        found = pipeline.posterior(ensemble(measured=measured))
-        inside = [
-            row["posterior"]["interval"][0] <= value <= row["posterior"]["interval"][1]
-            for row, value in zip(found.summary(), truth, strict=True)
-        ]
-        held.append(inside)
-    assert 0.8 <= np.mean(held) <= 1.0
-
-
-def test_transitions_narrow_the_critical_temperature_and_hide_the_wear_rate_behind_it():
-    truth = np.array([425.0, 1.5e-15, 0.1, 4e-6])
-    found = pipeline.posterior(ensemble(measured=transitions(truth, 0.01, friction=True)), 0.02)
-    critical, *_ = found.summary()
-    assert critical["posterior"]["sd"] < 0.75 * critical["prior"]["sd"]
-    (pair, *_) = found.hidden()
-    assert set(pair[:2]) == {CRITICAL.path, RATE.path}
-    assert pair[2] < -0.6
-
-
-def test_few_draws_that_decide_are_told():
-    truth = np.array([425.0, 1.5e-15, 0.1, 4e-6])
-    measured = transitions(truth, 0.01, friction=True)
-    assert not pipeline.posterior(ensemble(measured=measured), 0.05).is_thin
-    sharp = pipeline.posterior(ensemble((CRITICAL,), measured=measured[:1]), 3e-4)
-    assert sharp.is_thin
-    assert sharp.draws.effective < 400
-
-
-def test_a_transition_measured_outside_the_samples_is_named():
-    away = [{"normal_load": 900.0, "velocity": 1.1, "friction": None}]
-    told = r"transition measured at 900 N and 1.1 m/s: load is 900 N; the samples have 200 to 750"
-    with pytest.raises(InputError, match=told):
-        pipeline.posterior(ensemble(measured=away))
-
-
-def test_a_measurement_that_nothing_allows_is_told():
-    wild = [{"normal_load": 400.0, "velocity": 0.55, "friction": 0.1}]
-    with pytest.raises(InputError, match=r"standard deviations a transition; widen"):
-        pipeline.posterior(ensemble(measured=wild), 0.01)
-
-
-def test_given_the_measurements_the_risk_is_sharper():
-    found = pipeline.posterior(
-        ensemble(measured=transitions(np.array([418.0, 1.2e-15, 0.1, 4.5e-6])))
-    )
-    before, after = (
-        pipeline.risk_lines(pipeline.probabilities(found.ensemble, draws, loads=LOADS))[1]
-        for draws in (prior(found.ensemble.unknown, 1), found.draws)
-    )
-    assert pipeline.probabilities(found.ensemble, found.draws).max() == 1.0
-    assert (np.diff(np.log(after[1]))).sum() < 0.8 * np.diff(np.log(before[1])).sum()
-    indices = pipeline.sensitivity(found.ensemble, found.draws)
-    assert np.isnan(indices.total).all()
-    assert (indices.first < 1.0).all()
-
-
-@pytest.mark.parametrize(
-    ("scatters", "share"),
-    [
-        ({"velocity_scatter": 0.06}, EXPONENT * 0.03),
-        ({"load_scatter": 16.0}, math.hypot(EXPONENT * 0.01, 0.58 * 0.04)),
-        ({"friction_scatter": 0.004}, math.hypot(EXPONENT * 0.01, 0.04)),
-        (
-            {"velocity_scatter": 0.04, "load_scatter": 8.0, "friction_scatter": 0.002},
-            math.hypot(EXPONENT * 0.02, 0.58 * 0.02, 0.02),
-        ),
-    ],
-)
-def test_a_transition_counts_as_much_as_its_own_scatter_allows(scatters, share):
-    # All is about linear: the precisions of what was assumed and of what was measured add up.
-    limit_there = rise(np.zeros((1, 0)), 400.0, 2.0, ())[0] * 0.1
-    critical = Unknown(CRITICAL.path, "normal", (298.15 + limit_there, 8.0), "K")
-    entry = {"normal_load": 400.0, "velocity": 2.0, "friction": 0.1} | scatters
-    found = pipeline.posterior(ensemble((critical, LENGTH), measured=[entry]), 0.01)
-    (own, _) = found.summary()
-    of_length = 0.02 * 3 / math.sqrt(12)  # what the correlation length, uniform, adds
-    expected = (8.0**-2 + (limit_there * math.hypot(share, of_length)) ** -2) ** -0.5
-    assert own["posterior"]["sd"] == pytest.approx(expected, rel=0.04)
-
-
-def test_a_load_scatters_only_where_other_loads_tell_what_that_makes():
-    entry = {"normal_load": 400.0, "velocity": 2.0, "friction": 0.1, "load_scatter": 5.0}
-    found = ensemble(measured=[entry])
-    alone = dataclasses.replace(
-        found, loads=LOADS[1:2], rises=found.rises[:, 1:2], widths=found.widths[:, 1:2]
-    )
-    with pytest.raises(InputError, match=r"400 N is said to scatter.*give more sweep\.loads"):
-        pipeline.posterior(alone)
-
-
-def test_what_is_measured_next_is_what_narrows_the_boundary_most():
-    found = pipeline.posterior(ensemble((CRITICAL, FRICTION), 32))
-    ranked = pipeline.candidates(found)
-    spreads = [each.spread for each in ranked]
-    assert spreads == sorted(spreads)
-    by_name = {each.what.split(",")[0]: each for each in ranked}
-    transition = by_name["a transition at 400 N"]
-    expected = 1 / math.sqrt(1 + (transition.before / found.scatter) ** 2)
-    assert transition.spread / transition.before == pytest.approx(expected, rel=0.03)
-    # Of two inputs that act alike, knowing the wider one leaves the other.
-    assert by_name["temperature.critical"].spread < by_name["friction"].spread
-
-
-def test_what_samples_scatter_by_takes_from_what_a_transition_tells():
-    found = pipeline.posterior(ensemble((CRITICAL, RATE), noise=0.07), 0.02)
-    ranked = {each.what.split(",")[0]: each for each in pipeline.candidates(found)}
-    transition = ranked["a transition at 400 N"]
-    error = math.hypot(0.02, 0.07 / EXPONENT)  # of the velocity
-    expected = 1 / math.sqrt(1 + (transition.before / error) ** 2)
-    assert transition.spread / transition.before == pytest.approx(expected, rel=0.1)

@@ -1,0 +1,307 @@
+"""Tests of a rig weigh the unknown inputs, on a rise that is known in closed form."""
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+from scipy.special import ndtr
+
+import pipeline
+from pipeline.sweep.unknown import Unknown, correlations, drawn
+from pipeline.uncertain.inputs import prior
+from tests.helpers.samples import (
+    ALL,
+    CRITICAL,
+    EXPONENT,
+    FRICTION,
+    LENGTH,
+    LOADS,
+    RATE,
+    critical_velocity,
+    ensemble,
+    rise,
+)
+from tribo import InputError
+
+JOINT = (CRITICAL, RATE, dataclasses.replace(FRICTION, correlated=((CRITICAL.path, 0.8),)), LENGTH)
+
+
+def transitions(truth, scatter=0.05, seed=0, friction=None):
+    noise = np.exp(scatter * np.random.default_rng(seed).standard_normal(len(LOADS)))
+    return [
+        {
+            "normal_load": float(load),
+            "velocity": float(critical_velocity(truth[None], load)[0] * factor),
+            "friction": float(truth[2]) if friction else None,
+        }
+        for load, factor in zip(LOADS, noise, strict=True)
+    ]
+
+
+@pytest.mark.parametrize("unknown", [ALL, JOINT], ids=["alone", "correlated"])
+def test_without_data_what_is_assumed_comes_back(unknown):
+    found = pipeline.posterior(ensemble(unknown))
+    for row in found.summary():
+        assert row["posterior"] == row["prior"]
+    assert not list(found.hidden())
+    # Values of a uniform input are correlated a little less than their normal scores.
+    assert found.correlations == pytest.approx(correlations(unknown), abs=0.02)
+
+
+def test_what_is_learnt_of_an_input_tells_of_those_correlated_with_it():
+    truth = np.array([418.15, 1.2e-15, 0.1, 4.5e-6])
+    near = dataclasses.replace(FRICTION, correlated=((CRITICAL.path, 0.9),))
+    sharp = ensemble((CRITICAL, RATE, near, LENGTH), measured=transitions(truth, friction=True))
+    _, _, friction, _ = pipeline.posterior(sharp).summary()
+    # Its own value was measured at each transition, and decides nothing there.
+    assert friction["posterior"]["sd"] < 0.75 * friction["prior"]["sd"]
+
+
+def test_90_percent_intervals_hold_most_of_40_hidden_truths():
+    truths = drawn(ALL, 7, 40)
+    held = []
+    for number, truth in enumerate(truths):
+        measured = transitions(truth, seed=number, friction=True)
+        found = pipeline.posterior(ensemble(measured=measured))
+        inside = [
+            row["posterior"]["interval"][0] <= value <= row["posterior"]["interval"][1]
+            for row, value in zip(found.summary(), truth, strict=True)
+        ]
+        held.append(inside)
+    assert 0.8 <= np.mean(held) <= 1.0
+    assert (np.mean(held, axis=0) >= 0.75).all()
+
+
+def test_transitions_narrow_the_critical_temperature_and_hide_the_wear_rate_behind_it():
+    truth = np.array([425.0, 1.5e-15, 0.1, 4e-6])
+    found = pipeline.posterior(ensemble(measured=transitions(truth, 0.01, friction=True)), 0.02)
+    critical, *_ = found.summary()
+    assert critical["posterior"]["sd"] < 0.75 * critical["prior"]["sd"]
+    (pair, *_) = found.hidden()
+    assert set(pair[:2]) == {CRITICAL.path, RATE.path}
+    assert pair[2] < -0.6
+
+
+def test_a_transition_measured_outside_the_samples_is_named():
+    away = [{"normal_load": 900.0, "velocity": 1.1, "friction": None}]
+    told = r"test at 900 N and 1.1 m/s: load is 900 N; the samples have 200 to 750"
+    with pytest.raises(InputError, match=told):
+        pipeline.posterior(ensemble(measured=away))
+
+
+def test_a_measurement_that_nothing_allows_is_told():
+    wild = [{"normal_load": 400.0, "velocity": 0.55, "friction": 0.1}]
+    with pytest.raises(InputError, match=r"hardly any draw comes near to the tests.*widen"):
+        pipeline.posterior(ensemble(measured=wild), 0.01)
+
+
+def test_given_the_measurements_the_risk_is_sharper():
+    found = pipeline.posterior(
+        ensemble(measured=transitions(np.array([418.0, 1.2e-15, 0.1, 4.5e-6])))
+    )
+    before, after = (
+        pipeline.risk_lines(pipeline.probabilities(found.ensemble, draws, loads=LOADS))[1]
+        for draws in (prior(found.ensemble.unknown, 1), found.draws)
+    )
+    assert float(pipeline.probabilities(found.ensemble, found.draws).max()) == pytest.approx(1.0)
+    assert (np.diff(np.log(after[1]))).sum() < 0.8 * np.diff(np.log(before[1])).sum()
+    indices = pipeline.sensitivity(found.ensemble, found.draws)
+    assert np.isnan(indices.total).all()
+    assert (indices.first < 1.0).all()
+
+
+@pytest.mark.parametrize(
+    ("scatters", "share"),
+    [
+        ({"velocity_scatter": 0.06}, EXPONENT * 0.03),
+        (
+            {"load_scatter": 16.0, "velocity_scatter": 0.02},
+            math.hypot(EXPONENT * 0.01, 0.58 * 0.04),
+        ),
+        ({"friction_scatter": 0.004, "velocity_scatter": 0.02}, math.hypot(EXPONENT * 0.01, 0.04)),
+        (
+            {"velocity_scatter": 0.04, "load_scatter": 8.0, "friction_scatter": 0.002},
+            math.hypot(EXPONENT * 0.02, 0.58 * 0.02, 0.02),
+        ),
+    ],
+)
+def test_a_transition_counts_as_much_as_its_own_scatter_allows(scatters, share):
+    # All is about linear: the precisions of what was assumed and of what was measured add up.
+    limit_there = rise(np.zeros((1, 0)), 400.0, 2.0, ())[0] * 0.1
+    critical = Unknown(CRITICAL.path, "normal", (298.15 + limit_there, 8.0), "K")
+    entry = {"normal_load": 400.0, "velocity": 2.0, "friction": 0.1} | scatters
+    found = pipeline.posterior(ensemble((critical, LENGTH), measured=[entry]), 0.01)
+    (own, _) = found.summary()
+    of_length = 0.02 * 3 / math.sqrt(12)  # what the correlation length, uniform, adds
+    expected = (8.0**-2 + (limit_there * math.hypot(share, of_length)) ** -2) ** -0.5
+    assert own["posterior"]["sd"] == pytest.approx(expected, rel=0.04)
+
+
+def test_a_load_scatters_only_where_other_loads_tell_what_that_makes():
+    entry = {"normal_load": 400.0, "velocity": 2.0, "friction": 0.1, "load_scatter": 5.0}
+    found = ensemble(measured=[entry])
+    alone = dataclasses.replace(
+        found, loads=LOADS[1:2], rises=found.rises[:, 1:2], widths=found.widths[:, 1:2]
+    )
+    with pytest.raises(
+        InputError, match=r"400 N and 2 m/s has a load_scatter.*give more sweep\.loads"
+    ):
+        pipeline.posterior(alone)
+
+
+def test_tests_that_stayed_mild_or_turned_severe_bracket_as_their_likelihood_says():
+    # One unknown, so that Bayes' rule is an integral over a line.
+    tests = [
+        {"normal_load": 400.0, "velocity": 2.0, "friction": 0.1, "outcome": "mild"},
+        {"normal_load": 400.0, "velocity": 2.4, "friction": 0.1, "outcome": "severe"},
+        {"normal_load": 400.0, "velocity": 1.5, "friction": 0.1, "outcome": "severe",
+         "bulk_temperature": 343.15},
+    ]  # fmt: skip
+    for test in tests:
+        test["velocity_scatter"] = 0.05 * test["velocity"]
+    found = pipeline.posterior(dataclasses.replace(ensemble((CRITICAL,)), tested=tuple(tests)))
+    kelvins = np.linspace(378.0, 460.0, 4001)
+    density = np.exp(-0.5 * ((kelvins - 418.15) / 8.0) ** 2)
+    for test in tests:
+        limit = (kelvins - test.get("bulk_temperature", 298.15)) / 0.1
+        critical = (limit / rise(np.zeros((1, 0)), 400.0, 1.0, ())[0]) ** (1 / EXPONENT)
+        z = np.log(test["velocity"] / critical) / 0.05
+        density *= ndtr(z if test["outcome"] == "severe" else -z)
+    mean = np.average(kelvins, weights=density)
+    spread = math.sqrt(np.average((kelvins - mean) ** 2, weights=density))
+    (critical,) = found.summary()
+    assert critical["posterior"]["mean"] == pytest.approx(mean, abs=0.1)
+    assert critical["posterior"]["sd"] == pytest.approx(spread, rel=0.03)
+
+
+def test_many_tests_are_weighed_in_steps_to_the_same_distribution():
+    truth = np.array([420.0, 1.2e-15, 0.1, 4.5e-6])
+    measured = [
+        dict(entry, velocity_scatter=0.004) for entry in transitions(truth, 0.002, friction=True)
+    ]
+    sharp = pipeline.posterior(ensemble((CRITICAL, LENGTH), measured=measured))
+    assert len(sharp.draws.weights) < len(sharp.prior.weights)  # drawn in steps, not weighed
+    many = prior(sharp.unknown, 5, 2**19)
+    likelihood = np.zeros(len(many.inputs))
+    for entry in measured:
+        limit = (many.inputs[:, 0] - 298.15) / entry["friction"]
+        there = rise(many.inputs[:, 1:], entry["normal_load"], 1.0, (LENGTH,))
+        z = (
+            np.log(entry["velocity"] / (limit / there) ** (1 / EXPONENT))
+            * entry["velocity"]
+            / 0.004
+        )
+        likelihood -= 0.5 * z**2
+    weights = np.exp(likelihood - likelihood.max())
+    mean = np.average(many.inputs[:, 0], weights=weights)
+    spread = math.sqrt(np.average((many.inputs[:, 0] - mean) ** 2, weights=weights))
+    critical, _ = sharp.summary()
+    assert critical["posterior"]["mean"] == pytest.approx(mean, abs=0.15 * spread)
+    assert critical["posterior"]["sd"] == pytest.approx(spread, rel=0.1)
+
+
+def series(truth, scatter, seed, off=None):
+    rng = np.random.default_rng(seed)
+    return [
+        {
+            "normal_load": load,
+            "velocity": float(
+                critical_velocity(truth[None], load)[0]
+                * math.exp(scatter * rng.standard_normal())
+                * (1.4 if number == off else 1.0)
+            ),
+            "friction": float(truth[2]),
+        }
+        for number, load in enumerate((200.0, 250.0, 300.0, 400.0, 500.0, 600.0, 700.0, 750.0))
+    ]
+
+
+def test_the_scatter_is_that_of_the_tests_not_that_which_is_said():
+    truth = np.array([418.15, 1.2e-15, 0.1, 4.5e-6])
+    low, middle, high = np.mean(
+        [
+            pipeline.posterior(ensemble(measured=series(truth, 0.15, seed))).inferred_scatter
+            for seed in range(3)
+        ],
+        axis=0,
+    )
+    assert 0.08 < low < middle < high
+    assert middle == pytest.approx(0.14, rel=0.3)
+
+
+def test_a_test_that_all_others_contradict_is_named():
+    truth = np.array([418.15, 1.2e-15, 0.1, 4.5e-6])
+    sound = pipeline.posterior(ensemble(measured=series(truth, 0.03, seed=1)))
+    assert not any(judged.contradicts for judged in sound.judged)
+    found = pipeline.posterior(ensemble(measured=series(truth, 0.03, seed=1, off=2)))
+    assert [judged.contradicts for judged in found.judged].index(True) == 2
+    assert sum(judged.contradicts for judged in found.judged) == 1
+
+
+def test_sweeps_share_their_steel_and_have_each_a_lubricant_of_its_own():
+    narrow = Unknown(CRITICAL.path, "normal", (418.15, 1.0), "K")
+    truth = np.array([418.15, 1.2e-15, 0.1, 5.5e-6])
+    known = ensemble((narrow, LENGTH), measured=transitions(truth, 0.005, friction=True))
+    other = ensemble((CRITICAL, LENGTH))
+    found = pipeline.posterior([other, known], 0.005)
+    paths = [each.path for each in found.unknown]
+    assert paths == [f"1: {CRITICAL.path}", LENGTH.path, f"2: {CRITICAL.path}"]
+    first, length, second = found.summary()
+    assert first["posterior"]["sd"] == pytest.approx(first["prior"]["sd"], rel=0.1)  # untested
+    assert length["posterior"]["sd"] < 0.6 * length["prior"]["sd"]
+    assert second["posterior"]["sd"] < 1.05
+    assert found.of_sweep(0).inputs.shape[1] == 2
+    longer = Unknown(LENGTH.path, "uniform", (3e-6, 7e-6), "m")
+    with pytest.raises(InputError, match=r"correlation_length is shared.*differ"):
+        pipeline.posterior([other, ensemble((CRITICAL, longer))])
+
+
+def test_a_test_of_another_hold_than_the_samples_is_refused():
+    held = [{"normal_load": 400.0, "velocity": 2.0, "friction": 0.1, "hold": 10.0}]
+    with pytest.raises(InputError, match=r"held the load for 10 s, the samples for 0 s"):
+        pipeline.posterior(ensemble(measured=held))
+
+
+# The next test
+
+
+def test_candidates_are_ranked_by_the_spread_that_they_leave():
+    ranked = pipeline.candidates(pipeline.posterior(ensemble((CRITICAL, FRICTION), 32)))
+    spreads = [candidate.spread for candidate in ranked]
+    assert spreads == sorted(spreads)
+    by_name = {candidate.what.split(",")[0]: candidate for candidate in ranked}
+    # Of two inputs that act alike, knowing the wider one leaves the other.
+    assert by_name["temperature.critical"].spread < by_name["friction"].spread
+
+
+def test_a_planned_test_promises_the_spread_that_is_had():
+    known = (CRITICAL,)
+    before = pipeline.posterior(ensemble(known))
+    (planned,) = pipeline.batch(before, 1, CRITICAL.path)
+    assert planned.test is not None
+    had = []
+    for number, kelvins in enumerate(drawn(known, 3, 24)[:, 0]):
+        rng = np.random.default_rng(number)
+        load, bulk = planned.test["normal_load"], planned.test["bulk_temperature"]
+        limit = (kelvins - bulk) / 0.1
+        critical = (limit / rise(np.zeros((1, 0)), load, 1.0, ())[0]) ** (1 / EXPONENT)
+        entry = {
+            "normal_load": load, "bulk_temperature": bulk, "friction": 0.1,
+            "velocity": float(critical * math.exp(0.05 * rng.standard_normal())),
+            "velocity_scatter": 0.05 * float(critical),
+        }  # fmt: skip
+        after = pipeline.posterior(ensemble(known, measured=[entry]))
+        (row,) = after.summary()
+        had.append(row["posterior"]["sd"])
+    assert math.sqrt(np.mean(np.square(had))) == pytest.approx(planned.spread, rel=0.2)
+
+
+def test_warmer_tests_tell_more_of_a_critical_temperature_and_can_be_chosen_from():
+    found = pipeline.posterior(ensemble((CRITICAL,)))
+    (cold,) = pipeline.batch(found, 1, CRITICAL.path, ["25 degC"])
+    (best,) = pipeline.batch(found, 1, CRITICAL.path, ["25 degC", "100 degC"])
+    assert best.test["bulk_temperature"] == pytest.approx(373.15)
+    assert best.spread < 0.8 * cold.spread
+    with pytest.raises(InputError, match=r'target is "pin"; give one of temperature\.critical, or'):
+        pipeline.candidates(found, "pin")
