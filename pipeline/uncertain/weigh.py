@@ -232,6 +232,7 @@ def posterior(ensemble: Ensemble | Sequence[Ensemble], scatter: float = SCATTER)
         return distances, log_likelihoods(tests, distances, scatters)
 
     distances, each = judge(before.inputs)
+    _require_near(tests, distances, float(scatters[-1]))
     total = _over_factors(each.sum(axis=0))
     weights = np.exp(total - logsumexp(total))
     draws, base = Draws(before.inputs, weights), np.zeros(len(weights))
@@ -240,7 +241,6 @@ def posterior(ensemble: Ensemble | Sequence[Ensemble], scatter: float = SCATTER)
         distances, each = judge(after)
         base = -_over_factors(each.sum(axis=0))
         draws = Draws(after, np.full(_TEMPERED, 1 / _TEMPERED))
-    _require_near(tests, distances, draws, float(scatters[-1]))
     judged = _judged(tests, evidence, distances, each, base, draws, scatters)
     inferred = _inferred(each, base, scatters)
     return Posterior(ensembles, unknown, columns, before, draws, judged, scatter, inferred)
@@ -348,20 +348,18 @@ def _judged(
     return tuple(judged)
 
 
-def _require_near(
-    tests: Sequence[Mapping[str, Any]], distances: Distances, draws: Draws, scatter: float
-) -> None:
-    """Raise an `InputError` where even the best draws are far from the tests."""
+def _require_near(tests: Sequence[Mapping[str, Any]], distances: Distances, scatter: float) -> None:
+    """Raise an `InputError` where even the best draws of the prior are far from the tests."""
     squares = []
     for test, d, variance in zip(tests, *distances, strict=True):
-        z = d / np.sqrt(variance + scatters_of(test, [scatter]) ** 2)
+        z = d / np.sqrt(variance + scatter**2)
         match test.get("outcome"):
             case "severe":
                 z = np.minimum(z, 0.0)
             case "mild":
                 z = np.maximum(z, 0.0)
         squares.append(z**2)
-    apart = float(np.sqrt(np.mean(squares, axis=0)[draws.weights > 0].min()))
+    apart = float(np.sqrt(np.mean(squares, axis=0).min()))
     if apart > _FAR:
         raise InputError(
             f"hardly any draw comes near to the tests, the best within {apart * scatter:.0%} of "
