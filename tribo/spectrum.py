@@ -40,6 +40,14 @@ class SelfAffineFit:
         Relative standard error of the root mean square height on one surface of this size.
     misfit : float
         Largest factor, in bands of wavelength, between the spectrum of the fit and the heights'.
+
+    Examples
+    --------
+    >>> from tribo import Grid, self_affine
+    >>> heights = self_affine(Grid((128, 128), (1e-6, 1e-6)), 2e-7, 0.7, (4e-6, 4e-6), seed=1)
+    >>> fit = fit_self_affine(heights, (1e-6, 1e-6))
+    >>> abs(fit.hurst_exponent - 0.7) < 3 * fit.hurst_error
+    True
     """
 
     hurst_exponent: float
@@ -78,8 +86,8 @@ def fit_self_affine(heights: Array, spacing: tuple[float, float]) -> SelfAffineF
     >>> from tribo import Grid, self_affine
     >>> grid = Grid((192, 192), (1e-6, 1e-6))
     >>> fit = fit_self_affine(self_affine(grid, 2e-7, 0.7, (4e-6, 12e-6), seed=1), grid.spacing)
-    >>> f"{fit.hurst_exponent:.1f}, {1e6 * fit.correlation_length[1]:.0f} µm, lay {fit.lay:.0f}°"
-    '0.7, 12 µm, lay 90°'
+    >>> f"{fit.hurst_exponent:.2f} ± {fit.hurst_error:.2f}, lay {fit.lay:.0f}°"
+    '0.65 ± 0.04, lay 89°'
     """
     from scipy.optimize import minimize
 

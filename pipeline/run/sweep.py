@@ -56,6 +56,13 @@ class Outcome:
         Points that failed, now or in an earlier run.
     wall_time : float
         Duration of this run [s].
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> outcome = pipeline.run_sweep("workflows/first_try.toml", "results/first_try.zarr")
+    >>> outcome.total, outcome.done, outcome.computed
+    (24, 24, 0)
     """
 
     total: int

@@ -36,6 +36,14 @@ class Progress:
         Estimated time until the end [s]; None until the first point is done.
     jobs : JobCounts or None
         Jobs of a batch system; None without one.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> def show(progress: pipeline.Progress) -> None:  # as run_sweep(..., progress=show)
+    ...     print(f"{progress.done} of {progress.total}, {progress.time_to_go:.0f} s to go")
+    >>> show(pipeline.Progress(done=6, failed=0, total=24, elapsed=2.0, time_to_go=6.0))
+    6 of 24, 6 s to go
     """
 
     done: int

@@ -41,6 +41,17 @@ class SurfaceStatistics:
         Slopes of the plane along x and y that were taken off.
     fit : tribo.SelfAffineFit
         Correlation lengths, Hurst exponent and lay, with their standard errors.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import pipeline
+    >>> from tribo import Grid, self_affine
+    >>> heights = self_affine(Grid((256, 256), (1e-6, 1e-6)), 0.3e-6, 0.8, (4e-6, 4e-6), seed=0)
+    >>> np.save("lapped.npy", heights)
+    >>> statistics = pipeline.surface_statistics("lapped.npy", "m", ("1 um", "1 um"))
+    >>> f"{1e6 * statistics.rq:.2f} µm", statistics.missing, statistics.has_lay
+    ('0.37 µm', 0, False)
     """
 
     file: str
@@ -175,9 +186,9 @@ def surface_statistics(
     >>> np.save("scan.npy", heights * 1e6)
     >>> print(surface_statistics("scan.npy", "um", ("1 um", "1 um")).toml)
     [disk.roughness]
-    ra = "0.3 um"
-    hurst_exponent = 0.776
-    correlation_length = "4.1 um"
+    ra = "0.299 um"
+    hurst_exponent = 0.876
+    correlation_length = "3.25 um"
     <BLANKLINE>
     """
     unit = height_unit

@@ -48,7 +48,17 @@ _DEGREES = {"C": "degC", "F": "degF"}
 
 
 class UnitError(TriboError, ValueError):
-    """Text that is not a quantity of the dimension that is needed."""
+    """Text that is not a quantity of the dimension that is needed.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> try:
+    ...     pipeline.to_si("7 kg", like="750 N")
+    ... except pipeline.UnitError as error:
+    ...     print(error)
+    "7 kg" cannot be converted to N
+    """
 
 
 def exact_si(text: str, like: str) -> Decimal:

@@ -17,7 +17,14 @@ from pipeline.sweep.model import Point
 
 @dataclass(frozen=True, slots=True)
 class FailedPoint:
-    """A point that could not be computed: load [N], velocity [m/s], why, and which variant."""
+    """A point that could not be computed: load [N], velocity [m/s], why, and which variant.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> print(pipeline.FailedPoint(400.0, 2.2, "the contact leaves the window"))
+    400 N, 2.2 m/s: the contact leaves the window
+    """
 
     load: float
     velocity: float
@@ -49,6 +56,13 @@ class Summary:
         Rate at which points were finished most recently [1/s]; None if that is not known.
     running : str or None
         Process that computes points now; None if there is none.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> half_done = pipeline.Summary("a_scene", "A scene", 24, 12, 12, failed=(), rate=4.0)
+    >>> half_done.time_to_go
+    3.0
     """
 
     name: str

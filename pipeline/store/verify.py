@@ -34,7 +34,14 @@ _LOST_REASON = "the reason why it failed was damaged; try again with irg run --r
 
 @dataclass(frozen=True, slots=True)
 class Damage:
-    """A damaged point: load [N], velocity [m/s], reason, and which variant."""
+    """A damaged point: load [N], velocity [m/s], reason, and which variant.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> print(pipeline.Damage(400.0, 2.2, "its rise is not readable"))
+    400 N, 2.2 m/s: its rise is not readable
+    """
 
     load: float
     velocity: float
@@ -64,6 +71,13 @@ class Verification:
         Points that are complete, but have no readable status; repair makes them done.
     repaired : bool
         Whether all of that was repaired.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> verification = pipeline.verify_store("results/first_try.zarr")
+    >>> verification.done, verification.damaged, verification.shared
+    (24, (), ())
     """
 
     done: int

@@ -52,6 +52,14 @@ class Verdict:
         Highest temperature of the contact [K].
     failed_fraction : float or None
         Share of the contact area above the critical temperature; None where that is not known.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> scene = pipeline.load_scene("workflows/first_try.toml")
+    >>> verdict = pipeline.run_point(scene, "400 N", "2.8 m/s").verdict(scene.conditions)
+    >>> verdict.is_severe, f"{verdict.decisive_temperature - 273.15:.0f} °C"
+    (True, '162 °C')
     """
 
     is_severe: bool | None

@@ -54,6 +54,16 @@ class Trunk:
         State at the last station, without temperature.
     records : mapping of tuple of dict
         Values of `PointResult.columns` at each station so far, for each sample on it.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> scene = pipeline.load_scene("workflows/first_try.toml")
+    >>> lower = pipeline.run_point(scene, "400 N", "2.8 m/s")
+    >>> higher = pipeline.run_point(scene, "600 N", "2.8 m/s", trunk=lower.trunk)
+    >>> alone = pipeline.run_point(scene, "600 N", "2.8 m/s")
+    >>> bool((higher.fields["rise"] == alone.fields["rise"]).all())
+    True
     """
 
     state: State
@@ -86,6 +96,19 @@ class PointResult:
         Duration of the computation, which may have begun on a trunk [s].
     finished_at : float
         Time of its end, since 1970-01-01 UTC [s].
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> result = pipeline.run_point("workflows/first_try.toml", "400 N", "2.8 m/s")
+    >>> print(result)
+    400 N, 2.8 m/s
+      after    2.667 s and 7.467 m
+      contact  264.4 µm wide, 3.67 GPa on average, 6.6 GPa at most
+      wear     3.29 µm deep, 0.00179 mm³
+      rise     1600 K at most, at friction 1
+    >>> sorted(result.fields), result.fields["pressure"].shape == result.shape
+    (['pressure', 'rise', 'wear_depth'], True)
     """
 
     point: Point

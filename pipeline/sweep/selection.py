@@ -65,6 +65,27 @@ class Selection:
         Work of the whole probe, in elements times convolutions.
     seconds : float
         Duration of the probe [s].
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> from pipeline.sweep.selection import Trial
+    >>> from tribo import Fidelity
+    >>> draft = Fidelity()
+    >>> selection = pipeline.Selection(
+    ...     accuracy=0.05,
+    ...     name="draft",
+    ...     fidelity=draft,
+    ...     error=0.03,
+    ...     coarser=0.02,
+    ...     trials=(Trial("draft", draft, error=0.03, work=1e7),),
+    ...     points=((200.0, 3.5), (750.0, 1.2)),
+    ...     saving=40.0,
+    ...     work=5e8,
+    ...     seconds=2.5,
+    ... )
+    >>> pipeline.Selection.from_dict(selection.as_dict()) == selection
+    True
     """
 
     accuracy: float

@@ -23,6 +23,14 @@ class Warned:
         None where there is no boundary, for want of a critical temperature.
     example : str
         One of the points beside the boundary, or else any of them, with its warning.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> warned = pipeline.Warned(2, {"contact at edge": 2}, 1, "400 N, 2.2 m/s: contact at edge")
+    >>> first, second = warned.lines()
+    >>> print(second)
+    warning: at 400 N, 2.2 m/s: contact at edge
     """
 
     points: int

@@ -53,6 +53,13 @@ class Estimate:
         Memory of each worker; size of the store, uncompressed [B].
     warnings : tuple of str
         Points that will fail.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> cost = pipeline.estimate("first_try", workers=1)
+    >>> cost.chains, cost.steps, cost.disk_bytes < 10e6
+    (6, 42, True)
     """
 
     points: int

@@ -43,6 +43,32 @@ class Choice:
         Most memory that arrays took at a point [B].
     speedup, saving : float
         Factors by which the reference takes more time, and more work.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> from tribo import Fidelity
+    >>> choice = pipeline.Choice(
+    ...     name="draft",
+    ...     varied=None,
+    ...     fidelity=Fidelity(),
+    ...     velocity_errors=(-0.01, -0.06),
+    ...     velocity_error=0.06,
+    ...     rise_error=0.03,
+    ...     width_error=0.01,
+    ...     share_error=0.02,
+    ...     area_error=0.01,
+    ...     pressure_error=-0.01,
+    ...     saturated_error=0.0,
+    ...     seconds=0.1,
+    ...     convolutions=400,
+    ...     work=1e7,
+    ...     peak_bytes=None,
+    ...     speedup=50.0,
+    ...     saving=80.0,
+    ... )
+    >>> max(map(abs, choice.velocity_errors)) == choice.velocity_error
+    True
     """
 
     name: str
@@ -78,6 +104,13 @@ class Finding:
         How many times less work the cheaper value takes.
     moves : float
         Largest relative change of the boundary velocity by the cheaper value.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> cheaper = pipeline.Finding("fine", "contact_tolerance", 1e-6, 1e-4, saving=2.0, moves=0.0)
+    >>> str(cheaper).split(": ")[1]
+    'with 0.0001 the work is 2 times less, and the boundary moves by 0.00 %'
     """
 
     preset: str
@@ -113,6 +146,18 @@ class Trade:
         Choices of the base that cost much and gain nothing.
     not_converged : tuple of str
         Choices that did not converge, and why.
+
+    Examples
+    --------
+    >>> from types import SimpleNamespace
+    >>> import pipeline
+    >>> draft = SimpleNamespace(name="draft", work=1.0, velocity_error=0.05)
+    >>> slow = SimpleNamespace(name="slow", work=3.0, velocity_error=0.06)
+    >>> exact = SimpleNamespace(name="exact", work=9.0, velocity_error=0.0)
+    >>> points = (pipeline.Point(200.0, 3.5),)
+    >>> trade = pipeline.Trade("A scene", points, "draft", (draft, slow, exact), ())
+    >>> [choice.name for choice in trade.front], trade.cheapest(0.02).name
+    (['draft', 'exact'], 'exact')
     """
 
     title: str

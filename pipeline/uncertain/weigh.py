@@ -49,6 +49,13 @@ class Judged(NamedTuple):
         Critical velocity there that 5, 50 and 95 % stay below, given all tests [m/s].
     probability : float
         Probability of its outcome, or of a transition as far off, given all others.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> test = {"normal_load": 750.0, "velocity": 2.5}
+    >>> pipeline.Judged(test, 0, (1.06, 1.14, 1.22), probability=0.003).contradicts
+    True
     """
 
     test: Mapping[str, Any]

@@ -41,6 +41,13 @@ class Page:
         Number of those whose fields the page holds.
     stored_fields : int
         Number of those whose fields the sweep holds.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> page = pipeline.explore("results/first_try.zarr", "results/page.html", most_fields=6)
+    >>> page.points, page.stored_fields, page.size < 1e6
+    (24, 24, True)
     """
 
     path: Path
