@@ -48,8 +48,8 @@ class SurfaceStatistics:
     >>> import pipeline
     >>> from tribo import Grid, self_affine
     >>> heights = self_affine(Grid((256, 256), (1e-6, 1e-6)), 0.3e-6, 0.8, (4e-6, 4e-6), seed=0)
-    >>> np.save("lapped.npy", heights)
-    >>> statistics = pipeline.surface_statistics("lapped.npy", "m", ("1 um", "1 um"))
+    >>> np.save("results/lapped.npy", heights)
+    >>> statistics = pipeline.surface_statistics("results/lapped.npy", "m", ("1 um", "1 um"))
     >>> f"{1e6 * statistics.rq:.2f} µm", statistics.missing, statistics.has_lay
     ('0.37 µm', 0, False)
     """
@@ -183,8 +183,8 @@ def surface_statistics(
     --------
     >>> from tribo import Grid, self_affine
     >>> heights = self_affine(Grid((256, 256), (1e-6, 1e-6)), 0.3e-6, 0.8, (4e-6, 4e-6), seed=0)
-    >>> np.save("scan.npy", heights * 1e6)
-    >>> print(surface_statistics("scan.npy", "um", ("1 um", "1 um")).toml)
+    >>> np.save("results/scan.npy", heights * 1e6)
+    >>> print(surface_statistics("results/scan.npy", "um", ("1 um", "1 um")).toml)
     [disk.roughness]
     ra = "0.299 um"
     hurst_exponent = 0.876
