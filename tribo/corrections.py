@@ -178,7 +178,7 @@ class Corrections:
 
     @classmethod
     def of_plain(cls, plain: Mapping[str, Any]) -> Self:
-        """What `as_dict` gives, read again."""
+        """Corrections from the plain data that `as_dict` gives."""
         track, stem = plain.get("track"), plain.get("stem")
         return cls(
             friction=tuple((v, factor) for v, factor in plain.get("friction", ())),
@@ -188,7 +188,7 @@ class Corrections:
         )
 
     def as_dict(self) -> dict[str, Any]:
-        """Return what is given as plain data."""
+        """Return the corrections that are present as plain data."""
         plain = asdict(self) | {"friction": [list(pair) for pair in self.friction]}
         return {name: value for name, value in plain.items() if value}
 

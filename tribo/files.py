@@ -30,9 +30,9 @@ def read_heights(path: str | Path, unit: float = 1.0, *, allow_missing: bool = F
     path : str or Path
         A two-dimensional array: one row for each x, one column for each y.
     unit : float
-        What one unit of the file is worth [m].
+        Length of one unit of the file [m].
     allow_missing : bool
-        Whether heights may be missing: NaN in either format, or nothing between two commas.
+        True to allow missing heights: NaN in either format, or nothing between two commas.
 
     Raises
     ------
@@ -141,7 +141,7 @@ def _shortened(reason: str) -> str:
 
 
 def _hint(cells: list[str]) -> str:
-    """Say what to change in a row that is not numbers between commas; empty if that is unclear.
+    """Advice for a row that is not numbers between commas; empty if it is unclear.
 
     Examples
     --------

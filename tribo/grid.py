@@ -26,7 +26,7 @@ class Grid:
     spacing : tuple of float
         Sides of an element ``(dx, dy)`` [m].
     periodic : tuple of bool
-        Whether the patch repeats along x and along y. ``(False, True)`` is a line contact.
+        True along x, and along y, if the patch repeats there. ``(False, True)`` is a line contact.
 
     Raises
     ------

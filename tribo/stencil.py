@@ -33,7 +33,7 @@ class Neighbourhood:
     convolution : Convolution
         Map whose kernel falls off with distance.
     soft_axis, coupling : int, float
-        What elements of a row along that axis add to each other's displacement, whatever their
+        Displacement that elements of a row along that axis add to each other, whatever their
         distance (see `tribo.contact.rows`). The inverse leaves it to `Preconditioner`.
 
     Attributes
@@ -204,7 +204,7 @@ def _near_kernel(convolution: Convolution) -> Array:
 
 @functools.lru_cache(maxsize=16)
 def _waves(mx: int, my: int) -> tuple[Array, Array, Array]:
-    """What sums modes to the values at offsets along x, their even and odd part, and along y."""
+    """Weights that sum modes to the values at offsets along x, even and odd, and along y."""
     phase_x = 2 * np.pi / mx * np.arange(3)[:, None] * np.arange(mx)
     wave_y = np.cos(2 * np.pi / my * np.arange(3)[:, None] * np.arange(my // 2 + 1)) / my
     wave_y[:, 1 : (my + 1) // 2] *= 2  # modes that the half spectrum leaves out

@@ -7,7 +7,7 @@ Array = NDArray[np.float64]
 """Real numbers, as the values of a field."""
 
 Mask = NDArray[np.bool_]
-"""Whether something holds at each element of a field."""
+"""Truth values of the elements of a field."""
 
 Indices = NDArray[np.intp]
 """Integers that count elements, as the number of the row in which each node lies."""

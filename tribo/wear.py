@@ -131,7 +131,7 @@ needs a short implicit end, see `tribo.simulation.ending`.
 
 @dataclass(frozen=True, slots=True)
 class Wear:
-    """How the pin wears.
+    """Wear of the pin.
 
     Parameters
     ----------
@@ -217,7 +217,7 @@ class Wear:
 
 @dataclass(frozen=True, slots=True)
 class RollingWear(Wear):
-    """How a pin wears that rolls: along x by the same depth everywhere on its track.
+    """Wear of a pin that rolls: along x by the same depth everywhere on its track.
 
     See `tribo.simulation.motion`, Eq. (1). Along y it wears by the pattern.
 

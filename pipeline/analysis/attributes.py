@@ -55,7 +55,7 @@ def attributes_of(ds: Described) -> dict[Any, Any]:
 
 @functools.lru_cache(maxsize=64)
 def _decoded(text: str) -> Any:
-    """What JSON says; kept, since each surface of a sweep has the attributes of all."""
+    """Value of a JSON text; cached, since each surface of a sweep has the attributes of all."""
     return json.loads(text)
 
 

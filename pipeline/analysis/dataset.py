@@ -20,7 +20,7 @@ from tribo.types import Array
 _IN_UTC = {
     "units": "seconds since 1970-01-01 00:00:00",
     "calendar": "standard",
-    "long_name": "when the point was finished, UTC",
+    "long_name": "time at which the point was finished, UTC",
 }
 _ORDER = ("load", "velocity", "step", "bulk_ratio", "wear_rate", "quantile")
 

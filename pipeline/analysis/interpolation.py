@@ -26,7 +26,7 @@ _FLAT = 0.25  # least exponent of a power law that is continued down to 0
 
 
 def crossing(x: Array, y: Array, limit: float) -> float:
-    """Find where y first goes from below to above a limit; NaN if it does not.
+    """Place at which y first rises above a limit; NaN if it does not.
 
     Parameters
     ----------

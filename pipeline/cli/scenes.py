@@ -71,7 +71,7 @@ def _accurate(
 
 
 def settings_of(options: argparse.Namespace) -> dict[str, Any]:
-    """Return what --set says, each key without the prefix that entries of a fidelity may have."""
+    """Return the entries of --set, keys without the prefix that those of a fidelity may have."""
     settings: dict[str, Any] = {}
     for path, value in options.set:
         key = path.removeprefix("fidelity.")

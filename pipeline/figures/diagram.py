@@ -1,4 +1,4 @@
-"""The transition diagram: where in the plane of velocity and load wear is mild or severe."""
+"""The transition diagram: mild and severe wear in the plane of velocity and load."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Lines over the diagram: where the film parts the bodies, and what simpler criteria say."""
+"""Lines over the diagram: those of lift-off by the film, and of simpler criteria."""
 
 from __future__ import annotations
 

@@ -51,7 +51,7 @@ def name_regions(
 def _roomiest(
     inside: Mask, x: Array, y: Array, taken: Sequence[tuple[float, float]]
 ) -> tuple[float, float] | None:
-    """Find where a label is farthest from a region's edges, in label sizes; None if none fits."""
+    """Place of a label farthest from a region's edges, in label sizes; None if none fits."""
     inside = inside.copy()
     for point in taken:
         if x[0] <= point[0] <= x[-1] and y[0] <= point[1] <= y[-1]:

@@ -169,7 +169,7 @@ def celsius(temperature: Any) -> Any:
 
 
 def exceeding(conditions: Conditions) -> str:
-    """Say which temperature decides.
+    """Name the temperature that decides.
 
     Examples
     --------
@@ -180,7 +180,7 @@ def exceeding(conditions: Conditions) -> str:
 
 
 def criterion(conditions: Conditions) -> str:
-    """Say when wear is severe.
+    """Name the criterion of severe wear.
 
     Examples
     --------
@@ -194,7 +194,7 @@ def criterion(conditions: Conditions) -> str:
 
 
 def heating(conditions: Conditions) -> str:
-    """Say what the temperature rests on.
+    """Name the conditions of the temperature.
 
     Examples
     --------

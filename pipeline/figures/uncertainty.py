@@ -57,9 +57,9 @@ def draw_risk(
     place : mapping, optional
         ``load`` [N] and ``velocity`` [m/s] of an operating point to mark.
     posterior : Posterior, optional
-        What measurements say, if the probability rests on them.
+        Inputs weighed by measurements, if the probability rests on them.
     log : bool
-        Whether both axes are logarithmic.
+        True for logarithmic axes.
 
     Examples
     --------

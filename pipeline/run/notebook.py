@@ -11,7 +11,7 @@ from pipeline.sweep.stages import duration
 
 
 def in_notebook() -> bool:
-    """Return whether this is a kernel of Jupyter."""
+    """True in a kernel of Jupyter."""
     return "ipykernel" in sys.modules
 
 

@@ -89,7 +89,7 @@ def compute(
     connection : Connection
     sweep : Sweep
     with_fields : bool
-        Whether the fields at the end of each point are stored.
+        True to store the fields at the end of each point.
     writer : Writer
     waiting : iterable of tuple of Point
         Points of each chain.
@@ -178,7 +178,7 @@ class _Run:
         return chain
 
     def _are_many(self, threads: int) -> bool:
-        """Return whether more chains wait than keep the workers busy to the end."""
+        """True if more chains wait than keep the workers busy to the end."""
         return len(self.waiting) + len(self.running) >= 2 * threads
 
     def _joined(self, chain: _Chain, threads: int) -> _Chain:

@@ -109,7 +109,7 @@ class SlurmJobs(Source):
         return self._counts
 
     def keep(self, tell: Tell | None) -> None:
-        """Say what has become of jobs; they are replaced meanwhile.
+        """Report the end of jobs; they are replaced meanwhile.
 
         Raises
         ------

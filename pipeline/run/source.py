@@ -99,7 +99,7 @@ class Source:
     cluster : Cluster or None
         Cluster of Dask's that starts and ends them.
     queues : bool
-        Whether workers wait in a queue, which may take any time.
+        True if workers wait in a queue, for any time.
     life : float or None
         Time for which a worker lives [s]; None without an end.
     """

@@ -103,7 +103,7 @@ def run_sweep(
         Called with a `Progress` at the start and after each point; in a notebook a bar shows it
         if not given.
     retry_failed : bool, optional
-        Whether to try again the points that failed in an earlier run.
+        True to try the points again that failed in an earlier run.
     further : callable, optional
         Called with the `Store` when every point is done or has failed; returns the same sweep with
         more points, or None.

@@ -63,7 +63,7 @@ class Tally:
     progress : callable or None
         Called with a `Progress`.
     began : float
-        When the run began, by `time.monotonic` [s].
+        Time at which the run began, by `time.monotonic` [s].
 
     Attributes
     ----------

@@ -18,11 +18,11 @@ class Watch:
     Attributes
     ----------
     ended, computed : float
-        When a task ended last, and when a worker was last seen with one [s].
+        Times at which a task last ended, and a worker was last seen with one [s].
     patience : float
         Time without an end after which there is a word to say [s].
     now : float
-        When this was seen [s].
+        Time of this observation [s].
 
     Examples
     --------
@@ -67,5 +67,5 @@ class Watch:
 
     @property
     def is_over(self) -> bool:
-        """Return whether to give up."""
+        """True if no worker has had a task for so long that the run gives up."""
         return self.now - self.computed > END

@@ -17,7 +17,7 @@ def corrections_of(
     Parameters
     ----------
     entries : dict
-        What the format gives of the file.
+        Parts of the format that describe the file.
     pin : tribo.Cylinder, tribo.Ball or tribo.Crowned
         The pin.
     disk : tribo.Material

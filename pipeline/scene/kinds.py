@@ -153,7 +153,7 @@ class Quantity(Kind):
     example : str
         Example of it, which fixes the dimension.
     zero : bool
-        Whether 0 is allowed.
+        True if 0 is allowed.
     exact : bool
         True if the value is kept as a decimal, without rounding.
     """

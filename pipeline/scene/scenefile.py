@@ -146,7 +146,7 @@ def sweep_of(scene: SceneLike) -> Sweep:
 def scene_entry(
     path: str | PathLike[str], key: str, overrides: Mapping[str, Any] | None = None
 ) -> Any:
-    """Return what a scene says at a key path, as TOML has it; None if it says nothing there.
+    """Return the value of a scene at a key path, as in TOML; None if it has none there.
 
     Parameters
     ----------

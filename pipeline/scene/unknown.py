@@ -1,4 +1,4 @@
-"""What a scene does not know exactly: its table ``[unknown]``, and samples of the whole scene.
+"""Inputs that are not known exactly: the table ``[unknown]``, and samples of the whole scene.
 
 A sample is read as if its values stood in the file: whatever follows from an entry, and whatever
 an entry must fit to, follows and must fit there, too. That a distribution keeps to what is allowed
@@ -88,7 +88,7 @@ def samples_of(
     entries : mapping
         The scene as TOML has it.
     found : dict
-        What the format gives of it.
+        Parts of the format that describe it.
     sweep : Sweep
         The scene without samples.
     build : callable

@@ -47,7 +47,7 @@ class Lock:
     descriptor: int
 
     def is_in_place(self, file: Path) -> bool:
-        """Return whether the file of this lock still lies at a path."""
+        """True if the file of this lock still lies at a path."""
         try:
             return os.path.samestat(os.fstat(self.descriptor), file.stat())
         except FileNotFoundError:

@@ -16,7 +16,7 @@ def pace(finished: Array) -> float | None:
     Parameters
     ----------
     finished : ndarray
-        When each point was finished [s], in any order.
+        Times at which points were finished [s], in any order.
 
     Returns
     -------

@@ -85,7 +85,7 @@ class Folder:
         return Durable(self.path, read_only=read_only)
 
     def exists(self) -> bool:
-        """Return whether there is anything but an empty folder."""
+        """True if there is anything but an empty folder."""
         if self.path.is_dir():
             return any(self.path.iterdir())
         return os.path.lexists(self.path) and self.path.exists()
@@ -118,7 +118,7 @@ class Folder:
         return {name: self.names(name) for name in names}
 
     def is_unfinished(self) -> bool:
-        """Return whether a creation that was cut short left the folder, if there is one."""
+        """True if there is no folder, or one that a creation cut short has left."""
         if not os.path.lexists(self.path):
             return True
         if self.path.is_symlink() or not self.path.is_dir():
@@ -157,7 +157,7 @@ class Bucket:
         return FsspecStore.from_url(self.address, read_only=read_only, storage_options=_OPTIONS)
 
     def exists(self) -> bool:
-        """Return whether there is anything but the beginning of a store that has no point."""
+        """True if there is more than the beginning of a store without points."""
         return self.read(ROOT) is not None or any(
             key != LOCK and not key.endswith(f"/{ROOT}") and not is_coordinate(key.split("/")[0])
             for key in self._keys()

@@ -151,7 +151,7 @@ RECORDS = {
             "flag_meanings": " ".join(kind.label.replace(" ", "_") for kind in WarningKind),
         },
     ),
-    "asked": Variable(_POINT, None, "whether the last run asked for the point", "int8"),
+    "asked": Variable(_POINT, None, "1 if the last run asked for the point, else 0", "int8"),
     "checksum": Variable(_POINT, None, "BLAKE2b-64 of the point's place and data", "uint64"),
     "record_checksum": Variable(
         _POINT, None, "BLAKE2b-64 of its place, times, message and warnings", "uint64"
@@ -175,7 +175,7 @@ _PATH = re.compile(r"[\w-]+(\.[\w-]+)+")
 
 
 def is_coordinate(name: str) -> bool:
-    """Return whether a variable is a coordinate: of a dimension, or an input by its path."""
+    """True if a variable is a coordinate: of a dimension, or an input by its path."""
     return name in COORDINATES or _PATH.fullmatch(name) is not None
 
 
@@ -193,11 +193,11 @@ def variables(
     leading : str or None
         The one of `LEADING` that stands in front of the dimensions, if one does.
     with_fields : bool
-        Whether the fields at the end of each point are kept.
+        True to keep the fields at the end of each point.
     of_bulks : bool
-        Whether the bodies differ in bulk temperature.
+        True if the bodies differ in bulk temperature.
     of_rates : bool
-        Whether the points answer for several wear rates.
+        True if the points answer for several wear rates.
     inputs : mapping
         Unit of each input that is drawn, by its path in the scene.
     """

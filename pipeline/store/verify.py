@@ -70,7 +70,7 @@ class Verification:
     without_status : tuple of Point
         Points that are complete, but have no readable status; repair makes them done.
     repaired : bool
-        Whether all of that was repaired.
+        True if all of that was repaired.
 
     Examples
     --------
@@ -89,7 +89,7 @@ class Verification:
 
     @property
     def is_clean(self) -> bool:
-        """Return whether nothing was damaged."""
+        """True if nothing was damaged."""
         return not (self.damaged or self.records or self.shared)
 
 
@@ -103,7 +103,7 @@ def verify_store(
     path : str or path
         Path of the store, which may be in use unless it is to be repaired.
     repair : bool
-        Whether to make damaged points pending, and to restore what is shared.
+        True to make damaged points pending, and to restore shared data.
     progress : callable, optional
         Called now and then with how many points are read, and how many there are.
 
@@ -317,7 +317,7 @@ def _shared_faults(store: Store, repair: bool) -> Iterator[str]:
 
 
 def _is_same(content: bytes | None, expected: Mapping[str, Any]) -> bool:
-    """Return whether metadata are as in the root, but for a growth that was cut short."""
+    """True if metadata are as in the root, but for a growth that was cut short."""
     try:
         return bool(json.loads(content or b"") | {"shape": expected["shape"]} == expected)
     except (ValueError, TypeError, RecursionError):

@@ -57,7 +57,7 @@ class Store(Places):
     lock : Lock, optional
         Lock that this process holds on it; without, it is only read.
     is_damaged : bool, optional
-        Whether statuses that cannot be read are taken as pending.
+        True to take statuses that cannot be read as pending.
 
     Attributes
     ----------
@@ -133,7 +133,7 @@ class Store(Places):
             raise StoreError(DAMAGED.format(self.place, name)) from error
 
     def is_done(self, point: Point) -> bool:
-        """Return whether a point is complete."""
+        """True if a point is complete."""
         return bool(self.flags[self.index(point)] == DONE)
 
     def pending(self) -> list[Point]:

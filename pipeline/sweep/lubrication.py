@@ -1,4 +1,4 @@
-"""Which regime of lubrication a point lies in: the film that a scene's oil would build.
+"""Regime of lubrication at a point: the film that a scene's oil would build.
 
 The film is that between smooth bodies at the bulk temperature, with the pin's radius as it was
 before any wear; the film parameter Λ is its thickness over the root mean square height of the

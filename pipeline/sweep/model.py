@@ -110,7 +110,7 @@ class FromLibrary(NamedTuple):
     value : str
         Value of the number, with its unit.
     source : str
-        Where the library has it from.
+        Source of the library's value.
     """
 
     key: str

@@ -151,7 +151,7 @@ class PointResult:
         return {name: field.reshape(blocks).mean((1, 3)) for name, field in fields.items()}
 
     def record(self, with_fields: bool) -> PointRecord:
-        """Return what is stored of the point: fields at its end only if asked for."""
+        """Return the stored record of the point: fields at its end only if asked for."""
         fields = self.fields if with_fields else {}
         return PointRecord(
             point=self.point,

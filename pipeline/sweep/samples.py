@@ -40,9 +40,9 @@ def samples_per_contact(layers: tuple[Layer, ...], wears: bool, separable: bool)
     layers : tuple of str
         Layers of the inputs.
     wears : bool
-        Whether contacts depend on the velocity, through the wear.
+        True if contacts depend on the velocity, through the wear.
     separable : bool
-        Whether contacts of one wear number are the same at all velocities.
+        True if contacts of one wear number are the same at all velocities.
     """
     if not separable:
         return 1

@@ -152,7 +152,7 @@ class Unknown:
 
     @property
     def is_relative(self) -> bool:
-        """Whether ratios of its values count rather than differences."""
+        """True if ratios of its values count rather than differences."""
         return self.kind == "log-normal"
 
     @property

@@ -83,7 +83,7 @@ class Reading:
 
 @dataclass(frozen=True, slots=True)
 class Probe:
-    """What a fidelity costs and gives at some points.
+    """Cost and results of a fidelity at some points.
 
     Attributes
     ----------
@@ -123,7 +123,7 @@ def probe(
     points : sequence of Point
         Points to simulate; those at one velocity share their ramp, as in a sweep.
     with_memory : bool
-        Whether to measure the memory too, with one more, cheaper point.
+        True to measure the memory too, at one more, cheaper point.
     """
     scene = replace(sweep, fidelity=replace(fidelity, temperature_interval=0))
     peak = _peak_bytes(scene, points) if with_memory else None

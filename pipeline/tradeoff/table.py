@@ -1,4 +1,4 @@
-"""What numerical choices cost and gain, side by side: the values, and their printed table."""
+"""Cost and error of numerical choices, side by side: the values, and their printed table."""
 
 from __future__ import annotations
 
@@ -101,7 +101,7 @@ class Finding:
     value, cheaper : object
         Value that the preset has, and a cheaper one that would do.
     saving : float
-        How many times less work the cheaper value takes.
+        Factor by which the cheaper value takes less work.
     moves : float
         Largest relative change of the boundary velocity by the cheaper value.
 
@@ -130,7 +130,7 @@ class Finding:
 
 @dataclass(frozen=True, slots=True)
 class Trade:
-    """What speed costs in accuracy on a scene.
+    """Speed and accuracy of numerical choices on a scene.
 
     Attributes
     ----------

@@ -56,7 +56,7 @@ def trade(
         Loads at which to look at the boundary [N], or text with a unit; four of the sweep's if
         not given.
     diagram : bool
-        Whether to compare small diagrams instead of single points.
+        True to compare small diagrams instead of single points.
     progress : callable, optional
         Called before each choice with a line: which it is, of how many, and the time to go.
 

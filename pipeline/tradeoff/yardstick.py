@@ -37,7 +37,7 @@ class OwnError:
     work : float
         Elements times convolutions that were spent on it.
     scatters : bool
-        Whether more increments make the error of the steps no less. Under a ball each step wears
+        True if more increments do not reduce the error of the steps. Under a ball each step wears
         by other positions of the disk; where few elements touch, their imprint is left to chance.
     """
 

@@ -46,7 +46,7 @@ class Sensitivity:
     velocity_error : tuple of float
         Standard error of the emulated critical velocity against a simulation, relative, by load.
     given_measured : bool
-        Whether they are those of the boundary given measured transitions.
+        True if they are those of the boundary given measured transitions.
 
     Examples
     --------

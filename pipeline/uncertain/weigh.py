@@ -65,7 +65,7 @@ class Judged(NamedTuple):
 
     @property
     def contradicts(self) -> bool:
-        """Whether the others hardly allow it."""
+        """True if the others hardly allow it."""
         return self.probability < _CONTRADICTS
 
 

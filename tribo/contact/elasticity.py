@@ -55,7 +55,7 @@ class ElasticHalfSpace(Convolution):
     contact_modulus : float
         Contact modulus E* [Pa].
     kernel : {"periodic", "nearest-image"}, optional
-        Whether a periodic axis sums all images or one; see `elastic_influence`.
+        Sum over all images along a periodic axis, or the nearest one; see `elastic_influence`.
 
     Attributes
     ----------

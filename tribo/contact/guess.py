@@ -59,7 +59,7 @@ def in_window(problem: Problem, guess: Array, limits: Limits) -> tuple[Array, fl
     guess : ndarray, shape (nx, ny)
         Guess of its pressure [Pa].
     limits : Limits
-        When to end the improvement.
+        Limits at which the improvement ends.
 
     Returns
     -------

@@ -31,7 +31,7 @@ _ENOUGH = 0.5  # of the tolerance, which active-set steps aim at
 
 
 class Limits(NamedTuple):
-    """When to end an iteration.
+    """Limits at which an iteration ends.
 
     Attributes
     ----------
@@ -40,7 +40,7 @@ class Limits(NamedTuple):
     convolutions : float
         Convolutions, those on the way to the guess included, after which to give up.
     by_change : bool
-        Whether the error is the change of the pressure in the last step, in place of the residual.
+        True if the error is the last change of the pressure, in place of the residual.
     """
 
     tolerance: float
@@ -50,7 +50,7 @@ class Limits(NamedTuple):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Outcome:
-    """How an iteration ended.
+    """Result of an iteration.
 
     Attributes
     ----------
@@ -68,9 +68,9 @@ class Outcome:
     convolutions : float
         Convolutions that it took, those on the way to the guess included.
     converged : bool
-        Whether the error is within the tolerance.
+        True if the error is within the tolerance.
     stalled : bool
-        Whether the iteration ended because the residual did not fall any further.
+        True if the iteration ended because the residual did not fall any further.
     """
 
     pressure: Array
@@ -86,7 +86,7 @@ class Outcome:
 
 
 class Turns(NamedTuple):
-    """Which kind of step is next.
+    """Counters that decide the kind of the next step.
 
     Attributes
     ----------
@@ -113,7 +113,7 @@ class Turns(NamedTuple):
         residual : float
             Residual of the iterate.
         has_settled : bool
-            Whether few of the contact's nodes are at a wrong bound.
+            True if few of the contact's nodes are at a wrong bound.
         """
         left, following, best, waited = self
         if left == math.inf and has_settled:
@@ -140,7 +140,7 @@ def iterate(
     guess : ndarray, shape (nx, ny)
         Guess of the pressure [Pa].
     limits : Limits
-        When to end.
+        Limits at which it ends.
     displacement : ndarray, shape (nx, ny), optional
         Displacement under the guess [m], where it is known. The guess then carries the load, but
         may exceed the bounds.

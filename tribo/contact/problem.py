@@ -26,7 +26,7 @@ _MOST_COUPLING = 1.0
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Problem:
-    """What is pressed into what, and what follows from the solid's map alone.
+    """Contact problem: a rough surface, a solid and a load, with all that the solid's map decides.
 
     Attributes
     ----------
@@ -41,7 +41,7 @@ class Problem:
     soft : SoftRows
         The rows of elements that yield most as a whole.
     near : Neighbourhood
-        What elements do to their next neighbours [m/Pa], and what undoes it [Pa/m].
+        Influence of elements on their next neighbours [m/Pa], and its inverse [Pa/m].
     fast : ElasticHalfSpace
         The map in the precision that does for leading the way.
     """
@@ -65,7 +65,7 @@ class Problem:
 
     @property
     def coupling(self) -> float:
-        """What nodes of a row add to each other's displacement [m/Pa]; 0 where that is little."""
+        """Displacement that nodes of a row add to each other [m/Pa]; 0 where that is little."""
         return self.soft.coupling if self.soft.matter else 0.0
 
     def rows_of(self, nodes: Nodes) -> Nodes:
@@ -153,7 +153,7 @@ class Iterate(NamedTuple):
 
 
 class Judgement(NamedTuple):
-    """How far a pressure is from the solution.
+    """Distance of a pressure from the solution.
 
     Attributes
     ----------
@@ -209,9 +209,9 @@ def level_of(gap: Array, loaded: Mask, free: Mask) -> float:
     gap : ndarray
         Gap at no approach [m].
     loaded : ndarray of bool
-        Whether there is pressure.
+        Nodes under pressure.
     free : ndarray of bool
-        Whether there is pressure, and below the hardness.
+        Nodes under pressure below the hardness.
     """
     nodes = np.flatnonzero(free)
     if nodes.size:

@@ -61,7 +61,7 @@ def lost_by_transform(rounding: float, displacement: float) -> float:
 
 
 def hides_more(lost: float, slack: float, unit: float) -> bool:
-    """Whether rounding may hide more of the residual than the tolerance has left for it.
+    """True if rounding may hide more of the residual than the tolerance has left for it.
 
     Parameters
     ----------
@@ -76,7 +76,7 @@ def hides_more(lost: float, slack: float, unit: float) -> bool:
 
 
 def is_far(level: float, displacement: float, unit: float) -> bool:
-    """Whether the approach is so large that heights from this datum have too few digits.
+    """True if the approach is so large that heights from this datum have too few digits.
 
     Parameters
     ----------
@@ -106,7 +106,7 @@ def restored(
     slack : float
         Tolerance less residual; infinite where the residual is not what is asked for.
     exhausted : bool
-        Whether no convolution may be spent on the load any more.
+        True if no convolution may be spent on the load any more.
     """
     displacement = largest(iterate.displacement)
     if iterate.shifts < _MOST_SHIFTS and is_far(judged.level, displacement, judged.unit):
@@ -141,7 +141,7 @@ class Progress(NamedTuple):
         return Progress(residual, convolutions) if residual < 0.9 * self.lowest else self
 
     def has_stalled(self, problem: Problem, iterate: Iterate, judged: Judgement, idle: int) -> bool:
-        """Whether the residual has stopped falling, mostly because rounding decides about it.
+        """True if the residual has stopped falling, mostly because rounding decides about it.
 
         Parameters
         ----------

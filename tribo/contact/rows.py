@@ -41,7 +41,7 @@ class SoftRows:
         c/n of Eq. (1) [m/Pa]: c is what waves across the rows yield, in the median, beyond what
         an element does.
     matter : bool
-        Whether the coupling is large enough to need the metric.
+        True if the coupling is large enough to need the metric.
     """
 
     axis: int
@@ -165,7 +165,7 @@ class RowMetric:
         return None
 
     def _moving(self, field: Array, highest: float) -> Array:
-        """How many nodes of each row lie between the bounds."""
+        """Number of nodes of each row between the bounds."""
         return self._sums(((field > 0) & (field < highest)).astype(np.float64))
 
     def _shifted(

@@ -116,7 +116,7 @@ def solve_contact(
     max_iterations : int
         Convolutions after which to give up.
     criterion : {"gap", "pressure-change"}
-        What must be below the tolerance: the residual, or the change Σ|p − p_old|/Σp of the
+        Measure that the tolerance bounds: the residual, or the change Σ|p − p_old|/Σp of the
         pressure in the last iteration, Eq. (24) of Bosman & de Rooij. The latter is there for
         comparison. It is no test of convergence: begun near a solution, the iteration changes
         little from the first, and the residual that is returned may then be large.
@@ -235,7 +235,7 @@ def _scales(solid: ElasticHalfSpace, normal_load: float) -> tuple[float, float]:
 
 
 def _single_holds(solid: ElasticHalfSpace, normal_load: float) -> bool:
-    """Whether stresses and depths of a contact are numbers that single precision can hold."""
+    """True if stresses and depths of a contact are numbers that single precision can hold."""
     scales = _scales(solid, normal_load)
     return all(_SMALLEST_SINGLE < scale < 1 / _SMALLEST_SINGLE for scale in scales)
 
@@ -245,7 +245,7 @@ def _is_single(solid: ElasticHalfSpace) -> bool:
 
 
 def _solution(found: Outcome, hardness: float) -> ContactSolution:
-    """What an iteration has found, with what proves it."""
+    """Solution of an iteration, with the measures that prove it."""
     pressure, gap = found.pressure, found.gap
     saturated = pressure >= hardness
     yielding, touching = np.count_nonzero(saturated), np.count_nonzero(pressure)
@@ -263,7 +263,7 @@ def _solution(found: Outcome, hardness: float) -> ContactSolution:
 
 
 def _failure(found: Outcome, limits: Limits, single: bool) -> str:
-    """What to say of an iteration that has not converged, and what to do about it."""
+    """Message on an iteration that has not converged, with advice."""
     advice = f"allow more than {limits.convolutions} iterations or a larger tolerance"
     if found.stalled:
         largest = float(np.abs(found.displacement).max())

@@ -34,13 +34,13 @@ class Station:
     time : float
         Time since the load began to grow [s].
     on_trunk : bool
-        Whether higher loads pass through this station too.
+        True if higher loads pass through this station too.
     index : int
-        How many steps lead here from the unloaded state.
+        Number of steps from the unloaded state to here.
     impulse : float
         Integral of the load over the time since then, ∫F dt [N s].
     holding : bool
-        Whether the load has been the same since the station before.
+        True if the load has been the same since the station before.
 
     Examples
     --------

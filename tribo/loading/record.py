@@ -102,7 +102,7 @@ class MeasuredLoad:
         return float(self.loads.max()) if self.reference_load is None else self.reference_load
 
     def time_at(self, share: float) -> float:
-        """When the record first reaches a share, from 0 to 1, of its peak [s]."""
+        """Time at which the record first reaches a share, from 0 to 1, of its peak [s]."""
         load = share * self.peak
         row = int(np.argmax(self.loads >= load))
         if row == 0:

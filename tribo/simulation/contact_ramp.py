@@ -211,7 +211,7 @@ def _contact(
 
 
 def leads_to(scene: Scene, state: State, normal_load: float) -> bool:
-    """Whether the simulation of a load passes through a state, and can go on from it."""
+    """True if the simulation of a load passes through a state, and can go on from it."""
     if not state.on_trunk or state.normal_load >= normal_load:
         return False
     return math.isclose(state.normal_load, state.index * scene.trunk(normal_load))

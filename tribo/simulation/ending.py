@@ -58,7 +58,7 @@ def ended(scene: Scene, before: State, after: State, station: Station, velocity:
 
 
 def _comes_into_contact(scene: Scene, before: State, after: State, velocity: float) -> bool:
-    """Whether a step of several stages ends with much of its load where nothing was worn.
+    """True if a step of several stages ends with much of its load where nothing was worn.
 
     A pin that rolls wears alike all around, so its shape does not follow the pressure.
     """
@@ -72,7 +72,7 @@ def _comes_into_contact(scene: Scene, before: State, after: State, velocity: flo
 
 
 def _worn(scene: Scene, state: State) -> Mask:
-    """Where the pressure wears the pin: at its elements, or on all of a row that is swept."""
+    """Elements at which the pressure wears the pin; of a row that is swept, all of them."""
     touched: Mask = state.pressure > 0
     if scene.wear_of_contact and scene.wear_of_contact.pattern == "swept":
         touched = touched | touched.any(axis=1, keepdims=True)
@@ -80,7 +80,7 @@ def _worn(scene: Scene, state: State) -> Mask:
 
 
 def _between(before: State, station: Station) -> Station:
-    """Where the end begins; the load has its share of the impulse as if it changed linearly."""
+    """Start of the end; the load has its share of the impulse as if it changed linearly."""
     share = 1 - _END
     begin, end = before.normal_load, station.normal_load
     load = begin + share * (end - begin)

@@ -44,18 +44,18 @@ class Fidelity:
     increments : int
         Steps of the ramp up to its reference load.
     kernel : {"periodic", "nearest-image"}
-        How a periodic patch feels its images; see `tribo.elastic_influence`.
+        Influence of the images of a periodic patch; see `tribo.elastic_influence`.
     contact_tolerance : float
         Residual of the contact at which its solver stops; see `tribo.solve_contact`. At most 0.03
         is taken where the wear is local, which keeps what each contact has wrong.
     contact_criterion : {"gap", "pressure-change"}
-        What the contact's residual is a measure of; see `tribo.solve_contact`.
+        Measure of the contact's error; see `tribo.solve_contact`.
     precision : {"double", "single"}
         Precision of the contact's transforms. Single precision is faster on large grids and allows
         contact tolerances down to about 1e-3; a contact that it cannot solve to its tolerance is an
         error. From a tolerance of 1e-2 on contacts are solved in it anyway, where it holds them.
     wear_scheme : {"implicit", "explicit", "sdirk2"}
-        How wear advances over a step; see `tribo.WEAR_SCHEMES`.
+        Scheme by which wear advances over a step; see `tribo.WEAR_SCHEMES`.
     heat_model : {"elapsed", "history"}
         ``"elapsed"``: the present friction heat is taken to have acted since time 0 (Bosman & de
         Rooij). ``"history"``: all heat since then acts at its own time, linear between the steps;
@@ -64,14 +64,14 @@ class Fidelity:
         1.5 and 2.4 % of the rise at 1.25, 0.1, 0.01 and 0.001 m/s, and by 0.6, 2.1, 4.2 and 8.3 %
         with the heat kernel ``"endless"``.
     heat_kernel : {"pin", "endless", "nearest-image"}
-        How far the heated contact reaches along a periodic y, for the heat in both bodies.
+        Length of the heated contact along a periodic y, for the heat in both bodies.
         ``"pin"``: as far as the pin, the patch in its middle, where it is hottest; the mean over
         the paper's pin rises 0.8 to 1.4 % less. ``"endless"``: without ends, which is 1.4 to 2.8 %
         too warm there, and more where a slower or shorter pin lets heat past its ends.
         ``"nearest-image"``: the patch and the nearer image of each element, as Bosman & de Rooij
         compensate for leakage.
     partition : {"local", "uniform", "direct"}
-        How friction heat is divided between the bodies; see `tribo.partition_heat`.
+        Division of friction heat between the bodies; see `tribo.partition_heat`.
     heat_tolerance : float
         Relative residual of the heat partition at which its solver stops.
     temperature_interval : int

@@ -146,7 +146,7 @@ def check_heat(
     heat_flux : ndarray, shape (nx, ny)
         Frictional heat [W/m²].
     contact : ndarray of bool, shape (nx, ny)
-        Whether an element touches.
+        True at elements that touch.
     split : HeatPartition
         Heat partition to check.
     tolerance : float

@@ -42,7 +42,7 @@ class Velocities(NamedTuple):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Motion:
-    """How both bodies move at a sliding velocity.
+    """Motion of both bodies at a sliding velocity.
 
     Exactly one of the first two is given.
 

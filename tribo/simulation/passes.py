@@ -64,7 +64,7 @@ def parts(scene: Scene, wear: Wear, distance: float) -> int:
     scene : Scene
         System to simulate.
     wear : Wear
-        How the pin wears at the velocity of the step.
+        Wear of the pin at the velocity of the step.
     distance : float
         Slid in the step [m].
     """
@@ -95,11 +95,11 @@ def passes(
     station : Station
         Time and load at its end.
     wear : Wear or None
-        How the pin wears at the velocity of the step.
+        Wear of the pin at the velocity of the step.
     distance : float
         Slid in the step [m].
     observed : bool
-        Whether the contact at the disk's own position is asked for, if others pass.
+        True to solve the contact at the disk's own position too, if others pass.
     scheme : str, optional
         Scheme of the wear, in place of that of the fidelity.
     """

@@ -44,7 +44,7 @@ class Cylinder:
         return np.broadcast_to(x**2 / (2 * self.radius), grid.shape)
 
     def patches(self, grid: Grid) -> float:
-        """How many times the patch's load and wear make up the whole pin's."""
+        """Ratio of the load and wear of the whole pin to the patch's."""
         return self.length / grid.size[1]
 
 
@@ -80,7 +80,7 @@ class Ball:
         return distance
 
     def patches(self, grid: Grid) -> float:
-        """How many times the patch's load and wear make up the whole pin's."""
+        """Ratio of the load and wear of the whole pin to the patch's."""
         return 1.0
 
 
@@ -119,5 +119,5 @@ class Crowned:
         return distance
 
     def patches(self, grid: Grid) -> float:
-        """How many times the patch's load and wear make up the whole pin's."""
+        """Ratio of the load and wear of the whole pin to the patch's."""
         return 1.0

@@ -1,4 +1,4 @@
-"""What a step records."""
+"""Record of a step."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _OF_CONTACT = (
 
 
 def measures(scene: Scene, state: State) -> dict[str, float]:
-    """What is kept of a state at every step, by the name of its variable in the dataset.
+    """Values kept of a state at every step, by the name of their variable in the dataset.
 
     Returns
     -------

@@ -41,18 +41,18 @@ class Scene:
     pixels : Grid
         The patch of the contact, and the pixels on which the disk's roughness is given.
     loading : Ramp or MeasuredLoad
-        How the load grows with time.
+        Growth of the load with time.
     roughness : SelfAffineRoughness, MeasuredRoughness or Surface, optional
         Roughness of the disk, or a surface of one's own; smooth if not given.
     wear : Wear or WearLaw, optional
         Wear of the pin, or a law of one's own, which becomes an `OwnWear`; none if not given.
     friction_heat : bool
-        Whether there is friction, and with it heat. If not, no temperature is solved for: the rise
+        True if there is friction, and with it heat. If not, no temperature is solved for: the rise
         is 0.
     motion : Motion, optional
-        How both bodies move; the pin is at rest if not given.
+        Motion of both bodies; the pin is at rest if not given.
     unequal_bulks : bool
-        Whether the bodies may differ in bulk temperature. If so, the response of the contact to a
+        True if the bodies may differ in bulk temperature. If so, the response of the contact to a
         difference is solved for besides the rise.
     fidelity : Fidelity
         Numerical choices.
@@ -156,7 +156,7 @@ class Scene:
 
     @property
     def wears_locally(self) -> bool:
-        """Return whether each point of the pin wears by its own pressure on one patch."""
+        """True if each point of the pin wears by its own pressure on one patch."""
         wear = self.wear_of_contact
         return wear is not None and wear.pattern == "local" and not self.sweeps_over
 
@@ -180,7 +180,7 @@ class Scene:
 
     @property
     def sweeps_over(self) -> bool:
-        """Whether ever new patches of the disk pass the pin, along x and y."""
+        """True along x, and along y, if ever new patches of the disk pass the pin there."""
         swept = self.wear is not None and self.wear.pattern == "swept"
         return swept and not self.pixels.periodic[1] and self.roughness is not None
 
@@ -195,7 +195,7 @@ class Scene:
 
     @property
     def is_plane(self) -> bool:
-        """Whether nothing depends on y."""
+        """True if nothing depends on y."""
         smooth = self.roughness is None and isinstance(self.pin, Cylinder)
         kernels = self.fidelity.kernel, self.fidelity.heat_kernel
         return smooth and self.pixels.periodic[1] and "nearest-image" not in kernels
@@ -222,18 +222,18 @@ class Scene:
 
     @property
     def wears(self) -> bool:
-        """Return whether the pin loses any material."""
+        """True if the pin loses any material."""
         wear = self.wear
         return wear is not None and (wear.specific_wear_rate > 0 or isinstance(wear, OwnWear))
 
     @property
     def remembers_steps(self) -> bool:
-        """Return whether a state depends on the steps before: by its wear, or by their heat."""
+        """True if a state depends on the steps before: by its wear, or by their heat."""
         return self.wears or self.remembers_heat
 
     @property
     def remembers_heat(self) -> bool:
-        """Whether a temperature depends on the heat of the steps before."""
+        """True if a temperature depends on the heat of the steps before."""
         warms = self.friction_heat or self.unequal_bulks
         return warms and self.fidelity.heat_model == "history"
 
@@ -309,7 +309,7 @@ class Scene:
 
     @property
     def coarsening(self) -> int:
-        """How many times larger elements are, along each axis, until a point's last step.
+        """Factor by which elements are larger, along each axis, until a point's last step.
 
         The largest number up to the fidelity's ``history_coarsening`` that divides the grid and
         leaves enough of it to know the wear; 1 where the wear is local, or the heat of all the

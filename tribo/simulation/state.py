@@ -73,7 +73,7 @@ class State:
     impulse : float
         Integral of the load over the time since the start, ∫F dt [N s].
     on_trunk : bool
-        Whether the simulation of a higher load passes through this state.
+        True if the simulation of a higher load passes through this state.
     index : int
         Steps of the loading that lead here.
     iterations : int
@@ -89,7 +89,7 @@ class State:
     displacement, previous_displacement : ndarray, shape (nx, ny), or None
         Elastic ones under both pressures [m], from the datum of the solid, where they are known.
     is_asked : bool
-        Whether the temperature of the contact is asked for.
+        True to solve for the temperature of the contact.
     heat : Heat or None
         Temperature of the contact, where it was asked for.
     history : State or None

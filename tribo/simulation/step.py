@@ -74,7 +74,7 @@ def advance(
         Guess of the first contact's pressure [Pa], from which the others go on; extrapolated from
         the last two states if not given.
     observed : bool, optional
-        Whether the contact at the disk's own position is solved, too, where others pass the pin.
+        True to solve the contact at the disk's own position, too, where others pass the pin.
         If not, the pressure is that of the last one that has passed.
     scheme : str, optional
         Scheme of the wear, in place of that of the fidelity.

@@ -62,14 +62,14 @@ Found = tuple[WarningKind, str]
 
 
 class PointWarning(NamedTuple):
-    """What a user should know about a point before relying on it.
+    """Reason for care in relying on a point.
 
     Attributes
     ----------
     kind : WarningKind
-        What it is about.
+        Kind of the reason.
     text : str
-        What is wrong, by how much, and what to do.
+        Fault, its size, and a remedy.
 
     Examples
     --------
@@ -86,7 +86,7 @@ class PointWarning(NamedTuple):
 
 
 def warnings(scene: Scene, state: State) -> list[PointWarning]:
-    """What a user should know about a state before relying on it.
+    """Reasons for care in relying on a state.
 
     Examples
     --------
@@ -216,7 +216,7 @@ def _few_nodes(scene: Scene, state: State) -> Iterator[Found]:
 
 
 def on_pixels(scene: Scene, state: State) -> bool:
-    """Return whether the elements of a state are the pixels themselves."""
+    """True if the elements of a state are the pixels themselves."""
     return len(state.pressure) == scene.pixels.shape[0]
 
 
@@ -245,7 +245,7 @@ def _rows(state: State) -> int:
 
 
 def _fits(scene: Scene, state: State) -> bool:
-    """Whether wear has shaped the pin by far more than the roughness is high."""
+    """True if wear has shaped the pin by far more than the roughness is high."""
     if scene.wear is None:
         return False
     heights = elastic_bodies(scene).separation - scene.pin.profile(scene.grid)

@@ -98,7 +98,7 @@ def partition_heat(
     heat_flux : ndarray, shape ``grid.shape``
         Frictional heat q = µVp [W/m²], 0 outside the contact.
     contact : ndarray of bool, shape ``grid.shape``
-        Whether the bodies touch.
+        True at elements that touch.
     method : {"local", "direct", "uniform"}, optional
         "local" solves Eq. (1) by iteration, "direct" by elimination, which takes 8n² bytes and
         2n³/3 operations for n nodes in contact. "uniform" is Blok's way: one fraction q₁/q for

@@ -56,7 +56,7 @@ def panels(
 
 
 def _undisturbed(drift: float, low: float, side: float) -> float:
-    """How far s can grow until an edge of the source comes within reach of an element's centre.
+    """Growth of s until an edge of the source comes within reach of an element's centre.
 
     0 or less if one is within reach already. The edges pass centres when drift·s² is an odd
     multiple of half the side, and reach this far for a change of s by `REACH`/(2 drift).

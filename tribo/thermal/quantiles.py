@@ -40,7 +40,7 @@ def contact_quantiles(rise: Array, contact: Mask) -> Array:
     rise : ndarray, shape (nx, ny)
         Temperature rise [K].
     contact : ndarray of bool, shape (nx, ny)
-        Whether the pressure is positive. All elements are of equal area.
+        True where the pressure is positive. All elements are of equal area.
 
     Examples
     --------
@@ -67,7 +67,7 @@ def bulk_ratio_quantiles(rise: Array, response: Array, contact: Mask) -> Array:
     response : ndarray, shape (nx, ny)
         Rise for each kelvin by which the disk's bulk is the warmer one, b.
     contact : ndarray of bool, shape (nx, ny)
-        Whether the pressure is positive.
+        True where the pressure is positive.
 
     Returns
     -------

@@ -62,7 +62,7 @@ def content(ds: xr.Dataset, points: OperatingPoints | None, conditions: Mapping[
         "Numerical choices and their error": lambda: _fidelity(attributes),
         "Model": _model,
         "Versions": lambda: _versions(attributes),
-        "How to cite": _cite,
+        "Citation": _cite,
     }
     parts = [f"<h1>{html.escape(str(title))}</h1>"]
     for heading, write in sections.items():

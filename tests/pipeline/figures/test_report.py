@@ -11,7 +11,7 @@ from tribo import InputError
 POINTS = {"load": ["300 N", "500 N"], "velocity": ["1.5 m/s", "2 m/s"], "gear": ["first", "second"]}
 HEADINGS = (
     "Question and answer", "Transition diagram", "Boundary in numbers", "Operating points",
-    "Warnings", "Inputs", "Numerical choices and their error", "Model", "Versions", "How to cite",
+    "Warnings", "Inputs", "Numerical choices and their error", "Model", "Versions", "Citation",
 )  # fmt: skip
 
 
