@@ -30,5 +30,8 @@ def test_pages_are_printed_in_a_terminal(capsys):
     for name in names:
         assert main(["help", name]) == 0
         assert "# " in capsys.readouterr().out
+    for name in ("FIRST_HOUR.md", "workflows/FIRST_HOUR.md", "README"):
+        assert main(["help", name]) == 0
+    capsys.readouterr()
     assert main(["help", "first-our"]) == 2
     assert '(did you mean "first-hour"?)' in capsys.readouterr().err

@@ -32,13 +32,14 @@ def help_(options: argparse.Namespace) -> int:
     commands = [command.name for command in COMMANDS]
     if topic in commands:
         parse([topic, "--help"])
-    if topic not in pages:
+    page = _name(Path(topic))
+    if page not in pages:
         near = get_close_matches(topic, [*pages, *commands], 1)
         meant = f' (did you mean "{near[0]}"?)' if near else ""
         raise InputError(f'no page or command is called "{topic}"{meant}; irg help lists them')
-    text = pages[topic].read_text(encoding="utf-8")
+    text = pages[page].read_text(encoding="utf-8")
     if options.json:
-        show(options, {"page": topic, "text": text}, ())
+        show(options, {"page": page, "text": text}, ())
     elif sys.stdout.isatty():
         pydoc.pager(text)
     else:
@@ -49,10 +50,13 @@ def help_(options: argparse.Namespace) -> int:
 def _pages() -> dict[str, Path]:
     """File of each page that can be printed, by the name to ask for it."""
     return {
-        _NAMES.get(path.stem, path.stem.lower().replace("_", "-")): path
-        for path in sorted(WORKFLOWS.glob("*.md"))
-        if path.stem not in _OF_SITE
+        _name(path): path for path in sorted(WORKFLOWS.glob("*.md")) if path.stem not in _OF_SITE
     }
+
+
+def _name(path: Path) -> str:
+    """Name of a page, by its file or as it is typed."""
+    return _NAMES.get(path.stem, path.stem.lower().replace("_", "-"))
 
 
 def _title(path: Path) -> str:
