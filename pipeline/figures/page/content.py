@@ -40,7 +40,7 @@ from tribo.types import Array, Mask
 MOST_FIELDS = 500
 """Number of points whose fields a page holds unless told otherwise, some 5 MB."""
 
-_OIL_TEMPERATURES = np.arange(220.0, 601.0, 5.0)  # [K]
+_OIL_TEMPERATURES = np.arange(220.0, 601.0, 1.0)  # [K]
 
 _SHOWN = (
     "time", "sliding_distance", "contact_fraction", "contact_width", "max_pressure",

@@ -173,4 +173,4 @@ def test_the_film_of_each_crossing_is_that_of_the_boundary():
     bulks = [298.15, 331.0]
     for bulk, films in zip(bulks, run(ds, script, bulks), strict=True):
         expected = pipeline.boundary(ds, bulk_temperature=bulk)["film_parameter_at_load"]
-        np.testing.assert_allclose(films, expected, rtol=2e-3)  # 5 K between rows of the table
+        np.testing.assert_allclose(films, expected, rtol=2e-4)  # 1 K between rows of the table
