@@ -101,8 +101,14 @@ def _of_points(options: argparse.Namespace) -> int:
     """Print the distances of a table of operating points."""
     if given(options, "load", "velocity", "scatter") or options.given_measured:
         raise InputError("--points stands alone, without --load, --velocity or --given-measured")
-    out, points = table_path(options), OperatingPoints.read(options.points)
+    out = table_path(options)
     ds, conditions = opened(options), given(options, *CONDITIONS)
+    if "sample" in ds.dims:
+        raise InputError(
+            "--points takes no sweep with samples: give each operating point alone, as --load and "
+            "--velocity, here or to irg risk"
+        )
+    points = OperatingPoints.read(options.points)
     table = pipeline.margin_table(ds, points, **conditions)
     verdicts = Counter(table.as_dict()["verdict"])
     counts = ", ".join(f"{number} {verdict}" for verdict, number in sorted(verdicts.items()))
@@ -110,7 +116,11 @@ def _of_points(options: argparse.Namespace) -> int:
     notes = table.as_dict()["note"]
     if out is None:
         text += ["", *table.without(_ONLY_IN_FILES).without_empty().lines()]
-    text += [f"row {number}: {note}" for number, note in enumerate(notes, 1) if note]
+    text += [
+        f"{place.load:g} N at {place.velocity:g} m/s: {note}"
+        for place, note in zip(points.places, notes, strict=True)
+        if note
+    ]
     document = {"verdicts": verdicts, "margins": table.as_dict()}
     warned = pipeline.warned(ds, **conditions)
     show(options, document, text, warned=warned, out=out, tables=[table])

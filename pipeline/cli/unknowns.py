@@ -18,6 +18,8 @@ from pipeline.cli.scenes import given
 from tribo import InputError
 
 if TYPE_CHECKING:
+    import xarray as xr
+
     from pipeline.uncertain.ensemble import Ensemble
     from pipeline.uncertain.sensitivity import Sensitivity
     from pipeline.uncertain.weigh import Judged, Posterior
@@ -82,7 +84,7 @@ def posterior(options: argparse.Namespace, stores: Sequence[Path]) -> int:
     out = output_path(options)
     with working("reading samples"):
         datasets = [pipeline.open_sweep(store) for store in stores]
-        ensembles = [pipeline.Ensemble.of(ds) for ds in datasets]
+        ensembles = [_ensemble(*each) for each in zip(stores, datasets, strict=True)]
     with working("weighing the inputs by the tests"):
         found = pipeline.posterior(ensembles, **given(options, "scatter"))
     document: dict[str, Any] = found.as_dict()
@@ -102,6 +104,14 @@ def posterior(options: argparse.Namespace, stores: Sequence[Path]) -> int:
         draw=partial(pipeline.draw_posterior, found),
     )  # fmt: skip
     return DONE
+
+
+def _ensemble(store: Path, ds: xr.Dataset) -> Ensemble:
+    """Samples of one store among several, which an error names."""
+    try:
+        return pipeline.Ensemble.of(ds)
+    except InputError as error:
+        raise InputError(f"{store}: {error}") from error
 
 
 def _next(options: argparse.Namespace, found: Posterior) -> tuple[list[dict[str, Any]], list[str]]:

@@ -63,6 +63,8 @@ def with_rows(
         except (OSError, UnicodeDecodeError) as error:
             reason = getattr(error, "strerror", None) or "not in UTF-8"
             faults.append(Fault(at, f"{path} cannot be read: {reason}; give a CSV file in UTF-8"))
+    if listed and not rows:  # all are faulty, which is said already
+        return {name: value for name, value in entries.items() if name != key}
     return entries | {key: rows}
 
 

@@ -35,6 +35,21 @@ def test_each_row_gets_the_margin_of_its_point_and_keeps_its_further_columns(sto
     assert "load is 9000 N; the sweep has" in beyond["note"]
 
 
+def test_a_note_names_the_point_and_not_a_row_of_the_table(store, tmp_path, capsys):
+    duty = tmp_path / "duty.csv"
+    duty.write_text(DUTY)
+    assert main(["margin", "out.zarr", "--points", str(duty)]) == 0
+    assert "9000 N at 2 m/s: load is 9000 N; the sweep has" in capsys.readouterr().out
+
+
+def test_several_stores_to_infer_from_are_named_where_one_has_no_samples(store, tmp_path, capsys):
+    names = [str(tmp_path / name) for name in ("a.zarr", "b.zarr")]
+    for name in names:
+        (tmp_path / name).mkdir()
+    assert main(["infer", *names]) == 2
+    assert "a.zarr: the sweep has no samples" in capsys.readouterr().err
+
+
 def test_all_faults_of_a_table_are_named_with_row_and_column(store, tmp_path, capsys):
     duty = tmp_path / "duty.csv"
     duty.write_text("load [N],velocity [m/s]\n400,2\n\n-1,2\n400,fast\n400\n")

@@ -66,6 +66,14 @@ def test_all_faults_of_a_log_come_at_once(lab):
     assert len(caught.value.faults) == 3
 
 
+def test_a_log_without_a_sound_row_is_one_fault(tmp_path):
+    scene = tmp_path / "lab.toml"
+    scene.write_text('extends = "first_try"\n[[tested]]\nfile = "log.csv"\n', encoding="utf-8")
+    with pytest.raises(pipeline.SceneFileError, match="cannot be read") as caught:
+        pipeline.load_scene(scene)
+    assert len(caught.value.faults) == 1
+
+
 def test_a_transition_counts_with_its_own_bulk_and_hold():
     sweep = tiny.sweep(wear=None)  # so that it gets warmer in the hold
     plain, warm, held = (
