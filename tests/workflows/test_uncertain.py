@@ -29,7 +29,7 @@ def test_the_commands_of_the_page_lead_to_a_probability_and_the_next_test(
         assert main([*arguments, *few]) == 0
         printed.append(capsys.readouterr().out)
     assert "severe wear with a probability of" in printed[1]
-    assert "what to measure next" in "".join(printed)
+    assert "measurements to make next" in "".join(printed)
     assert re.search(
         r"cannot be told apart by these tests \(correlation −0\.[5-9]", "".join(printed)
     )

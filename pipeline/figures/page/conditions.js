@@ -150,7 +150,7 @@ function surfaceChoice() {
     chosen.surface = value === "" ? null : Number(value);
     update();
   });
-  return [html("label", { for: "surface" }, `${all}: `), select];
+  return [html("label", { for: "surface" }, "surface: "), select];
 }
 
 /**

@@ -24,7 +24,7 @@ from pipeline.store.progress import summarized
 from pipeline.store.schema import COLUMNS, FAILED
 from pipeline.store.write import Store
 from pipeline.sweep.model import Point
-from pipeline.sweep.plan import chains, points, run_point
+from pipeline.sweep.plan import chains, points, run_point, run_points
 from tests.helpers import tiny
 from tests.helpers.here import Ended, Here
 
@@ -49,10 +49,10 @@ def given(tmp_path, monkeypatch):
 
 
 def failing_at(bad):
-    def run(sweep, load, velocity, *variant, trunk=None):
-        if Point(load, velocity) == bad:
+    def run(sweep, places, trunk=None):
+        if bad in places:
             raise tribo.ConvergenceError("the contact did not converge", solution=None)
-        return run_point(sweep, load, velocity, *variant, trunk=trunk)
+        return run_points(sweep, places, trunk)
 
     return run
 
@@ -95,7 +95,7 @@ def test_chains_are_finished_one_by_one_but_the_last_of_them_together(given, wor
 
 def test_a_point_that_fails_costs_no_other_of_its_task(given, monkeypatch):
     bad = points(SWEEP)[10]
-    monkeypatch.setattr(work, "run_point", failing_at(bad))
+    monkeypatch.setattr(work, "run_points", failing_at(bad))
     client = Here()
     store, ended = given(client=client)
     assert len(client.tasks) == 2

@@ -133,7 +133,7 @@ def test_the_steps_of_a_hold_belong_to_the_point_alone():
     held, higher = run_point(sweep, 250.0, 1.0), run_point(sweep, 300.0, 1.0)
     np.testing.assert_array_equal(held.columns["normal_load"], [125.0, 250.0, 250.0, 250.0])
     np.testing.assert_array_equal(higher.columns["normal_load"], [125.0, 250.0, *[300.0] * 3])
-    assert len(held.trunk.records) == len(higher.trunk.records) == 2
+    assert len(held.trunk.records[None]) == len(higher.trunk.records[None]) == 2
 
 
 @settings(max_examples=15, deadline=None)

@@ -22,7 +22,7 @@ def counted(sweep):
     for chain in chains(points(sweep), sweep.independent):
         trunk = None
         for point in chain:
-            new = slice(len(trunk.records) if trunk else 0, None)
+            new = slice(len(trunk.records.get(None, ())) if trunk else 0, None)
             result = run_point(sweep, *point, trunk=trunk)
             steps += len(result.columns["time"][new])
             temperatures += (result.columns["max_rise"][new] >= 0).sum()
