@@ -23,7 +23,6 @@ from pipeline.store.place import StoreError
 from pipeline.store.progress import summarized
 from pipeline.store.schema import COLUMNS, FAILED
 from pipeline.store.write import Store
-from pipeline.sweep.model import Point
 from pipeline.sweep.plan import chains, points, run_point, run_points
 from tests.helpers import tiny
 from tests.helpers.here import Ended, Here
