@@ -154,8 +154,8 @@ def probabilities(
     if velocities is None:
         velocities = np.linspace(*ensemble.velocities, 121)
     rows = [
-        draws.mean(ensemble.excess(draws.inputs, float(load), velocities, conditions).probability)
-        for load in loads
+        draws.mean(excess.probability)
+        for excess in ensemble.rows(draws.inputs, loads, velocities, conditions)
     ]
     return xr.DataArray(
         np.clip(rows, 0.0, 1.0),

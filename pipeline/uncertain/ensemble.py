@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
@@ -231,6 +231,23 @@ class Ensemble:
         limit = self.log_limit(draws, conditions)
         return found._replace(values=found.values - limit[:, None, None])
 
+    def rows(
+        self,
+        draws: Array,
+        loads: Sequence[float] | Array,
+        velocities: Sequence[float] | Array,
+        conditions: Mapping[str, float] | None = None,
+    ) -> Iterator[Excess]:
+        """Excess at one load after the other, each of its arrays of shape (n, n_velocity).
+
+        Parameters are those of `excesses`, which takes the memory of all loads at once.
+        """
+        wanted = np.asarray(velocities, float)
+        nodes = _nodes(wanted)
+        at_nodes = self.excesses(draws, loads, nodes, conditions)
+        for number in range(len(loads)):
+            yield _at(wanted, nodes, Excess(*(part[:, number] for part in at_nodes)))
+
     def width(self, draws: Array, load: float, velocity: float) -> Excess:
         """Logarithm of the contact's width [m] in place of the excess, likewise."""
         found = self._emulated(self._width, draws, [load], [velocity], None)
@@ -289,8 +306,7 @@ class Ensemble:
     ) -> Excess:
         wanted = np.asarray(velocities, float)
         self.require_within(loads, wanted)
-        is_row = len(wanted) > _NODES
-        nodes = np.geomspace(wanted.min(), wanted.max(), _NODES) if is_row else wanted
+        nodes = _nodes(wanted)
         columns = [self.values(each.path, draws, conditions) for each in self.design.inputs]
         weights, bends = map(np.array, zip(*map(self._between_loads, loads), strict=True))
         values, errors = [], []
@@ -304,10 +320,8 @@ class Ensemble:
             errors.append([np.hypot(each[:, None], bends) for each in both])
         parts = [np.stack(values, axis=-1)]
         parts += [np.stack(each, axis=-1) for each in zip(*errors, strict=True)]
-        if is_row:
-            parts = [CubicSpline(np.log(nodes), each, axis=-1)(np.log(wanted)) for each in parts]
-        errors_of_all = [np.abs(each) for each in parts[1:]] or [np.zeros_like(parts[0])] * 2
-        return Excess(parts[0], *errors_of_all)
+        errors_of_all = parts[1:] or [np.zeros_like(parts[0])] * 2
+        return _at(wanted, nodes, Excess(parts[0], *errors_of_all))
 
     def _between_loads(self, load: float) -> tuple[Array, float]:
         """Weights of the outputs at each load by which to interpolate, and its error."""
@@ -356,6 +370,22 @@ class Ensemble:
             rises=self.rises[kept],
             widths=self.widths[kept],
         )
+
+
+def _nodes(velocities: Array) -> Array:
+    """Velocities at which to emulate, where many are wanted."""
+    if len(velocities) <= _NODES:
+        return velocities
+    return np.geomspace(velocities.min(), velocities.max(), _NODES)
+
+
+def _at(velocities: Array, nodes: Array, excess: Excess) -> Excess:
+    """Excess at velocities, from that at nodes."""
+    if nodes is velocities:
+        return excess
+    x, wanted = np.log(nodes), np.log(velocities)
+    values, *errors = (CubicSpline(x, part, axis=-1)(wanted) for part in excess)
+    return Excess(values, *map(np.abs, errors))
 
 
 def _around(x: Array, at: float) -> slice:
