@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -20,6 +21,7 @@ from tribo import InputError
 if TYPE_CHECKING:
     import xarray as xr
 
+    from pipeline.uncertain.answers import Risk
     from pipeline.uncertain.ensemble import Ensemble
     from pipeline.uncertain.sensitivity import Sensitivity
     from pipeline.uncertain.weigh import Judged, Posterior
@@ -49,6 +51,7 @@ def risk(options: argparse.Namespace) -> int:
             *text,
             f"  emulated by {at.samples} samples, whose rise errs by {100 * at.rise_error:.2g} %; "
             "the error of the probability has it in",
+            *_if_given(ensemble, at, found),
         ]
     if options.load is None or out:
         with working("finding probabilities over the plane"):
@@ -64,6 +67,19 @@ def risk(options: argparse.Namespace) -> int:
     return DONE
 
 
+def _if_given(ensemble: Ensemble, at: Risk, found: Posterior | None) -> Iterator[str]:
+    """Line on the probability that the scene's own tests would give."""
+    if found is not None or not (ensemble.measured or ensemble.tested):
+        return
+    with suppress(InputError), working("weighing the inputs by the tests"):
+        weighed = pipeline.posterior(ensemble)
+        after = pipeline.risk(ensemble, at.load, at.velocity, weighed.draws)
+        yield (
+            f"next: given the scene's {_tests(weighed)} it is {after.probability:.2g}: "
+            "add --given-measured"
+        )
+
+
 def sensitivity(options: argparse.Namespace) -> int:
     """Print and draw which input moves the boundary how much."""
     out, ds = output_path(options), pipeline.open_sweep(options.store)
@@ -71,7 +87,14 @@ def sensitivity(options: argparse.Namespace) -> int:
     with working("finding Sobol' indices"):
         indices = pipeline.sensitivity(ensemble, found.draws if found else None)
     draw = partial(pipeline.draw_sensitivity, indices, ensemble.title)
-    text = [*notes(ensemble, found), *_indices(indices)]
+    most = indices.unknown[int(np.argmax(indices.first.mean(axis=0)))]
+    target = "" if most.kind == "list" else f" --for {most.path}"
+    text = [
+        *notes(ensemble, found),
+        *_indices(indices),
+        f"next: {most.path} moves the boundary most; tests to make: irg infer {options.store} "
+        f"--next{target}",
+    ]
     show(
         options, _about(ensemble) | indices.as_dict(), text,
         warned=pipeline.warned(ds), out=out, rows=_index_rows(indices), draw=draw,
@@ -96,6 +119,8 @@ def posterior(options: argparse.Namespace, stores: Sequence[Path]) -> int:
     elif options.target or options.bulk_temperature:
         name = "--for" if options.target else "--bulk-temperature"
         raise InputError(f"{name} belongs to --next, which is not given")
+    else:
+        text.append(f"next: the test that tells most: irg infer {stores[0]} --next")
     show(
         options, document, text,
         warned=pipeline.warned(datasets[0]),
