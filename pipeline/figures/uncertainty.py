@@ -195,7 +195,8 @@ def draw_posterior(found: Posterior) -> Figure:
             listed = np.sort(each.shown.of(np.array(each.parameters))) / 10.0**power
             bins = np.append(listed, listed[-1] + 1) - 0.5
         for draws, colour, label in ((found.prior, GREY, "before"), (found.draws, BLUE, "after")):
-            _histogram(panel, column, draws, bins, colour, label)
+            of_draws = each.shown.of(draws.inputs[:, number]) / 10.0**power
+            _histogram(panel, of_draws, draws, bins, colour, label)
         panel.set_xlabel(_broken(each.path) + _unit(each.shown.name, power), fontsize=9)
         panel.set_yticks([])
         panel.grid(visible=False)
@@ -203,7 +204,8 @@ def draw_posterior(found: Posterior) -> Figure:
         _parity(axes[len(unknown)], transitions, found.inferred_scatter[1])
     for panel in axes[panels:]:
         panel.set_axis_off()
-    figure.suptitle(textwrap.fill(as_text(found.ensemble.title), 34 * columns))
+    title = "\n".join(as_text(ensemble.title) for ensemble in found.ensembles)
+    figure.suptitle(textwrap.fill(title, 34 * columns, replace_whitespace=False))
     handles, labels = axes[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=2)
     return figure

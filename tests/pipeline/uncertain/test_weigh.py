@@ -182,6 +182,7 @@ def test_many_tests_are_weighed_in_steps_to_the_same_distribution():
     ]
     sharp = pipeline.posterior(ensemble((CRITICAL, LENGTH), measured=measured))
     assert len(sharp.draws.weights) < len(sharp.prior.weights)  # drawn in steps, not weighed
+    assert pipeline.draw_posterior(sharp).axes
     many = prior(sharp.unknown, 5, 2**19)
     likelihood = np.zeros(len(many.inputs))
     for entry in measured:
