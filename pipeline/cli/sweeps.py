@@ -65,7 +65,7 @@ def computed(options: argparse.Namespace) -> int:
         *(f"failed: {point}" for point in outcome.failed),
     ]
     if outcome.failed:
-        text.append("try these again with: irg run --retry-failed")
+        text.append("try these again with: the same command and --retry-failed")
     elif outcome.done:
         text.append(after_run(sweep, out))
     warned = pipeline.warned(out) if pipeline.summary(out).warned else NO_WARNING

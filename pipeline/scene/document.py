@@ -18,7 +18,7 @@ from typing import Any
 from pipeline.scene.entries import did_you_mean, quoted
 from pipeline.scene.faults import Fault, SceneFileError
 from pipeline.scene.format import EXTENDS, WITHOUT
-from pipeline.scene.shipped import scene_path
+from pipeline.scene.shipped import scene_path, shipped_scenes
 
 _LARGEST_FILE = 10_000_000
 _LEVELS = 10  # of tables in tables, more than the format has
@@ -225,7 +225,9 @@ def _toml(path: Path) -> dict[str, Any]:
             content = file.read(_LARGEST_FILE + 1)
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or error
-        raise SceneFileError(path, [f"cannot be read: {reason}"]) from error
+        missing = isinstance(error, FileNotFoundError)
+        meant = did_you_mean(path.stem, shipped_scenes()) if missing else ""
+        raise SceneFileError(path, [f"cannot be read: {reason}{meant}"]) from error
     if len(content) > _LARGEST_FILE:
         raise SceneFileError(
             path, [f"is larger than {_LARGEST_FILE // 10**6} MB; give a scene file, which is text"]

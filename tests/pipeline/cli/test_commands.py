@@ -98,7 +98,7 @@ def test_points_that_fail_are_listed_and_the_others_are_done(tmp_path, capsys):
     out = capsys.readouterr().out
     assert "6 of 9 points done" in out
     assert out.count("failed: 1e+07 N") == 3
-    assert "irg run --retry-failed" in out
+    assert "the same command and --retry-failed" in out
     assert run("status", tmp_path / "heavy.zarr") == 1
 
 
