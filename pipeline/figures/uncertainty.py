@@ -204,8 +204,8 @@ def draw_posterior(found: Posterior) -> Figure:
         _parity(axes[len(unknown)], transitions, found.inferred_scatter[1])
     for panel in axes[panels:]:
         panel.set_axis_off()
-    title = "\n".join(as_text(ensemble.title) for ensemble in found.ensembles)
-    figure.suptitle(textwrap.fill(title, 34 * columns, replace_whitespace=False))
+    titles = (textwrap.fill(as_text(each.title), 34 * columns) for each in found.ensembles)
+    figure.suptitle("\n".join(titles))
     handles, labels = axes[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=2)
     return figure
