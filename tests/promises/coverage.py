@@ -25,8 +25,9 @@ SCATTER = 0.05
 
 def measured_of(scene, overrides, noise):
     """Transitions that a rig would measure if the scene with these entries were the truth."""
-    truth = replace(pipeline.load_scene(scene, overrides=overrides), samples=None)
-    own = pipeline.vary(truth, {}).own
+    known = overrides | {"without": ["unknown", "sweep.samples"]}
+    truth = pipeline.load_scene(scene, overrides=known)
+    own = pipeline.vary(scene, {}, overrides=known).own
     for load, velocity in zip(truth.loads, own.critical_velocities, strict=True):
         if math.isfinite(velocity):
             velocity *= math.exp(SCATTER * noise.standard_normal())
