@@ -16,6 +16,12 @@ def surface(options: argparse.Namespace) -> int:
         scan = pipeline.surface_statistics(
             options.scan, options.height_unit, options.pixel_size, options.transpose, options.flip
         )
-    text = [*scan.lines(), "", "more of the same, in a scene:", "", scan.toml.rstrip()]
+    text = list(scan.lines())
+    if scan.is_self_affine:
+        text += ["", "more of the same, in a scene:", "", scan.toml.rstrip()]
+    else:
+        text.append(
+            "no random roughness stands for it: give the scan itself, as disk.roughness.file"
+        )
     show(options, scan.as_dict(), text)
     return DONE

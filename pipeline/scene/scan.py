@@ -15,6 +15,7 @@ from tribo import InputError, SelfAffineFit, average_roughness, fit_self_affine,
 from tribo.types import Array
 
 _ASKEW = 0.5  # skewness beyond which a random surface is a poor likeness
+_UNLIKE = 5  # factor between spectra, beyond which a fit stands for no scan
 _SHORT = 10.0  # correlation lengths along a side, below which few of them are seen
 _DEGREES = 10.0  # of a lay from an axis, beyond which the fit along the axes is another surface
 
@@ -116,9 +117,15 @@ class SurfaceStatistics:
                 " the scan is not self-affine, or its instrument filters it"
             )
 
+    @property
+    def is_self_affine(self) -> bool:
+        """True where a random roughness can stand for the scan."""
+        return self.fit.misfit <= _UNLIKE
+
     def as_dict(self) -> dict[str, Any]:
         """Return the statistics by name, with the table as text."""
-        return asdict(self) | {"toml": self.toml, "warnings": list(self.warnings)}
+        toml = self.toml if self.is_self_affine else None
+        return asdict(self) | {"toml": toml, "warnings": list(self.warnings)}
 
     def lines(self) -> Iterator[str]:
         """Describe the scan, a line for each quantity."""

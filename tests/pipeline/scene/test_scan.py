@@ -5,6 +5,7 @@ import tomllib
 
 import numpy as np
 import pytest
+from scipy import ndimage
 
 from pipeline import load_scene, surface_statistics
 from pipeline.cli import main
@@ -86,3 +87,13 @@ def test_a_scene_turns_its_scan_and_answers_a_narrow_one_with_mirror(scan):
     with pytest.raises(SceneFileError, match=r'disk\.roughness\.repeat = "mirror"'):
         load_scene("first_try", overrides=wide)
     load_scene("first_try", overrides=wide | {"disk.roughness.repeat": "mirror"})
+
+
+def test_a_filtered_scan_gets_no_random_roughness_in_its_place(tmp_path, capsys):
+    noise = np.random.default_rng(0).standard_normal((200, 240))
+    np.save(tmp_path / "scan.npy", 1e-7 * ndimage.gaussian_filter(noise, 3, mode="wrap"))
+    options = ["--height-unit", "m", "--pixel-size", "0.8 um"]
+    assert main(["surface", str(tmp_path / "scan.npy"), *options]) == 0
+    printed = capsys.readouterr().out
+    assert "give the scan itself" in printed
+    assert "[disk.roughness]" not in printed
