@@ -213,15 +213,15 @@ class Corrections:
         """Friction at sliding velocities [m/s] over the coefficient of friction."""
         if not self.friction:
             return np.ones(np.shape(velocity))
-        known, factors = np.array(self.friction).T
+        velocities, factors = np.array(self.friction).T
         # Smooth also at the ends, since a boundary is interpolated between points on both sides.
-        nodes = np.concatenate([[known[0] / 2], known, [2 * known[-1]]])
+        nodes = np.concatenate([[velocities[0] / 2], velocities, [2 * velocities[-1]]])
         curve = scipy.interpolate.PchipInterpolator(
             np.log(nodes), factors[[0, *range(len(factors)), -1]]
         )
         within = np.clip(velocity, nodes[0], nodes[-1])
-        found: Array = curve(np.log(within))
-        return found
+        factor: Array = curve(np.log(within))
+        return factor
 
     def added_rise(self, columns: Mapping[str, Any]) -> Array:
         """Additional rise of the contact at friction 1 by film, stem and earlier passes [K].
@@ -309,12 +309,12 @@ def moment_of(scene: Scene, state: State, corrections: Corrections | None) -> Ma
 
 def _warming(track: Track, columns: Mapping[str, Any], heats: Mask) -> Array:
     """Warming of the track at some steps, for each unit of heat that enters the disk [K]."""
-    found = []
+    terms = []
     for place in map(tuple, np.argwhere(heats).tolist()):
         before, now = place[:-1], place[-1]
         time, load = (columns[name][before][: now + 1] for name in ("time", "normal_load"))
         velocity = columns["sliding_distance"][place] / time[now]
-        found.append(
+        terms.append(
             track_warming(
                 time[now],
                 track.length / velocity,
@@ -324,4 +324,4 @@ def _warming(track: Track, columns: Mapping[str, Any], heats: Mask) -> Array:
                 track.heat_capacity,
             )
         )
-    return np.array(found)
+    return np.array(terms)

@@ -226,8 +226,8 @@ def read_load(path: str | Path, reference_load: float | None = None) -> Measured
         )
     columns = np.array(rows).T * np.array(factors)[:, None]
     times, loads = columns[::-1] if load_first else columns
-    if found := fault(times, loads):
-        row, why = found
+    if reason := fault(times, loads):
+        row, why = reason
         raise InputError(f"{path}, line {lines[row]}: {why}")
     try:
         return MeasuredLoad(times, loads, reference_load)
@@ -237,20 +237,20 @@ def read_load(path: str | Path, reference_load: float | None = None) -> Measured
 
 def _header(cells: list[str], where: str) -> tuple[tuple[float, float], bool]:
     """Factors of both columns to SI, and whether the load stands first."""
-    found = []
+    columns = []
     for cell in cells:
         match = re.search(r"[\[(]\s*(\S*)\s*[\])]\s*$", cell)
         unit = match[1] if match else None
         for kind, units in _UNITS.items():
             if unit in units:
-                found.append((kind, units[unit]))
-    if sorted(kind for kind, _ in found) != ["load", "time"]:
-        known = " or ".join(", ".join(units) for units in _UNITS.values())
+                columns.append((kind, units[unit]))
+    if sorted(kind for kind, _ in columns) != ["load", "time"]:
+        allowed = " or ".join(", ".join(units) for units in _UNITS.values())
         raise InputError(
             f"{where}: the header is {','.join(cells)!r}; it must give a unit of time and one of "
-            f"load in brackets, {known}, as 'time [s], load [N]' does"
+            f"load in brackets, {allowed}, as 'time [s], load [N]' does"
         )
-    (first, factor), (_, other) = found
+    (first, factor), (_, other) = columns
     return (factor, other), first == "load"
 
 

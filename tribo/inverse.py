@@ -131,7 +131,7 @@ def critical_temperature(
     apart = replace(corrections, friction=()) if corrections else None
     for _, _, friction in transitions:
         require_positive(friction=friction)
-    found = []
+    temperatures = []
     for normal_load, velocity, friction in transitions:
         ratio = bulk_difference / friction
         rise = max(
@@ -139,9 +139,9 @@ def critical_temperature(
             for state in simulate(scene, normal_load, velocity)
             if state.heat and state.normal_load >= normal_load
         )
-        found.append(bulk_temperature + friction * rise)
-    spread = float(np.std(found, ddof=1)) if len(found) > 1 else math.nan
-    return CriticalTemperature(tuple(found), float(np.mean(found)), spread)
+        temperatures.append(bulk_temperature + friction * rise)
+    spread = float(np.std(temperatures, ddof=1)) if len(temperatures) > 1 else math.nan
+    return CriticalTemperature(tuple(temperatures), float(np.mean(temperatures)), spread)
 
 
 @dataclass(frozen=True, slots=True)

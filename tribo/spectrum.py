@@ -187,8 +187,10 @@ class _Periodogram:
         """Standard errors of the parameters, of the angle too where it is one of them."""
         steps = 1e-3 * np.eye(len(parameters))
 
-        def logarithm(at: Array) -> Array:
-            return np.log(self.spectrum(at[:3], at[3] if len(at) > 3 else 0.0))
+        def logarithm(parameters: Array) -> Array:
+            return np.log(
+                self.spectrum(parameters[:3], parameters[3] if len(parameters) > 3 else 0.0)
+            )
 
         slopes = np.array(
             [(logarithm(parameters + step) - logarithm(parameters - step)) / 2e-3 for step in steps]

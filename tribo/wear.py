@@ -102,12 +102,12 @@ class RungeKutta:
         """
         begin, end = loads
         carried = [(1 - c) * begin + c * end for c in self.fractions]
-        known = sum(b * F for b, F in zip(self.weights, carried, strict=True))
-        if mean_load > _LONGEST_STRETCH * known:
+        past = sum(b * F for b, F in zip(self.weights, carried, strict=True))
+        if mean_load > _LONGEST_STRETCH * past:
             yield Stage(mean_load, distance, distance if self.implicitness else 0.0)
             yield Stage(end, 0.0, 0.0)
             return
-        stretched = distance * mean_load / known if known else 0.0
+        stretched = distance * mean_load / past if past else 0.0
         for b, F in zip(self.weights, carried, strict=True):
             yield Stage(F, b * stretched, self.implicitness * stretched)
 

@@ -46,11 +46,11 @@ def attributes_of(ds: Described) -> dict[Any, Any]:
     >>> attributes_of(xr.Dataset(attrs=portable({"measured": [{"friction": 0.1}]})))["measured"]
     [{'friction': 0.1}]
     """
-    found = dict(ds.attrs)
-    for name in str(found.get(_ENCODED, "")).split():
-        if isinstance(found.get(name), str):
-            found[name] = _decoded(found[name])
-    return found
+    attributes = dict(ds.attrs)
+    for name in str(attributes.get(_ENCODED, "")).split():
+        if isinstance(attributes.get(name), str):
+            attributes[name] = _decoded(attributes[name])
+    return attributes
 
 
 @functools.lru_cache(maxsize=64)

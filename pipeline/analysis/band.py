@@ -32,7 +32,7 @@ def with_band(boundaries: xr.Dataset, variant: str) -> xr.Dataset:
     variant : str
         Dimension of the surfaces or samples.
     """
-    found = boundaries.assign_coords(
+    with_quantiles = boundaries.assign_coords(
         quantile=("quantile", list(BAND), {"long_name": "share of the surfaces that lie lower"})
     )
     for name, axis in (("critical_velocity", "load"), ("critical_load", "velocity")):
@@ -44,8 +44,8 @@ def with_band(boundaries: xr.Dataset, variant: str) -> xr.Dataset:
             for end in ("from", "to")
         ]
         crossing = (outcome == CROSSES).sum(axis=0)
-        known = np.isin(outcome, (CROSSES, MILD, SEVERE)).sum(axis=0)
-        rows = zip(values.T, outcome.T, *(each.T for each in computed), strict=True)
+        counts = np.isin(outcome, (CROSSES, MILD, SEVERE)).sum(axis=0)
+        rows = zip(values.T, outcome.T, *(bound.T for bound in computed), strict=True)
         ends = [_ends(*row) for row in rows]
         all_cross = [np.isfinite(low).all() and (low == high).all() for low, high in ends]
         several = list(zip(ends, all_cross, strict=True))
@@ -54,8 +54,8 @@ def with_band(boundaries: xr.Dataset, variant: str) -> xr.Dataset:
             np.std(low, ddof=1) if crosses and len(low) > 1 else math.nan
             for (low, _), crosses in several
         ]
-        quantiles = [[quantile(*each, share) for each in ends] for share in BAND]
-        found = found.assign(
+        quantiles = [[quantile(*bounds, share) for bounds in ends] for share in BAND]
+        with_quantiles = with_quantiles.assign(
             {
                 f"{name}_mean": (axis, of_all, unit | {"long_name": "mean over the surfaces"}),
                 f"{name}_spread": (axis, spread, unit | {"long_name": "their standard deviation"}),
@@ -71,12 +71,12 @@ def with_band(boundaries: xr.Dataset, variant: str) -> xr.Dataset:
                 ),
                 f"known_at_{axis}": (
                     axis,
-                    known,
+                    counts,
                     count | {"long_name": "surfaces whose outcome is known"},
                 ),
             }
         )
-    return found
+    return with_quantiles
 
 
 def _ends(at: Array, outcome: Array, first: Array, last: Array) -> tuple[Array, Array]:
@@ -88,8 +88,8 @@ def _ends(at: Array, outcome: Array, first: Array, last: Array) -> tuple[Array, 
     why = [outcome == kind for kind in (CROSSES, MILD, SEVERE, ABOVE, BELOW)]
     low = np.select(why, [at, infinite, -infinite, last, -infinite], math.nan)
     high = np.select(why, [at, infinite, -infinite, infinite, first], math.nan)
-    known = ~np.isnan(low)
-    return (low[known], high[known]) if known.any() else (np.array([math.nan]),) * 2
+    is_finite = ~np.isnan(low)
+    return (low[is_finite], high[is_finite]) if is_finite.any() else (np.array([math.nan]),) * 2
 
 
 def quantile(low: Array, high: Array, share: float) -> float:

@@ -21,16 +21,16 @@ _AXES = {"load": Column("load", "load", "N"), "velocity": Column("velocity", "ve
 _KINDS = {"realization": "surfaces", "sample": "samples"}
 
 
-def tables_of(found: xr.Dataset) -> list[Table]:
+def tables_of(boundaries: xr.Dataset) -> list[Table]:
     """Tables of `pipeline.boundary`: critical velocities by load, and critical loads by velocity.
 
     A row is for one load or velocity at one friction, with the conditions that it was judged by.
     """
-    table_of = _crossings if variant_of(found) is None else _band
-    return [table_of(found, *boundary) for boundary in BOUNDARIES]
+    table_of = _crossings if variant_of(boundaries) is None else _band
+    return [table_of(boundaries, *boundary) for boundary in BOUNDARIES]
 
 
-def _crossings(found: xr.Dataset, name: str, axis: str) -> Table:
+def _crossings(boundaries: xr.Dataset, name: str, axis: str) -> Table:
     """Crossings of one surface."""
     other = name.removeprefix("critical_")
     unit = _AXES[other].unit
@@ -41,23 +41,23 @@ def _crossings(found: xr.Dataset, name: str, axis: str) -> Table:
         Column(f"computed_to_at_{axis}", "computed to", unit),
     )
 
-    def values(at: xr.Dataset) -> tuple[Any, ...]:
-        crossing, outcome, *ends = (at[column.name].item() for column in columns)
+    def values(place: xr.Dataset) -> tuple[Any, ...]:
+        crossing, outcome, *ends = (place[column.name].item() for column in columns)
         return crossing, OUTCOMES[outcome], *ends
 
-    return _by_place(found, axis, columns, values)
+    return _by_place(boundaries, axis, columns, values)
 
 
-def _band(found: xr.Dataset, name: str, axis: str) -> Table:
+def _band(boundaries: xr.Dataset, name: str, axis: str) -> Table:
     """Median, ends of the band, mean and spread of several surfaces, and how many of them cross."""
-    other, kind = name.removeprefix("critical_"), _KINDS[str(variant_of(found))]
+    other, kind = name.removeprefix("critical_"), _KINDS[str(variant_of(boundaries))]
     unit = _AXES[other].unit
-    low, _, high = (f"{100 * share:g} %" for share in found["quantile"].values)
+    low, _, high = (f"{100 * share:g} %" for share in boundaries["quantile"].values)
     heads = ("median", low, high, "mean", "spread")
     outcomes = {
         code: words
         for code, words in OUTCOMES.items()
-        if code != CROSSES and (found[f"outcome_at_{axis}"] == code).any()
+        if code != CROSSES and (boundaries[f"outcome_at_{axis}"] == code).any()
     }
     columns = (
         *(Column(f"{name}_{head}", head, unit) for head in heads),
@@ -66,24 +66,24 @@ def _band(found: xr.Dataset, name: str, axis: str) -> Table:
         *(Column(words, words) for words in outcomes.values()),
     )
 
-    def values(at: xr.Dataset) -> tuple[Any, ...]:
-        low, middle, high = at[f"{name}_quantile"].values.tolist()
-        moments = (at[f"{name}_{moment}"].item() for moment in ("mean", "spread"))
-        all_outcomes = at[f"outcome_at_{axis}"].values.tolist()
+    def values(place: xr.Dataset) -> tuple[Any, ...]:
+        low, middle, high = place[f"{name}_quantile"].values.tolist()
+        moments = (place[f"{name}_{moment}"].item() for moment in ("mean", "spread"))
+        all_outcomes = place[f"outcome_at_{axis}"].values.tolist()
         counts = (all_outcomes.count(code) for code in (CROSSES, *outcomes))
         return middle, low, high, *moments, len(all_outcomes), *counts
 
-    return _by_place(found, axis, columns, values)
+    return _by_place(boundaries, axis, columns, values)
 
 
 def _by_place(
-    found: xr.Dataset,
+    boundaries: xr.Dataset,
     axis: str,
     columns: tuple[Column, ...],
     values: Callable[[xr.Dataset], tuple[Any, ...]],
 ) -> Table:
     """Table with a row for each friction and each load or velocity."""
-    attrs, film = found.attrs, f"film_parameter_at_{axis}"
+    attrs, film = boundaries.attrs, f"film_parameter_at_{axis}"
     judged = {
         Column("bulk_temperature", "bulk", "°C"): attrs["bulk_temperature"],
         Column("disk_temperature", "disk bulk", "°C"): attrs.get("disk_temperature"),
@@ -92,12 +92,12 @@ def _by_place(
         Column("criterion", "criterion"): attrs["criterion"],
     }
     rows = []
-    for friction, part in by_friction(found):
-        for place in range(found.sizes[axis]):
-            at = part.isel({axis: place})
-            parameter = _middle(at[film].values) if film in at else None
-            own = (friction, at[axis].item(), *values(at), parameter)
-            rows.append((*own, *judged.values()))
+    for friction, part in by_friction(boundaries):
+        for place in range(boundaries.sizes[axis]):
+            here = part.isel({axis: place})
+            parameter = _middle(here[film].values) if film in here else None
+            row = (friction, here[axis].item(), *values(here), parameter)
+            rows.append((*row, *judged.values()))
     heads = (Column("friction", "friction"), _AXES[axis], *columns)
     film_column = Column(film, "film parameter Λ", digits=3)
     return Table((*heads, film_column, *judged), tuple(rows))
@@ -108,27 +108,27 @@ def _middle(film: Array) -> float | None:
     return float(np.nanmedian(film)) if not np.isnan(film).all() else None
 
 
-def readable(found: xr.Dataset) -> list[Table]:
+def readable(boundaries: xr.Dataset) -> list[Table]:
     """The tables of `pipeline.boundary` without its conditions, outcomes in words."""
-    shorten = _side_by_side if variant_of(found) is None else _without_conditions
-    pairs = zip(BOUNDARIES, tables_of(found), strict=True)
+    shorten = _side_by_side if variant_of(boundaries) is None else _without_conditions
+    pairs = zip(BOUNDARIES, tables_of(boundaries), strict=True)
     return [shorten(table, *boundary) for boundary, table in pairs]
 
 
-def frictions_of(found: xr.Dataset) -> list[float]:
+def frictions_of(boundaries: xr.Dataset) -> list[float]:
     """Frictions that a boundary was found at."""
-    if "friction" not in found.sizes:
-        return [found.attrs["friction"]]
-    return [float(value) for value in found["friction"].values]
+    if "friction" not in boundaries.sizes:
+        return [boundaries.attrs["friction"]]
+    return [float(value) for value in boundaries["friction"].values]
 
 
-def by_friction(found: xr.Dataset) -> Iterator[tuple[float, xr.Dataset]]:
+def by_friction(boundaries: xr.Dataset) -> Iterator[tuple[float, xr.Dataset]]:
     """The boundary at each friction."""
-    if "friction" not in found.sizes:
-        yield found.attrs["friction"], found
+    if "friction" not in boundaries.sizes:
+        yield boundaries.attrs["friction"], boundaries
         return
-    for place, value in enumerate(frictions_of(found)):
-        yield value, found.isel(friction=place)
+    for place, value in enumerate(frictions_of(boundaries)):
+        yield value, boundaries.isel(friction=place)
 
 
 def _side_by_side(table: Table, name: str, axis: str) -> Table:
@@ -138,12 +138,12 @@ def _side_by_side(table: Table, name: str, axis: str) -> Table:
     crossing = next(column for column in table.columns if column.name == name)
     rows: dict[float, dict[float, str]] = {}
     for row in range(len(table.rows)):
-        at = {key: column[row] for key, column in values.items()}
-        computed = at[f"computed_from_at_{axis}"], at[f"computed_to_at_{axis}"]
-        cell = f"{crossing.text(at[name])}{_film(at[f'film_parameter_at_{axis}'])}"
-        if not math.isfinite(at[name]):
-            cell = in_words(at[f"outcome_at_{axis}"], computed, other)
-        rows.setdefault(at[axis], {})[at["friction"]] = cell
+        entry = {key: column[row] for key, column in values.items()}
+        computed = entry[f"computed_from_at_{axis}"], entry[f"computed_to_at_{axis}"]
+        cell = f"{crossing.text(entry[name])}{_film(entry[f'film_parameter_at_{axis}'])}"
+        if not math.isfinite(entry[name]):
+            cell = in_words(entry[f"outcome_at_{axis}"], computed, other)
+        rows.setdefault(entry[axis], {})[entry["friction"]] = cell
     heads = [Column(name, crossing.head)]
     if len(frictions) > 1:
         heads = [Column(str(value), f"at friction {value:g}") for value in frictions]

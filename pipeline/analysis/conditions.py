@@ -39,15 +39,15 @@ def conditions_of(
     InputError
         If one lies outside its range, or is neither given nor in the sweep.
     """
-    given = {
+    changes = {
         "friction": friction,
         "critical_temperature": _kelvin("critical_temperature", critical_temperature),
         "failing_share": None if share is None else share_of(share),
         "criterion": "share" if criterion is None and share is not None else criterion,
     }
     values = dict(attributes_of(ds).get("conditions") or {})
-    values |= {name: value for name, value in given.items() if value is not None}
-    if given["criterion"]:
+    values |= {name: value for name, value in changes.items() if value is not None}
+    if changes["criterion"]:
         values.pop("criterion_hash", None)
     if bulk_temperature is not None:
         each = (
@@ -69,20 +69,20 @@ def conditions_of(
     return conditions
 
 
-def _kelvin(name: str, given: float | str | None) -> float | None:
+def _kelvin(name: str, value: float | str | None) -> float | None:
     """Read a temperature [K], and refuse one at which no oil works."""
-    if isinstance(given, str):
-        given = in_si(name, given, "80 degC")
-    if given is None or isinstance(given, Iterable):
-        return given  # several are refused with the other conditions
+    if isinstance(value, str):
+        value = in_si(name, value, "80 degC")
+    if value is None or isinstance(value, Iterable):
+        return value  # several are refused with the other conditions
     hottest = _HOTTEST_OIL if name == "bulk_temperature" else np.inf
-    if given < _COLDEST_OIL or hottest < given < np.inf:
+    if value < _COLDEST_OIL or hottest < value < np.inf:
         raise InputError(
-            f"{name} is {given - 273.15:.4g} °C ({given:g} K), at which no oil works; give one "
+            f"{name} is {value - 273.15:.4g} °C ({value:g} K), at which no oil works; give one "
             f"from {_COLDEST_OIL - 273.15:.4g} °C on; in Python a plain number is in kelvins, and "
             'text has its unit, such as "80 degC"'
         )
-    return given
+    return value
 
 
 def attributes_by(conditions: Conditions) -> dict[str, Any]:

@@ -59,7 +59,7 @@ def decisive_rise(ds: xr.Dataset, conditions: Conditions | Sequence[Conditions])
     names += [name for judged in several for name in columns_needed(judged)]
     columns = {name: values_of(ds, name) for name in dict.fromkeys(names) if name in ds}
     loads, levels = ds["load"].values[:, None, None], {"quantile": ds["quantile"].values}
-    if len({(own.decisive, own.bulk_ratio, own.corrections) for own in several}) == 1:
+    if len({(one.decisive, one.bulk_ratio, one.corrections) for one in several}) == 1:
         rises = decisive_rises(columns | levels, loads, several[0])
     else:
         rises = np.array(

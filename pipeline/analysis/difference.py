@@ -92,7 +92,7 @@ def _entries(a: xr.Dataset, b: xr.Dataset) -> Table:
     values = [entries_of(attributes_of(ds)) for ds in (a, b)]
     columns = Column("entry", "entry"), Column("a", "A"), Column("b", "B")
     paths = dict.fromkeys([*values[0], *values[1]])
-    rows = ((path, *(each.get(path) for each in values)) for path in paths)
+    rows = ((path, *(entries.get(path) for entries in values)) for path in paths)
     return Table(columns, tuple(row for row in rows if row[1] != row[2]))
 
 
@@ -113,17 +113,17 @@ def _boundary(a: xr.Dataset, b: xr.Dataset) -> Table:
     loads = sorted(crossings[0].keys() & crossings[1].keys())
     rows = []
     for load in loads:
-        (first, of_a), (second, of_b) = (each[load] for each in crossings)
+        (first, of_a), (second, of_b) = (crossing[load] for crossing in crossings)
         rows.append((load, first, second, second / first - 1, of_a, of_b))
     return Table(columns, tuple(rows))
 
 
 def _crossings(ds: xr.Dataset) -> dict[float, tuple[float, str]]:
     """Critical velocity and outcome at each load; over several surfaces the median."""
-    found = boundary(ds)
-    velocities, outcomes = found["critical_velocity"], found["outcome_at_load"]
-    if axis := variant_of(found):
-        velocities = found["critical_velocity_quantile"].sel(quantile=0.5)
+    boundaries = boundary(ds)
+    velocities, outcomes = boundaries["critical_velocity"], boundaries["outcome_at_load"]
+    if axis := variant_of(boundaries):
+        velocities = boundaries["critical_velocity_quantile"].sel(quantile=0.5)
         words = [
             ", ".join(OUTCOMES[code] for code in sorted(set(codes)))
             for codes in outcomes.transpose("load", axis).values.tolist()
@@ -131,7 +131,7 @@ def _crossings(ds: xr.Dataset) -> dict[float, tuple[float, str]]:
     else:
         words = [OUTCOMES[code] for code in outcomes.values.tolist()]
     values = zip(velocities.values.tolist(), words, strict=True)
-    return dict(zip(found["load"].values.tolist(), values, strict=True))
+    return dict(zip(boundaries["load"].values.tolist(), values, strict=True))
 
 
 def _points(a: xr.Dataset, b: xr.Dataset) -> tuple[Table, int]:
@@ -150,7 +150,7 @@ def _points(a: xr.Dataset, b: xr.Dataset) -> tuple[Table, int]:
     states = [dict(_states(ds, has_seeds)) for ds in (a, b)]
     rows, alike = [], 0
     for place in sorted({**states[0], **states[1]}, key=lambda place: tuple(map(str, place))):
-        (of_a, rise_a), (of_b, rise_b) = (each.get(place, ("absent", np.nan)) for each in states)
+        (of_a, rise_a), (of_b, rise_b) = (state.get(place, ("absent", np.nan)) for state in states)
         if of_a == of_b == "done" and rise_a == rise_b:
             alike += 1
         elif "done" in (of_a, of_b):

@@ -78,14 +78,14 @@ def entries_of(attributes: Mapping[str, Any]) -> dict[str, str]:
     {'pin.shape': 'Ball', 'pin.radius': '5 mm', 'window.pixel_size': '1, 2 µm', \
 'temperature.critical': '145 °C'}
     """
-    found = {}
+    entries = {}
     for attribute in _ATTRIBUTES:
         prefix = "" if attribute == "scene" else attribute
         for path, value in _flat(attributes.get(attribute), prefix):
             shown = _in_scene(path)
             if not (shown.startswith(_NOT_SHOWN) or path.endswith(_TYPES)):
-                found[shown] = in_usual_unit(path, value)
-    return found
+                entries[shown] = in_usual_unit(path, value)
+    return entries
 
 
 def in_usual_unit(path: str, value: Any) -> str:

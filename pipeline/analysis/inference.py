@@ -35,8 +35,8 @@ class CriticalTemperatures:
     >>> from tribo import Criterion, Transition
     >>> measured = Transition(600.0, 1.5, 0.1), Transition(200.0, 3.75, 0.094)
     >>> kelvins = (418.0, 420.0), (412.0, 414.0)
-    >>> found = CriticalTemperatures(measured, (0, 1), kelvins, Criterion())
-    >>> found.means, found.mean
+    >>> inferred = CriticalTemperatures(measured, (0, 1), kelvins, Criterion())
+    >>> inferred.means, inferred.mean
     ((419.0, 413.0), 416.0)
     """
 
@@ -73,8 +73,8 @@ class CriticalTemperatures:
             "share": self.criterion.share,
             "surfaces": list(self.surfaces),
             "transitions": [
-                at._asdict() | {"temperatures": list(row), "mean": mean, "spread": spread}
-                for at, row, mean, spread in rows
+                transition._asdict() | {"temperatures": list(row), "mean": mean, "spread": spread}
+                for transition, row, mean, spread in rows
             ],
             "mean": self.mean,
             "spread": self.spread,
@@ -108,8 +108,8 @@ def critical_temperatures(
     >>> from dataclasses import replace
     >>> import pipeline
     >>> scene = pipeline.load_scene("workflows/first_try.toml")
-    >>> found = pipeline.critical_temperatures(replace(scene, measured=scene.measured[:1]))
-    >>> f"{found.mean - 273.15:.0f} °C"
+    >>> inferred = pipeline.critical_temperatures(replace(scene, measured=scene.measured[:1]))
+    >>> f"{inferred.mean - 273.15:.0f} °C"
     '149 °C'
     """
     sweep = sweep_of(sweep)
@@ -128,15 +128,15 @@ def critical_temperatures(
 
     transitions = tuple(transition(entry) for entry in sweep.measured)
     surfaces = sweep.realizations or (getattr(sweep.roughness, "seed", None),)
-    for at in transitions:
-        require_positive(friction=at.friction)
+    for crossing in transitions:
+        require_positive(friction=crossing.friction)
     stages = staged(
         [(seed, number) for seed in surfaces for number in range(len(transitions))],
         progress,
         lambda stage: _worded(sweep, transitions[stage[1]], stage[0]),
         lambda stage: transitions[stage[1]].normal_load,
     )
-    found: list[list[float]] = [[] for _ in transitions]
+    temperatures: list[list[float]] = [[] for _ in transitions]
     for seed, number in stages:
         bulk, hold = sweep.measured[number].bulk_temperature, sweep.measured[number].hold
         result = critical_temperature(
@@ -147,15 +147,15 @@ def critical_temperatures(
             conditions.bulk_difference if bulk is None else 0.0,
             conditions.corrections,
         )
-        found[number] += result.temperatures
+        temperatures[number] += result.temperatures
     return CriticalTemperatures(
-        transitions, surfaces, tuple(map(tuple, found)), conditions.decisive
+        transitions, surfaces, tuple(map(tuple, temperatures)), conditions.decisive
     )
 
 
-def _worded(sweep: Sweep, at: Transition, seed: int | None) -> str:
+def _worded(sweep: Sweep, transition: Transition, seed: int | None) -> str:
     surface = f", surface {seed}" if sweep.realizations else ""
-    return f"{sweep.name}, {at.normal_load:g} N at {at.velocity:g} m/s{surface}"
+    return f"{sweep.name}, {transition.normal_load:g} N at {transition.velocity:g} m/s{surface}"
 
 
 def _spread(values: tuple[float, ...]) -> float | None:

@@ -45,8 +45,8 @@ def crossing(x: Array, y: Array, limit: float) -> float:
     >>> crossing(velocity, 100 * velocity**0.7, limit=300.0)
     nan
     """
-    known = np.isfinite(y)
-    x, y = x[known], y[known]
+    is_finite = np.isfinite(y)
+    x, y = x[is_finite], y[is_finite]
     reached = np.flatnonzero(y >= limit)
     if not reached.size:
         return math.nan
@@ -78,9 +78,9 @@ def interpolated(x: Array, y: Array, at: Array, continued: bool = False) -> Arra
     array([        nan, 14.14213562, 20.        ])
     """
     result = np.full(at.shape, np.nan)
-    known = np.isfinite(y)
-    if np.count_nonzero(known) >= 2:
-        x, y = x[known], y[known]
+    is_finite = np.isfinite(y)
+    if np.count_nonzero(is_finite) >= 2:
+        x, y = x[is_finite], y[is_finite]
         inside = (at >= x[0]) & (at <= x[-1])
         result[inside] = _interpolant(x, y)(at[inside])
         if continued and (x > 0).all() and (y > 0).all():
@@ -110,10 +110,10 @@ def certain(x: Array, y: Array, at: Array, limit: float) -> Array:
     >>> certain(x, y, np.array([0.25, 4.0, 16.0]), limit=15.0)
     array([ 5., 20., 40.])
     """
-    within, known = interpolated(x, y, at), np.flatnonzero(np.isfinite(y))
-    if len(known) < 2:
+    within, finite = interpolated(x, y, at), np.flatnonzero(np.isfinite(y))
+    if len(finite) < 2:
         return within
-    first, last = known[[0, -1]]
+    first, last = finite[[0, -1]]
     beyond = interpolated(x, y, at, continued=True)
     if y[first] <= limit:
         within = np.where(at < x[first], np.minimum(beyond, y[first]), within)
@@ -138,10 +138,10 @@ def exponent(x: Array, y: Array, at: float) -> float:
     >>> f"{exponent(velocity, 100 * velocity**0.7, at=2.5):.12f}"
     '0.700000000000'
     """
-    known = np.isfinite(y)
-    if not at > 0 or np.count_nonzero(known) < 2:
+    is_finite = np.isfinite(y)
+    if not at > 0 or np.count_nonzero(is_finite) < 2:
         return math.nan
-    x, y = x[known], y[known]
+    x, y = x[is_finite], y[is_finite]
     ends = np.clip([at / _NEAR, at * _NEAR], x[0], x[-1])
     low, high = _interpolant(x, y)(ends)
     return math.log(high / low) / math.log(ends[1] / ends[0]) if low > 0 else math.nan

@@ -60,7 +60,7 @@ def listing(folder: str | Path) -> Table:
     path = Path(folder)
     if not path.is_dir():
         raise InputError(f"{folder} is not a folder; give one with stores or scenes")
-    rows = [row for each in _stores_and_scenes(path) if (row := _row(each, path))]
+    rows = [row for entry in _stores_and_scenes(path) if (row := _row(entry, path))]
     names = [column.name for column in _COLUMNS]
     return Table(_COLUMNS, tuple(tuple(row.get(name) for name in names) for row in rows))
 
@@ -81,8 +81,8 @@ def _row(path: Path, folder: Path) -> dict[str, Any] | None:
     row = _of_store(path) if path.is_dir() else _of_scene(path)
     if row is None:
         return None
-    files = [path] if path.is_file() else [each for each in path.rglob("*") if each.is_file()]
-    stats = [each.stat() for each in files]
+    files = [path] if path.is_file() else [file for file in path.rglob("*") if file.is_file()]
+    stats = [file.stat() for file in files]
     changed = max((stat.st_mtime for stat in stats), default=time.time())
     about = {"name": str(path.relative_to(folder)), "age": max(0.0, time.time() - changed)}
     return row | about | {"bytes": sum(stat.st_size for stat in stats)}

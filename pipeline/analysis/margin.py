@@ -348,7 +348,7 @@ def _left_out(x: Array, rows: Array, at: float) -> float | None:
     for line in (line for line in (above - 1, above) if 0 < line < len(x) - 1):
         for row in rows[rows[:, line] > 0]:
             without = np.delete(x, line), np.delete(row, line)
-            (found,) = interpolated(*without, x[[line]])
-            missed.append(found / row[line] - 1)
-    known = np.array(missed)[np.isfinite(missed)]
-    return float(np.sqrt(np.mean(known**2))) if known.size else None
+            (value,) = interpolated(*without, x[[line]])
+            missed.append(value / row[line] - 1)
+    errors = np.array(missed)[np.isfinite(missed)]
+    return float(np.sqrt(np.mean(errors**2))) if errors.size else None

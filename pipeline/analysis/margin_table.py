@@ -68,7 +68,7 @@ def margin_table(
 
 def table_of_margins(points: OperatingPoints, answers: Sequence[tuple[Margin, ...] | str]) -> Table:
     """Table of operating points with their margins, or the reasons for which there are none."""
-    surfaces = max((len(each) for each in answers if not isinstance(each, str)), default=1)
+    surfaces = max((len(answer) for answer in answers if not isinstance(answer, str)), default=1)
     columns = _COLUMNS if surfaces == 1 else _COLUMNS_OF_SEVERAL
     nothing = (None,) * (len(columns) - 1)
     rows = []

@@ -229,8 +229,8 @@ def writable_path(out: str | Path, suffixes: Sequence[str]) -> Path:
     """
     path = Path(out)
     if path.suffix.lower() not in suffixes:
-        known = suffixes[0] if len(suffixes) == 1 else f"one of {', '.join(suffixes)}"
-        raise InputError(f"cannot write {out}: the suffix must be {known}")
+        allowed = suffixes[0] if len(suffixes) == 1 else f"one of {', '.join(suffixes)}"
+        raise InputError(f"cannot write {out}: the suffix must be {allowed}")
     if not path.parent.is_dir():
         raise InputError(f"cannot write {out}: there is no folder {path.parent}")
     if path.is_dir() or not os.access(path.parent, os.W_OK):

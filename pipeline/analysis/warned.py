@@ -94,14 +94,14 @@ def _first(ds: xr.Dataset, chosen: xr.DataArray) -> str:
 
 
 def _beside(rise: Array, limit: float) -> Mask:
-    known, severe = np.isfinite(rise), rise > limit
-    along_velocity = [_turns(*row) for row in zip(known, severe, strict=True)]
-    along_load = [_turns(*column) for column in zip(known.T, severe.T, strict=True)]
+    finite, severe = np.isfinite(rise), rise > limit
+    along_velocity = [_turns(*row) for row in zip(finite, severe, strict=True)]
+    along_load = [_turns(*column) for column in zip(finite.T, severe.T, strict=True)]
     beside: Mask = np.array(along_velocity) | np.array(along_load).T
     return beside
 
 
-def _turns(known: Mask, severe: Mask) -> Mask:
+def _turns(finite: Mask, severe: Mask) -> Mask:
     """Known points of a row that differ from the next known one on either side.
 
     Examples
@@ -109,8 +109,8 @@ def _turns(known: Mask, severe: Mask) -> Mask:
     >>> _turns(np.array([1, 1, 0, 1], bool), np.array([0, 0, 0, 1], bool))
     array([False,  True, False,  True])
     """
-    (at,) = np.nonzero(known)
-    turns = np.flatnonzero(severe[at[:-1]] != severe[at[1:]])
-    found = np.zeros(known.shape, dtype=bool)
-    found[at[turns]] = found[at[turns + 1]] = True
-    return found
+    (indices,) = np.nonzero(finite)
+    turns = np.flatnonzero(severe[indices[:-1]] != severe[indices[1:]])
+    beside = np.zeros(finite.shape, dtype=bool)
+    beside[indices[turns]] = beside[indices[turns + 1]] = True
+    return beside

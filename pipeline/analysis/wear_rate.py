@@ -61,26 +61,26 @@ rate alone, 1.2e-06 mm³/(N m): give its scene sweep.wear_rates, and run it into
         return ds
     rate = in_si("wear_rate", wear_rate, _EXAMPLE)
     attributes = attributes_of(ds)
-    own = own_wear_rate(ds)
-    if rate == own:
+    stored_rate = own_wear_rate(ds)
+    if rate == stored_rate:
         return ds.assign_attrs(wear_rate=rate)
-    _require_known(rate, own, ds)
-    rates = np.append(ds["wear_rate"].values, own)
+    _require_known(rate, stored_rate, ds)
+    rates = np.append(ds["wear_rate"].values, stored_rate)
     order = np.argsort(rates)
     _, kept = np.unique(rates[order], return_index=True)
     order = order[kept]
 
     def at_rate(name: str) -> xr.DataArray:
         others = ds[f"{name}_at_wear_rate"]
-        known = others.transpose(..., "wear_rate").values
-        values = np.concatenate([known, _own_rise(ds, name, others)[..., None]], axis=-1)
+        at_others = others.transpose(..., "wear_rate").values
+        values = np.concatenate([at_others, _own_rise(ds, name, others)[..., None]], axis=-1)
         dims = [dim for dim in others.dims if dim != "wear_rate"]
         rise = _power_law(rates[order], values[..., order], rate)
         return xr.DataArray(rise, dims=dims, attrs=ds[name].attrs).transpose(*ds[name].dims)
 
     quantile = at_rate("rise_quantile")
     highest = quantile.isel(quantile=-1).assign_attrs(ds["max_rise"].attrs)
-    scale = own / rate
+    scale = stored_rate / rate
     velocities = ds["velocity"] * scale
     own_range = [velocity * scale for velocity in attributes.get("velocities", [])]
     left_out = [name for name in ds.data_vars if {"wear_rate", "x"} & set(ds[name].dims)]
@@ -110,16 +110,16 @@ def own_wear_rate(ds: xr.Dataset) -> float:
     return float(wear.get("specific_wear_rate", 0.0))
 
 
-def _require_known(rate: float, own: float, ds: xr.Dataset) -> None:
+def _require_known(rate: float, stored_rate: float, ds: xr.Dataset) -> None:
     text = f"wear_rate is {display(rate, 'mm³/(N m)', 4)}; the sweep was computed for"
-    if not own:
+    if not stored_rate:
         raise InputError(f"{text} a pin that does not wear, and has no others")
     if "wear_rate" not in ds.coords:
         raise InputError(
-            f"{text} its own rate alone, {display(own, 'mm³/(N m)', 4)}: give its scene "
+            f"{text} its own rate alone, {display(stored_rate, 'mm³/(N m)', 4)}: give its scene "
             "sweep.wear_rates, and run it into another store"
         )
-    rates = [own, *ds["wear_rate"].values]
+    rates = [stored_rate, *ds["wear_rate"].values]
     low, high = min(rates), max(rates)
     if not low * (1 - 1e-9) <= rate <= high * (1 + 1e-9):
         ends = " to ".join(display(end, "mm³/(N m)", 4) for end in (low, high))
@@ -145,6 +145,6 @@ def _power_law(rates: Array, rises: Array, rate: float) -> Array:
 
     positive = np.all(rises > 0, axis=-1, keepdims=True)
     logarithms = np.log(np.where(positive, rises, 1.0))
-    found = np.exp(PchipInterpolator(np.log(rates), logarithms, axis=-1)(np.log(rate)))
-    known = np.isfinite(rises).all(axis=-1)
-    return np.where(known, np.where(positive[..., 0], found, 0.0), np.nan)
+    power_law = np.exp(PchipInterpolator(np.log(rates), logarithms, axis=-1)(np.log(rate)))
+    is_finite = np.isfinite(rises).all(axis=-1)
+    return np.where(is_finite, np.where(positive[..., 0], power_law, 0.0), np.nan)

@@ -65,12 +65,14 @@ def animation(
         ds, friction, bulk_temperature, critical_temperature, share, criterion
     )
     ds = with_fields(ds, conditions, realization)
-    last, at = chosen_points(ds, load, velocity, conditions)[0]
-    require_fields(ds, (last, at))
-    done = np.flatnonzero(ds["status"].transpose("load", "velocity").values[: last + 1, at] == DONE)
-    points = [(int(i), at) for i in done if has_fields(ds, (int(i), at))]
-    each = np.array([scales(shown(ds, point, conditions)) for point in points])
-    ends = np.stack([each[:, :, 0].min(axis=0), each[:, :, 1].max(axis=0)], axis=1)
+    last, index = chosen_points(ds, load, velocity, conditions)[0]
+    require_fields(ds, (last, index))
+    done = np.flatnonzero(
+        ds["status"].transpose("load", "velocity").values[: last + 1, index] == DONE
+    )
+    points = [(int(i), index) for i in done if has_fields(ds, (int(i), index))]
+    limits = np.array([scales(shown(ds, point, conditions)) for point in points])
+    ends = np.stack([limits[:, :, 0].min(axis=0), limits[:, :, 1].max(axis=0)], axis=1)
     return [contact(ds, point, conditions, stacked, ends) for point in points]
 
 

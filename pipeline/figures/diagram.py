@@ -162,9 +162,9 @@ def _probability(ds: xr.Dataset, given_measured: bool, scatter: float | None, lo
     from pipeline.uncertain.weigh import posterior_if_given
 
     samples = Ensemble.of(ds)
-    found = posterior_if_given(samples, given_measured, scatter)
-    plane = probabilities(samples, found.draws if found else None)
-    return draw_risk(samples, plane, posterior=found, log=log)
+    posterior = posterior_if_given(samples, given_measured, scatter)
+    plane = probabilities(samples, posterior.draws if posterior else None)
+    return draw_risk(samples, plane, posterior=posterior, log=log)
 
 
 def _scale(axes: Axes, ds: xr.Dataset, measured: Sequence[dict[str, Any]], log: bool) -> None:
@@ -187,9 +187,9 @@ def _planes(ds: xr.Dataset, conditions: Conditions) -> Sequence[xr.DataArray]:
     limit = None if asked(ds).all() else rise_limit(conditions)
     planes = refined(decisive_rise(ds, conditions), _RESOLUTION, limit)
     axis = variant_of(ds)
-    found = [planes.isel({axis: row}) for row in range(ds.sizes[axis])] if axis else [planes]
-    known = [plane for plane in found if plane.notnull().any()]
-    return known or found
+    by_surface = [planes.isel({axis: row}) for row in range(ds.sizes[axis])] if axis else [planes]
+    finite_planes = [plane for plane in by_surface if plane.notnull().any()]
+    return finite_planes or by_surface
 
 
 def _quantile(planes: Sequence[xr.DataArray], share: float) -> xr.DataArray:
@@ -358,17 +358,17 @@ def _on_a_line(axes: Axes, ds: xr.Dataset, conditions: Conditions) -> list[Artis
     rises = decisive_rise(ds, conditions).values.reshape(-1, ds.sizes[axis])
     limit, ends = rise_limit(conditions), range_of(ds, axis)
     lines = [Transition.along(axes_of[axis], rise, limit, ends) for rise in rises]
-    found = [line.place for line in lines if line.outcome == CROSSES]
-    if not found:
+    crossings = [line.place for line in lines if line.outcome == CROSSES]
+    if not crossings:
         reasons = dict.fromkeys(line.worded(axis) for line in lines)
         return [Line2D([], [], ls="none", label=f"no transition: {', '.join(reasons)}")]
-    places = {axis: found, other: [float(axes_of[other][0])] * len(found)}
+    places = {axis: crossings, other: [float(axes_of[other][0])] * len(crossings)}
     look: dict[str, Any] = {"ls": "none", "marker": "|" if axis == "velocity" else "_"}
     look |= {"color": BLACK, "mew": 2.2}
     axes.plot(places["velocity"], places["load"], ms=26, zorder=3.2, gid="boundary", **look)
     unit = "m/s" if axis == "velocity" else "N"
-    at = f"{found[0]:.3g} {unit}" if len(found) == 1 else "by surface"
-    return [Line2D([], [], ms=9, label=f"computed transition, {at}", **look)]
+    text = f"{crossings[0]:.3g} {unit}" if len(crossings) == 1 else "by surface"
+    return [Line2D([], [], ms=9, label=f"computed transition, {text}", **look)]
 
 
 def _limits(axes: Axes, ds: xr.Dataset, measured: Sequence[dict[str, Any]], log: bool) -> None:

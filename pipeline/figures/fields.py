@@ -159,17 +159,17 @@ def contact(
         "wear depth of the pin [µm]",
     )
     centres = 1e6 * ds["x"].values, 1e6 * ds["y"].values
-    x, y = (_edges(each) for each in centres)
+    x, y = (_edges(axis) for axis in centres)
     height = 3.3 * np.ptp(y) / np.ptp(x)
     panel = 1.4 + float(np.clip(height, 1.0, _HIGHEST_STACKED if stacked else 6.0))
     size = (4.6, 1.0 + 3 * panel) if stacked else (11.0, 0.8 + panel)
     figure = Picture(figsize=size)
     row = figure.subplots(*((3, 1) if stacked else (1, 3)), sharex=True, sharey=True)
     touching = np.ma.masked_equal(values[0], 0.0), *values[1:]
-    for axes, label, each, colours, (low, high) in zip(
+    for axes, label, field, colours, (low, high) in zip(
         row, labels, touching, ("viridis_r", "inferno", "cividis"), ends, strict=True
     ):
-        image = axes.pcolormesh(x, y, each.T, cmap=colours, vmin=low, vmax=high, rasterized=True)
+        image = axes.pcolormesh(x, y, field.T, cmap=colours, vmin=low, vmax=high, rasterized=True)
         axes.set_aspect("equal" if 0.5 < height < 12 else "auto")
         axes.grid(visible=False)
         axes.xaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 2.5, 5, 10]))

@@ -91,7 +91,7 @@ def _wrap_titles(figure: Figure) -> None:
     for title in titles:
         letters = int(0.92 * room / (_LETTER * float(title.get_fontsize())))
         lines = title.get_text().splitlines()
-        title.set_text("\n".join(textwrap.fill(each, letters) for each in lines))
+        title.set_text("\n".join(textwrap.fill(line, letters) for line in lines))
 
 
 def _wrap_labels(figure: Figure) -> None:
@@ -114,9 +114,11 @@ def _stack(axes: Axes, legend: Legend) -> None:
     legend.remove()
     axes.legend(handles=handles, labels=labels, loc="upper left", fontsize=size, frameon=False)
     room = rows * 1.5 * size * axes.figure.dpi / 72 / axes.bbox.height
-    for each in (other for other in axes.figure.axes if other.bbox.bounds == axes.bbox.bounds):
-        bottom, top = each.get_ylim()
-        each.set_ylim(bottom, bottom + (top - bottom) * (1 + max(0.0, room - 0.15)))
+    for other_axes in (
+        other for other in axes.figure.axes if other.bbox.bounds == axes.bbox.bounds
+    ):
+        bottom, top = other_axes.get_ylim()
+        other_axes.set_ylim(bottom, bottom + (top - bottom) * (1 + max(0.0, room - 0.15)))
 
 
 def _narrow_legends(figure: Figure) -> None:
@@ -138,7 +140,7 @@ def _narrow(figure: Figure, legend: Legend) -> None:
     }
     handles = legend.legend_handles
     figure.draw_without_rendering()
-    own = legend.get_window_extent().height
+    legend_height = legend.get_window_extent().height
     while columns > 1 and legend.get_window_extent().width > 0.98 * figure.bbox.width:
         columns -= 1
         legend.remove()
@@ -147,4 +149,6 @@ def _narrow(figure: Figure, legend: Legend) -> None:
         )
         figure.draw_without_rendering()
     width, height = figure.get_size_inches()
-    figure.set_size_inches(width, height + (legend.get_window_extent().height - own) / figure.dpi)
+    figure.set_size_inches(
+        width, height + (legend.get_window_extent().height - legend_height) / figure.dpi
+    )

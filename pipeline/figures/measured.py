@@ -48,7 +48,7 @@ def at_own_friction(
     conditions : Conditions
         Conditions of the diagram; a transition at about its friction lies beside its line anyway.
     """
-    found = []
+    transitions = []
     loads, velocities = plane["load"].values, plane["velocity"].values
     for point in measured:
         friction = point.get("friction")
@@ -61,15 +61,15 @@ def at_own_friction(
         limit = rise_limit(conditions.at_friction(friction))
         velocity = crossing(velocities, row, limit)
         if math.isfinite(velocity):
-            found.append((velocity, point))
-    for velocity, point in found:
+            transitions.append((velocity, point))
+    for velocity, point in transitions:
         ends = [velocity, point["velocity"]], [point["normal_load"]] * 2
         axes.plot(*ends, color=GREY, lw=1.0, zorder=3.6, gid="to own friction")
-    if not found:
+    if not transitions:
         return []
     line = axes.plot(
-        [velocity for velocity, _ in found],
-        [point["normal_load"] for _, point in found],
+        [velocity for velocity, _ in transitions],
+        [point["normal_load"] for _, point in transitions],
         ls="none", marker="D", ms=5.5, mfc="white", mec=BLACK, mew=1.1, zorder=3.9,
         label="computed at the friction measured", gid="at own friction",
     )  # fmt: skip

@@ -32,19 +32,19 @@ def film_lines(axes: Axes, ds: xr.Dataset, conditions: Conditions) -> list[Artis
         return []
     loads, velocities = _plane(ds)
     mesh = np.meshgrid(velocities, loads)
-    found = lubrication.film_parameter(mesh[1], mesh[0], conditions.mean_bulk_temperature)
+    film = lubrication.film_parameter(mesh[1], mesh[0], conditions.mean_bulk_temperature)
     legend: list[Artist] = []
     for level, beyond in ((BOUNDARY, "mixed"), (FULL_FILM, "full film")):
         label = f"Λ = {level:g}, {beyond} beyond"
-        if np.nanmin(found) < level < np.nanmax(found):
+        if np.nanmin(film) < level < np.nanmax(film):
             axes.contour(
-                velocities, loads, found, [level], colors=BLACK, linewidths=1.0,
+                velocities, loads, film, [level], colors=BLACK, linewidths=1.0,
                 linestyles=[_DOTS], zorder=2.5,
             ).set_gid(label)  # fmt: skip
             legend.append(Line2D([], [], color=BLACK, lw=1.0, ls=_DOTS, label=label))
     if not legend:
-        regime = lubrication_regime(float(np.nanmean(found)))
-        span = f"{np.nanmin(found):.2f} to {np.nanmax(found):.2f}"
+        regime = lubrication_regime(float(np.nanmean(film)))
+        span = f"{np.nanmin(film):.2f} to {np.nanmax(film):.2f}"
         legend.append(Line2D([], [], ls="none", label=f"Λ {span}: {regime}"))
     return legend
 
@@ -102,10 +102,13 @@ def _calibrated(ds: xr.Dataset, name: str, contact: SmoothContact, friction: flo
     logarithms = [
         math.log(
             RIVALS[name].value(
-                contact, at["normal_load"], at["velocity"], at["friction"] or friction
+                contact,
+                transition["normal_load"],
+                transition["velocity"],
+                transition["friction"] or friction,
             )
         )
-        for at in measured
+        for transition in measured
     ]
     return math.exp(sum(logarithms) / len(logarithms))
 
@@ -113,5 +116,5 @@ def _calibrated(ds: xr.Dataset, name: str, contact: SmoothContact, friction: flo
 def _plane(ds: xr.Dataset) -> tuple[Array, Array]:
     """Loads and velocities over the figure."""
     ends = ((ds[name].values[0], ds[name].values[-1]) for name in ("load", "velocity"))
-    loads, velocities = (np.linspace(*each, _RESOLUTION) for each in ends)
+    loads, velocities = (np.linspace(*limits, _RESOLUTION) for limits in ends)
     return loads, velocities

@@ -24,8 +24,8 @@ def chosen_points(
 ) -> list[tuple[int, int]]:
     """Find the indices of the points asked for, or of the one nearest to the transition."""
     r = decisive_rise(ds, conditions).values
-    known = np.isfinite(r)
-    if not known.any():
+    is_finite = np.isfinite(r)
+    if not is_finite.any():
         raise InputError(
             "no point of the sweep is done yet; run the scene on, "
             "with --retry-failed if points failed"
@@ -35,8 +35,8 @@ def chosen_points(
         _index(ds, "velocity", "m/s", value) for value in _several("velocity", velocity, "1.5 m/s")
     ]
     points = []
-    for i in loads or [int(np.flatnonzero(known.any(axis=1))[-1])]:
-        if not known[i].any():
+    for i in loads or [int(np.flatnonzero(is_finite.any(axis=1))[-1])]:
+        if not is_finite[i].any():
             raise InputError(
                 f"no point at {ds['load'].values[i]:g} N is done; "
                 "give another load, or run the scene on"
@@ -46,7 +46,7 @@ def chosen_points(
         distance = np.abs(r[i] - min(limit, np.nanmax(r[i])))
         points += [(i, j) for j in velocities or [int(np.nanargmin(distance))]]
     for point in points:
-        if not known[point]:
+        if not is_finite[point]:
             reason = str(ds["message"].transpose("load", "velocity").values[point])
             raise InputError(
                 f"the point {name_of(ds, point)} is not done{reason and ': '}{reason}; "

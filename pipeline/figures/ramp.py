@@ -150,13 +150,17 @@ def _along_ramp(ds: xr.Dataset, rise: Array, point: tuple[int, int]) -> tuple[Ar
     done = ds["status"].values[: i + 1, j] == DONE
     time, rise = ds["time"].values[: i + 1, j][done].ravel(), rise[: i + 1, j][done].ravel()
     load = ds["normal_load"].values[: i + 1, j][done].ravel()
-    known = np.isfinite(rise)
+    is_finite = np.isfinite(rise)
     # A lower load that is held, or that was reached in another way, lies elsewhere at that time.
-    own = np.isfinite(ds["time"].values[point])
-    times, loads = (np.append(0.0, ds[name].values[point][own]) for name in ("time", "normal_load"))
-    known[known] = np.isclose(load[known], np.interp(time[known], times, loads), rtol=1e-9)
-    time, first = np.unique(time[known], return_index=True)
-    return time, rise[known][first]
+    steps = np.isfinite(ds["time"].values[point])
+    times, loads = (
+        np.append(0.0, ds[name].values[point][steps]) for name in ("time", "normal_load")
+    )
+    is_finite[is_finite] = np.isclose(
+        load[is_finite], np.interp(time[is_finite], times, loads), rtol=1e-9
+    )
+    time, first = np.unique(time[is_finite], return_index=True)
+    return time, rise[is_finite][first]
 
 
 def _pair(
@@ -188,8 +192,8 @@ def _load_axis(axes: Axes, ds: xr.Dataset, points: list[tuple[int, int]]) -> Non
     """Put the load that belongs to each time above `axes`, if no two times share one."""
     longest = max(points)
     time, load = ds["time"].values[longest], ds["normal_load"].values[longest]
-    known = np.isfinite(time)
-    time, load = np.append(0.0, time[known]), np.append(0.0, load[known])
+    is_finite = np.isfinite(time)
+    time, load = np.append(0.0, time[is_finite]), np.append(0.0, load[is_finite])
     if not (np.diff(load) > 0).all():
         return
     time, load = np.append(time, 2 * time[-1]), np.append(load, 2 * load[-1])

@@ -75,13 +75,13 @@ def temperature(
         shown.append((conditions, exceeding(conditions), {"ls": "-", "marker": "o"}))
     for judged, name, look in shown:
         rises = decisive_rise(row, judged).values[0]
-        known = velocities[np.isfinite(rises)]
-        if not known.size:
+        computed = velocities[np.isfinite(rises)]
+        if not computed.size:
             raise InputError(
                 f"no point at {float(row['load'][0]):g} N is done; "
                 "give another load, or run the scene on"
             )
-        between = np.linspace(known[0], known[-1], 200)
+        between = np.linspace(computed[0], computed[-1], 200)
         curve = celsius(contact_temperature(interpolated(velocities, rises, between), conditions))
         axes.plot(between, curve, color=BLUE, ls=look["ls"])
         axes.plot(
@@ -89,12 +89,12 @@ def temperature(
             color=BLUE, ls="none", marker=look["marker"],
         )  # fmt: skip
         axes.plot([], [], color=BLUE, label=name, **look)
-    at = _transition(row, conditions)
+    transition = _transition(row, conditions)
     if conditions.critical_temperature is not None:
         critical = celsius(conditions.critical_temperature)
         axes.axhline(critical, color=GREY, ls=":", label=f"critical, {critical:g} °C")
-    if np.isfinite(at):
-        axes.axvline(at, color=VERMILION, lw=1.2, label=f"transition, {at:.3g} m/s")
+    if np.isfinite(transition):
+        axes.axvline(transition, color=VERMILION, lw=1.2, label=f"transition, {transition:.3g} m/s")
     axes.set_xlabel("sliding velocity [m/s]")
     axes.set_ylabel("contact temperature [°C]")
     axes.set_title(f"{title_of(row)}\n{float(row['load'][0]):g} N")
@@ -144,16 +144,16 @@ def histogram(
     )
     row = _row(ds, load, realization)
     newtons = float(row["load"][0])
-    at = (
+    sliding = (
         _transition(row, conditions) if velocity is None else in_si("velocity", velocity, "1.5 m/s")
     )
-    if not np.isfinite(at):
+    if not np.isfinite(sliding):
         raise InputError(f"there is no transition at {newtons:g} N; give a velocity")
-    quantiles = _quantiles_at(at_bulks(row, conditions), at)
+    quantiles = _quantiles_at(at_bulks(row, conditions), sliding)
     if not np.isfinite(quantiles).all():
         ends = row["velocity"].values[[0, -1]]
         raise InputError(
-            f"velocity is {at:g} m/s; at {newtons:g} N points are done from {ends[0]:g} to "
+            f"velocity is {sliding:g} m/s; at {newtons:g} N points are done from {ends[0]:g} to "
             f"{ends[1]:g} m/s at most"
         )
     temperatures = celsius(contact_temperature(quantiles, conditions))
@@ -175,7 +175,7 @@ def histogram(
     axes.set_xlabel("contact temperature [°C]")
     axes.set_ylabel(f"share of the contact per {width:.2g} K [%]")
     where = "at the transition, " if velocity is None else ""
-    axes.set_title(f"{title_of(row)}\n{newtons:g} N, {where}{at:.3g} m/s")
+    axes.set_title(f"{title_of(row)}\n{newtons:g} N, {where}{sliding:.3g} m/s")
     legend_below(figure, ax, ncols=3, title=heating(conditions))
     return figure
 
@@ -196,9 +196,11 @@ def _transition(row: xr.Dataset, conditions: Conditions) -> float:
 
 def _quantiles_at(row: xr.Dataset, velocity: float) -> Array:
     """Rise that each share of the contact stays below, at any velocity between the points [K]."""
-    known = end_of_point(row)["rise_quantile"].isel(load=0).transpose("velocity", "quantile").values
-    columns = (
-        interpolated(row["velocity"].values, column, np.array([velocity])) for column in known.T
+    stored = (
+        end_of_point(row)["rise_quantile"].isel(load=0).transpose("velocity", "quantile").values
     )
-    found: Array = np.maximum.accumulate(np.concatenate(list(columns)))
-    return found
+    columns = (
+        interpolated(row["velocity"].values, column, np.array([velocity])) for column in stored.T
+    )
+    quantiles: Array = np.maximum.accumulate(np.concatenate(list(columns)))
+    return quantiles

@@ -24,12 +24,12 @@ _SIGNS = {"um": "µm", "deg": "°", "^2": "²", "^3": "³"}
 
 
 @in_house_style
-def draw_variations(found: Variations) -> Figure:
+def draw_variations(varied: Variations) -> Figure:
     """Draw how far each input moves the critical velocity: the most important one on top.
 
     Parameters
     ----------
-    found : Variations
+    varied : Variations
         Result of `pipeline.vary`.
 
     Examples
@@ -37,22 +37,22 @@ def draw_variations(found: Variations) -> Figure:
     >>> import pipeline
     >>> own = pipeline.Variation("", "", (2.17,), ("crosses",))
     >>> other = pipeline.Variation("friction.coefficient", "0.12", (1.63,), ("crosses",))
-    >>> found = pipeline.Variations("A scene", (400.0,), own, (other,), points=8, contacts=8)
-    >>> figure = pipeline.draw_variations(found)
+    >>> variations = pipeline.Variations("A scene", (400.0,), own, (other,), points=8, contacts=8)
+    >>> figure = pipeline.draw_variations(variations)
     """
-    keys = found.by_key()
+    keys = varied.by_key()
     figure = Picture(figsize=(7.2, 1.7 + 0.62 * len(keys)))
     axes = figure.add_subplot()
-    ends = {0: BLUE, len(found.loads) - 1: VERMILION}  # the lowest and the highest load
+    ends = {0: BLUE, len(varied.loads) - 1: VERMILION}  # the lowest and the highest load
     height = 0.8 / len(ends)
     for row, variations in enumerate(keys.values()):
         for place, (load, colour) in enumerate(ends.items()):
-            at = row + (place - (len(ends) - 1) / 2) * height
-            _bar(axes, found, variations, load, at, 0.86 * height, colour)
+            height_of_bar = row + (place - (len(ends) - 1) / 2) * height
+            _bar(axes, varied, variations, load, height_of_bar, 0.86 * height, colour)
     axes.axvline(0.0, color=BLACK, lw=1.0)
     axes.set_yticks(range(len(keys)), [_named(key, each) for key, each in keys.items()])
     axes.set_ylim(len(keys) - 0.5, -0.5)
-    moved = np.array([found.changes(each)[list(ends)] for each in found.others])
+    moved = np.array([varied.changes(each)[list(ends)] for each in varied.others])
     moved = moved[np.isfinite(moved)]
     low, high = moved.min(initial=0.0), moved.max(initial=0.0)
     if low == high:
@@ -66,11 +66,11 @@ def draw_variations(found: Variations) -> Figure:
     )
     axes.set_xlabel("change of the critical velocity")
     for load, colour in ends.items():
-        own, outcome = found.own.critical_velocities[load], found.own.outcomes[load]
-        begins = f"from {own:.3g} m/s" if np.isfinite(own) else outcome
-        axes.plot([], [], color=colour, lw=6, label=f"at {found.loads[load]:g} N, {begins}")
+        critical_velocity, outcome = varied.own.critical_velocities[load], varied.own.outcomes[load]
+        begins = f"from {critical_velocity:.3g} m/s" if np.isfinite(critical_velocity) else outcome
+        axes.plot([], [], color=colour, lw=6, label=f"at {varied.loads[load]:g} N, {begins}")
     figure.legend(loc="outside lower center", ncols=len(ends))
-    axes.set_title(textwrap.fill(as_text(found.title), 60), x=0.3)
+    axes.set_title(textwrap.fill(as_text(varied.title), 60), x=0.3)
     return figure
 
 
@@ -85,7 +85,9 @@ def _named(key: str, variations: list[Variation]) -> str:
     """
     *tables, name = (part.replace("_", " ") for part in key.split("."))
     words = f"{' '.join(tables)}: {name}" if tables else name
-    values = [as_text(each.value) for each in variations if len(each.value) > _LONGEST]
+    values = [
+        as_text(variation.value) for variation in variations if len(variation.value) > _LONGEST
+    ]
     lines = [textwrap.fill(as_text(words), _LETTERS)]
     return "\n".join(lines + [textwrap.fill(value, 42) for value in values])
 
@@ -112,37 +114,39 @@ def _bar(
     found: Variations,
     variations: list[Variation],
     load: int,
-    at: float,
+    position: float,
     height: float,
     colour: str,
 ) -> None:
     """One bar from the least to the greatest change at a load, its ends named by the values."""
-    changes = np.array([found.changes(each)[load] for each in variations])
-    known = np.isfinite(changes)
-    if not known.any():
-        axes.text(0.0, at, " no transition", va="center", fontsize=7, color=GREY, style="italic")
+    changes = np.array([found.changes(variation)[load] for variation in variations])
+    is_finite = np.isfinite(changes)
+    if not is_finite.any():
+        axes.text(
+            0.0, position, " no transition", va="center", fontsize=7, color=GREY, style="italic"
+        )
         return
     low, high = min(0.0, np.nanmin(changes)), max(0.0, np.nanmax(changes))
-    axes.barh(at, high - low, left=low, height=height, color=colour, alpha=0.85)
-    for each, change in zip(variations, changes, strict=True):
+    axes.barh(position, high - low, left=low, height=height, color=colour, alpha=0.85)
+    for variation, change in zip(variations, changes, strict=True):
         if change in (low, high):
             words = f"{100 * change:+.1f} %"
-            if len(each.value) <= _LONGEST:
-                words = _shown(each.value)
+            if len(variation.value) <= _LONGEST:
+                words = _shown(variation.value)
             axes.annotate(
-                words, (change, at), (-4 if change < 0 else 4, 0),
+                words, (change, position), (-4 if change < 0 else 4, 0),
                 textcoords="offset points", ha="right" if change < 0 else "left", va="center",
                 fontsize=8, color=GREY,
             )  # fmt: skip
-    if not known.all():
-        told = "no transition at " + ", ".join(
-            _shown(each.value)
-            for each, is_known in zip(variations, known, strict=True)
+    if not is_finite.all():
+        text = "no transition at " + ", ".join(
+            _shown(variation.value)
+            for variation, is_known in zip(variations, is_finite, strict=True)
             if not is_known
         )
         is_right = high == 0.0  # where no bar is
         axes.annotate(
-            told, (high if is_right else low, at), (4 if is_right else -4, 0),
+            text, (high if is_right else low, position), (4 if is_right else -4, 0),
             textcoords="offset points", ha="left" if is_right else "right", va="center",
             fontsize=7, color=GREY, style="italic",
         )  # fmt: skip

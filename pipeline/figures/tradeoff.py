@@ -96,7 +96,7 @@ def _kinds(
     """Name of each kind of choice, those of it, and how they look."""
     varied = [choice for choice in shown if choice.varied]
     presets = [choice for choice in shown if choice.name in PRESETS]
-    own = [choice for choice in shown if choice not in varied and choice not in presets]
+    others = [choice for choice in shown if choice not in varied and choice not in presets]
     return (
         (
             f"one choice of {trade.base} varied",
@@ -104,7 +104,7 @@ def _kinds(
             {"marker": "o", "mfc": "white", "mec": GREY, "ms": 4.5, "zorder": 4},
         ),
         ("presets", presets, {"marker": "D", "mfc": VERMILION, "mec": "white", "ms": 8.5}),
-        ("the scene's own", own, {"marker": "s", "mfc": BLACK, "mec": "white", "ms": 7.5}),
+        ("the scene's own", others, {"marker": "s", "mfc": BLACK, "mec": "white", "ms": 7.5}),
     )
 
 
@@ -124,7 +124,9 @@ def _name(
     """
     per_point = figure.dpi / 72
     points = axes.transData.transform([_place(choice) for choice in shown])
-    taken = [Bbox.from_extents(*(at - 5 * per_point), *(at + 5 * per_point)) for at in points]
+    taken = [
+        Bbox.from_extents(*(point - 5 * per_point), *(point + 5 * per_point)) for point in points
+    ]
     window = axes.get_window_extent()
     for choice in sorted(
         shown, key=lambda one: (one.varied is not None, one not in front, -one.velocity_error)

@@ -96,12 +96,12 @@ def draw_risk(
         axes.set_yscale("log")
         plain_numbers(axes)
     number = len(posterior.judged) if posterior else 0
-    given = (
+    basis = (
         f"given {number} measured transition{'s' if number > 1 else ''}"
         if posterior
         else "inputs as assumed, before any measurement"
     )
-    axes.set_title(f"{textwrap.fill(as_text(ensemble.title), 70)}\n{given}")
+    axes.set_title(f"{textwrap.fill(as_text(ensemble.title), 70)}\n{basis}")
     if axes.get_legend_handles_labels()[0]:
         figure.legend(loc="outside lower center", ncols=2)
     return figure
@@ -109,18 +109,18 @@ def draw_risk(
 
 def _limit(axes: Axes, p: Array, x: Array) -> None:
     """Show velocities at which anything is uncertain at some load, and a little more."""
-    (at,) = np.nonzero(((p > 0.002) & (p < 0.998)).any(axis=0))
-    if at.size:
-        axes.set_xlim(x[max(at[0] - 2, 0)], x[min(at[-1] + 2, len(x) - 1)])
+    (columns,) = np.nonzero(((p > 0.002) & (p < 0.998)).any(axis=0))
+    if columns.size:
+        axes.set_xlim(x[max(columns[0] - 2, 0)], x[min(columns[-1] + 2, len(x) - 1)])
 
 
 @in_house_style
-def draw_sensitivity(found: Sensitivity, title: str) -> Figure:
+def draw_sensitivity(sensitivity: Sensitivity, title: str) -> Figure:
     """Draw the Sobol' indices of the critical velocity by load.
 
     Parameters
     ----------
-    found : Sensitivity
+    sensitivity : Sensitivity
         Result of `pipeline.sensitivity`.
     title : str
         Title of the scene.
@@ -131,29 +131,37 @@ def draw_sensitivity(found: Sensitivity, title: str) -> Figure:
     >>> ensemble = pipeline.Ensemble.of(pipeline.open_sweep("results/unknown.zarr"))
     >>> figure = pipeline.draw_sensitivity(pipeline.sensitivity(ensemble), "A scene")
     """
-    figure = Picture(figsize=(7.6, 2.8 + 0.55 * len(found.unknown)))
+    figure = Picture(figsize=(7.6, 2.8 + 0.55 * len(sensitivity.unknown)))
     axes = figure.add_subplot()
-    order = np.argsort(found.first.mean(axis=0))
-    has_total = np.isfinite(found.total).all()
-    number = len(found.loads)
+    order = np.argsort(sensitivity.first.mean(axis=0))
+    has_total = np.isfinite(sensitivity.total).all()
+    number = len(sensitivity.loads)
     height = 0.8 / number
-    for i, load in enumerate(found.loads):
-        at = np.arange(len(order)) + ((number - 1) / 2 - i) * height
-        values = found.first[i, order]
-        low, high = found.first_interval[:, i, order]
+    for i, load in enumerate(sensitivity.loads):
+        positions = np.arange(len(order)) + ((number - 1) / 2 - i) * height
+        values = sensitivity.first[i, order]
+        low, high = sensitivity.first_interval[:, i, order]
         axes.barh(
-            at, values, 0.9 * height, color=_COLOURS[i % len(_COLOURS)], alpha=0.85,
-            label=f"{load:g} N, ± {100 * found.spread[i]:.2g} %",
+            positions, values, 0.9 * height, color=_COLOURS[i % len(_COLOURS)], alpha=0.85,
+            label=f"{load:g} N, ± {100 * sensitivity.spread[i]:.2g} %",
             xerr=np.maximum([values - low, high - values], 0.0),
             error_kw={"ecolor": BLACK, "elinewidth": 0.8, "capsize": 2},
         )  # fmt: skip
         if has_total:
-            axes.plot(found.total[i, order], at, ls="none", marker="|", ms=8, mew=1.4, color=BLACK)
-    axes.set_yticks(range(len(order)), [_broken(found.unknown[k].path) for k in order])
+            axes.plot(
+                sensitivity.total[i, order],
+                positions,
+                ls="none",
+                marker="|",
+                ms=8,
+                mew=1.4,
+                color=BLACK,
+            )
+    axes.set_yticks(range(len(order)), [_broken(sensitivity.unknown[k].path) for k in order])
     axes.grid(visible=False, axis="y")
     axes.set_xlim(left=0.0)
     what = "share of the variance\nof the critical velocity"
-    what += ",\ngiven the measured transitions" if found.given_measured else ""
+    what += ",\ngiven the measured transitions" if sensitivity.given_measured else ""
     bars = "bar: first index, 90 % interval" + ("\ntick: total index" if has_total else "")
     axes.set_xlabel(f"{what}\n{bars}")
     figure.suptitle(textwrap.fill(as_text(title), 70))
@@ -164,12 +172,12 @@ def draw_sensitivity(found: Sensitivity, title: str) -> Figure:
 
 
 @in_house_style
-def draw_posterior(found: Posterior) -> Figure:
+def draw_posterior(posterior: Posterior) -> Figure:
     """Draw the inputs before and after they were measured by, and measured beside computed.
 
     Parameters
     ----------
-    found : Posterior
+    posterior : Posterior
         Result of `pipeline.posterior`.
 
     Examples
@@ -178,33 +186,36 @@ def draw_posterior(found: Posterior) -> Figure:
     >>> ensemble = pipeline.Ensemble.of(pipeline.open_sweep("results/unknown.zarr"))
     >>> figure = pipeline.draw_posterior(pipeline.posterior(ensemble))
     """
-    unknown = found.unknown
-    transitions = [judged for judged in found.judged if "outcome" not in judged.test]
+    unknown = posterior.unknown
+    transitions = [judged for judged in posterior.judged if "outcome" not in judged.test]
     panels = len(unknown) + bool(transitions)
     columns = min(3, panels)
     rows = -(-panels // columns)
     figure = Picture(figsize=(3.4 * columns, 3.0 * rows + 0.9))
     axes = np.atleast_1d(figure.subplots(rows, columns)).ravel()
-    for number, (each, panel) in enumerate(zip(unknown, axes, strict=False)):
-        values = each.shown.of(found.prior.inputs[:, number])
+    for number, (quantity, panel) in enumerate(zip(unknown, axes, strict=False)):
+        values = quantity.shown.of(posterior.prior.inputs[:, number])
         power = _power(values)
         column = values / 10.0**power
-        low, high = found.prior.quantile(column, 0.001), found.prior.quantile(column, 0.999)
+        low, high = posterior.prior.quantile(column, 0.001), posterior.prior.quantile(column, 0.999)
         bins = np.linspace(low, high, _BINS)
-        if each.kind == "list":
-            listed = np.sort(each.shown.of(np.array(each.parameters))) / 10.0**power
+        if quantity.kind == "list":
+            listed = np.sort(quantity.shown.of(np.array(quantity.parameters))) / 10.0**power
             bins = np.append(listed, listed[-1] + 1) - 0.5
-        for draws, colour, label in ((found.prior, GREY, "before"), (found.draws, BLUE, "after")):
-            of_draws = each.shown.of(draws.inputs[:, number]) / 10.0**power
+        for draws, colour, label in (
+            (posterior.prior, GREY, "before"),
+            (posterior.draws, BLUE, "after"),
+        ):
+            of_draws = quantity.shown.of(draws.inputs[:, number]) / 10.0**power
             _histogram(panel, of_draws, draws, bins, colour, label)
-        panel.set_xlabel(_broken(each.path) + _unit(each.shown.name, power), fontsize=9)
+        panel.set_xlabel(_broken(quantity.path) + _unit(quantity.shown.name, power), fontsize=9)
         panel.set_yticks([])
         panel.grid(visible=False)
     if transitions:
-        _parity(axes[len(unknown)], transitions, found.inferred_scatter[1])
+        _parity(axes[len(unknown)], transitions, posterior.inferred_scatter[1])
     for panel in axes[panels:]:
         panel.set_axis_off()
-    titles = (textwrap.fill(as_text(each.title), 34 * columns) for each in found.ensembles)
+    titles = (textwrap.fill(as_text(one.title), 34 * columns) for one in posterior.ensembles)
     figure.suptitle("\n".join(titles))
     handles, labels = axes[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=2)
@@ -232,9 +243,9 @@ def _parity(axes: Axes, transitions: Sequence[Judged], inferred: float) -> None:
         measured, middle, [middle - low, high - middle], scatter, ls="none",
         marker="D", ms=4.5, color=VERMILION, elinewidth=1.0,
     )  # fmt: skip
-    for entry, at in zip(tests, middle, strict=True):
+    for entry, velocity in zip(tests, middle, strict=True):
         axes.annotate(
-            f"{entry['normal_load']:g} N", (entry["velocity"], at), (6, -10),
+            f"{entry['normal_load']:g} N", (entry["velocity"], velocity), (6, -10),
             textcoords="offset points", fontsize=8, color=GREY,
         )  # fmt: skip
     axes.set_xlabel("measured velocity [m/s]", fontsize=9)

@@ -54,10 +54,10 @@ def searched(sweep: Sweep, limits: Iterable[float]) -> list[float]:
         )
     moving = [velocity for velocity in sweep.velocities if velocity > 0]
     if len(moving) < 2:
-        given = ", ".join(f"{velocity:g}" for velocity in sweep.velocities)
+        listed = ", ".join(f"{velocity:g}" for velocity in sweep.velocities)
         raise InputError(
-            f"there is no boundary to look for where sweep.velocities are {given} m/s; give two or "
-            "more above 0"
+            f"there is no boundary to look for where sweep.velocities are {listed} m/s; give two "
+            "or more above 0"
         )
     return moving
 
@@ -97,10 +97,10 @@ class BoundarySearch:
     Examples
     --------
     >>> search = BoundarySearch((200.0, 750.0), 0.5, 5.0, limit=1200.0, tolerance=0.01)
-    >>> known = {}
-    >>> while asked := search.wanted(known):
-    ...     known |= {at: 50.0 * at.load**0.45 * at.velocity**0.55 for at in asked}
-    >>> len(known), max(search.spans(known).values()) < 0.4
+    >>> rises = {}
+    >>> while asked := search.wanted(rises):
+    ...     rises |= {at: 50.0 * at.load**0.45 * at.velocity**0.55 for at in asked}
+    >>> len(rises), max(search.spans(rises).values()) < 0.4
     (4, True)
     """
 
@@ -122,19 +122,19 @@ class BoundarySearch:
 
     def wanted(
         self,
-        known: Mapping[Point, float],
+        rises: Mapping[Point, float],
         hopeless: Iterable[Point] = (),
     ) -> tuple[Point, ...]:
         """Points to look at next; none once the boundary is known at every load.
 
         Parameters
         ----------
-        known : mapping
+        rises : mapping
             Rise at the points that are done [K], whether asked for here or not.
         hopeless : iterable of Point
             Points that failed; they are not asked for again.
         """
-        rows = {load: self._row(known, load) for load in self.loads}
+        rows = {load: self._row(rises, load) for load in self.loads}
         curvature = self._curvature(rows)
         guesses = self._guesses(rows)
         asked = set()
@@ -143,17 +143,17 @@ class BoundarySearch:
             asked = {Point(load, self._first_node(load)) for load in ends}
         for load, guess in guesses.items():
             asked |= {Point(load, v) for v in self._next(rows[load], guess, curvature)}
-        fresh = asked - set(known) - set(hopeless)
+        fresh = asked - set(rises) - set(hopeless)
         return tuple(sorted(fresh, key=lambda point: (point.velocity, point.load)))
 
-    def spans(self, known: Mapping[Point, float]) -> dict[float, float]:
+    def spans(self, rises: Mapping[Point, float]) -> dict[float, float]:
         """Logarithm of the ratio of the velocities that enclose the crossing, by load."""
-        found = {}
+        widths = {}
         for load in self.loads:
-            low, high = self._bracket(self._row(known, load))
+            low, high = self._bracket(self._row(rises, load))
             if low is not None and high is not None:
-                found[load] = math.log(high / low)
-        return found
+                widths[load] = math.log(high / low)
+        return widths
 
     def _first_node(self, load: float) -> float:
         """The velocity of the axis to begin with: in its middle at the middle load."""
@@ -161,11 +161,11 @@ class BoundarySearch:
         number = round(self._intervals() / 2 + (above + math.log(self.scale)) / self._span())
         return self._node(number, 0)
 
-    def _row(self, known: Mapping[Point, float], load: float) -> list[tuple[float, float]]:
+    def _row(self, rises: Mapping[Point, float], load: float) -> list[tuple[float, float]]:
         """Velocities and rises that are known at a load, in the range."""
         return sorted(
             (point.velocity, rise)
-            for point, rise in known.items()
+            for point, rise in rises.items()
             if point.load == load and self.lowest <= point.velocity <= self.highest and rise > 0
         )
 
@@ -177,7 +177,7 @@ class BoundarySearch:
 
     def _curvature(self, rows: Mapping[float, list[tuple[float, float]]]) -> float:
         """The greatest κ by three velocities about a crossing, with a margin."""
-        found = []
+        curvatures = []
         for row in rows.values():
             low, high = self._bracket(row)
             if low is None or high is None or len(row) < 3:
@@ -189,33 +189,33 @@ class BoundarySearch:
                     slopes = np.diff(y[k : k + 3]) / np.diff(x[k : k + 3])
                     slope = (y[k + 2] - y[k]) / (x[k + 2] - x[k])
                     bend = 2 * (slopes[1] - slopes[0]) / (x[k + 2] - x[k])
-                    found.append(abs(bend / slope) if slope > 0 else math.inf)
-        if not found:
+                    curvatures.append(abs(bend / slope) if slope > 0 else math.inf)
+        if not curvatures:
             return _CURVATURE
-        return min(max(_LEAST_CURVATURE, 1.5 * max(found)), 100.0)
+        return min(max(_LEAST_CURVATURE, 1.5 * max(curvatures)), 100.0)
 
     def _guesses(self, rows: Mapping[float, list[tuple[float, float]]]) -> dict[float, float]:
         """Logarithm of the critical velocity at each load, as far as can be told."""
-        own: dict[float, float] = {}
+        by_load: dict[float, float] = {}
         for load, row in rows.items():
             if row:
-                own[load] = self._guess(row)
-        if not own:
+                by_load[load] = self._guess(row)
+        if not by_load:
             return {}
-        x, y = np.log(list(own)), np.array(list(own.values()))
+        x, y = np.log(list(by_load)), np.array(list(by_load.values()))
         guesses = {}
         for load in self.loads:
-            at = math.log(load)
-            if load in own:
-                guesses[load] = own[load]
-            elif len(own) == 1:
-                guesses[load] = float(y[0] + _TREND * (at - x[0]))
-            elif x[0] <= at <= x[-1]:
-                guesses[load] = float(np.interp(at, x, y))
+            log_load = math.log(load)
+            if load in by_load:
+                guesses[load] = by_load[load]
+            elif len(by_load) == 1:
+                guesses[load] = float(y[0] + _TREND * (log_load - x[0]))
+            elif x[0] <= log_load <= x[-1]:
+                guesses[load] = float(np.interp(log_load, x, y))
             else:
-                k = 0 if at < x[0] else len(x) - 2
+                k = 0 if log_load < x[0] else len(x) - 2
                 trend = (y[k + 1] - y[k]) / (x[k + 1] - x[k])
-                guesses[load] = float(y[k] + trend * (at - x[k]))
+                guesses[load] = float(y[k] + trend * (log_load - x[k]))
         return guesses
 
     def _guess(self, row: list[tuple[float, float]]) -> float:
@@ -233,15 +233,15 @@ class BoundarySearch:
     ) -> Iterable[float]:
         """Velocities to look at next at one load."""
         low, high = self._bracket(row)
-        at = math.log(low or self.lowest), math.log(high or self.highest)
+        log_ends = math.log(low or self.lowest), math.log(high or self.highest)
         if low is not None and high is not None:
-            span = at[1] - at[0]
+            span = log_ends[1] - log_ends[0]
             if curvature * span**2 / 8 <= self.tolerance:
                 return []
         elif (low == self.highest) or (high == self.lowest):
             return []
         # Nodes about the guess, on the coarsest axis that has one in between.
-        guess = min(max(guess, at[0]), at[1])
+        guess = min(max(guess, log_ends[0]), log_ends[1])
         for level in range(_FINEST):
             span = self._span() / 2**level
             if level and curvature * (2 * span) ** 2 / 8 <= self.tolerance:

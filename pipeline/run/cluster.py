@@ -247,7 +247,7 @@ def is_processed(client: Client, keys: Collection[str], patience: float) -> bool
     with _losses_told():
         # As client.processing(), which may wait for ever.
         processing = client.sync(client.scheduler.processing, callback_timeout=patience)
-        return any(key in keys for given in processing.values() for key in given)
+        return any(key in keys for tasks in processing.values() for key in tasks)
 
 
 def wait_for_any(futures: Collection[Future], seconds: float) -> None:

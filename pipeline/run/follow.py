@@ -87,10 +87,14 @@ def follow_boundary(
         rises, failed = _seen(store, sweep) if store else ({}, set())
         wanted: set[Point] = set()
         for seed in sweep.realizations or (None,):
-            own = {Point(*at[:2]): rise for at, rise in rises.items() if at.realization == seed}
-            hopeless = {Point(*at[:2]) for at in failed if at.realization == seed}
-            asked = search.wanted(own, () if retry_failed else hopeless)
-            wanted |= {Point(*at[:2], seed) for at in asked}
+            rises_here = {
+                Point(*point[:2]): rise
+                for point, rise in rises.items()
+                if point.realization == seed
+            }
+            hopeless = {Point(*point[:2]) for point in failed if point.realization == seed}
+            asked = search.wanted(rises_here, () if retry_failed else hopeless)
+            wanted |= {Point(*point[:2], seed) for point in asked}
         return replace(sweep, chosen=frozenset({*rises, *failed, *wanted})) if wanted else None
 
     place = place_of(out)

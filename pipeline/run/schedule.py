@@ -207,8 +207,8 @@ class _Run:
         """Let points wait again, each ramp as a chain; the first one has a trunk."""
         ramps = itertools.groupby(left, key=self._sweep.contact_of)
         ramps_left = [tuple(points) for _, points in ramps]
-        self.waiting.extendleft(_Chain(each, None, is_wary) for each in reversed(ramps_left[1:]))
-        self.waiting.extendleft(_Chain(each, trunk, is_wary) for each in ramps_left[:1])
+        self.waiting.extendleft(_Chain(ramp, None, is_wary) for ramp in reversed(ramps_left[1:]))
+        self.waiting.extendleft(_Chain(ramp, trunk, is_wary) for ramp in ramps_left[:1])
 
     def _start(self, chain: _Chain, worker: str | None = None) -> None:
         parcel = self._parcel

@@ -90,8 +90,8 @@ class Variations:
     >>> import pipeline
     >>> own = pipeline.Variation("", "", (2.17,), ("crosses",))
     >>> other = pipeline.Variation("friction.coefficient", "0.12", (1.63,), ("crosses",))
-    >>> found = pipeline.Variations("A scene", (400.0,), own, (other,), points=8, contacts=8)
-    >>> found.own.critical_velocities
+    >>> variations = pipeline.Variations("A scene", (400.0,), own, (other,), points=8, contacts=8)
+    >>> variations.own.critical_velocities
     (2.17,)
     """
 
@@ -111,13 +111,13 @@ class Variations:
 
     def by_key(self) -> dict[str, list[Variation]]:
         """Changes by entry; first the entry that moves the boundary most."""
-        found: dict[str, list[Variation]] = {}
-        for each in self.others:
-            found.setdefault(each.key, []).append(each)
-        return dict(sorted(found.items(), key=lambda item: -self._swing(item[1])))
+        groups: dict[str, list[Variation]] = {}
+        for variation in self.others:
+            groups.setdefault(variation.key, []).append(variation)
+        return dict(sorted(groups.items(), key=lambda item: -self._swing(item[1])))
 
     def _swing(self, variations: list[Variation]) -> float:
-        moved = np.abs([self.changes(each) for each in variations])
+        moved = np.abs([self.changes(variation) for variation in variations])
         return float(np.nanmax(moved)) if np.isfinite(moved).any() else 0.0
 
     def as_dict(self) -> dict[str, Any]:
@@ -128,13 +128,13 @@ class Variations:
             "critical_velocity_outcome": list(self.own.outcomes),
             "variations": [
                 {
-                    "key": each.key,
-                    "value": each.value,
-                    "critical_velocity": list(each.critical_velocities),
-                    "critical_velocity_outcome": list(each.outcomes),
-                    "change": self.changes(each).tolist(),
+                    "key": variation.key,
+                    "value": variation.value,
+                    "critical_velocity": list(variation.critical_velocities),
+                    "critical_velocity_outcome": list(variation.outcomes),
+                    "change": self.changes(variation).tolist(),
                 }
-                for each in self.others
+                for variation in self.others
             ],
             "points": self.points,
             "contacts": self.contacts,
@@ -186,7 +186,7 @@ def vary(
     --------
     >>> import pipeline
     >>> over = {"pin.radius": ["1 mm", "+20%"], "temperature.bulk": ["40 degC"]}
-    >>> found = pipeline.vary("first_try", over)  # doctest: +SKIP
+    >>> variations = pipeline.vary("first_try", over)  # doctest: +SKIP
     """
     overrides = overrides or {}
     sweep = load_scene(scene, preset, overrides)
@@ -215,11 +215,11 @@ def vary(
         return f"{variant[0]} = {variant[1]}" if variant[0] else "the scene as it is"
 
     scenes = [("", "", sweep), *((*name, scene) for name, scene in others.items())]
-    own, *found = (boundary(*variant) for variant in staged(scenes, tell, named))
+    unvaried, *varied = (boundary(*variant) for variant in staged(scenes, tell, named))
     count = sum(len(plane.known) for plane in planes.values())
     warned = _warned(planes.values())
     counts = count, contacts.computed
-    return Variations(sweep.title, sweep.loads, own, tuple(found), *counts, warned, effects)
+    return Variations(sweep.title, sweep.loads, unvaried, tuple(varied), *counts, warned, effects)
 
 
 class _Plane:
@@ -275,20 +275,22 @@ def _beside(rises: Mapping[Point, float], limit: float) -> Iterator[Point]:
 
 def _warned(planes: Iterable[_Plane]) -> Warned:
     """Count the points that carry a warning, and show one, beside a boundary if there is any."""
-    found = [
+    warned = [
         (point not in plane.beside, point, result.warnings)
         for plane in planes
         for point, result in plane.known.items()
         if result.warnings
     ]
-    if not found:
+    if not warned:
         return NO_WARNING
-    kinds = Counter(kind for *_, warnings in found for kind in {each.kind for each in warnings})
-    _, point, (first, *_) = min(found, key=lambda each: each[:2])
+    kinds = Counter(
+        kind for *_, warnings in warned for kind in {warning.kind for warning in warnings}
+    )
+    _, point, (first, *_) = min(warned, key=lambda row: row[:2])
     return Warned(
-        points=len(found),
+        points=len(warned),
         kinds={kind.label: kinds[kind] for kind in sorted(kinds)},
-        at_boundary=sum(not away for away, *_ in found),
+        at_boundary=sum(not away for away, *_ in warned),
         example=f"{point}: {first}",
     )
 
@@ -299,5 +301,5 @@ def _crossing(
     """Critical velocity at a load, and the outcome in words."""
     row = sorted((point.velocity, rise) for point, rise in rises.items() if point.load == load)
     velocities, values = np.array(row).T
-    found = Transition.along(velocities, values, limit, ends)
-    return found.place, OUTCOMES[found.outcome]
+    crossing = Transition.along(velocities, values, limit, ends)
+    return crossing.place, OUTCOMES[crossing.outcome]

@@ -90,12 +90,12 @@ def _samples_of(sweep: Sweep) -> dict[str, Any]:
     if not sweep.samples:
         return {}
     samples = sweep.samples
-    paths = (*(each.path for each in samples.design.inputs), "velocity")
+    paths = (*(quantity.path for quantity in samples.design.inputs), "velocity")
     return {
         "coordinates": " ".join(paths),
         "samples": len(samples),
         "sample_seed": samples.design.seed,
-        "unknown": [each.as_dict() for each in samples.unknown],
+        "unknown": [quantity.as_dict() for quantity in samples.unknown],
     }
 
 

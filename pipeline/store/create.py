@@ -163,7 +163,7 @@ def _new(sweep: Sweep) -> tuple[dict[str, bytes], dict[str, bytes]]:
 def _variables(sweep: Sweep, with_fields: bool) -> dict[str, Variable]:
     name, _ = sweep.axis or (None, ())
     inputs = sweep.samples.design.inputs if sweep.samples else ()
-    units = {each.path: each.unit for each in inputs}
+    units = {quantity.path: quantity.unit for quantity in inputs}
     return variables(name, with_fields, sweep.unequal_bulks, bool(sweep.rates), units)
 
 

@@ -87,7 +87,7 @@ def replace_files(root: Path, contents: Mapping[str, bytes]) -> None:
     """Replace several files below a folder, side by side."""
     with ThreadPoolExecutor(_THREADS) as threads:
         files = [(root / key, content) for key, content in contents.items()]
-        list(threads.map(lambda each: replace_file(*each), files))
+        list(threads.map(lambda file: replace_file(*file), files))
 
 
 def make_folder(folder: Path) -> None:

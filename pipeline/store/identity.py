@@ -25,9 +25,9 @@ def describe(sweep: Sweep) -> dict[str, Any]:
     The seed is left out where there are realizations, each with its own. Of samples the rule by
     which they follow is part of it.
     """
-    own = own_laws(sweep)
+    laws = own_laws(sweep)
     parts = {
-        entry.name: own.get(entry.name) or _plain(getattr(sweep, entry.name))
+        entry.name: laws.get(entry.name) or _plain(getattr(sweep, entry.name))
         for entry in fields(Scene)
     }
     if sweep.realizations:

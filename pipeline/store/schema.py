@@ -217,13 +217,13 @@ def variables(
         name: (leading, *(dim for dim in variable.dims if dim not in absent_dims))
         for name, variable in present.items()
     }
-    found = {
+    table = {
         name: variable if name in COORDINATES else variable._replace(dims=dims[name])
         for name, variable in present.items()
     }
     if leading == "sample":
-        found["velocity"] = _VELOCITY
-    return {path: _INPUT._replace(units=unit) for path, unit in inputs.items()} | found
+        table["velocity"] = _VELOCITY
+    return {path: _INPUT._replace(units=unit) for path, unit in inputs.items()} | table
 
 
 def block_of(sizes: Mapping[str, int], bytes_of_a_point: int) -> dict[str, int]:

@@ -151,19 +151,21 @@ def examined(
         count += int(np.count_nonzero(store.flags[block] == DONE))
         if progress:
             progress(count, total)
-    damaged = [point for each in examinations for point in each.damaged]
+    damaged = [point for examination in examinations for point in examination.damaged]
     done = total - sum(map(store.is_done, damaged))
     if repair:
-        for each in examinations:
-            _repair(store, each)
+        for examination in examinations:
+            _repair(store, examination)
         store.restore_flags()
         done = int(np.count_nonzero(store.flags == DONE))
     return Verification(
         done=done,
-        damaged=_damages(each.damaged for each in examinations),
-        records=_damages(each.records for each in examinations),
+        damaged=_damages(examination.damaged for examination in examinations),
+        records=_damages(examination.records for examination in examinations),
         shared=tuple(shared),
-        without_status=tuple(point for each in examinations for point in each.complete),
+        without_status=tuple(
+            point for examination in examinations for point in examination.complete
+        ),
         repaired=repair,
     )
 
@@ -242,7 +244,7 @@ def _restored(point: Point, entries: Mapping[str, Any], is_done: bool) -> PointR
             for number in range(2 * max(WarningKind))
         )
         expected = entries.get("record_checksum")
-        return next((each for each in every if record_checksum(each) == expected), None)
+        return next((record for record in every if record_checksum(record) == expected), None)
     if message is None:
         labels = ", ".join(kind.label for kind in WarningKind if kind & kinds)
         message = _LOST.format(labels) if labels else "" if is_done else _LOST_REASON
@@ -276,8 +278,8 @@ def _unreadable(names: Iterable[str]) -> str | None:
 def _damages(reasons: Iterable[Mapping[Point, str]]) -> tuple[Damage, ...]:
     return tuple(
         Damage(point.load, point.velocity, reason, *point[2:])
-        for each in reasons
-        for point, reason in each.items()
+        for damage in reasons
+        for point, reason in damage.items()
     )
 
 

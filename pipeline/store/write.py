@@ -153,7 +153,7 @@ class Store(Places):
             If they cannot be written, or the lock was lost.
         """
         values = {self.index(record.point): self._values(record) for record in records}
-        self.write(values, {index: each.pop("status") for index, each in values.items()})
+        self.write(values, {index: data.pop("status") for index, data in values.items()})
 
     def forget(self, points: Iterable[Point]) -> None:
         """Make points pending again; raise as `commit` does."""
@@ -171,8 +171,8 @@ class Store(Places):
         """Write values of points by name, and once they are on the disk statuses."""
         by_name: dict[str, dict[_Index, Any]] = {}
         chunks: dict[str, bytes] = {}
-        for index, each in values.items():
-            for name, value in each.items():
+        for index, record in values.items():
+            for name, value in record.items():
                 if isinstance(value, bytes):
                     chunks[f"{name}/{chunk_name((*index, 0, 0))}"] = value
                 else:
@@ -229,7 +229,7 @@ class Store(Places):
         else:
             part = self.read(name, block)
         for index, value in entries.items():
-            within = tuple(i - each.start for i, each in zip(index, block, strict=True))
+            within = tuple(i - axis.start for i, axis in zip(index, block, strict=True))
             if name in STEPPED:
                 part[within] = np.nan
                 part[(*within, slice(len(value)))] = value

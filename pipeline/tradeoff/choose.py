@@ -191,20 +191,22 @@ def choose_fidelity(
     places = some_places(sweep, _PLACES if sweep.realizations else _LOADS)
     thorough = not points and _steps_to_probe(sweep, places) <= _WORTH * _steps_of_sweep(sweep)
     if points:
-        places = tuple(dict.fromkeys(Place(at.load, at.realization) for at in points))
+        places = tuple(dict.fromkeys(Place(place.load, place.realization) for place in points))
     tell("the boundary by the preset standard")
     near, exponents = near_the_boundary(sweep, places, PRESETS["standard"])
     if points:
         by_place = dict(zip(places, exponents, strict=True))
-        exponents = tuple(by_place[Place(at.load, at.realization)] for at in points)
+        exponents = tuple(by_place[Place(place.load, place.realization)] for place in points)
     elif thorough:
         near, exponents = _on_both_sides(near), tuple(np.repeat(exponents, 2).tolist())
     exact = measured(sweep, points or near, exponents, tell)
     tell("the error of these steps themselves")
     every = 2 if thorough else 1  # of the two points at each place
-    own = own_error(sweep, exact.points[::every], exact.exponents[::every], exact.readings[::every])
+    yardstick_error = own_error(
+        sweep, exact.points[::every], exact.exponents[::every], exact.readings[::every]
+    )
     everywhere = bool(points) or (thorough and len(places) == _number_of_places(sweep))
-    selection = _first_within(sweep, accuracy, exact, own, everywhere, tell)
+    selection = _first_within(sweep, accuracy, exact, yardstick_error, everywhere, tell)
     return replace(selection, seconds=time.perf_counter() - began)
 
 
@@ -212,29 +214,33 @@ def _first_within(
     sweep: Sweep,
     accuracy: float,
     exact: Yardstick,
-    own: OwnError,
+    yardstick_error: OwnError,
     everywhere: bool,
     tell: Callable[[str], None],
 ) -> Selection:
     """Take the cheapest choice whose error against the yardstick is within the accuracy."""
-    past = own.heat_model > _OF_HEAT * accuracy or sweep.remembers_heat
+    past = yardstick_error.heat_model > _OF_HEAT * accuracy or sweep.remembers_heat
     rungs = list(_ladder(sweep, exact.fewest_nodes, past))
-    trials, spent = [], exact.work + own.work
+    trials, spent = [], exact.work + yardstick_error.work
     for number, (name, fidelity) in enumerate(rungs, 1):
         tell(f"choice {number} of at most {len(rungs)}: {name}")
         try:
-            found = probe(sweep, replace(fidelity, heat_model="elapsed"), exact.points)
+            elapsed = probe(sweep, replace(fidelity, heat_model="elapsed"), exact.points)
         except ConvergenceError:
             continue
         against = replace(YARDSTICK, heat_model=fidelity.heat_model)
         nodes = exact.fewest_nodes
-        error = _bound(exact.errors(found), everywhere, nodes) + own.of(against) + _ONE / nodes
-        spent += found.work
-        trials.append(Trial(name, fidelity, error, found.work))
+        error = (
+            _bound(exact.errors(elapsed), everywhere, nodes)
+            + yardstick_error.of(against)
+            + _ONE / nodes
+        )
+        spent += elapsed.work
+        trials.append(Trial(name, fidelity, error, elapsed.work))
         if error <= accuracy:
             break
     else:
-        trials += _finest(sweep, accuracy, own, past, exact.own_work)
+        trials += _finest(sweep, accuracy, yardstick_error, past, exact.own_work)
         if trials[-1].error > accuracy:  # the cheapest that errs no more than the finest
             enough = [trial for trial in trials if trial.error <= _SAME * trials[-1].error]
             trials = trials[: trials.index(enough[0]) + 1]
@@ -277,11 +283,13 @@ def _steps_of_sweep(sweep: Sweep) -> int:
     """Steps of a whole sweep at the reference."""
     scene = replace(sweep, fidelity=fitted(sweep, PRESETS["reference"]))
     ends = [step_count(scene, load) for load in sweep.loads]
-    each = sum(ends) if sweep.independent or ends[0] == ends[-1] else ends[-1] + len(ends)
-    return each * sweep.ramps
+    steps = sum(ends) if sweep.independent or ends[0] == ends[-1] else ends[-1] + len(ends)
+    return steps * sweep.ramps
 
 
-def _finest(sweep: Sweep, accuracy: float, own: OwnError, past: bool, work: float) -> list[Trial]:
+def _finest(
+    sweep: Sweep, accuracy: float, yardstick_error: OwnError, past: bool, work: float
+) -> list[Trial]:
     """The reference, and ever more steps of it until they are enough."""
     trials: list[Trial] = []
     for times in (1, 2, 4):
@@ -289,8 +297,8 @@ def _finest(sweep: Sweep, accuracy: float, own: OwnError, past: bool, work: floa
         name = "reference" if times == 1 else f"reference, {times} times the steps"
         name += ", with all heat so far" if past else ""
         fidelity, steps = _of(sweep, finer, past), finer.increments / YARDSTICK.increments
-        trials.append(Trial(name, fidelity, own.of(fidelity), work * steps))
-        if trials[-1].error <= accuracy or not own.steps or own.scatters:
+        trials.append(Trial(name, fidelity, yardstick_error.of(fidelity), work * steps))
+        if trials[-1].error <= accuracy or not yardstick_error.steps or yardstick_error.scatters:
             break
     return trials
 

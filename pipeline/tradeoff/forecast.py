@@ -119,9 +119,9 @@ def estimate(sweep: SceneLike, workers: int | None = None, boundary_only: bool =
         steps = [step for step in steps if step[0] <= np.median(sweep.loads)]
     timed, begin = _timed_loads(sweep)
     loads, costs = zip(*sorted(timed.items()), strict=True)
-    each = [[cost.step for cost in costs], [cost.end for cost in costs]]
-    unheated = sum(float(np.interp(load, loads, each[False])) for load, _ in steps)
-    ramp = sum(float(np.interp(load, loads, each[heated])) for load, heated in steps)
+    seconds_each = [[cost.step for cost in costs], [cost.end for cost in costs]]
+    unheated = sum(float(np.interp(load, loads, seconds_each[False])) for load, _ in steps)
+    ramp = sum(float(np.interp(load, loads, seconds_each[heated])) for load, heated in steps)
     ramp -= unheated * (1 - 1 / shared)
     ends = [load for load, heated in steps if heated and load in sweep.loads]
     at_rates = ends * len(sweep.rates)
@@ -217,7 +217,7 @@ def _timed_loads(sweep: Sweep) -> tuple[dict[float, _Timed], float]:
             timed[load] = _timed(sweep, load, velocity)
     timed |= _timed_early(sweep, velocity)
     if direct:
-        timed = {load: each._replace(end=_eliminated(each)) for load, each in timed.items()}
+        timed = {load: cost._replace(end=_eliminated(cost)) for load, cost in timed.items()}
     return timed, begin
 
 

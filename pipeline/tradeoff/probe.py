@@ -187,7 +187,7 @@ def _run(scene: Sweep, load: float, velocity: float, trunk: State | None = None)
             trunk = state.history or replace(state, heat=None)
         if state.heat is not None and state.normal_load >= load:
             hot.append((decisive_rise(scene, state, scene.conditions), state))
-    hottest = max(hot, key=lambda found: found[0])[1] if hot else state
+    hottest = max(hot, key=lambda reading: reading[0])[1] if hot else state
     return _Run(hottest, trunk, convolutions, work)
 
 
@@ -195,15 +195,15 @@ def _reading(sweep: Sweep, scene: Sweep, state: State) -> Reading:
     if state.heat is None:
         raise InputError("a point ended without a temperature")
     columns = rises_of(scene, state, sweep.conditions)
-    found = measures(scene, state)
+    values = measures(scene, state)
     return Reading(
         rise=float(sweep.conditions.decisive.rise(columns)),
         failed_share=failed_fraction(columns["rise_quantile"], sweep.conditions),
-        contact_width=found["contact_width"],
+        contact_width=values["contact_width"],
         contact_nodes=int(np.count_nonzero(state.pressure)),
-        contact_fraction=found["contact_fraction"],
-        mean_pressure=found["mean_pressure"],
-        saturated_fraction=found["saturated_fraction"],
+        contact_fraction=values["contact_fraction"],
+        mean_pressure=values["mean_pressure"],
+        saturated_fraction=values["saturated_fraction"],
     )
 
 
@@ -323,24 +323,24 @@ def critical_velocity(
     low, high = math.log(lowest), math.log(highest)
     if not math.isfinite(limit):
         return math.sqrt(lowest * highest)
-    at, exponent = (low + high) / 2, _USUAL_EXPONENT
+    velocity, exponent = (low + high) / 2, _USUAL_EXPONENT
     before: tuple[float, float] | None = None
     tried = set()
     for _ in range(30):
-        short = math.log(rise(math.exp(at)) / limit)
+        short = math.log(rise(math.exp(velocity)) / limit)
         if abs(short) <= tolerance:
             break
         if short > 0:
-            high = at
+            high = velocity
         else:
-            low = at
+            low = velocity
         if high - low < 1e-9:
             break
         if before is not None:
-            exponent = min(max((short - before[1]) / (at - before[0]), 0.2), 3.0)
-        before = at, short
-        tried.add(at)
-        at = min(max(at - short / exponent, low), high)
-        if at in tried:
-            at = (low + high) / 2
-    return math.exp(at)
+            exponent = min(max((short - before[1]) / (velocity - before[0]), 0.2), 3.0)
+        before = velocity, short
+        tried.add(velocity)
+        velocity = min(max(velocity - short / exponent, low), high)
+        if velocity in tried:
+            velocity = (low + high) / 2
+    return math.exp(velocity)

@@ -175,12 +175,12 @@ class Trade:
     @property
     def front(self) -> tuple[Choice, ...]:
         """Choices that no other one beats in both work and error, the cheapest first."""
-        best, found = math.inf, []
+        best, choices = math.inf, []
         for choice in sorted(self.choices, key=lambda choice: (choice.work, choice.velocity_error)):
             if choice.velocity_error < best:
                 best = choice.velocity_error
-                found.append(choice)
-        return tuple(found)
+                choices.append(choice)
+        return tuple(choices)
 
     def cheapest(self, error: float) -> Choice:
         """The choice of least work whose boundary velocity errs by no more than `error`."""
@@ -192,7 +192,7 @@ class Trade:
     def as_dict(self) -> dict[str, Any]:
         """Return all of it as plain data."""
         return asdict(self) | {
-            "points": [{"load": at.load, "velocity": at.velocity} for at in self.points],
+            "points": [{"load": point.load, "velocity": point.velocity} for point in self.points],
             "front": [choice.name for choice in self.front],
             "cheapest_within": {f"{bound:g}": self.cheapest(bound).name for bound in _BOUNDS},
         }
@@ -221,10 +221,10 @@ class Trade:
 
 def _places(points: Sequence[Point]) -> str:
     """Loads and velocities of single points, or the axes of a diagram."""
-    loads = sorted({at.load for at in points})
-    velocities = sorted({at.velocity for at in points})
+    loads = sorted({point.load for point in points})
+    velocities = sorted({point.velocity for point in points})
     if len(velocities) == len(points):
-        return ", ".join(f"{at.load:g} N {at.velocity:.3g} m/s" for at in points)
+        return ", ".join(f"{point.load:g} N {point.velocity:.3g} m/s" for point in points)
     return (
         f"{', '.join(f'{load:g}' for load in loads)} N, "
         f"{', '.join(f'{velocity:.3g}' for velocity in velocities)} m/s"

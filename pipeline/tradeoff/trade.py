@@ -78,9 +78,9 @@ def trade(
             raise InputError(f"preset {name!r} is unknown; known are {', '.join(PRESETS)}")
     if not math.isfinite(rise_limit(sweep.conditions)):
         raise InputError("without friction there is no heat, and no boundary to be wrong about")
-    own = replace(sweep, realizations=())
+    without_surfaces = replace(sweep, realizations=())
     asked = tuple(in_si("load", load, "600 N") for load in loads or ())
-    asked = asked or tuple(place.load for place in some_places(own, _LOADS))
+    asked = asked or tuple(place.load for place in some_places(without_surfaces, _LOADS))
     near, exponents = near_the_boundary(sweep, [Place(load) for load in asked], PRESETS["standard"])
     places = _around(near) if diagram else near
     exact = fitted(sweep, PRESETS["reference"])
@@ -94,21 +94,21 @@ def trade(
     next(stages)
     reference = probe(sweep, exact, places, with_memory=True)
     compare = _Comparison(sweep, places, exponents, asked if diagram else None, reference)
-    found, failed = [], []
+    choices, failed = [], []
     for name, varied, fidelity in stages:
         try:
             tried = probe(sweep, fidelity, places, with_memory=True)
         except ConvergenceError as error:
             failed.append(f"{name}: {error}")
         else:
-            found.append(compare.choice(name, varied, tried))
-    found.append(compare.choice("reference", None, reference))
+            choices.append(compare.choice(name, varied, tried))
+    choices.append(compare.choice("reference", None, reference))
     return Trade(
         title=sweep.title,
         points=tuple(places),
         base=base or "",
-        choices=tuple(found),
-        wasted=_wasted(found, base, fitted(sweep, PRESETS[base])) if base else (),
+        choices=tuple(choices),
+        wasted=_wasted(choices, base, fitted(sweep, PRESETS[base])) if base else (),
         not_converged=tuple(failed),
     )
 
@@ -130,23 +130,23 @@ def _candidates(
     sweep: Sweep, presets: Sequence[str], base: str | None
 ) -> list[tuple[str, str | None, Fidelity]]:
     """Name, varied field and fidelity of all that is to be measured, each fidelity once."""
-    found: list[tuple[str, str | None, Fidelity]] = [
+    candidates: list[tuple[str, str | None, Fidelity]] = [
         (name, None, fitted(sweep, PRESETS[name])) for name in presets if name != "reference"
     ]
     if base and base not in presets:
-        found.append((base, None, fitted(sweep, PRESETS[base])))
-    own = replace(sweep.fidelity, temperature_interval=0)
+        candidates.append((base, None, fitted(sweep, PRESETS[base])))
+    fidelity = replace(sweep.fidelity, temperature_interval=0)
     if sweep.preset is None:
-        found.append(("as in the scene", None, own))
+        candidates.append(("as in the scene", None, fidelity))
     if base:
         start = fitted(sweep, PRESETS[base])
         for field, values in _variations(start, sweep.unequal_bulks).items():
             for value in values:
                 changed = fitted(sweep, replace(start, **{field: value}))
-                found.append((f"{base}, {field} = {shown(value)}", field, changed))
+                candidates.append((f"{base}, {field} = {shown(value)}", field, changed))
     seen = {fitted(sweep, PRESETS["reference"])}
     unique = []
-    for entry in found:
+    for entry in candidates:
         if entry[2] not in seen:
             seen.add(entry[2])
             unique.append(entry)
@@ -243,21 +243,21 @@ class _Comparison:
 
 def _wasted(choices: Sequence[Choice], base: str, start: Fidelity) -> tuple[Finding, ...]:
     """Choices of the base that cost much and gain nothing, the costliest first."""
-    own = next((choice for choice in choices if choice.name == base), None)
-    if own is None:
+    base_choice = next((choice for choice in choices if choice.name == base), None)
+    if base_choice is None:
         return ()
-    found: dict[str, Finding] = {}
+    findings: dict[str, Finding] = {}
     for choice in choices:
         if choice.varied is None:
             continue
-        saving = own.work / choice.work
+        saving = base_choice.work / choice.work
         moves = max(
             abs(one - other)
-            for one, other in zip(choice.velocity_errors, own.velocity_errors, strict=True)
+            for one, other in zip(choice.velocity_errors, base_choice.velocity_errors, strict=True)
         )
-        known = found.get(choice.varied)
-        if saving >= _SAVES and moves <= _MOVES and (known is None or known.saving < saving):
-            found[choice.varied] = Finding(
+        earlier = findings.get(choice.varied)
+        if saving >= _SAVES and moves <= _MOVES and (earlier is None or earlier.saving < saving):
+            findings[choice.varied] = Finding(
                 base,
                 choice.varied,
                 getattr(start, choice.varied),
@@ -265,7 +265,7 @@ def _wasted(choices: Sequence[Choice], base: str, start: Fidelity) -> tuple[Find
                 saving,
                 moves,
             )
-    return tuple(sorted(found.values(), key=lambda finding: -finding.saving))
+    return tuple(sorted(findings.values(), key=lambda finding: -finding.saving))
 
 
 def _round(value: float) -> float:

@@ -83,7 +83,10 @@ class Yardstick:
     def errors(self, other: Probe) -> list[float]:
         """Relative errors of the boundary velocity by another fidelity, one at each point."""
         readings = zip(other.readings, self.readings, self.exponents, strict=True)
-        return [boundary_velocity_error(one.rise, true.rise, at) for one, true, at in readings]
+        return [
+            boundary_velocity_error(one.rise, true.rise, exponent)
+            for one, true, exponent in readings
+        ]
 
     @property
     def fewest_nodes(self) -> int:
@@ -102,12 +105,12 @@ def measured(
     A line is told before each of them.
     """
     exact, coarse = fitted(sweep, YARDSTICK), fitted(sweep, _COARSER)
-    found = [
+    probes = [
         probe(sweep, exact, [point])
         for point in staged(points, tell, lambda point: f"nearly exact steps at {point}")
     ]
-    readings = tuple(reading for each in found for reading in each.readings)
-    own_work = sum(each.work for each in found)
+    readings = tuple(reading for probed in probes for reading in probed.readings)
+    own_work = sum(probed.work for probed in probes)
     work, coarser = own_work, None
     if coarse.pixels_per_element > 1:
         on_larger = probe(sweep, coarse, points)
@@ -120,7 +123,7 @@ def own_error(
     sweep: Sweep,
     points: Sequence[Point],
     exponents: Sequence[float],
-    known: Sequence[Reading],
+    readings: Sequence[Reading],
 ) -> OwnError:
     """Measure by how much the yardstick errs itself: by its steps and by the heat model.
 
@@ -134,20 +137,20 @@ def own_error(
         Points near the boundary.
     exponents : sequence of float
         d ln(rise)/d ln(velocity) at each.
-    known : sequence of Reading
+    readings : sequence of Reading
         Readings of the yardstick at each.
     """
     steps = heat_model = work = 0.0
     exact = fitted(sweep, YARDSTICK)
     if sweep.wear is not None:
         halved = probe(sweep, replace(exact, increments=exact.increments // 2), points)
-        steps = _difference(known, halved.readings, exponents)
+        steps = _difference(readings, halved.readings, exponents)
         steps *= 1.0 if sweep.sweeps_over else _LEFT
         work += halved.work
     if sweep.fidelity.heat_model == "elapsed":
         size = 1 if math.prod(sweep.pixels.shape) <= _SMALL else 2
         by_load = sorted(range(len(points)), key=lambda k: points[k].load)
-        at = sorted({by_load[0], by_load[-1]})
+        indices = sorted({by_load[0], by_load[-1]})
         present = replace(
             exact,
             wear_scheme="implicit",
@@ -156,12 +159,12 @@ def own_error(
             pixels_per_element=size,
         )
         present = fitted(sweep, present)
-        ends = [points[k] for k in at]
+        ends = [points[k] for k in indices]
         one, other = (
             probe(sweep, replace(present, heat_model=model), ends)
             for model in ("elapsed", "history")
         )
-        heat_model = _difference(one.readings, other.readings, [exponents[k] for k in at])
+        heat_model = _difference(one.readings, other.readings, [exponents[k] for k in indices])
         work += one.work + other.work
     return OwnError(_MARGIN * steps, _MARGIN * heat_model, work, sweep.sweeps_over)
 

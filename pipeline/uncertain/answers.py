@@ -51,8 +51,8 @@ class Risk:
     --------
     >>> import pipeline
     >>> ensemble = pipeline.Ensemble.of(pipeline.open_sweep("results/unknown.zarr"))
-    >>> found = pipeline.risk(ensemble, load=400.0, velocity=2.2)
-    >>> 0.4 < found.probability < 0.7
+    >>> answer = pipeline.risk(ensemble, load=400.0, velocity=2.2)
+    >>> 0.4 < answer.probability < 0.7
     True
     """
 
@@ -99,8 +99,8 @@ def risk(
     --------
     >>> import pipeline
     >>> ensemble = pipeline.Ensemble.of(pipeline.open_sweep("results/unknown.zarr"))
-    >>> found = pipeline.risk(ensemble, "400 N", "2.5 m/s")
-    >>> 0.7 < found.probability < 1.0
+    >>> answer = pipeline.risk(ensemble, "400 N", "2.5 m/s")
+    >>> 0.7 < answer.probability < 1.0
     True
     """
     load, velocity = in_si("load", load, "500 N"), in_si("velocity", velocity, "2 m/s")
@@ -193,8 +193,8 @@ def risk_lines(plane: xr.DataArray) -> tuple[tuple[float, ...], Array]:
     """
     velocities = plane["velocity"].values
     rows = np.maximum.accumulate(plane.values, axis=1)
-    found = [np.interp(QUANTILES, row, velocities, 0.0, math.inf) for row in rows]
-    return QUANTILES, np.array(found)
+    lines = [np.interp(QUANTILES, row, velocities, 0.0, math.inf) for row in rows]
+    return QUANTILES, np.array(lines)
 
 
 def log_crossings(axis: Array, excess: Array) -> Array:
@@ -215,18 +215,18 @@ def log_crossings(axis: Array, excess: Array) -> Array:
     1.500 8.000
     """
     x, rising = np.log(axis), np.maximum.accumulate(excess, axis=-1)
-    at = np.clip(np.sum(rising < 0, axis=-1), 1, len(x) - 1)[..., None]
-    low, high = (np.take_along_axis(rising, at - 1 + i, axis=-1)[..., 0] for i in (0, 1))
-    at = at[..., 0]
-    slope = np.maximum((high - low) / (x[at] - x[at - 1]), _LEAST_SLOPE)
-    found: Array = x[at - 1] - low / slope
-    return found
+    right = np.clip(np.sum(rising < 0, axis=-1), 1, len(x) - 1)[..., None]
+    low, high = (np.take_along_axis(rising, right - 1 + i, axis=-1)[..., 0] for i in (0, 1))
+    right = right[..., 0]
+    slope = np.maximum((high - low) / (x[right] - x[right - 1]), _LEAST_SLOPE)
+    log_velocities: Array = x[right - 1] - low / slope
+    return log_velocities
 
 
 def crossings(axis: Array, excess: Array) -> Array:
     """First place along an axis where an excess rises through 0; 0 below it, infinite beyond."""
-    found = np.exp(log_crossings(axis, excess))
-    return np.where(excess[..., 0] >= 0, 0.0, np.where(found > axis[-1], math.inf, found))
+    velocities = np.exp(log_crossings(axis, excess))
+    return np.where(excess[..., 0] >= 0, 0.0, np.where(velocities > axis[-1], math.inf, velocities))
 
 
 @dataclass(frozen=True, slots=True)
@@ -277,8 +277,8 @@ class MarginIntervals:
     --------
     >>> import pipeline
     >>> ensemble = pipeline.Ensemble.of(pipeline.open_sweep("results/unknown.zarr"))
-    >>> found = pipeline.margin_intervals(ensemble, "400 N", "2 m/s")
-    >>> found.distance.low < 0 < found.distance.high
+    >>> answer = pipeline.margin_intervals(ensemble, "400 N", "2 m/s")
+    >>> answer.distance.low < 0 < answer.distance.high
     True
     """
 
@@ -315,8 +315,8 @@ def margin_intervals(
     --------
     >>> import pipeline
     >>> ensemble = pipeline.Ensemble.of(pipeline.open_sweep("results/unknown.zarr"))
-    >>> found = pipeline.margin_intervals(ensemble, "400 N", "2 m/s")
-    >>> critical = found.critical_velocity
+    >>> answer = pipeline.margin_intervals(ensemble, "400 N", "2 m/s")
+    >>> critical = answer.critical_velocity
     >>> critical.low < 2.2 < critical.high
     True
     """
@@ -340,7 +340,7 @@ def margin_intervals(
     if len(ensemble.loads) > 1:
         loads = np.geomspace(ensemble.loads[0], ensemble.loads[-1], STEPS)
         along = ensemble.excesses(inputs, loads, [at_point.velocity], conditions)
-        rows = shifted(Excess(*(each[..., 0] for each in along)))
+        rows = shifted(Excess(*(part[..., 0] for part in along)))
         upwards = Interval.of(draws, crossings(loads, rows))
     return MarginIntervals(
         risk=at_point,

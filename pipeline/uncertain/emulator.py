@@ -78,8 +78,8 @@ class Emulator:
 
     def values(self, features: Array) -> Array:
         """Outputs alone, shape (n, n_output)."""
-        found: Array = self.mean + self._smooth(features) @ self.weights
-        return found
+        means: Array = self.mean + self._smooth(features) @ self.weights
+        return means
 
     def _smooth(self, features: Array) -> Array:
         return _kernel(features, self.features, self.dimensions, self.constants)[0]
@@ -169,8 +169,8 @@ def _constants(features: Array, dimensions: Groups, contacts: Groups, outputs: A
         return float(value + 0.5 * np.sum(off**2)), off / spread - np.array(slopes)
 
     bounds = [(_LEAST, 3.0)] * 5 + [(-2.0, 5.0)] * count
-    found: Array = minimize(loss, middle, jac=True, method="L-BFGS-B", bounds=bounds).x
-    return found
+    best: Array = minimize(loss, middle, jac=True, method="L-BFGS-B", bounds=bounds).x
+    return best
 
 
 def _calibration(factor: tuple[Array, bool], contacts: Groups, weights: Array) -> float:
@@ -182,8 +182,8 @@ def _calibration(factor: tuple[Array, bool], contacts: Groups, weights: Array) -
     inverse = cho_solve(factor, np.eye(len(weights)))
     squares = 0.0
     for contact in np.unique(contacts):
-        (at,) = np.nonzero(contacts == contact)
+        (rows,) = np.nonzero(contacts == contact)
         squares += float(
-            np.sum(weights[at] * np.linalg.solve(inverse[np.ix_(at, at)], weights[at]))
+            np.sum(weights[rows] * np.linalg.solve(inverse[np.ix_(rows, rows)], weights[rows]))
         )
     return max(1.0, math.sqrt(squares / weights.size))

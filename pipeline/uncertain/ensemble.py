@@ -108,7 +108,7 @@ class Ensemble:
     --------
     >>> import pipeline
     >>> ensemble = pipeline.Ensemble.of(pipeline.open_sweep("results/unknown.zarr"))
-    >>> [each.path for each in ensemble.unknown]
+    >>> [quantity.path for quantity in ensemble.unknown]
     ['friction.coefficient', 'temperature.critical']
     """
 
@@ -155,8 +155,8 @@ class Ensemble:
         conditions = Conditions(**about["conditions"]).changed(share=share, criterion=criterion)
         ds = ds.sortby("load").isel(sample=slice(0, about["samples"]))
         numbers = ds["sample"].values
-        inputs = np.array([ds[each.path].values for each in design.inputs]).T
-        paths = [each.path for each in design.inputs]
+        inputs = np.array([ds[quantity.path].values for quantity in design.inputs]).T
+        paths = [quantity.path for quantity in design.inputs]
         shares = inputs[:, paths.index(SHARE)] if SHARE in paths and share is None else None
         rises, widths = _rises(ds, conditions, shares), _widths(ds)
         done = np.isfinite(rises).all(axis=1)
@@ -167,7 +167,7 @@ class Ensemble:
             )
         return cls(
             title=str(about["title"]),
-            unknown=tuple(Unknown.from_dict(each) for each in about["unknown"]),
+            unknown=tuple(Unknown.from_dict(quantity) for quantity in about["unknown"]),
             design=design,
             conditions=conditions,
             inputs=inputs.reshape(len(numbers), len(paths))[done],
@@ -212,8 +212,8 @@ class Ensemble:
         InputError
             If the load or a velocity lies outside the sweep, or no critical temperature is known.
         """
-        found = self.excesses(draws, [load], np.atleast_1d(velocity), conditions)
-        return Excess(*(each[:, 0] for each in found))
+        excesses = self.excesses(draws, [load], np.atleast_1d(velocity), conditions)
+        return Excess(*(part[:, 0] for part in excesses))
 
     def excesses(
         self,
@@ -227,9 +227,9 @@ class Ensemble:
 
         Other parameters are those of `excess`; without errors it is found faster.
         """
-        found = self._emulated(self._rise, draws, loads, velocities, conditions, with_error)
+        parts = self._emulated(self._rise, draws, loads, velocities, conditions, with_error)
         limit = self.log_limit(draws, conditions)
-        return found._replace(values=found.values - limit[:, None, None])
+        return parts._replace(values=parts.values - limit[:, None, None])
 
     def rows(
         self,
@@ -250,18 +250,18 @@ class Ensemble:
 
     def width(self, draws: Array, load: float, velocity: float) -> Excess:
         """Logarithm of the contact's width [m] in place of the excess, likewise."""
-        found = self._emulated(self._width, draws, [load], [velocity], None)
-        return Excess(*(each[:, 0] for each in found))
+        parts = self._emulated(self._width, draws, [load], [velocity], None)
+        return Excess(*(part[:, 0] for part in parts))
 
     def values(
         self, path: str, draws: Array, conditions: Mapping[str, float] | None = None
     ) -> Array:
         """Values of an input by draw, shape (n,): given, drawn, or those of the scene [SI]."""
-        given = {CONDITIONS[name]: value for name, value in (conditions or {}).items()}
-        if path in given:
-            return np.full(len(draws), given[path])
-        for each, column in zip(self.unknown, draws.T, strict=True):
-            if each.path == path:
+        fixed = {CONDITIONS[name]: value for name, value in (conditions or {}).items()}
+        if path in fixed:
+            return np.full(len(draws), fixed[path])
+        for quantity, column in zip(self.unknown, draws.T, strict=True):
+            if quantity.path == path:
                 return np.asarray(column)
         scene = {
             FRICTION: self.conditions.friction,
@@ -271,8 +271,8 @@ class Ensemble:
         if path == CRITICAL:
             scene[path] = self.conditions.known_critical_temperature()
         if path not in scene:
-            (known,) = (each for each in self.design.inputs if each.path == path)
-            scene[path] = float(known.at(np.array([0.5]))[0])
+            (entry,) = (quantity for quantity in self.design.inputs if quantity.path == path)
+            scene[path] = float(entry.at(np.array([0.5]))[0])
         return np.full(len(draws), scene[path])
 
     def log_limit(self, draws: Array, conditions: Mapping[str, float] | None = None) -> Array:
@@ -307,7 +307,7 @@ class Ensemble:
         wanted = np.asarray(velocities, float)
         self.require_within(loads, wanted)
         nodes = _nodes(wanted)
-        columns = [self.values(each.path, draws, conditions) for each in self.design.inputs]
+        columns = [self.values(quantity.path, draws, conditions) for quantity in self.design.inputs]
         weights, bends = map(np.array, zip(*map(self._between_loads, loads), strict=True))
         values, errors = [], []
         for velocity in nodes:
@@ -317,9 +317,9 @@ class Ensemble:
                 continue
             outputs, *both = emulator(features)
             values.append(outputs @ weights.T)
-            errors.append([np.hypot(each[:, None], bends) for each in both])
+            errors.append([np.hypot(part[:, None], bends) for part in both])
         parts = [np.stack(values, axis=-1)]
-        parts += [np.stack(each, axis=-1) for each in zip(*errors, strict=True)]
+        parts += [np.stack(part, axis=-1) for part in zip(*errors, strict=True)]
         errors_of_all = parts[1:] or [np.zeros_like(parts[0])] * 2
         return _at(wanted, nodes, Excess(parts[0], *errors_of_all))
 
@@ -328,15 +328,15 @@ class Ensemble:
         (same,) = np.nonzero(self.loads == load)
         if same.size:
             return np.eye(len(self.loads))[same[0]], 0.0
-        x, at, degree = np.log(self.loads), math.log(load), min(3, len(self.loads) - 1)
+        x, log_load, degree = np.log(self.loads), math.log(load), min(3, len(self.loads) - 1)
         if degree == 1:
-            weights = make_interp_spline(x, np.eye(2), k=1)(at)
+            weights = make_interp_spline(x, np.eye(2), k=1)(log_load)
             return weights, _BEND * 4 * float(weights[0] * weights[1])
-        weights, rough = (make_interp_spline(x, np.eye(len(x)), k=k)(at) for k in (degree, 1))
+        weights, rough = (make_interp_spline(x, np.eye(len(x)), k=k)(log_load) for k in (degree, 1))
         if degree == 3:
-            rough = make_interp_spline(x[_around(x, at)], np.eye(3), k=2)(at)
+            rough = make_interp_spline(x[_around(x, log_load)], np.eye(3), k=2)(log_load)
             full = np.zeros(len(x))
-            full[_around(x, at)] = rough
+            full[_around(x, log_load)] = rough
             rough = full
         off = np.log(self.rises) @ (weights - rough)
         return weights, float(np.sqrt(np.mean(off**2)))
@@ -388,10 +388,10 @@ def _at(velocities: Array, nodes: Array, excess: Excess) -> Excess:
     return Excess(values, *map(np.abs, errors))
 
 
-def _around(x: Array, at: float) -> slice:
+def _around(x: Array, position: float) -> slice:
     """The three nodes nearest to a place."""
-    first = int(np.clip(np.searchsorted(x, at) - 1, 0, len(x) - 3))
-    if first > 0 and abs(at - x[first - 1]) < abs(x[first + 2] - at):
+    first = int(np.clip(np.searchsorted(x, position) - 1, 0, len(x) - 3))
+    if first > 0 and abs(position - x[first - 1]) < abs(x[first + 2] - position):
         first -= 1
     return slice(first, first + 3)
 
@@ -408,15 +408,15 @@ def _features(
     spread = (high - low) / math.sqrt(12)
     along = (np.log(velocities) - (low + high) / 2) / spread
     features, dimensions = [along], [0]
-    for number, (each, column) in enumerate(zip(design.inputs, columns, strict=True), 1):
-        if each.kind == "list":
-            features += [np.where(column == value, 1.0, 0.0) for value in each.parameters]
-            dimensions += [number] * len(each.parameters)
+    for number, (quantity, column) in enumerate(zip(design.inputs, columns, strict=True), 1):
+        if quantity.kind == "list":
+            features += [np.where(column == value, 1.0, 0.0) for value in quantity.parameters]
+            dimensions += [number] * len(quantity.parameters)
             continue
-        ends = each.at(ndtr(np.array([-1.0, 1.0])))
-        values, ends = (np.log(column), np.log(ends)) if each.is_relative else (column, ends)
+        ends = quantity.at(ndtr(np.array([-1.0, 1.0])))
+        values, ends = (np.log(column), np.log(ends)) if quantity.is_relative else (column, ends)
         scaled, width = values - ends.mean(), float(ends[1] - ends[0]) / 2
-        if each.path == WEAR_RATE:
+        if quantity.path == WEAR_RATE:
             scaled, width = scaled + spread * along, math.hypot(width, spread)
         features.append(scaled / width)
         dimensions.append(number)

@@ -96,8 +96,8 @@ class Evidence:
         for test in self.tests:
             rise = rises[:, loads.index(test["normal_load"])]
             limit = ensemble.log_limit(inputs, conditions_of(test))
-            at = math.log(test["velocity"])
-            place = int(np.clip(np.searchsorted(x, at) - 1, 0, _NODES - 2))
+            log_velocity = math.log(test["velocity"])
+            place = int(np.clip(np.searchsorted(x, log_velocity) - 1, 0, _NODES - 2))
             slope = (rise[:, place + 1] - rise[:, place]) / (x[place + 1] - x[place])
             slope = np.maximum(slope, _LEAST_SLOPE)
             error = excess.error[:, loads.index(test["normal_load"]), place]
@@ -108,7 +108,7 @@ class Evidence:
                 variance = variance + (steepness * test["load_scatter"] / test["normal_load"]) ** 2
             if "friction_scatter" in test:
                 variance = variance + (test["friction_scatter"] / test["friction"]) ** 2
-            values.append(at - log_crossings(nodes, rise - limit[:, None]))
+            values.append(log_velocity - log_crossings(nodes, rise - limit[:, None]))
             variances.append(variance / slope**2)
         return Distances(np.array(values), np.array(variances))
 

@@ -44,11 +44,11 @@ class Draws:
         order = np.argsort(values)
         below = np.cumsum(self.weights[order]) - 0.5 * self.weights[order]
         ordered = values[order]
-        at = int(np.clip(np.searchsorted(below, share), 1, len(ordered) - 1))
-        low, high = ordered[at - 1], ordered[at]
+        upper = int(np.clip(np.searchsorted(below, share), 1, len(ordered) - 1))
+        low, high = ordered[upper - 1], ordered[upper]
         if low == high or not np.isfinite([low, high]).all():
-            return float(high if share >= below[at] else low)
-        return float(np.interp(share, below[at - 1 : at + 1], [low, high]))
+            return float(high if share >= below[upper] else low)
+        return float(np.interp(share, below[upper - 1 : upper + 1], [low, high]))
 
 
 def prior(unknown: Sequence[Unknown], seed: int, count: int = COUNT) -> Draws:

@@ -179,18 +179,18 @@ class _Plan:
         """Values of the target by draw, shape (n, n_target)."""
         if target is None:
             return self._boundary
-        for each, column in zip(self._posterior.unknown, self._all.T, strict=True):
-            if each.path == target and each.kind != "list":
-                return np.asarray(np.log(column) if each.is_relative else column)[:, None]
+        for quantity, column in zip(self._posterior.unknown, self._all.T, strict=True):
+            if quantity.path == target and quantity.kind != "list":
+                return np.asarray(np.log(column) if quantity.is_relative else column)[:, None]
         loads = self._ensemble.loads
         try:
             load = to_si(target, "400 N")
         except UnitError:
             load = math.nan
         if not loads[0] <= load <= loads[-1]:
-            known = ", ".join(each.path for each in self._posterior.unknown)
+            paths = ", ".join(quantity.path for quantity in self._posterior.unknown)
             raise InputError(
-                f'target is "{target}"; give one of {known}, or a load from {loads[0]:g} to '
+                f'target is "{target}"; give one of {paths}, or a load from {loads[0]:g} to '
                 f'{loads[-1]:g} N for the boundary there, such as "{loads[0]:g} N"'
             )
         velocities = np.geomspace(*self._ensemble.velocities, STEPS)
@@ -209,19 +209,19 @@ class _Plan:
         """All that could be measured, each with results drawn anew."""
         yield from self._tests()
         for load, column in zip(self._ensemble.loads.tolist(), self._boundary.T, strict=True):
-            at = math.exp(float(np.median(column)))
-            velocity = float(np.clip(at, *self._ensemble.velocities))
+            middle = math.exp(float(np.median(column)))
+            velocity = float(np.clip(middle, *self._ensemble.velocities))
             width = self._ensemble.width(self._inputs, load, velocity)
             error = math.hypot(WIDTH_SCATTER, float(np.mean(width.error)))
             what = f"the worn width at {load:g} N, {velocity:.3g} m/s"
             yield _Measurement(what, self._gaussian(width.values[:, 0], error))
-        for each, column in zip(self._posterior.unknown, self._all.T, strict=True):
-            if each.kind == "list":
+        for quantity, column in zip(self._posterior.unknown, self._all.T, strict=True):
+            if quantity.kind == "list":
                 same = column[:_TRUTHS, None] == column
-                yield _Measurement(f"{each.path} itself", np.where(same, 0.0, -np.inf))
+                yield _Measurement(f"{quantity.path} itself", np.where(same, 0.0, -np.inf))
                 continue
-            values = np.log(column) if each.is_relative else column
-            name = "friction" if each.path == FRICTION else each.path
+            values = np.log(column) if quantity.is_relative else column
+            name = "friction" if quantity.path == FRICTION else quantity.path
             what = f"{name}, to a tenth of its spread today"
             yield _Measurement(what, self._gaussian(values, _KNOWN * float(values.std())))
 
@@ -239,27 +239,27 @@ class _Plan:
         velocities = np.geomspace(*ensemble.velocities, _VELOCITIES)
         for load in ensemble.loads.tolist():
             for bulk in bulks:
-                own = {} if bulk == conditions.bulk_temperature else {"bulk_temperature": bulk}
-                place: dict[str, Any] = {"normal_load": load, **own, **about}
+                entries = {} if bulk == conditions.bulk_temperature else {"bulk_temperature": bulk}
+                place: dict[str, Any] = {"normal_load": load, **entries, **about}
                 middle = float(velocities[len(velocities) // 2])
                 evidence = Evidence(
                     ensemble, self._posterior.columns[0], ({**place, "velocity": middle},)
                 )
                 distances = evidence.distances(self._all)
-                at = math.log(middle) - distances.values[0]
+                log_velocity = math.log(middle) - distances.values[0]
                 deviation = np.sqrt(distances.variance[0] + scatters_of({}, scatters) ** 2)
                 where = f"{load:g} N, bulk {bulk - 273.15:.3g} °C"
-                likely = math.exp(float(np.median(at)))
+                likely = math.exp(float(np.median(log_velocity)))
                 test = {"normal_load": load, "velocity": likely, "bulk_temperature": bulk}
                 if velocities[0] <= likely <= velocities[-1]:
                     yield _Measurement(
                         f"the transition at {where}, about {likely:.3g} m/s",
-                        self._gaussian(at, deviation), test,
+                        self._gaussian(log_velocity, deviation), test,
                     )  # fmt: skip
                 for velocity in velocities.tolist():
                     yield _Measurement(
                         f"a test at {where}, {velocity:.3g} m/s",
-                        self._outcome((math.log(velocity) - at) / deviation),
+                        self._outcome((math.log(velocity) - log_velocity) / deviation),
                         test | {"velocity": velocity},
                     )
 

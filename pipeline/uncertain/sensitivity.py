@@ -52,8 +52,8 @@ class Sensitivity:
     --------
     >>> import pipeline
     >>> ensemble = pipeline.Ensemble.of(pipeline.open_sweep("results/unknown.zarr"))
-    >>> found = pipeline.sensitivity(ensemble)
-    >>> [each.path for each in found.unknown]
+    >>> indices = pipeline.sensitivity(ensemble)
+    >>> [quantity.path for quantity in indices.unknown]
     ['friction.coefficient', 'temperature.critical']
     """
 
@@ -70,7 +70,7 @@ class Sensitivity:
     def as_dict(self) -> dict[str, Any]:
         """Return all fields as plain data."""
         return {
-            "inputs": [each.path for each in self.unknown],
+            "inputs": [quantity.path for quantity in self.unknown],
             "loads": list(self.loads),
             "first": self.first.tolist(),
             "first_interval": np.moveaxis(self.first_interval, 0, -1).tolist(),
@@ -103,15 +103,17 @@ def sensitivity(ensemble: Ensemble, posterior: Draws | None = None) -> Sensitivi
     --------
     >>> import pipeline
     >>> ensemble = pipeline.Ensemble.of(pipeline.open_sweep("results/unknown.zarr"))
-    >>> found = pipeline.sensitivity(ensemble)
-    >>> found.total.shape
+    >>> indices = pipeline.sensitivity(ensemble)
+    >>> indices.total.shape
     (4, 2)
     """
     draws = draws_of(ensemble, posterior)
     values, error = _boundary(ensemble, draws.inputs)
     variance = draws.mean((values - draws.mean(values)) ** 2)
     missed = np.sqrt(draws.mean(error**2))
-    is_dependent = posterior is not None or any(each.correlated for each in ensemble.unknown)
+    is_dependent = posterior is not None or any(
+        quantity.correlated for quantity in ensemble.unknown
+    )
     if is_dependent:
         first = _first_of(draws, values)
         total = np.full_like(first, np.nan)
@@ -166,11 +168,13 @@ def indices(
 
     def of_shares(shares: Array) -> Array:
         inside = np.clip(shares, OUTERMOST, 1 - OUTERMOST)
-        values = np.stack([each.at(row) for each, row in zip(unknown, inside, strict=True)], axis=1)
+        values = np.stack(
+            [quantity.at(row) for quantity, row in zip(unknown, inside, strict=True)], axis=1
+        )
         outputs: Array = function(values).T
         return outputs
 
-    found = [
+    estimates = [
         sobol_indices(
             func=of_shares,
             n=count // _SCRAMBLES,
@@ -179,22 +183,22 @@ def indices(
         )
         for number in range(_SCRAMBLES)
     ]
-    each = np.array([np.atleast_3d([one.first_order, one.total_order]) for one in found])
-    each = each.reshape(_SCRAMBLES, 2, -1, len(unknown))
-    first, total = each.mean(axis=0)
-    return first, total, _SCORE * each.std(axis=0, ddof=1) / math.sqrt(_SCRAMBLES)
+    both_orders = np.array([np.atleast_3d([one.first_order, one.total_order]) for one in estimates])
+    both_orders = both_orders.reshape(_SCRAMBLES, 2, -1, len(unknown))
+    first, total = both_orders.mean(axis=0)
+    return first, total, _SCORE * both_orders.std(axis=0, ddof=1) / math.sqrt(_SCRAMBLES)
 
 
 def _boundary(ensemble: Ensemble, inputs: Array, with_error: bool = True) -> tuple[Array, Array]:
     """Logarithm of the critical velocity by draw and load, and its standard error."""
     velocities = np.geomspace(*ensemble.velocities, STEPS)
     excess = ensemble.excesses(inputs, ensemble.loads, velocities, with_error=with_error)
-    found = log_crossings(velocities, excess.values)
+    log_velocities = log_crossings(velocities, excess.values)
     x = np.log(velocities)
-    at = np.clip(np.searchsorted(x, found), 1, len(x) - 1)[..., None]
-    low, high = (np.take_along_axis(excess.values, at - 1 + i, axis=-1)[..., 0] for i in (0, 1))
+    right = np.clip(np.searchsorted(x, log_velocities), 1, len(x) - 1)[..., None]
+    low, high = (np.take_along_axis(excess.values, right - 1 + i, axis=-1)[..., 0] for i in (0, 1))
     slope = np.maximum((high - low) / (x[1] - x[0]), 0.05)
-    return found, np.take_along_axis(excess.error, at, axis=-1)[..., 0] / slope
+    return log_velocities, np.take_along_axis(excess.error, right, axis=-1)[..., 0] / slope
 
 
 def _first_of(draws: Draws, values: Array) -> Array:
@@ -206,12 +210,14 @@ def _first_of(draws: Draws, values: Array) -> Array:
     weights = draws.weights
     y = values - draws.mean(values)
     by_chance = np.sum((weights[:, None] * y) ** 2, axis=0)  # variance of the mean of all
-    found = []
+    orders = []
     for column in draws.inputs.T:
         part = _parts(draws, column)
 
-        def summed(each: Array, part: NDArray[np.intp] = part) -> Array:
-            total: Array = np.stack([np.bincount(part, row, minlength=_BINS) for row in each.T], 1)
+        def summed(values: Array, part: NDArray[np.intp] = part) -> Array:
+            total: Array = np.stack(
+                [np.bincount(part, row, minlength=_BINS) for row in values.T], 1
+            )
             return total
 
         weight = np.maximum(summed(weights[:, None]), 1e-150)
@@ -219,8 +225,8 @@ def _first_of(draws: Draws, values: Array) -> Array:
         scatter = summed((weights[:, None] * (y - means[part])) ** 2) / weight
         alone = 1 - summed(weights[:, None] ** 2) / weight**2  # 0 for a part with a single draw
         scatter = np.where(alone > 1e-9, scatter / np.maximum(alone, 1e-9), weight * means**2)
-        found.append(np.sum(weight * means**2 - scatter, axis=0) + by_chance)
-    first: Array = np.maximum(found, 0.0).T / (draws.mean(y**2) + by_chance)[:, None]
+        orders.append(np.sum(weight * means**2 - scatter, axis=0) + by_chance)
+    first: Array = np.maximum(orders, 0.0).T / (draws.mean(y**2) + by_chance)[:, None]
     return first
 
 

@@ -94,8 +94,8 @@ class Posterior:
     --------
     >>> import pipeline
     >>> ensemble = pipeline.Ensemble.of(pipeline.open_sweep("results/unknown.zarr"))
-    >>> found = pipeline.posterior(ensemble)
-    >>> len(found.judged), any(judged.contradicts for judged in found.judged)
+    >>> weighed = pipeline.posterior(ensemble)
+    >>> len(weighed.judged), any(judged.contradicts for judged in weighed.judged)
     (4, False)
     """
 
@@ -122,12 +122,12 @@ class Posterior:
 
         Of an input that is one of a list, the probability of each of its values instead.
         """
-        for number, each in enumerate(self.unknown):
-            row: dict[str, Any] = {"path": each.path, "unit": each.unit}
+        for number, quantity in enumerate(self.unknown):
+            row: dict[str, Any] = {"path": quantity.path, "unit": quantity.unit}
             for name, draws in (("prior", self.prior), ("posterior", self.draws)):
                 column = draws.inputs[:, number]
-                if each.kind == "list":
-                    odds = {f"{v:g}": float(draws.mean(column == v)) for v in each.parameters}
+                if quantity.kind == "list":
+                    odds = {f"{v:g}": float(draws.mean(column == v)) for v in quantity.parameters}
                     row[name] = {"probability": odds}
                     continue
                 mean = float(draws.mean(column))
@@ -155,7 +155,7 @@ class Posterior:
         Those that the scene correlates itself are not among them.
         """
         correlation, assumed = self.correlations, correlations(self.unknown)
-        paths = [each.path for each in self.unknown]
+        paths = [quantity.path for quantity in self.unknown]
         for i, j in zip(*np.triu_indices(len(paths), 1), strict=True):
             if abs(correlation[i, j]) >= _HIDDEN and assumed[i, j] == 0:
                 yield paths[i], paths[j], float(correlation[i, j])
@@ -212,8 +212,8 @@ def posterior(ensemble: Ensemble | Sequence[Ensemble], scatter: float = SCATTER)
     --------
     >>> import pipeline
     >>> ensemble = pipeline.Ensemble.of(pipeline.open_sweep("results/unknown.zarr"))
-    >>> found = pipeline.posterior(ensemble)
-    >>> before, after = (row["sd"] for row in list(found.summary())[1].values() if "sd" in row)
+    >>> weighed = pipeline.posterior(ensemble)
+    >>> before, after = (row["sd"] for row in list(weighed.summary())[1].values() if "sd" in row)
     >>> after < before
     True
     """
@@ -234,7 +234,7 @@ def posterior(ensemble: Ensemble | Sequence[Ensemble], scatter: float = SCATTER)
         return Posterior(ensembles, unknown, columns, before, before, (), scatter, middle)
 
     def judge(inputs: Array) -> tuple[Distances, Array]:
-        parts = [each.distances(inputs) for each in evidence if each.tests]
+        parts = [item.distances(inputs) for item in evidence if item.tests]
         distances = Distances(*(np.concatenate(part) for part in zip(*parts, strict=True)))
         return distances, log_likelihoods(tests, distances, scatters)
 
@@ -285,27 +285,27 @@ def _joined(ensembles: Sequence[Ensemble]) -> tuple[tuple[Unknown, ...], tuple[A
     columns = []
     for number, ensemble in enumerate(ensembles, 1):
         names = {
-            each.path: f"{number}: {each.path}"
-            if len(ensembles) > 1 and each.path.startswith(OF_LUBRICANT)
-            else each.path
-            for each in ensemble.unknown
+            quantity.path: f"{number}: {quantity.path}"
+            if len(ensembles) > 1 and quantity.path.startswith(OF_LUBRICANT)
+            else quantity.path
+            for quantity in ensemble.unknown
         }
-        for each in ensemble.unknown:
+        for quantity in ensemble.unknown:
             named = replace(
-                each,
-                path=names[each.path],
-                correlated=tuple((names[path], value) for path, value in each.correlated),
+                quantity,
+                path=names[quantity.path],
+                correlated=tuple((names[path], value) for path, value in quantity.correlated),
             )
             same = inputs.setdefault(named.path, named)
             if (same.kind, same.parameters) != (named.kind, named.parameters):
                 raise InputError(
-                    f"{each.path} is shared by the sweeps, which differ in its distribution; give "
-                    "the same one in [unknown] of each, and run them again"
+                    f"{quantity.path} is shared by the sweeps, which differ in its distribution; "
+                    "give the same one in [unknown] of each, and run them again"
                 )
         columns.append([*names.values()])
     order = list(inputs)
-    at = tuple(np.array([order.index(name) for name in names], int) for names in columns)
-    return tuple(inputs.values()), at
+    numbers = tuple(np.array([order.index(name) for name in names], int) for names in columns)
+    return tuple(inputs.values()), numbers
 
 
 def _over_factors(likelihood: Array) -> Array:
@@ -315,17 +315,17 @@ def _over_factors(likelihood: Array) -> Array:
     return summed
 
 
-def _weights(each: Array, base: Array, without: int | None = None) -> Array:
+def _weights(likelihoods: Array, base: Array, without: int | None = None) -> Array:
     """Weights of draws and factors, shape (n, n_factor), by all tests or all but one."""
-    total = each.sum(axis=0) - (0.0 if without is None else each[without])
+    total = likelihoods.sum(axis=0) - (0.0 if without is None else likelihoods[without])
     log = total + base[:, None] - 0.5 * _PRIOR_OF_FACTORS**2
     weights: Array = np.exp(log - logsumexp(log))
     return weights
 
 
-def _inferred(each: Array, base: Array, scatters: Array) -> tuple[float, float, float]:
+def _inferred(likelihoods: Array, base: Array, scatters: Array) -> tuple[float, float, float]:
     """Scatter that 5, 50 and 95 % stay below."""
-    below = np.cumsum(_weights(each, base).sum(axis=0))
+    below = np.cumsum(_weights(likelihoods, base).sum(axis=0))
     low, middle, high = np.exp(np.interp((0.05, 0.5, 0.95), below, np.log(scatters)))
     return float(low), float(middle), float(high)
 
@@ -334,7 +334,7 @@ def _judged(
     tests: Sequence[Mapping[str, Any]],
     evidence: Sequence[Evidence],
     distances: Distances,
-    each: Array,
+    likelihoods: Array,
     base: Array,
     draws: Draws,
     scatters: Array,
@@ -343,7 +343,7 @@ def _judged(
     sweeps = [number for number, one in enumerate(evidence) for _ in one.tests]
     judged = []
     for number, (test, d, variance) in enumerate(zip(tests, *distances, strict=True)):
-        weights = _weights(each, base, without=number)
+        weights = _weights(likelihoods, base, without=number)
         deviation = np.sqrt(variance[:, None] + scatters_of(test, scatters) ** 2)
         severe = float(np.sum(weights * ndtr(d[:, None] / deviation)))
         probability = {"severe": severe, "mild": 1 - severe}.get(

@@ -204,10 +204,10 @@ def moving_ellipse_rise(
         r_weights = edge * math.pi / 2 * np.sin(math.pi * places) * weights
         return -2 * float(np.sum(angle_weights * r_weights * flux * np.exp(-decay * r)))
 
-    found = scipy.optimize.minimize_scalar(
+    minimum = scipy.optimize.minimize_scalar(
         cooler, bounds=(0.0, a), method="bounded", options={"xatol": 1e-4 * a}
     )
-    return -peak_flux * float(found.fun) / (2 * math.pi * thermal_conductivity)
+    return -peak_flux * float(minimum.fun) / (2 * math.pi * thermal_conductivity)
 
 
 MOVING_SQUARE_PEAK = {0.0: 1.122200, 0.1: 1.064837, 1.0: 0.796781, 10.0: 0.347174, 100.0: 0.112436}

@@ -44,9 +44,9 @@ def from_coarser_grids(problem: Problem) -> tuple[Array, float]:
     solid, total = problem.solid.coarsened(), problem.total / blocks
     coarse = Problem.of(solid, means, total, problem.hardness)
     guess, work = from_coarser_grids(coarse)
-    found = iterate(coarse, guess, Limits(_COARSE_TOLERANCE, _COARSE_CONVOLUTIONS), spent=work)
-    pressure = found.pressure.repeat(fx, axis=0).repeat(fy, axis=1)
-    return pressure, found.convolutions / blocks
+    outcome = iterate(coarse, guess, Limits(_COARSE_TOLERANCE, _COARSE_CONVOLUTIONS), spent=work)
+    pressure = outcome.pressure.repeat(fx, axis=0).repeat(fy, axis=1)
+    return pressure, outcome.convolutions / blocks
 
 
 def in_window(problem: Problem, guess: Array, limits: Limits) -> tuple[Array, float]:
@@ -78,10 +78,10 @@ def in_window(problem: Problem, guess: Array, limits: Limits) -> tuple[Array, fl
     if part.size >= _WINDOW * heights.size or total >= hardness * part.size:
         return guess, 0.0
     cropped = Problem.of(problem.solid.cropped(part.shape), part, total, hardness)
-    found = iterate(cropped, guess[window], limits)
+    outcome = iterate(cropped, guess[window], limits)
     pressure = np.zeros(heights.shape)
-    pressure[window] = found.pressure
-    return pressure, found.convolutions * part.size / heights.size
+    pressure[window] = outcome.pressure
+    return pressure, outcome.convolutions * part.size / heights.size
 
 
 def _extent(loaded: Mask) -> slice:

@@ -129,8 +129,8 @@ class RowMetric:
         """
         q, sums = field, self._sums(field)
         for _ in range(3):
-            found = self._shifted_at_once(q, sums, total, highest)
-            nearest, shift, sums = found or self._shifted(q, sums, total, highest)
+            shifted = self._shifted_at_once(q, sums, total, highest)
+            nearest, shift, sums = shifted or self._shifted(q, sums, total, highest)
             if abs(float(nearest.sum()) - total) <= 100 * _ROUNDING * total:
                 break
             # Where q is far larger than what is left of it, the rest has more digits.

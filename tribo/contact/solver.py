@@ -180,10 +180,10 @@ def solve_contact(
         guess, more = in_window(problem, guess, loose)
         spent += more
     limits = Limits(tolerance, max_iterations, by_change=criterion == "pressure-change")
-    found = iterate(problem, guess, limits, initial_displacement, spent)
-    solution = _solution(found, hardness)
-    if not found.converged:
-        raise ConvergenceError(_failure(found, limits, _is_single(solid)), solution)
+    outcome = iterate(problem, guess, limits, initial_displacement, spent)
+    solution = _solution(outcome, hardness)
+    if not outcome.converged:
+        raise ConvergenceError(_failure(outcome, limits, _is_single(solid)), solution)
     return solution
 
 
@@ -244,36 +244,36 @@ def _is_single(solid: ElasticHalfSpace) -> bool:
     return solid.rounding > _DOUBLE_ROUNDING
 
 
-def _solution(found: Outcome, hardness: float) -> ContactSolution:
+def _solution(outcome: Outcome, hardness: float) -> ContactSolution:
     """Solution of an iteration, with the measures that prove it."""
-    pressure, gap = found.pressure, found.gap
+    pressure, gap = outcome.pressure, outcome.gap
     saturated = pressure >= hardness
     yielding, touching = np.count_nonzero(saturated), np.count_nonzero(pressure)
     elastic = gap[~saturated] if yielding else gap
     return ContactSolution(
         pressure,
         gap,
-        found.approach,
-        math.ceil(found.convolutions),
-        found.residual,
-        load_error=found.load_error,
+        outcome.approach,
+        math.ceil(outcome.convolutions),
+        outcome.residual,
+        load_error=outcome.load_error,
         penetration=max(0.0, -float(elastic.min(initial=0.0))),
         saturated_fraction=yielding / touching if touching else 0.0,
     )
 
 
-def _failure(found: Outcome, limits: Limits, single: bool) -> str:
+def _failure(outcome: Outcome, limits: Limits, single: bool) -> str:
     """Message on an iteration that has not converged, with advice."""
     advice = f"allow more than {limits.convolutions} iterations or a larger tolerance"
-    if found.stalled:
-        largest = float(np.abs(found.displacement).max())
+    if outcome.stalled:
+        largest = float(np.abs(outcome.displacement).max())
         advice = (
             f"with displacements of {largest:.1e} m it falls no further, so ask for at "
-            f"least {2 * found.residual:.0e}"
+            f"least {2 * outcome.residual:.0e}"
         )
         if single:
             advice += " or for double precision"
     return (
-        f"the contact did not converge: residual {found.error:.2e} after "
-        f"{math.ceil(found.convolutions)} iterations, asked were {limits.tolerance:.2e}; {advice}"
+        f"the contact did not converge: residual {outcome.error:.2e} after "
+        f"{math.ceil(outcome.convolutions)} iterations, asked were {limits.tolerance:.2e}; {advice}"
     )

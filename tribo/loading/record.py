@@ -76,8 +76,8 @@ class MeasuredLoad:
                 f"a load record has times of shape {times.shape} and loads of shape {loads.shape}; "
                 "it must have two columns of equal length, and at least two rows"
             )
-        if found := fault(times, loads):
-            row, why = found
+        if reason := fault(times, loads):
+            row, why = reason
             raise InputError(f"load record, row {row} (counted from 0): {why}")
         content = np.array([times, loads]).tobytes() + repr(self.reference_load).encode()
         object.__setattr__(self, "times", times)
@@ -145,10 +145,10 @@ class MeasuredLoad:
         zeros = t[crossed] - F[crossed] * (t[crossed + 1] - t[crossed]) / (
             F[crossed + 1] - F[crossed]
         )
-        at = np.union1d(np.concatenate((t, zeros)), moments)
-        load = np.maximum(0.0, np.interp(at, t, F))
-        since = np.concatenate(([0.0], np.cumsum((load[1:] + load[:-1]) / 2 * np.diff(at))))
-        return np.asarray(since[np.searchsorted(at, moments)])
+        times = np.union1d(np.concatenate((t, zeros)), moments)
+        load = np.maximum(0.0, np.interp(times, t, F))
+        since = np.concatenate(([0.0], np.cumsum((load[1:] + load[:-1]) / 2 * np.diff(times))))
+        return np.asarray(since[np.searchsorted(times, moments)])
 
     def linear_fit(self) -> tuple[float, float]:
         """Rate [N/s] and onset [s] of the straight line through the rise, F = rate·(t − onset).

@@ -271,8 +271,8 @@ def _prolonged(field: Array, shape: tuple[int, int]) -> Array:
 
 def _prolonged_along_x(wear_depth: Array, shape: tuple[int, int]) -> Array:
     """Swept wear on finer elements: linear along x, and uniform along y."""
-    at, known = ((np.arange(n) + 0.5) / n for n in (shape[0], len(wear_depth)))
-    profile = np.interp(at, known, wear_depth[:, 0])
+    fine, coarse = ((np.arange(n) + 0.5) / n for n in (shape[0], len(wear_depth)))
+    profile = np.interp(fine, coarse, wear_depth[:, 0])
     return np.repeat(profile[:, None], shape[1], axis=1)
 
 

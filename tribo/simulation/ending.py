@@ -47,12 +47,12 @@ def ended(scene: Scene, before: State, after: State, station: Station, velocity:
     near = after.pressure
     middle = advance(scene, before, _between(before, station), velocity, near)
     end = advance(scene, middle, station, velocity, near, scheme="implicit")
-    each = (after, middle, end)
+    states = (after, middle, end)
     return replace(
         end,
-        iterations=sum(state.iterations for state in each),
-        work=sum(state.work for state in each),
-        residual=max(state.residual for state in each),
+        iterations=sum(state.iterations for state in states),
+        work=sum(state.work for state in states),
+        residual=max(state.residual for state in states),
         history=after.history or after,
     )
 

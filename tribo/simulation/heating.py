@@ -185,10 +185,10 @@ def _check_split(scene: Scene, friction: Array, contact: Mask, split: HeatPartit
 
 def _bodies(scene: Scene, velocity: float) -> tuple[Conductor, Conductor]:
     """Pin and disk."""
-    length, own = scene.heated_length, scene.velocities_at(velocity)
+    length, velocities = scene.heated_length, scene.velocities_at(velocity)
     return (
-        Conductor(scene.pin.material, own.pin, length),
-        Conductor(scene.disk, own.disk, length),
+        Conductor(scene.pin.material, velocities.pin, length),
+        Conductor(scene.disk, velocities.disk, length),
     )
 
 

@@ -77,13 +77,13 @@ class Motion:
     track_length: float | None = None
 
     def __post_init__(self) -> None:
-        given = self.slide_roll_ratio, self.entrainment_velocity
-        if (given[0] is None) == (given[1] is None):
+        pair = self.slide_roll_ratio, self.entrainment_velocity
+        if (pair[0] is None) == (pair[1] is None):
             raise InputError(
-                f"motion has slide_roll_ratio {given[0]!r} and entrainment_velocity {given[1]!r}; "
+                f"motion has slide_roll_ratio {pair[0]!r} and entrainment_velocity {pair[1]!r}; "
                 "exactly one of them must be given"
             )
-        for name, value in zip(("slide_roll_ratio", "entrainment_velocity"), given, strict=True):
+        for name, value in zip(("slide_roll_ratio", "entrainment_velocity"), pair, strict=True):
             if value is not None and not math.isfinite(value):
                 raise InputError(f"{name} is {value!r}; it must be finite")
         if self.slide_roll_ratio == 0:

@@ -115,10 +115,10 @@ def passes(
     count = parts(scene, wear, distance)
     ends = np.linspace(*loads, count + 1)
     # Each part has the share of the impulse that it would have if the load changed linearly.
-    known = float(ends.sum() - (ends[0] + ends[-1]) / 2)
+    length = float(ends.sum() - (ends[0] + ends[-1]) / 2)
     for part in range(count):
         begin, end = float(ends[part]), float(ends[part + 1])
-        mean = count * mean_load * (begin + end) / 2 / known if known else mean_load
+        mean = count * mean_load * (begin + end) / 2 / length if length else mean_load
         stages = list(runge_kutta.stages((begin, end), mean, distance / count))
         for place, stage in enumerate(stages, len(stages) * (_MOST_PARTS * station.index + part)):
             yield Pass(stage, _position(scene, place))
@@ -137,8 +137,8 @@ def separation_at(scene: Scene, shift: tuple[int, int] | None) -> Array:
 def spread(wear_depth: Array, shape: tuple[int, int]) -> Array:
     """Wear on finer elements, linear along x and y; its mean stays the same."""
     for n in shape[::-1]:  # along the last axis, then turned
-        at, known = ((np.arange(size) + 0.5) / size for size in (n, wear_depth.shape[1]))
-        wear_depth = np.array([np.interp(at, known, row) for row in wear_depth]).T
+        fine, coarse = ((np.arange(size) + 0.5) / size for size in (n, wear_depth.shape[1]))
+        wear_depth = np.array([np.interp(fine, coarse, row) for row in wear_depth]).T
     return np.ascontiguousarray(wear_depth)
 
 

@@ -115,5 +115,5 @@ def _late_warming(
     step = np.repeat(np.diff(ends) / nodes, nodes)
     reach = 2 * math.sqrt(kappa) * root
     kept = scipy.special.erf(length / (2 * reach)) * np.exp(-((velocity * root**2 / reach) ** 2))
-    each = np.interp(root**2, ages, lacking) * kept / root  # dτ/τ is 2 dω/ω
-    return float(each @ step / (math.pi * material.thermal_conductivity))
+    terms = np.interp(root**2, ages, lacking) * kept / root  # dτ/τ is 2 dω/ω
+    return float(terms @ step / (math.pi * material.thermal_conductivity))

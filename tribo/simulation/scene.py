@@ -130,8 +130,8 @@ class Scene:
     @property
     def track_length(self) -> float:
         """Length of the track around a pin that rolls [m]."""
-        given = self.motion.track_length if self.motion else None
-        return 2 * math.pi * self.pin.radius if given is None else given
+        of_motion = self.motion.track_length if self.motion else None
+        return 2 * math.pi * self.pin.radius if of_motion is None else of_motion
 
     def velocities_at(self, sliding: float) -> Velocities:
         """Velocities of pin and disk along x at a sliding velocity [m/s]."""

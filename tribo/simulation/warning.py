@@ -106,7 +106,7 @@ def warnings(scene: Scene, state: State) -> list[PointWarning]:
         _beyond_shape,
         _few_turns,
     )
-    return [PointWarning(*found) for rule in rules for found in rule(scene, state)]
+    return [PointWarning(*reason) for rule in rules for reason in rule(scene, state)]
 
 
 def _at_edge(scene: Scene, state: State) -> Iterator[Found]:
@@ -192,12 +192,12 @@ def _few_turns(scene: Scene, state: State) -> Iterator[Found]:
 
 def _few_nodes(scene: Scene, state: State) -> Iterator[Found]:
     """Warn where the decisive temperature is that of a few elements."""
-    known, nodes = ordered_nodes(scene, state), int(np.count_nonzero(state.pressure))
+    ordered, nodes = ordered_nodes(scene, state), int(np.count_nonzero(state.pressure))
     smallest = on_pixels(scene, state)
-    if not 0 < known < FEW_NODES or (smallest and scene.roughness is None):
+    if not 0 < ordered < FEW_NODES or (smallest and scene.roughness is None):
         return
     count, errors = f"{nodes} elements touch", "0.4 to 100 %, by 10 % in the median"
-    if known < nodes:
+    if ordered < nodes:
         rows = _rows(state)
         count, errors = f"{rows} rows of elements touch a pin that wear has fitted", "up to 12 %"
     text = f"only {count} at {state.normal_load:g} N; "

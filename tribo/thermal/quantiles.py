@@ -106,8 +106,8 @@ def at_bulk_ratio(rise_quantiles: Array, bulk_rise_quantiles: Array, ratio: floa
     def kept(place: int) -> Array:
         if place == len(_RATIOS):
             return rise_quantiles
-        found: Array = bulk_rise_quantiles[..., place - (place > len(_RATIOS)), :]
-        return found
+        quantiles: Array = bulk_rise_quantiles[..., place - (place > len(_RATIOS)), :]
+        return quantiles
 
     low, high = ratios[above - 1], ratios[above]
     weight = (ratio - low) / (high - low)

@@ -59,12 +59,12 @@ def track_warming(
     count = math.floor(time / round_trip) if round_trip > 0 else 0
     if count < 1:
         return 0.0
-    known = np.append(0.0, loads[0]), np.append(0.0, loads[1])
+    knots = np.append(0.0, loads[0]), np.append(0.0, loads[1])
 
     def left(passed: Array) -> Array:
         """Warming that a pass of some rounds ago has left."""
         age = passed * round_trip
-        load = np.interp(time - age, *known)
+        load = np.interp(time - age, *knots)
         spread = np.sqrt(diffusivity * age)
         strip: Array = scipy.special.erf(width / (4 * spread))
         warming: Array = load * strip / (width * heat_capacity * math.sqrt(math.pi) * spread)

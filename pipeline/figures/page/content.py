@@ -60,15 +60,15 @@ def content(ds: xr.Dataset, most_fields: int = MOST_FIELDS) -> dict[str, Any]:
     """
     ds = ordered(plane_of(ds))
     axis = variant_of(ds)
-    surfaces = [ds] if axis is None else [ds.isel({axis: at}) for at in range(ds.sizes[axis])]
+    surfaces = [ds] if axis is None else [ds.isel({axis: row}) for row in range(ds.sizes[axis])]
     attributes = attributes_of(ds)
     conditions = Conditions(**attributes["conditions"])
     ratios, shares = _bulk_ratios(ds), _shares(ds, conditions)
-    own, rates = _wear_rates(ds)
+    stored, rates = _wear_rates(ds)
     parts = [
         _on_surface(
             [corrected(at_wear_rate(part, rate), conditions) for rate in rates or (None,)],
-            own, conditions.criterion, ratios, shares,
+            stored, conditions.criterion, ratios, shares,
         )
         for part in surfaces
     ]  # fmt: skip
@@ -77,7 +77,7 @@ def content(ds: xr.Dataset, most_fields: int = MOST_FIELDS) -> dict[str, Any]:
     return {
         "title": attributes.get("title"),
         "name": attributes.get("name"),
-        "conditions": _conditions(ds, conditions) | ({"wear_rate": rates[own]} if rates else {}),
+        "conditions": _conditions(ds, conditions) | ({"wear_rate": rates[stored]} if rates else {}),
         "friction_heat": attributes.get("scene", {}).get("friction_heat", True),
         "measured": attributes.get("measured") or [],
         "friction_band": attributes.get("friction_band"),
@@ -115,9 +115,9 @@ def _wear_rates(ds: xr.Dataset) -> tuple[int, list[float]]:
     """Place of the sweep's own among the wear rates that it answers for, and these [m²/N]."""
     if "wear_rate" not in ds.coords:
         return 0, []
-    own = own_wear_rate(ds)
-    rates = sorted({own, *ds["wear_rate"].values.tolist()})
-    return rates.index(own), rates
+    stored_rate = own_wear_rate(ds)
+    rates = sorted({stored_rate, *ds["wear_rate"].values.tolist()})
+    return rates.index(stored_rate), rates
 
 
 def _bulk_ratios(ds: xr.Dataset) -> list[float]:
@@ -131,21 +131,25 @@ def _shares(ds: xr.Dataset, conditions: Conditions) -> list[float]:
 
     The scene's own alone for a criterion that does not depend on it.
     """
-    own = conditions.failing_share
+    failing_share = conditions.failing_share
     if not conditions.decisive.takes_share:
-        return [own]
+        return [failing_share]
     shares = np.minimum(np.round(1 - ds["quantile"].values, 12), np.nextafter(1.0, 0.0))
-    return [float(share) for share in np.union1d(shares, own)]
+    return [float(share) for share in np.union1d(shares, failing_share)]
 
 
 def _on_surface(
-    systems: list[xr.Dataset], own: int, criterion: str, ratios: list[float], shares: list[float]
+    systems: list[xr.Dataset],
+    stored: int,
+    criterion: str,
+    ratios: list[float],
+    shares: list[float],
 ) -> dict[str, Any]:
     """Data of each point on one surface, from the sweep at each wear rate, and at its own."""
     systems = [each.transpose("load", "velocity", "step", ...) for each in systems]
     tables = [_tables(each, criterion, ratios, shares) for each in systems]
     decisive, rises = (np.stack(each, axis=3) for each in zip(*tables, strict=True))
-    ds = systems[own]
+    ds = systems[stored]
     status, times = ds["status"].values, ds["time"].values
     normal_load = ds["normal_load"].values
     moments = np.zeros(status.shape, dtype=int)
@@ -155,7 +159,7 @@ def _on_surface(
         steps = _moments(rows, normal_load[place], float(ds["load"][place[0]]))
         moments[place] = steps.size
         kept += [(*place, step) for step in steps]
-    at = tuple(np.array(kept, dtype=np.intp).reshape(-1, 3).T)
+    indices = tuple(np.array(kept, dtype=np.intp).reshape(-1, 3).T)
     end = end_of_point(ds[[name for name in _SHOWN if name in ds]])
     flags = ds["warning_flags"].values.ravel().tolist()
     kinds = [[kind.label for kind in WarningKind if flag & kind] for flag in flags]
@@ -163,9 +167,9 @@ def _on_surface(
         "status": status,
         "asked": asked(ds).transpose("load", "velocity").values,
         "moments": moments,
-        "times": times[at],
-        "decisive": decisive[at],
-        "rises": rises[at],
+        "times": times[indices],
+        "decisive": decisive[indices],
+        "rises": rises[indices],
         "numbers": {
             str(name): end[name].transpose("load", "velocity").values for name in end.data_vars
         },
@@ -203,10 +207,10 @@ def _moments(rises: Array, normal_load: Array, load: float) -> NDArray[np.intp]:
     >>> _moments(hold, np.array([500.0, 600.0, 600.0, 600.0, 600.0]), 600.0).tolist()
     [1, 3]
     """
-    known = np.isfinite(rises.sum(axis=-1))
-    counts = np.flatnonzero(known & (normal_load >= load))
-    if not counts.size and known[-1]:
-        counts = np.array([len(known) - 1])
+    is_finite = np.isfinite(rises.sum(axis=-1))
+    counts = np.flatnonzero(is_finite & (normal_load >= load))
+    if not counts.size and is_finite[-1]:
+        counts = np.array([len(is_finite) - 1])
     kept: list[int] = []
     for step in counts.tolist():
         row = rises[step]
@@ -226,7 +230,10 @@ def _film(attributes: Mapping[str, Any], ds: xr.Dataset) -> dict[str, Any] | Non
     if lubrication is None:
         return None
     load, velocity = float(ds["load"].max()), float(ds["velocity"].max()) or 1.0
-    here = [lubrication.film_thickness(load, velocity, float(each)) for each in _OIL_TEMPERATURES]
+    here = [
+        lubrication.film_thickness(load, velocity, float(temperature))
+        for temperature in _OIL_TEMPERATURES
+    ]
     cold = float(_OIL_TEMPERATURES[0])
     halves = (
         lubrication.film_thickness(load / 2, velocity, cold),
@@ -252,10 +259,14 @@ def _record(ds: xr.Dataset, attributes: Mapping[str, Any]) -> dict[str, str]:
     )
 
 
-def _conditions(ds: xr.Dataset, own: Conditions) -> dict[str, Any]:
+def _conditions(ds: xr.Dataset, conditions: Conditions) -> dict[str, Any]:
     """The conditions of the sweep; that of the disk's bulk where it may differ from the pin's."""
-    disk = own.bulk_temperature if own.disk_temperature is None else own.disk_temperature
-    return own.as_dict() | ({"disk_temperature": disk} if "bulk_rise_quantile" in ds else {})
+    disk = (
+        conditions.bulk_temperature
+        if conditions.disk_temperature is None
+        else conditions.disk_temperature
+    )
+    return conditions.as_dict() | ({"disk_temperature": disk} if "bulk_rise_quantile" in ds else {})
 
 
 def _has_fields(ds: xr.Dataset) -> bool:

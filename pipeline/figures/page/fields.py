@@ -39,7 +39,7 @@ def packed_fields(
         base64 of the compressed levels of the fields.
     """
     points: dict[str, Any] = {}
-    found: dict[str, Any] = {"points": points}
+    content: dict[str, Any] = {"points": points}
     for surface, i, j in chosen:
         ds = surfaces[surface]
         names = [name for name in (*FIELDS, "bulk_response") if name in ds]
@@ -47,10 +47,10 @@ def packed_fields(
         here = here.transpose("x", "y", ...)
         place = (surface * ds.sizes["load"] + i) * ds.sizes["velocity"] + j
         shape, points[str(place)] = packed_point(*(here[name].values for name in names))
-        if "shape" not in found:
+        if "shape" not in content:
             block = [_block(n) for n in here["pressure"].shape]
-            found |= {"shape": list(shape), "block": block, "extent": _extent(here)}
-    return found
+            content |= {"shape": list(shape), "block": block, "extent": _extent(here)}
+    return content
 
 
 def packed_point(
@@ -78,10 +78,10 @@ def _over_contact(
 ) -> tuple[float, float, NDArray[np.uint8]]:
     """Lowest and highest mean over what touches in a block, and levels; 0 where nothing does."""
     means = _summed(np.where(contact, field, 0.0), block) / np.maximum(touching, 1.0)
-    known = means[touching > 0]
-    if not (known.size and np.isfinite(known).all()):
+    finite = means[touching > 0]
+    if not (finite.size and np.isfinite(finite).all()):
         return 0.0, 0.0, np.zeros(means.shape, dtype=np.uint8)
-    low, high = float(known.min()), float(known.max())
+    low, high = float(finite.min()), float(finite.max())
     levels = np.where(touching > 0, _levels(means, low, high, 1), 0)
     return low, high, levels.astype(np.uint8)
 
@@ -107,8 +107,8 @@ def _summed(field: Array, block: tuple[int, int]) -> Array:
 def _levels(field: Array, low: float, high: float, least: int) -> NDArray[np.uint8]:
     """Write a field in levels from `least` at `low` to the highest at `high`."""
     scale = (_LEVELS - least) / (high - low) if high > low else 0.0
-    found: Array = np.clip(least + np.rint((field - low) * scale), least, _LEVELS)
-    return found.astype(np.uint8)
+    levels: Array = np.clip(least + np.rint((field - low) * scale), least, _LEVELS)
+    return levels.astype(np.uint8)
 
 
 def _extent(ds: xr.Dataset) -> list[float | None]:

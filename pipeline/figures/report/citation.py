@@ -30,7 +30,7 @@ def citation() -> Iterator[str]:
 
 def _line(entry: Mapping[str, Any]) -> str:
     """One reference."""
-    names = [each.get("name") or each.get("family-names") for each in entry["authors"]]
+    names = [author.get("name") or author.get("family-names") for author in entry["authors"]]
     people = " and ".join(", ".join(names).rsplit(", ", 1)) if len(names) > 1 else names[0]
     version = f" (version {entry['version']})" if "version" in entry else ""
     details = [f"{entry[key]}" for key in ("journal", "volume", "year", "doi", "url", "license")

@@ -101,30 +101,30 @@ def _question(ds: xr.Dataset, changed: Mapping[str, Any]) -> Iterator[str]:
             f"The sweep is not finished: {done} of {total} points are done, {failed} failed. "
             "What follows rests on those that are done."
         )
-    found = boundary(ds, **changed)
+    boundaries = boundary(ds, **changed)
     judged = conditions_of(ds, **changed)
     yield _paragraph(f"Wear is taken as severe with {criterion(judged)}, at {heating(judged)}.")
-    yield _paragraph(_answer(found))
+    yield _paragraph(_answer(boundaries))
 
 
-def _answer(found: xr.Dataset) -> str:
+def _answer(boundaries: xr.Dataset) -> str:
     """Velocities at which wear turns severe at the lowest and the highest load."""
-    axis = variant_of(found)
-    velocities = found["critical_velocity"]
-    crosses = found["outcome_at_load"] == CROSSES
+    axis = variant_of(boundaries)
+    velocities = boundaries["critical_velocity"]
+    crosses = boundaries["outcome_at_load"] == CROSSES
     if axis:
         velocities, crosses = velocities.median(axis), crosses.all(axis)
-    known = velocities.where(crosses, drop=True)
-    if not known.size:
-        codes = sorted(set(found["outcome_at_load"].values.ravel().tolist()))
+    crossings = velocities.where(crosses, drop=True)
+    if not crossings.size:
+        codes = sorted(set(boundaries["outcome_at_load"].values.ravel().tolist()))
         words = " or ".join(OUTCOMES[code] for code in codes)
         return f"Answer: no transition is known among the points computed: {words}."
-    places = [known[0], known[-1]] if known.size > 1 else [known[0]]
-    told = " and ".join(
+    places = [crossings[0], crossings[-1]] if crossings.size > 1 else [crossings[0]]
+    text = " and ".join(
         f"from {float(place):.3g} m/s on at {float(place['load']):g} N" for place in places
     )
-    median = f", the median of {found.sizes[axis]} surfaces" if axis else ""
-    return f"Answer: wear is severe {told}{median}."
+    median = f", the median of {boundaries.sizes[axis]} surfaces" if axis else ""
+    return f"Answer: wear is severe {text}{median}."
 
 
 def _diagram(ds: xr.Dataset, conditions: Mapping[str, Any]) -> Iterator[str]:
@@ -140,12 +140,12 @@ def _diagram(ds: xr.Dataset, conditions: Mapping[str, Any]) -> Iterator[str]:
 
 def _numbers(ds: xr.Dataset, conditions: Mapping[str, Any]) -> Iterator[str]:
     """Tables of the boundary."""
-    found = boundary(ds, **conditions)
-    for table in readable(found):
+    boundaries = boundary(ds, **conditions)
+    for table in readable(boundaries):
         yield table.without_empty().html()
-    if missing := found.attrs["missing_points"]:
+    if missing := boundaries.attrs["missing_points"]:
         yield _paragraph(f"{missing} points are pending or failed and were left out.")
-    if "film_parameter_at_load" in found:
+    if "film_parameter_at_load" in boundaries:
         yield _paragraph(
             "Film Λ is the minimum film over Rq at the bulk temperature: below 1 boundary "
             "lubrication, below 3 mixed, above it a full film, which the model does not have."
@@ -170,16 +170,18 @@ def _operating_points(
 
 def _warnings(ds: xr.Dataset, conditions: Mapping[str, Any]) -> Iterator[str]:
     """Warnings by kind, with counts."""
-    found = warned(ds, **conditions)
-    if not found.points:
+    warnings = warned(ds, **conditions)
+    if not warnings.points:
         yield _paragraph("No computed point carries a warning.")
         return
     columns = Column("kind", "kind"), Column("points", "points")
-    yield Table(columns, tuple(found.kinds.items())).html()
+    yield Table(columns, tuple(warnings.kinds.items())).html()
     total = int((ds["status"] == DONE).sum())
-    beside = "" if found.at_boundary is None else f", {found.at_boundary} of them at the boundary"
-    yield _paragraph(f"{found.points} of {total} points carry a warning{beside}.")
-    yield _paragraph(f"For example {found.example}")
+    beside = (
+        "" if warnings.at_boundary is None else f", {warnings.at_boundary} of them at the boundary"
+    )
+    yield _paragraph(f"{warnings.points} of {total} points carry a warning{beside}.")
+    yield _paragraph(f"For example {warnings.example}")
 
 
 def _inputs(attributes: Mapping[str, Any]) -> Iterator[str]:
@@ -199,7 +201,7 @@ def _inputs(attributes: Mapping[str, Any]) -> Iterator[str]:
     for heading, name in (("Measured transitions", "measured"), ("Tests", "tested")):
         if entries := attributes.get(name):
             yield f"<h3>{heading}</h3>"
-            rows = tuple(tuple(each.get(column.name) for column in _TESTS) for each in entries)
+            rows = tuple(tuple(test.get(column.name) for column in _TESTS) for test in entries)
             yield Table(_TESTS, rows).without_empty().html()
 
 
