@@ -64,6 +64,10 @@ def content(ds: xr.Dataset, points: OperatingPoints | None, conditions: Mapping[
         "Versions": lambda: _versions(attributes),
         "Citation": _cite,
     }
+    if variant_of(ds) == "sample":
+        from pipeline.figures.report.samples import sections as of_samples  # with its libraries
+
+        sections |= of_samples(ds, points, conditions)
     parts = [f"<h1>{html.escape(str(title))}</h1>"]
     for heading, write in sections.items():
         if body := "\n".join(_or_reason(write)):

@@ -2,10 +2,13 @@
 
 import re
 
+import numpy as np
 import pytest
 
 import pipeline
-from tests.helpers import synthetic
+from pipeline.analysis.operating_points import OperatingPoints
+from pipeline.figures.report.samples import sections
+from tests.helpers import samples, synthetic
 from tribo import InputError
 
 POINTS = {"load": ["300 N", "500 N"], "velocity": ["1.5 m/s", "2 m/s"], "gear": ["first", "second"]}
@@ -58,3 +61,17 @@ def test_a_report_without_a_critical_temperature_says_what_it_lacks(tmp_path):
     conditions = ds.attrs["conditions"] | {"critical_temperature": None}
     page = pipeline.report(ds.assign_attrs(conditions=conditions), tmp_path / "report.html")
     assert "Not in this report" in page.read_text()
+
+
+def test_a_sweep_of_samples_is_answered_by_probabilities():
+    ensemble = samples.ensemble()
+    points = OperatingPoints.read({"load [N]": [400.0, 5000.0], "velocity [m/s]": [2.2, 1.0]})
+    written = sections(samples.dataset(ensemble), points, {})
+    question, numbers, places = ("\n".join(write()) for write in written.values())
+    (critical,) = samples.critical_velocity(np.array([[418.15, 1.2e-15, 0.1, 4.5e-6]]), 200.0)
+    middle = float(re.search(r"from ([\d.]+) m/s on at 200 N", question)[1])
+    assert middle == pytest.approx(critical, rel=0.03)
+    assert numbers.count("<tr>") == 1 + len(ensemble.loads)
+    at = pipeline.risk(ensemble, 400.0, 2.2)
+    assert f"{at.probability:.2g}" in places
+    assert "load is 5000 N; the samples have 200 to 750 N" in places
