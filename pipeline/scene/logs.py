@@ -100,7 +100,10 @@ def _rows(
         wrong: list[Fault] = []
         row_of.read(row, "", wrong)
         place = f"{path.name}, row {number}"
-        faults += [Fault(at, f"{place}, {fault.key or 'row'}: {fault.problem}") for fault in wrong]
+        for key, problem, _ in wrong:
+            if "has no unit" in problem:
+                problem += f"; or the unit of the column in its heading, such as {key} [...]"
+            faults.append(Fault(at, f"{place}, {key or 'row'}: {problem}"))
         if not wrong:
             rows.append(row)
     return rows

@@ -60,6 +60,11 @@ def test_a_fault_is_named_by_row_and_column(lab, row, words):
     assert all(word in str(caught.value) for word in words)
 
 
+def test_a_column_without_a_unit_is_told_where_to_have_it(lab):
+    with pytest.raises(pipeline.SceneFileError, match=r"unit of the column in its heading"):
+        lab("load [kN],velocity,outcome\n0.4,2,mild\n")
+
+
 def test_all_faults_of_a_log_come_at_once(lab):
     with pytest.raises(pipeline.SceneFileError) as caught:
         lab("load [kN],velocity [m/s],outcome\n0.4,x,mild\n0,2,mild\n0.4,2,no\n")
