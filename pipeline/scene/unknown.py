@@ -12,7 +12,7 @@ from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
-from scipy.special import ndtr
+import scipy  # its special functions take 0.2 s to load
 
 from pipeline.scene.correlation import with_correlations
 from pipeline.scene.entries import quoted
@@ -36,7 +36,6 @@ from tribo import InputError, Material, Scene, Wear, inseparable
 Build = Callable[[dict[str, Any], list[Fault]], Sweep | None]
 """Makes a sweep of what the format gives; notes faults."""
 
-_ENDS = ndtr(np.array([-REACH, REACH]))
 _FACTOR = 1.25  # of a wear rate that is known, in which samples of a contact differ all the same
 _FIXED = (
     "sweep", "fidelity", "window", "measured", "tested", "unknown", "title", "extends", "without",
@@ -323,7 +322,8 @@ def _tried(entry: _Entry) -> Iterator[tuple[float, str, str]]:
         yield from ((value, "", "") for value in unknown.parameters)
         return
     yield float(unknown.at(np.array([0.5]))[0]), "", ""  # what is wrong here is so everywhere
-    for value in unknown.at(_ENDS).tolist():
+    ends = scipy.special.ndtr(np.array([-REACH, REACH]))
+    for value in unknown.at(ends).tolist():
         where = f"reaches {entry.written(value)} in the outermost samples: "
         yield value, where, "; or a narrower distribution, or one with median and factor"
 

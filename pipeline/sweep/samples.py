@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
-from scipy.special import ndtr, ndtri
+import scipy  # its special functions take 0.2 s to load
 
 from pipeline.sweep.unknown import MOST, Unknown, sequence
 from tribo.types import Array
@@ -94,7 +94,9 @@ class Design:
             # Others of a contact have velocities that leave their wear rate likely.
             at = self.layers.index("wear rate")
             number = np.log(columns[at]) + first
-            least, most = np.log(self.inputs[at].at(ndtr(np.array([-_RATES, _RATES]))))
+            least, most = np.log(
+                self.inputs[at].at(scipy.special.ndtr(np.array([-_RATES, _RATES])))
+            )
             low = np.minimum(np.maximum(low, number - most), first)
             high = np.maximum(np.minimum(high, number - least), first)
         stratum = (np.arange(count) % group - 1 + rows[:, MOST]) / max(group - 1, 1)
@@ -182,5 +184,7 @@ def _widened(unknown: Unknown, shares: Array) -> Array:
     """Shares by which to draw samples of an input, from even ones."""
     if unknown.kind not in ("normal", "log-normal"):
         return shares
-    scores: Array = ndtr(np.clip(WIDENED * ndtri(shares), -REACH, REACH))
+    scores: Array = scipy.special.ndtr(
+        np.clip(WIDENED * scipy.special.ndtri(shares), -REACH, REACH)
+    )
     return scores
