@@ -26,7 +26,7 @@ try:
 except ImportError:  # not a POSIX system
     resource = None  # type: ignore[assignment]
 
-_LEAST_MEMORY = 500 * 2**20  # [bytes] of addresses, with which the packages can be loaded
+_LEAST_MEMORY = 700 * 2**20  # [bytes] of addresses, with which the packages can be loaded
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
