@@ -63,7 +63,7 @@ class Transition:
 
 @dataclass(frozen=True, slots=True)
 class Physics:
-    """What a model takes to be so.
+    """Assumptions of a model that the eight transitions may tell apart.
 
     Attributes
     ----------
