@@ -92,9 +92,14 @@ class Evidence:
         excess = ensemble.excesses(inputs, loads, nodes)
         rises = excess.values + ensemble.log_limit(inputs)[:, None, None]
         x = np.log(nodes)
+        conditions = ensemble.conditions
+        # A friction that was measured stands in place of the scene's friction by velocity.
+        table = np.log([conditions.friction_at(v) / conditions.friction for v in nodes.tolist()])
         values, variances = [], []
         for test in self.tests:
             rise = rises[:, loads.index(test["normal_load"])]
+            if test.get("friction") is not None:
+                rise = rise - table
             limit = ensemble.log_limit(inputs, conditions_of(test))
             log_velocity = math.log(test["velocity"])
             place = int(np.clip(np.searchsorted(x, log_velocity) - 1, 0, _NODES - 2))
