@@ -125,7 +125,7 @@ WEAR_SCHEMES: dict[WearScheme, RungeKutta] = {
 Bosman & de Rooij (Fig. 2): of first order, stable while k·dS is below `EXPLICIT_LIMIT` times the
 smallest compliance. ``"sdirk2"`` (Alexander, SIAM J. Numer. Anal. 14, 1977): of second order,
 stable for any step, at twice the cost; where much comes into contact within a step, its pressure
-needs a short implicit end, see `tribo.simulation.ending`.
+needs a short implicit end, see `tribo.simulation.implicit_end`.
 """
 
 
@@ -142,7 +142,7 @@ class Wear:
         same patch of the disk (Bosman & de Rooij, Eq. 26). ``"swept"``: the roughness moves past
         the pin, which at x loses the mean along y, dh(x) = k dS ⟨p(x, ·)⟩_y, on a patch that is
         periodic along y. Where y is free, as under a ball, a scene takes the mean over positions
-        of the disk instead; see `tribo.simulation.passes`.
+        of the disk instead; see `tribo.simulation.disk_positions`.
 
     Raises
     ------

@@ -10,7 +10,7 @@ from pipeline.sweep.facts import Facts
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.surface import SurfaceFacts
 from tribo import Ball, Crowned, Cylinder, Material, SelfAffineRoughness, analytic
-from tribo.simulation.warning import (
+from tribo.simulation.point_warnings import (
     FEWEST_ACROSS,
     FEWEST_PIXELS,
     FEWEST_ROWS,

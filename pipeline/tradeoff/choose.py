@@ -22,7 +22,7 @@ from pipeline.sweep.selection import Selection, Trial
 from pipeline.tradeoff.probe import Place, fitted, near_the_boundary, probe, some_places
 from pipeline.tradeoff.yardstick import YARDSTICK, OwnError, Yardstick, measured, own_error
 from tribo import PRESETS, ConvergenceError, Fidelity, InputError
-from tribo.simulation.warning import FEW_NODES
+from tribo.simulation.point_warnings import FEW_NODES
 
 _LOADS, _PLACES = 4, 6  # to look at, and with several surfaces
 # Errors scatter from load to load, since each one touches other summits. What holds for loads that

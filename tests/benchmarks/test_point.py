@@ -26,7 +26,7 @@ FIRST_AND_NEXT = """
 import json, sys, time
 from tests.benchmarks.test_point import LOAD, VELOCITY, sweep_at
 from tribo import simulate
-from tribo.simulation import kernels
+from tribo.simulation import cache
 
 def seconds(run, *args):
     began = time.process_time()
@@ -42,7 +42,7 @@ def timed(make):
 
 sweep, setting_up = sweep_at(sys.argv[1]), []
 for name in ("_elastic_bodies", "conducted_spectrum"):
-    setattr(kernels, name, timed(getattr(kernels, name)))
+    setattr(cache, name, timed(getattr(cache, name)))
 times = [seconds(lambda: list(simulate(sweep, LOAD, VELOCITY))) for _ in range(4)]
 print(json.dumps([times[0], min(times[1:]), sum(setting_up)]))
 """

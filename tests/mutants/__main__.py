@@ -26,10 +26,10 @@ from cosmic_ray.plugins import get_operator, operator_names
 ROOT = Path(__file__).parents[2]
 HARMLESS = Path(__file__).parent / "harmless.txt"
 ROOMS = {
-    "solver": (["tribo/contact"], ["tests/tribo/contact", "tests/tribo/simulation/test_steps.py"]),
+    "solver": (["tribo/contact"], ["tests/tribo/contact", "tests/tribo/simulation/test_point.py"]),
     "heat": (
-        ["tribo/thermal", "tribo/simulation/heating.py"],
-        ["tests/tribo/thermal", "tests/tribo/simulation/test_steps.py"],
+        ["tribo/thermal", "tribo/simulation/temperature.py"],
+        ["tests/tribo/thermal", "tests/tribo/simulation/test_point.py"],
     ),
     "criterion": (
         [f"pipeline/sweep/{name}.py" for name in ("conditions", "criterion", "rises")],
@@ -91,14 +91,17 @@ ROOMS = {
             "tests/pipeline/run/test_watch.py",
         ],
     ),
-    "ending": (["tribo/simulation/ending.py"], ["tests/tribo/simulation/test_ending.py"]),
+    "implicit_end": (
+        ["tribo/simulation/implicit_end.py"],
+        ["tests/tribo/simulation/test_implicit_end.py"],
+    ),
     "warnings": (
-        ["tribo/simulation/warning.py", "tribo/simulation/past.py"],
+        ["tribo/simulation/point_warnings.py", "tribo/simulation/present_heat.py"],
         [
-            "tribo/simulation/warning.py",
-            "tribo/simulation/past.py",
-            "tests/tribo/simulation/test_warning.py",
-            "tests/tribo/simulation/test_past.py",
+            "tribo/simulation/point_warnings.py",
+            "tribo/simulation/present_heat.py",
+            "tests/tribo/simulation/test_point_warnings.py",
+            "tests/tribo/simulation/test_present_heat.py",
             "tests/tribo/test_wear_schemes.py",
         ],
     ),

@@ -31,14 +31,14 @@ import numpy as np
 from tribo.errors import InputError, require_positive
 from tribo.laws import OwnWear
 from tribo.loading import Station
-from tribo.simulation.ending import ended
+from tribo.simulation.cache import unworn_contact
+from tribo.simulation.disk_positions import Pass, spread
 from tribo.simulation.fidelity import Fidelity
-from tribo.simulation.kernels import unworn_contact
-from tribo.simulation.passes import Pass, spread
+from tribo.simulation.implicit_end import ended
+from tribo.simulation.loading_step import advance, solved, start
+from tribo.simulation.point_warnings import FEW_NODES, ordered_nodes
 from tribo.simulation.scene import Scene
 from tribo.simulation.state import State
-from tribo.simulation.step import advance, solved, start
-from tribo.simulation.warning import FEW_NODES, ordered_nodes
 from tribo.types import Array
 from tribo.wear import Stage
 

@@ -148,7 +148,7 @@ class Scene:
         """Wear of the pin at rest by one contact; None if it does not wear.
 
         Along a free y each position of the disk wears the pin by its own pressure; see
-        `tribo.simulation.passes`.
+        `tribo.simulation.disk_positions`.
         """
         if self.wear is None or self.pixels.periodic[1]:
             return self.wear

@@ -95,7 +95,7 @@ class State:
     history : State or None
         State at the same moment from which the ramp goes on, where that is another one: on the
         coarser grid of the history, or of a last step without a short end; see
-        `tribo.simulation.ending`.
+        `tribo.simulation.implicit_end`.
     heat_history : HeatHistory or None
         Heat that has flowed so far, where the temperature depends on it.
     response_history : HeatHistory or None

@@ -1,4 +1,4 @@
-"""Balls and crowned pins: contact, heat, and wear swept along a free y (simulation/passes.py)."""
+"""Balls and crowned pins: contact, heat, and wear that is swept along a free y."""
 
 import math
 import re
@@ -33,8 +33,8 @@ from tribo import (
     warnings,
 )
 from tribo.analytic import hertz_ellipse, moving_ellipse_rise, resting_ellipse_rise
-from tribo.simulation import passes
-from tribo.simulation.passes import spread
+from tribo.simulation import disk_positions
+from tribo.simulation.disk_positions import parts, spread
 from tribo.wear import RollingWear
 
 E_STAR = contact_modulus(STEEL, STEEL)
@@ -159,16 +159,16 @@ def test_heavy_wear_is_averaged_to_a_hundredth(monkeypatch):
         roughness=SelfAffineRoughness(0.27e-6, 0.8, (16e-6, 16e-6), 3),
     )
     found = hot(end(scene))
-    monkeypatch.setattr(passes, "_IMPRINT", 1e-9)
-    monkeypatch.setattr(passes, "_MOST_PARTS", 24)
+    monkeypatch.setattr(disk_positions, "_IMPRINT", 1e-9)
+    monkeypatch.setattr(disk_positions, "_MOST_PARTS", 24)
     assert found == pytest.approx(hot(end(scene)), rel=0.01)
 
 
 def test_a_step_has_more_parts_the_more_it_wears():
-    counts = [passes.parts(ball(), Wear(rate, "local"), 0.05) for rate in (1e-17, 2e-15, 1e-12)]
-    assert counts[0] == 1 < counts[1] < counts[2] == passes._MOST_PARTS
-    assert passes.parts(ball(), RollingWear(2e-15, "local", 0.1), 0.05) == 1  # its track is long
-    assert passes.parts(ball(pattern="local"), Wear(1e-12, "local"), 0.05) == 1
+    counts = [parts(ball(), Wear(rate, "local"), 0.05) for rate in (1e-17, 2e-15, 1e-12)]
+    assert counts[0] == 1 < counts[1] < counts[2] == disk_positions._MOST_PARTS
+    assert parts(ball(), RollingWear(2e-15, "local", 0.1), 0.05) == 1  # its track is long
+    assert parts(ball(pattern="local"), Wear(1e-12, "local"), 0.05) == 1
 
 
 def test_the_imprint_of_a_wave_is_its_wear_by_the_pressure_that_flattens_it(monkeypatch):
@@ -177,10 +177,10 @@ def test_the_imprint_of_a_wave_is_its_wear_by_the_pressure_that_flattens_it(monk
     wave = 1e-8 * np.sin(2 * np.pi / length * side * np.arange(160))[:, None] * np.ones((1, 160))
     scene = replace(ball(history_coarsening=1), roughness=MeasuredRoughness(wave), wear=Wear(1e-15))
     scene = replace(scene, fidelity=replace(scene.fidelity, pixels_per_element=1))
-    monkeypatch.setattr(passes, "_IMPRINT", 1e-3)
-    monkeypatch.setattr(passes, "_MOST_PARTS", 10**4)
+    monkeypatch.setattr(disk_positions, "_IMPRINT", 1e-3)
+    monkeypatch.setattr(disk_positions, "_MOST_PARTS", 10**4)
     expected = 1e-15 * 0.05 * math.pi * E_STAR / length
-    found = 1e-3 * passes.parts(scene, Wear(1e-15, "local"), 0.05)
+    found = 1e-3 * parts(scene, Wear(1e-15, "local"), 0.05)
     assert found == pytest.approx(expected, rel=0.02)  # elements of an eighth of the wave
 
 
@@ -222,7 +222,7 @@ def test_explicit_wear_counts_each_part_of_a_step():
         state = next(iter(simulate(scene, 200.0, 1.0)))
         warning, *_ = warnings(scene, state)
         stiffness.append(float(re.search(r"k·dS is (\S+) times", warning.text)[1]))
-    count = passes.parts(ball(), Wear(1e-14, "local"), state.sliding_distance)
+    count = parts(ball(), Wear(1e-14, "local"), state.sliding_distance)
     assert count > 1
     assert stiffness[0] * count == pytest.approx(stiffness[1], rel=1e-2)  # in print
 

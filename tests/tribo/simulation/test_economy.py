@@ -19,7 +19,7 @@ from tribo import (
     simulate,
     warnings,
 )
-from tribo.simulation import heating, steps
+from tribo.simulation import point, temperature
 from tribo.thermal import duhamel
 
 DECISIVE = QUANTILES.index(0.9)
@@ -282,9 +282,9 @@ def test_temperature_is_computed_at_the_steps_that_are_asked_for(monkeypatch):
 
     def counted(scene, state, velocity):
         times.append(state.normal_load)
-        return heating.heat(scene, state, velocity)
+        return temperature.heat(scene, state, velocity)
 
-    monkeypatch.setattr(steps, "heat", counted)
+    monkeypatch.setattr(point, "heat", counted)
     list(simulate(small_scene(), 600.0, 1.25))
     assert times == [600.0]
     times.clear()

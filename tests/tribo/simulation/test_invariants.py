@@ -15,7 +15,7 @@ from tribo import (
     measures,
     simulate,
 )
-from tribo.simulation import heating, step
+from tribo.simulation import loading_step, temperature
 from tribo.simulation.invariants import check_contact, check_heat, check_wear, within_range
 from tribo.thermal import partition
 
@@ -124,14 +124,14 @@ def test_a_solver_that_is_wrong_is_found_out_in_a_simulation(monkeypatch):
 
         return solve
 
-    genuine = step.solve_contact
+    genuine = loading_step.solve_contact
     for change, law in [
         ({"pressure": lambda c: 0.999 * c.pressure}, "load balance"),
         ({"pressure": lambda c: c.pressure[::-1] * 2 - c.pressure}, "pressure bounds"),
         ({"residual": lambda c: 1e-5}, "complementarity"),
         ({"pressure": lambda c: np.where(c.pressure > 0, c.pressure, np.nan)}, "finite"),
     ]:
-        monkeypatch.setattr(step, "solve_contact", corrupted(**change))
+        monkeypatch.setattr(loading_step, "solve_contact", corrupted(**change))
         with pytest.raises(InvariantError, match=law):
             next(iter(simulate(small_scene(), 300.0, 1.25)))
 
@@ -143,15 +143,15 @@ def test_wear_and_heat_that_are_wrong_are_found_out_in_a_simulation(monkeypatch)
         patch.setattr(Wear, "depth", lambda *given: 1.0001 * depth(*given))
         with pytest.raises(InvariantError, match="wear balance"):
             last(simulate(small_scene(), 300.0, 1.25))
-    divide = heating.partition_heat
+    divide = temperature.partition_heat
 
     def leaking(*arguments, **options):
         split = divide(*arguments, **options)
         return replace(split, pin_flux=0.99 * split.pin_flux)
 
-    monkeypatch.setattr(heating, "partition_heat", leaking)
+    monkeypatch.setattr(temperature, "partition_heat", leaking)
     with pytest.raises(InvariantError, match="heat balance"):
-        heating.heat(small_scene(), states[-1], 1.25)
+        temperature.heat(small_scene(), states[-1], 1.25)
 
 
 @pytest.mark.parametrize("pattern", ["local", "swept"])

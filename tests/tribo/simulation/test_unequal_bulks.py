@@ -1,4 +1,4 @@
-"""Bodies of unequal bulk temperature (tribo/simulation/heating.py, tribo/thermal/quantiles.py)."""
+"""Bodies of unequal bulk temperature."""
 
 import math
 from dataclasses import replace
@@ -27,7 +27,7 @@ from tribo import (
     simulate,
 )
 from tribo.criterion import columns_of, rises_at
-from tribo.simulation.heating import _bodies, _conductor
+from tribo.simulation.temperature import _bodies, _conductor
 
 NINE_TENTHS = QUANTILES.index(0.9)
 

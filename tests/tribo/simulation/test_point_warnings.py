@@ -1,4 +1,4 @@
-"""Warnings that a point carries (tribo/simulation/warning.py)."""
+"""Warnings that a point carries (tribo/simulation/point_warnings.py)."""
 
 from collections import deque
 from dataclasses import replace
@@ -8,7 +8,7 @@ import pytest
 
 from tests.helpers.scenes import STEEL, small_scene
 from tribo import Ball, Grid, Motion, Ramp, WarningKind, Wear, simulate, start, warnings
-from tribo.simulation.warning import ordered_nodes
+from tribo.simulation.point_warnings import ordered_nodes
 
 BALL = Ball(8e-3, STEEL)
 

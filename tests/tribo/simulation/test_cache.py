@@ -1,4 +1,4 @@
-"""What simulations share (tribo/simulation/kernels.py)."""
+"""What simulations share (tribo/simulation/cache.py)."""
 
 import threading
 from concurrent.futures import ThreadPoolExecutor
@@ -9,8 +9,8 @@ import pytest
 
 from tests.helpers.scenes import small_scene
 from tribo import SelfAffineRoughness, forget_kernels, simulate
-from tribo.simulation import kernels
-from tribo.simulation.kernels import Kept
+from tribo.simulation import cache
+from tribo.simulation.cache import Kept
 
 
 def ask(kept, *keys):
@@ -81,11 +81,11 @@ def test_threads_simulate_points_of_one_scene_at_the_same_time_bit_for_bit():
 
 def test_a_scene_on_the_same_grid_has_its_bodies_made_once():
     forget_kernels()
-    first, same = (kernels.elastic_bodies(small_scene()) for _ in range(2))
+    first, same = (cache.elastic_bodies(small_scene()) for _ in range(2))
     assert same is first
-    assert kernels.elastic_bodies(small_scene(roughness=False)) is not first
+    assert cache.elastic_bodies(small_scene(roughness=False)) is not first
     forget_kernels()
-    assert kernels.elastic_bodies(small_scene()) is not first
+    assert cache.elastic_bodies(small_scene()) is not first
 
 
 def test_the_grids_of_a_scene_have_its_surface_made_once(monkeypatch):

@@ -8,8 +8,8 @@ import numpy as np
 
 from tribo.convolution import Convolution
 from tribo.grid import Grid
+from tribo.simulation.cache import heat_spectrum
 from tribo.simulation.invariants import check_heat, within_range
-from tribo.simulation.kernels import heat_spectrum
 from tribo.simulation.scene import Scene
 from tribo.simulation.state import Heat, State
 from tribo.thermal import (

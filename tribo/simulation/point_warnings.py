@@ -8,10 +8,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tribo.simulation.kernels import elastic_bodies
-from tribo.simulation.passes import parts
-from tribo.simulation.past import excess_of_present_heat, stations_so_far
+from tribo.simulation.cache import elastic_bodies
+from tribo.simulation.disk_positions import parts
 from tribo.simulation.pins import Cylinder
+from tribo.simulation.present_heat import excess_of_present_heat, stations_so_far
 from tribo.simulation.roughness import SelfAffineRoughness
 from tribo.simulation.scene import Scene
 from tribo.simulation.state import State

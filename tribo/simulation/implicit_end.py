@@ -15,9 +15,9 @@ from dataclasses import replace
 import numpy as np
 
 from tribo.loading import Station
+from tribo.simulation.loading_step import advance
 from tribo.simulation.scene import Scene
 from tribo.simulation.state import State
-from tribo.simulation.step import advance
 from tribo.types import Mask
 from tribo.wear import WEAR_SCHEMES
 

@@ -1,4 +1,4 @@
-"""The short implicit end of a step in which much has come into contact (simulation/ending.py)."""
+"""The short implicit end of a step in which much has come into contact."""
 
 from dataclasses import replace
 
@@ -17,7 +17,7 @@ from tribo import (
     simulate,
     start,
 )
-from tribo.simulation import ending
+from tribo.simulation import implicit_end
 
 VELOCITY, LOADS = 2.0, (300.0, 500.0, 600.0)
 # The shipped scene on fewer pixels, whose contact grows at a rim of single summits.
@@ -52,7 +52,7 @@ def test_the_rise_under_heavy_wear_is_known_in_ten_steps():
 
 def test_without_the_short_end_it_would_be_off_by_several_percent(monkeypatch):
     exact = [last(worn_scene(increments=400), load).heat.rise_quantile[-3] for load in LOADS]
-    monkeypatch.setattr(ending, "_NEW", 1.0)
+    monkeypatch.setattr(implicit_end, "_NEW", 1.0)
     found = [last(worn_scene(), load).heat.rise_quantile[-3] for load in LOADS]
     assert np.max(np.abs(np.divide(found, exact) - 1)) > 0.05
 
@@ -113,7 +113,7 @@ def test_it_is_not_taken_where_it_is_not_needed(scene, monkeypatch):
     def refused(*_, **__):
         raise AssertionError("a short end")
 
-    monkeypatch.setattr(ending, "advance", refused)
+    monkeypatch.setattr(implicit_end, "advance", refused)
     assert last(scene, 750.0).normal_load == 750.0
     with pytest.raises(AssertionError, match="a short end"):
         last(worn_scene(), 300.0)
@@ -144,7 +144,7 @@ ALL = np.ones(100)
 def test_it_is_taken_where_more_than_a_hundredth_of_the_load_is_new(before, after, taken, pattern):
     scene = replace(worn_scene(), wear=Wear(2e-14, pattern))
     states = (touching(scene, each) for each in (before, after))
-    assert ending._comes_into_contact(scene, *states, VELOCITY) == taken
+    assert implicit_end._comes_into_contact(scene, *states, VELOCITY) == taken
 
 
 def test_an_element_whose_row_has_worn_is_new_where_wear_is_local():
@@ -153,7 +153,7 @@ def test_an_element_whose_row_has_worn_is_new_where_wear_is_local():
     moved = replace(before, pressure=np.roll(before.pressure, 1, axis=1))
     for pattern, taken in (("swept", False), ("local", True)):
         worn = replace(scene, wear=Wear(2e-14, pattern))
-        assert ending._comes_into_contact(worn, before, moved, VELOCITY) == taken
+        assert implicit_end._comes_into_contact(worn, before, moved, VELOCITY) == taken
 
 
 def test_it_is_not_taken_where_a_pin_wears_by_the_mean_over_the_disk_s_positions():
@@ -162,5 +162,5 @@ def test_it_is_not_taken_where_a_pin_wears_by_the_mean_over_the_disk_s_positions
     scene = replace(scene, fidelity=worn_scene().fidelity)
     before, after = (touching(scene, each) for each in (0 * ALL, ALL))
     swept, local = (replace(scene, wear=Wear(2e-14, each)) for each in ("swept", "local"))
-    assert not ending._comes_into_contact(swept, before, after, VELOCITY)
-    assert ending._comes_into_contact(local, before, after, VELOCITY)
+    assert not implicit_end._comes_into_contact(swept, before, after, VELOCITY)
+    assert implicit_end._comes_into_contact(local, before, after, VELOCITY)

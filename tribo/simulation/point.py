@@ -6,9 +6,9 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from tribo.simulation.contact_ramp import contacts
-from tribo.simulation.heating import heat
 from tribo.simulation.scene import Scene
 from tribo.simulation.state import State
+from tribo.simulation.temperature import heat
 
 
 def simulate(

@@ -22,7 +22,7 @@ from typing import NamedTuple
 import numpy as np
 
 from tribo.loading import Station
-from tribo.simulation.kernels import elastic_bodies
+from tribo.simulation.cache import elastic_bodies
 from tribo.simulation.scene import Scene
 from tribo.simulation.state import State
 from tribo.types import Array

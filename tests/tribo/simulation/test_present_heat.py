@@ -8,7 +8,7 @@ import pytest
 from tests.helpers.kept import ALUMINA
 from tests.helpers.scenes import STEEL, small_scene
 from tribo import Ball, Grid, MeasuredLoad, Motion, Ramp, Wear, heat, simulate, start
-from tribo.simulation.past import _late_warming, excess_of_present_heat
+from tribo.simulation.present_heat import _late_warming, excess_of_present_heat
 from tribo.thermal import rise_exceeded
 
 # Neither width nor shape of the contact are in the closed form.

@@ -7,12 +7,12 @@ import numpy as np
 from tribo.contact import ContactSolution, solve_contact
 from tribo.laws import OwnWear
 from tribo.loading import Station
-from tribo.simulation.heating import heated_since
+from tribo.simulation.cache import elastic_bodies
+from tribo.simulation.disk_positions import Pass, passes, separation_at
 from tribo.simulation.invariants import check_contact, check_wear, within_range
-from tribo.simulation.kernels import elastic_bodies
-from tribo.simulation.passes import Pass, passes, separation_at
 from tribo.simulation.scene import Scene
 from tribo.simulation.state import State
+from tribo.simulation.temperature import heated_since
 from tribo.thermal import HeatHistory
 from tribo.types import Array
 from tribo.wear import Wear, WearScheme
