@@ -72,6 +72,9 @@ def _provenance(attributes: Mapping[Any, Any]) -> dict[str, str]:
     later = attributes.get("later_versions", [])
     lines = [f"computed by {listed(versions)}"]
     lines += [f"{entry['since']}: gone on with by {listed(entry['versions'])}" for entry in later]
+    for entry in attributes.get("worker_versions", []):
+        others = ", ".join(f"{name} {version}" for name, version in entry["versions"].items())
+        lines.append(f"{entry['since']}: some points computed by workers with {others}")
     return {
         "source": f"simulated by irg-transition {versions['tribo']}",
         "history": "\n".join(lines),

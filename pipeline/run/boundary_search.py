@@ -33,21 +33,15 @@ _FINEST = 12  # halvings of the axis
 _ROUNDING = 1e-5  # of a velocity in round figures, and more
 
 
-def searched(sweep: Sweep, limits: Iterable[float]) -> list[float]:
-    """Velocities of a sweep between which to search its boundary [m/s].
-
-    Parameters
-    ----------
-    sweep : Sweep
-    limits : iterable of float
-        Rises at friction 1 above which wear is severe [K].
+def searched(sweep: Sweep, limit: float) -> list[float]:
+    """Velocities of a sweep between which to search where the rise reaches a limit [m/s].
 
     Raises
     ------
     InputError
         If there is no boundary to look for: no friction, or fewer than two velocities above 0.
     """
-    if not all(map(math.isfinite, limits)):
+    if not math.isfinite(limit):
         raise InputError(
             "there is no boundary to look for without friction; give friction.coefficient a number "
             "above 0"
@@ -73,26 +67,10 @@ def tolerance_under(conditions: Conditions, tolerance: float) -> float:
 
 @dataclass(frozen=True, slots=True)
 class BoundarySearch:
-    """A search for the critical velocity at each of several loads.
+    """A search for the velocity at which the rise reaches a limit [K], at each of several loads.
 
-    Parameters
-    ----------
-    loads : sequence of float
-        Loads at which to find it [N], ascending.
-    lowest, highest : float
-        Velocities between which to look [m/s], above 0.
-    limit : float
-        Rise at which wear turns severe [K].
-    tolerance : float
-        Relative error of the critical velocity.
-    scale : float, optional
-        Factor by which velocities are divided: searches of several wear rates, in units of one of
-        them, look at the same products of wear rate and velocity.
-
-    Raises
-    ------
-    InputError
-        If a value lies outside its range.
+    Velocities are divided by `scale`: searches of several wear rates, in units of one of them, look
+    at the same products of wear rate and velocity.
 
     Examples
     --------
@@ -125,14 +103,9 @@ class BoundarySearch:
         rises: Mapping[Point, float],
         hopeless: Iterable[Point] = (),
     ) -> tuple[Point, ...]:
-        """Points to look at next; none once the boundary is known at every load.
+        """Points to look at next, none of them hopeless; none once the boundary is known.
 
-        Parameters
-        ----------
-        rises : mapping
-            Rise at the points that are done [K], whether asked for here or not.
-        hopeless : iterable of Point
-            Points that failed; they are not asked for again.
+        Rises of any points count, whether they were asked for here or not [K].
         """
         rows = {load: self._row(rises, load) for load in self.loads}
         curvature = self._curvature(rows)

@@ -37,19 +37,14 @@ _COPIED = 1.0  # [s] to wait until each worker has a copy of the shared content
 class Connection:
     """A client of a scheduler, and the source of its workers.
 
-    Attributes
-    ----------
-    client : Client
-    source : Source
-    versions : dict
-        Versions of each worker that has joined; None of one that has not answered.
-    absent : float
-        Time in which there was no worker [s].
+    `asked` are the workers that were asked for their versions, `told` the versions that the user
+    was told of, and `absent` the time in which there was no worker [s].
     """
 
     client: Client
     source: Source
-    versions: dict[str, Versions | None] = field(default_factory=dict)
+    asked: set[str] = field(default_factory=set)
+    told: set[str] = field(default_factory=set)
     absent: float = 0.0
 
     def clock(self) -> float:
@@ -63,16 +58,8 @@ def connected(
 ) -> Iterator[Connection]:
     """Connect to a scheduler, or start one with workers, and end those that were started.
 
-    Parameters
-    ----------
-    workers : int or None
-        Number of processes to start at most; None for as many as a batch is to have.
-    where : str, Batch or None
-        Address of a scheduler, or jobs to start; None for processes of this machine.
-    out : str
-        Store of the sweep, beside which jobs write their logs.
-    patience : float
-        Time to wait for a scheduler to answer [s].
+    `where` is the address of a scheduler, or the jobs to start beside the store `out`; None for
+    processes of this machine. `workers` are the processes that can be kept busy, if that is known.
 
     Raises
     ------
@@ -118,7 +105,8 @@ def share(client: Client, content: bytes, patience: float) -> bytes | Future:
     """Content for many tasks: itself if it is light, else a result that every worker holds.
 
     Light content goes along with each task. Heavy content is the result of a task, which Dask
-    computes again if the workers that hold it die.
+    computes again if the workers that hold it die. It is copied to every worker, since Dask
+    prefers workers that hold a task's inputs and would leave the others idle.
 
     Raises
     ------
@@ -136,7 +124,8 @@ def share(client: Client, content: bytes, patience: float) -> bytes | Future:
         if error is None:
             if len(content) <= _LIGHT:
                 return content
-            _copy_to_all(client, shared, patience)
+            with _losses_told(), suppress(TimeoutError):
+                client.replicate([shared], callback_timeout=_COPIED)
             return shared
         if not isinstance(error, KilledWorker):  # it would be raised again
             break
@@ -146,17 +135,6 @@ def share(client: Client, content: bytes, patience: float) -> bytes | Future:
 def same(content: bytes) -> bytes:
     """The argument, as the result of a task."""
     return content
-
-
-def _copy_to_all(client: Client, shared: Future, patience: float) -> None:
-    """Copy it to every worker: Dask prefers workers that hold a task's inputs."""
-    with _losses_told(), suppress(TimeoutError):
-        workers = client.nthreads(callback_timeout=patience)
-        copies = [
-            client.submit(same, shared, workers=worker, allow_other_workers=True, pure=False)
-            for worker in workers
-        ]
-        wait(copies, timeout=_COPIED)
 
 
 def threads_of(connection: Connection, patience: float, tell: Tell | None = None) -> Counter[str]:
@@ -177,7 +155,7 @@ def threads_of(connection: Connection, patience: float, tell: Tell | None = None
         waited = time.monotonic() - began
         if threads:
             connection.absent += waited
-            _ask(connection, threads, tell)
+            _ask(connection, sorted(set(threads) - connection.asked), tell)
             return threads
         if source.queues:
             words = f"waiting for a worker: {source.jobs}"
@@ -194,17 +172,15 @@ def threads_of(connection: Connection, patience: float, tell: Tell | None = None
 
 
 def _ask(connection: Connection, workers: Collection[str], tell: Tell | None) -> None:
-    """Ask workers that have joined for their versions, once; refuse those with other code."""
-    client, asked = connection.client, connection.versions
-    if not (new := [worker for worker in workers if worker not in asked]):
+    """Ask workers that have joined for their versions; refuse those with other code."""
+    if not workers:
         return
-    asked.update(dict.fromkeys(new))
-    answers: dict[str, Any] = {}
+    connection.asked.update(workers)
+    client, answers = connection.client, dict[str, Any]()
     with _losses_told(), suppress(TimeoutError):  # of one that is frozen, results are refused
         answers = client.sync(
-            client.run, versions, workers=new, on_error="return", callback_timeout=_ANSWER
+            client.run, versions, workers=workers, on_error="return", callback_timeout=_ANSWER
         )
-    differences = {other_packages(theirs) for theirs in asked.values() if theirs}
     for worker, answer in answers.items():
         if isinstance(answer, OSError):  # it has died meanwhile
             continue
@@ -213,11 +189,10 @@ def _ask(connection: Connection, workers: Collection[str], tell: Tell | None) ->
                 f"the Dask worker {worker} cannot run this program: {answer}; {_INSTALL}"
             )
         require_same_code(answer, worker)
-        asked[worker] = answer
         difference = other_packages(answer)
-        if tell and difference and difference not in differences:
+        if tell and difference and difference not in connection.told:
+            connection.told.add(difference)
             tell(f"the Dask worker {worker} has {difference}: last digits may differ there")
-        differences.add(difference)
 
 
 def require_same_code(theirs: Versions, worker: str) -> None:
@@ -237,13 +212,7 @@ def require_same_code(theirs: Versions, worker: str) -> None:
 
 
 def is_processed(client: Client, keys: Collection[str], patience: float) -> bool:
-    """Presence of any of these tasks on a live worker.
-
-    Raises
-    ------
-    ExecutionError
-        If the scheduler is lost or does not answer.
-    """
+    """Presence of any of these tasks on a live worker."""
     with _losses_told():
         # As client.processing(), which may wait for ever.
         processing = client.sync(client.scheduler.processing, callback_timeout=patience)
@@ -251,26 +220,14 @@ def is_processed(client: Client, keys: Collection[str], patience: float) -> bool
 
 
 def wait_for_any(futures: Collection[Future], seconds: float) -> None:
-    """Wait until one of these tasks ends, or a time has passed [s].
-
-    Raises
-    ------
-    ExecutionError
-        If the scheduler is lost.
-    """
+    """Wait until one of these tasks ends, or a time has passed [s]."""
     if futures and not any(future.done() for future in futures):
         with _losses_told(), suppress(TimeoutError):
             wait(futures, timeout=seconds, return_when="FIRST_COMPLETED")
 
 
 def gathered(future: Future, seconds: float) -> Any:
-    """Result of a task that has ended; None if it does not arrive within a time [s].
-
-    Raises
-    ------
-    ExecutionError
-        If the scheduler is lost.
-    """
+    """Result of a task that has ended; None if it does not arrive within a time [s]."""
     with _losses_told():
         try:
             return future.result(timeout=seconds)
@@ -280,6 +237,7 @@ def gathered(future: Future, seconds: float) -> Any:
 
 @contextmanager
 def _losses_told() -> Iterator[None]:
+    """Raise an `ExecutionError` where the scheduler is lost."""
     try:
         yield
     except (CancelledError, OSError) as error:

@@ -78,7 +78,7 @@ def follow_boundary(
             "leave out the search (--boundary-only)"
         )
     limit = rise_limit(sweep.conditions)
-    moving = searched(sweep, [limit])
+    moving = searched(sweep, limit)
     tolerance = tolerance_under(sweep.conditions, tolerance)
     search = BoundarySearch(sweep.loads, moving[0], moving[-1], limit, tolerance)
 

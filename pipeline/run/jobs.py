@@ -16,13 +16,7 @@ if TYPE_CHECKING:
 
 
 def job_script(batch: Batch, out: str) -> str:
-    """Script of a job of the sweep with this store, without its address and certificates.
-
-    Raises
-    ------
-    ExecutionError
-        If dask-jobqueue is not installed.
-    """
+    """Script of a job of the sweep with this store, without its address and certificates."""
     slurm, folder = _library(), batch.folder(out)
     there = folder.exists()
     try:
@@ -51,18 +45,7 @@ def _library() -> Any:
 def jobs_of(batch: Batch, out: str, most: int | None) -> Iterator[SlurmJobs]:
     """Submit the jobs of a sweep, keep up their number, and cancel them in the end.
 
-    Parameters
-    ----------
-    batch : Batch
-    out : str
-        Store of the sweep.
-    most : int or None
-        Number of workers that can be kept busy, if that is known.
-
-    Raises
-    ------
-    ExecutionError
-        If the batch system refuses them.
+    There are as many as `most` workers fill, if it is known how many can be kept busy.
     """
     slurm, cores = _library(), batch.site.cores
     number = min(batch.jobs, -(-most // cores)) if most else batch.jobs

@@ -40,13 +40,7 @@ class Processes(Source):
 
 @contextmanager
 def processes(workers: int) -> Iterator[Processes]:
-    """Start worker processes, which talk on loopback and to this user alone, and end them.
-
-    Raises
-    ------
-    ExecutionError
-        If they do not start.
-    """
+    """Start worker processes, which talk on loopback and to this user alone, and end them."""
     forkserver.start()
     with interrupts_put_off():
         cluster = _started(workers)

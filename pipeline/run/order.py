@@ -19,14 +19,7 @@ def coarse_first(
 
     So a diagram of a running sweep soon shows the whole boundary, and the time to go is known from
     cheap and dear points alike. The others follow in order, in which points that share chunks of
-    the store are neighbours.
-
-    Parameters
-    ----------
-    chains : sequence of tuple of Point
-        Chains, ascending in velocity.
-    velocities : collection of float
-        All velocities of the sweep, ascending [m/s].
+    the store are neighbours. Chains and velocities are ascending.
 
     Examples
     --------

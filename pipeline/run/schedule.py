@@ -4,6 +4,11 @@ A task computes points of one chain for about a second, and the next task of the
 the trunk that it leaves. Short chains of one surface share a task. Dask decides what runs where,
 and runs a task again if its trunk was lost. Records of the points go to the driver, whose writer
 commits them; points whose records were lost with a worker are submitted anew.
+
+A worker that dies takes with it whatever it was given to do, and does not say what it died of. So
+the point at which each lost task was is suspected, and tried again in the end on a worker that
+computes nothing else. Kills from outside hit the same point again now and then, but not time after
+time: a point fails that kills even workers of its own.
 """
 
 from __future__ import annotations
@@ -19,7 +24,6 @@ from dataclasses import dataclass, replace
 from distributed import Future
 from distributed.scheduler import KilledWorker
 
-from pipeline.run.blame import Suspects
 from pipeline.run.cluster import (
     LOST,
     Connection,
@@ -30,18 +34,21 @@ from pipeline.run.cluster import (
     threads_of,
     wait_for_any,
 )
-from pipeline.run.source import SAFE, ExecutionError
-from pipeline.run.watch import Watch
+from pipeline.run.source import SAFE, ExecutionError, Tell
+from pipeline.run.versions import other_packages, packages_of
 from pipeline.run.work import compute_points, records_of
 from pipeline.run.writer import Writer
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import PointRecord
 from pipeline.sweep.stages import duration
 
+TRIALS = 5  # alone, that a point may be lost in before it is called failed
 _STRETCH = 1.0  # [s] that a task should take, beside which 5 ms of Dask do not count
 _JOINED = 48  # points of a task: such short ones as fill a stretch, and few to be sent
 _POLL = 2.0  # [s] after which to look for workers that came or went
 _LIVES = 2.0  # of a worker, after which a point is too long for any
+_WORD = 60.0  # [s] without a task that ends, after which the user is told; then after twice that
+_END = 300.0  # [s] without a worker that computes, after which the sweep is given up
 _KILLED = (
     "every worker process that computed it died, and the next one again: "
     "out of memory, or killed from outside"
@@ -71,34 +78,25 @@ class _Task:
     alone_on: str | None = None
     is_wary: bool = False
 
+    @property
+    def keys(self) -> tuple[str, str]:
+        """Names of both for Dask."""
+        return self.stretch.key, self.records.key
+
 
 def compute(
     connection: Connection,
     sweep: Sweep,
-    with_fields: bool,
     writer: Writer,
     waiting: Iterable[tuple[Point, ...]],
     patience: float,
-    report: Callable[[Iterable[PointRecord]], None],
-    tell: Callable[[str], None] | None = None,
+    report: Callable[[list[PointRecord]], None],
+    tell: Tell | None = None,
 ) -> None:
     """Compute chains of points, until the writer has written each of them as done or failed.
 
-    Parameters
-    ----------
-    connection : Connection
-    sweep : Sweep
-    with_fields : bool
-        True to store the fields at the end of each point.
-    writer : Writer
-    waiting : iterable of tuple of Point
-        Points of each chain.
-    patience : float
-        Time to wait for a worker if there is none [s].
-    report : callable
-        Called now and then with the records that have been written since the last call.
-    tell : callable, optional
-        Called with a line for the user if nothing has ended for long.
+    `report` is called now and then with the records that have been written since the last call;
+    `tell` with a line for the user if nothing has ended for long.
 
     Raises
     ------
@@ -107,50 +105,43 @@ def compute(
     ExecutionError
         If the cluster is lost, or nothing moves any more.
     """
-    client, life = connection.client, connection.source.life
     workers = threads_of(connection, patience, tell)
-    run = _Run(connection, sweep, with_fields, writer, patience, map(_Chain, waiting))
-    watch = Watch.begin(connection.clock())
-    while run.waiting or run.running or run.suspects.losses:
+    run = _Run(connection, sweep, writer, patience, map(_Chain, waiting))
+    while run.waiting or run.running or run.losses:
         workers = threads_of(connection, patience, tell)
         run.submit(workers)
         wait_for_any([task.records for task in run.running], _POLL)
         moved = run.look(workers)
-        if life is not None:
-            run.give_up(life)
         report(writer.written())
-        keys = {future.key for task in run.running for future in (task.stretch, task.records)}
-        computing = not moved and is_processed(client, keys, patience)
-        watch = watch.after(connection.clock(), moved, computing)
-        if watch.is_over:
-            raise ExecutionError(f"{watch.words}, and no worker computes any; {SAFE}")
-        if watch.word and tell:
-            tell(f"{watch.word}; {run.at_work}")
-            watch = watch.heard()
+        run.watch(moved, tell)
     writer.flush()
     report(writer.written())
 
 
 class _Run:
-    """Chains that wait for a thread, tasks that run, and points that workers may die of."""
+    """Chains that wait for a thread, tasks that run, and points that workers may die of.
+
+    `losses` are the suspects, and how often each was lost while it was tried alone.
+    """
 
     def __init__(
         self,
         connection: Connection,
         sweep: Sweep,
-        with_fields: bool,
         writer: Writer,
         patience: float,
         waiting: Iterable[_Chain],
     ) -> None:
-        self._client, self._clock = connection.client, connection.clock
+        self._connection, self._client = connection, connection.client
         self._writer, self._patience, self._sweep = writer, patience, sweep
+        with_fields = "pressure" in writer.store.arrays
         self._pickled = pickle.dumps((replace(sweep, chosen=None), with_fields))
         self._parcel = share(self._client, self._pickled, patience)
         self.waiting = deque(waiting)
         self.running: list[_Task] = []
-        self.suspects = Suspects()
-        self._joins = not sweep.independent
+        self.losses: dict[Point, int] = {}
+        self._ended = self._computed = connection.clock()
+        self._word = _WORD
 
     def submit(self, workers: Counter[str]) -> None:
         """Give the workers a task for each thread; in the end, give each one suspect alone.
@@ -164,17 +155,17 @@ class _Run:
             return
         tried = {task.points[0] for task in self.running}
         free = set(workers) - {task.alone_on for task in self.running}
-        suspects = (point for point in self.suspects.to_try if point not in tried)
-        for worker, point in zip(free, suspects, strict=False):
+        suspects = sorted(self.losses, key=lambda point: self.losses[point])
+        untried = (point for point in suspects if point not in tried)
+        for worker, point in zip(free, untried, strict=False):
             self._start(_Chain((point,)), worker)
 
     def _next(self, threads: int) -> _Chain:
         """Take the next chain: the first, so that few trunks are kept; near the end the longest."""
         if self._are_many(threads):
             return self._joined(self.waiting.popleft(), threads)
-        longest = max(range(len(self.waiting)), key=lambda i: len(self.waiting[i].points))
-        chain = self.waiting[longest]
-        del self.waiting[longest]
+        chain = max(self.waiting, key=lambda chain: len(chain.points))
+        self.waiting.remove(chain)
         return chain
 
     def _are_many(self, threads: int) -> bool:
@@ -184,7 +175,7 @@ class _Run:
     def _joined(self, chain: _Chain, threads: int) -> _Chain:
         """A chain with its neighbours of the same surface that wait behind it, if many do."""
         first, place, points = chain, chain.points[0][2:], list(chain.points)
-        while self._joins and self._are_many(threads) and self.waiting:
+        while not self._sweep.independent and self._are_many(threads) and self.waiting:
             after = self.waiting[0]
             if after.trunk or after.is_wary or chain.is_wary or after.points[0][2:] != place:
                 break
@@ -218,14 +209,15 @@ class _Run:
         arguments = (self._parcel, points, chain.trunk, 0.0 if chain.is_wary else _STRETCH)
         stretch = self._client.submit(compute_points, *arguments, pure=False, workers=worker)
         records = self._client.submit(records_of, stretch, pure=False, workers=worker)
-        self.running.append(
-            _Task(chain.points, stretch, records, self._clock(), worker, chain.is_wary)
-        )
+        begun = self._connection.clock()
+        self.running.append(_Task(chain.points, stretch, records, begun, worker, chain.is_wary))
 
     def look(self, workers: Counter[str]) -> bool:
         """See what has become of the tasks; return whether any has ended."""
         ended = [task for task in self.running if self._has_ended(task, workers)]
         self.running = [task for task in self.running if task not in ended]
+        if (life := self._connection.source.life) is not None:
+            self._give_up(life)
         return bool(ended)
 
     def _has_ended(self, task: _Task, workers: Counter[str]) -> bool:
@@ -243,6 +235,8 @@ class _Run:
             return False  # lost on the way; Dask computes it again
         theirs, content = result
         require_same_code(theirs, f"that computed {task.points[0]}")
+        if other_packages(theirs):
+            self._writer.store.note_worker(packages_of(theirs))
         records: tuple[PointRecord, ...] = pickle.loads(content)
         self._settle(records)
         if left := task.points[len(records) :]:
@@ -252,16 +246,13 @@ class _Run:
     def _settle(self, records: Collection[PointRecord]) -> None:
         """Take records of points that are done or have failed."""
         self._writer.add(records)
-        self.suspects = self.suspects.without([record.point for record in records])
+        for record in records:
+            self.losses.pop(record.point, None)
 
     def _recover(self, task: _Task, error: BaseException | None) -> None:
         """Go on point by point after a loss; suspect the point at which that is lost."""
         alone = task.alone_on is not None
-        killed = error is None or isinstance(error, KilledWorker)
-        if isinstance(error, KilledWorker) and error.task not in (
-            task.stretch.key,
-            task.records.key,
-        ):
+        if isinstance(error, KilledWorker) and error.task not in task.keys:
             # What it depends on was lost too often; it goes on without.
             if not alone:
                 self._put_back(task.points, None, task.is_wary)
@@ -269,14 +260,18 @@ class _Run:
         if len(task.points) > 1 and not task.is_wary:  # it may have been at any of them
             self._put_back(task.points, None, is_wary=True)
             return
-        self.suspects = self.suspects.after_loss(task.points[0], alone)
-        self._put_back(task.points[1:], None, task.is_wary)
-        reason = _KILLED if killed else f"{type(error).__name__}: {error}"
-        self._settle([PointRecord(point, None, reason) for point in self.suspects.failed])
+        suspect, *others = task.points
+        self.losses[suspect] = self.losses.get(suspect, 0) + alone
+        self._put_back(others, None, task.is_wary)
+        if self.losses[suspect] >= TRIALS:
+            killed = error is None or isinstance(error, KilledWorker)
+            reason = _KILLED if killed else f"{type(error).__name__}: {error}"
+            self._settle([PointRecord(suspect, None, reason)])
 
-    def give_up(self, life: float) -> None:
+    def _give_up(self, life: float) -> None:
         """Call a point failed that the workers, which live for a time [s], are too short for."""
-        late = [task for task in self.running if self._clock() - task.begun > _LIVES * life]
+        now = self._connection.clock()
+        late = [task for task in self.running if now - task.begun > _LIVES * life]
         self.running = [task for task in self.running if task not in late]
         for task in late:
             self._client.cancel([task.stretch, task.records])
@@ -287,8 +282,33 @@ class _Run:
             self._settle([PointRecord(task.points[0], None, reason)])
             self._put_back(task.points[1:], None, task.is_wary)
 
+    def watch(self, moved: bool, tell: Tell | None) -> None:
+        """Tell the user if nothing has ended for long.
+
+        A point may take its time: as long as a worker computes one, there is no limit. But if tasks
+        wait and no worker has been given one, something is wrong.
+
+        Raises
+        ------
+        ExecutionError
+            If no worker computes any more.
+        """
+        now = self._connection.clock()
+        keys = {key for task in self.running for key in task.keys}
+        if moved:
+            self._ended, self._word = now, _WORD
+        if moved or is_processed(self._client, keys, self._patience):
+            self._computed = now
+        silence = now - self._ended
+        words = f"no point has been finished for {silence:.0f} s"
+        if now - self._computed > _END:
+            raise ExecutionError(f"{words}, and no worker computes any; {SAFE}")
+        if tell and silence >= self._word:
+            self._word *= 2
+            tell(f"{words}; {self._at_work}")
+
     @property
-    def at_work(self) -> str:
+    def _at_work(self) -> str:
         """Tasks that the run waits for, in words."""
         if not self.running:
             return f"{len(self.waiting)} ramps wait for a worker"

@@ -35,15 +35,10 @@ _REFUSALS = 20  # looks at the queue in a row with jobs refused and none left
 
 
 class Job(SLURMJob):  # type: ignore[misc]
-    """A job of Slurm, which notes that it was refused.
-
-    Attributes
-    ----------
-    refusal : str
-        Words in which it was refused; empty if it was not.
-    """
+    """A job of Slurm, which notes that it was refused."""
 
     refusal = ""
+    """Words in which it was refused; empty if it was not."""
 
     async def start(self) -> None:
         """Submit the job."""
@@ -60,13 +55,7 @@ class Job(SLURMJob):  # type: ignore[misc]
 
 
 def _words(error: Exception) -> str:
-    r"""Words of Slurm in an error of dask-jobqueue.
-
-    Examples
-    --------
-    >>> _words(RuntimeError("stdout:\n\nstderr:\nsbatch: error: no such queue\n\n"))
-    'no such queue'
-    """
+    """Words of Slurm in an error of dask-jobqueue."""
     if isinstance(error, FileNotFoundError):
         return f"there is no command {error.filename} here: run it where jobs can be submitted"
     lines = str(error).partition("stderr:\n")[2].split("\n")
@@ -75,20 +64,7 @@ def _words(error: Exception) -> str:
 
 
 class SlurmJobs(Source):
-    """Jobs of Slurm, whose number is kept up.
-
-    Parameters
-    ----------
-    cluster : SLURMCluster
-    name : str
-        Name of the jobs.
-    number : int
-        Number of jobs.
-    life : float
-        Time for which a worker computes [s].
-    folder : Path
-        Folder of their logs.
-    """
+    """Jobs of Slurm, whose number is kept up; their workers live for a time [s]."""
 
     queues = True
 
@@ -109,13 +85,7 @@ class SlurmJobs(Source):
         return self._counts
 
     def keep(self, tell: Tell | None) -> None:
-        """Report the end of jobs; they are replaced meanwhile.
-
-        Raises
-        ------
-        ExecutionError
-            If no job can be had, or workers do not start in them.
-        """
+        """Report the end of jobs; they are replaced meanwhile."""
         if self._error:
             raise ExecutionError(f"{self._error}; {SAFE}")
         while self._notes:
@@ -125,13 +95,7 @@ class SlurmJobs(Source):
             self._noted.add(note)
 
     def submit(self) -> None:
-        """Submit one job, and the others once it is accepted.
-
-        Raises
-        ------
-        ExecutionError
-            If it is refused.
-        """
+        """Submit one job, and the others once it is accepted."""
         self.cluster.scale(jobs=1)
         end = time.monotonic() + _ANSWER
         while not (jobs := list(self.cluster.workers.values())):
@@ -232,13 +196,7 @@ class SlurmJobs(Source):
 
 @contextmanager
 def submitted(batch: Batch, number: int, name: str, folder: Path) -> Iterator[SlurmJobs]:
-    """Start a scheduler here and its workers in jobs, and cancel these in the end.
-
-    Raises
-    ------
-    ExecutionError
-        If the scheduler does not start, or Slurm refuses the jobs.
-    """
+    """Start a scheduler here and its workers in jobs, and cancel these in the end."""
     folder.mkdir(mode=0o700, parents=True, exist_ok=True)
     name = f"{name}-{secrets.token_hex(3)}"  # jobs of other runs are none of ours
     with ExitStack() as stack:

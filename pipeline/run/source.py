@@ -92,30 +92,17 @@ class JobCounts(NamedTuple):
 
 
 class Source:
-    """Workers that others start: nothing to do about lost ones, and no patience without any.
-
-    Attributes
-    ----------
-    cluster : Cluster or None
-        Cluster of Dask's that starts and ends them.
-    queues : bool
-        True if workers wait in a queue, for any time.
-    life : float or None
-        Time for which a worker lives [s]; None without an end.
-    """
+    """Workers that others start: nothing to do about lost ones, and no patience without any."""
 
     cluster: Any = None
+    """Cluster of Dask's that starts and ends them."""
     queues = False
+    """True if workers wait in a queue, for any time."""
     life: float | None = None
+    """Time for which a worker lives [s]; None without an end."""
 
     def keep(self, tell: Tell | None) -> None:
-        """Replace lost workers.
-
-        Raises
-        ------
-        ExecutionError
-            If none can be started.
-        """
+        """Replace lost workers; raise an `ExecutionError` if none can be started."""
 
     @property
     def jobs(self) -> JobCounts | None:

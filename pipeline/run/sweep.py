@@ -157,10 +157,7 @@ def run_sweep(
                 for asked, store, waiting in itertools.chain([first], rounds):
                     tally.begin(store, link)
                     with Writer(store) as writer:
-                        with_fields = "pressure" in store.arrays
-                        compute(
-                            link, asked, with_fields, writer, waiting, patience, tally.note, tell
-                        )
+                        compute(link, asked, writer, waiting, patience, tally.note, tell)
         summary = summarized(store)
     return Outcome(
         total=summary.total,

@@ -55,21 +55,7 @@ class Progress:
 
 
 class Tally:
-    """Counts the points of a run, and tells the caller.
-
-    Parameters
-    ----------
-    store : Store
-    progress : callable or None
-        Called with a `Progress`.
-    began : float
-        Time at which the run began, by `time.monotonic` [s].
-
-    Attributes
-    ----------
-    computed : int
-        Points that this run has completed.
-    """
+    """Counts the points that a run has computed since it began [s], and tells the caller."""
 
     def __init__(
         self, store: Store, progress: Callable[[Progress], None] | None, began: float
@@ -167,20 +153,9 @@ class Tally:
 
 
 def expected_durations(durations: Array, velocities: Iterable[float]) -> Array:
-    """Durations of all points, by those that are known.
+    """Durations of all points [s], shape (…, n_load, n_velocity), by those that are not NaN.
 
-    Parameters
-    ----------
-    durations : ndarray, shape (…, n_load, n_velocity)
-        Durations [s]; NaN where they are not known. Some are.
-    velocities : iterable of float, shape (n_velocity,)
-        Sliding velocities, in any order [m/s].
-
-    Returns
-    -------
-    ndarray, same shape
-        Durations [s], interpolated over velocity at each load; the mean of all at a load without
-        any.
+    They are interpolated over velocity at each load; at a load without any it is the mean of all.
 
     Examples
     --------

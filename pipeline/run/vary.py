@@ -223,16 +223,7 @@ def vary(
 
 
 class _Plane:
-    """The points of one scene that are known.
-
-    Parameters
-    ----------
-    sweep : Sweep
-    contacts : SharedContacts
-        Contacts of all scenes.
-    scale : float
-        Wear rate in that of the first scene.
-    """
+    """The points of one scene that are known; its wear rate is in that of the first scene."""
 
     def __init__(self, sweep: Sweep, contacts: SharedContacts, scale: float = 1.0) -> None:
         self._sweep, self._contacts, self._scale = sweep, contacts, scale
@@ -242,12 +233,9 @@ class _Plane:
     def boundary(
         self, asked: Sweep, conditions: Conditions, tolerance: float
     ) -> tuple[tuple[float, ...], tuple[str, ...]]:
-        """Critical velocity and outcome at each load under some conditions.
-
-        What that takes is simulated.
-        """
+        """Critical velocity and outcome at each load under some conditions, by simulation."""
         limit = rise_limit(conditions)
-        moving = searched(asked, [limit])
+        moving = searched(asked, limit)
         ends = moving[0], moving[-1]
         tolerance = tolerance_under(conditions, tolerance)
         search = BoundarySearch(asked.loads, *ends, limit, tolerance, self._scale)

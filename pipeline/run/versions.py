@@ -1,4 +1,4 @@
-"""Versions that decide the numbers: of the code of `tribo` and `pipeline`, NumPy, SciPy and Python.
+"""Versions that decide the numbers: of the code of `tribo` and `pipeline`, Python, NumPy and SciPy.
 
 A worker on another machine, or one that was started before the code changed, may run other code
 than its driver. Its numbers must not enter the same store.
@@ -20,18 +20,11 @@ import tribo
 Versions = Mapping[str, str]
 
 _FOLDERS = (Path(tribo.__file__).parent, Path(__file__).parents[1])
+_PACKAGES = ("python", "numpy", "scipy")
 
 
 def hash_of_code(folders: Iterable[Path] = _FOLDERS) -> str:
-    """Hash of the source files of packages, by their names and contents.
-
-    Examples
-    --------
-    >>> len(hash_of_code())
-    12
-    >>> hash_of_code() == hash_of_code(reversed(_FOLDERS))
-    False
-    """
+    """Hash of the source files of packages, by their names and contents."""
     digest = hashlib.sha256()
     for folder in folders:
         for file in sorted(folder.rglob("*.py")):
@@ -57,21 +50,15 @@ def versions() -> Versions:
     return _HERE
 
 
-def other_packages(theirs: Versions) -> str | None:
-    """Differences in Python, NumPy and SciPy between a worker and this process, in words.
+def packages_of(theirs: Versions) -> dict[str, str]:
+    """Versions of Python, NumPy and SciPy alone."""
+    return {name: theirs[name] for name in _PACKAGES}
 
-    Examples
-    --------
-    >>> other_packages(versions())
-    >>> print(other_packages({**versions(), "numpy": "1.0"}))  # doctest: +ELLIPSIS
-    numpy 1.0 (here ...)
-    """
-    names = ("python", "numpy", "scipy")
-    return (
-        ", ".join(
-            f"{name} {theirs[name]} (here {_HERE[name]})"
-            for name in names
-            if theirs[name] != _HERE[name]
-        )
-        or None
+
+def other_packages(theirs: Versions) -> str:
+    """Differences in Python, NumPy and SciPy between a worker and this process, in words."""
+    return ", ".join(
+        f"{name} {version} (here {_HERE[name]})"
+        for name, version in packages_of(theirs).items()
+        if version != _HERE[name]
     )

@@ -27,17 +27,7 @@ _one_at_a_time = threading.Lock()
 
 @dataclass(frozen=True, eq=False)
 class Stretch:
-    """Result of a task.
-
-    Attributes
-    ----------
-    records : tuple of PointRecord
-        Points that were computed or have failed.
-    trunk : Trunk or None
-        Trunk that the next higher load continues.
-    ramp : tuple or None
-        Velocity and variant of the trunk.
-    """
+    """Result of a task: its points, and the trunk of a ramp that the next load continues."""
 
     records: tuple[PointRecord, ...]
     trunk: Trunk | None
@@ -58,18 +48,8 @@ def compute_points(
 ) -> Stretch:
     """Compute points of one or more chains, at least one, until the time is up.
 
-    A point that fails is recorded, and the next one continues the same trunk.
-
-    Parameters
-    ----------
-    parcel : bytes
-        Pickled sweep, and whether fields are stored.
-    points : iterable of Point
-        Points, those of a chain in the order of their loads.
-    before : Stretch or None
-        Task whose trunk to continue.
-    seconds : float
-        Time after which no further point is begun [s].
+    A point that fails is recorded, and the next one continues the same trunk. The parcel is a
+    pickled sweep, and whether fields are stored.
     """
     sweep, with_fields = _unpacked(parcel)
     trunk, ramp = (before.trunk, before.ramp) if before else (None, None)

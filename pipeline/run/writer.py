@@ -1,11 +1,12 @@
-"""The thread that commits results to the store, beside the schedule."""
+"""Commits results to the store in a thread of its own, beside the schedule."""
 
 from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Collection, Iterable
-from types import TracebackType
+from collections import deque
+from collections.abc import Collection
+from concurrent.futures import Future, ThreadPoolExecutor, wait
 
 from pipeline.store.place import Bucket
 from pipeline.store.write import Store
@@ -18,96 +19,54 @@ _LONGEST = 10.0  # [s] between commits, however slow the disk or busy the machin
 
 
 class Writer:
-    """Commits results about once a second, in a thread of its own.
+    """Commits records about once a second; in the loop of the schedule, workers would wait for it.
 
-    In the loop of the schedule a commit would keep workers waiting. An error of the thread is
-    raised by the next call.
-
-    Parameters
-    ----------
-    store : Store
+    An error of a commit is raised by the next call of `written`.
     """
 
     def __init__(self, store: Store) -> None:
-        self._store = store
-        self._pause = _PAUSE_OF_BUCKET if isinstance(store.place, Bucket) else _PAUSE
-        self._arrived: list[PointRecord] = []
-        self._written: list[PointRecord] = []
-        self._error: Exception | None = None
-        self._is_urgent = self._is_over = False
-        self._changed = threading.Condition()
-        self._is_idle = True
-        self._thread = threading.Thread(target=self._run, name="writer", daemon=True)
+        self.store = store
+        self._least = _PAUSE_OF_BUCKET if isinstance(store.place, Bucket) else _PAUSE
+        self._pause = 0.0
+        self._arrived: deque[Collection[PointRecord]] = deque()
+        self._commits: deque[Future[list[PointRecord]]] = deque()
+        self._is_urgent = threading.Event()
+        self._thread = ThreadPoolExecutor(1, "writer")
 
     def __enter__(self) -> Writer:
-        self._thread.start()
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        with self._changed:
-            self._is_over = self._is_urgent = True
-            self._changed.notify_all()
-        self._thread.join()
-        if error is None:
-            self._raise()
+    def __exit__(self, *_: object) -> None:
+        self._is_urgent.set()
+        self._thread.shutdown()  # when all that has arrived is written
 
-    def add(self, records: Iterable[PointRecord]) -> None:
-        """Take results, to be written soon."""
-        self._raise()
-        with self._changed:
-            self._arrived += records
-            self._changed.notify_all()
+    def add(self, records: Collection[PointRecord]) -> None:
+        """Take records, to be written soon."""
+        self._arrived.append(records)
+        self._commits.append(self._thread.submit(self._commit))
 
     def written(self) -> list[PointRecord]:
-        """Results that have been written since the last call."""
-        self._raise()
-        with self._changed:
-            records, self._written = self._written, []
+        """Records that have been written since the last call."""
+        records: list[PointRecord] = []
+        while self._commits and self._commits[0].done():
+            records += self._commits.popleft().result()
         return records
 
     def flush(self) -> None:
-        """Wait until all results are written."""
-        with self._changed:
-            self._is_urgent = True
-            self._changed.notify_all()
-            self._changed.wait_for(lambda: self._error or (self._is_idle and not self._arrived))
-            self._is_urgent = False
-        self._raise()
+        """Wait until all records are written."""
+        self._is_urgent.set()
+        wait(self._commits)
+        self._is_urgent.clear()
 
-    def _raise(self) -> None:
-        if self._error:
-            raise self._error
-
-    def _run(self) -> None:
-        pause = 0.0
-        while True:
-            with self._changed:
-                self._changed.wait_for(lambda: self._arrived or self._is_over)
-                self._changed.wait_for(lambda: self._is_urgent, timeout=pause)
-                records, self._arrived = self._arrived, []
-                self._is_idle = False
-                if not records and self._is_over:
-                    return
-            pause = self._commit(records)
-            if self._error:
-                return
-
-    def _commit(self, records: Collection[PointRecord]) -> float:
-        """Commit, and return the time until the next commit [s]."""
+    def _commit(self) -> list[PointRecord]:
+        """Commit what has arrived until the pause after the last commit is over."""
+        if not self._arrived:  # an earlier commit took it along
+            return []
+        self._is_urgent.wait(self._pause)
+        records: list[PointRecord] = []
+        while self._arrived:
+            records += self._arrived.popleft()
         began = time.monotonic()
-        error: Exception | None = None
-        try:
-            self._store.commit(records)
-        except Exception as raised:
-            error = raised
-        with self._changed:
-            self._error = error
-            self._written += () if error else records
-            self._is_idle = True
-            self._changed.notify_all()
-        return min(max(self._pause, _SHARE * (time.monotonic() - began)), _LONGEST)
+        self.store.commit(records)
+        self._pause = min(max(self._least, _SHARE * (time.monotonic() - began)), _LONGEST)
+        return records

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
+from datetime import UTC, datetime
 from typing import Any
 
 import numpy as np
@@ -20,9 +21,18 @@ from zarr.storage import StorePath
 from pipeline.store.identity import record_checksum
 from pipeline.store.lock import Lock
 from pipeline.store.packing import packed
-from pipeline.store.place import LOCK, Bucket, Folder, Place, StoreError, is_lack_of_memory
+from pipeline.store.place import (
+    LOCK,
+    ROOT,
+    Bucket,
+    Folder,
+    Place,
+    StoreError,
+    is_lack_of_memory,
+    unwritable,
+)
 from pipeline.store.points import Places, Slices
-from pipeline.store.root import Root
+from pipeline.store.root import Root, root_document
 from pipeline.store.schema import (
     DONE,
     FAILED,
@@ -154,6 +164,19 @@ class Store(Places):
         """
         values = {self.index(record.point): self._values(record) for record in records}
         self.write(values, {index: data.pop("status") for index, data in values.items()})
+
+    def note_worker(self, versions: Mapping[str, str]) -> None:
+        """Note, once, the versions of packages that a worker has; raise as `commit` does."""
+        noted = self.attributes.setdefault("worker_versions", [])
+        if any(entry["versions"] == versions for entry in noted):
+            return
+        since = datetime.now(UTC).isoformat(timespec="seconds")
+        noted.append({"since": since, "versions": dict(versions)})
+        self._require_lock()
+        try:
+            self.place.put({ROOT: root_document(self.attributes, self.metadata)})
+        except OSError as error:
+            raise unwritable(self.place, error) from error
 
     def forget(self, points: Iterable[Point]) -> None:
         """Make points pending again; raise as `commit` does."""

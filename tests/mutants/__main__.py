@@ -82,13 +82,10 @@ ROOMS = {
     "loading": (["tribo/loading"], ["tribo/loading", "tests/tribo/loading"]),
     "store": (["pipeline/store"], ["pipeline/store", "tests/pipeline/store"]),
     "schedule": (
-        [f"pipeline/run/{name}.py" for name in ("blame", "schedule", "watch", "work")],
+        [f"pipeline/run/{name}.py" for name in ("schedule", "work", "writer")],
         [
-            "pipeline/run/blame.py",
-            "pipeline/run/watch.py",
-            "tests/pipeline/run/test_blame.py",
             "tests/pipeline/run/test_schedule.py",
-            "tests/pipeline/run/test_watch.py",
+            "tests/pipeline/run/test_writer.py",
         ],
     ),
     "implicit_end": (

@@ -11,11 +11,12 @@ import numpy as np
 import pytest
 import xarray as xr
 
+import pipeline
 import tribo
-from pipeline.run import schedule, watch, work
-from pipeline.run.blame import TRIALS
+from pipeline.analysis.attributes import attributes_of
+from pipeline.run import schedule, work
 from pipeline.run.cluster import Connection
-from pipeline.run.schedule import compute
+from pipeline.run.schedule import TRIALS, compute
 from pipeline.run.source import ExecutionError, Source
 from pipeline.run.writer import Writer
 from pipeline.store.create import writing
@@ -41,7 +42,7 @@ def given(tmp_path, monkeypatch):
         with writing(tmp_path / "out.zarr", SWEEP) as store, Writer(store) as writer:
             waiting = chains(points(SWEEP))
             link = Connection(client or Here(), Source())
-            compute(link, SWEEP, False, writer, waiting, 1.0, ended.extend, tell)
+            compute(link, SWEEP, writer, waiting, 1.0, ended.extend, tell)
         return store, Counter("failed" if each.data is None else "done" for each in ended)
 
     return compute_all
@@ -134,6 +135,17 @@ def test_workers_that_are_killed_from_outside_cost_no_point(given):
     assert ended == {"done": 24}
 
 
+def test_the_packages_of_workers_that_differ_are_stored(given, monkeypatch):
+    other = {**work.versions(), "numpy": "1.0"}
+    monkeypatch.setattr(work, "versions", lambda: other)
+    store, ended = given()
+    assert ended == {"done": 24}
+    with pipeline.open_sweep(store.place.path) as ds:
+        (noted,) = attributes_of(ds)["worker_versions"]
+        assert noted["versions"] == {name: other[name] for name in ("python", "numpy", "scipy")}
+        assert "some points computed by workers with python" in ds.attrs["history"]
+
+
 def test_a_store_that_cannot_be_written_ends_it_all(given, monkeypatch):
     def full(*_):
         raise StoreError("no room")
@@ -188,8 +200,8 @@ class Stuck(Here):
 def test_a_sweep_in_which_nothing_moves_says_so_and_ends(given, monkeypatch, busy):
     """But it does not end while a worker computes."""
     monkeypatch.setattr(schedule, "wait_for_any", lambda *_: None)
-    monkeypatch.setattr(watch, "END", 0.2)
-    monkeypatch.setattr(watch, "WORD", 0.1)
+    monkeypatch.setattr(schedule, "_END", 0.2)
+    monkeypatch.setattr(schedule, "_WORD", 0.1)
     told, client = [], Stuck(busy)
     with pytest.raises(ExecutionError, match=r"no worker computes any; finished points are safe"):
         given(client=client, tell=told.append)
@@ -223,7 +235,7 @@ def test_a_point_that_outlives_every_job_fails_and_the_others_go_on(tmp_path, mo
     link = Connection(Endless(bad), source)
     with writing(tmp_path / "out.zarr", SWEEP) as store, Writer(store) as writer:
         monkeypatch.setattr(schedule, "_STRETCH", 0.0)
-        compute(link, SWEEP, False, writer, chains(points(SWEEP)), 1.0, ended.extend)
+        compute(link, SWEEP, writer, chains(points(SWEEP)), 1.0, ended.extend)
     (failed,) = [record for record in ended if record.data is None]
     assert (failed.point, len(ended)) == (bad, len(points(SWEEP)))
     assert failed.message.startswith("not done in 3 min, and a job lives for 2 min: raise")

@@ -2,20 +2,54 @@
 
 import time
 
+import pytest
+
 from pipeline.run.writer import Writer
 
 
-class SlowStore:
+class Commits:
     """A store of which each commit takes a minute, by a clock of its own."""
 
-    now, place = 0.0, None
+    def __init__(self):
+        self.now, self.place, self.commits = 0.0, None, []
 
     def commit(self, records):
         self.now += 60.0
+        self.commits.append(list(records))
+        if "bad" in records:
+            raise OSError("no room")
 
 
-def test_slow_commits_follow_each_other_within_ten_seconds(monkeypatch):
-    """A kill costs no more work than that, and progress is told as often."""
-    store = SlowStore()
+@pytest.fixture
+def store(monkeypatch):
+    store = Commits()
     monkeypatch.setattr(time, "monotonic", lambda: store.now)
-    assert Writer(store)._commit([]) <= 10.0
+    return store
+
+
+def test_records_that_come_in_a_pause_are_written_together(store):
+    with Writer(store) as writer:
+        writer.add(["first"])
+        writer.flush()
+        assert writer.written() == ["first"]
+        for record in ("second", "third"):
+            writer.add([record])
+        assert writer.written() == []
+    assert writer.written() == ["second", "third"]
+    assert store.commits == [["first"], ["second", "third"]]
+
+
+def test_slow_commits_follow_each_other_within_ten_seconds(store):
+    """A kill costs no more work than that, and progress is told as often."""
+    with Writer(store) as writer:
+        writer.add(["first"])
+        writer.flush()
+        assert 1.0 <= writer._pause <= 10.0
+
+
+def test_an_error_of_a_commit_is_raised(store):
+    with Writer(store) as writer:
+        writer.add(["bad"])
+        writer.flush()
+        with pytest.raises(OSError, match="no room"):
+            writer.written()
