@@ -3,47 +3,37 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 import tribo
-from pipeline.scene.corrections import check_corrections
-from pipeline.scene.entries import did_you_mean, entry_at, quoted
-from pipeline.scene.faults import Fault
+from pipeline.scene.faults import Faults, did_you_mean, entry_at, quoted
 from pipeline.scene.library import nearest
 from pipeline.scene.quantities import display
 
 Roughness = tribo.SelfAffineRoughness | tribo.MeasuredRoughness | tribo.Surface
+Check = Callable[..., str | None]
+_RULES: list[tuple[str, tuple[str, ...], Check]] = []
 
 
 def check_tables(
     tables: dict[str, Any],
     fidelity: tribo.Fidelity,
     roughness: Roughness | None,
-    faults: list[Fault],
+    faults: Faults,
 ) -> None:
-    """Note what does not fit together.
-
-    Parameters
-    ----------
-    tables : dict
-        Tables of the file as the format reads them; None where an entry is faulty.
-    fidelity : tribo.Fidelity
-        Numerical choices.
-    roughness : tribo.SelfAffineRoughness or tribo.MeasuredRoughness or None
-        Surface of the disk.
-    faults : list of Fault
-        List to which a fault is added for everything that does not fit.
-    """
+    """Note all that does not fit together in tables as the format reads them."""
     _check_materials(tables, faults)
     _check_pixels(tables, fidelity.pixels_per_element, roughness, faults)
-    _check_pin(tables, faults)
-    _check_motion(tables, faults)
-    _check_conditions(tables, faults)
-    _check_measured(tables, faults)
-    check_corrections(tables, faults)
+    for key, paths, check in _RULES:
+        if any(map(faults.touch, paths)):
+            continue
+        if problem := check(*(entry_at(tables, path) for path in paths)):
+            faults.note(key, problem)
+    _check_tests(tables, faults)
 
 
-def _check_materials(tables: dict[str, Any], faults: list[Fault]) -> None:
+def _check_materials(tables: dict[str, Any], faults: Faults) -> None:
     if any(fault.key == "materials" for fault in faults):
         return
     materials = tables["materials"] or {}
@@ -53,30 +43,30 @@ def _check_materials(tables: dict[str, Any], faults: list[Fault]) -> None:
             hint = did_you_mean(name, materials) or f" ({nearest(name, 'materials')})"
             problem = f"{quoted(name)} is neither a table of [materials] nor in the library{hint}"
             choices = " or ".join(map(quoted, materials)) or "one of them, or add a table for it"
-            faults.append(Fault(f"{body}.material", f"{problem}; give {choices}"))
+            faults.note(f"{body}.material", f"{problem}; give {choices}")
 
 
 def _check_pixels(
-    tables: dict[str, Any], block: int, roughness: Roughness | None, faults: list[Fault]
+    tables: dict[str, Any], block: int, roughness: Roughness | None, faults: Faults
 ) -> None:
-    pixels = entry_at(tables, "window.pixels")
+    pixels, sides = entry_at(tables, "window.pixels"), entry_at(tables, "window.pixel_size")
     if not pixels:
         return
     size = quoted(list(pixels))
-    if sides := entry_at(tables, "window.pixel_size"):
+    if sides:
         try:
             tribo.Grid(pixels, sides)
         except tribo.InputError as error:
-            faults.append(Fault("window.pixel_size", str(error)))
+            faults.note("window.pixel_size", str(error))
     if any(n % block for n in pixels):
-        problem = (
+        faults.note(
+            "window.pixels",
             f"{size} cannot be averaged {block} × {block}; give multiples of {block}, or another "
-            "fidelity.pixels_per_element"
+            "fidelity.pixels_per_element",
         )
-        faults.append(Fault("window.pixels", problem))
     if pixels == (1, 1) and isinstance(roughness, tribo.SelfAffineRoughness):
         problem = "[1, 1] cannot be rough; give more pixels, or no disk.roughness"
-        faults.append(Fault("window.pixels", problem))
+        faults.note("window.pixels", problem)
     if isinstance(roughness, tribo.MeasuredRoughness) and roughness.array.shape != pixels:
         rows, columns = roughness.array.shape
         turned = " or give disk.roughness.transpose = true, since its rows follow along x,"
@@ -86,83 +76,159 @@ def _check_pixels(
             if narrow
             else "or cut a patch out with disk.roughness.crop"
         )
-        problem = (
+        faults.note(
+            "disk.roughness.file",
             f"the surface has {rows} rows of {columns} heights, window.pixels is {size}; give a "
             f"surface and a window of the same size,{turned if pixels == (columns, rows) else ''} "
-            f"{ending}"
+            f"{ending}",
         )
-        faults.append(Fault("disk.roughness.file", problem))
 
 
-def _check_pin(tables: dict[str, Any], faults: list[Fault]) -> None:
-    length, pixels = entry_at(tables, "pin.length"), entry_at(tables, "window.pixels")
-    sides = entry_at(tables, "window.pixel_size")
-    if length and pixels and sides and length < pixels[1] * sides[1] * (1 - 1e-9):
-        problem = (
-            f"{display(length, 'mm')} is shorter than the window, which is "
-            f"{display(pixels[1] * sides[1], 'mm')} along y; give at least that"
-        )
-        faults.append(Fault("pin.length", problem))
-    shape, crown = entry_at(tables, "pin.shape"), entry_at(tables, "pin.crown_radius")
-    if shape in ("ball", "crowned") and entry_at(tables, "window.periodic_y"):
-        problem = f"true does not fit a {shape} pin; give false, or leave it out"
-        faults.append(Fault("window.periodic_y", problem))
-    if any(fault.key == "pin.crown_radius" for fault in faults):
-        return
-    if shape == "crowned" and crown is None:
-        problem = 'missing; a crowned pin needs its radius across sliding, such as "100 mm"'
-        faults.append(Fault("pin.crown_radius", problem))
-    if shape == "ball" and crown is not None:
-        problem = f'{display(crown, "mm")} does not fit a ball; give shape = "crowned"'
-        faults.append(Fault("pin.crown_radius", problem))
-
-
-def _check_motion(tables: dict[str, Any], faults: list[Fault]) -> None:
-    motion = tables["motion"]
-    if motion is None or any(fault.key.startswith("motion.") for fault in faults):
-        return
-    ratio, entrainment = motion["slide_roll_ratio"], motion["entrainment_velocity"]
-    if (ratio is None) == (entrainment is None):
-        subject = "neither is" if ratio is None else "both are"
-        problem = f"{subject} given; give either slide_roll_ratio or entrainment_velocity"
-        faults.append(Fault("motion", problem))
-    elif ratio == 0:
-        problem = (
-            "0 is rolling without a sliding velocity; give another number such as 0.5, or "
-            'entrainment_velocity and the velocity "0 m/s"'
-        )
-        faults.append(Fault("motion.slide_roll_ratio", problem))
-    window, radius = tables["window"] or {}, entry_at(tables, "pin.radius")
-    pixels, sides = window.get("pixels"), window.get("pixel_size")
-    track = motion["track_length"] or (radius and 2 * math.pi * radius)
-    if pixels and sides and track and track < pixels[0] * sides[0] * (1 - 1e-9):
-        problem = (
-            f"{display(track, 'mm')} is shorter than the window, which is "
-            f"{display(pixels[0] * sides[0], 'mm')} along x; give at least that"
-        )
-        faults.append(Fault("motion.track_length", problem))
-
-
-def _check_conditions(tables: dict[str, Any], faults: list[Fault]) -> None:
-    bulk, critical = entry_at(tables, "temperature.bulk"), entry_at(tables, "temperature.critical")
-    if isinstance(bulk, dict):
-        bulk = None if None in bulk.values() else max(bulk.values())
-    if bulk and critical and critical <= bulk:
-        problem = (
-            f"{display(critical, '°C')} is not above temperature.bulk, {display(bulk, '°C')}; "
-            'give a higher one, such as "145 degC"'
-        )
-        faults.append(Fault("temperature.critical", problem))
-    band = entry_at(tables, "friction.band")
-    if band and band[0] > band[1]:
-        problem = f"{quoted(list(band))} falls; give the lower one first"
-        faults.append(Fault("friction.band", problem))
-
-
-def _check_measured(tables: dict[str, Any], faults: list[Fault]) -> None:
+def _check_tests(tables: dict[str, Any], faults: Faults) -> None:
     for table in ("measured", "tested"):
         for number, entry in enumerate(tables[table] or ()):
             if entry and entry["friction_scatter"] is not None and not entry["friction"]:
                 scatter = f"{entry['friction_scatter']:g}"
                 problem = f"{scatter} needs a measured friction; give it above 0"
-                faults.append(Fault(f"{table}[{number}].friction_scatter", problem))
+                faults.note(f"{table}[{number}].friction_scatter", problem)
+
+
+def _rule(key: str, *paths: str) -> Callable[[Check], Check]:
+    """Register a check: it takes the entries at some paths, and gives the problem of `key`.
+
+    An entry that was left out is None; where one is faulty, there is no check.
+    """
+
+    def register(check: Check) -> Check:
+        _RULES.append((key, paths, check))
+        return check
+
+    return register
+
+
+def _short_of_window(length: float, pixels: Any, sides: Any, axis: int) -> str | None:
+    side = pixels[axis] * sides[axis]
+    if length >= side * (1 - 1e-9):
+        return None
+    return (
+        f"{display(length, 'mm')} is shorter than the window, which is {display(side, 'mm')} "
+        f"along {'xy'[axis]}; give at least that"
+    )
+
+
+@_rule("pin.length", "pin.length", "window.pixels", "window.pixel_size")
+def _pin_length(length: float | None, pixels: Any, sides: Any) -> str | None:
+    return _short_of_window(length, pixels, sides, 1) if length else None
+
+
+@_rule("window.periodic_y", "pin.shape", "window.periodic_y")
+def _periodic(shape: str, periodic: bool | None) -> str | None:
+    if shape == "cylinder" or not periodic:
+        return None
+    return f"true does not fit a {shape} pin; give false, or leave it out"
+
+
+@_rule("pin.crown_radius", "pin.shape", "pin.crown_radius")
+def _crown(shape: str, crown: float | None) -> str | None:
+    if shape == "crowned" and crown is None:
+        return 'missing; a crowned pin needs its radius across sliding, such as "100 mm"'
+    if shape == "ball" and crown is not None:
+        return f'{display(crown, "mm")} does not fit a ball; give shape = "crowned"'
+    return None
+
+
+@_rule("motion", "motion")
+def _one_of_two(motion: dict[str, Any] | None) -> str | None:
+    given = [motion[key] for key in ("slide_roll_ratio", "entrainment_velocity")] if motion else []
+    if given.count(None) == 1 or motion is None:
+        return None
+    subject = "neither is" if None in given else "both are"
+    return f"{subject} given; give either slide_roll_ratio or entrainment_velocity"
+
+
+@_rule("motion.slide_roll_ratio", "motion.slide_roll_ratio", "motion.entrainment_velocity")
+def _rolling(ratio: float | None, entrainment: float | None) -> str | None:
+    if ratio != 0 or entrainment is not None:
+        return None
+    return (
+        "0 is rolling without a sliding velocity; give another number such as 0.5, or "
+        'entrainment_velocity and the velocity "0 m/s"'
+    )
+
+
+@_rule("motion.track_length", "motion", "pin.radius", "window.pixels", "window.pixel_size")
+def _track(motion: dict[str, Any] | None, radius: float, pixels: Any, sides: Any) -> str | None:
+    if motion is None:
+        return None
+    return _short_of_window(motion["track_length"] or 2 * math.pi * radius, pixels, sides, 0)
+
+
+@_rule("temperature.critical", "temperature.bulk", "temperature.critical")
+def _critical(bulk: Any, critical: float | None) -> str | None:
+    warmest = max(bulk.values()) if isinstance(bulk, dict) else bulk
+    if critical is None or critical > warmest:
+        return None
+    return (
+        f"{display(critical, '°C')} is not above temperature.bulk, {display(warmest, '°C')}; "
+        'give a higher one, such as "145 degC"'
+    )
+
+
+@_rule("friction.band", "friction.band")
+def _band(band: tuple[float, float] | None) -> str | None:
+    if band is None or band[0] <= band[1]:
+        return None
+    return f"{quoted(list(band))} falls; give the lower one first"
+
+
+@_rule("friction.by_velocity", "friction.by_velocity")
+def _velocities(measured: tuple[dict[str, float], ...]) -> str | None:
+    velocities = [entry["velocity"] for entry in measured]
+    twice = sorted({velocity for velocity in velocities if velocities.count(velocity) > 1})
+    return f"has {twice[0]:g} m/s twice; give each velocity once" if twice else None
+
+
+@_rule("friction.coefficient", "friction.coefficient", "friction.by_velocity")
+def _scaled(coefficient: float, measured: tuple[Any, ...]) -> str | None:
+    if not measured or coefficient > 0:
+        return None
+    return "0 cannot be scaled by friction.by_velocity; give a typical one, such as 0.1"
+
+
+@_rule("friction.by_velocity", "friction.by_velocity", "temperature.bulk")
+def _proportional(measured: tuple[Any, ...], bulk: Any) -> str | None:
+    if not measured or not isinstance(bulk, dict):
+        return None
+    return (
+        "pin and disk have bulk temperatures of their own, and then the rise is not proportional "
+        "to friction; give one temperature.bulk, or leave this out"
+    )
+
+
+@_rule("disk.track_length", "disk.track_length", "motion")
+def _passes(track: float | None, motion: Any) -> str | None:
+    if track is None or motion is None:
+        return None
+    return (
+        "earlier passes are counted under a pin at rest, and the scene has a [motion]; leave out "
+        '"disk.track_length" or [motion]'
+    )
+
+
+@_rule("oil", "oil")
+def _viscosity(oil: dict[str, Any] | None) -> str | None:
+    given = [oil["kinematic_viscosity"], oil["dynamic_viscosity"]] if oil else []
+    if given.count(None) == 1 or oil is None:
+        return None
+    subject = "neither is" if None in given else "both are"
+    return (
+        f"kinematic_viscosity, dynamic_viscosity: {subject} given; give kinematic_viscosity with a "
+        "density, or dynamic_viscosity"
+    )
+
+
+@_rule("oil.density", "oil")
+def _density(oil: dict[str, Any] | None) -> str | None:
+    if oil is None or oil["kinematic_viscosity"] is None or oil["density"] is not None:
+        return None
+    return "missing; a kinematic viscosity needs one"

@@ -10,13 +10,11 @@ from __future__ import annotations
 import re
 import tomllib
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
 from functools import reduce
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
-from pipeline.scene.entries import did_you_mean, quoted
-from pipeline.scene.faults import Fault, SceneFileError
+from pipeline.scene.faults import Fault, Faults, SceneFileError, did_you_mean, quoted
 from pipeline.scene.format import EXTENDS, WITHOUT
 from pipeline.scene.shipped import scene_path, shipped_scenes
 
@@ -29,31 +27,15 @@ _LONG_KEY = re.compile(
 )
 
 
-@dataclass(frozen=True, slots=True)
-class Layer:
-    """Entries that stand in one file.
-
-    Attributes
-    ----------
-    file : Path
-        Scene file.
-    entries : dict
-        Tables and values of the file, as TOML has them.
-    """
+class Layer(NamedTuple):
+    """Entries that stand in one file, as TOML has them."""
 
     file: Path
     entries: dict[str, Any]
 
 
-@dataclass(frozen=True, slots=True)
-class Document:
-    """Entries of a scene, layer on layer.
-
-    Attributes
-    ----------
-    layers : tuple of Layer
-        The scene's own entries first; each layer goes before those after it.
-    """
+class Document(NamedTuple):
+    """Entries of a scene, layer on layer: each goes before those after it."""
 
     layers: tuple[Layer, ...]
 
@@ -83,22 +65,11 @@ class Document:
         return f"{fault.key} (in {file}): {fault.problem}{hint}"
 
 
-def read_document(path: Path, faults: list[Fault], above: tuple[Path, ...] = ()) -> Document:
-    """Read a scene file and those that it extends.
+def read_document(path: Path, faults: Faults, above: tuple[Path, ...] = ()) -> Document:
+    """A scene file and those that it extends; the files above extend this one.
 
-    Parameters
-    ----------
-    path : Path
-        Scene file.
-    faults : list of Fault
-        List to which a fault is added for every wrong ``without``.
-    above : tuple of Path
-        Files that extend this one, the last of them directly.
-
-    Raises
-    ------
-    SceneFileError
-        If one of the files cannot be read, or extends itself.
+    Wrong keys in ``without`` are noted; `SceneFileError` is raised if a file cannot be read, or
+    extends itself.
     """
     table = _toml(path)
     extends, without = table.pop("extends", None), table.pop("without", None)
@@ -107,12 +78,12 @@ def read_document(path: Path, faults: list[Fault], above: tuple[Path, ...] = ())
         if without is not None:
             faults.append(Fault("without", "there is nothing to leave out; give extends too", path))
         return document
-    wrong: list[Fault] = []
+    wrong = Faults()
     name = EXTENDS.read(extends, "extends", wrong)
     if wrong:
         raise SceneFileError(path, [document.line(wrong[0])])
     other, chain = scene_path(name, path.parent), (*above, path)
-    if any(_is_same(other, file) for file in chain):
+    if any(other.resolve() == file.resolve() for file in chain):
         circle = " extends ".join(str(file) for file in (*chain, other))
         raise SceneFileError(
             path, [f"extends: {quoted(name)} closes a circle: {circle}; break it at one of them"]
@@ -124,33 +95,30 @@ def read_document(path: Path, faults: list[Fault], above: tuple[Path, ...] = ())
     left_out = _left_out(without, base, path, faults)
     if "preset" in (_table(table, "fidelity") or {}):
         left_out.append("fidelity")
-    layers = (replace(layer, entries=_without(layer.entries, left_out)) for layer in base.layers)
-    return Document((*document.layers, *layers))
+    return Document((*document.layers, *_layers_without(base, left_out)))
 
 
-def with_entries(document: Document, overrides: Mapping[str, Any], faults: list[Fault]) -> Document:
+def with_entries(document: Document, overrides: Mapping[str, Any], faults: Faults) -> Document:
     """Put other entries, by key path, in the place of a document's, some of them left out."""
     overrides = dict(overrides)
     without = overrides.pop("without", None)
     listed = [without] if isinstance(without, str) else without
     left_out = _left_out(listed, document, document.file, faults)
-    layers = [replace(one, entries=_without(one.entries, left_out)) for one in document.layers]
-    document = Document(tuple(layers))
+    document = Document(_layers_without(document, left_out))
     entries, top = document.entries(), dict[str, Any]()
     for key, value in overrides.items():
         *tables, last = key.split(".")
         if _table(top, *tables) is None or _table(entries, *tables) is None:
-            problem = f"{'.'.join(tables)} is not a table; give its own key"
-            faults.append(Fault(key, problem))
+            faults.note(key, f"{'.'.join(tables)} is not a table; give its own key")
             continue
         nested = reduce(lambda inner, name: {name: inner}, reversed(tables), {last: value})
         top = _merged(top, nested)
     return Document((Layer(document.file, top), *document.layers))
 
 
-def _left_out(value: Any, base: Document, path: Path, faults: list[Fault]) -> list[str]:
+def _left_out(value: Any, base: Document, path: Path, faults: Faults) -> list[str]:
     """Key paths that ``without`` names, as far as the other scene has them."""
-    wrong: list[Fault] = []
+    wrong = Faults()
     keys = [] if value is None else WITHOUT.read(value, "without", wrong) or []
     entries = base.entries()
     for index, key in enumerate(keys):
@@ -158,24 +126,23 @@ def _left_out(value: Any, base: Document, path: Path, faults: list[Fault]) -> li
         depth = _depth(entries, parts)
         if depth < len(parts):
             present = list(_table(entries, *parts[:depth]) or {})
-            wrong.append(
-                Fault(
-                    f"without[{index}]",
-                    f"{quoted(key)} is not an entry of {base.file}"
-                    f"{did_you_mean(parts[depth], present)}; give one that it has, such as "
-                    f"{quoted('.'.join([*parts[:depth], *present[:1]]))}",
-                )
+            wrong.note(
+                f"without[{index}]",
+                f"{quoted(key)} is not an entry of {base.file}"
+                f"{did_you_mean(parts[depth], present)}; give one that it has, such as "
+                f"{quoted('.'.join([*parts[:depth], *present[:1]]))}",
             )
     faults += [fault._replace(file=path) for fault in wrong]
     return list(keys)
 
 
-def _without(entries: dict[str, Any], keys: list[str]) -> dict[str, Any]:
-    """The entries but those at some key paths."""
-    for key in keys:
-        *tables, last = key.split(".")
-        (_table(entries, *tables) or {}).pop(last, None)
-    return entries
+def _layers_without(document: Document, keys: list[str]) -> tuple[Layer, ...]:
+    """Layers of a document, which lose the entries at some key paths."""
+    for layer in document.layers:
+        for key in keys:
+            *tables, last = key.split(".")
+            (_table(layer.entries, *tables) or {}).pop(last, None)
+    return document.layers
 
 
 def _table(entries: dict[str, Any], *keys: str) -> dict[str, Any] | None:
@@ -209,10 +176,6 @@ def _merged(lower: dict[str, Any], upper: dict[str, Any], levels: int = _LEVELS)
         both = levels and isinstance(value, dict) and isinstance(lower.get(key), dict)
         merged[key] = _merged(lower[key], value, levels - 1) if both else value
     return merged
-
-
-def _is_same(path: Path, other: Path) -> bool:
-    return path.resolve() == other.resolve()
 
 
 def _toml(path: Path) -> dict[str, Any]:

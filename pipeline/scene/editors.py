@@ -12,32 +12,26 @@ from pathlib import Path
 from typing import Any
 
 from pipeline.scene.faults import unwritable
-from pipeline.scene.format import FORMAT
-from pipeline.scene.kinds import Choice, Flag, Kind, Number, Quantity, Unit, Whole
-from pipeline.scene.meanings import MEANINGS, TABLES
-from pipeline.scene.reference import kind_of
-from pipeline.scene.schema import ByPath, Distributions, Either, List, Range, Scalar, Table, Tables
+from pipeline.scene.format import SCENE
+from pipeline.scene.kinds import Choice, Flag, Kind, Number, Quantity, Scalar, Unit, Whole
+from pipeline.scene.schema import (
+    ByPath,
+    Distribution,
+    Either,
+    Entry,
+    List,
+    Range,
+    Table,
+    Tables,
+)
 from tribo import InputError
 
 _QUANTITY = r"^\s*[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d{1,3})?(\s+\S|[^\d.,\s])"
 """A number that something follows: whether that is a unit is not for a schema to know."""
 
-_SHORT = {"oil": {"type": "string"}}
-"""Tables that a name of the library may stand in place of."""
-
 
 def write_schema(path: str | Path) -> Path:
-    """Write the JSON schema of scene files, for an editor.
-
-    Parameters
-    ----------
-    path : path
-        File to write; it must not exist yet.
-
-    Raises
-    ------
-    InputError
-        If the file exists, cannot be written, or is not called ``.json``.
+    """Write the JSON schema of scene files to a new file, which must be called ``.json``.
 
     Examples
     --------
@@ -66,49 +60,55 @@ def schema() -> dict[str, Any]:
     >>> schema()["properties"]["sweep"]["properties"]["loads"]["anyOf"][0]["items"]["examples"]
     ['200 N']
     """
+    scene = _entry(SCENE)
+    entries = scene["properties"]
+    about = {"description": entries["oil"].pop("description")}
+    # Or a name of the library in its place.
+    entries["oil"] = {"anyOf": [entries["oil"], {"type": "string"}]} | about
+    heads = {"$schema": "http://json-schema.org/draft-07/schema#", "title": "Scene of irg"}
+    return heads | scene
+
+
+def _table(*forms: Table) -> dict[str, Any]:
+    """A table with the keys of all its forms."""
+    keys = {key: entry for table in forms for key, entry in table.keys.items()}
     return {
-        "$schema": "http://json-schema.org/draft-07/schema#",
-        "title": "Scene of irg",
-        **_of(FORMAT, ""),
+        "type": "object",
+        "properties": {key: _entry(entry) for key, entry in keys.items()},
+        "additionalProperties": False,
     }
 
 
-def _of(kind: Kind, path: str) -> dict[str, Any]:
-    """Values that a kind allows at a path, and their meaning there."""
-    if isinstance(kind, Tables):
-        path += ".NAME"
-    about = MEANINGS.get(path) or TABLES.get(path)
-    rule = _allowed(kind, path)
-    if short := _SHORT.get(path):
-        rule = {"anyOf": [rule, short]}
-    return rule | ({"description": about} if about else {})
+def _entry(entry: Entry) -> dict[str, Any]:
+    """Values that an entry allows, and its meaning."""
+    return _allowed(entry.kind) | ({"description": entry.meaning} if entry.meaning else {})
 
 
-def _allowed(kind: Kind, path: str) -> dict[str, Any]:
+def _allowed(kind: Kind) -> dict[str, Any]:
     match kind:
         case Table():
-            return _object(path, kind)
+            return _table(kind)
         case Either(Table() as usual, Table() as other):
-            return _object(path, usual, other)
+            return _table(usual, other)
         case Either():
-            return {"anyOf": [_allowed(kind.usual, path), _allowed(kind.other, path)]}
+            return {"anyOf": [_allowed(kind.usual), _allowed(kind.other)]}
         case Tables():
-            return {"type": "object", "additionalProperties": _object(path, kind.of)}
+            return {"type": "object", "additionalProperties": _table(kind.of)}
         case List():
             size = {"minItems": kind.length, "maxItems": kind.length} if kind.length else {}
             return {
                 "type": "array",
-                "items": _allowed(kind.of, path),
+                "items": _allowed(kind.of),
                 "minItems": 1,
                 "uniqueItems": kind.distinct,
             } | size
         case Range():
-            ends = dict.fromkeys(("from", "to", "step"), kind.of)
-            return _object(path, Table(ends)) | {"required": list(ends)}
-        case Distributions():
-            forms = [_object(path, table) | {"required": table.needed} for table in kind.of]
+            ends = dict.fromkeys(("from", "to", "step"), Entry(kind.of))
+            return _table(Table(ends)) | {"required": list(ends)}
+        case ByPath(Distribution() as of):
+            forms = [_table(table) | {"required": table.needed} for table in of.forms]
             deeper = {"$ref": "#/properties/unknown"}  # a path in tables in tables
-            one = {"anyOf": [*forms, _allowed(kind.listed, path), deeper]}
+            one = {"anyOf": [*forms, _allowed(of.listed), deeper]}
             return {"type": "object", "additionalProperties": one}
         case ByPath():
             return {"type": "object", "additionalProperties": {"type": ["number", "object"]}}
@@ -125,19 +125,6 @@ def _allowed(kind: Kind, path: str) -> dict[str, Any]:
         case Number():
             return {"type": "integer" if isinstance(kind, Whole) else "number"} | _limits(kind)
     return {"type": "string", "minLength": 1}
-
-
-def _object(path: str, *forms: Table) -> dict[str, Any]:
-    """A table with the keys of all its forms."""
-    keys = {key: entry for table in forms for key, entry in table.keys.items()}
-    return {
-        "type": "object",
-        "properties": {
-            key: _of(kind_of(entry), f"{path}.{key}" if path else key)
-            for key, entry in keys.items()
-        },
-        "additionalProperties": False,
-    }
 
 
 def _limits(kind: Number) -> dict[str, float]:

@@ -1,10 +1,13 @@
-"""Faults of a scene file, the error that carries all of them, and that of one not to be written."""
+"""Faults of a scene file, the error that carries all of them, and the words of their messages."""
 
 from __future__ import annotations
 
+import difflib
 import json
+import re
+from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from tribo import InputError, TriboError
 
@@ -12,21 +15,30 @@ _SHOWN = 100  # faults, at most, where there are thousands
 
 
 class Fault(NamedTuple):
-    """One thing that is wrong with a scene.
+    """Key path of an entry, and in one line what is wrong, the value, what is allowed, the cure.
 
-    Attributes
-    ----------
-    key : str
-        Key path of the entry, such as ``disk.roughness.ra``; empty if the whole file is meant.
-    problem : str
-        Fault, value, allowed values and cure, in one line.
-    file : Path or None
-        File that the entry stands in, where the key alone does not tell.
+    The file is the one that the entry stands in, where the key alone does not tell.
     """
 
     key: str
     problem: str
     file: Path | None = None
+
+
+class Faults(list[Fault]):
+    """All that is wrong with a scene."""
+
+    def note(self, key: str, problem: str) -> None:
+        """Add a fault of the entry at a key path."""
+        self.append(Fault(key, problem))
+
+    def touch(self, path: str) -> bool:
+        """True if the entry at a path, one within it, or a table around it is faulty."""
+        within = f"{path}.", f"{path}["
+        return any(
+            key == path or key.startswith(within) or path.startswith(f"{key}.")
+            for key, _, _ in self
+        )
 
 
 class SceneFileError(TriboError):
@@ -68,7 +80,55 @@ class SceneFileError(TriboError):
 
 
 def unwritable(path: Path, error: OSError) -> InputError:
-    """Say why a file cannot be written."""
+    """Error of a file that cannot be written, with the reason."""
     folder = path.parent
     reason = error.strerror or error if folder.is_dir() else f"there is no folder {folder}"
     return InputError(f"{path} cannot be written: {reason}")
+
+
+def quoted(value: object) -> str:
+    """Show a value on one line, about as it stands in the file."""
+    if isinstance(value, dict):
+        text = "a table"
+    elif isinstance(value, list):
+        text = f"[{', '.join(map(quoted, value[:4]))}{', ...' if len(value) > 4 else ''}]"
+    elif isinstance(value, str):
+        text = json.dumps(value, ensure_ascii=not value.isprintable())
+    elif isinstance(value, bool):
+        text = str(value).lower()
+    elif isinstance(value, int) and abs(value) > 10**30:
+        text = "a number above 10^30"
+    else:
+        text = str(value)
+    return text if len(text) <= 100 else f"{text[:96]} ..."
+
+
+def did_you_mean(word: str, words: Iterable[str]) -> str:
+    """Ask whether the nearest known word was meant; empty if none is near.
+
+    Examples
+    --------
+    >>> did_you_mean("swetp", ["local", "swept"]), did_you_mean("hurst", ["hurst_exponent"])
+    (' (did you mean "swept"?)', ' (did you mean "hurst_exponent"?)')
+    >>> did_you_mean("loads", ["sweep.loads"])
+    ' (did you mean "sweep.loads"?)'
+    """
+    word, words = word[:80].lower(), list(words)
+    ends = [other for other in words if other.endswith(f".{word}")]
+    longer = [other for other in words if len(word) > 2 and other.startswith(word)]
+    near = ends or longer or difflib.get_close_matches(word, words, n=1)
+    return f' (did you mean "{near[0]}"?)' if near else ""
+
+
+def entry_at(tables: Mapping[str, Any], path: str) -> Any:
+    """Look up a path; None where it, or a table on the way to it, is missing or faulty."""
+    entry: Any = tables
+    for key in path.split("."):
+        entry = None if entry is None else entry.get(key)
+    return entry
+
+
+def joined(place: str, key: str) -> str:
+    """Path of a key of the table `place`, as TOML writes it."""
+    bare = key if re.fullmatch(r"[A-Za-z0-9_-]+", key) else quoted(key)
+    return f"{place}.{bare}" if place else bare

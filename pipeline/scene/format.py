@@ -1,20 +1,27 @@
-"""The format of scene files: every table and key, with its kind, range and default."""
+"""The format of scene files: each table and key with its kind, meaning, default and example.
+
+Reading, its errors, the template of ``irg new``, the page SCENE.md, the JSON schema of editors and
+the hints of ``--set`` all follow from `FORMAT`.
+"""
 
 from __future__ import annotations
 
+import inspect
 import math
+import re
+from collections.abc import Callable
 from typing import Any, Literal, get_args, get_origin, get_type_hints
 
 import tribo
-from pipeline.scene.kinds import Choice, Flag, Kind, Number, Quantity, Text, Unit, Whole
+from pipeline.scene.kinds import Choice, Flag, Kind, Number, Quantity, Scalar, Text, Unit, Whole
 from pipeline.scene.schema import (
     ByPath,
-    Distributions,
+    Distribution,
     Either,
+    Entry,
     List,
     Optional,
     Range,
-    Scalar,
     Table,
     Tables,
 )
@@ -22,217 +29,409 @@ from pipeline.sweep.unknown import MOST_SAMPLES
 
 
 def _kind(hint: Any) -> Kind:
-    """Translate the type of an entry whose range `tribo` checks itself."""
+    """Kind of an entry whose range `tribo` checks itself, from its type."""
     if get_origin(hint) is Literal:
         return Choice(get_args(hint))
     return {int: Whole(), float: Number(), bool: Flag(), str: Text()}[hint]
+
+
+def _is(form: type) -> Callable[[Any], bool]:
+    return lambda value: isinstance(value, form)
+
+
+def _has(key: str) -> Callable[[Any], bool]:
+    return lambda table: isinstance(table, dict) and key in table
 
 
 def _is_curved(pin: Any) -> bool:
     return isinstance(pin, dict) and pin.get("shape") in ("ball", "crowned")
 
 
-def _has_file(table: Any) -> bool:
-    return isinstance(table, dict) and "file" in table
-
-
-def _has_law(table: Any) -> bool:
-    return isinstance(table, dict) and "law" in table
-
-
 def _is_reference(value: Any) -> bool:
     return isinstance(value, str) and ":" in value
 
 
-def _is_list(value: Any) -> bool:
-    return isinstance(value, list)
+def _one_or_two(kind: Kind) -> Kind:
+    return Either(kind, List(kind, length=2), when=_is(list))
 
 
-def _is_table(value: Any) -> bool:
-    return isinstance(value, dict)
+def _listed_or_spaced(kind: Quantity) -> Kind:
+    return Either(List(kind, distinct=True), Range(kind), when=_is(dict))
+
+
+def _fidelity_meanings() -> dict[str, str]:
+    """First sentence on each parameter in the docstring of `tribo.Fidelity`."""
+    text = inspect.cleandoc(tribo.Fidelity.__doc__ or "")
+    section = text.partition("Parameters\n----------\n")[2].partition("\n\nRaises")[0]
+    sentences = {}
+    for name, about in re.findall(r"^(\w+) : .*\n((?:    .*\n?)+)", section, flags=re.MULTILINE):
+        sentence = re.split(r"(?<=[.\w])[.;] ", " ".join(about.split()))[0].rstrip(".") + "."
+        sentences[name] = sentence.replace('``"', '"').replace('"``', '"')
+    return sentences
 
 
 SIZE = Quantity("a length", "2 mm")
 LENGTH = Quantity("a length", "0.95 um")
 WEAR_RATE = Quantity("a specific wear rate", "1.2e-6 mm^3/(N m)")
+ANY_WEAR_RATE = Quantity("a specific wear rate", "1.2e-6 mm^3/(N m)", zero=True)
 LOAD = Quantity("a load", "200 N")
 DURATION = Quantity("a duration", "4 s", zero=True)
 VELOCITY = Quantity("a velocity", "1.25 m/s", zero=True)
 SPEED = Quantity("a velocity", "1.25 m/s")
 TEMPERATURE = Quantity("a temperature", "25 degC")
 PER_PRESSURE = Quantity("a pressure coefficient", "20 1/GPa")
-VELOCITY_SCATTER = Quantity("a velocity", "0.1 m/s")
-LOAD_SCATTER = Quantity("a load", "10 N")
-FRICTION = Number(at_least=0)
-FRICTION_SCATTER = Number(above=0)
 CONDUCTIVITY = Quantity("a conductivity", "45 W/(m K)")
+FRICTION = Number(at_least=0)
 SEED = Whole(at_least=0)
-SURFACES = Whole(at_least=1, at_most=100_000)
 SHAPE = Choice(("cylinder", "ball", "crowned"))
 PRESET = Choice(tuple(tribo.PRESETS))
 USUAL_PRESET = "standard"
-FIDELITY = {name: Optional(_kind(hint)) for name, hint in get_type_hints(tribo.Fidelity).items()}
-
-SAMPLES = Whole(at_least=1, at_most=MOST_SAMPLES)
-CORRELATED = {"correlated": Optional(ByPath(Number(above=-1, below=1)), default={})}
-UNKNOWN = Distributions(
-    (
-        Table({"mean": Scalar(), "sd": Scalar(), **CORRELATED}),  # normal
-        Table({"median": Scalar(), "factor": Number(above=1), **CORRELATED}),  # log-normal
-        Table({"from": Scalar(), "to": Scalar(), **CORRELATED}),  # uniform
-    ),
-    listed=List(Scalar(), distinct=True),  # each as likely
-)
-
-STEM = Either(
-    Table({"length": SIZE, "area": Quantity("an area", "12 mm^2")}),
-    Table({"resistance": Quantity("a thermal resistance", "8 K/W")}),
-    when=lambda stem: isinstance(stem, dict) and "resistance" in stem,
-)
-
-_PLACE: dict[str, Kind | Optional] = {  # of a test
-    "load": LOAD,
-    "load_scatter": Optional(LOAD_SCATTER),
-    "velocity": VELOCITY,
-    "velocity_scatter": Optional(VELOCITY_SCATTER),
-    "friction": Optional(FRICTION),
-    "friction_scatter": Optional(FRICTION_SCATTER),
-    "bulk_temperature": Optional(TEMPERATURE),
-    "hold": Optional(DURATION),
-}
-TRANSITION = Table(_PLACE)
-TEST = Table({**_PLACE, "outcome": Choice(("mild", "severe"))})
-LOG = Table({"file": Text()})  # rows of a CSV file, replaced before the scene is read
-OWN = Table({"law": Text(), "parameters": Optional(ByPath(Scalar()), {})})
-
 EXTENDS = Text()
 WITHOUT = List(Text(), distinct=True)
 
+_SENTENCES = _fidelity_meanings()
+FIDELITY = {
+    name: Optional(_kind(hint), _SENTENCES[name])
+    for name, hint in get_type_hints(tribo.Fidelity).items()
+}
+
+# fmt: off
+MATERIAL = Table({
+    "like": Optional(Text(),
+        "A material of the library, which gives what is not given here.", example="AISI 52100"),
+    "elastic_modulus": Entry(Quantity("a modulus", "210 GPa"), "Young's modulus."),
+    "poisson_ratio": Entry(Number(above=-1, at_most=0.5), "Poisson's ratio."),
+    "hardness": Optional(Quantity("a pressure", "6.6 GPa"),
+        'Highest pressure that it bears, or a hardness such as "62 HRC", "750 HV" or "250 HB"; the '
+        "softer body's counts, and a body without one stays elastic.", default=math.inf),
+    "thermal_conductivity": Entry(CONDUCTIVITY, "Thermal conductivity."),
+    "density": Entry(Quantity("a density", "7800 kg/m^3"), "Density."),
+    "specific_heat": Entry(Quantity("a specific heat", "470 J/(kg K)"), "Specific heat capacity."),
+})
+
+STEM = Either(
+    Table({
+        "length": Entry(SIZE, "Length of the rod, of the pin's material."),
+        "area": Entry(Quantity("an area", "12 mm^2"), "Its cross section."),
+    }, form="rod"),
+    Table({
+        "resistance": Entry(Quantity("a thermal resistance", "8 K/W"),
+            "Thermal resistance to the holder."),
+    }, form="resistance"),
+    when=_has("resistance"),
+)
+_SHAPE = Entry(SHAPE, "Shape of the pin.")
+_RADIUS = Entry(SIZE, "Radius in the plane of sliding; of two curved bodies the reduced one.")
+_OF_PIN = {
+    "material": Entry(Text(), "Name of its material, here or in the library."),
+    "stem": Optional(STEM,
+        "Rod between the heated end of the pin and a holder at the bulk temperature, or its "
+        "thermal resistance; a half-space without the table. It takes effect after the "
+        "simulation."),
+}
+PIN = Either(
+    Table({
+        "shape": _SHAPE,
+        "radius": _RADIUS,
+        "length": Entry(SIZE, "Length of the cylinder's line contact, along y."),
+        **_OF_PIN,
+    }, form="cylinder"),
+    Table({
+        "shape": _SHAPE,
+        "radius": _RADIUS,
+        "crown_radius": Optional(SIZE, "Radius across sliding of a crowned pin, which it needs."),
+        **_OF_PIN,
+    }, form="ball or crowned pin"),
+    when=_is_curved,
+)
+
+RANDOM_SURFACE = Table({
+    "ra": Entry(LENGTH, "Mean deviation of the heights from their mean plane, Ra."),
+    "hurst_exponent": Entry(Number(above=0, at_most=1),
+        "Hurst exponent; the nearer to 1, the smoother at short wavelengths."),
+    "correlation_length": Entry(_one_or_two(LENGTH),
+        "Length beyond which heights no longer depend on each other; two for one along x and one "
+        "along y, as on ground surfaces."),
+    "seed": Optional(SEED,
+        "Seed of the random surface; the same gives the same surface.", default=0),
+}, form="random surface")
+MEASURED_SURFACE = Table({
+    "file": Entry(Text(),
+        "Heights of a measured surface, a row for each x: .npy, .csv, or the file of an instrument "
+        "(with the extra `surfaces`); relative to the folder of the scene.",
+        example="surface.npy"),
+    "height_unit": Optional(Unit("a unit of length", "um"),
+        "Unit of the heights; needed where the file has none, as in .npy and .csv, and used in "
+        "place of a wrong one."),
+    "transpose": Optional(Flag(),
+        "Exchange of x and y of the file, with the sides of its pixels.", default=False),
+    "flip": Optional(Choice(("no", "x", "y", "heights")),
+        "Axis to reverse; or the heights, as of a replica, whose summits were valleys.",
+        default="no"),
+    "crop": Optional(List(Whole(at_least=0), length=2),
+        "First row and column, counted from 0, of the patch to cut out; without it the surface is "
+        "to have the window's size."),
+    "level": Optional(Flag(),
+        "Least-squares plane (tilt) taken off the heights, or not.", default=False),
+    "missing": Optional(Choice(("refuse", "fill")),
+        "Places without a height: the file is refused, or the hole filled smoothly from around it.",
+        default="refuse"),
+    "repeat": Optional(Choice(("no", "mirror", "tile")),
+        "Filling of a window that is larger than the surface: none, mirrored at each end, or "
+        "tiles.", default="no"),
+}, form="measured surface")
+
+
+def _own_law(meaning: str, form: str = "") -> Table:
+    return Table({
+        "law": Entry(Text(), meaning),
+        "parameters": Optional(ByPath(Scalar(), "names"),
+            "Names and values that it is made with, in SI units.", default={}),
+    }, form=form)
+
+
+DISK = Table({
+    "material": Entry(Text(), "Name of its material, here or in the library."),
+    "track_length": Optional(SIZE,
+        "Length of the track under the pin, which earlier passes have warmed; without it each "
+        "pass meets a cold disk. It takes effect after the simulation."),
+    "film": Optional(Table({
+        "thickness": Entry(LENGTH, "Thickness of the film."),
+        "thermal_conductivity": Entry(CONDUCTIVITY, "Its thermal conductivity."),
+    }), "An oxide or tribofilm on the disk, a thermal resistance; none without the table. It takes "
+        "effect after the simulation."),
+    "surface": Optional(_own_law('Module and name of the surface, such as "laws:dimples".'),
+        "A surface of one's own in place of a roughness, see [`OWN_LAWS.md`](OWN_LAWS.md)."),
+    "roughness": Optional(Either(RANDOM_SURFACE, MEASURED_SURFACE, when=_has("file")),
+        "Its surface: random, or measured; smooth without the table."),
+})
+
+WINDOW = Table({
+    "pixels": Entry(List(Whole(at_least=1, at_most=100_000), length=2),
+        "Number of pixels along x and y."),
+    "pixel_size": Entry(List(LENGTH, length=2),
+        "Sides of a pixel along x and y; those of the measured surface."),
+    "periodic_y": Optional(Flag(),
+        "Patch repeated along y, or not; by default for a cylinder alone."),
+})
+
+_REFERENCE_LOAD = (
+    "Load that the ramp reaches in `fidelity.increments` steps; of a record, by default its peak."
+)
+LOADING = Either(
+    Table({
+        "rate": Entry(Quantity("a loading rate", "150 N/s"),
+            "Rate at which the load grows from 0."),
+        "reference_load": Entry(LOAD, _REFERENCE_LOAD),
+        "hold": Optional(DURATION,
+            "Time for which each load is held once it is reached.", default=0.0),
+        "hold_steps": Optional(Whole(at_least=1),
+            "Number of steps of the hold; by default as few as are no longer than those of the "
+            "ramp."),
+    }, form="ramp"),
+    Table({
+        "file": Entry(Text(),
+            "Record of the load, .csv with the columns `time [s]` and `load [N]`; relative to the "
+            "folder of the scene.", example="load.csv"),
+        "reference_load": Optional(LOAD, _REFERENCE_LOAD),
+        "fit": Optional(Flag(),
+            "A straight line through the record in its place, or not.", default=False),
+    }, form="record"),
+    when=_has("file"),
+)
+
+MOTION = Table({
+    "slide_roll_ratio": Optional(Number(),
+        "Sliding velocity divided by the mean velocity of both surfaces; negative where the pin is "
+        "the faster body."),
+    "entrainment_velocity": Optional(VELOCITY,
+        "Mean velocity of both surfaces, the same at every sliding velocity."),
+    "track_length": Optional(SIZE,
+        "Length of the pin's track, over which its wear spreads; by default its circumference."),
+})
+
+WEAR = Either(
+    Table({
+        "specific_wear_rate": Entry(ANY_WEAR_RATE, "Worn volume per load and sliding distance."),
+        "pattern": Entry(_kind(get_type_hints(tribo.Wear)["pattern"]),
+            'Wear of the pin: "swept" by the mean pressure along y, or over positions of the disk '
+            'where y is free, since the roughness moves past it; "local" each element by its own '
+            "pressure."),
+    }, form="Archard's wear"),
+    _own_law('Module and name of the law, such as "laws:RunningIn".', form="own law"),
+    when=_has("law"),
+)
+
+OIL = Table({
+    "like": Optional(Text(),
+        "An oil of the library, which gives what is not given here.",
+        example="medicinal white oil"),
+    "temperatures": Optional(List(TEMPERATURE, length=2),
+        "Two temperatures at which its viscosity is known.",
+        default=(313.15, 373.15), example=["40 degC", "100 degC"]),
+    "kinematic_viscosity": Optional(List(Quantity("a kinematic viscosity", "32 mm^2/s"), length=2),
+        "Kinematic viscosity at both; this or the dynamic one.",
+        example=["95 mm^2/s", "10.7 mm^2/s"]),
+    "dynamic_viscosity": Optional(List(Quantity("a viscosity", "28 mPa s"), length=2),
+        "Dynamic viscosity at both.", example=["83 mPa s", "8.9 mPa s"]),
+    "density": Optional(Quantity("a density", "866 kg/m^3"),
+        "Density; needed with a kinematic viscosity."),
+    "pressure_viscosity_coefficient": Optional(_one_or_two(PER_PRESSURE),
+        "Pressure–viscosity coefficient, one, or one at each of both temperatures; without it no "
+        "film is foretold."),
+})
+
+FRICTION_TABLE = Table({
+    "coefficient": Entry(FRICTION, "Coefficient of friction."),
+    "band": Optional(List(FRICTION, length=2),
+        "Lowest and highest coefficient, drawn as a band in the diagram."),
+    "by_velocity": Optional(List(Table({
+        "velocity": Entry(SPEED, "Sliding velocity."),
+        "coefficient": Entry(FRICTION, "Coefficient of friction there."),
+    })), "Friction at sliding velocities, smooth in between and constant beyond them; another "
+         "coefficient scales it. It takes effect after the simulation.", default=()),
+})
+
+_OF_BODIES = Table({
+    "pin": Entry(TEMPERATURE, "Temperature of the pin."),
+    "disk": Entry(TEMPERATURE, "Temperature of the disk."),
+})
+TEMPERATURES = Table({
+    "bulk": Entry(Either(TEMPERATURE, _OF_BODIES, when=_is(dict)),
+        "Temperature far from the contact: of both bodies, or of `pin` and `disk`."),
+    "critical": Optional(TEMPERATURE,
+        "Contact temperature above which the lubricant fails; needed where wear is judged."),
+    "failing_share": Optional(Number(at_least=0, below=1),
+        "Share of the contact area above the critical temperature beyond which wear is severe; 0 "
+        "for the highest temperature alone.", default=0.1),
+    "criterion": Optional(
+        Either(Choice(("share", "highest", "mean")), Text(), when=_is_reference),
+        "Temperature that decides: the one that the failing share of the contact area exceeds, the "
+        "highest, or the mean of the contact; or a [criterion of one's own](OWN_LAWS.md), such as "
+        '"laws:hottest_tenth".', default="share"),
+})
+
+SWEEP = Table({
+    "loads": Entry(_listed_or_spaced(LOAD), "Normal loads."),
+    "velocities": Entry(_listed_or_spaced(VELOCITY), "Sliding velocities."),
+    "realizations": Optional(
+        Either(Whole(at_least=1, at_most=100_000), List(SEED, distinct=True), when=_is(list)),
+        "Random surfaces to compute it all on: a number of them from the seed on, or a list of "
+        "seeds."),
+    "samples": Optional(Whole(at_least=1, at_most=MOST_SAMPLES),
+        "Number of samples drawn of the `unknown` inputs, each at a velocity of its own."),
+    "sample_seed": Optional(SEED, "Seed of the samples.", default=0),
+    "wear_rates": Optional(Table({
+        "from": Entry(WEAR_RATE, "Lowest of them."),
+        "to": Entry(WEAR_RATE, "Highest of them."),
+    }), "Specific wear rates for which the diagram answers, too, with the scene's own between "
+        "them: `irg boundary --wear-rate`. Velocities are added so far beyond the scene's that "
+        "each rate has those of the scene."),
+    "fields": Optional(Flag(),
+        "Pressure, temperature rise and wear depth over the window stored, or not.",
+        default=False),
+    "independent": Optional(Flag(),
+        "Each point simulated from the start, not on from the next lower load; takes longer.",
+        default=False),
+})
+
+CORRELATED = {
+    "correlated": Optional(ByPath(Number(above=-1, below=1), "the paths of others"), default={}),
+}
+UNKNOWN = ByPath(Distribution(
+    forms=(
+        Table({"mean": Entry(Scalar()), "sd": Entry(Scalar()), **CORRELATED}, "normal"),
+        Table({"median": Entry(Scalar()), "factor": Entry(Number(above=1)), **CORRELATED},
+            "log-normal"),
+        Table({"from": Entry(Scalar()), "to": Entry(Scalar()), **CORRELATED}, "uniform"),
+    ),
+    listed=List(Scalar(), distinct=True),  # each as likely
+), "the paths of entries")
+
+_TEST = {
+    "load": Entry(LOAD, "Normal load on the pin there."),
+    "load_scatter": Optional(Quantity("a load", "10 N"),
+        "Standard deviation of the load in repeated tests, which `irg infer` of samples counts "
+        "with; none by default."),
+    "velocity": Entry(VELOCITY, "Sliding velocity there."),
+    "velocity_scatter": Optional(Quantity("a velocity", "0.1 m/s"),
+        "Standard deviation of the velocity; by default what `--scatter` gives, 5 % of the "
+        "velocity."),
+    "friction": Optional(FRICTION,
+        "Coefficient of friction measured there; by default the scene's."),
+    "friction_scatter": Optional(Number(above=0),
+        "Standard deviation of the measured friction; none by default."),
+    "bulk_temperature": Optional(TEMPERATURE,
+        "Bulk temperature of both bodies there; by default the scene's."),
+    "hold": Optional(DURATION, "Duration at the full load; by default that of `[loading]`."),
+}
+TRANSITION = Table(_TEST, form="entries")
+TEST = Table({
+    **_TEST,
+    "outcome": Entry(Choice(("mild", "severe")), "Outcome of the test, at the end of its hold."),
+}, form="entries")
+LOG = Table({
+    "file": Entry(Text(),
+        "Log in CSV in place of the entries: a row for each test, and columns by the names of the "
+        "entries, such as `load [N]`; beside the scene."),
+}, form="log")
+
 FORMAT = Table({
-    "extends": Optional(EXTENDS),  # another scene file, relative to this one's folder
-    "without": Optional(WITHOUT),  # key paths of the other's entries to leave out
-    "title": Optional(Text()),
-    "materials": Optional(Tables(Table({
-        "like": Optional(Text()),  # a material of the library, for what is not given here
-        "elastic_modulus": Quantity("a modulus", "210 GPa"),
-        "poisson_ratio": Number(above=-1, at_most=0.5),
-        "hardness": Optional(Quantity("a pressure", "6.6 GPa"), math.inf),  # or "62 HRC"
-        "thermal_conductivity": CONDUCTIVITY,
-        "density": Quantity("a density", "7800 kg/m^3"),
-        "specific_heat": Quantity("a specific heat", "470 J/(kg K)"),
-    }))),
-    "pin": Either(
-        Table({
-            "shape": SHAPE, "radius": SIZE, "length": SIZE, "material": Text(),
-            "stem": Optional(STEM),
-        }),
-        Table({
-            "shape": SHAPE, "radius": SIZE, "crown_radius": Optional(SIZE), "material": Text(),
-            "stem": Optional(STEM),
-        }),
-        when=_is_curved,
-    ),
-    "disk": Table({
-        "material": Text(),
-        "track_length": Optional(SIZE),  # of the ring that earlier passes have heated
-        "film": Optional(Table({  # an oxide or tribofilm
-            "thickness": LENGTH,
-            "thermal_conductivity": CONDUCTIVITY,
-        })),
-        "surface": Optional(OWN),  # in place of a roughness
-        "roughness": Optional(Either(
-            Table({
-                "ra": LENGTH,
-                "hurst_exponent": Number(above=0, at_most=1),
-                "correlation_length": Either(LENGTH, List(LENGTH, length=2), when=_is_list),
-                "seed": Optional(SEED, 0),
-            }),
-            Table({
-                "file": Text(),
-                "height_unit": Optional(Unit("a unit of length", "um")),  # in place of the file's
-                "transpose": Optional(Flag(), False),
-                "flip": Optional(Choice(("no", "x", "y", "heights")), "no"),
-                "crop": Optional(List(Whole(at_least=0), length=2)),  # its first row and column
-                "level": Optional(Flag(), False),
-                "missing": Optional(Choice(("refuse", "fill")), "refuse"),
-                "repeat": Optional(Choice(("no", "mirror", "tile")), "no"),  # to fill the window
-            }),
-            when=_has_file,
-        )),
-    }),
-    "window": Table({
-        "pixels": List(Whole(at_least=1, at_most=100_000), length=2),
-        "pixel_size": List(LENGTH, length=2),
-        "periodic_y": Optional(Flag()),  # by default as the pin's shape has it
-    }),
-    "loading": Either(
-        Table({
-            "rate": Quantity("a loading rate", "150 N/s"),
-            "reference_load": LOAD,
-            "hold": Optional(DURATION, 0.0),
-            "hold_steps": Optional(Whole(at_least=1)),
-        }),
-        Table({
-            "file": Text(),
-            "reference_load": Optional(LOAD),  # by default the record's peak
-            "fit": Optional(Flag(), False),  # a straight line in place of the record itself
-        }),
-        when=_has_file,
-    ),
-    "motion": Optional(Table({  # of both bodies; without it the pin is at rest
-        "slide_roll_ratio": Optional(Number()),  # one of this
-        "entrainment_velocity": Optional(VELOCITY),  # and this
-        "track_length": Optional(SIZE),  # by default the pin's circumference
-    })),
-    "wear": Optional(Either(
-        Table({
-            "specific_wear_rate": Quantity("a specific wear rate", "1.2e-6 mm^3/(N m)", zero=True),
-            "pattern": _kind(get_type_hints(tribo.Wear)["pattern"]),
-        }),
-        OWN,
-        when=_has_law,
-    )),
-    "oil": Optional(Table({  # says only which film it would build
-        "like": Optional(Text()),  # an oil of the library, for what is not given here
-        "temperatures": Optional(List(TEMPERATURE, length=2), (313.15, 373.15)),
-        "kinematic_viscosity": Optional(
-            List(Quantity("a kinematic viscosity", "32 mm^2/s"), length=2)
-        ),
-        "dynamic_viscosity": Optional(List(Quantity("a viscosity", "28 mPa s"), length=2)),
-        "density": Optional(Quantity("a density", "866 kg/m^3")),  # with a kinematic viscosity
-        "pressure_viscosity_coefficient": Optional(
-            Either(PER_PRESSURE, List(PER_PRESSURE, length=2), when=_is_list)
-        ),
-    })),
-    "friction": Table({
-        "coefficient": FRICTION,
-        "band": Optional(List(FRICTION, length=2)),
-        "by_velocity": Optional(
-            List(Table({"velocity": SPEED, "coefficient": FRICTION})), ()
-        ),
-    }),
-    "temperature": Table({
-        "bulk": Either(  # of both bodies, or of each
-            TEMPERATURE, Table({"pin": TEMPERATURE, "disk": TEMPERATURE}), when=_is_table
-        ),
-        "critical": Optional(TEMPERATURE),  # needed where wear is judged
-        "failing_share": Optional(Number(at_least=0, below=1), 0.1),
-        "criterion": Optional(
-            Either(Choice(("share", "highest", "mean")), Text(), when=_is_reference), "share"
-        ),
-    }),
-    "fidelity": Optional(Table({"preset": Optional(PRESET, USUAL_PRESET), **FIDELITY})),
-    "sweep": Table({
-        "loads": Either(List(LOAD, distinct=True), Range(LOAD), when=_is_table),
-        "velocities": Either(List(VELOCITY, distinct=True), Range(VELOCITY), when=_is_table),
-        "realizations": Optional(Either(SURFACES, List(SEED, distinct=True), when=_is_list)),
-        "samples": Optional(SAMPLES),  # of what is unknown
-        "sample_seed": Optional(SEED, 0),
-        "wear_rates": Optional(Table({"from": WEAR_RATE, "to": WEAR_RATE})),
-        "fields": Optional(Flag(), False),
-        "independent": Optional(Flag(), False),
-    }),
-    "unknown": Optional(UNKNOWN),  # by the paths of entries
-    "measured": Optional(List(Either(TRANSITION, LOG, when=_has_file)), ()),
-    "tested": Optional(List(Either(TEST, LOG, when=_has_file)), ()),
-})  # fmt: skip
+    "extends": Optional(EXTENDS,
+        "Another scene file whose entries hold where this one gives none; relative to the folder "
+        "of this one.", example="other.toml"),
+    "without": Optional(WITHOUT,
+        'Key paths of entries of the other scene to leave out, such as ["wear", "friction.band"].',
+        example=["wear", "friction.band"]),
+    "title": Optional(Text(),
+        "Title of figures and summaries; by default the name of the file."),
+    "materials": Optional(Tables(MATERIAL),
+        "A material, under a name of your choice by which `[pin]` and `[disk]` call it. Not needed "
+        "for those of the [library](../pipeline/scene/library.toml)."),
+    "pin": Entry(PIN,
+        "The body that is loaded and that wears: a cylinder across the sliding direction, a ball, "
+        "or a roller with a crown."),
+    "disk": Entry(DISK, "The body that slides under the pin."),
+    "window": Entry(WINDOW,
+        "The patch of the contact that is simulated: x along sliding, y along the cylinder's "
+        "axis."),
+    "loading": Entry(LOADING, "Growth of the load: a ramp, or a recorded load."),
+    "motion": Optional(MOTION,
+        "Motion of both bodies; without it the pin is at rest. Give one of `slide_roll_ratio` and "
+        "`entrainment_velocity`."),
+    "wear": Optional(WEAR,
+        "Archard's wear of the pin, or [a law of one's own](OWN_LAWS.md); no wear without the "
+        "table."),
+    "oil": Optional(OIL,
+        "The lubricant, which says only which crossings lie in boundary lubrication. In place of "
+        'the table `oil = "NAME"` takes one of the [library](../pipeline/scene/library.toml).'),
+    "friction": Entry(FRICTION_TABLE,
+        "Friction, by which the temperature rises. It takes effect after the simulation: `irg "
+        "boundary --friction` changes it at no cost."),
+    "temperature": Entry(TEMPERATURES,
+        "Temperatures that decide about wear. They take effect after the simulation, as friction "
+        "does."),
+    "fidelity": Optional(Table({
+        "preset": Optional(PRESET,
+            'Preset to begin with: "draft" is the fastest, "reference" the best.',
+            default=USUAL_PRESET),
+        **FIDELITY,
+    }), "Numerical choices: a preset, and single choices in place of its own; the preset "
+        '"standard" without the table.'),
+    "sweep": Entry(SWEEP, "The points of the load–velocity plane to compute."),
+    "unknown": Optional(UNKNOWN,
+        "Inputs that are not known exactly, by the paths of their entries: normal by mean and "
+        "standard deviation, log-normal by median and the factor within which two thirds lie, "
+        "uniform between two values, or a list of values that are as likely. `correlated` in a "
+        "table gives others by their paths, each with its correlation: that of the normal scores, "
+        "which are the values of a normal input and the logarithms of a log-normal one.",
+        example={"temperature.critical": {"mean": "145 degC", "sd": "8 K"}}),
+    "measured": Optional(List(Either(TRANSITION, LOG, when=_has("file"))),
+        "Transitions that were measured, each a table `[[measured]]`: drawn in the diagram, and "
+        "what `irg infer` goes by.", default=()),
+    "tested": Optional(List(Either(TEST, LOG, when=_has("file"))),
+        "Tests that stayed mild or turned severe, each a table `[[tested]]`, or rows of a log in "
+        "CSV; what `irg infer` of samples goes by, too.", default=()),
+})
+SCENE = Entry(FORMAT, "The file itself, above its first table.")
+# fmt: on

@@ -1,7 +1,7 @@
-"""Kinds of single values: what each allows, and how it is read.
+"""Kinds of single values: the values allowed, and reading them.
 
-Reading a value gives it as the program wants it; or None, and a `Fault` that says what is wrong.
-``str(kind)`` says what is allowed.
+Reading gives a value as the program wants it; or None, and a fault. ``str(kind)`` says what is
+allowed.
 """
 
 from __future__ import annotations
@@ -12,8 +12,7 @@ from dataclasses import dataclass
 from decimal import Decimal
 from typing import Any
 
-from pipeline.scene.entries import did_you_mean, quoted
-from pipeline.scene.faults import Fault
+from pipeline.scene.faults import Faults, did_you_mean, quoted
 from pipeline.scene.units import UnitError, exact_si
 
 _LARGEST = 1e300
@@ -26,26 +25,16 @@ class UnfitError(Exception):
 class Kind(ABC):
     """Values allowed at one place of a file."""
 
-    def read(self, value: object, place: str, faults: list[Fault]) -> Any:
-        """Read a value; None if it is faulty.
-
-        Parameters
-        ----------
-        value : object
-            Value as TOML has it.
-        place : str
-            Key path of the value.
-        faults : list of Fault
-            List to which every fault found is added.
-        """
+    def read(self, value: object, place: str, faults: Faults) -> Any:
+        """Value at a key path as the program wants it; None, and a fault, if it is faulty."""
         try:
             return self._read(value, place, faults)
         except UnfitError as problem:
-            faults.append(Fault(place, f"{problem}; give {self}"))
+            faults.note(place, f"{problem}; give {self}")
             return None
 
     @abstractmethod
-    def _read(self, value: Any, place: str, faults: list[Fault]) -> Any:
+    def _read(self, value: Any, place: str, faults: Faults) -> Any:
         """Raise `UnfitError` if the value as a whole is wrong; note the faults of its parts."""
 
 
@@ -56,7 +45,7 @@ class Text(Kind):
     def __str__(self) -> str:
         return "text in quotes"
 
-    def _read(self, value: Any, place: str, faults: list[Fault]) -> str:
+    def _read(self, value: Any, place: str, faults: Faults) -> str:
         if not isinstance(value, str):
             raise UnfitError(f"{quoted(value)} is not text")
         if not value:
@@ -73,7 +62,7 @@ class Flag(Kind):
     def __str__(self) -> str:
         return "true or false"
 
-    def _read(self, value: Any, place: str, faults: list[Fault]) -> bool:
+    def _read(self, value: Any, place: str, faults: Faults) -> bool:
         if not isinstance(value, bool):
             raise UnfitError(f"{quoted(value)} is neither true nor false")
         return value
@@ -89,7 +78,7 @@ class Choice(Kind):
         *others, last = map(quoted, self.options)
         return f"{', '.join(others)} or {last}"
 
-    def _read(self, value: Any, place: str, faults: list[Fault]) -> str:
+    def _read(self, value: Any, place: str, faults: Faults) -> str:
         if not isinstance(value, str):
             raise UnfitError(f"{quoted(value)} is not text")
         if value not in self.options:
@@ -109,7 +98,7 @@ class Number(Kind):
     def __str__(self) -> str:
         return f"a number without a unit{self._limits()}"
 
-    def _read(self, value: Any, place: str, faults: list[Fault]) -> float:
+    def _read(self, value: Any, place: str, faults: Faults) -> float:
         if isinstance(value, bool) or not isinstance(value, int | float):
             raise UnfitError(f"{quoted(value)} is not a plain number")
         fits = self.above < value < self.below and self.at_least <= value <= self.at_most
@@ -135,7 +124,7 @@ class Whole(Number):
     def __str__(self) -> str:
         return f"a whole number{self._limits()}"
 
-    def _read(self, value: Any, place: str, faults: list[Fault]) -> int:
+    def _read(self, value: Any, place: str, faults: Faults) -> int:
         if isinstance(value, bool) or not isinstance(value, int):
             raise UnfitError(f"{quoted(value)} is not a whole number")
         super()._read(value, place, faults)
@@ -143,19 +132,23 @@ class Whole(Number):
 
 
 @dataclass(frozen=True)
-class Quantity(Kind):
-    """A positive number with a unit, read as its value in SI.
+class Scalar(Kind):
+    """A number, or a quantity whose dimension another entry fixes."""
 
-    Parameters
-    ----------
-    name : str
-        Name of the quantity, with its article.
-    example : str
-        Example of it, which fixes the dimension.
-    zero : bool
-        True if 0 is allowed.
-    exact : bool
-        True if the value is kept as a decimal, without rounding.
+    def __str__(self) -> str:
+        return "a number, or a quantity in quotes"
+
+    def _read(self, value: Any, place: str, faults: Faults) -> float | int | str:
+        if isinstance(value, bool) or not isinstance(value, int | float | str):
+            raise UnfitError(f"{quoted(value)} is neither a number nor a quantity")
+        return value
+
+
+@dataclass(frozen=True)
+class Quantity(Kind):
+    """A number above 0 with a unit, read in SI; its example fixes the dimension.
+
+    Where `zero` is true it may be 0; where `exact` is true it is read as a decimal.
     """
 
     name: str
@@ -167,7 +160,7 @@ class Quantity(Kind):
         limit = "of at least 0" if self.zero else "above 0"
         return f"{self.name} {limit}, such as {quoted(self.example)}"
 
-    def _read(self, value: Any, place: str, faults: list[Fault]) -> float | Decimal:
+    def _read(self, value: Any, place: str, faults: Faults) -> float | Decimal:
         if not isinstance(value, str):
             raise UnfitError(f"{quoted(value)} has no unit")
         try:
@@ -190,7 +183,7 @@ class Unit(Kind):
     def __str__(self) -> str:
         return f"{self.name}, such as {quoted(self.example)}"
 
-    def _read(self, value: Any, place: str, faults: list[Fault]) -> float:
+    def _read(self, value: Any, place: str, faults: Faults) -> float:
         try:
             return float(exact_si(f"1 {value}", like=f"1 {self.example}"))
         except UnitError as error:

@@ -14,8 +14,7 @@ import tomllib
 from importlib import resources
 from typing import Any
 
-from pipeline.scene.entries import entry_at, joined, quoted
-from pipeline.scene.faults import Fault
+from pipeline.scene.faults import Fault, Faults, joined, quoted
 from pipeline.sweep.model import FromLibrary
 
 _WHOLE = {
@@ -35,24 +34,9 @@ def library() -> dict[str, Any]:
 
 
 def with_library(
-    entries: dict[str, Any], faults: list[Fault]
+    entries: dict[str, Any], faults: Faults
 ) -> tuple[dict[str, Any], tuple[FromLibrary, ...]]:
-    """Add what a scene takes from the library.
-
-    Parameters
-    ----------
-    entries : dict
-        Entries of the scene, as TOML has them.
-    faults : list of Fault
-        List to which a fault is added for every name that the library does not have.
-
-    Returns
-    -------
-    entries : dict
-        The scene's entries, and those of the library that it has not.
-    taken : tuple of FromLibrary
-        The latter alone, with their sources.
-    """
+    """The entries of a scene with those that it takes from the library, and the latter alone."""
     taken: list[FromLibrary] = []
     entries = dict(entries)
     oil = entries.get("oil")
@@ -64,8 +48,9 @@ def with_library(
     if not isinstance(tables, dict):
         return entries, tuple(taken)
     for body in ("pin", "disk"):
-        name = entry_at(entries, f"{body}.material") if _is_table(entries, body) else None
-        if _is_known(name) and name not in tables:
+        table = entries.get(body)
+        name = table.get("material") if isinstance(table, dict) else None
+        if _has_material(name) and name not in tables:
             tables = {name: dict[str, Any](), **tables}
     if tables:
         entries["materials"] = {
@@ -74,7 +59,7 @@ def with_library(
     return entries, tuple(taken)
 
 
-def without_consequences(faults: list[Fault]) -> list[Fault]:
+def without_consequences(faults: Faults) -> list[Fault]:
     """The faults but for entries that are missing only because a ``like`` is wrong."""
     wrong = tuple(fault.key.removesuffix("like") for fault in faults if fault.key.endswith(".like"))
     return [
@@ -85,7 +70,7 @@ def without_consequences(faults: list[Fault]) -> list[Fault]:
 
 
 def nearest(name: str, kind: str) -> str:
-    """Say which names of the library are near a name, or all of them if none is."""
+    """Names of the library near a name, as a question; or all of them if none is."""
     names = list(library()[kind])
     near = [other for other in names if name.lower() in other.lower()] or difflib.get_close_matches(
         name, names, n=3, cutoff=0.5
@@ -95,20 +80,16 @@ def nearest(name: str, kind: str) -> str:
     return f"the library has {', '.join(map(quoted, names))}"
 
 
-def _is_table(entries: dict[str, Any], key: str) -> bool:
-    return isinstance(entries.get(key), dict)
-
-
-def _is_known(name: Any) -> bool:
+def _has_material(name: Any) -> bool:
     return isinstance(name, str) and name in library()["materials"]
 
 
-def _material(name: str, table: Any, taken: list[FromLibrary], faults: list[Fault]) -> Any:
+def _material(name: str, table: Any, taken: list[FromLibrary], faults: Faults) -> Any:
     """A table of ``[materials]``, filled from the library if it is to be."""
     if not isinstance(table, dict):
         return table
-    own_name = name if _is_known(name) and not set(table) >= _WHOLE else None
-    like = table.get("like", own_name)
+    usual = name if _has_material(name) and not set(table) >= _WHOLE else None
+    like = table.get("like", usual)
     return _filled(table, like, "materials", joined("materials", name), taken, faults)
 
 
@@ -118,7 +99,7 @@ def _filled(
     kind: str,
     place: str,
     taken: list[FromLibrary],
-    faults: list[Fault],
+    faults: Faults,
 ) -> dict[str, Any]:
     """The entries of a table, and those that it lacks from an entry of the library."""
     if not isinstance(like, str) or not like:
@@ -126,7 +107,7 @@ def _filled(
     usual = library()[kind].get(like)
     if usual is None:
         problem = f"{quoted(like)} is not in the library ({nearest(like, kind)}); give a name of it"
-        faults.append(Fault(f"{place}.like", problem))
+        faults.note(f"{place}.like", problem)
         return table
     has_viscosity = any(key in table for key in _VISCOSITY)
     added = {}

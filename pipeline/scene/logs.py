@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from pipeline.scene.document import Document
-from pipeline.scene.faults import Fault
+from pipeline.scene.faults import Faults
 from pipeline.scene.kinds import Kind
 from pipeline.scene.schema import Table
 
@@ -25,7 +25,7 @@ def with_rows(
     key: str,
     row_of: Table,
     document: Document,
-    faults: list[Fault],
+    faults: Faults,
     notes: list[str],
 ) -> dict[str, Any]:
     """Put the rows of log files in the place of the tables that name them.
@@ -56,20 +56,20 @@ def with_rows(
         at = f"{key}[{number}].file"
         if others := [f'"{name}"' for name in entry if name != "file"]:
             problem = f"stands beside {', '.join(others)}; give these as columns of the file"
-            faults.append(Fault(at, problem))
+            faults.note(at, problem)
         path = document.file_of(key).parent / entry["file"]
         try:
             rows += _rows(path, at, row_of, faults, notes)
         except (OSError, UnicodeDecodeError) as error:
             reason = getattr(error, "strerror", None) or "not in UTF-8"
-            faults.append(Fault(at, f"{path} cannot be read: {reason}; give a CSV file in UTF-8"))
+            faults.note(at, f"{path} cannot be read: {reason}; give a CSV file in UTF-8")
     if listed and not rows:  # all are faulty, which is said already
         return {name: value for name, value in entries.items() if name != key}
     return entries | {key: rows}
 
 
 def _rows(
-    path: Path, at: str, row_of: Table, faults: list[Fault], notes: list[str]
+    path: Path, at: str, row_of: Table, faults: Faults, notes: list[str]
 ) -> list[dict[str, Any]]:
     """Rows of a file as tables of a scene; faults are named by row and column."""
     text = path.read_text(encoding="utf-8-sig")
@@ -81,7 +81,7 @@ def _rows(
     ]
     if len(lines) < 2:
         problem = f'{path} has no rows; begin it with a line such as "load [N],velocity [m/s]"'
-        faults.append(Fault(at, problem))
+        faults.note(at, problem)
         return []
     columns = dict(enumerate(map(_named, lines[0][1])))
     if unused := [name for name, _ in columns.values() if name not in row_of.keys]:
@@ -90,20 +90,20 @@ def _rows(
     for number, cells in lines[1:]:
         if len(cells) != len(columns):
             problem = f"{path.name}, row {number}: {len(cells)} cells below {len(columns)} headings"
-            faults.append(Fault(at, problem))
+            faults.note(at, problem)
             continue
         row = {
             name: _value(cell.strip(), unit, row_of.keys[name])
             for (name, unit), cell in zip(columns.values(), cells, strict=True)
             if name in row_of.keys and cell.strip()
         }
-        wrong: list[Fault] = []
+        wrong = Faults()
         row_of.read(row, "", wrong)
         place = f"{path.name}, row {number}"
         for key, problem, _ in wrong:
             if "has no unit" in problem:
                 problem += f"; or the unit of the column in its heading, such as {key} [...]"
-            faults.append(Fault(at, f"{place}, {key or 'row'}: {problem}"))
+            faults.note(at, f"{place}, {key or 'row'}: {problem}")
         if not wrong:
             rows.append(row)
     return rows

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import tribo
-from pipeline.scene.entries import quoted
-from pipeline.scene.format import FORMAT
+from pipeline.scene.faults import quoted
+from pipeline.scene.format import SCENE
 from pipeline.scene.kinds import Kind, Quantity
-from pipeline.scene.meanings import MEANINGS, TABLES, VARIANTS
-from pipeline.scene.schema import Either, List, Optional, Table, Tables
+from pipeline.scene.schema import Either, Entry, List, Optional, Table, Tables
 
 _HEAD = """# The scene file
 
@@ -29,60 +28,58 @@ editors complete and explain the entries of a scene that begins with `#:schema .
 
 @dataclass(frozen=True, slots=True)
 class Section:
-    """A table of the format.
-
-    Attributes
-    ----------
-    path : str
-        Path of the table; empty for the file itself.
-    forms : tuple of Table
-        The table; or both, where it has either of two forms, the usual one first.
-    is_needed : bool
-        True if a scene has to have it.
-    is_list : bool
-        True if there may be several, each in double brackets.
-    """
+    """A table of the format: its path, empty for the file itself, and its entry."""
 
     path: str
-    forms: tuple[Table, ...]
-    is_needed: bool
-    is_list: bool = False
+    entry: Entry
+
+    @property
+    def is_list(self) -> bool:
+        """True if there may be several of the table, each in double brackets."""
+        return isinstance(self.entry.kind, List)
 
     @property
     def header(self) -> str:
         """The line that begins it in a file."""
         return f"[[{self.path}]]" if self.is_list else f"[{self.path}]"
 
-    def keys(self) -> dict[str, tuple[Kind | Optional, str]]:
-        """Keys that hold a value, each with its kind and the form that it belongs to, if to one."""
-        entries = {}
-        for form, table in enumerate(self.forms):
+    def form_of(self, values: Mapping[str, Any]) -> str:
+        """Name of the form that a table of these values has; empty if it has but one."""
+        kind = self.entry.kind.of if isinstance(self.entry.kind, List) else self.entry.kind
+        usual, *others = forms_of(kind)
+        if isinstance(kind, Either) and kind.when(values):
+            return others[0].form
+        return usual.form
+
+    def keys(self) -> dict[str, tuple[Entry, str]]:
+        """Keys that hold a value, each with the form that it belongs to, if to one of two."""
+        forms = forms_of(self.entry.kind)
+        keys: dict[str, tuple[Entry, str]] = {}
+        for table in forms:
             for key, entry in table.keys.items():
-                if forms_of(kind_of(entry)) or key in entries:
-                    continue
-                everywhere = all(key in other.keys for other in self.forms)
-                entries[key] = entry, "" if everywhere else VARIANTS[self.path][form]
-        return entries
+                if not forms_of(entry.kind):
+                    everywhere = all(key in other.keys for other in forms)
+                    keys.setdefault(key, (entry, "" if everywhere else table.form))
+        return keys
 
     def path_of(self, key: str) -> str:
         """Path of a key of the table."""
         return f"{self.path}.{key}" if self.path else key
 
 
-def sections(kind: Kind = FORMAT, path: str = "", is_needed: bool = True) -> Iterator[Section]:
+def sections(entry: Entry = SCENE, path: str = "") -> Iterator[Section]:
     """All tables of a format, each before those within it."""
-    forms = forms_of(kind)
-    if isinstance(kind, Tables):
+    if isinstance(entry.kind, Tables):
         path += ".NAME"
-    yield Section(path, forms, is_needed, isinstance(kind, List))
-    for key, entry in {key: entry for form in forms for key, entry in form.keys.items()}.items():
-        if forms_of(kind_of(entry)):
-            inner = f"{path}.{key}" if path else key
-            yield from sections(kind_of(entry), inner, not isinstance(entry, Optional))
+    section = Section(path, entry)
+    yield section
+    for key, inner in {k: e for form in forms_of(entry.kind) for k, e in form.keys.items()}.items():
+        if forms_of(inner.kind):
+            yield from sections(inner, section.path_of(key))
 
 
 def forms_of(kind: Kind) -> tuple[Table, ...]:
-    """The tables that a kind allows; none if it is that of a value."""
+    """The tables that a kind allows, the usual one first; none if it is that of a value."""
     match kind:
         case Table():
             return (kind,)
@@ -90,9 +87,18 @@ def forms_of(kind: Kind) -> tuple[Table, ...]:
             return (of,)
         case Either(Table() as usual, Table() as other):
             return (usual, other)
-        case List(Either(Table() as usual, Table() as other)):
-            return (usual, other)
+        case List(Either() as either):
+            return forms_of(either)
     return ()
+
+
+def meanings() -> dict[str, str]:
+    """Sentence on each key, by its path; NAME stands for a name of the user's choice."""
+    return {
+        section.path_of(key): entry.meaning
+        for section in sections()
+        for key, (entry, _) in section.keys().items()
+    }
 
 
 def page() -> str:
@@ -100,11 +106,11 @@ def page() -> str:
     parts = [_HEAD]
     for section in sections():
         title = f"`{section.header}`" if section.path else "Top of the file"
-        need = "" if section.is_needed else " May be left out."
-        parts.append(f"## {title}\n\n{TABLES[section.path]}{need}\n")
+        need = " May be left out." if isinstance(section.entry, Optional) else ""
+        parts.append(f"## {title}\n\n{section.entry.meaning}{need}\n")
         rows = [
-            f"| `{key}` | {_cell(kind_of(entry))} | {_default_cell(section, entry, form)} | "
-            f"{MEANINGS[section.path_of(key)]} |"
+            f"| `{key}` | {_cell(entry.kind)} | {_default_cell(section, entry, form)} | "
+            f"{entry.meaning} |"
             for key, (entry, form) in section.keys().items()
         ]
         if rows:
@@ -125,19 +131,21 @@ def _presets() -> str:
     return "\n".join(["## Presets\n", about, *heads, *rows, ""])
 
 
-def _default_cell(section: Section, entry: Kind | Optional, form: str) -> str:
+def _default_cell(section: Section, entry: Entry, form: str) -> str:
     if not isinstance(entry, Optional):
         words = "needed"
     elif section.path == "fidelity" and entry.default is None:
         words = "the preset's"
     else:
-        is_said = entry.default not in (None, math.inf)
-        words = f"`{written(entry.default, entry.kind)}`" if is_said else "–"
+        usual = written(entry.default, entry.kind)
+        words = f"`{usual}`" if usual else "–"
     return f"{words} ({form})" if form else words
 
 
 def written(value: Any, kind: Kind | None = None) -> str:
-    """Write a default as a scene file would."""
+    """A default as a scene file would have it; empty for none."""
+    if value in (None, (), {}, math.inf):
+        return ""
     match kind:
         case List(of) if isinstance(value, tuple):
             return f"[{', '.join(written(item, of) for item in value)}]"
@@ -148,11 +156,6 @@ def written(value: Any, kind: Kind | None = None) -> str:
 
 def _cell(kind: Kind) -> str:
     return str(kind).replace("|", "\\|")
-
-
-def kind_of(entry: Kind | Optional) -> Kind:
-    """The kind of a key's value, which may be left out or not."""
-    return entry.kind if isinstance(entry, Optional) else entry
 
 
 if __name__ == "__main__":

@@ -10,9 +10,8 @@ import numpy as np
 
 import tribo
 from pipeline.scene.document import Document
-from pipeline.scene.entries import entry_at, quoted
-from pipeline.scene.faults import Fault
-from pipeline.scene.own import own_of
+from pipeline.scene.faults import Faults, entry_at, quoted
+from pipeline.scene.parts import own_of
 from pipeline.scene.quantities import display
 from pipeline.scene.surfaces import (
     PLAIN,
@@ -27,7 +26,7 @@ from pipeline.scene.surfaces import (
 from tribo.types import Array
 
 
-def realizations_of(tables: dict[str, Any], faults: list[Fault]) -> tuple[int, ...]:
+def realizations_of(tables: dict[str, Any], faults: Faults) -> tuple[int, ...]:
     """Seeds of the random surfaces: those listed, or a number of them from the surface's own on.
 
     The first becomes the scene's own.
@@ -37,17 +36,17 @@ def realizations_of(tables: dict[str, Any], faults: list[Fault]) -> tuple[int, .
         return ()
     rough = entry_at(tables, "disk.roughness")
     if rough is None or "file" in rough:
-        if not _is_faulty("disk.roughness", faults):
+        if not faults.touch("disk.roughness"):
             surface = "smooth" if rough is None else "measured"
             asked = wanted if isinstance(wanted, int) else list(wanted)
-            problem = (
+            faults.note(
+                "sweep.realizations",
                 f"{quoted(asked)} does not fit a {surface} disk; leave it out, or give a "
-                "[disk.roughness] that is made from a seed"
+                "[disk.roughness] that is made from a seed",
             )
-            faults.append(Fault("sweep.realizations", problem))
         return ()
     if isinstance(wanted, int):
-        first = entry_at(tables, "disk.roughness.seed") or 0
+        first = rough["seed"] or 0
         return tuple(range(first, first + wanted))
     seeds = tuple(sorted(wanted))
     rough["seed"] = seeds[0]
@@ -55,18 +54,15 @@ def realizations_of(tables: dict[str, Any], faults: list[Fault]) -> tuple[int, .
 
 
 def roughness_of(
-    tables: dict[str, Any], document: Document, faults: list[Fault], notes: list[str]
+    tables: dict[str, Any], document: Document, faults: Faults, notes: list[str]
 ) -> tribo.SelfAffineRoughness | tribo.MeasuredRoughness | tribo.Surface | None:
-    """Make the disk's roughness; None if there is none, or a faulty one."""
-    table = entry_at(tables, "disk.roughness")
-    surface = entry_at(tables, "disk.surface")
-    if surface and surface["law"]:
-        return _own_surface(surface, table, faults)
-    if table is None:
+    """The disk's roughness; None if there is none, or a faulty one."""
+    table, own = entry_at(tables, "disk.roughness"), entry_at(tables, "disk.surface")
+    if own:
+        return _own_surface(own, table, faults)
+    if table is None or faults.touch("disk.roughness"):
         return None
     if "file" in table:
-        if _is_faulty("disk.roughness.", faults):
-            return None
         folder = document.file_of("disk.roughness.file").parent
         surface = _surface(folder / table["file"], table["height_unit"], faults)
         if surface is None:
@@ -74,40 +70,28 @@ def roughness_of(
         surface = oriented(surface, table["transpose"], table["flip"])
         heights = _fitted_heights(surface, table, tables["window"], faults, notes)
         return None if heights is None else tribo.MeasuredRoughness(heights)
-    if None in table.values():
-        return None
     length = table["correlation_length"]
     pair = length if isinstance(length, tuple) else (length, length)
     return tribo.SelfAffineRoughness(**{**table, "correlation_length": pair})
 
 
-def _own_surface(
-    surface: dict[str, Any], roughness: Any, faults: list[Fault]
-) -> tribo.Surface | None:
+def _own_surface(table: dict[str, Any], roughness: Any, faults: Faults) -> tribo.Surface | None:
     if roughness is not None:
         problem = "there is a [disk.roughness], too; leave out one of them"
-        faults.append(Fault("disk.surface", problem))
+        faults.note("disk.surface", problem)
         return None
-    try:
-        own: Any = own_of("disk.surface", surface)
-    except tribo.InputError as error:
-        faults.append(Fault("disk.surface.law", str(error).partition(": ")[2]))
-        return None
-    if hasattr(own, "heights"):
+    own = own_of("disk.surface", table, faults)
+    if own is None or hasattr(own, "heights"):
         return cast(tribo.Surface, own)
-    faults.append(Fault("disk.surface.law", f"{own!r} has no heights; see tribo.Surface"))
+    faults.note("disk.surface.law", f"{own!r} has no heights; see tribo.Surface")
     return None
 
 
-def _is_faulty(key: str, faults: list[Fault]) -> bool:
-    return any(fault.key.startswith(key) for fault in faults)
-
-
-def _surface(file: Path, unit: float | None, faults: list[Fault]) -> Surface | None:
+def _surface(file: Path, unit: float | None, faults: Faults) -> Surface | None:
     """Read a measured surface; None if that fails."""
     if unit is None and file.suffix.lower() in PLAIN:
         problem = f'missing; {file.suffix} files need a unit of length, such as "um"'
-        faults.append(Fault("disk.roughness.height_unit", problem))
+        faults.note("disk.roughness.height_unit", problem)
         return None
     try:
         return read_surface(file, unit)
@@ -115,7 +99,7 @@ def _surface(file: Path, unit: float | None, faults: list[Fault]) -> Surface | N
         problem = str(error)
     except Exception as error:  # a damaged file makes NumPy raise errors of any kind
         problem = f"{file}: not a plain array of numbers: {error!r}"
-    faults.append(Fault("disk.roughness.file", " ".join(problem.split())))
+    faults.note("disk.roughness.file", " ".join(problem.split()))
     return None
 
 
@@ -123,7 +107,7 @@ def _fitted_heights(
     surface: Surface,
     table: Mapping[str, Any],
     window: Mapping[str, Any] | None,
-    faults: list[Fault],
+    faults: Faults,
     notes: list[str],
 ) -> Array | None:
     """Heights fit for a scene: cropped, without holes, levelled; None if that is impossible."""
@@ -131,7 +115,7 @@ def _fitted_heights(
     if surface.pixel_size and sides and not np.allclose(surface.pixel_size, sides, rtol=0.01):
         size = " × ".join(display(side, "µm") for side in surface.pixel_size)
         problem = f"the pixels of disk.roughness.file are {size}; give those"
-        faults.append(Fault("window.pixel_size", problem))
+        faults.note("window.pixel_size", problem)
     heights = surface.heights
     if table["crop"] is not None and pixels:
         patch = pixels
@@ -142,15 +126,13 @@ def _fitted_heights(
             heights = cropped(heights, table["crop"], patch)
         except tribo.InputError as error:
             problem = f"{error}; give a lower row and column, or fewer window.pixels"
-            faults.append(Fault("disk.roughness.crop", problem))
+            faults.note("disk.roughness.crop", problem)
             return None
     holes = np.argwhere(~np.isfinite(heights))
     if len(holes):
         row, column = holes[0].tolist()
         if len(holes) == heights.size:
-            faults.append(
-                Fault("disk.roughness.file", "all heights are missing; give another file")
-            )
+            faults.note("disk.roughness.file", "all heights are missing; give another file")
             return None
         share = f"{len(holes)} of {heights.size} heights ({100 * len(holes) / heights.size:.2g} %)"
         if table["missing"] == "refuse":
@@ -158,7 +140,7 @@ def _fitted_heights(
                 f"{share} are missing, the first at row {row}, column {column} (counted from 0); "
                 'crop them off, or give "fill"'
             )
-            faults.append(Fault("disk.roughness.missing", problem))
+            faults.note("disk.roughness.missing", problem)
             return None
         notes.append(f"disk.roughness.file: {share} are missing and were filled from around them")
         heights = filled(heights)

@@ -14,25 +14,20 @@ from typing import Any
 
 import tribo
 from pipeline.scene.consistency import check_tables
-from pipeline.scene.corrections import corrections_of
-from pipeline.scene.document import Document, read_document, with_entries
-from pipeline.scene.entries import did_you_mean, entry_at, joined
-from pipeline.scene.faults import Fault, SceneFileError
+from pipeline.scene.document import read_document, with_entries
+from pipeline.scene.faults import Faults, SceneFileError, did_you_mean, entry_at, joined
 from pipeline.scene.format import FIDELITY, FORMAT, PRESET, TEST, TRANSITION, USUAL_PRESET
 from pipeline.scene.library import with_library, without_consequences
 from pipeline.scene.logs import with_rows
-from pipeline.scene.oil import oil_of
-from pipeline.scene.own import own_of
+from pipeline.scene.parts import corrections_of, loading_of, oil_of, pin_of, wear_of
+from pipeline.scene.reference import sections
 from pipeline.scene.roughness import realizations_of, roughness_of
 from pipeline.scene.schema import Table
 from pipeline.scene.shipped import scene_path
-from pipeline.scene.unknown import samples_of
+from pipeline.scene.unknown import Original, samples_of
 from pipeline.scene.wear_rates import with_velocities_for_rates
 from pipeline.sweep.conditions import Conditions, of_bulks
 from pipeline.sweep.model import Measurement, Sweep
-
-Loading = tribo.Ramp | tribo.MeasuredLoad
-Pin = tribo.Cylinder | tribo.Ball | tribo.Crowned
 
 
 def load_scene(
@@ -69,8 +64,7 @@ def load_scene(
     """
     arguments = _arguments(path, preset, overrides or {})
     path = scene_path(path)
-    faults: list[Fault] = []
-    notes: list[str] = []
+    faults, notes = Faults(), list[str]()
     overrides = {key.removeprefix("fidelity."): value for key, value in (overrides or {}).items()}
     entries_set = {key: overrides.pop(key) for key in list(overrides) if _is_entry(key)}
     document = with_entries(read_document(path, faults), entries_set, faults)
@@ -82,25 +76,25 @@ def load_scene(
     fidelity, preset = _fidelity(tables["fidelity"] or {}, preset, overrides, faults)
     realizations = realizations_of(tables, faults)
     roughness = roughness_of(tables, document, faults, notes)
-    loading = _loading(tables["loading"], document, faults, notes)
+    loading = loading_of(tables["loading"], document, faults, notes)
 
-    def build(other: dict[str, Any], wrong: list[Fault]) -> Sweep | None:
-        """The sweep of these entries, of which few differ from those found."""
-        surface = roughness
+    def build(other: dict[str, Any], wrong: Faults) -> Sweep | None:
+        """The sweep of tables, few of which differ from those of the file."""
+        surface, load = roughness, loading
         if entry_at(other, "disk.roughness") is not entry_at(tables, "disk.roughness"):
             surface = roughness_of(other, document, wrong, [])
-        ramp = loading
         if other["loading"] is not tables["loading"]:
-            ramp = _loading(other["loading"], document, wrong, [])
-        oil = oil_of(other, wrong)
+            load = loading_of(other["loading"], document, wrong, [])
         check_tables(other, fidelity, surface, wrong)
-        if wrong or ramp is None:
+        oil, wear = oil_of(other["oil"], wrong), wear_of(other["wear"], wrong)
+        if wrong or load is None:
             return None
         return Sweep(
-            **_entries(path.stem, other),
-            loading=ramp,
+            **_sound_entries(path.stem, other),
+            loading=load,
             roughness=surface,
             oil=oil,
+            wear=wear,
             realizations=realizations,
             fidelity=fidelity,
             preset=preset,
@@ -113,7 +107,7 @@ def load_scene(
         sweep = build(tables, faults)
         if sweep is not None:
             sweep = with_velocities_for_rates(sweep, notes)
-            samples = samples_of(entries, tables, sweep, build, faults, notes)
+            samples = samples_of(Original(entries, tables, sweep, build), faults, notes)
             sweep = replace(sweep, samples=samples, notes=tuple(notes))
     except (tribo.InputError, tribo.InvariantError) as error:
         raise SceneFileError(path, [str(error)]) from error
@@ -169,15 +163,12 @@ def scene_entry(
     '25 degC'
     """
     replaced = {name: value for name, value in (overrides or {}).items() if _is_entry(name)}
-    document = with_entries(read_document(scene_path(path), []), replaced, [])
-    return entry_at(with_library(document.entries(), [])[0], key)
+    document = with_entries(read_document(scene_path(path), Faults()), replaced, Faults())
+    return entry_at(with_library(document.entries(), Faults())[0], key)
 
 
 def _fidelity(
-    table: Mapping[str, Any],
-    preset: str | None,
-    overrides: Mapping[str, Any],
-    faults: list[Fault],
+    table: Mapping[str, Any], preset: str | None, overrides: Mapping[str, Any], faults: Faults
 ) -> tuple[tribo.Fidelity, str | None]:
     """Choose the fidelity; name its preset if it equals that."""
     wanted = PRESET.read(preset, "preset", faults) if preset is not None else None
@@ -189,7 +180,7 @@ def _fidelity(
             f"unknown key{did_you_mean(key, [*FIDELITY, *_paths()])}; give one of "
             f"{', '.join(FIDELITY)}; or an entry such as wear.pattern, loading.hold or title"
         )
-        faults.append(Fault(key, problem))
+        faults.note(key, problem)
     fields = {key: value for key, value in overrides.items() if key in FIDELITY}
     last = Table(FIDELITY).read(fields, "", faults)
     for where, values, counts in (("fidelity", entries, preset is None), ("", last, True)):
@@ -199,7 +190,7 @@ def _fidelity(
             try:
                 changed = replace(fidelity, **{key: value})
             except tribo.InputError as error:
-                faults.append(Fault(joined(where, key), str(error)))
+                faults.note(joined(where, key), str(error))
             else:
                 fidelity = changed if counts else fidelity
     return fidelity, name if fidelity == tribo.PRESETS[name] else None
@@ -211,60 +202,17 @@ def _is_entry(key: str) -> bool:
 
 
 def _paths() -> list[str]:
-    """Paths of the entries that overrides may name."""
-    from pipeline.scene.meanings import MEANINGS  # for the sake of a fault alone
-
-    apart = (
-        "fidelity.",
-        "materials.NAME.",
-        "measured.",
-        "tested.",
-        "friction.by_velocity.",
-        "extends",
-    )
-    return [path for path in MEANINGS if not path.startswith(apart)]
+    """Paths of the entries that overrides may name, but those of the fidelity."""
+    return [
+        section.path_of(key)
+        for section in sections()
+        for key in section.keys()  # noqa: SIM118
+        if not (section.is_list or "NAME" in section.path or section.path == "fidelity")
+        and key != "extends"
+    ]
 
 
-def _loading(
-    table: Mapping[str, Any] | None, document: Document, faults: list[Fault], notes: list[str]
-) -> Loading | None:
-    """Make the loading; None if it is faulty."""
-    if table is None or any(
-        entry is None for key, entry in table.items() if key not in ("reference_load", "hold_steps")
-    ):
-        return None
-    try:
-        if "file" not in table:
-            return tribo.Ramp(**table) if table["reference_load"] else None
-        folder = document.file_of("loading.file").parent
-        record = tribo.read_load(folder / table["file"], table["reference_load"])
-        if not table["fit"]:
-            return record
-        rate, onset = record.linear_fit()
-    except tribo.InputError as error:
-        key = "loading.file" if "file" in table else "loading"
-        faults.append(Fault(key, " ".join(str(error).split())))
-        return None
-    notes.append(f"loading.file: fitted by {rate:.4g} N/s from {round(onset, 3) + 0:g} s on")
-    return record.ramp()
-
-
-def _pin(table: Mapping[str, Any], material: tribo.Material) -> Pin:
-    match table["shape"]:
-        case "cylinder":
-            return tribo.Cylinder(table["radius"], table["length"], material)
-        case "crowned":
-            return tribo.Crowned(table["radius"], table["crown_radius"], material)
-    return tribo.Ball(table["radius"], material)
-
-
-def _wear(table: Mapping[str, Any] | None) -> Any:
-    if table is None:
-        return None
-    return own_of("wear", table) if "law" in table else tribo.Wear(**table)
-
-
-def _entries(name: str, tables: dict[str, Any]) -> dict[str, Any]:
+def _sound_entries(name: str, tables: dict[str, Any]) -> dict[str, Any]:
     """Fields of the sweep that follow from sound entries alone."""
     materials = {
         name: tribo.Material(**{key: value for key, value in table.items() if key != "like"})
@@ -273,7 +221,7 @@ def _entries(name: str, tables: dict[str, Any]) -> dict[str, Any]:
     pin, window, sweep = tables["pin"], tables["window"], tables["sweep"]
     friction, temperature = tables["friction"], tables["temperature"]
     cylinder, periodic_y = pin["shape"] == "cylinder", window["periodic_y"]
-    body, disk = _pin(pin, materials[pin["material"]]), materials[tables["disk"]["material"]]
+    body, disk = pin_of(pin, materials[pin["material"]]), materials[tables["disk"]["material"]]
     bulks = of_bulks(temperature["bulk"])
     return {
         "pin": body,
@@ -284,7 +232,6 @@ def _entries(name: str, tables: dict[str, Any]) -> dict[str, Any]:
             periodic=(False, cylinder if periodic_y is None else periodic_y),
         ),
         "motion": tribo.Motion(**tables["motion"]) if tables["motion"] else None,
-        "wear": _wear(tables["wear"]),
         "friction_heat": max([friction["coefficient"], *(friction["band"] or [])]) > 0,
         "name": name,
         "title": tables["title"] or name,

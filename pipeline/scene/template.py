@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 import re
 import shutil
 import textwrap
@@ -13,30 +12,17 @@ from typing import Any
 
 import tribo
 from pipeline.scene.document import read_document
-from pipeline.scene.entries import did_you_mean, entry_at
-from pipeline.scene.faults import unwritable
-from pipeline.scene.format import USUAL_PRESET
+from pipeline.scene.faults import Faults, did_you_mean, entry_at, unwritable
+from pipeline.scene.format import UNKNOWN, USUAL_PRESET
 from pipeline.scene.kinds import Choice, Flag, Kind, Number, Quantity, Unit, Whole
-from pipeline.scene.meanings import MEANINGS, TABLES, VARIANTS
-from pipeline.scene.reference import Section, kind_of, sections, written
-from pipeline.scene.schema import Distributions, Either, List, Optional
+from pipeline.scene.reference import Section, sections, written
+from pipeline.scene.schema import Either, Entry, List, Optional
 from pipeline.scene.shipped import shipped_scenes
 from tribo import InputError
 
 _WIDTH = 98
 _USUAL = "first_try"
 _FILES = ("disk.roughness.file", "loading.file")
-_EXAMPLES = {
-    "extends": "other.toml",
-    "without": ["wear", "friction.band"],
-    "materials.NAME.like": "AISI 52100",
-    "oil.like": "medicinal white oil",
-    "oil.temperatures": ["40 degC", "100 degC"],
-    "oil.kinematic_viscosity": ["95 mm^2/s", "10.7 mm^2/s"],
-    "oil.dynamic_viscosity": ["83 mPa s", "8.9 mPa s"],
-    "disk.roughness.file": "surface.npy",
-    "loading.file": "load.csv",
-}
 _HEAD = """\
 # A scene to start from. Its entries are those of a steel cylinder on a ground steel disk in white
 # oil: put your own in their place. An entry such as "#hold" is not used; take the # off to use it.
@@ -86,7 +72,7 @@ def new_scene(path: str | Path, like: str | None = None) -> list[Path]:
             f"{', '.join(shipped)}"
         )
     source = shipped[like or _USUAL]
-    entries = read_document(source, []).entries()
+    entries = read_document(source, Faults()).entries()
     if like is None:
         head = _HEAD
         entries |= {"title": "My system", "fidelity": {"preset": USUAL_PRESET}}
@@ -140,66 +126,57 @@ def _section(
     """Lines of one table: all keys with comments, or only those given without."""
     yield ""
     if comment and section.path:
-        yield from _wrapped(_plain(TABLES[section.path]))
+        yield from _wrapped(_plain(section.entry.meaning))
     if header:
         yield header if values is not None else f"#{header}"
     entries = values or {}
-    used = _form(section, entries)
-    keys = section.keys()
-    for key, (entry, form) in keys.items():
-        if form in ("", used) and (comment or key in entries):
+    used = section.form_of(entries)
+    others: dict[str, tuple[Entry, str]] = {}
+    for key, (entry, form) in section.keys().items():
+        if form not in ("", used):
+            others[key] = entry, form
+        elif comment or key in entries:
             yield from _key(section, key, entry, entries, comment)
-    others = {key: entry for key, (entry, form) in keys.items() if form not in ("", used)}
     if others and comment:
-        form = next(form for form in VARIANTS[section.path] if form != used)
+        form = next(iter(others.values()))[1]
         yield from _wrapped(f"Or, for a {form}, in place of the keys of the {used}:")
-        for key, entry in others.items():
+        for key, (entry, _) in others.items():
             yield from _key(section, key, entry, {}, comment)
 
 
-def _form(section: Section, entries: Mapping[str, Any]) -> str:
-    """Form of a table with two forms that some keys are of; empty if it has but one."""
-    if len(section.forms) == 1:
-        return ""
-    usual, other = VARIANTS[section.path]
-    is_other = any(form == other for key, (_, form) in section.keys().items() if key in entries)
-    return other if is_other or str(entries.get("shape")) in other else usual
-
-
 def _key(
-    section: Section, key: str, entry: Kind | Optional, entries: Mapping[str, Any], comment: bool
+    section: Section, key: str, entry: Entry, entries: Mapping[str, Any], comment: bool
 ) -> Iterator[str]:
-    """Lines of one key: what it means and what is allowed, and its value or an example."""
-    kind = kind_of(entry)
+    """Lines of one key: its meaning and the values allowed, and its value or an example."""
     default = entry.default if isinstance(entry, Optional) else None
-    path = section.path_of(key)
     if section.path == "fidelity" and key != "preset":
-        preset = entries.get("preset", USUAL_PRESET)
-        default = getattr(tribo.PRESETS[preset], key)
+        default = getattr(tribo.PRESETS[entries.get("preset", USUAL_PRESET)], key)
     if comment:
-        is_said = default not in (None, (), math.inf)
-        usual = f"; default {written(default, kind)}" if is_said else ""
-        yield from _wrapped(f"{_plain(MEANINGS[path])} Give {kind}{usual}.")
-    value = entries[key] if key in entries else _EXAMPLES.get(path, example(kind, default))
+        usual = written(default, entry.kind)
+        ending = f"; default {usual}" if usual else ""
+        yield from _wrapped(f"{_plain(entry.meaning)} Give {entry.kind}{ending}.")
+    value = entries[key] if key in entries else example(entry, default)
     mark = "" if key in entries else "#"
-    if isinstance(kind, Distributions):  # a line for each, since they are long
+    if entry.kind is UNKNOWN:  # a line for each, since they are long
         for name, distribution in value.items():
             yield f"{mark}{key}.{name} = {_toml(distribution)}"
     else:
         yield f"{mark}{key} = {_toml(value)}"
 
 
-def example(kind: Kind, default: Any = None) -> Any:
-    """Return a value of a kind, as TOML has it: its default, or else one that it allows."""
+def example(entry: Entry, default: Any = None) -> Any:
+    """A value of an entry, as TOML has it: its example, its default, or one that is allowed."""
+    return _allowed(entry.kind, default) if entry.example is None else entry.example
+
+
+def _allowed(kind: Kind, default: Any) -> Any:
     match kind:
         case Quantity() | Unit():
             return kind.example
         case List():
-            return [example(kind.of)] * (kind.length or 1)
-        case Distributions():
-            return {"temperature.critical": {"mean": "145 degC", "sd": "8 K"}}
+            return [_allowed(kind.of, None)] * (kind.length or 1)
         case Either():
-            return example(kind.usual, default)
+            return _allowed(kind.usual, default)
         case Choice():
             return default or kind.options[0]
         case Flag():

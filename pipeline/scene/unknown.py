@@ -9,15 +9,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, fields, replace
-from typing import Any
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 import scipy  # its special functions take 0.2 s to load
 
 from pipeline.scene.correlation import with_correlations
-from pipeline.scene.entries import quoted
-from pipeline.scene.faults import Fault
+from pipeline.scene.faults import Faults, quoted
 from pipeline.scene.format import FORMAT
+from pipeline.scene.schema import Shape
 from pipeline.scene.units import UnitError, si_unit, to_si
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.plan import step_count
@@ -33,171 +33,146 @@ from pipeline.sweep.samples import (
 from pipeline.sweep.unknown import MOST, Kind, Unit, Unknown
 from tribo import InputError, Material, Scene, Wear, inseparable
 
-Build = Callable[[dict[str, Any], list[Fault]], Sweep | None]
-"""Makes a sweep of what the format gives; notes faults."""
-
 _FACTOR = 1.25  # of a wear rate that is known, in which samples of a contact differ all the same
 _FIXED = (
     "sweep", "fidelity", "window", "measured", "tested", "unknown", "title", "extends", "without",
 )  # fmt: skip
-_PAIRS: dict[tuple[str, str], Kind] = {
-    ("mean", "sd"): "normal",
-    ("median", "factor"): "log-normal",
-    ("from", "to"): "uniform",
-}
 _SIGNS = {"degC": "°C", "degF": "°F", "um": "µm"}
 _SHARE, _OF_RATE = "temperature.failing_share", "m s2 kg-1"  # and the unit of a wear rate
 _EVERYWHERE = {"name", "title", "notes"}
-_SIMULATED = {each.name for each in fields(Scene)}
+_SIMULATED = {field.name for field in fields(Scene)}
 _THERMAL = "thermal_conductivity", "density", "specific_heat"
 _DECISIVE = _SIMULATED | {"conditions"}
 
 
+class Original(NamedTuple):
+    """A scene without samples: as TOML has it, as the format reads it, and as a sweep.
+
+    `build` makes a sweep of other tables of the format, and notes their faults.
+    """
+
+    entries: Mapping[str, Any]
+    tables: dict[str, Any]
+    sweep: Sweep
+    build: Callable[[dict[str, Any], Faults], Sweep | None]
+
+
 @dataclass(frozen=True, slots=True)
-class _Entry:
+class _Input:
     """An unknown input, and how the file writes its values: in a unit, as whole numbers or not."""
 
     unknown: Unknown
     unit: str | None
     is_whole: bool
 
-    def found(self, value: float) -> float | int:
+    @property
+    def key(self) -> str:
+        return f"unknown.{quoted(self.unknown.path)}"
+
+    def read(self, value: float) -> float | int:
         """A value as the format gives it."""
         return round(value) if self.is_whole else float(value)
 
     def written(self, value: float) -> str | float | int:
         """A value as it would stand in the file."""
         if self.unit is None:
-            return self.found(value)
+            return self.read(value)
         return f"{self.unknown.shown.of(value):.6g} {self.unit}"
 
 
-def samples_of(
-    entries: Mapping[str, Any],
-    found: dict[str, Any],
-    sweep: Sweep,
-    build: Build,
-    faults: list[Fault],
-    notes: list[str],
-) -> Samples | None:
-    """Draw the samples of a scene; None if it asks for none, or something is wrong.
-
-    Parameters
-    ----------
-    entries : mapping
-        The scene as TOML has it.
-    found : dict
-        Parts of the format that describe it.
-    sweep : Sweep
-        The scene without samples.
-    build : callable
-        Makes a sweep of other entries.
-    faults : list of Fault
-        List to which every fault found is added.
-    notes : list of str
-        List to which is added what to know of a scene that is not sampled.
-    """
-    count, table = found["sweep"]["samples"], found["unknown"]
+def samples_of(original: Original, faults: Faults, notes: list[str]) -> Samples | None:
+    """Samples of a scene; None if it asks for none, or something is wrong."""
+    asked, table = original.tables["sweep"], original.tables["unknown"]
+    count = asked["samples"]
     if count is not None and not table:
         problem = f"{count} does not fit a scene in which all is known; give [unknown], too"
-        faults.append(Fault("sweep.samples", problem))
+        faults.note("sweep.samples", problem)
     if not table:
         return None
-    known = len(faults)
-    if sweep.unequal_bulks:
-        problem = (
+    before = len(faults)
+    if original.sweep.unequal_bulks:
+        faults.note(
+            "temperature.bulk",
             "two temperatures do not go with [unknown], whose probabilities take friction to scale "
-            "the whole rise: give one for both bodies, or leave out [unknown] and use irg vary"
+            "the whole rise: give one for both bodies, or leave out [unknown] and use irg vary",
         )
-        faults.append(Fault("temperature.bulk", problem))
         return None
-    read = [_entry(path, value, faults) for path, value in table.items()]
-    unknown = [entry for entry in read if entry is not None]
-    joint = with_correlations(tuple(entry.unknown for entry in unknown), table, faults)
-    unknown = [replace(entry, unknown=own) for entry, own in zip(unknown, joint, strict=True)]
-    if len(unknown) > MOST:
-        faults.append(Fault("unknown", f"{len(unknown)} inputs are unknown; give {MOST} at most"))
-    layers = [_layer(entry, entries, found, build, sweep, faults) for entry in unknown]
-    if len(faults) > known:
+    read = [_input(path, shape, faults) for path, shape in table.items()]
+    inputs = [one for one in read if one is not None]
+    joint = with_correlations(tuple(one.unknown for one in inputs), table, faults)
+    inputs = [replace(one, unknown=unknown) for one, unknown in zip(inputs, joint, strict=True)]
+    if len(inputs) > MOST:
+        faults.note("unknown", f"{len(inputs)} inputs are unknown; give {MOST} at most")
+    layers = [_layer(one, original, faults) for one in inputs]
+    if len(faults) > before:
         return None
     if count is None:
-        inputs = "1 input" if len(unknown) == 1 else f"{len(unknown)} inputs"
-        notes.append(f"unknown: {inputs} not known exactly; give sweep.samples to draw them")
+        number = "1 input" if len(inputs) == 1 else f"{len(inputs)} inputs"
+        notes.append(f"unknown: {number} not known exactly; give sweep.samples to draw them")
         return None
-    design = _design(unknown, layers, found["sweep"]["sample_seed"], sweep, faults)
-    return _drawn(unknown, design, found, sweep, build, faults) if design else None
+    design = _design(inputs, layers, asked["sample_seed"], original.sweep, faults)
+    return _drawn(inputs, design, count, original, faults) if design else None
 
 
 def _design(
-    entries: list[_Entry],
-    layers: list[Layer],
-    seed: int,
-    sweep: Sweep,
-    faults: list[Fault],
+    inputs: list[_Input], layers: list[Layer], seed: int, sweep: Sweep, faults: Faults
 ) -> Design | None:
     """Rule by which samples are drawn; None where the sweep has no range of velocities."""
     moving = [velocity for velocity in sweep.velocities if velocity > 0]
     if len(moving) < 2 or not sweep.friction_heat:
         problem = "samples need friction, and two velocities above 0, between which each has one"
-        faults.append(Fault("sweep.velocities", f"{problem}; give them"))
+        faults.note("sweep.velocities", f"{problem}; give them")
         return None
     ends = moving[0], moving[-1]
     separable = inseparable(sweep, ends) is None
-    inputs = [
-        (entry.unknown, layer)
-        for entry, layer in zip(entries, layers, strict=True)
+    drawn = [
+        (one.unknown, layer)
+        for one, layer in zip(inputs, layers, strict=True)
         if layer != "conditions"
     ]
-    known = sweep.wear.specific_wear_rate if isinstance(sweep.wear, Wear) else 0.0
-    if separable and known and "wear rate" not in layers:
-        rate = Unknown(WEAR_RATE, "log-normal", (known, _FACTOR), _OF_RATE)
-        inputs.append((rate, "wear rate"))
+    rate = sweep.wear.specific_wear_rate if isinstance(sweep.wear, Wear) else 0.0
+    if separable and rate and "wear rate" not in layers:
+        spread = Unknown(WEAR_RATE, "log-normal", (rate, _FACTOR), _OF_RATE)
+        drawn.append((spread, "wear rate"))
     if not separable:
-        inputs = [(each, "contact" if layer != "heat" else layer) for each, layer in inputs]
-    unknown, kinds = tuple(each for each, _ in inputs), tuple(layer for _, layer in inputs)
-    group = samples_per_contact(kinds, known > 0, separable)
+        drawn = [(one, "contact" if layer != "heat" else layer) for one, layer in drawn]
+    unknown, kinds = tuple(one for one, _ in drawn), tuple(layer for _, layer in drawn)
+    group = samples_per_contact(kinds, rate > 0, separable)
     return Design(unknown, kinds, ends, seed, group)
 
 
 def _drawn(
-    entries: list[_Entry],
-    design: Design,
-    found: dict[str, Any],
-    sweep: Sweep,
-    build: Build,
-    faults: list[Fault],
+    inputs: list[_Input], design: Design, count: int, original: Original, faults: Faults
 ) -> Samples | None:
     """Samples of a design; None if one is not a sound scene."""
-    by_path = {entry.unknown.path: entry for entry in entries}
-    wrong: list[Fault] = []
+    by_path = {one.unknown.path: one for one in inputs}
+    wrong = Faults()
 
     def part(values: tuple[float, ...]) -> tuple[tuple[str, Any], ...]:
-        variant = found
-        for each, value in zip(design.inputs, values, strict=True):
-            entry = by_path.get(each.path)
-            variant = _with(variant, each.path, entry.found(value) if entry else value)
-        built = None if wrong else build(variant, wrong)
-        return () if built is None else tuple(differing(sweep, built))
+        tables = original.tables
+        for unknown, value in zip(design.inputs, values, strict=True):
+            one = by_path.get(unknown.path)
+            tables = _with(tables, unknown.path, one.read(value) if one else value)
+        sweep = None if wrong else original.build(tables, wrong)
+        return () if sweep is None else tuple(_differing(original.sweep, sweep))
 
-    samples = drawn_samples(
-        tuple(entry.unknown for entry in entries), design, found["sweep"]["samples"], part
-    )
+    samples = drawn_samples(tuple(one.unknown for one in inputs), design, count, part)
     if wrong:
-        told = f"a sample is not a sound scene: {wrong[0].key}: {wrong[0].problem}"
-        faults.append(Fault("unknown", f"{told}; give narrower distributions"))
+        reason = f"a sample is not a sound scene: {wrong[0].key}: {wrong[0].problem}"
+        faults.note("unknown", f"{reason}; give narrower distributions")
         return None
     return samples
 
 
-def differing(sweep: Sweep, other: Sweep) -> Iterator[tuple[str, Any]]:
+def _differing(sweep: Sweep, other: Sweep) -> Iterator[tuple[str, Any]]:
     """Fields, and their values, in which another sweep differs from one."""
-    for each in fields(Sweep):
-        own, new = getattr(sweep, each.name), getattr(other, each.name)
-        if each.name not in _EVERYWHERE and own is not new and own != new:
-            yield each.name, new
+    for field in fields(Sweep):
+        old, new = getattr(sweep, field.name), getattr(other, field.name)
+        if field.name not in _EVERYWHERE and old is not new and old != new:
+            yield field.name, new
 
 
-def _entry(path: str, value: Any, faults: list[Fault]) -> _Entry | None:
+def _input(path: str, shape: Shape, faults: Faults) -> _Input | None:
     """Read the distribution of one input; None if it is faulty."""
     key = f"unknown.{quoted(path)}"
     if path.partition(".")[0] in _FIXED or "." not in path:
@@ -205,44 +180,32 @@ def _entry(path: str, value: Any, faults: list[Fault]) -> _Entry | None:
             "this cannot be unknown; give an entry of what is simulated or judged, such as "
             '"wear.specific_wear_rate" or "temperature.critical"'
         )
-        faults.append(Fault(key, problem))
+        faults.note(key, problem)
         return None
-    kind: Kind = "list"
-    given: tuple[Any, ...] = value if isinstance(value, tuple) else ()
-    if not given:
-        pair = next(pair for pair in _PAIRS if set(pair) <= set(value))
-        kind, given = _PAIRS[pair], tuple(value[name] for name in pair)
     try:
-        return _distribution(path, kind, given)
+        return _distribution(path, cast(Kind, shape.form), shape.parameters)
     except (UnitError, InputError) as error:
-        faults.append(Fault(key, str(error)))
+        faults.note(key, str(error))
         return None
 
 
-def _distribution(path: str, kind: Kind, given: tuple[Any, ...]) -> _Entry:
-    first = given[0]
+def _distribution(path: str, kind: Kind, parameters: tuple[Any, ...]) -> _Input:
+    first, *others = parameters
     is_text = isinstance(first, str)
-    if kind != "log-normal" and any(isinstance(each, str) != is_text for each in given):
-        raise UnitError(f"{', '.join(map(quoted, given))}: give all with a unit, or none")
+    if kind != "log-normal" and any(isinstance(other, str) != is_text for other in others):
+        raise UnitError(f"{', '.join(map(quoted, parameters))}: give all with a unit, or none")
     if not is_text:
-        is_whole = all(isinstance(each, int) for each in given)
-        numbers = tuple(map(float, given))
-        return _Entry(Unknown(path, kind, numbers), None, is_whole and kind == "list")
-    _number, unit = first.strip().partition(" ")[::2]
-    if not unit.strip():
+        is_whole = kind == "list" and all(isinstance(value, int) for value in parameters)
+        return _Input(Unknown(path, kind, tuple(map(float, parameters))), None, is_whole)
+    unit = first.strip().partition(" ")[2].strip()
+    if not unit:
         problem = f"{quoted(first)} is not a number with its unit; only numbers can be unknown"
         raise UnitError(f'{problem}: give one such as "2 mm", with a space')
-    unit = unit.strip()
-    values = [to_si(first, first)]
-    for each in given[1:]:
-        if kind == "log-normal":
-            values.append(float(each))
-        elif kind == "normal":
-            values.append(_spread(each, first))
-        else:
-            values.append(to_si(each, first))
-    unknown = Unknown(path, kind, tuple(values), si_unit(first), _written(first, unit))
-    return _Entry(unknown, unit, is_whole=False)
+    in_si = {"log-normal": float, "normal": lambda text: _spread(text, first)}
+    convert = in_si.get(kind, lambda text: to_si(text, first))
+    values = to_si(first, first), *map(convert, others)
+    unknown = Unknown(path, kind, values, si_unit(first), _written(first, unit))
+    return _Input(unknown, unit, is_whole=False)
 
 
 def _written(text: str, unit: str) -> Unit:
@@ -264,37 +227,33 @@ def _spread(text: str, like: str) -> float:
     return spread
 
 
-def _layer(
-    entry: _Entry,
-    entries: Mapping[str, Any],
-    found: dict[str, Any],
-    build: Build,
-    sweep: Sweep,
-    faults: list[Fault],
-) -> Layer:
+def _layer(one: _Input, original: Original, faults: Faults) -> Layer:
     """Layer of a point that an input enters; it is tried out at its ends."""
-    unknown, loads = entry.unknown, max(sweep.loads)
-    key = f"unknown.{quoted(unknown.path)}"
+    unknown, sweep, highest = one.unknown, original.sweep, max(original.sweep.loads)
     changed: set[str] = set()
     is_heat_alone = True
-    for value, where, instead in _tried(entry):
-        wrong: list[Fault] = []
-        FORMAT.read(_with(dict(entries), unknown.path, entry.written(value)), "", wrong)
-        built = None if wrong else build(_with(found, unknown.path, entry.found(value)), wrong)
-        if built is None:
+    for value, where, instead in _tried(one):
+        wrong = Faults()
+        FORMAT.read(_with(dict(original.entries), unknown.path, one.written(value)), "", wrong)
+        other = None
+        if not wrong:
+            other = original.build(_with(original.tables, unknown.path, one.read(value)), wrong)
+        if other is None:
             why = f"{wrong[0].key}: {wrong[0].problem}" if wrong else "the scene does not fit"
-            faults.append(Fault(key, f"{where}{why}{instead}"))
+            faults.note(one.key, f"{where}{why}{instead}")
             return "conditions"
-        changed |= {name for name, _ in differing(sweep, built)}
-        alike = {name for name, _ in differing(sweep, _with_heat_of(built, sweep))}
+        changed |= {name for name, _ in _differing(sweep, other)}
+        alike = {name for name, _ in _differing(sweep, _with_heat_of(other, sweep))}
         is_heat_alone &= not alike & _SIMULATED
-        if step_count(built, loads) != step_count(sweep, loads):
-            faults.append(Fault(key, "it changes the number of steps, which must stay; give it"))
+        if step_count(other, highest) != step_count(sweep, highest):
+            faults.note(one.key, "it changes the number of steps, which must stay; give it")
     if not changed:
-        faults.append(Fault(key, "it changes nothing in this scene; leave it out"))
+        faults.note(one.key, "it changes nothing in this scene; leave it out")
     elif not changed & _DECISIVE:
-        problem = f"no temperature or wear depends on it, only the {_listed(changed)}; leave it out"
-        faults.append(Fault(key, problem))
+        names = " and ".join(sorted(name.replace("_", " ") for name in changed))
+        faults.note(
+            one.key, f"no temperature or wear depends on it, only the {names}; leave it out"
+        )
     if unknown.path == _SHARE:
         return "heat"  # each sample has a rise of its own share
     if not changed & _SIMULATED:
@@ -304,32 +263,28 @@ def _layer(
     return "heat" if is_heat_alone else "contact"
 
 
-def _with_heat_of(built: Sweep, sweep: Sweep) -> Sweep:
+def _with_heat_of(other: Sweep, sweep: Sweep) -> Sweep:
     """A sweep with the thermal constants of another."""
 
     def thermal(material: Material) -> dict[str, float]:
         return {name: getattr(material, name) for name in _THERMAL}
 
-    pin = replace(built.pin.material, **thermal(sweep.pin.material))
-    disk = replace(built.disk, **thermal(sweep.disk))
-    return replace(built, pin=replace(built.pin, material=pin), disk=disk)
+    pin = replace(other.pin.material, **thermal(sweep.pin.material))
+    disk = replace(other.disk, **thermal(sweep.disk))
+    return replace(other, pin=replace(other.pin, material=pin), disk=disk)
 
 
-def _tried(entry: _Entry) -> Iterator[tuple[float, str, str]]:
+def _tried(one: _Input) -> Iterator[tuple[float, str, str]]:
     """Values to try an input at; of one that does not fit, where it is met and what else to do."""
-    unknown = entry.unknown
+    unknown = one.unknown
     if unknown.kind == "list":
         yield from ((value, "", "") for value in unknown.parameters)
         return
     yield float(unknown.at(np.array([0.5]))[0]), "", ""  # what is wrong here is so everywhere
     ends = scipy.special.ndtr(np.array([-REACH, REACH]))
     for value in unknown.at(ends).tolist():
-        where = f"reaches {entry.written(value)} in the outermost samples: "
+        where = f"reaches {one.written(value)} in the outermost samples: "
         yield value, where, "; or a narrower distribution, or one with median and factor"
-
-
-def _listed(names: set[str]) -> str:
-    return " and ".join(sorted(name.replace("_", " ") for name in names))
 
 
 def _with(tables: dict[str, Any], path: str, value: Any) -> dict[str, Any]:

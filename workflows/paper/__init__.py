@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from pipeline.figures.style import figure_path, save_figure
-from pipeline.scene.entries import did_you_mean
+from pipeline.scene.faults import did_you_mean
 from pipeline.sweep.stages import staged
 from tribo import InputError
 from workflows.paper.evidence import evidence

@@ -24,7 +24,7 @@ from pipeline.analysis.transition import CROSSES, OUTCOMES
 from pipeline.analysis.warned import warned
 from pipeline.figures.report.citation import citation
 from pipeline.figures.style import criterion, heating
-from pipeline.scene.meanings import MEANINGS
+from pipeline.scene.reference import meanings
 from pipeline.store.schema import DONE, FAILED
 from pipeline.sweep.selection import PRESET_BOUNDS, Selection
 from pipeline.sweep.shown import on_plane
@@ -225,7 +225,7 @@ def _meaning(path: str) -> str:
     """First sentence on an entry, of the reference of the scene."""
     for body in ("pin", "disk"):
         path = path.replace(f"{body}.material.", "materials.NAME.")
-    return MEANINGS.get(path, "").split(";")[0].split(". ")[0].rstrip(".").replace("`", "")
+    return meanings().get(path, "").split(";")[0].split(". ")[0].rstrip(".").replace("`", "")
 
 
 def _fidelity(attributes: Mapping[str, Any]) -> Iterator[str]:

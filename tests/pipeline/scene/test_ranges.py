@@ -11,9 +11,10 @@ import numpy as np
 import pytest
 
 import tribo
+from pipeline.scene.faults import Faults
 from pipeline.scene.format import FORMAT
 from pipeline.scene.kinds import Quantity
-from pipeline.scene.schema import Either, List, Optional, Table, Tables
+from pipeline.scene.schema import Either, Entry, List, Table, Tables
 from pipeline.sweep.conditions import Conditions
 from tests.helpers.scenes import STEEL, small_scene
 
@@ -31,14 +32,13 @@ def kind_at(path):
             kind = kind.of
             continue
         assert isinstance(kind, Table)
-        kind = kind.keys[key]
-        kind = kind.kind if isinstance(kind, Optional) else kind
+        kind = kind.keys[key].kind
     kind = kind.usual if isinstance(kind, Either) else kind
     return kind.of if isinstance(kind, List) else kind
 
 
 def format_allows(path, value):
-    kind, faults = kind_at(path), []
+    kind, faults = kind_at(path), Faults()
     if isinstance(kind, Quantity):
         unit = kind.example.split(" ", 1)[1]
         scale = {"GPa": 1e9, "g/cm^3": 1e3, "um": 1e-6, "mm": 1e-3, "mm^2": 1e-6}
@@ -170,7 +170,7 @@ def test_every_range_of_the_format_is_held_against_tribo():
     }
 
     def ranged(kind, path):
-        kind = kind.kind if isinstance(kind, Optional) else kind
+        kind = kind.kind if isinstance(kind, Entry) else kind
         kind = kind.usual if isinstance(kind, Either) else kind
         if isinstance(kind, Tables):
             yield from ranged(kind.of, f"{path}.steel")
