@@ -129,6 +129,27 @@ class Table:
             [column.name for column, values in columns if not any(map(column.text, values))]
         )
 
+    def crossed(
+        self,
+        title: str,
+        name: Callable[[dict[str, Any]], Any],
+        across: str,
+        heads: Mapping[Any, str],
+        cell: Callable[[dict[str, Any]], str],
+    ) -> Table:
+        """Cells of rows with the same name beside each other, a column for each value of another.
+
+        The function `name` gives the first cell of a row, below the title, `cell` the text of one
+        value.
+        """
+        rows: dict[Any, dict[Any, str]] = {}
+        for row in self.rows:
+            values = {column.name: value for column, value in zip(self.columns, row, strict=True)}
+            rows.setdefault(name(values), {})[values[across]] = cell(values)
+        columns = (Column(title, title), *(Column(head, head) for head in heads.values()))
+        shown = ((first, *(cells.get(key) for key in heads)) for first, cells in rows.items())
+        return Table(columns, tuple(shown))
+
     def cells(self) -> list[list[str]]:
         """Values as text, without the headings."""
         return [

@@ -18,7 +18,6 @@ from collections.abc import Sequence
 from contextlib import suppress
 
 import pipeline
-from pipeline.cli.exit_codes import DONE, INTERRUPTED, OTHER_SCENE, WRONG_USE
 from pipeline.cli.parser import function_of, parse
 
 try:
@@ -39,26 +38,36 @@ def main(arguments: Sequence[str] | None = None) -> int:
         options = parse(arguments)
         if (reason := _too_little_memory()) is not None:
             print(f"irg: {reason}", file=sys.stderr)
-            return WRONG_USE
+            return 2
         return _carried_out(options)
     except KeyboardInterrupt:  # before a command began
-        return INTERRUPTED
+        return 130
 
 
 def _carried_out(options: argparse.Namespace) -> int:
     """Exit code of a command, after a line on the error that may have ended it."""
     # Here, since they import NumPy, which --help needs not and cannot do with little memory.
-    from pipeline.cli.output import complain, hushed, tell
+    from pipeline.cli.output import (
+        DONE,
+        INTERRUPTED,
+        OTHER_SCENE,
+        WRONG_USE,
+        complain,
+        hushed,
+        show,
+        tell,
+    )
     from pipeline.store.place import is_lack_of_memory
     from tribo import TriboError
 
     try:
         with hushed(options.quiet), warnings.catch_warnings():
             warnings.showwarning = lambda message, *_: tell(f"note: {message}")
-            code = int(function_of(options)(options))
+            result = function_of(options)(options)
+            show(options, result)
             if sys.stdout is not None:
                 sys.stdout.flush()  # here, where it can be said that it fails
-            return code
+            return int(result.code)
     except KeyboardInterrupt:
         complain("interrupted; finished points are safe: run the same command again to go on")
         return INTERRUPTED
@@ -86,7 +95,7 @@ def _carried_out(options: argparse.Namespace) -> int:
 
 
 def _too_little_memory() -> str | None:
-    """Reason not to begin with the memory that this process may take; None with enough.
+    """Reason not to begin; None with enough memory.
 
     With less, OpenBLAS tries for ever to get some when it is loaded.
     """

@@ -1,48 +1,103 @@
-"""The command that a user begins with: a scene to start from."""
+"""The commands that a user begins with: a scene to start from, a scan, and the pages."""
 
 from __future__ import annotations
 
 import argparse
+import pydoc
+import sys
+from difflib import get_close_matches
+from pathlib import Path
 
 import pipeline
-from pipeline.cli.exit_codes import DONE
-from pipeline.cli.output import show
+from pipeline.cli.output import Result
+from pipeline.cli.parser import COMMANDS, parse
+from pipeline.cli.progress import working
 from pipeline.run.site import write_sample
 from pipeline.scene.editors import write_schema
-from pipeline.scene.shipped import shipped_scenes
+from pipeline.scene.shipped import WORKFLOWS, shipped_scenes
 from tribo import InputError
 
+_OF_SITE = {"index", "API", "COMMANDS", "GALLERY"}  # no text of their own to print
+_NAMES = {"README": "paper"}
+_SITE = WORKFLOWS.parent / "results" / "docs" / "index.html"
 
-def new(options: argparse.Namespace) -> int:
+
+def new(options: argparse.Namespace) -> Result:
     """Write a scene to start from or the schema of scenes, or list those that are shipped."""
     if options.list:
         titles = {name: pipeline.load_scene(path).title for name, path in shipped_scenes().items()}
-        show(options, titles, [f"{name:16} {title}" for name, title in titles.items()])
-        return DONE
+        return Result(titles, [f"{name:16} {title}" for name, title in titles.items()])
     if options.schema is not None:
         schema = write_schema(options.schema)
-        text = [
-            f"{schema} is written",
-            f"editors go by it in a scene beside it whose first line is: #:schema ./{schema.name}",
-        ]
-        show(options, {"file": str(schema)}, text)
-        return DONE
+        use = f"editors use it in a scene beside it with the first line: #:schema ./{schema.name}"
+        return Result({"file": str(schema)}, [f"{schema} is written", use])
     if options.site is not None:
         site = write_sample(options.site)
-        show(
-            options,
-            {"file": str(site)},
-            [f"{site} is written", f"irg run SCENE.toml --cluster slurm --site {site}"],
-        )
-        return DONE
+        use = f"irg run SCENE.toml --cluster slurm --site {site}"
+        return Result({"file": str(site)}, [f"{site} is written", use])
     if options.file is None:
-        raise InputError("give the name of the file to write, such as: irg new scene.toml")
+        raise InputError("no file is named; give one to write, such as: irg new scene.toml")
     scene, *copies = pipeline.new_scene(options.file, options.like)
-    document = {"file": str(scene), "copies": [str(copy) for copy in copies]}
     text = [
         f"{scene} is written" + "".join(f", {copy} copied" for copy in copies),
         f"its meaning and cost: irg check {scene}",
         f"its points: irg run {scene}",
     ]
-    show(options, document, text)
-    return DONE
+    return Result({"file": str(scene), "copies": [str(copy) for copy in copies]}, text)
+
+
+def surface(options: argparse.Namespace) -> Result:
+    """Print the roughness of a scan, and the table of a scene that makes more of the same."""
+    with working("fitting the spectrum"):
+        scan = pipeline.surface_statistics(
+            options.scan, options.height_unit, options.pixel_size, options.transpose, options.flip
+        )
+    text = list(scan.lines())
+    if scan.is_self_affine:
+        text += ["", "more of the same, in a scene:", "", scan.toml.rstrip()]
+    else:
+        text.append(
+            "no random roughness stands for it: give the scan itself, as disk.roughness.file"
+        )
+    return Result(scan.as_dict(), text)
+
+
+def help_(options: argparse.Namespace) -> Result:
+    """Print a page, the help of a command, or the names of all pages."""
+    topic, pages = options.topic, _pages()
+    if topic is None:
+        titles = {name: _title(path) for name, path in pages.items()}
+        lines = [f"irg help {name:12} {title}" for name, title in titles.items()]
+        if _SITE.exists():
+            lines.append(f"all of them as a site: {_SITE.as_uri()}")
+        return Result(titles, ["pages:", *lines, "a command: irg COMMAND --help"])
+    commands = [command.name for command in COMMANDS]
+    if topic in commands:
+        parse([topic, "--help"])
+    page = _name(Path(topic))
+    if page not in pages:
+        near = get_close_matches(topic, [*pages, *commands], 1)
+        meant = f' (did you mean "{near[0]}"?)' if near else ""
+        raise InputError(f'no page or command is called "{topic}"{meant}; irg help lists them')
+    text = pages[page].read_text(encoding="utf-8")
+    if sys.stdout.isatty() and not options.json:
+        pydoc.pager(text)
+        return Result({}, ())
+    return Result({"page": page, "text": text}, [text.removesuffix("\n")])
+
+
+def _pages() -> dict[str, Path]:
+    """File of each page that can be printed, by the name to ask for it."""
+    return {
+        _name(path): path for path in sorted(WORKFLOWS.glob("*.md")) if path.stem not in _OF_SITE
+    }
+
+
+def _name(path: Path) -> str:
+    """Name of a page, by its file or as it is typed."""
+    return _NAMES.get(path.stem, path.stem.lower().replace("_", "-"))
+
+
+def _title(path: Path) -> str:
+    with path.open(encoding="utf-8") as lines:
+        return next(line[2:].strip() for line in lines if line.startswith("# "))

@@ -1,7 +1,8 @@
-"""A boundary as a document and in words, as ``irg boundary`` prints it."""
+"""The command that finds the boundary: as a document and in words."""
 
 from __future__ import annotations
 
+import argparse
 import math
 from collections.abc import Callable, Iterator
 from typing import Any
@@ -11,17 +12,36 @@ import xarray as xr
 
 import pipeline
 from pipeline.analysis.attributes import attributes_of
-from pipeline.analysis.boundary_tables import BOUNDARIES, by_friction, frictions_of, readable
-from pipeline.analysis.transition import (
-    BEYOND,
-    OUTCOMES,
-    UNKNOWN,
-    command_of,
+from pipeline.analysis.boundary_tables import (
+    BOUNDARIES,
+    by_friction,
+    frictions_of,
+    readable,
+    tables_of,
 )
+from pipeline.analysis.transition import BEYOND, OUTCOMES, UNKNOWN, command_of
+from pipeline.cli.next_steps import after_boundary
+from pipeline.cli.output import Result, to_table
+from pipeline.cli.scenes import CONDITIONS, given, opened
+from pipeline.cli.unknowns import boundary_of_samples
 from tribo import lubrication_regime
 from tribo.lubricant import BOUNDARY, FULL_FILM
 
 SLOW = 0.4  # exponent of the rise over the velocity, below which its errors are said to count more
+
+
+@to_table
+def boundary(options: argparse.Namespace) -> Result:
+    """Print critical velocities and loads."""
+    ds, conditions = opened(options), given(options, *CONDITIONS)
+    if "sample" in ds.dims:
+        return boundary_of_samples(ds, conditions)
+    crossings = pipeline.boundary(ds, **conditions)
+    command = command_for(crossings, options.store, ds)
+    text = [*text_of(crossings, command), *after_boundary(attributes_of(ds), options.store)]
+    warned = pipeline.warned(ds, **conditions)
+    document = document_of(crossings) | {"command": command}
+    return Result(document, text, warned, tables_of(crossings))
 
 
 def document_of(crossings: xr.Dataset) -> dict[str, Any]:
@@ -56,7 +76,7 @@ def _regime(film_parameter: float) -> str:
 
 
 def command_for(crossings: xr.Dataset, store: Any, ds: xr.Dataset) -> str | None:
-    """The command that computes transitions beyond what was computed; None where there are none."""
+    """The command that computes transitions beyond the computed points; None if there are none."""
     beyond = [
         friction
         for friction, part in by_friction(crossings)
@@ -71,28 +91,8 @@ def command_for(crossings: xr.Dataset, store: Any, ds: xr.Dataset) -> str | None
 
 
 def text_of(crossings: xr.Dataset, command: str | None = None) -> Iterator[str]:
-    """Lines of text on `pipeline.boundary`.
-
-    The command computes points that it lacks, if any.
-    """
-    frictions = ", ".join(f"{value:g}" for value in frictions_of(crossings))
-    if "sample" in crossings.sizes:
-        yield "each sample under its own inputs as drawn, the others as here:"
-    yield (
-        f"friction {frictions}, "
-        f"bulk {_bulk(crossings)}, "
-        f"critical {pipeline.display(crossings.attrs['critical_temperature'], '°C')}, "
-        + (
-            f"failing share {crossings.attrs['failing_share']:g}"
-            if crossings.attrs["criterion"] == "share"
-            else f"criterion {crossings.attrs['criterion']}"
-        )
-        + (
-            f", wear rate {pipeline.display(crossings.attrs['wear_rate'], 'mm³/(N m)')}"
-            if "wear_rate" in crossings.attrs
-            else ""
-        )
-    )
+    """Lines of text on a boundary; the command computes points that it lacks, if any."""
+    yield ", ".join(_conditions(crossings))
     for table in readable(crossings):
         yield ""
         yield from table.lines()
@@ -113,7 +113,7 @@ def text_of(crossings: xr.Dataset, command: str | None = None) -> Iterator[str]:
 
 
 def _slow_rise(crossings: xr.Dataset) -> Iterator[str]:
-    """Say where the rise grows so slowly that an error of it moves the boundary by much more."""
+    """Loads at which the rise grows so slowly that an error of it moves the boundary far more."""
     exponents = np.moveaxis(crossings["rise_exponent_at_load"].values, -1, 0).reshape(
         crossings.sizes["load"], -1
     )
@@ -131,9 +131,20 @@ def _slow_rise(crossings: xr.Dataset) -> Iterator[str]:
         )
 
 
-def _bulk(crossings: xr.Dataset) -> str:
-    """The bulk temperature, or that of each body."""
-    pin = pipeline.display(crossings.attrs["bulk_temperature"], "°C")
-    if "disk_temperature" not in crossings.attrs:
-        return pin
-    return f"{pin} (pin) and {pipeline.display(crossings.attrs['disk_temperature'], '°C')} (disk)"
+def _conditions(crossings: xr.Dataset) -> Iterator[str]:
+    """Conditions by which wear is judged, in words."""
+    judged = crossings.attrs
+    yield "friction " + ", ".join(f"{value:g}" for value in frictions_of(crossings))
+    bulk = f"bulk {pipeline.display(judged['bulk_temperature'], '°C')}"
+    if "disk_temperature" in judged:
+        bulk += f" (pin) and {pipeline.display(judged['disk_temperature'], '°C')} (disk)"
+    yield bulk
+    yield f"critical {pipeline.display(judged['critical_temperature'], '°C')}"
+    is_share = judged["criterion"] == "share"
+    yield (
+        f"failing share {judged['failing_share']:g}"
+        if is_share
+        else f"criterion {judged['criterion']}"
+    )
+    if "wear_rate" in judged:
+        yield f"wear rate {pipeline.display(judged['wear_rate'], 'mm³/(N m)')}"

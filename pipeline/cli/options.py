@@ -36,9 +36,9 @@ def _flag(*names: str, **settings: Any) -> Option:
     return Option(names, {"action": "store_true", **settings})
 
 
-def output(name: str, what: str) -> Option:
+def output(name: str, use: str) -> Option:
     """Option for the file that a command writes."""
-    return _option("-o", "--output", metavar=name, type=Path, help=what)
+    return _option("-o", "--output", metavar=name, type=Path, help=use)
 
 
 OF_ALL = (

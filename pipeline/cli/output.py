@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 import argparse
+import functools
 import json
 import math
 import re
 import sys
 import threading
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pipeline
-from pipeline.analysis.tables import TABLES, Table, is_table, table_of, writable_path, write_tables
+from pipeline.analysis.tables import TABLES, Table, is_table, writable_path, write_tables
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -24,13 +25,83 @@ if TYPE_CHECKING:
     from pipeline.store.verify import Damage
     from pipeline.sweep.warned import Warned
 
+DONE, SOME_FAILED, WRONG_USE, OTHER_SCENE, INTERRUPTED = 0, 1, 2, 3, 130
+"""Exit codes."""
 _CONTROLS = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f]")
 _LONGEST = 2000  # characters of a line
 _QUIET = threading.Event()
 
 
+@dataclass(frozen=True, slots=True)
+class Result:
+    """Result of a command: a document, the same in lines of text, and tables or a figure for -o."""
+
+    document: dict[str, Any]
+    text: Iterable[str]
+    warned: Warned | None = None  # of its points
+    tables: Sequence[Table] = ()
+    draw: Callable[[], Figure] | None = None
+    out: Path | None = None  # file of the figure where the user names none
+    code: int = DONE
+
+
+Command = Callable[[argparse.Namespace], Result]
+
+
+def to_table(command: Command) -> Command:
+    """Let a command refuse, before its work, a file of -o to which it cannot write a table."""
+
+    @functools.wraps(command)
+    def examined(options: argparse.Namespace) -> Result:
+        if options.output is not None:
+            writable_path(options.output, TABLES)
+        return command(options)
+
+    return examined
+
+
+def to_figure_or_table(command: Command) -> Command:
+    """Let a command refuse, before its work, a file of -o to which it can write neither."""
+
+    @functools.wraps(command)
+    def examined(options: argparse.Namespace) -> Result:
+        if options.output is None or is_table(options.output):
+            return to_table(command)(options)
+        pipeline.figure_path(options.output)
+        return command(options)
+
+    return examined
+
+
+def show(options: argparse.Namespace, result: Result) -> None:
+    """Print a result, as text or as one JSON document, and write its tables or its figure."""
+    document, lines = dict(result.document), list(result.text)
+    if result.warned is not None:
+        document["warnings"] = result.warned.as_dict()
+        lines += result.warned.lines()
+    out = result.out
+    if result.tables or result.draw:
+        out = options.output or out
+    if out is not None and (result.draw is None or is_table(out)):
+        document["table"] = str(write_tables(result.tables, out))
+        lines.append(f"table: {out}")
+    elif out is not None and result.draw is not None:
+        document["figure"] = str(pipeline.save_figure(result.draw(), out))
+        lines.append(str(out))
+    if options.json:
+        written = json.dumps(_without_nan(document), indent=2, ensure_ascii=False, allow_nan=False)
+        print(_CONTROLS.sub(lambda match: f"\\u{ord(match[0]):04x}", written))
+    elif lines:
+        show_text(lines)
+
+
+def show_text(text: Iterable[str]) -> None:
+    """Print text as a terminal can show it, at once."""
+    print("\n".join(_shown(line) for part in text for line in part.split("\n")), flush=True)
+
+
 def counted(number: int, one: str, several: str) -> str:
-    """Write how many there are of something.
+    """Number of something, in words.
 
     Examples
     --------
@@ -40,72 +111,12 @@ def counted(number: int, one: str, several: str) -> str:
     return f"{number} {one if number == 1 else several}"
 
 
-def micrometres(length: float) -> str:
-    """Write a length [m] in micrometres."""
-    return pipeline.display(length, "µm", 4)
-
-
 def failed_points(points: Iterable[FailedPoint | Damage]) -> list[dict[str, Any]]:
     """Points for a JSON document, each with its surface only in a sweep over several."""
     return [
         {name: value for name, value in asdict(point).items() if value is not None}
         for point in points
     ]
-
-
-def show(
-    options: argparse.Namespace,
-    document: dict[str, Any],
-    text: Iterable[str],
-    *,
-    warned: Warned | None = None,
-    out: Path | None = None,
-    tables: Sequence[Table] = (),
-    rows: Iterable[Mapping[str, Any]] = (),
-    draw: Callable[[], Figure] | None = None,
-) -> None:
-    """Show a result, as text or as one JSON document, and write it to a file.
-
-    Parameters
-    ----------
-    options : Namespace
-        Options of the command.
-    document : dict
-        Result as plain values.
-    text : iterable of str
-        Result in lines.
-    warned : Warned, optional
-        Warnings that its points carry.
-    out : Path, optional
-        File of a figure or of a table.
-    tables : sequence of Table
-        Result as tables, whose rows are written below each other.
-    rows : iterable of mapping
-        Result as rows of a table by heading, in place of tables.
-    draw : callable, optional
-        Draws the result.
-    """
-    lines = list(text)
-    if warned is not None:
-        document = document | {"warnings": warned.as_dict()}
-        lines += warned.lines()
-    if out is not None and (draw is None or is_table(out)):
-        write_tables(tables or [table_of(list(rows))], out)
-        document = document | {"table": str(out)}
-        lines.append(f"table: {out}")
-    elif out is not None and draw is not None:
-        document = document | {"figure": str(pipeline.save_figure(draw(), out))}
-        lines.append(str(out))
-    if options.json:
-        written = json.dumps(_without_nan(document), indent=2, ensure_ascii=False, allow_nan=False)
-        print(_CONTROLS.sub(lambda match: f"\\u{ord(match[0]):04x}", written))
-    else:
-        show_text(lines)
-
-
-def show_text(text: Iterable[str]) -> None:
-    """Print text as a terminal can show it, at once."""
-    print("\n".join(_shown(line) for part in text for line in part.split("\n")), flush=True)
 
 
 @contextmanager
@@ -122,18 +133,6 @@ def hushed(is_quiet: bool) -> Iterator[None]:
 def is_hushed() -> bool:
     """True if the user asked for no progress and no notes."""
     return _QUIET.is_set()
-
-
-def table_path(options: argparse.Namespace) -> Path | None:
-    """Give the path of the table that the user asked for, if any, before the work."""
-    return None if options.output is None else writable_path(options.output, TABLES)
-
-
-def output_path(options: argparse.Namespace) -> Path | None:
-    """Give the path of the figure or table that the user asked for, if any, before the work."""
-    if options.output is None or is_table(options.output):
-        return table_path(options)
-    return pipeline.figure_path(options.output)
 
 
 def tell(message: str) -> None:

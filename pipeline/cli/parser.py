@@ -51,7 +51,7 @@ COMMANDS = (
         (o.NEW_FILE, o.FROM, o.LIST.but(help="list the shipped scenes"), o.SCHEMA, o.NEW_SITE),
     ),
     Command(
-        "surface", "surface:surface",
+        "surface", "begin:surface",
         "describe a scan: roughness, lay, correlation lengths, and a scene's table that makes more",
         'scan.npy --height-unit um --pixel-size "0.8 um"', o.OF_SCAN,
     ),
@@ -65,7 +65,7 @@ COMMANDS = (
         ),
     ),
     Command(
-        "check", "sweeps:check", "say what a scene means, what would run and what it would cost",
+        "check", "check:check", "say what a scene means, what would run and what it would cost",
         "scene.toml --accuracy 2%",
         (*o.OF_SCENE, o.WORKERS, o.BOUNDARY_ONLY, o.ACCURACY),
     ),
@@ -80,7 +80,7 @@ COMMANDS = (
         (o.STORE, o.REPAIR),
     ),
     Command(
-        "boundary", "results:boundary",
+        "boundary", "crossings:boundary",
         "find the transition from mild to severe wear, without a new simulation",
         "results/scene.zarr --friction 0.09 --friction 0.103",
         (
@@ -97,28 +97,28 @@ COMMANDS = (
         ),
     ),
     Command(
-        "diff", "compare:diff",
+        "diff", "stores:diff",
         "differences between two stores: of scenes, boundaries and points",
         "results/scene.zarr results/other.zarr",
         (o.STORE, o.OTHER_STORE, o.TABLE),
     ),
     Command(
-        "list", "compare:listing", "list the stores and scenes below a folder, with their states",
+        "list", "stores:listing", "list the stores and scenes below a folder, with their states",
         "results",
         (o.FOLDER, o.TABLE),
     ),
     Command(
-        "vary", "variations:vary",
+        "vary", "studies:vary",
         "find the boundary for each value of some inputs, one input at a time",
         "scene.toml --over friction.coefficient=0.08,0.12 --over wear.specific_wear_rate=-20%,+20%",
         (*o.OF_SCENE, o.OVER, o.PHYSICS, o.FIGURE_OR_TABLE),
     ),
     Command(
-        "point", "results:point", "simulate one point", f"scene.toml {_AT}",
+        "point", "inference:point", "simulate one point", f"scene.toml {_AT}",
         (*o.OF_SCENE, *o.NEEDED_PLACE, o.REALIZATION, o.CONDITIONS, o.ACCURACY),
     ),
     Command(
-        "infer", "results:infer",
+        "infer", "inference:infer",
         "find the critical temperature from measured transitions, or a wear rate from a contact "
         "width; from a store of samples, what the transitions tell of all unknown inputs",
         'scene.toml --contact-width "348 um" --load "750 N" --velocity "1.25 m/s"',
@@ -163,7 +163,7 @@ COMMANDS = (
         ),
     ),
     Command(
-        "plot", "results:plot", "draw a figure of a store",
+        "plot", "figures:plot", "draw a figure of a store",
         'results/scene.zarr --kind ramp --load "600 N" --velocity "1.6 m/s"',
         (
             o.STORE, o.KIND, o.output("FILE.png", "file of the figure; default: beside the store"),
@@ -172,7 +172,7 @@ COMMANDS = (
         ),
     ),
     Command(
-        "report", "results:report", "write a report for people without the tool: HTML or PDF",
+        "report", "figures:report", "write a report for people without the tool: HTML or PDF",
         "results/scene.zarr --points duty.csv -o report.pdf",
         (
             o.STORE, o.output("REPORT.html", "file to write, .html or .pdf; default: beside the "
@@ -181,7 +181,7 @@ COMMANDS = (
         ),
     ),
     Command(
-        "explore", "results:explore", "write a page to explore a store in a browser",
+        "explore", "figures:explore", "write a page to explore a store in a browser",
         "results/scene.zarr -o page.html",
         (
             o.STORE, o.output("PAGE.html", "file of the figure; default: beside the store"),
@@ -189,7 +189,7 @@ COMMANDS = (
         ),
     ),
     Command(
-        "help", "pages:help_", "print a page of the documentation, or list them", "first-hour",
+        "help", "begin:help_", "print a page of the documentation, or list them", "first-hour",
         (o.TOPIC,),
     ),
 )  # fmt: skip
@@ -270,9 +270,9 @@ def _joined(arguments: Sequence[str]) -> list[str]:
     return joined
 
 
-def function_of(options: argparse.Namespace) -> Callable[[argparse.Namespace], int]:
-    """Return the function of a command; its module is imported now, for this command alone."""
-    function: Callable[[argparse.Namespace], int] = pkgutil.resolve_name(
+def function_of(options: argparse.Namespace) -> Callable[[argparse.Namespace], Any]:
+    """Function of a command, whose module is imported now, for this command alone."""
+    function: Callable[[argparse.Namespace], Any] = pkgutil.resolve_name(
         f"pipeline.cli.{options.command}"
     )
     return function

@@ -22,109 +22,97 @@ _ENDING = 10.0  # [s] that it may take to say the last word
 _SOON = 2.0  # [s], before which a command that just works says nothing
 
 
-class ProgressLine:
-    """The state of a run."""
+class _Line:
+    """A line that changes: in place on a terminal, else told anew every few seconds."""
 
     def __init__(self) -> None:
         self._bar: Any = None
-        self._latest: Progress | None = None
         self._told, self._told_at = "", -math.inf
 
-    def __enter__(self) -> Callable[[Progress], None]:
-        return self._show
-
-    def _show(self, progress: Progress) -> None:
-        if is_hushed():
-            return
-        self._latest = progress
+    def show(self, text: str, done: int = 0, total: int = 0, is_last: bool = False) -> None:
+        """Show a text, on a terminal beside a bar if it has a total."""
         if sys.stderr.isatty():
-            self._draw(progress)
-        elif time.monotonic() - self._told_at >= _BETWEEN_LINES:
-            self._tell(progress)
+            self._draw(text, done, total)
+        elif is_last or time.monotonic() - self._told_at >= _BETWEEN_LINES:
+            if text != self._told:
+                tell(text)
+            self._told, self._told_at = text, time.monotonic()
 
-    def _tell(self, progress: Progress) -> None:
-        line = f"{progress.done} of {progress.total} points done{_details(progress)}"
-        if line != self._told:
-            tell(line)
-        self._told, self._told_at = line, time.monotonic()
-
-    def _draw(self, progress: Progress) -> None:
+    def _draw(self, text: str, done: int, total: int) -> None:
         if self._bar is None:
             from tqdm import tqdm
 
-            self._bar = tqdm(
-                total=progress.total,
-                mininterval=0.1,
-                bar_format="{n_fmt} of {total_fmt} points done{postfix} |{bar:20}|",
-                postfix="",
-            )
-        self._bar.total = progress.total
-        self._bar.n = progress.done
-        self._bar.set_postfix_str(_details(progress).removeprefix(", "), refresh=False)
+            form = "{desc} |{bar:20}|" if total else "{desc}"
+            self._bar = tqdm(total=total or None, bar_format=form, leave=bool(total))
+        self._bar.n, self._bar.total = done, total or None
+        self._bar.set_description_str(text, refresh=False)
         self._bar.update(0)
 
-    def __exit__(self, *_: object) -> None:
+    def close(self) -> None:
+        """Leave a bar as it is, or clear the line without one."""
         if self._bar is not None:
-            self._bar.refresh()
             self._bar.close()
-        elif self._latest is not None:
-            self._tell(self._latest)
 
 
-def _details(progress: Progress) -> str:
-    parts = [f"{progress.failed} failed", f"{duration(progress.elapsed)} so far"]
+@contextmanager
+def run_line() -> Iterator[Callable[[Progress], None]]:
+    """Show the state of a run, each that the function is called with."""
+    line = _Line()
+    latest: list[Progress] = []
+
+    def show(progress: Progress, is_last: bool = False) -> None:
+        if not is_hushed():
+            latest[:] = [progress]
+            line.show(_state(progress), progress.done, progress.total, is_last)
+
+    try:
+        yield show
+    finally:
+        for progress in latest[:]:
+            show(progress, is_last=True)
+        line.close()
+
+
+def _state(progress: Progress) -> str:
+    """State of a run, in words."""
+    parts = [
+        f"{progress.done} of {progress.total} points done",
+        f"{progress.failed} failed",
+        f"{duration(progress.elapsed)} so far",
+    ]
     if progress.time_to_go:
         parts.append(f"{duration(progress.time_to_go)} to go")
     if progress.jobs:
         parts.append(str(progress.jobs))
-    return "".join(f", {part}" for part in parts)
+    return ", ".join(parts)
 
 
 @contextmanager
-def working(what: str) -> Iterator[Callable[[int, int], None]]:
-    """Say that a command still works, once that takes longer than two seconds.
+def working(task: str) -> Iterator[Callable[[int, int], None]]:
+    """Say that a command still works at a task, such as "reading points", after two seconds.
 
-    Parameters
-    ----------
-    what : str
-        Work in progress, such as "reading points".
-
-    Yields
-    ------
-    callable
-        Called with how many are done and how many there are, where the command counts.
+    Yields a function to call with the number that is done and the number there is, where the
+    command counts.
     """
-    latest = 0, 0
+    if is_hushed():
+        yield lambda done, total: None
+        return
+    latest = [0, 0]
     is_over = threading.Event()
     began = time.monotonic()
 
-    def line() -> str:
-        return _line(what, time.monotonic() - began, *latest)
-
     def count(done: int, total: int) -> None:
-        nonlocal latest
-        latest = done, total
+        latest[:] = done, total
 
-    def tell_lines() -> None:
+    def say() -> None:
         if is_over.wait(_SOON):
-            return
-        tell(line())
-        while not is_over.wait(_BETWEEN_LINES):
-            tell(line())
+            return None
+        line = _Line()
+        while True:
+            line.show(_state_of_task(task, time.monotonic() - began, *latest))
+            if is_over.wait(_BETWEEN_LOOKS):
+                return line.close()
 
-    def draw() -> None:
-        if is_over.wait(_SOON):
-            return
-        from tqdm import tqdm
-
-        with tqdm(bar_format="{desc}", desc=line(), leave=False) as bar:
-            while not is_over.wait(_BETWEEN_LOOKS):
-                bar.set_description_str(line())
-
-    if is_hushed():
-        yield count
-        return
-    say = draw if sys.stderr.isatty() else tell_lines
     thread = threading.Thread(target=say, name="progress", daemon=True)
     thread.start()
     try:
@@ -134,16 +122,18 @@ def working(what: str) -> Iterator[Callable[[int, int], None]]:
         thread.join(_ENDING)
 
 
-def _line(what: str, elapsed: float, done: int, total: int) -> str:
-    """Say how far it is.
+def _state_of_task(task: str, elapsed: float, done: int, total: int) -> str:
+    """State of a task, in words.
 
     Examples
     --------
-    >>> _line("reading", 12.0, 0, 0), _line("reading", 12.0, 3, 9)
-    ('reading, 12 s so far', 'reading: 3 of 9 done, 12 s so far, 24 s to go')
+    >>> _state_of_task("reading", 12.0, 0, 0)
+    'reading, 12 s so far'
+    >>> _state_of_task("reading", 12.0, 3, 9)
+    'reading: 3 of 9 done, 12 s so far, 24 s to go'
     """
     so_far = f"{duration(elapsed)} so far"
     if not done:
-        return f"{what}, {so_far}"
+        return f"{task}, {so_far}"
     to_go = duration(elapsed * (total - done) / done)
-    return f"{what}: {done} of {total} done, {so_far}, {to_go} to go"
+    return f"{task}: {done} of {total} done, {so_far}, {to_go} to go"

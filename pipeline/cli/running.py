@@ -7,7 +7,7 @@ import argparse
 from pipeline.run import forkserver
 
 
-def run(options: argparse.Namespace) -> int:
+def run(options: argparse.Namespace) -> object:
     """Run or resume a sweep, or the part of it that the boundary needs."""
     if options.scheduler is None and options.cluster is None:
         forkserver.start()  # imports for the workers what is imported here meanwhile

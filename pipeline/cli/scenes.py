@@ -1,4 +1,4 @@
-"""The scene and the conditions that the options of a command ask for."""
+"""The scene, the store and the conditions that the options of a command ask for."""
 
 from __future__ import annotations
 
@@ -26,38 +26,23 @@ PLACE = ("load", "velocity", "realization")
 def scene_of(
     options: argparse.Namespace, points: Sequence[Point] | None = None, store: Path | None = None
 ) -> Sweep:
-    """Return the scene with the fidelity and the conditions that the user asked for.
+    """The scene with the fidelity and the conditions that the user asked for.
 
-    Parameters
-    ----------
-    options : Namespace
-        Options of the command.
-    points : sequence of Point, optional
-        Points at which an accuracy is to hold; some near the boundary if not given.
-    store : path, optional
-        A store whose fidelity to go on with, if it is accurate enough.
+    An accuracy is to hold at the points, or at some near the boundary; the fidelity of the store
+    is kept if it is accurate enough.
     """
-    sweep: Sweep = pipeline.load_scene(
-        options.scene, preset=options.preset, overrides=settings_of(options)
-    )
+    settings = settings_of(options)
+    sweep: Sweep = pipeline.load_scene(options.scene, preset=options.preset, overrides=settings)
     if conditions := given(options, *CONDITIONS):
         changed = sweep.conditions.changed(**conditions)
-        has_heat = sweep.friction_heat or changed.friction > 0
         sweep = replace(
             sweep,
             conditions=changed,
-            friction_heat=has_heat,
+            friction_heat=sweep.friction_heat or changed.friction > 0,
             unequal_bulks=changed.disk_temperature is not None,
         )
-    if getattr(options, "accuracy", None) is not None:
-        sweep = _accurate(options, sweep, points, store)
-    return sweep
-
-
-def _accurate(
-    options: argparse.Namespace, sweep: Sweep, points: Sequence[Point] | None, store: Path | None
-) -> Sweep:
-    settings = settings_of(options)
+    if getattr(options, "accuracy", None) is None:
+        return sweep
     choices = [f"--set {key}" for key in settings if "." not in key and key not in KEPT_FIELDS]
     if chosen := [*(["--preset"] if options.preset else []), *choices]:
         raise InputError(
@@ -71,7 +56,7 @@ def _accurate(
 
 
 def settings_of(options: argparse.Namespace) -> dict[str, Any]:
-    """Return the entries of --set, keys without the prefix that those of a fidelity may have."""
+    """Entries of --set; keys without the prefix that those of a fidelity may have."""
     settings: dict[str, Any] = {}
     for path, value in options.set:
         key = path.removeprefix("fidelity.")
@@ -82,7 +67,7 @@ def settings_of(options: argparse.Namespace) -> dict[str, Any]:
 
 
 def selected(sweep: Sweep) -> dict[str, Any]:
-    """Return why the fidelity was picked, for a JSON document; nothing if it was not."""
+    """Reason for the fidelity that was picked, for a JSON document; nothing if none was."""
     return {"selection": sweep.selection.as_dict()} if sweep.selection else {}
 
 
@@ -92,7 +77,18 @@ def opened(options: argparse.Namespace) -> xr.Dataset:
     return ds if options.wear_rate is None else pipeline.at_wear_rate(ds, options.wear_rate)
 
 
+def beside(store: Path | str, ending: str) -> Path:
+    """File beside a store, or here for a store at an address."""
+    path = Path(store) if "://" not in str(store) else Path(Path(store).name)
+    return path.with_name(f"{path.stem}{ending}")
+
+
 def given(options: argparse.Namespace, *names: str) -> dict[str, Any]:
-    """Return the options of these names that the command has and the user gave."""
+    """Options of these names that the command has and the user gave."""
     values = {name: getattr(options, name, None) for name in names}
     return {name: value for name, value in values.items() if value is not None}
+
+
+def flags_of(names: Sequence[str]) -> str:
+    """Options as they are typed, one after the other."""
+    return ", ".join(f"--{name.replace('_', '-')}" for name in names)

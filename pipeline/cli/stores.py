@@ -1,14 +1,14 @@
-"""The commands that look after a store."""
+"""The commands that look after stores: their state, damage, differences, and a list of them."""
 
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterable
+from collections.abc import Iterator
+from math import isfinite
 from typing import TYPE_CHECKING
 
 import pipeline
-from pipeline.cli.exit_codes import DONE, SOME_FAILED
-from pipeline.cli.output import failed_points, show
+from pipeline.cli.output import DONE, SOME_FAILED, Result, failed_points, to_table
 from pipeline.cli.progress import working
 from pipeline.sweep.stages import duration
 from pipeline.sweep.warned import NO_WARNING
@@ -16,12 +16,13 @@ from pipeline.sweep.warned import NO_WARNING
 if TYPE_CHECKING:
     from pipeline.store.progress import Summary
 
+_MOST_POINTS = 10  # that are printed; files have all
 
-def status(options: argparse.Namespace) -> int:
+
+def status(options: argparse.Namespace) -> Result:
     """Count points."""
     state = pipeline.summary(options.store)
     selection = pipeline.stored_selection(options.store)
-    warned = pipeline.warned(options.store) if state.warned else NO_WARNING
     document = {
         "title": state.title,
         "points": state.total,
@@ -38,15 +39,15 @@ def status(options: argparse.Namespace) -> int:
         state.title,
         f"{state.total} points: {state.done} done, {len(state.failed)} failed, "
         f"{state.pending} pending",
-        *_more_text(state),
+        *_pace(state),
         *([str(selection)] if selection else []),
         *(f"failed: {point}" for point in state.failed),
     ]
-    show(options, document, text, warned=warned)
-    return SOME_FAILED if state.failed else DONE
+    warned = pipeline.warned(options.store) if state.warned else NO_WARNING
+    return Result(document, text, warned, code=SOME_FAILED if state.failed else DONE)
 
 
-def _more_text(state: Summary) -> Iterable[str]:
+def _pace(state: Summary) -> Iterator[str]:
     """Points beyond those that were asked for, and the pace of a run."""
     if state.earlier:
         yield f"{state.earlier} more are done, for which an earlier run asked"
@@ -54,12 +55,12 @@ def _more_text(state: Summary) -> Iterable[str]:
         yield f"running: {state.running}"
     if state.pending and state.rate and state.time_to_go:
         when = "now" if state.running else "the last time"
-        yield (
-            f"{_pace(60 * state.rate)} points a minute {when}, {duration(state.time_to_go)} to go"
-        )
+        pace = 60 * state.rate
+        shown = f"{pace:.0f}" if pace >= 100 else f"{pace:.3g}"
+        yield f"{shown} points a minute {when}, {duration(state.time_to_go)} to go"
 
 
-def verify(options: argparse.Namespace) -> int:
+def verify(options: argparse.Namespace) -> Result:
     """Read everything and name what is damaged."""
     with working("reading points") as progress:
         check = pipeline.verify_store(options.store, options.repair, progress)
@@ -71,34 +72,58 @@ def verify(options: argparse.Namespace) -> int:
         "without_status": [point._asdict() for point in check.without_status],
         "repaired": check.repaired,
     }
+    taken = "done again" if check.repaired else "the next run takes it as done"
     text = [
         f"{check.done} points are done and intact, {len(check.damaged)} are damaged",
         *(f"damaged: {damage}" for damage in check.damaged),
         *(f"damaged, but not its data: {damage}" for damage in check.records),
         *(f"damaged: {fault}" for fault in check.shared),
-        *(
-            f"complete, but without a status: {point}; "
-            + ("done again" if check.repaired else "the next run takes it as done")
-            for point in check.without_status
-        ),
+        *(f"complete, but without a status: {point}; {taken}" for point in check.without_status),
     ]
-    if not check.is_clean:
-        text.append(
-            "repaired; damaged points are pending, and computed again by: irg run"
-            if check.repaired
-            else "set damaged points to be computed again with: irg verify --repair"
-        )
-    is_readable = check.is_clean or check.repaired
-    show(options, document, text, warned=pipeline.warned(options.store) if is_readable else None)
-    return DONE if check.is_clean else SOME_FAILED
+    if check.is_clean:
+        return Result(document, text, pipeline.warned(options.store))
+    if check.repaired:
+        text.append("repaired; damaged points are pending, and computed again by: irg run")
+        return Result(document, text, pipeline.warned(options.store), code=SOME_FAILED)
+    text.append("set damaged points to be computed again with: irg verify --repair")
+    return Result(document, text, code=SOME_FAILED)
 
 
-def _pace(per_minute: float) -> str:
-    """Write a number with three digits, or all before the point.
+@to_table
+def diff(options: argparse.Namespace) -> Result:
+    """Print the differences between two stores."""
+    between = pipeline.diff(options.store, options.other)
+    text = [f"A {options.store}", f"B {options.other}", ""]
+    text += between.entries.lines() if between.entries.rows else ["their scenes are equal"]
+    text.append("")
+    if between.boundary.rows:
+        text += between.boundary.without_empty().lines()
+    else:
+        text.append("no boundaries to compare: no common load, no critical temperature, or samples")
+    differing = len(between.points.rows)
+    changes = [abs(change) for change in between.points.as_dict()["change"] if isfinite(change)]
+    unlike = f" (by up to {100 * max(changes):.2g} % of the rise)" if changes else ""
+    text += [
+        "",
+        f"points: {between.alike} alike, {len(changes)} unlike{unlike}, "
+        f"{differing - len(changes)} done in one alone",
+    ]
+    if differing:
+        first = pipeline.Table(between.points.columns, between.points.rows[:_MOST_POINTS])
+        text += first.without_empty().lines()
+    if differing > _MOST_POINTS:
+        text.append(f"and {differing - _MOST_POINTS} more, which -o TABLE.csv writes")
+    if differing:
+        text.append("rise: the highest of the contact at the end of the point, at friction 1")
+    tables = [between.entries, between.boundary, between.points]
+    return Result(between.as_dict(), text, tables=tables)
 
-    Examples
-    --------
-    >>> _pace(1.5), _pace(4218.3)
-    ('1.5', '4218')
-    """
-    return f"{per_minute:.0f}" if per_minute >= 100 else f"{per_minute:.3g}"
+
+@to_table
+def listing(options: argparse.Namespace) -> Result:
+    """List the stores and scenes below a folder."""
+    table = pipeline.listing(options.folder)
+    text = list(table.without({"points", "done", "failed"}).lines())
+    if not table.rows:
+        text = [f"{options.folder} holds no stores and no scenes"]
+    return Result(table.as_dict(), text, tables=[table])

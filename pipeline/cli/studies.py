@@ -1,33 +1,113 @@
-"""The commands that measure the tool itself: its speed, its errors, and the paper beside it."""
+"""The commands that study a scene and the tool: its inputs one by one, its errors, the paper."""
 
 from __future__ import annotations
 
 import argparse
 import importlib
+import itertools
+import math
+from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pipeline
 from pipeline.analysis.tables import Column, Table
-from pipeline.cli.exit_codes import DONE
-from pipeline.cli.output import output_path, show, tell
-from pipeline.cli.scenes import given, scene_of
+from pipeline.analysis.transition import CROSSES, OUTCOMES
+from pipeline.cli.output import Result, tell, to_figure_or_table
+from pipeline.cli.scenes import given, scene_of, settings_of
 from tribo import InputError
 
 if TYPE_CHECKING:
+    from pipeline.run.vary import Variations
     from pipeline.tradeoff.table import Trade
 
 
-def trade(options: argparse.Namespace) -> int:
+@to_figure_or_table
+def vary(options: argparse.Namespace) -> Result:
+    """Print and draw the boundary for each value of some entries."""
+    over: dict[str, list[Any]] = {}
+    for key, values in options.over:
+        over.setdefault(key, []).extend(values)
+    if not over and not options.physics:
+        raise InputError("nothing to vary; give --over KEY=VALUE,VALUE for an entry, or --physics")
+    result = pipeline.vary(
+        options.scene,
+        over,
+        options.preset,
+        settings_of(options),
+        tell=tell,
+        physics=options.physics,
+    )
+    table = _critical_velocities(result)
+    return Result(
+        result.as_dict(),
+        _on_variations(result, table),
+        warned=result.warned,
+        tables=[table],
+        draw=partial(pipeline.draw_variations, result),
+    )
+
+
+def _critical_velocities(result: Variations) -> Table:
+    """Table with a row for each value and load."""
+    columns = (
+        Column("entry", "entry"),
+        Column("value", "value"),
+        Column("load", "load", "N"),
+        Column("critical_velocity", "critical velocity", "m/s"),
+        Column("change", "change"),
+        Column("outcome", "outcome"),
+    )
+    rows: list[tuple[Any, ...]] = []
+    for variation in (result.own, *itertools.chain(*result.by_key().values())):
+        name, changes = "as it is", [math.nan] * len(result.loads)
+        if variation.key:
+            name, changes = variation.key, result.changes(variation).tolist()
+        values = zip(
+            result.loads, variation.critical_velocities, changes, variation.outcomes, strict=True
+        )
+        rows += [(name, variation.value, *row) for row in values]
+    return Table(columns, tuple(rows))
+
+
+def _on_variations(result: Variations, table: Table) -> Iterator[str]:
+    """The table with a column for each load, and physics that the scene leaves out."""
+    effects = {effect.name for effect in result.left_out}
+
+    def name(row: dict[str, Any]) -> str:
+        is_alone = row["value"] == result.own.value or row["entry"] in effects
+        return str(row["entry"]) if is_alone else f"{row['entry']} = {row['value']}"
+
+    def cell(row: dict[str, Any]) -> str:
+        if not math.isfinite(row["critical_velocity"]):
+            return str(row["outcome"])
+        change = f"  {100 * row['change']:+.1f} %" if math.isfinite(row["change"]) else ""
+        return f"{row['critical_velocity']:.3g}{change}"
+
+    heads = {load: f"at {load:g} N" for load in result.loads}
+    yield from table.crossed("critical velocity [m/s]", name, "load", heads, cell).lines()
+    if set(table.as_dict()["outcome"]) - {OUTCOMES[CROSSES]}:
+        yield ""
+        yield "in words: no transition between the sweep's velocities"
+    yield ""
+    yield f"from {result.points} points on the contacts of {result.contacts}"
+    for effect in result.left_out:
+        yield ""
+        yield f"{effect.name}: {effect.size}"
+        yield f"  certainty  {effect.certainty}"
+        if effect.entry:
+            yield f"  entry      {effect.entry}"
+
+
+@to_figure_or_table
+def trade(options: argparse.Namespace) -> Result:
     """Measure speed against accuracy on a scene."""
-    out = output_path(options)
     measured = pipeline.trade(
         scene_of(options), base=options.base, diagram=options.diagram, progress=tell
     )
-    draw, tables = partial(pipeline.draw_trade, measured), [_choices(measured)]
-    show(options, measured.as_dict(), [str(measured)], out=out, tables=tables, draw=draw)
-    return DONE
+    draw = partial(pipeline.draw_trade, measured)
+    return Result(measured.as_dict(), [str(measured)], tables=[_choices(measured)], draw=draw)
 
 
 def _choices(measured: Trade) -> Table:
@@ -60,21 +140,18 @@ def _study_of_the_paper() -> Any:
         ) from error
 
 
-def reproduce(options: argparse.Namespace) -> int:
+def reproduce(options: argparse.Namespace) -> Result:
     """Recompute a figure or table of the paper, all of them, or list them."""
     paper = _study_of_the_paper()
     if options.list or options.name is None:
         results, others = paper.RESULTS, paper.NOT_REPRODUCED
         text = [f"{name:12} {summary}" for name, summary in results.items()]
         text += ["", "not recomputed", *(f"{name:12} {reason}" for name, reason in others.items())]
-        show(options, results | {"not_recomputed": others}, text)
-        return DONE
+        return Result(results | {"not_recomputed": others}, text)
     chosen = given(options, "preset", "surfaces", "workers")
     if options.name == "all":
         reports = paper.write_gallery(options.output or Path("results"), tell=tell, **chosen)
         text = [line for report in reports for line in (*report.lines(), "")]
-        show(options, {report.name: report.as_dict() for report in reports}, text)
-        return DONE
+        return Result({report.name: report.as_dict() for report in reports}, text)
     report = paper.reproduce(options.name, options.output, tell=tell, **chosen)
-    show(options, report.as_dict(), report.lines())
-    return DONE
+    return Result(report.as_dict(), report.lines())

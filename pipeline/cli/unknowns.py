@@ -3,45 +3,53 @@
 from __future__ import annotations
 
 import argparse
+import math
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
+from dataclasses import astuple
 from functools import partial
+from operator import itemgetter
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 import pipeline
-from pipeline.cli.exit_codes import DONE
-from pipeline.cli.output import counted, output_path, show, table_path
+from pipeline.analysis.conditions import conditions_of
+from pipeline.analysis.tables import Column, Table
+from pipeline.cli.output import Result, counted, to_figure_or_table
 from pipeline.cli.progress import working
-from pipeline.cli.scenes import given
+from pipeline.cli.scenes import beside, given
+from pipeline.uncertain.weigh import posterior_if_given
 from tribo import InputError
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from pipeline.uncertain.answers import Risk
+    from pipeline.sweep.unknown import Unknown
+    from pipeline.uncertain.answers import MarginIntervals, Risk
     from pipeline.uncertain.ensemble import Ensemble
     from pipeline.uncertain.sensitivity import Sensitivity
     from pipeline.uncertain.weigh import Judged, Posterior
 
 
+_LOAD = Column("load", "load", "N")
 _SHOWN = 12  # candidates
 _GOOD = 0.3  # of the spread of a velocity, which its error may be
 
 
-def risk(options: argparse.Namespace) -> int:
+@to_figure_or_table
+def risk(options: argparse.Namespace) -> Result:
     """Print the probability of severe wear at a point, or draw it over the plane."""
-    if (options.load is None) != (options.velocity is None):
-        raise InputError("give --load and --velocity, or neither for the whole plane")
-    out, ds = output_path(options), pipeline.open_sweep(options.store)
-    ensemble, found = samples_of(options, ds)
-    draws = found.draws if found else None
-    document: dict[str, Any] = {"given_measured": found is not None, **_about(ensemble)}
-    figure: dict[str, Any] = {}
-    text = list(notes(ensemble, found))
-    if options.load is not None:
+    place = given(options, "load", "velocity")
+    if len(place) == 1:
+        raise InputError("half an operating point: give --load and --velocity, or neither")
+    ds = pipeline.open_sweep(options.store)
+    ensemble, weighed = samples_of(options, ds)
+    draws = weighed.draws if weighed else None
+    document = {"given_measured": weighed is not None, **_about(ensemble)}
+    text = list(notes(ensemble, weighed))
+    if place:
         with working("finding the probability"):
             at = pipeline.risk(ensemble, options.load, options.velocity, draws)
         document |= at.as_dict()
@@ -51,84 +59,206 @@ def risk(options: argparse.Namespace) -> int:
             *text,
             f"  emulated by {at.samples} samples, whose rise errs by {100 * at.rise_error:.2g} %; "
             "the error of the probability has it in",
-            *_if_given(ensemble, at, found),
+            *_if_given(ensemble, at, weighed),
         ]
-    if options.load is None or out:
-        with working("finding probabilities over the plane"):
-            plane = pipeline.probabilities(ensemble, draws)
-            at_loads = pipeline.probabilities(ensemble, draws, loads=ensemble.loads)
-        place = given(options, "load", "velocity")
-        document |= _lines(at_loads)
-        text += [] if place else _table(at_loads)
-        figure["out"] = out or _beside(options.store, "risk")
-        figure["rows"] = _cells(plane)
-        figure["draw"] = partial(pipeline.draw_risk, ensemble, plane, place, found)
-    show(options, document, text, warned=pipeline.warned(ds), **figure)
-    return DONE
+    warned = pipeline.warned(ds)
+    if place and options.output is None:
+        return Result(document, text, warned)
+    with working("finding probabilities over the plane"):
+        plane = pipeline.probabilities(ensemble, draws)
+        lines = _lines(pipeline.probabilities(ensemble, draws, loads=ensemble.loads))
+    return Result(
+        document | _document(lines),
+        text if place else [*text, *_on_lines(lines)],
+        warned,
+        [_cells(plane)],
+        partial(pipeline.draw_risk, ensemble, plane, place, weighed),
+        beside(options.store, "_risk.png"),
+    )
 
 
-def _if_given(ensemble: Ensemble, at: Risk, found: Posterior | None) -> Iterator[str]:
+def _if_given(ensemble: Ensemble, at: Risk, weighed: Posterior | None) -> Iterator[str]:
     """Line on the probability that the scene's own tests would give."""
-    if found is not None or not (ensemble.measured or ensemble.tested):
+    if weighed is not None or not (ensemble.measured or ensemble.tested):
         return
     with suppress(InputError), working("weighing the inputs by the tests"):
-        weighed = pipeline.posterior(ensemble)
-        after = pipeline.risk(ensemble, at.load, at.velocity, weighed.draws)
-        yield (
-            f"next: given the scene's {_tests(weighed)} it is {after.probability:.2g}: "
-            "add --given-measured"
+        after = pipeline.posterior(ensemble)
+        probability = pipeline.risk(ensemble, at.load, at.velocity, after.draws).probability
+        given_tests = f"given the scene's {_tests(after)} it is {probability:.2g}"
+        yield f"next: {given_tests}: add --given-measured"
+
+
+def _cells(plane: xr.DataArray) -> Table:
+    """Probability over the plane, a row for each load and velocity."""
+    columns = _LOAD, Column("velocity", "velocity", "m/s"), Column("probability", "probability")
+    frame = plane.rename("probability").to_dataframe().reset_index()
+    return Table(columns, tuple(frame.itertuples(index=False, name=None)))
+
+
+def _lines(plane: xr.DataArray) -> Table:
+    """Velocities of some probabilities by load; infinite, or below 0, where they lie beyond."""
+    shares, lines = pipeline.risk_lines(plane)
+    lowest, *_, highest = plane["velocity"].values.tolist()
+
+    def write(velocity: float) -> str:
+        if math.isfinite(velocity):
+            return f"{velocity:.3g}"
+        return f"> {highest:.3g}" if velocity > 0 else f"< {lowest:.3g}"
+
+    columns = (
+        Column(str(share), f"velocity of {100 * share:g} %", "m/s", write=write) for share in shares
+    )
+    rows = np.where(lines > 0, lines, -math.inf).tolist()
+    loads = plane["load"].values.tolist()
+    return Table(
+        (_LOAD, *columns), tuple((load, *row) for load, row in zip(loads, rows, strict=True))
+    )
+
+
+def _document(lines: Table) -> dict[str, Any]:
+    """Velocities of some probabilities by load, as plain data; null where they lie beyond."""
+    columns = lines.as_dict()
+    return {"load": columns.pop("load"), "velocity_of_probability": columns}
+
+
+def _on_lines(lines: Table) -> Iterator[str]:
+    yield "velocity [m/s] at which wear is severe with a probability of 5, 50 and 95 %"
+    yield from lines.lines()
+
+
+def boundary_of_samples(ds: xr.Dataset, conditions: dict[str, Any]) -> Result:
+    """Print the velocities at which wear is severe with some probabilities."""
+    ensemble, given_here = judged_by(ds, conditions)
+    with working("finding probabilities at each load"):
+        velocities = np.geomspace(*ensemble.velocities, 161)
+        plane = pipeline.probabilities(
+            ensemble, loads=ensemble.loads, velocities=velocities, conditions=given_here
         )
+    lines = _lines(plane)
+    text = [*_on_lines(lines), *notes(ensemble, None)]
+    return Result(_about(ensemble) | _document(lines), text, pipeline.warned(ds), [lines])
 
 
-def sensitivity(options: argparse.Namespace) -> int:
-    """Print and draw which input moves the boundary how much."""
-    out, ds = output_path(options), pipeline.open_sweep(options.store)
-    ensemble, found = samples_of(options, ds)
+def table_of_intervals(answer: MarginIntervals) -> Table:
+    """Distance of an operating point from severe wear, a quantity a row."""
+    at, temperature = answer.risk, answer.decisive_temperature
+    rows: list[tuple[Any, ...]] = [
+        ("deciding temperature [°C]", *(value - 273.15 for value in astuple(temperature))),
+        ("below the critical [K]", *astuple(answer.distance)),
+    ]
+    for name, unit, interval, here, ends in (
+        ("velocity", "m/s", answer.critical_velocity, at.velocity, answer.velocity_range),
+        ("load", "N", answer.critical_load, at.load, answer.load_range),
+    ):
+        if interval is not None:
+            values = astuple(interval)
+            factors = (_within(value / here, [end / here for end in ends]) for value in values)
+            rows.append((f"critical {name} [{unit}]", *(_within(value, ends) for value in values)))
+            rows.append((f"{name} factor", *factors))
+    heads = (("low", "5 %"), ("middle", "middle"), ("high", "95 %"))
+    columns = (Column("quantity", "quantity"), *(Column(*head) for head in heads))
+    return Table(columns, tuple(rows))
+
+
+def _within(value: float, ends: Sequence[float]) -> float | str:
+    """A critical value; beyond the sweep, where it is 0 or infinite, its end in words."""
+    if 0 < value < math.inf:
+        return value
+    return f"> {ends[1]:.3g}" if value else f"< {ends[0]:.3g}"
+
+
+@to_figure_or_table
+def sensitivity(options: argparse.Namespace) -> Result:
+    """Print and draw the shares of the inputs in the variance of the boundary."""
+    ds = pipeline.open_sweep(options.store)
+    ensemble, weighed = samples_of(options, ds)
     with working("finding Sobol' indices"):
-        indices = pipeline.sensitivity(ensemble, found.draws if found else None)
-    draw = partial(pipeline.draw_sensitivity, indices, ensemble.title)
+        indices = pipeline.sensitivity(ensemble, weighed.draws if weighed else None)
     most = indices.unknown[int(np.argmax(indices.first.mean(axis=0)))]
     target = "" if most.kind == "list" else f" --for {most.path}"
+    table = _indices(indices)
     text = [
-        *notes(ensemble, found),
-        *_indices(indices),
+        *notes(ensemble, weighed),
+        *_on_indices(indices, table),
         f"next: {most.path} moves the boundary most; tests to make: irg infer {options.store} "
         f"--next{target}",
     ]
-    show(
-        options, _about(ensemble) | indices.as_dict(), text,
-        warned=pipeline.warned(ds), out=out, rows=_index_rows(indices), draw=draw,
-    )  # fmt: skip
-    return DONE
+    draw = partial(pipeline.draw_sensitivity, indices, ensemble.title)
+    document = _about(ensemble) | indices.as_dict()
+    return Result(document, text, pipeline.warned(ds), [table], draw)
 
 
-def posterior(options: argparse.Namespace, stores: Sequence[Path]) -> int:
+def _indices(indices: Sensitivity) -> Table:
+    """Sobol' indices with the ends of their 90 % intervals, a row for each load and input."""
+    heads = ("low", "high")
+    columns = (
+        _LOAD,
+        Column("input", "input"),
+        Column("first", "first"),
+        *(Column(f"first_{end}", f"first, {end}") for end in heads),
+        Column("total", "total"),
+        *(Column(f"total_{end}", f"total, {end}") for end in heads),
+    )
+    parts = (indices.first, *indices.first_interval, indices.total, *indices.total_interval)
+    values = np.stack(parts, axis=-1).tolist()
+    rows = [
+        (load, indices.unknown[number].path, *values[place][number])
+        for place, load in enumerate(indices.loads)
+        for number in np.argsort(-indices.first.mean(axis=0))
+    ]
+    return Table(columns, tuple(rows))
+
+
+def _on_indices(indices: Sensitivity, table: Table) -> Iterator[str]:
+    """A table for each kind of index: an input a row, a load a column."""
+    heads = {load: f"{load:g} N" for load in indices.loads}
+    has_total = bool(np.isfinite(indices.total).all())
+    for kind in ("first", "total") if has_total else ("first",):
+
+        def cell(row: dict[str, Any], kind: str = kind) -> str:
+            return f"{row[kind]:.2f} ({row[f'{kind}_low']:.2f}–{row[f'{kind}_high']:.2f})"
+
+        crossed = table.crossed(f"{kind} index", itemgetter("input"), "load", heads, cell)
+        yield from crossed.lines()
+    if not has_total:
+        given_measured = "given the measurements"
+        reason = given_measured if indices.given_measured else "as the scene correlates them,"
+        yield f"no total index: {reason} the inputs depend on one another"
+    errors = zip(indices.loads, indices.spread, indices.velocity_error, strict=True)
+    columns = (
+        _LOAD,
+        Column("spread", "spread of velocity", "%", 2),
+        Column("error", "emulator errs by", "%", 2),
+    )
+    rows = tuple(errors)
+    yield from Table(columns, rows).lines()
+    for load, spread, error in rows:
+        if error > _GOOD * spread:
+            yield (
+                f"warning: at {load:g} N the emulated velocity errs by {100 * error:.2g} %, of a "
+                f"spread of {100 * spread:.2g} %; run more samples"
+            )
+
+
+def posterior(options: argparse.Namespace, stores: Sequence[Path]) -> Result:
     """Print and draw the inputs as the tests leave them, and the tests to make next."""
-    out = output_path(options)
-    with working("reading samples"):
-        datasets = [pipeline.open_sweep(store) for store in stores]
-        ensembles = [_ensemble(*each) for each in zip(stores, datasets, strict=True)]
-    with working("weighing the inputs by the tests"):
-        found = pipeline.posterior(ensembles, **given(options, "scatter"))
-    document: dict[str, Any] = found.as_dict()
-    text = [*_on_inputs(found)]
-    if options.next is not None:
-        with working("ranking tests"):
-            document["next"], lines = _next(options, found)
-        text += lines
-    elif options.target or options.bulk_temperature:
+    if options.next is None and (options.target or options.bulk_temperature):
         name = "--for" if options.target else "--bulk-temperature"
         raise InputError(f"{name} belongs to --next, which is not given")
-    else:
+    with working("reading samples"):
+        datasets = [pipeline.open_sweep(store) for store in stores]
+        ensembles = [_ensemble(*pair) for pair in zip(stores, datasets, strict=True)]
+    with working("weighing the inputs by the tests"):
+        weighed = pipeline.posterior(ensembles, **given(options, "scatter"))
+    document, text = weighed.as_dict(), list(_on_inputs(weighed))
+    if options.next is None:
         text.append(f"next: the test that tells most: irg infer {stores[0]} --next")
-    show(
-        options, document, text,
-        warned=pipeline.warned(datasets[0]),
-        out=out,
-        rows=map(_flat, found.summary()),
-        draw=partial(pipeline.draw_posterior, found),
-    )  # fmt: skip
-    return DONE
+    else:
+        with working("ranking tests"):
+            document["next"], lines = _next(options, weighed)
+        text += lines
+    draw = partial(pipeline.draw_posterior, weighed)
+    return Result(document, text, pipeline.warned(datasets[0]), [_in_si(weighed)], draw)
 
 
 def _ensemble(store: Path, ds: xr.Dataset) -> Ensemble:
@@ -139,16 +269,18 @@ def _ensemble(store: Path, ds: xr.Dataset) -> Ensemble:
         raise InputError(f"{store}: {error}") from error
 
 
-def _next(options: argparse.Namespace, found: Posterior) -> tuple[list[dict[str, Any]], list[str]]:
+def _next(
+    options: argparse.Namespace, weighed: Posterior
+) -> tuple[list[dict[str, Any]], list[str]]:
     """Measurements ranked for a target, or a batch of tests, as plain data and as text."""
     about = {"target": options.target, "bulk_temperatures": options.bulk_temperature or ()}
     if options.next > 1:
-        ranked = pipeline.batch(found, options.next, **about)
+        ranked = pipeline.batch(weighed, options.next, **about)
         head = f"{options.next} tests to make next, each beside those before it"
     else:
-        ranked = pipeline.candidates(found, **about)[:_SHOWN]
+        ranked = pipeline.candidates(weighed, **about)[:_SHOWN]
         head = "measurements to make next, the best first"
-    unknown = {each.path: each for each in found.unknown}.get(options.target or "")
+    unknown = {one.path: one for one in weighed.unknown}.get(options.target or "")
 
     def shown(spread: float) -> str:
         if unknown is None or unknown.is_relative:
@@ -158,127 +290,23 @@ def _next(options: argparse.Namespace, found: Posterior) -> tuple[list[dict[str,
     target = options.target or "the boundary, in velocity"
     lines = [f"{head}; {target} is known to {shown(ranked[0].before)} today"]
     lines += [
-        f"  to {shown(each.spread):10} (by {100 * each.narrows:.0f} %)  {each.what}"
-        for each in ranked
+        f"  to {shown(test.spread):10} (by {100 * test.narrows:.0f} %)  {test.what}"
+        for test in ranked
     ]
-    rows = [
-        {"what": each.what, "test": each.test, "spread": each.spread, "narrows": each.narrows}
-        for each in ranked
-    ]
-    return rows, lines
+    names = ("what", "test", "spread", "narrows")
+    return [{name: getattr(test, name) for name in names} for test in ranked], lines
 
 
-def samples_of(options: argparse.Namespace, ds: Any) -> tuple[Ensemble, Posterior | None]:
-    """The samples of a sweep, and what measurements say of them if that is to count."""
-    from pipeline.uncertain.weigh import posterior_if_given  # with its libraries
-
+def samples_of(options: argparse.Namespace, ds: xr.Dataset) -> tuple[Ensemble, Posterior | None]:
+    """The samples of a sweep, and the inputs as measurements leave them if these are to count."""
     with working("reading samples"):
         ensemble = pipeline.Ensemble.of(ds)
-    with working("weighing the inputs by what was measured"):
+    with working("weighing the inputs by the measurements"):
         return ensemble, posterior_if_given(ensemble, options.given_measured, options.scatter)
 
 
-def _about(ensemble: Ensemble) -> dict[str, Any]:
-    return {
-        "samples": len(ensemble.inputs),
-        "samples_left_out": ensemble.missing,
-        "unknown": [each.as_dict() for each in ensemble.unknown],
-    }
-
-
-def notes(ensemble: Ensemble, found: Posterior | None) -> Iterator[str]:
-    """Say on what the numbers rest."""
-    what = "as the scene assumes them"
-    if found:
-        what = f"given {_tests(found)}, {_scattered(found)}"
-    yield f"  {counted(len(ensemble.unknown), 'unknown input', 'unknown inputs')}, {what}"
-    if found:
-        yield from on_draws(found)
-    if ensemble.missing:
-        yield f"  {ensemble.missing} samples are left out: not done at every load"
-
-
-def on_draws(found: Posterior) -> Iterator[str]:
-    """Number of draws that the numbers rest on, in words."""
-    effective, count = found.draws.effective, len(found.draws.weights)
-    yield f"  effective sample size {effective:.0f} of {count}"
-
-
-def _beside(store: Path | str, kind: str) -> Path:
-    """File of a figure if none is named."""
-    path = store if isinstance(store, Path) else Path(Path(store).name)
-    return path.with_name(f"{path.stem}_{kind}.png")
-
-
-def _cells(plane: Any) -> Iterator[dict[str, Any]]:
-    """Rows of a table with the probability over the plane."""
-    for load, row in zip(plane["load"].values.tolist(), plane.values.tolist(), strict=True):
-        for velocity, probability in zip(plane["velocity"].values.tolist(), row, strict=True):
-            yield {"load [N]": load, "velocity [m/s]": velocity, "probability": probability}
-
-
-def _index_rows(found: Sensitivity) -> Iterator[dict[str, Any]]:
-    """Rows of a table with Sobol' indices."""
-    for i, load in enumerate(found.loads):
-        for k, each in enumerate(found.unknown):
-            yield {
-                "load [N]": load,
-                "input": each.path,
-                "first": float(found.first[i, k]),
-                "total": float(found.total[i, k]),
-            }
-
-
-def _flat(row: dict[str, Any]) -> dict[str, Any]:
-    """A row on one input, before and after."""
-    return {"input": row["path"], "unit": row["unit"]} | {
-        f"{word} {what}": row[name].get(what)
-        for name, word in (("prior", "before"), ("posterior", "after"))
-        for what in ("mean", "sd")
-    }
-
-
-def _lines(plane: Any) -> dict[str, Any]:
-    """Velocities of some probabilities by load, as plain data."""
-    shares, rows = pipeline.risk_lines(plane)
-    rows = np.where((rows > 0) & np.isfinite(rows), rows, np.nan)  # null where it lies beyond
-    return {
-        "load": plane["load"].values.tolist(),
-        "velocity_of_probability": dict(zip(map(str, shares), rows.T.tolist(), strict=True)),
-    }
-
-
-def _signed(value: float) -> str:
-    return f"{value:+.2f}".replace("-", "−")
-
-
-def boundary_of_samples(options: argparse.Namespace, ds: Any, conditions: dict[str, Any]) -> int:
-    """Print the velocities at which wear is severe with some probabilities."""
-    out = table_path(options)
-    ensemble, given_here = judged_by(ds, conditions)
-    with working("finding probabilities at each load"):
-        velocities = np.geomspace(*ensemble.velocities, 161)
-        plane = pipeline.probabilities(
-            ensemble, loads=ensemble.loads, velocities=velocities, conditions=given_here
-        )
-    shares, rows = pipeline.risk_lines(plane)
-    table = [
-        {"load [N]": load} | {
-            f"velocity of {100 * share:g} % [m/s]": velocity if 0 < velocity < np.inf else None
-            for share, velocity in zip(shares, row, strict=True)
-        }
-        for load, row in zip(plane["load"].values.tolist(), rows.tolist(), strict=True)
-    ]  # fmt: skip
-    text = [*_table(plane), *notes(ensemble, None)]
-    document = _about(ensemble) | _lines(plane)
-    show(options, document, text, warned=pipeline.warned(ds), out=out, rows=table)
-    return DONE
-
-
-def judged_by(ds: Any, conditions: dict[str, Any]) -> tuple[Ensemble, dict[str, float]]:
+def judged_by(ds: xr.Dataset, conditions: dict[str, Any]) -> tuple[Ensemble, dict[str, float]]:
     """Samples of a sweep, judged by conditions that are given, and those of them by number."""
-    from pipeline.analysis.conditions import conditions_of  # with xarray
-
     judged = conditions_of(ds, **conditions)
     frictions = conditions.get("friction")
     if isinstance(frictions, list | tuple) and len(frictions) > 1:
@@ -292,61 +320,36 @@ def judged_by(ds: Any, conditions: dict[str, Any]) -> tuple[Ensemble, dict[str, 
     return ensemble, {name: getattr(judged, name) for name in names if name in conditions}
 
 
-def _table(plane: Any) -> Iterator[str]:
-    """Velocities of some probabilities by load; beyond the sweep its end."""
-    shares, rows = pipeline.risk_lines(plane)
-    lowest, *_, highest = plane["velocity"].values.tolist()
-
-    def shown(velocity: float) -> str:
-        if not 0 < velocity < np.inf:
-            return f"> {highest:.3g}" if velocity else f"< {lowest:.3g}"
-        return f"{velocity:.3g}"
-
-    heads = " ".join(f"{f'{100 * share:g} %':>8}" for share in shares)
-    yield "velocity [m/s] at which wear is severe with a probability of"
-    yield f"{'load [N]':>10} {heads}"
-    for load, row in zip(plane["load"].values, rows.tolist(), strict=True):
-        yield f"{load:10g} {' '.join(f'{shown(velocity):>8}' for velocity in row)}"
+def _about(ensemble: Ensemble) -> dict[str, Any]:
+    return {
+        "samples": len(ensemble.inputs),
+        "samples_left_out": ensemble.missing,
+        "unknown": [one.as_dict() for one in ensemble.unknown],
+    }
 
 
-def _indices(found: Sensitivity) -> Iterator[str]:
-    """A table for each kind of index: an input a row, a load a column."""
-    heads = " ".join(f"{f'{load:g} N':>18}" for load in found.loads)
-    width = max(len(each.path) for each in found.unknown) + 2
-    tables = [("first index", found.first, found.first_interval)]
-    if np.isfinite(found.total).all():
-        tables.append(("total index", found.total, found.total_interval))
-    for name, values, (low, high) in tables:
-        yield f"{name:{width}} {heads}"
-        for i in np.argsort(-values.mean(axis=0)):
-            cells = " ".join(
-                f"{f'{v:.2f} ({a:.2f}–{b:.2f})':>18}"
-                for v, a, b in zip(values[:, i], low[:, i], high[:, i], strict=True)
-            )
-            yield f"{found.unknown[i].path:{width}} {cells}"
-    if len(tables) == 1:
-        yield f"no total index: {_why_dependent(found)} the inputs depend on one another"
-    spreads = " ".join(f"{f'± {100 * each:.2g} %':>18}" for each in found.spread)
-    yield f"{'spread of velocity':{width}} {spreads}"
-    errors = " ".join(f"{f'{100 * each:.2g} %':>18}" for each in found.velocity_error)
-    yield f"{'emulator errs by':{width}} {errors}"
-    yield from (
-        f"warning: at {load:g} N the emulated velocity errs by {100 * error:.2g} %, of a spread of "
-        f"{100 * spread:.2g} %; run more samples"
-        for load, error, spread in zip(found.loads, found.velocity_error, found.spread, strict=True)
-        if error > _GOOD * spread
-    )
+def notes(ensemble: Ensemble, weighed: Posterior | None) -> Iterator[str]:
+    """Basis of the numbers."""
+    basis = "as the scene assumes them"
+    if weighed:
+        basis = f"given {_tests(weighed)}, {_scatter(weighed)}"
+    yield f"  {counted(len(ensemble.unknown), 'unknown input', 'unknown inputs')}, {basis}"
+    if weighed:
+        yield _draws(weighed)
+    if ensemble.missing:
+        yield f"  {ensemble.missing} samples are left out: not done at every load"
 
 
-def _why_dependent(found: Sensitivity) -> str:
-    """Reason for no total indices, which presume that no input tells of another."""
-    return "given the measurements" if found.given_measured else "as the scene correlates them,"
+def _draws(weighed: Posterior) -> str:
+    """Number of draws that the numbers rest on, in words."""
+    effective, count = weighed.draws.effective, len(weighed.draws.weights)
+    return f"  effective sample size {effective:.0f} of {count}"
 
 
-def _tests(found: Posterior) -> str:
+def _tests(weighed: Posterior) -> str:
     """Numbers of transitions and of tests, in words."""
-    outcomes = sum("outcome" in judged.test for judged in found.judged)
-    transitions = len(found.judged) - outcomes
+    outcomes = sum("outcome" in judged.test for judged in weighed.judged)
+    transitions = len(weighed.judged) - outcomes
     words = []
     if transitions or not outcomes:
         words.append(counted(transitions, "measured transition", "measured transitions"))
@@ -355,60 +358,73 @@ def _tests(found: Posterior) -> str:
     return " and ".join(words)
 
 
-def _scattered(found: Posterior) -> str:
+def _scatter(weighed: Posterior) -> str:
     """Scatter of the velocities, as said and as inferred."""
-    low, middle, high = (100 * value for value in found.inferred_scatter)
-    said = f"velocities said to scatter by {100 * found.scatter:g} %"
-    if not found.judged:
+    low, middle, high = (100 * value for value in weighed.inferred_scatter)
+    said = f"velocities said to scatter by {100 * weighed.scatter:g} %"
+    if not weighed.judged:
         return said
     return f"{said}: by the tests {middle:.2g} % ({low:.2g} to {high:.2g})"
 
 
-def _on_inputs(found: Posterior) -> Iterator[str]:
+def _on_inputs(weighed: Posterior) -> Iterator[str]:
     """Lines on each input, before and after, and on each test."""
-    samples = " and ".join(str(len(sweep.inputs)) for sweep in found.ensembles)
-    yield f"{_tests(found)}, {_scattered(found)}; {samples} samples"
-    if len(found.ensembles) > 1:
-        yield from (f"  {n}: {sweep.title}" for n, sweep in enumerate(found.ensembles, 1))
-    yield from on_draws(found)
-    rows = list(found.summary())
-    width = max(len(row["path"]) for row in rows) + 2
-    yield f"{'':{width}} {'before':>24}   {'after':>24}   {'90 % within':>22}"
-    for row, each in zip(rows, found.unknown, strict=True):
-        if each.kind == "list":
-            odds = row["posterior"]["probability"]
-            best = max(odds, key=odds.__getitem__)
-            value = f"{each.shown.of(float(best)):g}{each.shown.suffix}"
-            likeliest = f"{value} likeliest, {odds[best]:.2f}"
-            yield f"{each.path:{width}} {f'one of {len(odds)}':>24}   {likeliest:>24}"
-            continue
-        shown, spread = each.shown, each.spread
-        before, after = (
-            f"{shown.of(row[name]['mean']):.4g} ± {spread.of(row[name]['sd']):.3g}"
-            for name in ("prior", "posterior")
-        )
-        within = " to ".join(f"{shown.of(value):.4g}" for value in row["posterior"]["interval"])
-        unit = shown.suffix if spread == shown else f"{shown.suffix}, ± in{spread.suffix}"
-        yield f"{each.path:{width}} {before:>24}   {after:>24}   {within:>22}{unit}"
-    yield from (
-        f"{a} and {b} cannot be told apart by these tests (correlation {_signed(c)})"
-        for a, b, c in found.hidden()
-    )
-    for judged in found.judged:
+    samples = " and ".join(str(len(sweep.inputs)) for sweep in weighed.ensembles)
+    yield f"{_tests(weighed)}, {_scatter(weighed)}; {samples} samples"
+    if len(weighed.ensembles) > 1:
+        yield from (f"  {n}: {sweep.title}" for n, sweep in enumerate(weighed.ensembles, 1))
+    yield _draws(weighed)
+    heads = ("input", "before", "after", "90 % within")
+    summaries = zip(weighed.summary(), weighed.unknown, strict=True)
+    rows = tuple(_before_and_after(*pair) for pair in summaries)
+    yield from Table(tuple(Column(head, head) for head in heads), rows).lines()
+    for a, b, correlation in weighed.hidden():
+        signed = f"{correlation:+.2f}".replace("-", "−")
+        yield f"{a} and {b} cannot be told apart by these tests (correlation {signed})"
+    for judged in weighed.judged:
         low, middle, high = judged.critical_velocity
-        yield f"{_place(found, judged)}, computed {middle:.3g} ({low:.3g} to {high:.3g})"
+        yield f"{_place(weighed, judged)}, computed {middle:.3g} ({low:.3g} to {high:.3g})"
     yield from (
-        f"warning: {_place(found, judged)}: the other tests leave this a probability of "
+        f"warning: {_place(weighed, judged)}: the other tests leave this a probability of "
         f"{judged.probability:.1g}; look at the test, or leave it out"
-        for judged in found.judged
+        for judged in weighed.judged
         if judged.contradicts
     )
 
 
-def _place(found: Posterior, judged: Judged) -> str:
+def _before_and_after(row: dict[str, Any], unknown: Unknown) -> tuple[str, ...]:
+    """Path of an input, its mean and spread before and after, and 90 % of it, in its units."""
+    shown, spread = unknown.shown, unknown.spread
+    if unknown.kind == "list":
+        odds = row["posterior"]["probability"]
+        best = max(odds, key=odds.__getitem__)
+        value = f"{shown.of(float(best)):g}{shown.suffix}"
+        return unknown.path, f"one of {len(odds)}", f"{value} likeliest, {odds[best]:.2f}", ""
+    before, after = (
+        f"{shown.of(row[name]['mean']):.4g} ± {spread.of(row[name]['sd']):.3g}"
+        for name in ("prior", "posterior")
+    )
+    within = " to ".join(f"{shown.of(value):.4g}" for value in row["posterior"]["interval"])
+    unit = shown.suffix if spread == shown else f"{shown.suffix}, ± in{spread.suffix}"
+    return unknown.path, before, after, f"{within}{unit}"
+
+
+def _in_si(weighed: Posterior) -> Table:
+    """Mean and spread of each input before and after, in SI."""
+    words = {"prior": "before", "posterior": "after"}
+    moments = [(name, moment) for name in words for moment in ("mean", "sd")]
+    columns = (Column(f"{name}_{moment}", f"{words[name]} {moment}") for name, moment in moments)
+    rows = (
+        (row["path"], row["unit"], *(row[name].get(moment) for name, moment in moments))
+        for row in weighed.summary()
+    )
+    return Table((Column("input", "input"), Column("unit", "unit"), *columns), tuple(rows))
+
+
+def _place(weighed: Posterior, judged: Judged) -> str:
     """Test, in words."""
     test = judged.test
-    words = [f"{judged.sweep + 1}: at" if len(found.ensembles) > 1 else "at"]
+    words = [f"{judged.sweep + 1}: at" if len(weighed.ensembles) > 1 else "at"]
     words.append(f"{test['normal_load']:g} N")
     if "bulk_temperature" in test:
         words.append(f"and a bulk of {pipeline.display(test['bulk_temperature'], '°C')}")

@@ -34,7 +34,7 @@ def test_the_commands_of_the_page_lead_to_a_probability_and_the_next_test(
         r"cannot be told apart by these tests \(correlation −0\.[5-9]", "".join(printed)
     )
     assert re.search(r"effective sample size \d+ of \d+", "".join(printed))
-    assert re.search(r"in velocity +1\.\d+ +0\.\d+ to 1\.\d+ times", printed[2])
+    assert re.search(r"velocity factor +0\.\d+ +1\.\d+ +1\.\d+", printed[2])
     assert len(list((tmp_path / "results").glob("*.png"))) == 4
     ensemble = pipeline.Ensemble.of(pipeline.open_sweep(tmp_path / "results" / "uncertain.zarr"))
     near = pipeline.risk(ensemble, 400.0, 2.0).probability

@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 
 from pipeline.analysis.dataset import open_sweep
-from pipeline.cli.progress import ProgressLine
+from pipeline.cli.progress import run_line
 from pipeline.figures.style import celsius
 from pipeline.run.sweep import Outcome, run_sweep
 from pipeline.scene.scenefile import load_scene
@@ -82,7 +82,7 @@ class Study:
         """Run or resume a sweep in the store of a name, with its progress on stderr."""
         store = Path(self.results, f"{name}.zarr")
         self.tell(f"the sweep in {store}, including what is there already")
-        with ProgressLine() as progress:
+        with run_line() as progress:
             outcome = run_sweep(sweep, store, workers=self.workers, progress=progress)
         return outcome, open_sweep(store)
 

@@ -105,7 +105,7 @@ def test_what_comes_from_the_library_is_printed_with_its_source(tmp_path, capsys
 
 
 def test_a_measured_surface_says_how_it_lies_unless_it_is_level(tmp_path, capsys, monkeypatch):
-    monkeypatch.setattr("pipeline.cli.sweeps.machine_bytes", lambda: 1)  # nothing is timed
+    monkeypatch.setattr("pipeline.cli.check.machine_bytes", lambda: 1)  # nothing is timed
     heights = np.random.default_rng(0).normal(size=(64, 48)) + 0.1 * np.arange(64)[:, None]
     np.save(tmp_path / "disk.npy", heights)
     (tmp_path / "scene.toml").write_text(

@@ -21,7 +21,7 @@ def small(tmp_path):
 
 def test_without_a_terminal_progress_comes_in_plain_lines(capsys, monkeypatch):
     monkeypatch.setattr(progress.time, "monotonic", iter(range(0, 1000, 4)).__next__)
-    with progress.ProgressLine() as show:
+    with progress.run_line() as show:
         for done in range(8):
             show(Progress(done, 0, 8, 4.0 * done, 4.0 * (8 - done)))
         show(Progress(8, 0, 8, 32.0, 0.0))
@@ -34,7 +34,7 @@ def test_without_a_terminal_progress_comes_in_plain_lines(capsys, monkeypatch):
 
 def test_on_a_terminal_progress_stays_on_one_line(capsys, monkeypatch):
     monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
-    with progress.ProgressLine() as show:
+    with progress.run_line() as show:
         show(Progress(3, 1, 8, 4.0, 9.0))
     said = capsys.readouterr().err
     assert said.count("\n") == 1

@@ -1,0 +1,234 @@
+"""The command that says what a scene means, at once, and then what its sweep would cost."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+import pipeline
+from pipeline.cli.output import Result, counted, show_text
+from pipeline.cli.scenes import scene_of, selected
+from pipeline.sweep.doubts import doubts
+from pipeline.sweep.facts import Facts, Span, facts_of, require_bearable_load
+from pipeline.sweep.lubrication import Lubrication
+from pipeline.sweep.model import Sweep
+from pipeline.sweep.own import own_laws
+from pipeline.sweep.savings import savings
+from pipeline.sweep.stages import duration
+from pipeline.sweep.surface import SurfaceFacts
+from pipeline.tradeoff.forecast import Estimate, machine_bytes, worker_bytes
+from tribo import lubrication_regime
+
+_LEVEL = 1e-6  # of Rq, below which a tilt or a mean height is that of rounding
+
+
+def check(options: argparse.Namespace) -> Result:
+    """Print the meaning of a scene, and then the cost of its sweep."""
+    sweep = scene_of(options)
+    require_bearable_load(sweep, max(sweep.loads), "sweep.loads")
+    facts, memory, saved = facts_of(sweep), worker_bytes(sweep), tuple(savings(sweep))
+    doubted = list(doubts(sweep, facts))
+    is_too_large = memory > machine_bytes()
+    if is_too_large:
+        doubted.append(
+            f"this machine has {machine_bytes() / 1e9:.0f} GB of memory, less than a worker needs: "
+            "the time is not tried out; give fewer window.pixels, or a coarser fidelity"
+        )
+    nx, ny = sweep.grid.shape
+    document: dict[str, Any] = {
+        "title": sweep.title,
+        "notes": sweep.notes,
+        "meaning": facts.as_dict(),
+        "library": [entry._asdict() for entry in sweep.library],
+        "saved": saved,
+        "worker_bytes": memory,
+        **_unknown(sweep),
+        "warnings": doubted,
+    }
+    text = [
+        sweep.title,
+        *_meaning(sweep, facts),
+        *_library(sweep),
+        *(f"  saved    {work}" for work in saved),
+        *_on_unknown(sweep),
+        *(f"  note     {note}" for note in sweep.notes),
+        *(f"  warning  {doubt}" for doubt in doubted),
+        f"  grid     {nx} × {ny} elements",
+        f"  memory   about {memory / 1e6:.0f} MB a worker",
+    ]
+    if is_too_large:
+        return Result(document, text)
+    if not options.json:
+        show_text(text)
+    searched = options.boundary_only is not None
+    cost = pipeline.estimate(sweep, workers=options.workers, boundary_only=searched)
+    document |= cost.as_dict() | {"warnings": [*doubted, *cost.warnings]} | selected(sweep)
+    return Result(document, _cost(sweep, cost, searched))
+
+
+def _meaning(sweep: Sweep, facts: Facts) -> Iterator[str]:
+    """Meaning of a scene in words, a line for each subject."""
+    x, y = facts.window
+    worn = "worn" if facts.wear_depth else "unworn"
+    rough = "rough" if facts.surface else "smooth"
+    yield (
+        f"  contact  Hertz: {_text(facts.hertz_pressure, 1e-9)} GPa, half-width "
+        f"{_text(facts.hertz_half_width, 1e6)} µm; {worn} and {rough}: "
+        f"{_text(facts.contact_width, 1e6)} µm wide at the end"
+    )
+    yield f"  window   {1e6 * x:.4g} × {1e6 * y:.4g} µm, {_share(facts)}"
+    surface = _surface(facts.surface) if facts.surface else "smooth"
+    is_own = "roughness" in own_laws(sweep)
+    yield f"  surface  {surface.replace('measured', 'own law') if is_own else surface}"
+    yield (
+        f"  motion   {_text(facts.duration)} s and {_text(facts.sliding_distance)} m until the end"
+        f"{_both_moving(facts)}"
+    )
+    yield from _film(sweep)
+    u = "V" if facts.disk_velocity is None else "of the disk u"
+    depth = f"{_text(facts.wear_depth, 1e6)} µm deep at the end" if facts.wear_depth else "none"
+    yield f"  wear     {depth}"
+    yield (
+        f"  heat     Péclet number {_text(facts.peclet_number)}: {u} a/(2 κ), a the half-width of "
+        "Hertz"
+        if sweep.friction_heat
+        else "  heat     none, since there is no friction"
+    )
+    laws = own_laws(sweep)
+    if sweep.conditions.criterion_hash:
+        reference = {"law": sweep.conditions.criterion, "parameters": {}}
+        laws["criterion"] = reference | {"hash": sweep.conditions.criterion_hash}
+    for entry, law in laws.items():
+        named = "".join(f", {name} = {value}" for name, value in law["parameters"].items())
+        yield f"  own law  {entry}: {law['law']}{named}, hash {law['hash'][:8]}"
+    if sweep.conditions.corrections:
+        yield f"  besides  {sweep.conditions.corrections.worded}"
+
+
+def _both_moving(facts: Facts) -> str:
+    """Velocities of both bodies; nothing where the pin is at rest."""
+    if facts.pin_velocity is None or facts.disk_velocity is None or facts.pin_turns is None:
+        return ""
+    return (
+        f"; the pin rolls at {_text(facts.pin_velocity)} m/s, {_text(facts.pin_turns)} turns, the "
+        f"disk at {_text(facts.disk_velocity)} m/s"
+    )
+
+
+def _film(sweep: Sweep) -> Iterator[str]:
+    """Film that the oil would build, or the entry that is missing to tell; none without an oil."""
+    if sweep.oil is None:
+        return
+    bulk = sweep.conditions.mean_bulk_temperature
+    yield f"  oil      {1e3 * sweep.oil.viscosity(bulk):.3g} mPa s at the bulk temperature"
+    lubrication = Lubrication.of(sweep)
+    if lubrication is None:
+        has_pressure_coefficient = sweep.oil.pressure_coefficients is not None
+        missing = "a rough disk" if has_pressure_coefficient else "pressure_viscosity_coefficient"
+        yield f"  film     not known without {missing}"
+        return
+    corners = np.meshgrid(sweep.loads, sweep.velocities)
+    span = Span.of(lubrication.film_parameter(*corners, bulk))
+    regimes = dict.fromkeys(lubrication_regime(value) for value in span)
+    yield f"  film     Λ {_text(span)}: {' to '.join(regimes)}"
+
+
+def _library(sweep: Sweep) -> Iterator[str]:
+    """Values from the library, a line for each table and source."""
+    taken: dict[tuple[str, str], list[str]] = {}
+    for key, value, source in sweep.library:
+        table, _, name = key.rpartition(".")
+        taken.setdefault((table, source), []).append(f"{name.replace('_', ' ')} {value}")
+    for (table, source), values in taken.items():
+        yield f"  library  {table}: {', '.join(values)}"
+        yield f"           from {source}"
+
+
+def _share(facts: Facts) -> str:
+    if facts.greatest_load == float("inf"):
+        return "elastic at any load"
+    kilonewtons = 1e-3 * facts.greatest_load
+    return f"carries at most {kilonewtons:.3g} kN on the pin, all of it at the hardness"
+
+
+def _surface(surface: SurfaceFacts) -> str:
+    """Roughness, lay and level of a surface."""
+    lay = "no lay" if surface.lay is None else f"grooves at {surface.lay:.0f}° to sliding"
+    heights = f"Ra {1e6 * surface.ra:.3g} µm, Rq {1e6 * surface.rq:.3g} µm, {lay}"
+    if not surface.measured:
+        return f"random: {heights}"
+    places = (surface.mean_height, *surface.rise)
+    if all(abs(place) < _LEVEL * surface.rq for place in places):
+        return f"measured: {heights}; level"
+    mean, x, y = (1e6 * place for place in places)
+    return (
+        f"measured: {heights}; mean plane at {mean:.3g} µm, rising by "
+        f"{x:.3g} µm along x and {y:.3g} µm along y over the window"
+    )
+
+
+def _text(span: Span, factor: float = 1.0) -> str:
+    """A span, or the one value that it has."""
+    low, high = (f"{factor * value:.3g}" for value in span)
+    return low if low == high else f"{low} to {high}"
+
+
+def _unknown(sweep: Sweep) -> dict[str, Any]:
+    """Inputs that are not known exactly, as plain data; nothing where all are."""
+    if sweep.samples is None:
+        return {}
+    simulated = {one.path for one in sweep.samples.design.inputs}
+    return {
+        "unknown": [
+            one.as_dict() | {"simulated": one.path in simulated} for one in sweep.samples.unknown
+        ],
+        "samples": len(sweep.samples),
+        "samples_per_contact": sweep.samples.design.per_contact,
+        "sample_seed": sweep.samples.design.seed,
+    }
+
+
+def _on_unknown(sweep: Sweep) -> Iterator[str]:
+    """Inputs that are not known exactly, and the samples that are drawn of them."""
+    if sweep.samples is None:
+        return
+    design = sweep.samples.design
+    simulated = {one.path for one in design.inputs}
+    for one in sweep.samples.unknown:
+        free = "" if one.path in simulated else "; applied afterwards, at no cost"
+        yield f"  unknown  {one}{free}"
+    low, high = design.velocities
+    yield (
+        f"  samples  {len(sweep.samples)} of a scrambled Sobol' sequence, seed {design.seed}, from "
+        f"{low:g} to {high:g} m/s; more of them go on from these"
+    )
+    if design.per_contact > 1:
+        yield f"           {design.per_contact} share each contact, and have heat of their own"
+
+
+def _cost(sweep: Sweep, cost: Estimate, searched: bool) -> Iterator[str]:
+    """Cost of a sweep."""
+    loads = counted(len(sweep.loads), "load", "loads")
+    velocities = counted(len(sweep.velocities), "velocity", "velocities")
+    if sweep.samples:
+        yield f"  points   {cost.points}: {loads}, {len(sweep.samples)} samples"
+    elif searched:
+        sought = f"the boundary is sought between {sweep.velocities[0]:g} and "
+        sought += f"{sweep.velocities[-1]:g} m/s, {loads}"
+        variants = f", {len(sweep.axis[1])} {sweep.axis[0]}s" if sweep.axis else ""
+        yield f"  points   about {cost.points}: {sought}{variants}"
+    else:
+        surfaces = f", {len(sweep.realizations)} surfaces" if sweep.realizations else ""
+        yield f"  points   {cost.points}: {loads}, {velocities}{surfaces}"
+    yield f"  steps    {cost.steps} contacts and {cost.temperatures} temperatures to solve"
+    if not (sweep.samples or searched):
+        yield f"  chains   {cost.chains}, each computed by one worker: more would be idle"
+    workers = counted(cost.workers, "worker", "workers")
+    yield f"  time     about {duration(cost.seconds)} on {workers}"
+    yield from (f"           {line}" for line in cost.basis.split("; "))
+    size = cost.disk_bytes / 1e6
+    yield "  disk     " + (f"about {size:.0f} MB" if size >= 1 else "less than 1 MB")
+    yield from (f"  warning  {warning}" for warning in cost.warnings)

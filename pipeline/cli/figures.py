@@ -1,0 +1,84 @@
+"""The commands that draw a figure of a store, or write a report or a page of it."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterable
+from typing import Any
+
+import pipeline
+from pipeline.cli.output import Result, tell
+from pipeline.cli.progress import working
+from pipeline.cli.scenes import CONDITIONS, PLACE, beside, flags_of, given, opened
+from tribo import InputError
+
+_RIVALS = "rivals"
+_OF_KINDS = (*PLACE, *CONDITIONS, "log", "given_measured", "scatter", _RIVALS)
+"""Options that only some kinds of figures have."""
+
+
+def plot(options: argparse.Namespace) -> Result:
+    """Draw a figure of a store."""
+    shown = given(options, *PLACE, _RIVALS, "scatter", "width", "dpi")
+    shown |= {name: True for name in ("log", "given_measured") if getattr(options, name)}
+    conditions = given(options, *CONDITIONS)
+    _require_options(options.kind, [*shown, *conditions])
+    shown |= {"with_title": not options.no_title}
+    if options.watch:
+        return _watched(options, shown | conditions)
+    ds = opened(options)
+    suffix = "gif" if options.kind == "animation" else "png"
+    out = options.output or beside(options.store, f"_{options.kind}.{suffix}")
+    written = pipeline.plot(ds, options.kind, out, **shown, **conditions)
+    document = {"kind": options.kind, "file": str(written)}
+    return Result(document, [str(written)], pipeline.warned(ds, **conditions))
+
+
+def _watched(options: argparse.Namespace, shown: dict[str, Any]) -> Result:
+    """Draw the figure as points come."""
+    state = pipeline.watch(
+        options.store,
+        options.output,
+        options.kind,
+        progress=lambda state: tell(f"{state.done} of {state.total} points drawn"),
+        **shown,
+    )
+    document = {
+        "kind": options.kind,
+        "file": options.output and str(options.output),
+        "done": state.done,
+        "points": state.total,
+    }
+    text = f"{options.store}: {state.done} of {state.total} points done, and no run goes on"
+    return Result(document, [text])
+
+
+def _require_options(kind: str, names: Iterable[str]) -> None:
+    """Raise an `InputError` that names, as it is typed, an option that a kind of figure lacks."""
+    from pipeline.figures.plot import options_of
+
+    allowed = [name for name in options_of(kind) if name in _OF_KINDS]
+    for name in names:
+        if name in _OF_KINDS and name not in allowed:
+            flag, others = (flags_of(some).replace(_RIVALS, "rival") for some in ([name], allowed))
+            raise InputError(f"--kind {kind} takes no {flag}; it takes {others}")
+
+
+def explore(options: argparse.Namespace) -> Result:
+    """Write a page to explore a store in a browser."""
+    ds = pipeline.open_sweep(options.store)
+    out = options.output or beside(options.store, ".html")
+    fields = {"most_fields": 0} if options.no_fields else given(options, "most_fields")
+    with working("writing the page"):
+        page = pipeline.explore(ds, out, **fields)
+    return Result(page.as_dict(), [str(page)], pipeline.warned(ds))
+
+
+def report(options: argparse.Namespace) -> Result:
+    """Write a report of a store."""
+    ds, conditions = opened(options), given(options, *CONDITIONS)
+    out = options.output or beside(options.store, "_report.html")
+    with working("writing the report"):
+        written = pipeline.report(ds, out, options.points, **conditions)
+    warned = pipeline.warned(ds, **conditions)
+    return Result({"file": str(written)}, [str(written)], warned)

@@ -1,0 +1,241 @@
+"""The commands that simulate one point, and that find what was not measured from what was."""
+
+from __future__ import annotations
+
+import argparse
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pipeline
+from pipeline.analysis.tables import TABLES, Column, Table, writable_path
+from pipeline.cli.output import Result, counted, tell, to_figure_or_table
+from pipeline.cli.progress import working
+from pipeline.cli.scenes import PLACE, flags_of, given, scene_of, selected
+from pipeline.cli.unknowns import posterior
+from pipeline.sweep.criterion import Verdict
+from pipeline.sweep.facts import require_bearable_load
+from pipeline.sweep.model import Point, Sweep
+from pipeline.sweep.plan import PointResult
+from tribo import Criterion, InputError, Ramp, measures, specific_wear_rate
+
+if TYPE_CHECKING:
+    from pipeline.analysis.inference import CriticalTemperatures
+
+_MORE_AREA = {2: "14 to 17", 4: "40 to 50"}
+"""Share by which more elements of so many pixels touch than the pixels do [%]."""
+
+
+def point(options: argparse.Namespace) -> Result:
+    """Simulate one point."""
+    sweep = scene_of(options, points=[Point(options.load, options.velocity)])
+    require_bearable_load(sweep, options.load, "--load")
+    sweep = sweep.on_surface(options.realization)
+    with working("simulating") as progress:
+        result = pipeline.run_point(sweep, options.load, options.velocity, progress=progress)
+    measured, verdict = measures(sweep, result.state), result.verdict(sweep.conditions)
+    document = measured | {
+        "velocity": options.velocity,
+        "friction": sweep.conditions.friction,
+        "max_temperature": verdict.max_temperature,
+        "decisive_temperature": verdict.decisive_temperature,
+        "failed_fraction": verdict.failed_fraction,
+        "failed_fraction_time": verdict.time,
+        "severe": verdict.is_severe,
+        "warnings": [{"kind": kind.label, "text": text} for kind, text in result.warnings],
+        "wall_time": result.wall_time,
+        **selected(sweep),
+    }
+    return Result(document, _on_point(sweep, result, verdict, measured))
+
+
+def _on_point(
+    sweep: Sweep, result: PointResult, verdict: Verdict, measured: Mapping[str, float]
+) -> Iterator[str]:
+    """Lines on a point: its verdict, and then a line for each measure."""
+    load, velocity = result.point[:2]
+    wear = "severe wear" if verdict.is_severe else "mild wear"
+    if verdict.is_severe is None:
+        wear = "mild or severe is open without temperature.critical"
+    yield (
+        f"{load:g} N at {velocity:g} m/s after {measured['time']:.3g} s "
+        f"and {measured['sliding_distance']:.3g} m: {wear}"
+    )
+    for label, text in (
+        *_on_heat(sweep, verdict, measured),
+        *_on_contact(sweep, result, measured),
+        ("computed in", f"{result.wall_time:.2f} s"),
+    ):
+        yield f"  {label:17} {text}"
+    if velocity < 0:
+        yield "  note: the velocity is negative, so the disk slides towards −x"
+    yield from (f"  note: {note}" for note in sweep.notes)
+    yield from (f"  warning: {text}" for _, text in result.warnings)
+
+
+def _on_heat(
+    sweep: Sweep, verdict: Verdict, measured: Mapping[str, float]
+) -> Iterator[tuple[str, str]]:
+    """Temperatures of a point, each with its label."""
+    conditions, decisive = sweep.conditions, sweep.conditions.decisive
+    if conditions.critical_temperature is not None and verdict.failed_fraction is not None:
+        critical = pipeline.display(conditions.critical_temperature, "°C")
+        share = f"{100 * verdict.failed_fraction:.1f} % of the contact above {critical}"
+        yield "failed share", f"{share} (severe: {decisive.severe} it)"
+    if decisive.temperature != Criterion("highest").temperature:
+        deciding = pipeline.display(verdict.decisive_temperature, "°C", 4)
+        yield "deciding", f"{deciding}, {decisive.temperature}"
+    highest = pipeline.display(verdict.max_temperature, "°C", 4)
+    at_worst = ""
+    if verdict.time < measured["time"]:
+        at_worst = f" at its worst, after {verdict.time:.3g} s"
+    yield "max temperature", f"{highest} at friction {conditions.friction:g}{at_worst}"
+    heat = measured["pin_heat_share"]
+    yield "pin's heat share", f"{100 * heat:.1f} %" if math.isfinite(heat) else "no heat"
+
+
+def _on_contact(
+    sweep: Sweep, result: PointResult, measured: Mapping[str, float]
+) -> Iterator[tuple[str, str]]:
+    """Contact and wear of a point, each measure with its label."""
+    yield "contact width", pipeline.display(measured["contact_width"], "µm", 4)
+    yield "contact area", f"{100 * measured['contact_fraction']:.2f} % of the window"
+    mean, highest = measured["mean_pressure"] / 1e9, measured["max_pressure"] / 1e9
+    yield "pressure", f"{mean:.3f} GPa on average, {highest:.3f} GPa at most"
+    block = sweep.pixels.shape[0] // len(result.state.pressure)
+    if block > 1 and sweep.roughness is not None:
+        yield "", f"area and pressure are those of elements of {block} × {block} pixels"
+        if more := _MORE_AREA.get(block):
+            yield "", f"(in the paper's system these touch on {more} % more than pixels)"
+    depth = pipeline.display(measured["wear_depth_max"], "µm", 4)
+    yield "wear", f"{depth} deep, {measured['wear_volume'] * 1e9:.3g} mm³"
+
+
+@to_figure_or_table
+def infer(options: argparse.Namespace) -> Result:
+    """Find what was not measured from what was."""
+    if any(path.is_dir() for path in options.scene):
+        return _of_stores(options)
+    scene, *others = options.scene
+    if others:
+        raise InputError(f"{others[0]} is no store; give one scene, or several stores")
+    bulks = options.bulk_temperature or [None]
+    options.scene, options.bulk_temperature = scene, bulks[0]
+    # Several bulk temperatures are to choose from: those of a test to plan, of samples.
+    sweep = scene_of(options) if len(bulks) == 1 else None
+    if sweep is None or (sweep.samples and options.contact_width is None):
+        store = Path("results") / f"{scene.stem}.zarr"
+        if not store.exists():
+            raise InputError(
+                f"the samples of {scene} are computed first: irg run {scene}; then irg infer "
+                "OUT.zarr with what that wrote"
+            )
+        options.bulk_temperature = [bulk for bulk in bulks if bulk is not None]
+        return posterior(options, [store])
+    if options.next is not None or options.target or options.scatter is not None:
+        raise InputError(
+            "--next, --for and --scatter need samples of unknown inputs: give [unknown] and "
+            "sweep.samples in the scene"
+        )
+    if options.output is not None:
+        writable_path(options.output, TABLES)
+    sweep = sweep.on_surface(options.realization)
+    if options.contact_width is not None:
+        return _wear_rate(options, sweep)
+    if options.load is not None or options.velocity is not None:
+        raise InputError("--load and --velocity belong to --contact-width, which is not given")
+    found = pipeline.critical_temperatures(sweep, progress=tell)
+    return Result(found.as_dict(), _on_temperatures(found), tables=[_transitions(found)])
+
+
+def _of_stores(options: argparse.Namespace) -> Result:
+    """Inputs as the tests leave them, from stores of samples."""
+    if others := [path for path in options.scene if not path.is_dir()]:
+        raise InputError(
+            f"{others[0]} is no store, and stores do not go with others; give stores of samples "
+            "alone, or one scene"
+        )
+    if names := [*given(options, "contact_width", "duration", "preset", *PLACE)]:
+        raise InputError(
+            f"{options.scene[0]} is a store, to which {flags_of(names)} does not belong; give the "
+            "scene"
+        )
+    return posterior(options, options.scene)
+
+
+def _on_temperatures(found: CriticalTemperatures) -> Iterator[str]:
+    """Lines on critical temperatures, a line for each measured transition."""
+    measured = counted(len(found.transitions), "measured transition", "measured transitions")
+    several = f" on {len(found.surfaces)} surfaces" if len(found.surfaces) > 1 else ""
+    yield f"critical temperature from {measured}{several}: {found.criterion.temperature}"
+    for at, mean, spread in zip(found.transitions, found.means, found.spreads, strict=True):
+        temperature = pipeline.display(mean, "°C", 4) + (f" ± {spread:.1f} K" if spread else "")
+        place = f"{at.normal_load:g} N, {at.velocity:g} m/s, friction {at.friction:g}"
+        yield f"  {place}: {temperature}"
+    apart = f", {found.spread:.1f} K apart (standard deviation)" if found.spread else ""
+    yield f"on average {pipeline.display(found.mean, '°C', 4)}{apart}"
+
+
+def _transitions(found: CriticalTemperatures) -> Table:
+    """Table with a row for each measured transition."""
+    seeds = found.surfaces if found.spreads[0] else ()
+    columns = (
+        Column("load", "load", "N"),
+        Column("velocity", "velocity", "m/s"),
+        Column("friction", "friction"),
+        Column("critical_temperature", "critical temperature", "°C"),
+        Column("spread", "spread", "K"),
+        *(Column(f"surface_{seed}", f"surface {seed}", "°C") for seed in seeds),
+    )
+    rows = zip(found.transitions, found.temperatures, found.means, found.spreads, strict=True)
+    return Table(
+        columns,
+        tuple(
+            (at.normal_load, at.velocity, at.friction, mean, spread, *(seeds and temperatures))
+            for at, temperatures, mean, spread in rows
+        ),
+    )
+
+
+def _wear_rate(options: argparse.Namespace, sweep: Sweep) -> Result:
+    """Specific wear rate from the width of a contact."""
+    if options.load is None or options.velocity is None:
+        raise InputError("--contact-width stands alone; give --load and --velocity of the test")
+    sweep = _slid_for(sweep, options.load, options.duration)
+    *_, end = sweep.loading.stations(options.load, sweep.fidelity.increments)
+    with working("seeking the wear rate, one simulation after the other"):
+        found = specific_wear_rate(sweep, options.contact_width, options.load, options.velocity)
+    value, lowest, highest = (1e9 * rate for rate in (found.value, found.lowest, found.highest))
+    longer = end.normal_load / (end.impulse + end.normal_load)  # as wear goes with load times time
+    basis = (
+        f"for {end.time:.3g} s of sliding until the width was measured; each second more at full "
+        f"load lowers it by about {100 * longer:.2g} %"
+    )
+    if options.duration is None:
+        basis += ": give --duration, if the test went on"
+    text = [
+        f"specific wear rate {value:.3g} mm³/(N m), from {lowest:.3g} to {highest:.3g} within half "
+        "an element of the width",
+        basis,
+    ]
+    document = asdict(found) | {"duration": end.time}
+    columns = [Column(name, name, "mm³/(N m)") for name in asdict(found)]
+    columns.append(Column("duration", "duration", "s"))
+    return Result(document, text, tables=[Table(tuple(columns), (tuple(document.values()),))])
+
+
+def _slid_for(sweep: Sweep, load: float, duration: float | None) -> Sweep:
+    """The sweep with the load held from when it is reached until the end of a test [s]."""
+    if duration is None:
+        return sweep
+    if not isinstance(sweep.loading, Ramp):
+        raise InputError("--duration holds a ramp; a recorded load ends where the record does")
+    ramp = load / sweep.loading.rate
+    if duration < ramp:
+        raise InputError(
+            f"--duration is {duration:g} s; it must be at least the {ramp:g} s of the ramp to "
+            f"{load:g} N"
+        )
+    return replace(sweep, loading=replace(sweep.loading, hold=duration - ramp, hold_steps=None))
