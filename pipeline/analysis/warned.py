@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from pipeline.analysis.conditions import conditions_of
-from pipeline.analysis.dataset import dataset_of, variant_of
+from pipeline.analysis.dataset import dataset_of
 from pipeline.analysis.decisive import decisive_rise
 from pipeline.store.place import PathLike
 from pipeline.store.schema import DONE
@@ -84,12 +84,12 @@ def _beside_boundary(ds: xr.Dataset, conditions: dict[str, Any]) -> xr.DataArray
 
 def _first(ds: xr.Dataset, chosen: xr.DataArray) -> str:
     """The first message of those chosen, and its point; empty if a writer has just cleared it."""
-    axis = variant_of(ds)
     for place in np.argwhere(chosen.values):
         point = ds[["message"]].isel(dict(zip(chosen.dims, place.tolist(), strict=True)))
         if message := str(point["message"].item()):
-            variant = {axis: point[axis].item()} if axis else {}
-            return f"{Point(point['load'].item(), point['velocity'].item(), **variant)}: {message}"
+            names = [str(dim) for dim in chosen.dims if dim not in ("load", "velocity")]
+            variant = tuple((name, point[name].item()) for name in names)
+            return f"{Point(point['load'].item(), point['velocity'].item(), variant)}: {message}"
     return ""
 
 

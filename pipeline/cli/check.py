@@ -218,10 +218,10 @@ def _cost(sweep: Sweep, cost: Estimate, searched: bool) -> Iterator[str]:
     elif searched:
         sought = f"the boundary is sought between {sweep.velocities[0]:g} and "
         sought += f"{sweep.velocities[-1]:g} m/s, {loads}"
-        variants = f", {len(sweep.axis[1])} {sweep.axis[0]}s" if sweep.axis else ""
+        variants = "".join(_several(sweep))
         yield f"  points   about {cost.points}: {sought}{variants}"
     else:
-        surfaces = f", {len(sweep.realizations)} surfaces" if sweep.realizations else ""
+        surfaces = "".join(_several(sweep))
         yield f"  points   {cost.points}: {loads}, {velocities}{surfaces}"
     yield f"  steps    {cost.steps} contacts and {cost.temperatures} temperatures to solve"
     if not (sweep.samples or searched):
@@ -232,3 +232,9 @@ def _cost(sweep: Sweep, cost: Estimate, searched: bool) -> Iterator[str]:
     size = cost.disk_bytes / 1e6
     yield "  disk     " + (f"about {size:.0f} MB" if size >= 1 else "less than 1 MB")
     yield from (f"  warning  {warning}" for warning in cost.warnings)
+
+
+def _several(sweep: Sweep) -> Iterator[str]:
+    """Say how many surfaces there are, or values of entries."""
+    for name, values in sweep.axes.items():
+        yield f", {len(values)} {'surfaces' if name == 'realization' else f'values of {name}'}"

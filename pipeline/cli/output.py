@@ -113,10 +113,12 @@ def counted(number: int, one: str, several: str) -> str:
 
 def failed_points(points: Iterable[FailedPoint | Damage]) -> list[dict[str, Any]]:
     """Points for a JSON document, each with its surface only in a sweep over several."""
-    return [
-        {name: value for name, value in asdict(point).items() if value is not None}
-        for point in points
-    ]
+    return [with_variant(asdict(point)) for point in points]
+
+
+def with_variant(point: dict[str, Any]) -> dict[str, Any]:
+    """Fields of a point with its surface, sample or entries among them."""
+    return point | dict(point.pop("variant"))
 
 
 @contextmanager

@@ -8,7 +8,7 @@ from math import isfinite
 from typing import TYPE_CHECKING
 
 import pipeline
-from pipeline.cli.output import DONE, SOME_FAILED, Result, failed_points, to_table
+from pipeline.cli.output import DONE, SOME_FAILED, Result, failed_points, to_table, with_variant
 from pipeline.cli.progress import working
 from pipeline.sweep.stages import duration
 from pipeline.sweep.warned import NO_WARNING
@@ -69,7 +69,7 @@ def verify(options: argparse.Namespace) -> Result:
         "damaged": failed_points(check.damaged),
         "damaged_records": failed_points(check.records),
         "shared": check.shared,
-        "without_status": [point._asdict() for point in check.without_status],
+        "without_status": [with_variant(point._asdict()) for point in check.without_status],
         "repaired": check.repaired,
     }
     taken = "done again" if check.repaired else "the next run takes it as done"

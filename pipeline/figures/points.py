@@ -85,5 +85,5 @@ def _index(ds: xr.Dataset, axis: str, unit: str, value: float) -> int:
 
 def name_of(ds: xr.Dataset, point: tuple[int, int]) -> str:
     """Name a point by its load, its velocity and its surface, from its indices."""
-    surface = int(ds["realization"]) if "realization" in ds.coords else None
+    surface = (("realization", int(ds["realization"])),) if "realization" in ds.coords else ()
     return str(Point(ds["load"].values[point[0]], ds["velocity"].values[point[1]], surface))

@@ -86,15 +86,13 @@ def follow_boundary(
         """The sweep at the points that are done or failed, and at those to look at next."""
         rises, failed = _seen(store, sweep) if store else ({}, set())
         wanted: set[Point] = set()
-        for seed in sweep.realizations or (None,):
+        for variant in sweep.variants:
             rises_here = {
-                Point(*point[:2]): rise
-                for point, rise in rises.items()
-                if point.realization == seed
+                Point(*point[:2]): rise for point, rise in rises.items() if point.variant == variant
             }
-            hopeless = {Point(*point[:2]) for point in failed if point.realization == seed}
+            hopeless = {Point(*point[:2]) for point in failed if point.variant == variant}
             asked = search.wanted(rises_here, () if retry_failed else hopeless)
-            wanted |= {Point(*point[:2], seed) for point in asked}
+            wanted |= {Point(*point[:2], variant) for point in asked}
         return replace(sweep, chosen=frozenset({*rises, *failed, *wanted})) if wanted else None
 
     place = place_of(out)
@@ -114,11 +112,11 @@ def _seen(store: Store, sweep: Sweep) -> tuple[dict[Point, float], set[Point]]:
     columns = {name: store.read(name, ...) for name in names}
     loads = np.array(store.axes["load"])[:, None, None]
     rises = decisive_rises(columns, loads, sweep.conditions)
-    surfaces = sweep.realizations or (None,)
+    variants = set(sweep.variants)
 
     def of_sweep(flag: int) -> Iterator[tuple[Point, tuple[Any, ...]]]:
         for point in store.points_at(np.nonzero(store.flags == flag)):
-            if point.load in sweep.loads and point.realization in surfaces:
+            if point.load in sweep.loads and point.variant in variants:
                 yield point, store.index(point)
 
     done = {point: float(rises[index]) for point, index in of_sweep(DONE)}

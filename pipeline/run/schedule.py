@@ -174,10 +174,10 @@ class _Run:
 
     def _joined(self, chain: _Chain, threads: int) -> _Chain:
         """A chain with its neighbours of the same surface that wait behind it, if many do."""
-        first, place, points = chain, chain.points[0][2:], list(chain.points)
+        first, place, points = chain, chain.points[0].variant, list(chain.points)
         while not self._sweep.independent and self._are_many(threads) and self.waiting:
             after = self.waiting[0]
-            if after.trunk or after.is_wary or chain.is_wary or after.points[0][2:] != place:
+            if after.trunk or after.is_wary or chain.is_wary or after.points[0].variant != place:
                 break
             # Those of the coarse pass are far apart, and begin on all workers at once.
             if self._rank(after) != self._rank(chain) + 1:

@@ -191,7 +191,7 @@ def _rounds(
     """Pending points of the sweep, then of each that follows it."""
     asked: Sweep | None = sweep
     while asked is not None:
-        if waiting := chains(store.pending(), asked.independent, asked.samples):
+        if waiting := chains(store.pending(), asked):
             in_order = waiting if further else coarse_first(waiting, asked.velocities)
             yield asked, store, in_order
         asked = further(store) if further else None

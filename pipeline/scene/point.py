@@ -59,4 +59,6 @@ def run_point(
     (False, '158 °C')
     """
     place = in_si("load", load, "600 N"), in_si("velocity", velocity, "1.5 m/s")
-    return plan.run_point(sweep_of(sweep), *place, realization, sample, trunk, progress)
+    named = {"realization": realization, "sample": sample}
+    variant = tuple((name, value) for name, value in named.items() if value is not None)
+    return plan.run_point(sweep_of(sweep), *place, variant, trunk, progress)

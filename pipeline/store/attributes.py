@@ -108,8 +108,7 @@ def grown_axes(axes: Mapping[str, list[Any]], sweep: Sweep) -> dict[str, list[An
         present = axes.get(name, [])
         return list(dict.fromkeys([*present, *wanted]))
 
-    name, values = sweep.axis or (None, ())
-    leading = {name: widened(name, values)} if name else {}
+    leading = {name: widened(name, values) for name, values in sweep.axes.items()}
     velocities = sweep.velocities if sweep.chosen is None else sorted({p.velocity for p in chosen})
     of_samples = sweep.samples.columns(len(leading["sample"])) if sweep.samples else None
     return (

@@ -161,10 +161,9 @@ def _new(sweep: Sweep) -> tuple[dict[str, bytes], dict[str, bytes]]:
 
 
 def _variables(sweep: Sweep, with_fields: bool) -> dict[str, Variable]:
-    name, _ = sweep.axis or (None, ())
     inputs = sweep.samples.design.inputs if sweep.samples else ()
     units = {quantity.path: quantity.unit for quantity in inputs}
-    return variables(name, with_fields, sweep.unequal_bulks, bool(sweep.rates), units)
+    return variables([*sweep.axes], with_fields, sweep.unequal_bulks, bool(sweep.rates), units)
 
 
 def _present(
@@ -182,14 +181,13 @@ def _documents(attributes: Mapping[str, Any], sweep: Sweep, with_fields: bool) -
 
 def _mismatches(root: Root, sweep: Sweep) -> Iterator[str]:
     """Reasons why a store is not that of a sweep."""
-    leading, _ = sweep.axis or (None, ())
     for name, what in (("realization", "the seeds"), ("sample", "the number")):
-        if name in root.axes and name != leading:
+        if name in root.axes and name not in sweep.axes:
             yield (
                 f"has an axis for sweep.{name}s, which the scene does not give; give {what} that "
                 "are wanted, or write to another store"
             )
-        if name not in root.axes and name == leading:
+        if name not in root.axes and name in sweep.axes:
             yield (
                 f"has no axis for sweep.{name}s, and the dimensions of a store stay what they were "
                 "at its creation; write to another store"

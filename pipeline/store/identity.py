@@ -76,8 +76,7 @@ def record_checksum(record: PointRecord) -> np.uint64:
 
 
 def _place(point: Point) -> bytes:
-    variant = f"{point.realization} {point.sample}".encode()
-    return struct.pack("<dd", point.load, point.velocity) + variant
+    return struct.pack("<dd", point.load, point.velocity) + repr(point.variant).encode()
 
 
 def _plain(value: Any) -> Any:

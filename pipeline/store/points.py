@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from pipeline.store.place import Place
 from pipeline.store.root import Root
-from pipeline.store.schema import DONE, LEADING, chunk_name, chunks_of, is_coordinate
+from pipeline.store.schema import DONE, chunk_name, chunks_of, is_coordinate
 from pipeline.sweep.model import Point, Sweep
 from tribo.types import Indices, Mask
 
@@ -50,9 +50,9 @@ class Places:
         return tuple(map(len, self._numbers))
 
     @property
-    def leading(self) -> str | None:
-        """The one of `LEADING` that stands in front of the other dimensions, if one does."""
-        return self.dims[0] if self.dims[0] in LEADING else None
+    def leading(self) -> tuple[str, ...]:
+        """Dimensions in front of load and velocity."""
+        return self.dims[: self.dims.index("load")]
 
     def dims_of(self, name: str) -> tuple[str, ...]:
         """Names of the dimensions of a variable."""
@@ -60,8 +60,10 @@ class Places:
 
     def index(self, point: Point) -> tuple[int, ...]:
         """Place of a point."""
-        values = (getattr(point, name) for name in self.dims)
-        return tuple(numbers[value] for numbers, value in zip(self._numbers, values, strict=True))
+        values = dict(point.variant) | {"load": point.load, "velocity": point.velocity}
+        return tuple(
+            numbers[values[name]] for name, numbers in zip(self.dims, self._numbers, strict=True)
+        )
 
     def points_at(self, where: Sequence[Indices]) -> list[Point]:
         """Points at places that are given by their indices along each dimension."""
@@ -69,12 +71,13 @@ class Places:
             name: np.array(self.axes[name], dtype=object)[along].tolist()
             for name, along in zip(self.dims, where, strict=True)
         }
-        if self.leading == "sample":  # each of which has one velocity
+        if "sample" in self.leading:  # each of which has one velocity
             velocities = np.array(self.axes["velocity"], dtype=object)
             axes["velocity"] = velocities[where[0]].tolist()
-        none = [None] * len(where[0])
-        columns = (axes.get(name, none) for name in Point._fields)
-        return list(itertools.starmap(Point, zip(*columns, strict=True)))
+        columns = [axes[name] for name in self.leading]
+        values = zip(*columns, strict=True) if columns else itertools.repeat(())
+        variants = (tuple(zip(self.leading, row, strict=True)) for row in values)
+        return list(map(Point, axes["load"], axes["velocity"], variants))
 
     def mask_of(self, points: Iterable[Point]) -> Mask:
         """Mask of points."""
@@ -87,9 +90,9 @@ class Places:
         """Mask of the points that a sweep asks for."""
         if sweep.chosen is not None:
             return self.mask_of(sweep.chosen)
-        wanted: dict[str, Iterable[Any]] = {"load": sweep.loads, "velocity": sweep.velocities}
-        if sweep.axis:
-            wanted |= [sweep.axis]
+        wanted: dict[str, Iterable[Any]] = {
+            "load": sweep.loads, "velocity": sweep.velocities, **sweep.axes
+        }  # fmt: skip
         mask = np.zeros(self.shape, bool)
         rows = [
             [numbers[value] for value in wanted[name]]

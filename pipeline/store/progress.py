@@ -12,7 +12,7 @@ from pipeline.store.place import PathLike, place_of
 from pipeline.store.root import read_root
 from pipeline.store.schema import DONE, FAILED, PENDING
 from pipeline.store.write import Store
-from pipeline.sweep.model import Point
+from pipeline.sweep.model import Point, Variant
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,11 +29,10 @@ class FailedPoint:
     load: float
     velocity: float
     message: str
-    realization: int | None = None
-    sample: int | None = None
+    variant: Variant = ()
 
     def __str__(self) -> str:
-        return f"{Point(self.load, self.velocity, self.realization, self.sample)}: {self.message}"
+        return f"{Point(self.load, self.velocity, self.variant)}: {self.message}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,7 +93,7 @@ def summarized(store: Store) -> Summary:
         done=counts[DONE],
         pending=counts[PENDING],
         failed=tuple(
-            FailedPoint(point.load, point.velocity, store.message(point), *point[2:])
+            FailedPoint(point.load, point.velocity, store.message(point), point.variant)
             for point in failed
         ),
         earlier=int(np.count_nonzero(flags[~asked] == DONE)),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -180,7 +180,7 @@ def is_coordinate(name: str) -> bool:
 
 
 def variables(
-    leading: str | None,
+    leading: Sequence[str],
     with_fields: bool,
     of_bulks: bool,
     of_rates: bool,
@@ -190,8 +190,8 @@ def variables(
 
     Parameters
     ----------
-    leading : str or None
-        The one of `LEADING` that stands in front of the dimensions, if one does.
+    leading : sequence of str
+        Dimensions in front of load and velocity.
     with_fields : bool
         True to keep the fields at the end of each point.
     of_bulks : bool
@@ -201,7 +201,7 @@ def variables(
     inputs : mapping
         Unit of each input that is drawn, by its path in the scene.
     """
-    absent = {name for name in LEADING if name != leading}
+    absent = {name for name in LEADING if name not in leading}
     if not with_fields:
         absent |= {"x", "y", *AT_END}
     if not of_bulks:
@@ -209,19 +209,17 @@ def variables(
     if not of_rates:
         absent |= {"wear_rate", *RATE_COLUMNS}
     present = {name: variable for name, variable in VARIABLES.items() if name not in absent}
-    if leading is None:
-        return present
     # Each sample has one velocity.
-    absent_dims = {"velocity"} if leading == "sample" else set[str]()
+    absent_dims = {"velocity"} if "sample" in leading else set[str]()
     dims = {
-        name: (leading, *(dim for dim in variable.dims if dim not in absent_dims))
+        name: (*leading, *(dim for dim in variable.dims if dim not in absent_dims))
         for name, variable in present.items()
     }
     table = {
         name: variable if name in COORDINATES else variable._replace(dims=dims[name])
         for name, variable in present.items()
     }
-    if leading == "sample":
+    if "sample" in leading:
         table["velocity"] = _VELOCITY
     return {path: _INPUT._replace(units=unit) for path, unit in inputs.items()} | table
 

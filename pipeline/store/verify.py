@@ -22,7 +22,7 @@ from pipeline.store.points import Slices, missing_chunks
 from pipeline.store.root import Root, read_root
 from pipeline.store.schema import AT_END, DONE, PENDING, STEPPED, chunk_name, is_coordinate
 from pipeline.store.write import ABOUT, Store
-from pipeline.sweep.model import Point
+from pipeline.sweep.model import Point, Variant
 from pipeline.sweep.plan import PointRecord
 from tribo import WarningKind
 from tribo.types import Mask
@@ -46,11 +46,10 @@ class Damage:
     load: float
     velocity: float
     reason: str
-    realization: int | None = None
-    sample: int | None = None
+    variant: Variant = ()
 
     def __str__(self) -> str:
-        return f"{Point(self.load, self.velocity, self.realization, self.sample)}: {self.reason}"
+        return f"{Point(self.load, self.velocity, self.variant)}: {self.reason}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -277,7 +276,7 @@ def _unreadable(names: Iterable[str]) -> str | None:
 
 def _damages(reasons: Iterable[Mapping[Point, str]]) -> tuple[Damage, ...]:
     return tuple(
-        Damage(point.load, point.velocity, reason, *point[2:])
+        Damage(point.load, point.velocity, reason, point.variant)
         for damage in reasons
         for point, reason in damage.items()
     )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Collection, Mapping
 from dataclasses import asdict, dataclass, field, replace
@@ -20,8 +21,14 @@ from tribo import InputError, Oil, Ramp, Scene, SelfAffineRoughness, inseparable
 _RATE_RATIO = 2.0
 
 
+Label = float | int | str
+"""Value along a dimension in front of load and velocity."""
+Variant = tuple[tuple[str, Label], ...]
+"""Names of the dimensions in front of load and velocity, and a value of each."""
+
+
 class Point(NamedTuple):
-    """One place in the diagram, and on which surface or for which sample.
+    """One place in the diagram, and in which variant of the scene.
 
     Attributes
     ----------
@@ -29,26 +36,37 @@ class Point(NamedTuple):
         Normal load on the whole pin [N].
     velocity : float
         Sliding velocity [m/s].
-    realization : int or None
-        Seed of the random surface, in a sweep over several.
-    sample : int or None
-        Number of the sample of unknown inputs, in a sweep over several.
+    variant : tuple of (str, number or str)
+        Dimensions in front of load and velocity, with the point's value of each: ``realization``
+        (seed of the random surface), ``sample`` (its number), or the path of an entry.
 
     Examples
     --------
-    >>> print(Point(600.0, 1.5), Point(600.0, 1.5, realization=3), sep="; ")
+    >>> print(Point(600.0, 1.5), Point(600.0, 1.5, (("realization", 3),)), sep="; ")
     600 N, 1.5 m/s; 600 N, 1.5 m/s, surface 3
     """
 
     load: float
     velocity: float
-    realization: int | None = None
-    sample: int | None = None
+    variant: Variant = ()
 
     def __str__(self) -> str:
-        surface = "" if self.realization is None else f", surface {self.realization}"
-        sample = "" if self.sample is None else f", sample {self.sample}"
-        return f"{self.load:g} N, {self.velocity:g} m/s{surface}{sample}"
+        return ", ".join([f"{self.load:g} N, {self.velocity:g} m/s", *named(self.variant)])
+
+
+def named(variant: Variant) -> list[str]:
+    """Words for each value of a variant.
+
+    Examples
+    --------
+    >>> named((("pin.radius", 0.002), ("realization", 3)))
+    ['pin.radius 0.002', 'surface 3']
+    """
+    return [
+        f"{'surface' if name == 'realization' else name} "
+        + (f"{value:g}" if isinstance(value, float) else f"{value}")
+        for name, value in variant
+    ]
 
 
 @dataclass(frozen=True, slots=True)
@@ -253,7 +271,7 @@ class Sweep(Scene):
 
     def _rows(self) -> list[tuple[str, str]]:
         """Description of the scene, a row for each subject."""
-        several = [(f"{self.axis[0]}s", str(len(self.axis[1])))] if self.axis else []
+        several = [(f"{name}s", str(len(values))) for name, values in self.axes.items()]
         return [
             *on_scene(self),
             on_plane(self.loads, self.velocities),
@@ -277,37 +295,52 @@ class Sweep(Scene):
         return tuple(rate for rate in rates if not math.isclose(rate, own, rel_tol=1e-6))
 
     @property
-    def axis(self) -> tuple[str, tuple[int, ...]] | None:
-        """Name and values of what leads the dimensions of its points, if anything does."""
-        if self.realizations:
-            return "realization", self.realizations
-        return ("sample", tuple(range(len(self.samples)))) if self.samples else None
+    def axes(self) -> dict[str, tuple[Label, ...]]:
+        """Dimensions in front of load and velocity, with their values."""
+        if self.samples:
+            return {"sample": tuple(range(len(self.samples)))}
+        return {"realization": self.realizations} if self.realizations else {}
+
+    @property
+    def variants(self) -> tuple[Variant, ...]:
+        """Variants of the scene that the sweep simulates: one, ``()``, if it has no axes."""
+        names = tuple(self.axes)
+        return tuple(
+            tuple(zip(names, values, strict=True))
+            for values in itertools.product(*self.axes.values())
+        )
 
     @property
     def ramps(self) -> int:
         """Number of ramps that are simulated, each at one velocity through all loads."""
-        if self.samples:
-            return len(self.samples)
-        return len(self.velocities) * max(1, len(self.realizations))
+        return len(self.variants) * (1 if self.samples else len(self.velocities))
 
-    def variant(self, realization: int | None = None, sample: int | None = None) -> Self:
-        """The sweep on one random surface, or with the inputs of one sample; itself if neither."""
-        if sample is None:
-            return replace(self, samples=None) if self.samples else self.on_surface(realization)
+    def variant(self, variant: Variant = ()) -> Self:
+        """The sweep in one of its variants alone; without samples if none is given."""
+        sweep = replace(self, samples=None) if self.samples else self
+        for name, value in variant:
+            if name == "realization":
+                sweep = sweep.on_surface(int(value))
+            else:
+                sweep = replace(sweep, **self._parts_of_sample(int(value)))
+        return sweep
+
+    def _parts_of_sample(self, sample: int) -> dict[str, Any]:
+        """Fields in which a sample differs from the sweep."""
         if self.samples is None or not sample < len(self.samples):
             held = f"it has 0 to {len(self.samples) - 1}" if self.samples else "it has no samples"
             raise InputError(f"sample is {sample}, which the sweep does not have; {held}")
-        parts: dict[str, Any] = dict(self.samples.parts[sample])
-        return replace(self, **parts, samples=None)
+        return dict(self.samples.parts[sample])
 
-    def contact_of(self, point: Point) -> tuple[float | None, int | None, int | None]:
+    def contact_of(self, point: Point) -> tuple[float, Variant]:
         """Velocity and variant whose ramp of contacts leads through a point."""
-        if self.samples is None or point.sample is None:
+        if self.samples is None or not point.variant:
             return point[1:]
-        if point.velocity != self.samples.velocities[point.sample]:
+        ((name, sample),) = point.variant
+        if point.velocity != self.samples.velocities[int(sample)]:
             return point[1:]  # the scene with the inputs of a sample, at another velocity
-        lead = self.samples.lead(point.sample)
-        return self.samples.velocities[lead], None, lead
+        lead = self.samples.lead(int(sample))
+        return self.samples.velocities[lead], ((name, lead),)
 
     def held(self, duration: float) -> Self:
         """The sweep with another duration at the full load [s].

@@ -14,13 +14,13 @@ import math
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.criterion import Verdict, verdict
-from pipeline.sweep.model import Point, Sweep
-from pipeline.sweep.samples import Samples
+from pipeline.sweep.model import Point, Sweep, Variant
 from pipeline.sweep.shown import as_html, as_lines, on_point
 from tribo import (
     BULK_RATIOS,
@@ -53,7 +53,7 @@ class Trunk:
     state : State
         State at the last station, without temperature.
     records : mapping of tuple of dict
-        Values of `PointResult.columns` at each station so far, for each sample on it.
+        Values of `PointResult.columns` at each station so far, for each variant on it.
 
     Examples
     --------
@@ -67,7 +67,7 @@ class Trunk:
     """
 
     state: State
-    records: Mapping[int | None, tuple[Record, ...]] = field(default_factory=dict)
+    records: Mapping[Variant, tuple[Record, ...]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -77,7 +77,7 @@ class PointResult:
     Attributes
     ----------
     point : Point
-        Load, velocity and surface.
+        Load, velocity and variant.
     columns : dict of ndarray, shape (n_step,), ``rise_quantile`` (n_step, n_quantile)
         Values at each step since the start of the ramp, by variable of the dataset; NaN where
         the temperature was not asked for.
@@ -201,55 +201,31 @@ class PointRecord:
 def points(sweep: Sweep) -> tuple[Point, ...]:
     """Every point of a sweep, variant by variant, velocity by velocity, loads ascending."""
     if sweep.chosen is not None:
-        return tuple(sorted(sweep.chosen, key=_order))
+        return tuple(sorted(sweep.chosen, key=lambda point: (point.variant, *point[1::-1])))
     if sweep.samples:
-        numbered = list(enumerate(sweep.samples.velocities))
+        numbered = list(zip(sweep.variants, sweep.samples.velocities, strict=True))
         size = sweep.samples.design.per_contact
         return tuple(
-            Point(load, velocity, sample=number)
+            Point(load, velocity, variant)
             for begin, load in itertools.product(range(0, len(numbered), size), sweep.loads)
-            for number, velocity in numbered[begin : begin + size]
+            for variant, velocity in numbered[begin : begin + size]
         )
-    places = itertools.product(sweep.realizations or (None,), sweep.velocities, sweep.loads)
-    return tuple(Point(load, velocity, each) for each, velocity, load in places)
+    places = itertools.product(sweep.variants, sweep.velocities, sweep.loads)
+    return tuple(Point(load, velocity, variant) for variant, velocity, load in places)
 
 
-def chains(
-    todo: Iterable[Point], independent: bool = False, samples: Samples | None = None
-) -> tuple[tuple[Point, ...], ...]:
-    """Group points so that each continues the trunk of the one before it.
+def chains(todo: Iterable[Point], sweep: Sweep) -> tuple[tuple[Point, ...], ...]:
+    """Group points of a sweep so that each continues the trunk of the one before it.
 
-    Parameters
-    ----------
-    todo : iterable of Point
-        Points to compute.
-    independent : bool
-        True if every point begins at the start of the ramp.
-    samples : Samples, optional
-        Samples of the sweep, of which some share contacts.
-
-    Examples
-    --------
-    >>> for chain in chains([Point(300.0, 1.5), Point(150.0, 1.5), Point(150.0, 1.0)]):
-    ...     print(*chain, sep="; ")
-    150 N, 1 m/s
-    150 N, 1.5 m/s; 300 N, 1.5 m/s
+    Points of independent ones are alone, but for variants that share a contact.
     """
 
-    def contact(point: Point) -> tuple[float, ...]:
-        if samples and point.sample is not None:
-            return (samples.lead(point.sample),)
-        return point.realization or 0, point.velocity
+    def ramp(point: Point) -> tuple[Any, ...]:
+        velocity, variant = sweep.contact_of(point)
+        return variant, velocity, point.load if sweep.independent else 0.0
 
-    ordered = sorted(todo, key=lambda point: (contact(point), point.load, point.sample or 0))
-    ramps = itertools.groupby(
-        ordered, key=lambda point: (contact(point), point.load if independent else 0.0)
-    )
-    return tuple(tuple(chain) for _, chain in ramps)
-
-
-def _order(point: Point) -> tuple[int, int, float, float]:
-    return point.sample or 0, point.realization or 0, point.velocity, point.load
+    ordered = sorted(todo, key=lambda point: (ramp(point), point.load, point.variant))
+    return tuple(tuple(chain) for _, chain in itertools.groupby(ordered, key=ramp))
 
 
 def step_count(scene: Scene, load: float) -> int:
@@ -261,14 +237,12 @@ def run_point(
     sweep: Sweep,
     load: float,
     velocity: float,
-    realization: int | None = None,
-    sample: int | None = None,
+    variant: Variant = (),
     trunk: Trunk | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> PointResult:
     """Simulate one point; see `pipeline.run_point`, which takes text, too."""
-    point = Point(load, velocity, realization, sample)
-    return run_points(sweep, (point,), trunk, progress)[0]
+    return run_points(sweep, (Point(load, velocity, variant),), trunk, progress)[0]
 
 
 def run_points(
@@ -277,27 +251,18 @@ def run_points(
     trunk: Trunk | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> tuple[PointResult, ...]:
-    """Simulate points of one contact: one point, or samples that share it, at one load.
+    """Simulate points of one contact: one point, or variants that share it, at one load.
 
-    Parameters
-    ----------
-    sweep : Sweep
-    points : sequence of Point
-        Points whose `Sweep.contact_of` and load are the same.
-    trunk : Trunk, optional
-        Trunk of the contact, with the records of these samples, to continue.
-    progress : callable, optional
-        Called with the steps done and their number.
+    The trunk is that of the contact, with the records of these variants; `progress` is called with
+    the steps done and their number.
     """
     began = time.perf_counter()
-    (load, velocity, realization, _), samples = points[0], [point.sample for point in points]
-    variants = [sweep.variant(realization, number) for number in samples]
-    lead, first = variants[0], velocity
-    if len(points) > 1 or sweep.contact_of(points[0]) != points[0][1:]:
-        first, _, number = sweep.contact_of(points[0])  # type: ignore[assignment]
-        lead = sweep.variant(sample=number)
-    trunk = _leading_to(lead, load, trunk, samples)
-    records = {number: list(trunk.records.get(number, ())) for number in samples}
+    load, names = points[0].load, [point.variant for point in points]
+    variants = [sweep.variant(name) for name in names]
+    first, name_of_lead = sweep.contact_of(points[0])
+    lead = variants[0] if name_of_lead == names[0] else sweep.variant(name_of_lead)
+    trunk = _leading_to(lead, load, trunk, names)
+    records = {name: list(trunk.records.get(name, ())) for name in names}
     steps = step_count(lead, load) if progress else 0
     states: list[State] = []
     at_load = [dict[int, State]() for _ in points]
@@ -307,10 +272,10 @@ def run_points(
             for variant, point in zip(variants, points, strict=True)
         ]
         rows = list(zip(variants, states, strict=True))
-        for number, row, own in zip(samples, rows, at_load, strict=True):
+        for name, row, own in zip(names, rows, at_load, strict=True):
             if row[1].heat and row[1].normal_load >= load:
-                own[len(records[number])] = row[1]
-            records[number].append(_record(*row))
+                own[len(records[name])] = row[1]
+            records[name].append(_record(*row))
         trunk = _extended(trunk, contact, rows, load, records)
         if progress:
             progress(number_of_step, steps)
@@ -318,8 +283,8 @@ def run_points(
     return tuple(
         PointResult(
             point=point,
-            columns=_stacked(records[point.sample])
-            | _at_wear_rates(variant, point.velocity, own, len(records[point.sample])),
+            columns=_stacked(records[point.variant])
+            | _at_wear_rates(variant, point.velocity, own, len(records[point.variant])),
             state=state,
             shape=variant.grid.shape,
             warnings=tuple(warnings(variant, state)),
@@ -381,10 +346,10 @@ def _stacked(records: Sequence[Record]) -> dict[str, Array]:
 
 
 def _leading_to(
-    sweep: Sweep, load: float, trunk: Trunk | None, samples: Sequence[int | None]
+    sweep: Sweep, load: float, trunk: Trunk | None, variants: Sequence[Variant]
 ) -> Trunk:
-    """The trunk if the ramp of these samples to a load goes on from it, else the start."""
-    if trunk and leads_to(sweep, trunk.state, load) and set(samples) <= set(trunk.records):
+    """The trunk if the ramp of these variants to a load goes on from it, else the start."""
+    if trunk and leads_to(sweep, trunk.state, load) and set(variants) <= set(trunk.records):
         return trunk
     return Trunk(start(sweep))
 
@@ -394,20 +359,20 @@ def _extended(
     contact: State,
     rows: Sequence[tuple[Sweep, State]],
     load: float,
-    records: Mapping[int | None, list[Record]],
+    records: Mapping[Variant, list[Record]],
 ) -> Trunk:
     """Return the trunk with one more contact and its rows, if higher loads pass through it."""
     if not contact.on_trunk:
         return trunk
     onwards = replace(contact.history or contact, heat=None)
-    longer: dict[int | None, tuple[Record, ...]] = {}
-    for (number, known), (sweep, state) in zip(records.items(), rows, strict=True):
-        record = known[-1]
+    longer: dict[Variant, tuple[Record, ...]] = {}
+    for (name, rows_of_it), (sweep, state) in zip(records.items(), rows, strict=True):
+        record = rows_of_it[-1]
         if not _is_same_for_higher_loads(sweep, state, load):
             passed = replace(state.history or state, sliding_distance=state.sliding_distance)
             at_every_step = sweep.remembers_heat and not sweep.fidelity.fewest_elements
             record = _record(sweep, passed if at_every_step else replace(passed, heat=None))
-        longer[number] = (*trunk.records.get(number, ()), record)
+        longer[name] = (*trunk.records.get(name, ()), record)
     return Trunk(onwards, longer)
 
 

@@ -12,7 +12,6 @@ from pipeline.sweep.plan import step_count
 def savings(sweep: Sweep) -> Iterator[str]:
     """Say in a line each which work is saved that another scene would need, and why."""
     nx, ny = sweep.grid.shape
-    surfaces = max(1, len(sweep.realizations))
     steps = max(step_count(sweep, load) for load in sweep.loads)
     if sweep.is_plane:
         rows = sweep.rows_per_element
@@ -28,7 +27,8 @@ def savings(sweep: Sweep) -> Iterator[str]:
     if not sweep.friction_heat:
         yield "heat, since the friction coefficient is 0"
     elif still:
-        yield f"heat at {still * len(sweep.loads) * surfaces} points, since nothing moves there"
+        points = still * len(sweep.loads) * len(sweep.variants)
+        yield f"heat at {points} points, since nothing moves there"
     interval = sweep.fidelity.temperature_interval
     if not interval and steps > 1 and sweep.friction_heat and not sweep.remembers_heat:
         yield f"temperatures before the last step (up to {steps - 1} a point)"

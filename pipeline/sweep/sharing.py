@@ -54,8 +54,8 @@ class SharedContacts:
         """Compute points of a system, on contacts of others where these are the same."""
         results = {}
         is_shared = inseparable(sweep, sweep.velocities) is None
-        for chain in chains(wanted, sweep.independent):
-            variant = sweep.variant(*chain[0][2:])
+        for chain in chains(wanted, sweep):
+            variant = sweep.variant(chain[0].variant)
             system, trunk = mechanics(variant), None
             for point in chain:
                 number = float(f"{wear_number(variant, point.velocity):.{_DIGITS}g}")

@@ -188,15 +188,15 @@ def choose_fidelity(
         raise InputError("at velocity 0 there is no heat, and nothing to be accurate about")
     began = time.perf_counter()
     tell = progress or (lambda name: None)
-    places = some_places(sweep, _PLACES if sweep.realizations else _LOADS)
+    places = some_places(sweep, _PLACES if len(sweep.variants) > 1 else _LOADS)
     thorough = not points and _steps_to_probe(sweep, places) <= _WORTH * _steps_of_sweep(sweep)
     if points:
-        places = tuple(dict.fromkeys(Place(place.load, place.realization) for place in points))
+        places = tuple(dict.fromkeys(Place(place.load, place.variant) for place in points))
     tell("the boundary by the preset standard")
     near, exponents = near_the_boundary(sweep, places, PRESETS["standard"])
     if points:
         by_place = dict(zip(places, exponents, strict=True))
-        exponents = tuple(by_place[Place(place.load, place.realization)] for place in points)
+        exponents = tuple(by_place[Place(place.load, place.variant)] for place in points)
     elif thorough:
         near, exponents = _on_both_sides(near), tuple(np.repeat(exponents, 2).tolist())
     exact = measured(sweep, points or near, exponents, tell)
@@ -270,7 +270,7 @@ def _on_both_sides(points: Sequence[Point]) -> tuple[Point, ...]:
 
 
 def _number_of_places(sweep: Sweep) -> int:
-    return len(sweep.loads) * max(len(sweep.realizations), 1)
+    return len(sweep.loads) * len(sweep.variants)
 
 
 def _steps_to_probe(sweep: Sweep, places: Sequence[Place]) -> float:

@@ -103,7 +103,7 @@ def estimate(sweep: SceneLike, workers: int | None = None, boundary_only: bool =
     24
     """
     sweep, cores = sweep_of(sweep), os.cpu_count() or 1
-    workers, variants = workers or cores, max(1, len(sweep.realizations))
+    workers, variants = workers or cores, 1 if sweep.samples else len(sweep.variants)
     searched = boundary_only and not sweep.samples
     velocities = _searched(sweep) if searched else sweep.ramps // variants
     ramps = velocities * variants

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from pipeline.sweep.criterion import decisive_rise, failed_fraction, rise_limit, rises_of
-from pipeline.sweep.model import Point, Sweep
+from pipeline.sweep.model import Point, Sweep, Variant
 from pipeline.sweep.plan import chains
 from tribo import (
     PRESETS,
@@ -27,22 +27,22 @@ from tribo.simulation import forget_contacts, leads_to
 
 
 class Place(NamedTuple):
-    """Load at which to look for the boundary, and on which surface.
+    """Load at which to look for the boundary, and in which variant of the scene.
 
     Attributes
     ----------
     load : float
         Normal load on the whole pin [N].
-    realization : int or None
-        Seed of the random surface; None for the scene's own.
+    variant : tuple
+        Variant of the scene, such as ``(("realization", 3),)``.
     """
 
     load: float
-    realization: int | None = None
+    variant: Variant = ()
 
     def at(self, velocity: float) -> Point:
         """The point of this place at a velocity [m/s]."""
-        return Point(self.load, velocity, self.realization)
+        return Point(self.load, velocity, self.variant)
 
 
 _USUAL_EXPONENT, _FLATTEST = 0.6, 0.3  # of the rise over velocity; where few nodes touch, it jumps
@@ -133,10 +133,10 @@ def probe(
     forget_contacts()
     began = time.process_time()
     runs = {}
-    for chain in chains(points):
+    for chain in chains(points, scene):
         trunk = None
         for point in chain:
-            variant = scene.variant(point.realization)
+            variant = scene.variant(point.variant)
             runs[point] = run = _run(variant, point.load, point.velocity, trunk)
             trunk = run.trunk
     seconds = time.process_time() - began
@@ -226,22 +226,25 @@ def fitted(sweep: Sweep, fidelity: Fidelity) -> Fidelity:
 
 
 def some_places(sweep: Sweep, number: int) -> tuple[Place, ...]:
-    """Some of a sweep's loads, both ends among them, and its surfaces in turn.
+    """Some of a sweep's loads, both ends among them, and its variants in turn.
 
     Examples
     --------
     >>> from types import SimpleNamespace
-    >>> sweep = SimpleNamespace(loads=(200.0, 300.0, 400.0, 500.0, 600.0), realizations=())
+    >>> sweep = SimpleNamespace(loads=(200.0, 300.0, 400.0, 500.0, 600.0), variants=((),))
     >>> [place.load for place in some_places(sweep, 3)]
     [200.0, 400.0, 600.0]
-    >>> sweep = SimpleNamespace(loads=(200.0, 400.0), realizations=(7, 8))
-    >>> [tuple(place) for place in some_places(sweep, 3)]
+    >>> variants = (("realization", 7),), (("realization", 8),)
+    >>> sweep = SimpleNamespace(loads=(200.0, 400.0), variants=variants)
+    >>> [(place.load, place.variant[0][1]) for place in some_places(sweep, 3)]
     [(200.0, 7), (400.0, 8), (200.0, 8)]
     """
-    last, seeds = len(sweep.loads) - 1, sweep.realizations or (None,)
+    last, variants = len(sweep.loads) - 1, sweep.variants
     chosen = sorted({round(last * k / max(number - 1, 1)) for k in range(number)})
     turns = (divmod(k, len(chosen)) for k in range(number))
-    places = (Place(sweep.loads[chosen[k]], seeds[(k + turn) % len(seeds)]) for turn, k in turns)
+    places = (
+        Place(sweep.loads[chosen[k]], variants[(k + turn) % len(variants)]) for turn, k in turns
+    )
     return tuple(dict.fromkeys(places))
 
 
@@ -254,7 +257,7 @@ def near_the_boundary(
     ----------
     sweep : Sweep
     places : sequence of Place
-        Loads at which to look, and on which surface.
+        Loads at which to look, and in which variant.
     fidelity : Fidelity, optional
         Fidelity to find it with; the preset ``draft`` if not given.
 
@@ -280,7 +283,7 @@ def near_the_boundary(
     for place in places:
 
         def rise(velocity: float, place: Place = place) -> float:
-            variant = scene.variant(place.realization)
+            variant = scene.variant(place.variant)
             return _reading(sweep, scene, _run(variant, place.load, velocity).state).rise
 
         velocity = critical_velocity(rise, limit, min(moving) / 2, max(moving) * 2)

@@ -45,7 +45,7 @@ def costs(number, path):
     sweep = sweep_of(number)
     result = run_point(sweep, sweep.loads[-1], 1.0)
     clock = Clock(number)
-    chains(points(sweep))
+    chains(points(sweep), sweep)
     clock("plan")
     with writing(path, sweep) as store:
         clock("create")

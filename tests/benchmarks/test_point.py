@@ -77,7 +77,7 @@ def test_share_of_a_first_point_that_sets_up(benchmark, preset):
 @pytest.mark.parametrize("velocity", [0.75, 2.0, 4.0])
 def test_chain_of_loads(benchmark, preset, velocity):
     sweep = sweep_at(preset)
-    (chain,) = (c for c in plan.chains(plan.points(sweep)) if c[0].velocity == velocity)
+    (chain,) = (c for c in plan.chains(plan.points(sweep), sweep) if c[0].velocity == velocity)
 
     def points():
         trunk = None

@@ -137,7 +137,8 @@ def places(ds):
         values = {dim: value for dim, (_, value) in zip(dims, place, strict=True)}
         if "sample" in values:  # each has a velocity of its own
             values["velocity"] = float(ds["velocity"].sel(sample=values["sample"]))
-        yield tuple(number for number, _ in place), Point(**values)
+        load, velocity = values.pop("load"), values.pop("velocity")
+        yield tuple(number for number, _ in place), Point(load, velocity, tuple(values.items()))
 
 
 def differing(arrays, index, result):
@@ -206,7 +207,8 @@ class Trial:
     def acknowledged(self):
         """Number of times that drivers were told that each point is done."""
         lines = self.log.read_text().splitlines(keepends=True) if self.log.exists() else ()
-        return Counter(Point(*json.loads(line)) for line in lines if line.endswith("\n"))
+        rows = (json.loads(line) for line in lines if line.endswith("\n"))
+        return Counter(Point(*place, tuple(map(tuple, variant))) for *place, variant in rows)
 
     def go(self, disturbances):
         """Disturb one run after the other, then complete the sweep; add faults to the report."""

@@ -53,6 +53,6 @@ def _compute(scene, path):
 
     sweep = pipeline.load_scene(scene)
     with writing(path, sweep) as store, np.errstate(all="raise", under="ignore"):
-        for chain in chains(points(sweep), False, sweep.samples):
+        for chain in chains(points(sweep), sweep):
             parcel = pickle.dumps((sweep, sweep.store_fields))
             store.commit(compute_points(parcel, chain, None, 1e9).records)

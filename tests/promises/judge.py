@@ -22,12 +22,12 @@ _SMALL_STEP = 5e-3  # of the logarithm of velocity, over which its known exponen
 
 def places(sweep):
     """Places of a sweep at which its boundary is judged."""
-    return [Place(load, seed) for seed in sweep.realizations or [None] for load in sweep.loads]
+    return [Place(load, variant) for variant in sweep.variants for load in sweep.loads]
 
 
 def _rise(sweep, fidelity, place, velocity):
     """Decisive rise at a place, with its warnings."""
-    scene = replace(sweep.variant(place.realization), fidelity=fidelity)
+    scene = replace(sweep.variant(place.variant), fidelity=fidelity)
     state = state_at(scene, place.load, velocity)
     return decisive_rise(scene, state, sweep.conditions), warnings(scene, state)
 

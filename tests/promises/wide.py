@@ -148,7 +148,7 @@ def hertz(pin, disk, pressure):
 
 def _with_boundary(sweep, velocity, bulks):
     """Set bulk temperatures, apart by a share of the warming, and the critical one amid all."""
-    scene = sweep.variant(*sweep.realizations[:1])
+    scene = sweep.variant(sweep.variants[0])
     warm = replace(scene, unequal_bulks=bulks != 0)
     state = state_at(warm, sweep.loads[_MIDDLE], velocity)
     conditions = sweep.conditions

@@ -11,7 +11,7 @@ from tests.pipeline.conftest import commit_all
 
 SEEDS = tuple(range(6))
 CHOSEN = tuple(
-    Point(load, velocity, seed)
+    Point(load, velocity, (("realization", seed),))
     for seed in SEEDS
     for load in (250.0, 600.0)
     for velocity in (0.5, 1.5)

@@ -178,7 +178,7 @@ def test_all_workers_compute_from_the_beginning(tmp_path):
         Writer(store) as writer,
         connected(2, None, "", 30.0) as link,
     ):
-        compute(link, sweep, writer, chains(points(sweep)), 30.0, lambda _: None)
+        compute(link, sweep, writer, chains(points(sweep), sweep), 30.0, lambda _: None)
         begun = link.client.run(lambda: work._unpacked.cache_info().misses)
     assert list(begun.values()) == [1, 1]
 

@@ -35,7 +35,7 @@ def steps(points):
     """Steps of the ramps to some points: a trunk for each velocity, and a step off it for each."""
     return sum(
         max(step_count(SWEEP, point.load) for point in chain) - 1 + len(chain)
-        for chain in chains(points)
+        for chain in chains(points, SWEEP)
     )
 
 
@@ -43,7 +43,7 @@ def steps(points):
 def grid():
     """Critical velocities from every point of the sweep."""
     rises = {}
-    for chain in chains(points(SWEEP)):
+    for chain in chains(points(SWEEP), SWEEP):
         trunk = None
         for point in chain:
             result = run_point(SWEEP, *point, trunk=trunk)

@@ -51,10 +51,10 @@ def swept(tmp_path_factory):
 
 
 def test_each_surface_has_chains_of_its_own():
-    found = chains(points(several()))
+    found = chains(points(several()), several())
     assert len(found) == 6
-    assert {(chain[0].realization, chain[0].velocity) for chain in found} == {
-        (seed, velocity) for seed in SEEDS for velocity in (0.5, 1.5)
+    assert {(*chain[0].variant, chain[0].velocity) for chain in found} == {
+        (("realization", seed), velocity) for seed in SEEDS for velocity in (0.5, 1.5)
     }
     assert all([at.load for at in chain] == [150.0, 600.0] for chain in found)
 
@@ -79,8 +79,9 @@ def test_a_point_among_others_equals_the_point_alone_bit_for_bit(swept):
     ds = pipeline.open_sweep(swept)
     assert ds["realization"].values.tolist() == sorted(SEEDS)
     for at in points(several()):
-        expected = run_point(alone_on(at.realization), at.load, at.velocity)
-        found = ds.sel(realization=at.realization, load=at.load, velocity=at.velocity)
+        seed = dict(at.variant)["realization"]
+        expected = run_point(alone_on(seed), at.load, at.velocity)
+        found = ds.sel(realization=seed, load=at.load, velocity=at.velocity)
         for name, values in expected.columns.items():
             assert found[name].values[: len(values)].tobytes() == values.tobytes()
         for name, field in expected.fields.items():

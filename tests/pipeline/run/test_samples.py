@@ -66,7 +66,7 @@ def test_a_sample_on_a_shared_contact_is_the_scene_with_its_inputs_and_velocity(
         sweep, samples=None, wear=dataclasses.replace(sweep.wear, specific_wear_rate=rate)
     )
     expected = run_point(alone, 600.0, velocity).columns
-    point = next(p for p in points(sweep) if (p.sample, p.load) == (number, 600.0))
+    point = next(p for p in points(sweep) if p[::2] == (600.0, (("sample", number),)))
     for name in ("max_rise", "wear_volume", "sliding_distance", "contact_width"):
         found = at(folder / "out.zarr", point, name)[: len(expected[name])]
         # k and V of the others give k V to rounding alone.
@@ -77,10 +77,10 @@ def test_a_sample_on_a_shared_contact_is_the_scene_with_its_inputs_and_velocity(
 
 def test_samples_of_a_contact_are_computed_one_after_the_other(sampled):
     sweep = load(sampled[0])
-    each = chains(points(sweep), False, sweep.samples)
+    each = chains(points(sweep), sweep)
     assert [len(chain) for chain in each] == [2 * 16, 2 * 16]
-    assert [(p.load, p.sample) for p in each[1]] == [
-        (load, number) for load in sweep.loads for number in range(16, 32)
+    assert [p[::2] for p in each[1]] == [
+        (load, (("sample", number),)) for load in sweep.loads for number in range(16, 32)
     ]
 
 

@@ -40,7 +40,7 @@ def given(tmp_path, monkeypatch):
         monkeypatch.setattr(schedule, "_POLL", 0.01)
         ended = []
         with writing(tmp_path / "out.zarr", SWEEP) as store, Writer(store) as writer:
-            waiting = chains(points(SWEEP))
+            waiting = chains(points(SWEEP), SWEEP)
             link = Connection(client or Here(), Source())
             compute(link, SWEEP, writer, waiting, 1.0, ended.extend, tell)
         return store, Counter("failed" if each.data is None else "done" for each in ended)
@@ -235,7 +235,7 @@ def test_a_point_that_outlives_every_job_fails_and_the_others_go_on(tmp_path, mo
     link = Connection(Endless(bad), source)
     with writing(tmp_path / "out.zarr", SWEEP) as store, Writer(store) as writer:
         monkeypatch.setattr(schedule, "_STRETCH", 0.0)
-        compute(link, SWEEP, writer, chains(points(SWEEP)), 1.0, ended.extend)
+        compute(link, SWEEP, writer, chains(points(SWEEP), SWEEP), 1.0, ended.extend)
     (failed,) = [record for record in ended if record.data is None]
     assert (failed.point, len(ended)) == (bad, len(points(SWEEP)))
     assert failed.message.startswith("not done in 3 min, and a job lives for 2 min: raise")

@@ -93,7 +93,7 @@ def test_a_sample_is_the_scene_with_its_values_typed_in(tmp_path):
                 "disk.roughness.seed": round(seed),
             },
         )
-        assert sweep.variant(sample=number) == typed
+        assert sweep.variant((("sample", number),)) == typed
         scene(tmp_path)
 
 

@@ -1,6 +1,7 @@
 """Points, chains and the computation of one point (pipeline/sweep/plan.py)."""
 
 import pickle
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -42,13 +43,14 @@ def test_every_load_meets_every_velocity_once():
 
 
 def test_chains_ascend_in_load_at_one_velocity():
-    for chain in chains(reversed(points(SWEEP))):
+    for chain in chains(reversed(points(SWEEP)), SWEEP):
         assert [point.load for point in chain] == list(tiny.LOADS)
         assert len({point.velocity for point in chain}) == 1
 
 
 def test_independent_points_are_chains_of_their_own():
-    assert chains(points(SWEEP), independent=True) == tuple((point,) for point in points(SWEEP))
+    alone = replace(SWEEP, independent=True)
+    assert chains(points(alone), alone) == tuple((point,) for point in points(alone))
 
 
 @pytest.mark.parametrize(("load", "count"), [(100.0, 2), (150.0, 3), (250.0, 2), (600.0, 5)])
@@ -133,7 +135,7 @@ def test_the_steps_of_a_hold_belong_to_the_point_alone():
     held, higher = run_point(sweep, 250.0, 1.0), run_point(sweep, 300.0, 1.0)
     np.testing.assert_array_equal(held.columns["normal_load"], [125.0, 250.0, 250.0, 250.0])
     np.testing.assert_array_equal(higher.columns["normal_load"], [125.0, 250.0, *[300.0] * 3])
-    assert len(held.trunk.records[None]) == len(higher.trunk.records[None]) == 2
+    assert len(held.trunk.records[()]) == len(higher.trunk.records[()]) == 2
 
 
 @settings(max_examples=15, deadline=None)

@@ -89,7 +89,7 @@ def test_every_foretold_error_is_said_to_be_against_the_pixels():
 
 def test_every_surface_has_its_turn():
     several = replace(UNWORN, realizations=(3, 4, 5))
-    assert {place.realization for place in some_places(several, 6)} == {3, 4, 5}
+    assert {place.variant[0][1] for place in some_places(several, 6)} == {3, 4, 5}
     seen = []
     kept = accuracy_module.probe
 
@@ -100,7 +100,7 @@ def test_every_surface_has_its_turn():
     with pytest.MonkeyPatch.context() as patched:
         patched.setattr(accuracy_module, "probe", noted)
         choose_fidelity(replace(several, velocities=(1.0, 2.0)), 0.05)
-    assert {point.realization for point in seen} == {3, 4, 5}
+    assert {point.variant[0][1] for point in seen} == {3, 4, 5}
 
 
 def test_every_surface_and_sample_is_a_sweep_that_a_cheaper_choice_saves_on():

@@ -19,7 +19,7 @@ SWEEP = replace(PAPER, loads=(250.0, 500.0, 750.0), velocities=(1.0, 2.0))
 def counted(sweep):
     """Steps and temperatures of a whole sweep."""
     steps = temperatures = 0
-    for chain in chains(points(sweep), sweep.independent):
+    for chain in chains(points(sweep), sweep):
         trunk = None
         for point in chain:
             new = slice(len(trunk.records.get(None, ())) if trunk else 0, None)
@@ -96,7 +96,7 @@ def test_the_time_is_that_of_a_whole_run_within_its_factor():
     for point in points(sweep)[:1]:
         run_point(sweep, *point)  # what is imported and computed once
     began = time.process_time()
-    for chain in chains(points(sweep)):
+    for chain in chains(points(sweep), sweep):
         trunk = None
         for point in chain:
             trunk = run_point(sweep, *point, trunk=trunk).trunk

@@ -66,8 +66,8 @@ def test_the_yardstick_reads_each_point_and_once_more_on_larger_elements(monkeyp
 
 
 def test_two_points_lie_on_either_side_of_each():
-    low, high = _on_both_sides([Point(300.0, 2.0, realization=7)])
-    assert (low.load, low.realization) == (300.0, 7)
+    low, high = _on_both_sides([Point(300.0, 2.0, (("realization", 7),))])
+    assert (low.load, low.variant) == (300.0, (("realization", 7),))
     assert math.log(high.velocity / low.velocity) == pytest.approx(0.1)
     assert low.velocity * high.velocity == pytest.approx(4.0)
 
