@@ -10,6 +10,7 @@ from .analysis.margin import Margin as Margin
 from .analysis.margin import margins as margins
 from .analysis.margin_table import margin_table as margin_table
 from .analysis.operating_points import OperatingPoints as OperatingPoints
+from .analysis.scenes import at_entries as at_entries
 from .analysis.tables import Column as Column
 from .analysis.tables import Table as Table
 from .analysis.temperatures import decisive_temperature as decisive_temperature

@@ -18,8 +18,8 @@ from pipeline.analysis.conditions import Bulk, attributes_by, conditions_of
 from pipeline.analysis.dataset import asked, plane_of, variant_of, variants
 from pipeline.analysis.decisive import decisive_rise, with_rises
 from pipeline.analysis.interpolation import exponent
+from pipeline.analysis.scenes import by_scene
 from pipeline.analysis.transition import OUTCOMES, UNITS, Transition, range_of
-from pipeline.store.place import PathLike
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.criterion import rise_limit
 from pipeline.sweep.lubrication import Lubrication
@@ -33,8 +33,9 @@ _OUTCOMES = {
 }
 
 
+@by_scene
 def boundary(
-    ds: xr.Dataset | PathLike,
+    ds: xr.Dataset,
     friction: float | Iterable[float] | None = None,
     bulk_temperature: Bulk | None = None,
     critical_temperature: float | str | None = None,

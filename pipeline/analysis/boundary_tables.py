@@ -10,6 +10,7 @@ import numpy as np
 import xarray as xr
 
 from pipeline.analysis.dataset import variant_of
+from pipeline.analysis.scenes import columns_of, joined, parts_of
 from pipeline.analysis.tables import Column, Table
 from pipeline.analysis.transition import CROSSES, OUTCOMES, in_words
 from tribo.types import Array
@@ -27,7 +28,11 @@ def tables_of(boundaries: xr.Dataset) -> list[Table]:
     A row is for one load or velocity at one friction, with the conditions that it was judged by.
     """
     table_of = _crossings if variant_of(boundaries) is None else _band
-    return [table_of(boundaries, *boundary) for boundary in BOUNDARIES]
+    columns, parts = columns_of(boundaries["critical_velocity"]), [*parts_of(boundaries)]
+    return [
+        joined(columns, ((values, table_of(part, *ends)) for values, part in parts))
+        for ends in BOUNDARIES
+    ]
 
 
 def _crossings(boundaries: xr.Dataset, name: str, axis: str) -> Table:
@@ -110,16 +115,23 @@ def _middle(film: Array) -> float | None:
 
 def readable(boundaries: xr.Dataset) -> list[Table]:
     """The tables of `pipeline.boundary` without its conditions, outcomes in words."""
-    shorten = _side_by_side if variant_of(boundaries) is None else _without_conditions
-    pairs = zip(BOUNDARIES, tables_of(boundaries), strict=True)
-    return [shorten(table, *boundary) for boundary, table in pairs]
+    is_one = variant_of(boundaries) is None
+    table_of, shorten = (_crossings, _side_by_side) if is_one else (_band, _without_conditions)
+    columns, parts = columns_of(boundaries["critical_velocity"]), [*parts_of(boundaries)]
+    return [
+        joined(
+            columns,
+            ((values, shorten(table_of(part, *ends), *ends)) for values, part in parts),
+        )
+        for ends in BOUNDARIES
+    ]
 
 
 def frictions_of(boundaries: xr.Dataset) -> list[float]:
     """Frictions that a boundary was found at."""
-    if "friction" not in boundaries.sizes:
+    if "friction" in boundaries.attrs:
         return [boundaries.attrs["friction"]]
-    return [float(value) for value in boundaries["friction"].values]
+    return [float(value) for value in np.unique(boundaries["friction"])]
 
 
 def by_friction(boundaries: xr.Dataset) -> Iterator[tuple[float, xr.Dataset]]:

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from pipeline.analysis.attributes import portable
+from pipeline.analysis.attributes import attributes_of, portable
 from pipeline.store.place import PathLike
 from pipeline.store.read import open_store
-from pipeline.store.schema import LEADING
+from pipeline.store.schema import COORDINATES, LEADING
 from pipeline.sweep import rises
 from pipeline.sweep.conditions import Conditions
 from tribo import InputError
@@ -22,6 +22,7 @@ _IN_UTC = {
     "calendar": "standard",
     "long_name": "time at which the point was finished, UTC",
 }
+_USUAL = {*COORDINATES, "friction"}
 _ORDER = ("load", "velocity", "step", "bulk_ratio", "wear_rate", "quantile")
 
 
@@ -59,12 +60,38 @@ def open_sweep(path: PathLike) -> xr.Dataset:
     ds = ordered(open_store(path))
     ds["finished_at"].attrs |= _IN_UTC
     ds = ds.drop_vars(["checksum", "record_checksum"])
+    words = [name for name in entries_of(ds) if ds[name].dtype.kind not in "f"]
+    ds = ds.assign_coords({name: ds[name].astype(object) for name in words})  # as netCDF has text
     return ds.drop_attrs(deep=False).assign_attrs(portable(ds.attrs))
 
 
 def dataset_of(source: xr.Dataset | PathLike) -> xr.Dataset:
     """The dataset of a sweep, opened if given by its path, with ascending axes."""
-    return ordered(source) if isinstance(source, xr.Dataset) else open_sweep(source)
+    return _of_one_scene(ordered(source)) if isinstance(source, xr.Dataset) else open_sweep(source)
+
+
+def entries_of(ds: xr.Dataset | xr.DataArray) -> list[str]:
+    """Dimensions of entries with several values (``[sweep] over``), by their paths."""
+    dims = ds["status"].dims if isinstance(ds, xr.Dataset) and "status" in ds else ds.dims
+    return [str(dim) for dim in dims if dim not in _USUAL]
+
+
+def _of_one_scene(ds: xr.Dataset) -> xr.Dataset:
+    """The sweep with the attributes of its one scene, where entries have one value each."""
+    attributes = attributes_of(ds)
+    paths = attributes.get("over", [])
+    if not paths or any(path in ds.dims or path not in ds.coords for path in paths):
+        return ds
+    values = [ds[path].item() for path in paths]
+    here = next(scene for scene in attributes.pop("scenes") if scene["values"] == values)
+    shown = ", ".join(f"{path} {text}" for path, text in zip(paths, here["written"], strict=True))
+    attributes |= here["attributes"] | {
+        "scene": attributes["scene"] | here["scene"],
+        "title": f"{attributes['title']}, {shown}",
+        "entries": dict(zip(paths, here["written"], strict=True)),
+    }
+    del attributes["over"]
+    return ds.drop_attrs(deep=False).assign_attrs(portable(attributes))
 
 
 def plane_of(source: xr.Dataset | PathLike) -> xr.Dataset:
@@ -76,6 +103,13 @@ def plane_of(source: xr.Dataset | PathLike) -> xr.Dataset:
         If it has samples, each with one velocity.
     """
     ds = dataset_of(source)
+    if names := entries_of(ds):
+        several = " and ".join(names)
+        given = " ".join(f'--at "{name}=..."' for name in names)
+        raise InputError(
+            f"the sweep has several values of {several}; take one of each: {given}, in Python "
+            "pipeline.at_entries"
+        )
     if "sample" in ds.dims:
         raise InputError(
             "the sweep has samples of unknown inputs, each at one velocity, and no plane of "
@@ -87,7 +121,8 @@ def plane_of(source: xr.Dataset | PathLike) -> xr.Dataset:
 
 def ordered(ds: xr.Dataset) -> xr.Dataset:
     """Sort the axes of a sweep, which a store keeps in the order in which they grew."""
-    axes = [name for name in (*LEADING, "load", "velocity") if name in ds.dims]
+    numbers = [name for name in entries_of(ds) if ds[name].dtype.kind == "f"]
+    axes = [*numbers, *(name for name in (*LEADING, "load", "velocity") if name in ds.dims)]
     unsorted = [name for name in axes if (np.diff(ds[name].values) < 0).any()]
     return ds.sortby(unsorted) if unsorted else ds
 

@@ -10,17 +10,19 @@ rise was within it at 54 of 60 random places of `workflows/first_try.toml`.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass, replace
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
+from pipeline.analysis.attributes import attributes_of
 from pipeline.analysis.conditions import Bulk, conditions_of
 from pipeline.analysis.dataset import plane_of, variants
 from pipeline.analysis.decisive import decisive_rise
 from pipeline.analysis.interpolation import certain, interpolated
+from pipeline.analysis.scenes import scenes
 from pipeline.analysis.transition import CROSSES, OUTCOMES, Transition, range_of
 from pipeline.scene.quantities import in_si
 from pipeline.store.place import PathLike
@@ -47,6 +49,8 @@ class Margin:
         Seed of the random surface, in a sweep over several.
     sample : int or None
         Number of the sample of unknown inputs, in a sweep over several.
+    entries : mapping
+        Values of entries with several, by their paths [SI].
     decisive_temperature : float
         Temperature of the contact that decides [K].
     temperature_error : float or None
@@ -87,6 +91,7 @@ class Margin:
     load_outcome: str
     velocity_range: tuple[float, float]
     load_range: tuple[float, float]
+    entries: Mapping[str, float | str] = field(default_factory=dict)
 
     @property
     def distance(self) -> float:
@@ -116,13 +121,19 @@ class Margin:
 
     def as_dict(self) -> dict[str, Any]:
         """Return all values as plain data."""
-        return asdict(self) | {
-            "distance": self.distance,
-            "velocity_factor": self.velocity_factor,
-            "load_factor": self.load_factor,
-            "severe": self.is_severe,
-            "certain": self.is_certain,
-        }
+        plain: dict[str, Any] = asdict(self)
+        entries: dict[str, Any] = plain.pop("entries")
+        return (
+            plain
+            | entries
+            | {
+                "distance": self.distance,
+                "velocity_factor": self.velocity_factor,
+                "load_factor": self.load_factor,
+                "severe": self.is_severe,
+                "certain": self.is_certain,
+            }
+        )
 
 
 def margins(
@@ -152,7 +163,7 @@ def margins(
     Returns
     -------
     tuple of Margin
-        One for each random surface of the sweep, one alone if it has no several.
+        One for each random surface of the sweep, and each value of entries with several.
 
     Raises
     ------
@@ -168,10 +179,10 @@ def margins(
     >>> margin.is_severe, f"{margin.distance:.0f} K"
     (True, '-13 K')
     """
-    judge = judge_of(
-        plane_of(ds), friction, bulk_temperature, critical_temperature, share, criterion
-    )
-    return judge(in_si("load", load, "500 N"), in_si("velocity", velocity, "2 m/s"))
+    place = in_si("load", load, "500 N"), in_si("velocity", velocity, "2 m/s")
+    others = friction, bulk_temperature, critical_temperature, share, criterion
+    judges = (judge_of(plane_of(scene), *others) for scene in scenes(ds))
+    return tuple(margin for judge in judges for margin in judge(*place))
 
 
 def judge_of(
@@ -191,7 +202,7 @@ def judge_of(
             "friction is 0; without friction there is no heat and no boundary; give one above 0"
         )
     conditions.known_critical_temperature()
-    places = variants(ds)
+    places, entries = variants(ds), attributes_of(ds).get("entries", {})
     several = [conditions] * len(places)
     rise = decisive_rise(ds, several)
     loads, velocities = rise["load"].values, rise["velocity"].values
@@ -202,7 +213,7 @@ def judge_of(
         _require_within("load", load, loads, ends["load"], "N")
         _require_within("velocity", velocity, velocities, ends["velocity"], "m/s")
         return tuple(
-            _margin(loads, velocities, plane, load, velocity, judged, place, ends)
+            _margin(loads, velocities, plane, load, velocity, judged, place, ends, entries)
             for plane, judged, place in zip(planes, several, places, strict=True)
         )
 
@@ -230,6 +241,7 @@ def _margin(
     conditions: Conditions,
     place: Mapping[str, Any],
     ends: Mapping[str, tuple[float, float]],
+    entries: Iterable[str],
 ) -> Margin:
     """The margin on one surface."""
     column = np.array([_along(velocities, line, velocity, continued=True) for line in r])
@@ -285,6 +297,7 @@ def _margin(
         load_outcome=OUTCOMES[along_load.outcome],
         velocity_range=along_velocity.computed,
         load_range=along_load.computed,
+        entries={path: place[path] for path in entries},
     )
 
 

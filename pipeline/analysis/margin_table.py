@@ -9,9 +9,10 @@ import numpy as np
 import xarray as xr
 
 from pipeline.analysis.band import BAND
-from pipeline.analysis.dataset import plane_of
+from pipeline.analysis.dataset import dataset_of, entries_of, plane_of
 from pipeline.analysis.margin import Margin, judge_of
 from pipeline.analysis.operating_points import OperatingPoints
+from pipeline.analysis.scenes import columns_of, joined, scenes
 from pipeline.analysis.tables import Column, Table
 from pipeline.store.place import PathLike
 from tribo import InputError
@@ -56,6 +57,17 @@ def margin_table(
     600        severe
     """
     read = points if isinstance(points, OperatingPoints) else OperatingPoints.read(points)
+    ds = dataset_of(ds)
+    names = entries_of(ds)
+    parts = (
+        ([scene[name].item() for name in names], _table_of(scene, read, conditions))
+        for scene in scenes(ds)
+    )
+    return joined(columns_of(ds["status"]), parts)
+
+
+def _table_of(ds: xr.Dataset, read: OperatingPoints, conditions: Mapping[str, Any]) -> Table:
+    """Table of one scene."""
     judge = judge_of(plane_of(ds), **conditions)
     answers: list[tuple[Margin, ...] | str] = []
     for place in read.places:

@@ -7,12 +7,13 @@ import xarray as xr
 from pipeline.analysis.conditions import Bulk, attributes_by, conditions_of
 from pipeline.analysis.dataset import at_bulks, plane_of
 from pipeline.analysis.decisive import decisive_rise, refined
-from pipeline.store.place import PathLike
+from pipeline.analysis.scenes import by_scene
 from pipeline.sweep.criterion import contact_temperature, failed_fraction
 
 
+@by_scene
 def decisive_temperature(
-    ds: xr.Dataset | PathLike,
+    ds: xr.Dataset,
     friction: float | None = None,
     bulk_temperature: Bulk | None = None,
     critical_temperature: float | str | None = None,
@@ -60,8 +61,9 @@ def decisive_temperature(
     return temperature.rename("decisive_temperature")
 
 
+@by_scene
 def temperatures(
-    ds: xr.Dataset | PathLike,
+    ds: xr.Dataset,
     friction: float | None = None,
     bulk_temperature: Bulk | None = None,
     critical_temperature: float | str | None = None,
@@ -93,7 +95,6 @@ def temperatures(
     >>> pipeline.temperatures(end, friction=0.12)["max_temperature"].round().item()
     463.0
     """
-    ds = ds if isinstance(ds, xr.Dataset) else plane_of(ds)
     conditions = conditions_of(ds, friction, bulk_temperature, critical_temperature)
     rises = at_bulks(ds, conditions)
     result = xr.Dataset(attrs=attributes_by(conditions))

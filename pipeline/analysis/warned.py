@@ -9,8 +9,9 @@ import numpy as np
 import xarray as xr
 
 from pipeline.analysis.conditions import conditions_of
-from pipeline.analysis.dataset import dataset_of
+from pipeline.analysis.dataset import dataset_of, entries_of
 from pipeline.analysis.decisive import decisive_rise
+from pipeline.analysis.scenes import scenes, stacked
 from pipeline.store.place import PathLike
 from pipeline.store.schema import DONE
 from pipeline.sweep.criterion import rise_limit
@@ -42,7 +43,7 @@ def warned(ds: xr.Dataset | PathLike, **conditions: Any) -> Warned:
         return NO_WARNING
     flags = ds["warning_flags"].where(there, 0)
     counts = {kind.label: int((flags & kind != 0).sum()) for kind in WarningKind}
-    near = _beside_boundary(ds, conditions)
+    near = _beside_boundaries(ds, conditions)
     beside = there if near is None else there & near
     return Warned(
         points=int(there.sum()),
@@ -56,6 +57,15 @@ def has_warning(ds: xr.Dataset) -> xr.DataArray:
     """Points that are done and carry a warning."""
     carries: xr.DataArray = (ds["status"] == DONE) & (ds["warning_flags"] != 0)
     return carries.transpose(..., "load", "velocity", missing_dims="ignore")
+
+
+def _beside_boundaries(ds: xr.Dataset, conditions: dict[str, Any]) -> xr.DataArray | None:
+    """Points beside the boundary of their scene; None where that is not known of all."""
+    near = [_beside_boundary(scene, conditions) for scene in scenes(ds)]
+    if any(marked is None for marked in near):
+        return None
+    axes = [ds[name] for name in entries_of(ds)]
+    return stacked([marked for marked in near if marked is not None], axes)
 
 
 def _beside_boundary(ds: xr.Dataset, conditions: dict[str, Any]) -> xr.DataArray | None:

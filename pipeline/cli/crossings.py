@@ -19,6 +19,7 @@ from pipeline.analysis.boundary_tables import (
     readable,
     tables_of,
 )
+from pipeline.analysis.scenes import parts_of
 from pipeline.analysis.transition import BEYOND, OUTCOMES, UNKNOWN, command_of
 from pipeline.cli.next_steps import after_boundary
 from pipeline.cli.output import Result, to_table
@@ -50,18 +51,32 @@ def document_of(crossings: xr.Dataset) -> dict[str, Any]:
         "bulk_temperature", "disk_temperature", "critical_temperature", "failing_share",
         "wear_rate",
     )  # fmt: skip
-    conditions = {name: crossings.attrs[name] for name in names if name in crossings.attrs}
+    conditions = {name: _values(crossings, name) for name in names if _has(crossings, name)}
     frictions = frictions_of(crossings)
     conditions["criterion"] = crossings.attrs["criterion"]
-    conditions["friction"] = frictions if "friction" in crossings.sizes else frictions[0]
+    conditions["friction"] = frictions[0] if "friction" in crossings.attrs else frictions
     document = {str(name): values.values.tolist() for name, values in crossings.variables.items()}
     for _, axis in BOUNDARIES:
         outcome, film = f"outcome_at_{axis}", f"film_parameter_at_{axis}"
         document[outcome] = _nested(OUTCOMES.__getitem__, document[outcome])
         if film in document:
             document[f"regime_at_{axis}"] = _nested(_regime, document[film])
-    missing = crossings.attrs["missing_points"]
-    return {"conditions": conditions, "missing_points": missing, **document}
+    document.pop("missing_points", None)
+    return {"conditions": conditions, "missing_points": _missing(crossings), **document}
+
+
+def _has(crossings: xr.Dataset, name: str) -> bool:
+    return name in crossings.attrs or name in crossings.coords
+
+
+def _values(crossings: xr.Dataset, name: str) -> Any:
+    """A condition: an attribute, or a coordinate where it differs from scene to scene."""
+    return crossings.attrs[name] if name in crossings.attrs else crossings[name].values.tolist()
+
+
+def _missing(crossings: xr.Dataset) -> int:
+    """Number of pending and failed points, of all scenes."""
+    return int(np.sum(_values(crossings, "missing_points")))
 
 
 def _nested(write: Callable[[Any], str], values: Any) -> Any:
@@ -78,16 +93,14 @@ def _regime(film_parameter: float) -> str:
 def command_for(crossings: xr.Dataset, store: Any, ds: xr.Dataset) -> str | None:
     """The command that computes transitions beyond the computed points; None if there are none."""
     beyond = [
-        friction
-        for friction, part in by_friction(crossings)
+        scene.attrs | {"friction": friction}
+        for _, scene in parts_of(crossings)
+        for friction, part in by_friction(scene)
         if part["outcome_at_load"].isin((*BEYOND, UNKNOWN)).any()
     ]
     if not beyond:
         return None
-    is_pending = bool(crossings.attrs["missing_points"])
-    return command_of(
-        store, attributes_of(ds), crossings.attrs | {"friction": beyond[0]}, is_pending
-    )
+    return command_of(store, attributes_of(ds), beyond[0], bool(_missing(crossings)))
 
 
 def text_of(crossings: xr.Dataset, command: str | None = None) -> Iterator[str]:
@@ -104,7 +117,7 @@ def text_of(crossings: xr.Dataset, command: str | None = None) -> Iterator[str]:
             f"{BOUNDARY:g} boundary lubrication, below {FULL_FILM:g} mixed, above it a full film, "
             "which the model does not have"
         )
-    if missing := crossings.attrs["missing_points"]:
+    if missing := _missing(crossings):
         yield ""
         yield f"{missing} points are pending or failed and were left out"
     if command:
@@ -133,18 +146,26 @@ def _slow_rise(crossings: xr.Dataset) -> Iterator[str]:
 
 def _conditions(crossings: xr.Dataset) -> Iterator[str]:
     """Conditions by which wear is judged, in words."""
-    judged = crossings.attrs
     yield "friction " + ", ".join(f"{value:g}" for value in frictions_of(crossings))
-    bulk = f"bulk {pipeline.display(judged['bulk_temperature'], '°C')}"
-    if "disk_temperature" in judged:
-        bulk += f" (pin) and {pipeline.display(judged['disk_temperature'], '°C')} (disk)"
+    bulk = f"bulk {_shown(crossings, 'bulk_temperature', '°C')}"
+    if _has(crossings, "disk_temperature"):
+        bulk += f" (pin) and {_shown(crossings, 'disk_temperature', '°C')} (disk)"
     yield bulk
-    yield f"critical {pipeline.display(judged['critical_temperature'], '°C')}"
-    is_share = judged["criterion"] == "share"
+    yield f"critical {_shown(crossings, 'critical_temperature', '°C')}"
+    criterion = _shown(crossings, "criterion")
+    is_share = criterion == "share"
     yield (
-        f"failing share {judged['failing_share']:g}"
+        f"failing share {_shown(crossings, 'failing_share')}"
         if is_share
-        else f"criterion {judged['criterion']}"
+        else (f"criterion {criterion}")
     )
-    if "wear_rate" in judged:
-        yield f"wear rate {pipeline.display(judged['wear_rate'], 'mm³/(N m)')}"
+    if _has(crossings, "wear_rate"):
+        yield f"wear rate {_shown(crossings, 'wear_rate', 'mm³/(N m)')}"
+
+
+def _shown(crossings: xr.Dataset, name: str, unit: str = "") -> str:
+    """A condition, or those of all scenes."""
+    values = np.unique(_values(crossings, name)).tolist()
+    if unit:
+        return ", ".join(pipeline.display(value, unit) for value in values)
+    return ", ".join(value if isinstance(value, str) else f"{value:g}" for value in values)

@@ -66,7 +66,7 @@ def _require_options(kind: str, names: Iterable[str]) -> None:
 
 def explore(options: argparse.Namespace) -> Result:
     """Write a page to explore a store in a browser."""
-    ds = pipeline.open_sweep(options.store)
+    ds = opened(options)
     out = options.output or beside(options.store, ".html")
     fields = {"most_fields": 0} if options.no_fields else given(options, "most_fields")
     with working("writing the page"):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import itertools
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
@@ -16,6 +17,7 @@ from pipeline.analysis.conditions import conditions_of
 from pipeline.analysis.dataset import asked
 from pipeline.analysis.margin_table import table_of_margins
 from pipeline.analysis.operating_points import OperatingPoints, Place
+from pipeline.analysis.scenes import columns_of, joined, words
 from pipeline.analysis.transition import BEYOND, CROSSES, OUTCOMES, command_of, in_words
 from pipeline.cli.next_steps import after_margin
 from pipeline.cli.output import Result, counted, to_table
@@ -34,6 +36,7 @@ _ONLY_IN_FILES = (
     "certain", "critical_velocity", "critical_load", "velocity_outcome", "load_outcome", "note",
 )  # fmt: skip
 """Columns of a table of margins for which a terminal is too narrow."""
+_NOTED = "load", "velocity", "note"
 
 
 @to_table
@@ -58,19 +61,30 @@ def margin(options: argparse.Namespace) -> Result:
 
 
 def _of_one(options: argparse.Namespace, ds: xr.Dataset, conditions: dict[str, Any]) -> Result:
-    """Distance of one operating point, on one surface or on several."""
+    """Distance of one operating point, on one surface or on several, for each scene."""
     margins = pipeline.margins(ds, options.load, options.velocity, **conditions)
-    document, text = margins[0].as_dict(), list(_on_one(margins[0]))
-    if len(margins) > 1:
-        document, text = _document(margins), list(_on_surfaces(margins))
+    parts = [tuple(part) for _, part in itertools.groupby(margins, lambda one: one.entries)]
+    documents = [_document(part) if part[1:] else part[0].as_dict() for part in parts]
+    document = documents[0] if len(parts) == 1 else {"scenes": documents}
+    text = [line for part in parts for line in _on_scene(ds, part)]
     text += after_margin(attributes_of(ds), options.store, margins)
     command = _command(options, ds, conditions, margins)
     if command:
         text.append(f"compute more of the boundary with: {command}")
     here = OperatingPoints((Place(options.load, options.velocity),), {})
-    tables = [table_of_margins(here, [margins])]
+    columns = columns_of(ds["status"])
+    values = [[part[0].entries[column.name] for column in columns] for part in parts]
+    tables_of_parts = (table_of_margins(here, [part]) for part in parts)
+    tables = [joined(columns, zip(values, tables_of_parts, strict=True))]
     warned = pipeline.warned(ds, **conditions)
     return Result(document | {"command": command}, text, warned, tables)
+
+
+def _on_scene(ds: xr.Dataset, margins: Sequence[Margin]) -> Iterator[str]:
+    """Lines on one scene, with its values of the entries that have several."""
+    if margins[0].entries:
+        yield f"{words(ds, margins[0].entries)}:"
+    yield from _on_surfaces(margins) if margins[1:] else _on_one(margins[0])
 
 
 def _of_samples(
@@ -117,8 +131,8 @@ def _of_several(options: argparse.Namespace, ds: xr.Dataset, conditions: dict[st
     if options.output is None:
         text += ["", *table.without(_ONLY_IN_FILES).without_empty().lines()]
     text += [
-        f"{place.load:g} N at {place.velocity:g} m/s: {note}"
-        for place, note in zip(points.places, columns["note"], strict=True)
+        f"{load:g} N at {velocity:g} m/s: {note}"
+        for load, velocity, note in zip(*(columns[name] for name in _NOTED), strict=True)
         if note
     ]
     document = {"verdicts": verdicts, "margins": columns}

@@ -228,6 +228,15 @@ WEAR_RATE = _option(
     type=values.positive("2e-6 mm^3/(N m)"),
     help='specific wear rate, like "2e-6 mm^3/(N m)", of a store whose scene has wear_rates',
 )
+AT = _option(
+    "--at",
+    metavar="KEY=VALUE",
+    type=values.setting,
+    action="append",
+    default=[],
+    help='value of an entry with several, like "pin.radius=2 mm", of a store whose scene has over; '
+    "may be repeated for other entries",
+)
 _INSTEAD = "conditions, in place of the scene's own"
 CONDITIONS = Group(_INSTEAD, (FRICTION, BULK, CRITICAL, SHARE, CRITERION))
 CONDITIONS_AT_FRICTIONS = Group(_INSTEAD, (FRICTIONS, BULK, CRITICAL, SHARE, CRITERION))

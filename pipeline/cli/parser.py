@@ -84,7 +84,7 @@ COMMANDS = (
         "find the transition from mild to severe wear, without a new simulation",
         "results/scene.zarr --friction 0.09 --friction 0.103",
         (
-            o.STORE, o.TABLE, o.WEAR_RATE, o.CONDITIONS_AT_FRICTIONS,
+            o.STORE, o.TABLE, o.WEAR_RATE, o.AT, o.CONDITIONS_AT_FRICTIONS,
         ),
     ),
     Command(
@@ -92,7 +92,7 @@ COMMANDS = (
         "distance of operating points from severe wear: of one, or of a table of them",
         f"results/scene.zarr {_AT}",
         (
-            o.STORE, *o.PLACE, o.POINTS, o.TABLE, o.GIVEN_MEASURED, o.SCATTER, o.WEAR_RATE,
+            o.STORE, *o.PLACE, o.POINTS, o.TABLE, o.GIVEN_MEASURED, o.SCATTER, o.WEAR_RATE, o.AT,
             o.CONDITIONS,
         ),
     ),
@@ -167,7 +167,7 @@ COMMANDS = (
         'results/scene.zarr --kind ramp --load "600 N" --velocity "1.6 m/s"',
         (
             o.STORE, o.KIND, o.output("FILE.png", "file of the figure; default: beside the store"),
-            o.WATCH, *o.LOOK, o.RIVAL, o.GIVEN_MEASURED, o.SCATTER, o.WEAR_RATE,
+            o.WATCH, *o.LOOK, o.RIVAL, o.GIVEN_MEASURED, o.SCATTER, o.WEAR_RATE, o.AT,
             o.CONDITIONS_AT_FRICTIONS, *o.PLACE, o.REALIZATION,
         ),
     ),
@@ -177,7 +177,7 @@ COMMANDS = (
         (
             o.STORE, o.output("REPORT.html", "file to write, .html or .pdf; default: beside the "
             "store"),
-            o.POINTS, o.WEAR_RATE, o.CONDITIONS,
+            o.POINTS, o.WEAR_RATE, o.AT, o.CONDITIONS,
         ),
     ),
     Command(
@@ -185,7 +185,7 @@ COMMANDS = (
         "results/scene.zarr -o page.html",
         (
             o.STORE, o.output("PAGE.html", "file of the figure; default: beside the store"),
-            *o.FIELDS,
+            o.AT, *o.FIELDS,
         ),
     ),
     Command(

@@ -72,9 +72,12 @@ def selected(sweep: Sweep) -> dict[str, Any]:
 
 
 def opened(options: argparse.Namespace) -> xr.Dataset:
-    """The store, at the wear rate that the user asked for."""
+    """The store, at the values of entries and the wear rate that the user asked for."""
     ds = pipeline.open_sweep(options.store)
-    return ds if options.wear_rate is None else pipeline.at_wear_rate(ds, options.wear_rate)
+    if options.at:
+        ds = pipeline.at_entries(ds, dict(options.at))
+    wear_rate = getattr(options, "wear_rate", None)
+    return ds if wear_rate is None else pipeline.at_wear_rate(ds, wear_rate)
 
 
 def beside(store: Path | str, ending: str) -> Path:

@@ -327,6 +327,10 @@ SWEEP = Table({
     }), "Specific wear rates for which the diagram answers, too, with the scene's own between "
         "them: `irg boundary --wear-rate`. Velocities are added so far beyond the scene's that "
         "each rate has those of the scene."),
+    "over": Optional(ByPath(List(Scalar(), distinct=True), "the paths of others"),
+        'Values of entries by their paths, such as `over = { "pin.radius" = ["1 mm", "2 mm"] }`: '
+        "all is computed for each value, and for every combination of several entries.",
+        default={}),
     "fields": Optional(Flag(),
         "Pressure, temperature rise and wear depth over the window stored, or not.",
         default=False),

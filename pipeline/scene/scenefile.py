@@ -19,6 +19,7 @@ from pipeline.scene.faults import Faults, SceneFileError, did_you_mean, entry_at
 from pipeline.scene.format import FIDELITY, FORMAT, PRESET, TEST, TRANSITION, USUAL_PRESET
 from pipeline.scene.library import with_library, without_consequences
 from pipeline.scene.logs import with_rows
+from pipeline.scene.over import over_of, with_first_values, without_over
 from pipeline.scene.parts import corrections_of, loading_of, oil_of, pin_of, wear_of
 from pipeline.scene.reference import sections
 from pipeline.scene.roughness import realizations_of, roughness_of
@@ -62,12 +63,33 @@ def load_scene(
     >>> scene.preset, scene.loads
     ('standard', (200.0, 400.0, 600.0, 750.0))
     """
-    arguments = _arguments(path, preset, overrides or {})
+    sweep, asked = _read(path, preset, overrides or {})
+    if not asked:
+        return sweep
+
+    def scene_with(values: Mapping[str, Any]) -> Sweep:
+        return _read(path, preset, {**(overrides or {}), **values}, is_variant=True)[0]
+
+    try:
+        return replace(sweep, over=over_of(asked, sweep, scene_with))
+    except tribo.InputError as error:
+        raise SceneFileError(scene_path(path), [str(error)]) from error
+
+
+def _read(
+    path: str | PathLike[str],
+    preset: str | None,
+    overrides: Mapping[str, Any],
+    is_variant: bool = False,
+) -> tuple[Sweep, dict[str, Any]]:
+    """The scene, without `over` if it is a variant of another, and the values of `over`."""
+    arguments = _arguments(path, preset, overrides)
     path = scene_path(path)
     faults, notes = Faults(), list[str]()
-    overrides = {key.removeprefix("fidelity."): value for key, value in (overrides or {}).items()}
+    overrides = {key.removeprefix("fidelity."): value for key, value in overrides.items()}
     entries_set = {key: overrides.pop(key) for key in list(overrides) if _is_entry(key)}
     document = with_entries(read_document(path, faults), entries_set, faults)
+    document = without_over(document) if is_variant else with_first_values(document)
     entries, taken = with_library(document.entries(), faults)
     for key, row_of in (("measured", TRANSITION), ("tested", TEST)):
         entries = with_rows(entries, key, row_of, document, faults, notes)
@@ -114,7 +136,7 @@ def load_scene(
     if sweep is None or faults:
         causes = without_consequences(faults)
         raise SceneFileError(path, [document.line(fault) for fault in causes])
-    return sweep
+    return sweep, tables["sweep"]["over"] or {}
 
 
 def _arguments(

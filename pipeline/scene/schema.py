@@ -209,16 +209,18 @@ class ByPath(Kind):
         ends = {key for table in forms for key in table.keys}
         read = {
             path: self.of.read(leaf, f"{place}.{quoted(path)}", faults)
-            for path, leaf in _flat(value, "", ends)
+            for path, leaf in flat(value, "", ends)
         }
         return {path: leaf for path, leaf in read.items() if leaf is not None}
 
 
-def _flat(tables: dict[str, Any], above: str, ends: Collection[str]) -> Iterator[tuple[str, Any]]:
+def flat(
+    tables: dict[str, Any], above: str = "", ends: Collection[str] = ()
+) -> Iterator[tuple[str, Any]]:
     """Paths, and what stands there: no table, an empty one, or one with any of some keys."""
     for key, inner in tables.items():
         path = f"{above}.{key}" if above else key
         if isinstance(inner, dict) and inner and not set(ends) & set(inner):
-            yield from _flat(inner, path, ends)
+            yield from flat(inner, path, ends)
         else:
             yield path, inner

@@ -154,7 +154,7 @@ def _drawn(
             one = by_path.get(unknown.path)
             tables = _with(tables, unknown.path, one.read(value) if one else value)
         sweep = None if wrong else original.build(tables, wrong)
-        return () if sweep is None else tuple(_differing(original.sweep, sweep))
+        return () if sweep is None else tuple(differing(original.sweep, sweep))
 
     samples = drawn_samples(tuple(one.unknown for one in inputs), design, count, part)
     if wrong:
@@ -164,7 +164,7 @@ def _drawn(
     return samples
 
 
-def _differing(sweep: Sweep, other: Sweep) -> Iterator[tuple[str, Any]]:
+def differing(sweep: Sweep, other: Sweep) -> Iterator[tuple[str, Any]]:
     """Fields, and their values, in which another sweep differs from one."""
     for field in fields(Sweep):
         old, new = getattr(sweep, field.name), getattr(other, field.name)
@@ -242,8 +242,8 @@ def _layer(one: _Input, original: Original, faults: Faults) -> Layer:
             why = f"{wrong[0].key}: {wrong[0].problem}" if wrong else "the scene does not fit"
             faults.note(one.key, f"{where}{why}{instead}")
             return "conditions"
-        changed |= {name for name, _ in _differing(sweep, other)}
-        alike = {name for name, _ in _differing(sweep, _with_heat_of(other, sweep))}
+        changed |= {name for name, _ in differing(sweep, other)}
+        alike = {name for name, _ in differing(sweep, _with_heat_of(other, sweep))}
         is_heat_alone &= not alike & _SIMULATED
         if step_count(other, highest) != step_count(sweep, highest):
             faults.note(one.key, "it changes the number of steps, which must stay; give it")

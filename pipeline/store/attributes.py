@@ -99,10 +99,42 @@ def _samples_of(sweep: Sweep) -> dict[str, Any]:
     }
 
 
+def grown_entries(sweep: Sweep, stored: Mapping[str, Any]) -> dict[str, Any]:
+    """Attribute on the scenes that entries with several values make, if there are any.
+
+    For each combination of values: what is not as in the attributes ``scene`` and the others. Those
+    of a store stay, besides what a sweep says of them.
+    """
+    if not sweep.over:
+        return {}
+    present = present_attributes(sweep)
+    combinations = {tuple(entry["values"]): entry for entry in stored.get("scenes", [])}
+    for variant in sweep.entries:
+        scene = sweep.variant(variant)
+        values = tuple(value for _, value in variant)
+        combinations[values] = {
+            "values": list(values),
+            "written": sweep.over.written(variant),
+            "scene": _differing(describe(scene), stored["scene"]),
+            "attributes": _differing(present_attributes(scene), present),
+        }
+    return {"over": [axis.path for axis in sweep.over.axes], "scenes": [*combinations.values()]}
+
+
+def _differing(values: Mapping[str, Any], usual: Mapping[str, Any]) -> dict[str, Any]:
+    """Values that differ from the usual ones; None for what is missing."""
+    return {
+        name: values.get(name)
+        for name in {**usual, **values}
+        if values.get(name) != usual.get(name)
+    }
+
+
 def grown_axes(axes: Mapping[str, list[Any]], sweep: Sweep) -> dict[str, list[Any]]:
     """Values along each dimension: those of a store, in their order, then what a sweep adds."""
     chosen = sweep.chosen or ()
-    steps = max(step_count(sweep, load) for load in sweep.loads)
+    scenes = [sweep.variant(variant) for variant in sweep.entries]
+    steps = max(step_count(scene, load) for scene in scenes for load in sweep.loads)
 
     def widened(name: str, wanted: Iterable[Any]) -> list[Any]:
         present = axes.get(name, [])
@@ -120,7 +152,7 @@ def grown_axes(axes: Mapping[str, list[Any]], sweep: Sweep) -> dict[str, list[An
             "quantile": list(QUANTILES),
             "bulk_ratio": list(BULK_RATIOS),
             "wear_rate": list(sweep.rates),
-            "x": sweep.grid.coordinates(0).tolist(),
-            "y": sweep.grid.coordinates(1).tolist(),
+            "x": scenes[0].grid.coordinates(0).tolist(),
+            "y": scenes[0].grid.coordinates(1).tolist(),
         }
     )

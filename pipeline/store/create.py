@@ -13,6 +13,7 @@ from typing import Any
 from pipeline.store.attributes import (
     OPTIONAL,
     grown_axes,
+    grown_entries,
     lasting_attributes,
     present_attributes,
     with_present_versions,
@@ -42,7 +43,7 @@ from pipeline.store.schema import (
     variables,
 )
 from pipeline.store.write import Store, fill_new_steps
-from pipeline.sweep.model import Sweep
+from pipeline.sweep.model import Sweep, named
 from tribo import QUANTILES
 
 
@@ -100,7 +101,7 @@ def grown(place: Place, sweep: Sweep, lock: Lock | None) -> Store:
     with_fields = "pressure" in root.arrays
     axes = _present(grown_axes(root.axes, sweep), sweep, with_fields)
     attributes = {k: v for k, v in root.attributes.items() if k not in OPTIONAL}
-    attributes |= present_attributes(sweep) | {"axes": axes}
+    attributes |= present_attributes(sweep) | {"axes": axes} | grown_entries(sweep, attributes)
     # As the root gives them back: JSON knows no tuples.
     attributes = json.loads(json.dumps(with_present_versions(attributes)))
     if attributes != root.attributes:
@@ -151,6 +152,7 @@ def _new(sweep: Sweep) -> tuple[dict[str, bytes], dict[str, bytes]]:
     wanted = _variables(sweep, sweep.store_fields)
     sizes = {dim: len(axes[dim]) for dim in wanted["status"].dims}
     attributes = lasting_attributes(sweep) | present_attributes(sweep)
+    attributes |= grown_entries(sweep, attributes)
     attributes |= {
         "axes": axes,
         "points_per_chunk": block_of(sizes, bytes_of_a_point(wanted, axes)),
@@ -163,7 +165,10 @@ def _new(sweep: Sweep) -> tuple[dict[str, bytes], dict[str, bytes]]:
 def _variables(sweep: Sweep, with_fields: bool) -> dict[str, Variable]:
     inputs = sweep.samples.design.inputs if sweep.samples else ()
     units = {quantity.path: quantity.unit for quantity in inputs}
-    return variables([*sweep.axes], with_fields, sweep.unequal_bulks, bool(sweep.rates), units)
+    over = {axis.path: axis.unit for axis in sweep.over.axes} if sweep.over else {}
+    return variables(
+        [*sweep.axes], with_fields, sweep.unequal_bulks, bool(sweep.rates), units, over
+    )
 
 
 def _present(
@@ -192,8 +197,16 @@ def _mismatches(root: Root, sweep: Sweep) -> Iterator[str]:
                 f"has no axis for sweep.{name}s, and the dimensions of a store stay what they were "
                 "at its creation; write to another store"
             )
+    stored, wanted = (list(names) for names in (root.attributes.get("over", []), _over(sweep)))
+    if stored != wanted:
+        have, gives = (", ".join(names) or "none" for names in (stored, wanted))
+        yield (
+            f"has axes for other entries of sweep.over: {have} in the store, {gives} in the scene; "
+            "the dimensions of a store stay what they were at its creation; write to another store"
+        )
+        return
     different = [
-        *differences(root.attributes["scene"], describe(sweep)),
+        *_differences_of_scenes(root, sweep),
         *differences(root.axes["quantile"], list(QUANTILES), "quantile"),
     ]
     if different:
@@ -209,6 +222,23 @@ def _mismatches(root: Root, sweep: Sweep) -> Iterator[str]:
             "has no fields, since its scene did not ask for them when it was created; leave out "
             "sweep.store_fields, or write to another store"
         )
+
+
+def _over(sweep: Sweep) -> list[str]:
+    """Paths of the entries with several values."""
+    return [axis.path for axis in sweep.over.axes] if sweep.over else []
+
+
+def _differences_of_scenes(root: Root, sweep: Sweep) -> Iterator[str]:
+    """Entries in which the scene of a store differs from a sweep, for the same values of `over`."""
+    scene = root.attributes["scene"]
+    if not sweep.over:
+        yield from differences(scene, describe(sweep))
+    stored = {tuple(entry["values"]): entry for entry in root.attributes.get("scenes", [])}
+    for variant in sweep.entries:
+        if entry := stored.get(tuple(value for _, value in variant)):
+            key = f"scene with {', '.join(named(variant))}: scene"
+            yield from differences(scene | entry["scene"], describe(sweep.variant(variant)), key)
 
 
 def _ends(rates: Sequence[float]) -> str:

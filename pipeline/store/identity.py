@@ -23,8 +23,10 @@ def describe(sweep: Sweep) -> dict[str, Any]:
     """Describe what decides a scene's numbers, as plain data in SI, arrays as their digest.
 
     The seed is left out where there are realizations, each with its own. Of samples the rule by
-    which they follow is part of it.
+    which they follow is part of it. Of entries with several values the first ones count.
     """
+    if sweep.over:
+        sweep = sweep.variant(sweep.entries[0])
     laws = own_laws(sweep)
     parts = {
         entry.name: laws.get(entry.name) or _plain(getattr(sweep, entry.name))

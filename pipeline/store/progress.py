@@ -12,7 +12,8 @@ from pipeline.store.place import PathLike, place_of
 from pipeline.store.root import read_root
 from pipeline.store.schema import DONE, FAILED, PENDING
 from pipeline.store.write import Store
-from pipeline.sweep.model import Point, Variant
+from pipeline.sweep.model import Point
+from pipeline.sweep.over import Variant
 
 
 @dataclass(frozen=True, slots=True)

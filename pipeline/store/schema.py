@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-import re
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
@@ -171,12 +170,11 @@ LEADING = ("realization", "sample")
 
 _INPUT = Variable(("sample",), None, "value of an input that is not known exactly")
 _VELOCITY = Variable(("sample",), "m/s", "sliding velocity of the sample")
-_PATH = re.compile(r"[\w-]+(\.[\w-]+)+")
 
 
 def is_coordinate(name: str) -> bool:
     """True if a variable is a coordinate: of a dimension, or an input by its path."""
-    return name in COORDINATES or _PATH.fullmatch(name) is not None
+    return name in COORDINATES or name not in VARIABLES
 
 
 def variables(
@@ -185,6 +183,7 @@ def variables(
     of_bulks: bool,
     of_rates: bool,
     inputs: Mapping[str, str],
+    over: Mapping[str, str | None],
 ) -> dict[str, Variable]:
     """Variables of a store.
 
@@ -200,6 +199,8 @@ def variables(
         True if the points answer for several wear rates.
     inputs : mapping
         Unit of each input that is drawn, by its path in the scene.
+    over : mapping
+        Unit of each entry with several values, by its path; None for words.
     """
     absent = {name for name in LEADING if name not in leading}
     if not with_fields:
@@ -221,7 +222,11 @@ def variables(
     }
     if "sample" in leading:
         table["velocity"] = _VELOCITY
-    return {path: _INPUT._replace(units=unit) for path, unit in inputs.items()} | table
+    entries = {
+        path: Variable((path,), unit, f"{path} of the scene", "str" if unit is None else "float64")
+        for path, unit in over.items()
+    }
+    return entries | {path: _INPUT._replace(units=unit) for path, unit in inputs.items()} | table
 
 
 def block_of(sizes: Mapping[str, int], bytes_of_a_point: int) -> dict[str, int]:
@@ -251,7 +256,7 @@ def block_of(sizes: Mapping[str, int], bytes_of_a_point: int) -> dict[str, int]:
     block["load"] = min(sizes["load"], room)
     if "velocity" in sizes:  # to which a search adds others later
         block["velocity"] = max(1, min(max(sizes["velocity"], 16), room // block["load"]))
-    for name in set(sizes) & set(LEADING):
+    for name in set(sizes) - {"load", "velocity"}:
         block[name] = max(1, min(sizes[name], room // math.prod(block.values())))
     return block
 
@@ -292,9 +297,9 @@ def documents(
         shape = [len(axes[dim]) for dim in variable.dims]
         chunks = {**dict(zip(variable.dims, shape, strict=True)), **block}
         if is_coordinate(name):
-            chunks |= dict.fromkeys((*_OF_POINTS, "step"), _GROWING)
+            chunks |= {dim: _GROWING for dim in variable.dims if dim == "step" or is_of_points(dim)}
         elif name in AT_END:
-            chunks |= dict.fromkeys(_OF_POINTS, 1)
+            chunks |= {dim: 1 for dim in variable.dims if is_of_points(dim)}
         is_real = variable.dtype.startswith("float")
         units = {} if variable.units is None else {"units": variable.units}
         array = group.create_array(
@@ -344,10 +349,12 @@ def chunks_of(array: Mapping[str, Any]) -> list[int]:
 def bytes_of_a_point(wanted: Mapping[str, Variable], axes: Mapping[str, list[float]]) -> int:
     """Size of a point in the largest variable that points share chunks of [B]."""
     return max(
-        8 * math.prod(len(axes[dim]) for dim in variable.dims if dim not in _OF_POINTS)
+        8 * math.prod(len(axes[dim]) for dim in variable.dims if not is_of_points(dim))
         for name, variable in wanted.items()
         if name in STEPPED
     )
 
 
-_OF_POINTS = (*LEADING, "load", "velocity")
+def is_of_points(dim: str) -> bool:
+    """True if a dimension tells points apart."""
+    return dim not in ("step", "quantile", "bulk_ratio", "wear_rate", "x", "y")

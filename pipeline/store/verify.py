@@ -22,7 +22,8 @@ from pipeline.store.points import Slices, missing_chunks
 from pipeline.store.root import Root, read_root
 from pipeline.store.schema import AT_END, DONE, PENDING, STEPPED, chunk_name, is_coordinate
 from pipeline.store.write import ABOUT, Store
-from pipeline.sweep.model import Point, Variant
+from pipeline.sweep.model import Point
+from pipeline.sweep.over import Variant
 from pipeline.sweep.plan import PointRecord
 from tribo import WarningKind
 from tribo.types import Mask

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Collection, Mapping
 from dataclasses import asdict, dataclass, field, replace
@@ -11,6 +10,7 @@ from typing import Any, NamedTuple, Self
 import numpy as np
 
 from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.over import Label, Over, Variant, combinations
 from pipeline.sweep.samples import Samples
 from pipeline.sweep.selection import Selection
 from pipeline.sweep.shown import as_html, as_lines, on_conditions, on_plane, on_scene
@@ -19,12 +19,6 @@ from tribo import InputError, Oil, Ramp, Scene, SelfAffineRoughness, inseparable
 # Ratio of neighbouring wear rates at which heat is taken, at most. On four contacts rises between
 # them were off by up to 0.1 to 0.3 %, as with more of them: by the elements on which a quantile is.
 _RATE_RATIO = 2.0
-
-
-Label = float | int | str
-"""Value along a dimension in front of load and velocity."""
-Variant = tuple[tuple[str, Label], ...]
-"""Names of the dimensions in front of load and velocity, and a value of each."""
 
 
 class Point(NamedTuple):
@@ -156,6 +150,9 @@ class Sweep(Scene):
     samples : Samples or None
         Samples of the inputs that are not known exactly, to simulate one after the other in place
         of the scene itself; None if there are none.
+    over : Over or None
+        Entries with several values, all combinations of which to simulate in place of the scene
+        itself; None if there are none.
     friction_band : tuple of float or None
         Lowest and highest friction coefficient measured.
     measured : tuple of Measurement
@@ -208,6 +205,7 @@ class Sweep(Scene):
     conditions: Conditions
     realizations: tuple[int, ...] = ()
     samples: Samples | None = None
+    over: Over | None = None
     friction_band: tuple[float, float] | None = None
     measured: tuple[Measurement, ...] = ()
     tested: tuple[Measurement, ...] = ()
@@ -233,6 +231,11 @@ class Sweep(Scene):
             raise InputError(
                 "sweep.realizations and sweep.samples exclude each other; make the surface an "
                 'unknown input: "disk.roughness.seed" = [0, 1, 2, 3]'
+            )
+        if self.over and self.samples:
+            raise InputError(
+                "sweep.over and sweep.samples exclude each other; leave out one, or make the entry "
+                'an unknown input: "pin.radius" = ["1 mm", "2 mm"] in [unknown]'
             )
         if fault := self._fault_of_wear_rates():
             raise InputError(f"sweep.wear_rates: {fault}")
@@ -299,16 +302,20 @@ class Sweep(Scene):
         """Dimensions in front of load and velocity, with their values."""
         if self.samples:
             return {"sample": tuple(range(len(self.samples)))}
-        return {"realization": self.realizations} if self.realizations else {}
+        axes: dict[str, tuple[Label, ...]] = {}
+        if self.over:
+            axes |= {axis.path: axis.values for axis in self.over.axes}
+        return axes | ({"realization": self.realizations} if self.realizations else {})
+
+    @property
+    def entries(self) -> tuple[Variant, ...]:
+        """Combinations of the entries with several values: one, ``()``, if there are none."""
+        return self.over.variants if self.over else ((),)
 
     @property
     def variants(self) -> tuple[Variant, ...]:
         """Variants of the scene that the sweep simulates: one, ``()``, if it has no axes."""
-        names = tuple(self.axes)
-        return tuple(
-            tuple(zip(names, values, strict=True))
-            for values in itertools.product(*self.axes.values())
-        )
+        return combinations(self.axes)
 
     @property
     def ramps(self) -> int:
@@ -316,14 +323,16 @@ class Sweep(Scene):
         return len(self.variants) * (1 if self.samples else len(self.velocities))
 
     def variant(self, variant: Variant = ()) -> Self:
-        """The sweep in one of its variants alone; without samples if none is given."""
-        sweep = replace(self, samples=None) if self.samples else self
-        for name, value in variant:
-            if name == "realization":
-                sweep = sweep.on_surface(int(value))
-            else:
-                sweep = replace(sweep, **self._parts_of_sample(int(value)))
-        return sweep
+        """The sweep in one of its variants alone; without samples or `over` if none is given."""
+        parts: dict[str, Any] = {}
+        if self.over and (entries := variant[: len(self.over.axes)]):
+            parts |= self.over.parts[self.over.number(entries)]
+        names = dict(variant)
+        if "sample" in names:
+            parts |= self._parts_of_sample(int(names["sample"]))
+        is_one = self.samples is None and self.over is None
+        sweep = self if is_one else replace(self, samples=None, over=None, **parts)
+        return sweep.on_surface(int(names["realization"])) if "realization" in names else sweep
 
     def _parts_of_sample(self, sample: int) -> dict[str, Any]:
         """Fields in which a sample differs from the sweep."""
@@ -334,13 +343,17 @@ class Sweep(Scene):
 
     def contact_of(self, point: Point) -> tuple[float, Variant]:
         """Velocity and variant whose ramp of contacts leads through a point."""
+        if self.over and point.variant:
+            entries = point.variant[: len(self.over.axes)]
+            lead = self.over.leads[self.over.number(entries)]
+            return point.velocity, lead + point.variant[len(entries) :]
         if self.samples is None or not point.variant:
             return point[1:]
         ((name, sample),) = point.variant
         if point.velocity != self.samples.velocities[int(sample)]:
             return point[1:]  # the scene with the inputs of a sample, at another velocity
-        lead = self.samples.lead(int(sample))
-        return self.samples.velocities[lead], ((name, lead),)
+        number = self.samples.lead(int(sample))
+        return self.samples.velocities[number], ((name, number),)
 
     def held(self, duration: float) -> Self:
         """The sweep with another duration at the full load [s].

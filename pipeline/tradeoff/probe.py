@@ -12,7 +12,8 @@ from typing import NamedTuple
 import numpy as np
 
 from pipeline.sweep.criterion import decisive_rise, failed_fraction, rise_limit, rises_of
-from pipeline.sweep.model import Point, Sweep, Variant
+from pipeline.sweep.model import Point, Sweep
+from pipeline.sweep.over import Variant
 from pipeline.sweep.plan import chains
 from tribo import (
     PRESETS,

@@ -255,7 +255,8 @@ def test_surfaces_and_samples_are_added_to_those_that_are_there(
     with killed_after(monkeypatch, 10**6 if files is None else files), writing(path, more):
         pass
     with open_sweep(path) as ds:
-        after = ds.sel({more.axis[0]: before[more.axis[0]]}).load()
+        (name,) = more.axes
+        after = ds.sel({name: before[name]}).load()
     for name in set(before.data_vars) - {"asked"}:
         np.testing.assert_array_equal(after[name].values, before[name].values)
     with writing(path, more) as store:

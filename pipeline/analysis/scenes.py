@@ -1,0 +1,198 @@
+"""The scenes of a sweep in which entries take several values (``[sweep] over``)."""
+
+from __future__ import annotations
+
+import functools
+import math
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from typing import Any, Concatenate, ParamSpec, TypeVar, cast
+
+import numpy as np
+import xarray as xr
+
+from pipeline.analysis.dataset import dataset_of, entries_of
+from pipeline.analysis.tables import Column, Table
+from pipeline.scene.quantities import display
+from pipeline.scene.units import UnitError, to_si
+from pipeline.store.place import PathLike
+from tribo import InputError
+
+Given = ParamSpec("Given")
+Result = TypeVar("Result", xr.Dataset, xr.DataArray)
+
+_SHOWN = {"m": "mm", "K": "°C", "kg m-1 s-2": "GPa", "m s2 kg-1": "mm³/(N m)"}
+
+
+def at_entries(ds: xr.Dataset | PathLike, values: Mapping[str, float | str]) -> xr.Dataset:
+    """Take a sweep at values of entries for which it was computed.
+
+    Parameters
+    ----------
+    ds : Dataset, str or path
+        Dataset of `pipeline.open_sweep`, or the path of a store, of a scene with ``[sweep] over``.
+    values : mapping
+        Value by the path of an entry [SI], or text such as ``"2 mm"``.
+
+    Returns
+    -------
+    Dataset
+        The sweep without these dimensions. With a value of every entry its attributes are those
+        of the scene with these values.
+
+    Raises
+    ------
+    InputError
+        If the sweep was not computed for such an entry or value.
+
+    Examples
+    --------
+    >>> import pipeline
+    >>> ds = pipeline.open_sweep("results/first_try.zarr")
+    >>> pipeline.at_entries(ds, {"pin.radius": "2 mm"})
+    Traceback (most recent call last):
+        ...
+    tribo.errors.InputError: pin.radius has one value alone in this sweep; leave it out, or give \
+its scene sweep.over, and run it into another store
+    """
+    ds = dataset_of(ds)
+    names = entries_of(ds)
+    for path, value in values.items():
+        if path not in names:
+            others = f"; it has several of {', '.join(names)}" if names else ""
+            raise InputError(
+                f"{path} has one value alone in this sweep{others}; leave it out, or give its "
+                "scene sweep.over, and run it into another store"
+            )
+        ds = ds.isel({path: _place(ds[path], value)})
+    return dataset_of(ds)
+
+
+def scenes(ds: xr.Dataset | PathLike) -> Iterator[xr.Dataset]:
+    """The sweep of each scene: with each combination of the values of its entries."""
+    ds = dataset_of(ds)
+    names = entries_of(ds)
+    for places in np.ndindex(*(ds.sizes[name] for name in names)):
+        yield dataset_of(ds.isel(dict(zip(names, places, strict=True))))
+
+
+def by_scene(
+    function: Callable[Concatenate[xr.Dataset, Given], Result],
+) -> Callable[Concatenate[xr.Dataset | PathLike, Given], Result]:
+    """Function of one scene that, of several, gives their results along the entries' dimensions."""
+
+    @functools.wraps(function)
+    def of_all(ds: xr.Dataset | PathLike, *args: Given.args, **options: Given.kwargs) -> Result:
+        ds = dataset_of(ds)
+        names = entries_of(ds)
+        results = [function(scene, *args, **options) for scene in scenes(ds)]
+        result = stacked(results, [ds[name] for name in names])
+        return result.assign_coords(_differing(results, [ds.sizes[name] for name in names], names))
+
+    return cast("Callable[Concatenate[xr.Dataset | PathLike, Given], Result]", of_all)
+
+
+def parts_of(
+    results: xr.Dataset, like: str = "critical_velocity"
+) -> Iterator[tuple[tuple[Any, ...], xr.Dataset]]:
+    """Results of `by_scene` again one by one, each with the values of its entries."""
+    names = entries_of(results[like])
+    for places in np.ndindex(*(results.sizes[name] for name in names)):
+        part = results.isel(dict(zip(names, places, strict=True)))
+        values = tuple(part[name].item() for name in names)
+        own = {
+            str(name): coord.item()
+            for name, coord in part.coords.items()
+            if name not in names and set(names) & set(results[name].dims)
+        }
+        yield values, part.drop_vars([*names, *own]).assign_attrs(own)
+
+
+def columns_of(ds: xr.Dataset | xr.DataArray) -> tuple[Column, ...]:
+    """Columns of a table for the entries that have several values."""
+    names = entries_of(ds)
+    units = [str(ds[name].attrs.get("units", "")) for name in names]
+    return tuple(
+        Column(name, f"{name} [{unit}]" if unit not in ("", "1", *_SHOWN) else name, shown)
+        for name, unit in zip(names, units, strict=True)
+        for shown in [_SHOWN.get(unit, "")]
+    )
+
+
+def joined(columns: tuple[Column, ...], parts: Iterable[tuple[Sequence[Any], Table]]) -> Table:
+    """One table of those of several scenes, with the values of their entries in front."""
+    tables = list(parts)
+    heads = dict.fromkeys(column for _, table in tables for column in table.columns)
+    rows = []
+    for values, table in tables:
+        held = table.as_dict()
+        nothing = [None] * len(table.rows)
+        cells = zip(*(held.get(column.name, nothing) for column in heads), strict=True)
+        rows += [(*values, *row) for row in cells]
+    return Table((*columns, *heads), tuple(rows))
+
+
+def _differing(
+    results: Sequence[Result], sizes: Sequence[int], names: Sequence[str]
+) -> dict[str, tuple[Sequence[str], Any]]:
+    """Attributes in which results differ, such as the friction, as coordinates."""
+    rows = [result.attrs for result in results]
+    differing = [name for name in rows[0] if any(row.get(name) != rows[0][name] for row in rows)]
+    return {name: (names, np.reshape([row.get(name) for row in rows], sizes)) for name in differing}
+
+
+def stacked(results: Sequence[Result], axes: Sequence[xr.DataArray]) -> Result:
+    """Results of all combinations of values along the dimensions of the entries."""
+    if not axes:
+        return results[0]
+    axis, size = axes[0], len(results) // axes[0].size
+    parts: list[Any] = [
+        stacked(results[begin : begin + size], axes[1:]) for begin in range(0, len(results), size)
+    ]
+    parts = [part.drop_vars(axis.name, errors="ignore") for part in parts]
+    options: dict[str, Any] = {"data_vars": "all"} if isinstance(parts[0], xr.Dataset) else {}
+    result: Result = xr.concat(
+        parts, axis, coords="minimal", compat="override", join="override",
+        combine_attrs="drop_conflicts", **options,
+    )  # fmt: skip
+    return result
+
+
+def value_text(axis: xr.DataArray, value: float | str) -> str:
+    """A value of an entry in a usual unit."""
+    unit = str(axis.attrs.get("units", ""))
+    if isinstance(value, str):
+        return value
+    if unit in _SHOWN:
+        return display(value, _SHOWN[unit])
+    return f"{value:.6g} {unit}".removesuffix(" 1").strip()
+
+
+def words(ds: xr.Dataset, values: Mapping[str, float | str]) -> str:
+    """Values of entries of a sweep in words."""
+    return ", ".join(f"{path} {value_text(ds[path], value)}" for path, value in values.items())
+
+
+def _place(axis: xr.DataArray, value: float | str) -> int:
+    """Place of a value along the dimension of an entry."""
+    values = axis.values.tolist()
+    if isinstance(values[0], str):
+        matches = [number for number, held in enumerate(values) if held == value]
+    else:
+        wanted = _number(value)
+        matches = np.flatnonzero(np.isclose(values, wanted, rtol=1e-9, atol=0)).tolist()
+    if not matches:
+        held = ", ".join(value_text(axis, one) for one in values)
+        raise InputError(f"{axis.name} is {value}, which the sweep does not have; it has {held}")
+    return int(matches[0])
+
+
+def _number(value: float | str) -> float:
+    """Value of a number or of a quantity [SI]; NaN if it is neither."""
+    try:
+        return float(value)
+    except ValueError:
+        pass
+    try:
+        return to_si(str(value), like=str(value))
+    except UnitError:
+        return math.nan

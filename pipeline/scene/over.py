@@ -1,0 +1,151 @@
+"""Entries with several values: ``[sweep] over``, by the paths of entries.
+
+Every combination is read as if its values stood in the file, or were given by ``--set``.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from pipeline.scene.document import Document, with_entries
+from pipeline.scene.faults import Faults, SceneFileError, entry_at, quoted
+from pipeline.scene.schema import flat
+from pipeline.scene.units import UnitError, si_unit, to_si
+from pipeline.scene.unknown import differing
+from pipeline.sweep.model import Sweep
+from pipeline.sweep.over import Axis, Over, Variant, combinations
+from tribo import InputError, Scene, inseparable, mechanics, wear_number
+
+_FIXED = ("sweep", "title", "extends", "without", "measured", "tested", "unknown")
+_SAME = (
+    "loads", "velocities", "realizations", "rates", "unequal_bulks", "independent",
+)  # fmt: skip
+_MOST = 10_000  # combinations, each of which is read as a scene
+
+
+def over_of(
+    asked: Mapping[str, tuple[Any, ...]],
+    sweep: Sweep,
+    scene_with: Callable[[Mapping[str, Any]], Sweep],
+) -> Over:
+    """Entries with several values, and the scenes with them.
+
+    Raise an `InputError` at the first value that does not go with the scene.
+
+    Parameters
+    ----------
+    asked : mapping
+        Values by the paths of entries, as TOML has them.
+    sweep : Sweep
+        The scene without them.
+    scene_with : callable
+        Returns the scene with other entries, by their paths.
+    """
+    axes = tuple(_axis(path, values) for path, values in asked.items())
+    written = {axis.path: dict(zip(axis.values, axis.written, strict=True)) for axis in axes}
+    variants = combinations({axis.path: axis.values for axis in axes})
+    if len(variants) > _MOST:
+        raise InputError(
+            f"sweep.over: {len(variants)} combinations are too many; give {_MOST} at most"
+        )
+    scenes = [
+        _scene({path: written[path][value] for path, value in variant}, sweep, scene_with)
+        for variant in variants
+    ]
+    parts = tuple(tuple(differing(sweep, scene)) for scene in scenes)
+    if len(scenes) > 1 and all(scene == scenes[0] for scene in scenes):
+        raise InputError(
+            f"sweep.over: {' and '.join(asked)} changes nothing in this scene; leave it out"
+        )
+    return Over(axes, parts, tuple(_leads(variants, scenes)))
+
+
+def with_first_values(document: Document) -> Document:
+    """The document with the first values of ``over`` where it has no such entries."""
+    entries = document.entries()
+    over = entry_at(entries, "sweep") and entries["sweep"].get("over")
+    if not isinstance(over, dict):
+        return document
+    missing = {
+        path: values[0]
+        for path, values in flat(over)
+        if isinstance(values, list) and values and _is_missing(entries, path)
+    }
+    return Document((*document.layers, *with_entries(document, missing, Faults()).layers[:1]))
+
+
+def without_over(document: Document) -> Document:
+    """The document without ``over``."""
+    return with_entries(document, {"without": ["sweep.over"]}, Faults())
+
+
+def _is_missing(entries: Mapping[str, Any], path: str) -> bool:
+    try:
+        return entry_at(entries, path) is None
+    except AttributeError:  # a value stands where a table should
+        return False
+
+
+def _axis(path: str, values: tuple[Any, ...]) -> Axis:
+    """An entry with its values in SI, or as words."""
+    key = f"sweep.over.{quoted(path)}"
+    if path.partition(".")[0] in _FIXED:
+        raise InputError(
+            f"{key}: this cannot take several values; give an entry of the scene, such as "
+            '"pin.radius"'
+        )
+    is_text = [isinstance(value, str) for value in values]
+    if any(is_text) and not all(is_text):
+        raise InputError(f"{key}: {quoted(list(values))}: give all with a unit, or none")
+    labels: tuple[Any, ...] = values
+    unit: str | None = None if all(is_text) else "1"
+    if all(is_text):
+        try:
+            labels = tuple(to_si(value, like=values[0]) for value in values)
+            unit = si_unit(values[0])
+        except UnitError:
+            return Axis(path, values, values, None)
+    labels = tuple(map(float, labels))
+    order = sorted(range(len(values)), key=labels.__getitem__)
+    for one, other in itertools.pairwise(order):
+        if labels[one] == labels[other]:
+            shown = f"{quoted(values[one])} and {quoted(values[other])}"
+            raise InputError(f"{key}: {shown} are the same; give each value once")
+    return Axis(path, tuple(labels[i] for i in order), tuple(values[i] for i in order), unit)
+
+
+def _scene(
+    values: Mapping[str, Any], sweep: Sweep, scene_with: Callable[[Mapping[str, Any]], Sweep]
+) -> Sweep:
+    """The scene with some values; raises if it is faulty, or has other axes."""
+    shown = ", ".join(f"{path} = {quoted(value)}" for path, value in values.items())
+    try:
+        scene = scene_with(values)
+    except SceneFileError as error:
+        problem = error.faults[0].removeprefix(f"{next(iter(values))}: ")
+        raise InputError(f"sweep.over: {shown}: {problem}") from error
+    for name in _SAME:
+        if getattr(scene, name) != getattr(sweep, name):
+            raise InputError(
+                f"sweep.over: {shown} changes the {name.replace('_', ' ')}, which every value has "
+                "in common; sweep it in stores of its own"
+            )
+    if sweep.store_fields and scene.grid != sweep.grid:
+        raise InputError(
+            f"sweep.over: {shown} changes the grid of the stored fields, which every value has in "
+            "common; leave out sweep.fields, or give an entry that keeps the grid"
+        )
+    return scene
+
+
+def _leads(variants: tuple[Variant, ...], scenes: list[Sweep]) -> list[Variant]:
+    """First combination with the contacts of each."""
+    first: dict[tuple[Scene, float], Variant] = {}
+    leads = []
+    for variant, scene in zip(variants, scenes, strict=True):
+        is_shared = inseparable(scene, scene.velocities) is None
+        contact = mechanics(scene), wear_number(scene, 1.0)
+        leads.append(first.setdefault(contact, variant) if is_shared else variant)
+    return leads

@@ -1,0 +1,87 @@
+"""Entries of a scene that take several values each, and the scenes with every combination."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+Label = float | int | str
+"""Value along a dimension in front of load and velocity."""
+Variant = tuple[tuple[str, Label], ...]
+"""Names of the dimensions in front of load and velocity, and a value of each."""
+
+
+@dataclass(frozen=True, slots=True)
+class Axis:
+    """An entry and its values.
+
+    Attributes
+    ----------
+    path : str
+        Key path of the entry, which names the dimension.
+    values : tuple of float or str
+        Its values, ascending [SI]; or words, in the order of the scene.
+    written : tuple
+        The values as they stand in the scene.
+    unit : str or None
+        SI unit; None for words.
+    """
+
+    path: str
+    values: tuple[float | str, ...]
+    written: tuple[Any, ...]
+    unit: str | None
+
+
+@dataclass(frozen=True, slots=True)
+class Over:
+    """Entries with several values each, and the scenes that follow from them.
+
+    Attributes
+    ----------
+    axes : tuple of Axis
+        The entries.
+    parts : tuple of tuple of (str, value)
+        Fields of the `Sweep` that differ from its own, for each combination of values, those of
+        the last entry first.
+    leads : tuple of tuple
+        First combination with the same contacts at all velocities, for each.
+    """
+
+    axes: tuple[Axis, ...]
+    parts: tuple[tuple[tuple[str, Any], ...], ...]
+    leads: tuple[Variant, ...]
+
+    @property
+    def variants(self) -> tuple[Variant, ...]:
+        """Every combination of values."""
+        return combinations({axis.path: axis.values for axis in self.axes})
+
+    def written(self, variant: Variant) -> list[Any]:
+        """Values of a combination as they stand in the scene."""
+        return [
+            axis.written[axis.values.index(value)]
+            for axis, (_, value) in zip(self.axes, variant, strict=True)
+        ]
+
+    def number(self, variant: Variant) -> int:
+        """Number of a combination."""
+        number = 0
+        for axis, (_, value) in zip(self.axes, variant, strict=True):
+            number = number * len(axis.values) + axis.values.index(value)
+        return number
+
+
+def combinations(axes: Mapping[str, Sequence[Label]]) -> tuple[Variant, ...]:
+    """Every combination of the values of some dimensions; one, ``()``, of no dimensions.
+
+    Examples
+    --------
+    >>> combinations({"realization": (3, 4)})
+    ((('realization', 3),), (('realization', 4),))
+    """
+    return tuple(
+        tuple(zip(axes, values, strict=True)) for values in itertools.product(*axes.values())
+    )
