@@ -27,18 +27,10 @@ _INNER_REDUCTION, _FINAL_REDUCTION = 0.2, 1e-4
 
 
 class ActiveSet(NamedTuple):
-    """State of the active-set steps.
+    """Limits that the steps so far have left for the next one."""
 
-    Attributes
-    ----------
-    iterations : int
-        Most iterations of conjugate gradients in the next step.
-    nodes : ndarray of int, optional
-        Indices of the nodes of the last step.
-    """
-
-    iterations: int = _INNER_ITERATIONS
-    nodes: Nodes | None = None
+    iterations: int = _INNER_ITERATIONS  # of conjugate gradients, at most
+    nodes: Nodes | None = None  # of the last step
 
     def reduction(self, nodes: Nodes) -> float:
         """The factor by which the next step, on these nodes, has to reduce the residual."""
@@ -56,20 +48,8 @@ def active_set_step(
 ) -> tuple[Iterate, ActiveSet]:
     """Solve for the nodes that are free, all others held at their bounds.
 
-    Parameters
-    ----------
-    problem : Problem
-        The contact to solve.
-    iterate : Iterate
-        Pressure to go on from, and its displacement.
-    judged : Judgement
-        Gap under that pressure, and the nodes to solve for.
-    active : ActiveSet
-        State that the steps so far have left.
-    enough : float
-        Largest gap at these nodes that needs no further reduction [m].
-    most : float
-        Number of convolutions that may still be spent.
+    A gap of at most `enough` [m] at these nodes needs no further reduction; `most` is the number of
+    convolutions that may still be spent.
     """
     nodes = judged.nodes
     stencil = problem.near.on(nodes)

@@ -16,23 +16,9 @@ _LOCAL_STEPS = 2
 
 
 def corrected(problem: Problem, separation: Array, guess: Array, displacement: Array) -> Array:
-    """Bring a guess within the bounds, and undo its worst errors.
+    """Pressure within the bounds near a guess, the guess's worst errors undone [Pa].
 
-    Parameters
-    ----------
-    problem : Problem
-        The contact to solve.
-    separation : ndarray, shape (nx, ny)
-        Separation of the undeformed surfaces [m].
-    guess : ndarray, shape (nx, ny)
-        Pressure that carries the load, but may exceed the bounds [Pa].
-    displacement : ndarray, shape (nx, ny)
-        Displacement under the guess [m].
-
-    Returns
-    -------
-    ndarray, shape (nx, ny)
-        Pressure within the bounds [Pa].
+    The guess carries the load, but may exceed the bounds; its displacement is known [m].
     """
     near, hardness = problem.near, problem.hardness
     gap = displacement + separation

@@ -15,18 +15,10 @@ from tribo.contact.simplex import nearest
 
 
 class Gradient(NamedTuple):
-    """State of the gradient steps.
+    """State of the gradient steps."""
 
-    Attributes
-    ----------
-    length : float
-        Length of the next step [Pa/m]; without unit where rows are soft.
-    idle : int
-        Steps in a row that found no way down.
-    """
-
-    length: float
-    idle: int = 0
+    length: float  # of the next step [Pa/m]; without unit where rows are soft
+    idle: int = 0  # steps in a row that found no way down
 
 
 def first_length(problem: Problem) -> float:

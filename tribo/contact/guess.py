@@ -23,17 +23,11 @@ _MULTIPLE = 8  # of elements along a window, for short transforms
 
 
 def from_coarser_grids(problem: Problem) -> tuple[Array, float]:
-    """Guess from the contact of means over 2 × 2 elements, itself begun on a coarser grid.
+    """Guess from the contact of means over 2 × 2 elements, itself begun on a coarser grid [Pa].
 
     A block's elements get its pressure: more elements than will touch in the end, which the
-    iteration sheds in fewer steps than it would take to find those that are missing.
-
-    Returns
-    -------
-    pressure : ndarray, shape (nx, ny)
-        Guess of the pressure [Pa].
-    work : float
-        Convolutions that the guess took, each by its share of the elements.
+    iteration sheds in fewer steps than it would take to find those that are missing. Also gives the
+    convolutions that it took, those on a coarser grid by their share of the elements.
     """
     heights = problem.heights
     if heights.size <= _COARSEST or any(n % 2 and n > 1 for n in heights.shape):
@@ -50,23 +44,9 @@ def from_coarser_grids(problem: Problem) -> tuple[Array, float]:
 
 
 def in_window(problem: Problem, guess: Array, limits: Limits) -> tuple[Array, float]:
-    """Improve a guess on the part of the free axes that it loads, if that is small.
+    """Guess improved on the part of the free axes that it loads, if small; 0 elsewhere [Pa].
 
-    Parameters
-    ----------
-    problem : Problem
-        Contact on the whole grid.
-    guess : ndarray, shape (nx, ny)
-        Guess of its pressure [Pa].
-    limits : Limits
-        Limits at which the improvement ends.
-
-    Returns
-    -------
-    pressure : ndarray, shape (nx, ny)
-        Improved guess of the pressure [Pa]; 0 outside that part.
-    work : float
-        Convolutions that the improvement took, each by its share of the elements.
+    Also gives the convolutions that it took, by their share of the elements.
     """
     heights, total, hardness = problem.heights, problem.total, problem.hardness
     axes = zip(heights.shape, problem.solid.grid.periodic, strict=True)

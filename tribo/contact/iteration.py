@@ -31,90 +31,39 @@ _ENOUGH = 0.5  # of the tolerance, which active-set steps aim at
 
 
 class Limits(NamedTuple):
-    """Limits at which an iteration ends.
+    """Limits at which an iteration ends."""
 
-    Attributes
-    ----------
-    tolerance : float
-        Largest error of a result.
-    convolutions : float
-        Convolutions, those on the way to the guess included, after which to give up.
-    by_change : bool
-        True if the error is the last change of the pressure, in place of the residual.
-    """
-
-    tolerance: float
-    convolutions: float
-    by_change: bool = False
+    tolerance: float  # of the error
+    convolutions: float  # after which to give up, those on the way to the guess included
+    by_change: bool = False  # the error is the last change of the pressure, not the residual
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Outcome:
-    """Result of an iteration.
+    """Result of an iteration; all of it belongs to the pressure."""
 
-    Attributes
-    ----------
-    pressure, displacement, gap : ndarray, shape (nx, ny)
-        Pressure [Pa], displacement under it [m], and gap that follows from both [m].
-    approach : float
-        Rigid displacement of the bodies [m], from the datum of the solid.
-    residual : float
-        Largest violation of the conditions on the gap, in units of D_self·max(p), and what
-        rounding may hide of it.
-    error : float
-        The residual or the change of the pressure, whichever was compared with the tolerance.
-    load_error : float
-        Relative error of the load that the pressure carries.
-    convolutions : float
-        Convolutions that it took, those on the way to the guess included.
-    converged : bool
-        True if the error is within the tolerance.
-    stalled : bool
-        True if the iteration ended because the residual did not fall any further.
-    """
-
-    pressure: Array
-    displacement: Array
-    gap: Array
-    approach: float
-    residual: float
-    error: float
-    load_error: float
-    convolutions: float
+    pressure: Array  # [Pa]
+    displacement: Array  # [m]
+    gap: Array  # [m]
+    approach: float  # of the bodies, from the datum of the solid [m]
+    residual: float  # in units of D_self·max(p), with what rounding may hide of it
+    error: float  # the residual, or the change of the pressure if that is bounded
+    load_error: float  # relative
+    convolutions: float  # with those on the way to the guess
     converged: bool
-    stalled: bool
+    stalled: bool  # the residual does not fall any further
 
 
 class Turns(NamedTuple):
-    """Counters that decide the kind of the next step.
+    """Counters that decide the kind of the next step."""
 
-    Attributes
-    ----------
-    gradient_steps : float
-        Gradient steps before the next active-set step; infinite before the contact has settled.
-    next_gradient_steps : int
-        Gradient steps the next time that active-set steps make no progress.
-    best : float
-        Lowest residual since the kind of steps last changed.
-    without_progress : int
-        Steps since then.
-    """
-
-    gradient_steps: float = math.inf
-    next_gradient_steps: int = _FIRST_GRADIENT_STEPS
-    best: float = math.inf
-    without_progress: int = 0
+    gradient_steps: float = math.inf  # before the next active-set step
+    next_gradient_steps: int = _FIRST_GRADIENT_STEPS  # when these stop making progress again
+    best: float = math.inf  # residual since the kind of steps last changed
+    without_progress: int = 0  # steps since that residual
 
     def after(self, residual: float, has_settled: bool) -> Turns:
-        """Whose turn it is at an iterate of this residual.
-
-        Parameters
-        ----------
-        residual : float
-            Residual of the iterate.
-        has_settled : bool
-            True if few of the contact's nodes are at a wrong bound.
-        """
+        """Turns at an iterate; it has settled if few of its nodes are at a wrong bound."""
         left, following, best, waited = self
         if left == math.inf and has_settled:
             left = 0
@@ -133,19 +82,8 @@ def iterate(
 ) -> Outcome:
     """Iterate from a guess until the error is within the tolerance, or cannot get there.
 
-    Parameters
-    ----------
-    problem : Problem
-        The contact to solve.
-    guess : ndarray, shape (nx, ny)
-        Guess of the pressure [Pa].
-    limits : Limits
-        Limits at which it ends.
-    displacement : ndarray, shape (nx, ny), optional
-        Displacement under the guess [m], where it is known. The guess then carries the load, but
-        may exceed the bounds.
-    spent : float, optional
-        Convolutions that the guess took.
+    Where the displacement under the guess is known [m], the guess has to carry the load, but may
+    exceed the bounds. `spent` are the convolutions that the guess took.
     """
     state = _begun(problem, guess, displacement, spent)
     turns, progress, change = Turns(), Progress(), math.inf

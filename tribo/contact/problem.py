@@ -26,33 +26,15 @@ _MOST_COUPLING = 1.0
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Problem:
-    """Contact problem: a rough surface, a solid and a load, with all that the solid's map decides.
+    """Rough surface, solid and load, with all that the solid's map decides."""
 
-    Attributes
-    ----------
-    solid : ElasticHalfSpace
-        The map D from pressure [Pa] to displacement [m].
-    heights : ndarray, shape (nx, ny)
-        Separation of the undeformed surfaces, z [m].
-    total : float
-        Sum of the pressure, F/dA [Pa].
-    hardness : float
-        Highest pressure, H [Pa].
-    soft : SoftRows
-        The rows of elements that yield most as a whole.
-    near : Neighbourhood
-        Influence of elements on their next neighbours [m/Pa], and its inverse [Pa/m].
-    fast : ElasticHalfSpace
-        The map in the precision that does for leading the way.
-    """
-
-    solid: ElasticHalfSpace
-    heights: Array
-    total: float
-    hardness: float
-    soft: SoftRows
-    near: Neighbourhood
-    fast: ElasticHalfSpace
+    solid: ElasticHalfSpace  # the map D
+    heights: Array  # separation of the undeformed surfaces, z [m]
+    total: float  # sum of the pressure, F/dA [Pa]
+    hardness: float  # [Pa]
+    soft: SoftRows  # the rows of elements that yield most as a whole
+    near: Neighbourhood  # influence of elements on their next neighbours, and its inverse
+    fast: ElasticHalfSpace  # D in the precision that does for leading the way
 
     @classmethod
     def of(cls, solid: ElasticHalfSpace, heights: Array, total: float, hardness: float) -> Problem:
@@ -81,24 +63,9 @@ class Problem:
     def within_bounds(
         self, changed: Array, nodes: Nodes, pressure: Array, metric: RowMetric | None
     ) -> Array:
-        """Bring a changed pressure back into the bounds, and to the load.
+        """Changed pressure of some nodes, within the bounds and with the load of the others [Pa].
 
-        Parameters
-        ----------
-        changed : ndarray, shape (n,)
-            Pressure on the nodes [Pa].
-        nodes : ndarray of int, shape (n,)
-            Indices of the nodes that change.
-        pressure : ndarray, shape (nx, ny)
-            Pressure before the change [Pa]; all other nodes keep it.
-        metric : RowMetric or None
-            Metric in which the nearest pressure is sought, before what is left of the load is
-            spread evenly.
-
-        Returns
-        -------
-        ndarray, shape (n,)
-            Pressure on the nodes [Pa].
+        With a metric it is the nearest one there, before what is left of the load is spread evenly.
         """
         carried = float(pressure.take(nodes).sum())
         load = self.total - (float(pressure.sum()) - carried)
@@ -108,33 +75,15 @@ class Problem:
 
 
 class Iterate(NamedTuple):
-    """A pressure that carries the load within the bounds, and what is known of it.
+    """A pressure that carries the load within the bounds, and its displacement."""
 
-    Attributes
-    ----------
-    pressure : ndarray, shape (nx, ny)
-        Pressure p [Pa].
-    displacement : ndarray, shape (nx, ny)
-        Displacement Dp [m], computed or updated along with the pressure.
-    datum : float
-        Height from which `separation` counts [m].
-    separation : ndarray, shape (nx, ny)
-        Separation of the undeformed surfaces above the datum [m].
-    convolutions : float
-        Convolutions so far.
-    updates : int
-        Updates of the displacement since it was computed.
-    shifts : int
-        Shifts of the datum so far.
-    """
-
-    pressure: Array
-    displacement: Array
-    datum: float
-    separation: Array
+    pressure: Array  # [Pa]
+    displacement: Array  # computed, or updated along with the pressure [m]
+    datum: float  # height from which the separation counts [m]
+    separation: Array  # of the undeformed surfaces [m]
     convolutions: float
-    updates: int = 0
-    shifts: int = 0
+    updates: int = 0  # of the displacement since it was computed
+    shifts: int = 0  # of the datum
 
     def pressed(self, problem: Problem, pressure: Array, spent: float = 0.0) -> Iterate:
         """The iterate of another pressure, its displacement computed.
@@ -153,33 +102,15 @@ class Iterate(NamedTuple):
 
 
 class Judgement(NamedTuple):
-    """Distance of a pressure from the solution.
+    """Distance of a pressure from the solution."""
 
-    Attributes
-    ----------
-    gap : ndarray, shape (nx, ny)
-        Gap at the level [m].
-    level : float
-        Approach of the bodies [m], from the datum of the iterate.
-    unit : float
-        Displacement of an element under the highest pressure on itself alone, D_self·max(p) [m].
-    residual : float
-        Largest violation of the conditions on the gap, in that unit.
-    nodes : ndarray of int
-        Indices of the nodes that are free to move, or at a bound that the gap drives them off.
-    touching : int
-        Number of nodes in contact.
-    wrong : int
-        Number of nodes at a bound that the gap drives them off.
-    """
-
-    gap: Array
-    level: float
-    unit: float
-    residual: float
-    nodes: Nodes
-    touching: int
-    wrong: int
+    gap: Array  # at the level [m]
+    level: float  # approach of the bodies from the datum of the iterate [m]
+    unit: float  # D_self·max(p), the displacement of an element by the highest pressure alone [m]
+    residual: float  # largest violation of the conditions on the gap, in that unit
+    nodes: Nodes  # free to move, or at a bound that the gap drives them off
+    touching: int  # nodes in contact
+    wrong: int  # nodes at a bound that the gap drives them off
 
 
 def judge(problem: Problem, iterate: Iterate) -> Judgement:
@@ -202,17 +133,7 @@ def judge(problem: Problem, iterate: Iterate) -> Judgement:
 
 
 def level_of(gap: Array, loaded: Mask, free: Mask) -> float:
-    """The approach for which the gap vanishes on average where a contact is free to move [m].
-
-    Parameters
-    ----------
-    gap : ndarray
-        Gap at no approach [m].
-    loaded : ndarray of bool
-        Nodes under pressure.
-    free : ndarray of bool
-        Nodes under pressure below the hardness.
-    """
+    """Approach for which the gap vanishes on average where a contact is free to move [m]."""
     nodes = np.flatnonzero(free)
     if nodes.size:
         return float(gap.take(nodes).mean())

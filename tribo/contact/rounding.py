@@ -1,8 +1,7 @@
 """Rounding in an iteration: what it may have cost, what of that can be restored, when to give up.
 
 Gradient steps update the displacement along with the pressure, which costs digits. No result is
-given out before what that may have cost is known to lie within the tolerance, or the displacement
-of the very pressure that is given out has been computed.
+given out before that may lie within the tolerance, or its displacement has been computed.
 """
 
 from __future__ import annotations
@@ -33,61 +32,13 @@ def largest(field: Array) -> float:
 
 
 def lost_by_updates(updates: int, rounding: float, displacement: float) -> float:
-    """Largest error of a displacement after updates [m].
-
-    Parameters
-    ----------
-    updates : int
-        Updates since the displacement was computed.
-    rounding : float
-        Relative error of a number of the precision in which the transforms count.
-    displacement : float
-        Largest displacement [m].
-
-    Examples
-    --------
-    >>> print(f"{lost_by_updates(5, 1e-16, 2e-6):.1e}")
-    3.0e-20
-    """
+    """Largest error of a displacement of this largest value after updates [m]."""
     return (_LOST_AT_ONCE + _LOST_A_STEP * updates) * rounding * displacement
 
 
 def lost_by_transform(rounding: float, displacement: float) -> float:
-    """Largest error of a displacement that has just been computed [m].
-
-    The parameters are those of `lost_by_updates`.
-    """
+    """Largest error of a displacement that has just been computed [m]."""
     return _LOST_BY_TRANSFORM * rounding * displacement
-
-
-def hides_more(lost: float, slack: float, unit: float) -> bool:
-    """True if rounding may hide more of the residual than the tolerance has left for it.
-
-    Parameters
-    ----------
-    lost : float
-        Largest error of the displacement [m].
-    slack : float
-        Tolerance less residual.
-    unit : float
-        Unit of the residual [m].
-    """
-    return not lost <= slack * unit
-
-
-def is_far(level: float, displacement: float, unit: float) -> bool:
-    """True if the approach is so large that heights from this datum have too few digits.
-
-    Parameters
-    ----------
-    level : float
-        Approach from the datum [m].
-    displacement : float
-        Largest displacement [m].
-    unit : float
-        Displacement of an element under the highest pressure on itself alone [m].
-    """
-    return abs(level) > _FARTHEST_DATUM * (displacement + unit)
 
 
 def restored(
@@ -95,21 +46,12 @@ def restored(
 ) -> Iterate | None:
     """The iterate with its digits restored; None where nothing that matters has been lost.
 
-    Parameters
-    ----------
-    problem : Problem
-        The contact to solve.
-    iterate : Iterate
-        Iterate that is about to be returned.
-    judged : Judgement
-        Level and residual of that iterate.
-    slack : float
-        Tolerance less residual; infinite where the residual is not what is asked for.
-    exhausted : bool
-        True if no convolution may be spent on the load any more.
+    The slack is the tolerance less the residual. No convolution is spent on the load of an exhausted
+    iteration.
     """
     displacement = largest(iterate.displacement)
-    if iterate.shifts < _MOST_SHIFTS and is_far(judged.level, displacement, judged.unit):
+    is_far = abs(judged.level) > _FARTHEST_DATUM * (displacement + judged.unit)
+    if is_far and iterate.shifts < _MOST_SHIFTS:
         datum = iterate.datum + judged.level
         separation = problem.heights - datum
         return iterate._replace(datum=datum, separation=separation, shifts=iterate.shifts + 1)
@@ -117,43 +59,24 @@ def restored(
         pressure = scaled_to_load(iterate.pressure, problem.total, problem.hardness)
         return iterate.pressed(problem, pressure)
     lost = lost_by_updates(iterate.updates, problem.solid.rounding, displacement)
-    if iterate.updates and hides_more(lost, slack, judged.unit):
+    # Not `lost > …`: a displacement that is no number is computed again, too.
+    if iterate.updates and not lost <= slack * judged.unit:
         return iterate.pressed(problem, iterate.pressure)
     return None
 
 
 class Progress(NamedTuple):
-    """The lowest residual so far.
-
-    Attributes
-    ----------
-    lowest : float
-        Residual below which the next one has to fall noticeably, to count as progress.
-    at : float
-        Convolutions after which it was found.
-    """
+    """The lowest residual so far."""
 
     lowest: float = math.inf
-    at: float = 0.0
+    at: float = 0.0  # convolutions
 
     def after(self, residual: float, convolutions: float) -> Progress:
         """The progress after another residual."""
         return Progress(residual, convolutions) if residual < 0.9 * self.lowest else self
 
     def has_stalled(self, problem: Problem, iterate: Iterate, judged: Judgement, idle: int) -> bool:
-        """True if the residual has stopped falling, mostly because rounding decides about it.
-
-        Parameters
-        ----------
-        problem : Problem
-            The contact to solve.
-        iterate : Iterate
-            The present iterate.
-        judged : Judgement
-            Level of the present iterate, and the unit of its residual.
-        idle : int
-            Gradient steps in a row that found no way down.
-        """
+        """True if the residual has stopped falling, mostly as rounding decides it."""
         waited = iterate.convolutions - self.at
         if waited <= _STALLED:
             return False

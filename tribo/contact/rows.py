@@ -31,22 +31,11 @@ _MOST_AT_ONCE = 10  # of Newton's method without a bracket
 
 @dataclass(frozen=True, slots=True)
 class SoftRows:
-    """The rows of a solid that yield most as a whole.
+    """The rows of a solid that yield most as a whole."""
 
-    Attributes
-    ----------
-    axis : int
-        Axis along which the rows lie.
-    coupling : float
-        c/n of Eq. (1) [m/Pa]: c is what waves across the rows yield, in the median, beyond what
-        an element does.
-    matter : bool
-        True if the coupling is large enough to need the metric.
-    """
-
-    axis: int
-    coupling: float
-    matter: bool
+    axis: int  # along which the rows lie
+    coupling: float  # c/n of Eq. (1): what waves across the rows yield beyond an element [m/Pa]
+    matter: bool  # the coupling is large enough to need the metric
 
     @classmethod
     def of(cls, solid: ElasticHalfSpace) -> SoftRows:

@@ -70,9 +70,6 @@ def shifted_to_load(pressure: Array, total: float, hardness: float) -> Array:
 def nearest(pressure: Array, total: float, hardness: float) -> Array:
     """The nearest field within the bounds that sums to `total`: clip(p + s) with the right s.
 
-    The sum is a continuous, piecewise linear, growing function of s. Newton's method finds its
-    root in a few steps, kept inside a bracket that bisection shrinks where Newton leaves it.
-
     Examples
     --------
     >>> nearest(np.array([-3.0, 1.0, 6.0]), total=8.0, hardness=5.0)
@@ -93,6 +90,8 @@ def _shifted(pressure: Array, total: float, hardness: float) -> tuple[Array, flo
     high = bound - float(pressure.min())
     shift = 0.0 if low <= 0 <= high else (low + high) / 2
     field = np.empty(pressure.shape)
+    # The sum is a continuous, piecewise linear, growing function of s: Newton's method finds its
+    # root in a few steps, kept inside a bracket that bisection shrinks where Newton leaves it.
     for _ in range(200):
         np.add(pressure, shift, out=field)
         field.clip(0.0, hardness, out=field)

@@ -1,11 +1,8 @@
 """Normal contact of an elastic, perfectly plastic half-space.
 
 Find the pressure p and the approach α that minimise ½ pᵀDp + zᵀp over 0 ≤ p ≤ H and Σp·dA = F.
-Then the gap g = Dp + z − α is 0 where 0 < p < H, ≥ 0 where p = 0 and ≤ 0 where p = H.
-
-How well a solution fulfils that is evaluated on the very pressure that is returned, and none is
-returned before it is within the tolerance; a tolerance below what rounding allows ends in an error
-that says so. The iteration is in `iteration`, and where it starts in `guess`.
+Then the gap g = Dp + z − α is 0 where 0 < p < H, ≥ 0 where p = 0 and ≤ 0 where p = H. That is
+judged on the very pressure that is returned, and none is returned before it is within tolerance.
 """
 
 from __future__ import annotations
@@ -39,8 +36,6 @@ _DOUBLE_ROUNDING = float(np.finfo(np.float64).eps)
 class ContactSolution:
     """Pressure and gap of a contact, with the proof of how well they solve it.
 
-    All of the proof is evaluated on the pressure that is returned.
-
     Attributes
     ----------
     pressure : ndarray, shape (nx, ny)
@@ -50,16 +45,14 @@ class ContactSolution:
     approach : float
         Rigid displacement α of the bodies towards each other [m], from the datum of the solid.
     iterations : int
-        Convolutions with the solid's kernel that were needed. Those on a coarser grid or on a
-        part of the grid count by their share of its elements.
+        Convolutions with the solid's kernel; those on fewer elements count by their share.
     residual : float
         Largest violation of the conditions on the gap, in units of D_self·max(p), and what
         rounding may hide of it.
     load_error : float
         Relative error of the load, ``|Σp·dA/F − 1|``.
     penetration : float
-        Deepest overlap of the bodies where the material does not yield [m]; it counts in the
-        residual.
+        Deepest overlap of the bodies where the material does not yield [m].
     saturated_fraction : float
         Share of the contact's nodes that carry the hardness.
 

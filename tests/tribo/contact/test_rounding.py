@@ -11,8 +11,6 @@ from tribo.contact.iteration import Limits, iterate
 from tribo.contact.problem import Iterate, Problem, judge
 from tribo.contact.rounding import (
     Progress,
-    hides_more,
-    is_far,
     lost_by_transform,
     lost_by_updates,
     restored,
@@ -62,32 +60,6 @@ def test_updates_of_a_displacement_cost_less_than_is_allowed_for(solved, updates
     assert 0 < lost < lost_by_updates(updates, EPSILON, largest)
 
 
-# Whether that matters: a loss in metres beside a slack in units.
-
-
-@pytest.mark.parametrize(
-    ("lost", "slack", "unit", "hidden"),
-    [
-        (0.9e-12, 1e-6, 1e-6, False),
-        (1.1e-12, 1e-6, 1e-6, True),
-        (0.9e-12, 2e-6, 0.5e-6, False),
-        (1.1e-12, 0.5e-6, 2e-6, True),
-        (1e-12, math.inf, 1e-6, False),
-        (1e-30, 0.0, 1e-6, True),
-        (0.0, 0.0, 1e-6, False),
-        (1e-30, -1e-9, 1e-6, True),
-        (math.nan, 1e-6, 1e-6, True),  # what cannot be told is not given out
-    ],
-)
-def test_a_loss_within_the_slack_hides_nothing(lost, slack, unit, hidden):
-    assert hides_more(lost, slack, unit) is hidden
-
-
-@pytest.mark.parametrize(("level", "far"), [(7.9, False), (8.1, True), (-7.9, False), (-8.1, True)])
-def test_a_datum_is_far_beyond_four_displacements(level, far):
-    assert is_far(level, displacement=1.5, unit=0.5) is far
-
-
 # What is done about it.
 
 
@@ -106,6 +78,12 @@ def test_an_updated_displacement_is_computed_where_its_loss_exceeds_the_slack(so
     assert np.array_equal(better.displacement, SOLID(solved.pressure))
     assert better.pressure is solved.pressure
     assert (better.updates, better.convolutions) == (0, solved.convolutions + 1)
+
+
+def test_a_residual_that_is_no_number_is_computed_again(solved):
+    updated = solved._replace(updates=1)
+    better = restored(PROBLEM, updated, judge(PROBLEM, updated), math.nan, exhausted=False)
+    assert better.updates == 0
 
 
 def test_a_computed_displacement_is_not_computed_again(solved):
