@@ -32,7 +32,7 @@ def largest(field: Array) -> float:
 
 
 def lost_by_updates(updates: int, rounding: float, displacement: float) -> float:
-    """Largest error of a displacement of this largest value after updates [m]."""
+    """Largest error of a displacement after updates, by its largest value [m]."""
     return (_LOST_AT_ONCE + _LOST_A_STEP * updates) * rounding * displacement
 
 
@@ -46,8 +46,8 @@ def restored(
 ) -> Iterate | None:
     """The iterate with its digits restored; None where nothing that matters has been lost.
 
-    The slack is the tolerance less the residual. No convolution is spent on the load of an exhausted
-    iteration.
+    The slack is the tolerance less the residual. An exhausted iteration spends no convolution on
+    the load.
     """
     displacement = largest(iterate.displacement)
     is_far = abs(judged.level) > _FARTHEST_DATUM * (displacement + judged.unit)
@@ -76,7 +76,7 @@ class Progress(NamedTuple):
         return Progress(residual, convolutions) if residual < 0.9 * self.lowest else self
 
     def has_stalled(self, problem: Problem, iterate: Iterate, judged: Judgement, idle: int) -> bool:
-        """True if the residual has stopped falling, mostly as rounding decides it."""
+        """True if the residual has stopped falling, mostly because of rounding."""
         waited = iterate.convolutions - self.at
         if waited <= _STALLED:
             return False

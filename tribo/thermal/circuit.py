@@ -22,26 +22,14 @@ def circuit_rise(
 ) -> Values:
     """Mean rise of the contact between bodies with resistances in series [K].
 
-    With the conductances h₁ = φQ/θ of the pin and h₂ = (1 − φ)Q/θ of the disk, and resistances
-    R₁ and R₂ in series, hᵢ' = hᵢ/(1 + Rᵢhᵢ),
+    With θ the mean rise between half-spaces, φ the pin's share of the heat Q [W], the conductances
+    h₁ = φQ/θ of the pin and h₂ = (1 − φ)Q/θ of the disk, resistances R₁ and R₂ in series [K/W],
+    hᵢ' = hᵢ/(1 + Rᵢhᵢ), and θ₂ the warming of the disk's bulk [K],
 
         θ' = (Q + h₂'θ₂)/(h₁' + h₂')
 
-    with θ₂ the warming of the disk's bulk. That is exact where both bodies' rises are
-    uniform over the contact. So an insulated pin (R₁ → ∞) has θ/(1 − φ).
-
-    Parameters
-    ----------
-    rise : float or ndarray
-        Mean rise of the contact between half-spaces, θ [K].
-    pin_share : float or ndarray
-        Share of the heat that flows into the pin, φ; any, also outside 0 to 1.
-    heat : float or ndarray
-        Heat made in the contact, Q [W].
-    pin_resistance, disk_resistance : float or ndarray
-        Resistances in series, R₁ and R₂ [K/W].
-    disk_warming : float or ndarray
-        Warming of the disk's bulk, θ₂ [K].
+    That is exact where both bodies' rises are uniform over the contact. So an insulated pin
+    (R₁ → ∞) has θ/(1 − φ).
 
     Examples
     --------

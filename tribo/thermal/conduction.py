@@ -102,49 +102,11 @@ class ConductingHalfSpace(Convolution):
         super().__init__(grid, spectrum)
 
 
-def thermal_influence(
-    grid: Grid,
-    material: Material,
-    velocity: float,
-    time: float,
-    quadrature_nodes: int = 10,
-    length: HeatedLength = math.inf,
-) -> Array:
-    """Temperature rise per unit heat flux on one element, T(x, y, t) of Eq. (1) [K m²/W].
-
-    Parameters are those of `ConductingHalfSpace`.
-
-    Returns
-    -------
-    ndarray, shape `padded_shape(grid)`
-        The kernel in the order of `wrapped_offsets`, images along periodic axes included.
-
-    Examples
-    --------
-    Early, heat has left the element downwards only: T = 2√t/√(πKρc).
-
-    >>> steel = Material(210e9, 0.3, 45.0, 7800.0, 470.0)
-    >>> kernel = thermal_influence(Grid((3, 4), (1e-6, 1e-6)), steel, velocity=0.0, time=1e-12)
-    >>> kernel.shape, f"{kernel[0, 0] * math.sqrt(math.pi) * steel.thermal_effusivity:.4e}"
-    ((5, 4), '2.0000e-06')
-    """
-    constant = (0.0, time), (1.0, 1.0)
-    spectrum = flux_history_spectrum(grid, material, velocity, *constant, quadrature_nodes, length)
-    return np.fft.irfft2(spectrum, s=padded_shape(grid))
-
-
 def settling_time(grid: Grid, material: Material, velocity: float) -> float:
     """Time after which the kernel of a `ConductingHalfSpace` no longer changes [s].
 
     By then what was heated has left the patch, and its heat does not come back against the
     motion. Infinite at rest, and where the patch repeats along x.
-
-    Examples
-    --------
-    >>> steel = Material(210e9, 0.3, 45.0, 7800.0, 470.0)
-    >>> patch = Grid((240, 240), (1.632e-6, 1.9e-6))
-    >>> f"{settling_time(patch, steel, velocity=1.25) * 1e3:.2f} ms"
-    '1.70 ms'
     """
     kappa = material.thermal_diffusivity
     # The rest is for rounding.
@@ -163,17 +125,8 @@ def flux_history_spectrum(
     """Spectrum of the present rise due to a flux of unit shape whose strength varied with time.
 
     By Duhamel's principle it is Eq. (1) with the strength of the flux at the age τ = s²/(4κ) under
-    the integral.
-
-    Parameters
-    ----------
-    grid, material, velocity, quadrature_nodes, length
-        Those of `ConductingHalfSpace`.
-    ages : sequence of float
-        Times before now [s], at least 0 and not decreasing.
-    strengths : sequence of float
-        Strengths of the flux at these ages, linear in between; 0 before the first and after the
-        last.
+    the integral. Strengths belong to ages [s] that do not decrease; they are linear in between, and
+    0 before the first and after the last.
 
     Returns
     -------
@@ -181,12 +134,6 @@ def flux_history_spectrum(
         The first c columns of a spectrum for `Convolution`; the others are 0, since what varies
         quickly along a periodic y has faded since the first age. Real where the body is at rest.
         [K m²/W]
-
-    Raises
-    ------
-    InputError
-        If an age is negative, not finite or below the one before, besides those of
-        `ConductingHalfSpace`.
 
     Examples
     --------
@@ -238,22 +185,12 @@ def flux_history_spectrum(
 
 
 class _Stretch(NamedTuple):
-    """A range of diffusion lengths along which the strength of a flux is linear in its age.
+    """Diffusion lengths along which the strength of a flux is linear in its age."""
 
-    Attributes
-    ----------
-    begin, end : float
-        Diffusion lengths s at both ends [m].
-    first : float
-        Strength at the first end.
-    slope : float
-        Growth of the strength with s² [1/m²].
-    """
-
-    begin: float
-    end: float
-    first: float
-    slope: float
+    begin: float  # [m]
+    end: float  # [m]
+    first: float  # strength at the beginning
+    slope: float  # growth of the strength with s² [1/m²]
 
     def strength(self, s: Array) -> Array:
         """Strength of the flux at diffusion lengths s."""

@@ -37,10 +37,8 @@ def panels(
 ) -> Iterator[tuple[float, float]]:
     """Split the diffusion lengths from `start` to `end` so that Gauss' rule resolves each part.
 
-    Heat spreads in proportion to s, hence panels that double; and within one panel the source
-    moves by at most half of `REACH` diffusion lengths, unless Filon's rule takes care of that, or
-    its edges stay away from the centres of all elements, of length `side`: seen from there, a
-    source that passes quickly is either over an element or not.
+    Heat spreads in proportion to s, hence panels that double. Within one panel the source moves by
+    at most half of `REACH` diffusion lengths, unless Filon's rule takes care of that.
     """
     low = start
     while low < end:
@@ -49,6 +47,8 @@ def panels(
         else:
             step = max(REACH / (REACH / low + 2 * drift), _NOTHING * low)
             if drift:
+                # Seen from the centre of an element, a source that passes quickly is either over
+                # it or not, while its edges stay away from all centres.
                 step = max(step, min(low, _undisturbed(drift, low, side)))
         high = min(low + step, end)
         yield low, high

@@ -58,35 +58,14 @@ def contact_quantiles(rise: Array, contact: Mask) -> Array:
 
 
 def bulk_ratio_quantiles(rise: Array, response: Array, contact: Mask) -> Array:
-    """`contact_quantiles` of a + ρb for each ρ of `BULK_RATIOS` [K].
-
-    Parameters
-    ----------
-    rise : ndarray, shape (nx, ny)
-        Rise at friction 1 between bodies of equal bulk temperature, a [K].
-    response : ndarray, shape (nx, ny)
-        Rise for each kelvin by which the disk's bulk is the warmer one, b.
-    contact : ndarray of bool, shape (nx, ny)
-        True where the pressure is positive.
-
-    Returns
-    -------
-    ndarray, shape (n_ratio, n_quantile)
-    """
+    """`contact_quantiles` of a + ρb for each ρ of `BULK_RATIOS` [K], a row each."""
     return np.array([contact_quantiles(rise + ratio * response, contact) for ratio in BULK_RATIOS])
 
 
 def at_bulk_ratio(rise_quantiles: Array, bulk_rise_quantiles: Array, ratio: float) -> Array:
     """Quantiles of the rise at friction 1 and a bulk ratio [K], linear between those kept.
 
-    Parameters
-    ----------
-    rise_quantiles : ndarray, shape (..., n_quantile)
-        Quantiles at the bulk ratio 0 [K].
-    bulk_rise_quantiles : ndarray, shape (..., n_ratio, n_quantile)
-        Quantiles at each of `BULK_RATIOS` [K].
-    ratio : float
-        Disk's less pin's bulk temperature, over friction, ρ [K]; within `BULK_RATIOS`.
+    Those at the ratio 0 have the shape (..., n_quantile), the others (..., n_ratio, n_quantile).
 
     Examples
     --------
@@ -128,21 +107,7 @@ def rise_exceeded(
 ) -> Array:
     """Rise that just a share of the contact area exceeds [K]: the inverse of `failed_share`.
 
-    Linear between the quantiles.
-
-    Parameters
-    ----------
-    rise_quantiles : ndarray, shape (..., n_quantile)
-        Rise that each quantile of the contact area stays below [K].
-    share : float
-        Share of the contact area, from 0 (the maximum) to below 1.
-    quantiles : ndarray, shape (n_quantile,), optional
-        Shares of the contact area that are cooler; `QUANTILES` if not given.
-
-    Raises
-    ------
-    InputError
-        If the share lies outside its range, or outside that of the quantiles.
+    Linear between the quantiles, which are the last axis; `QUANTILES` if not given.
 
     Examples
     --------

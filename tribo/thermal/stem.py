@@ -12,7 +12,7 @@ _TERMS = 200
 
 
 def stem_fraction(time: float | Array) -> Array:
-    """Resistance of a rod after a while, over that in the steady state.
+    """Resistance of a rod after a dimensionless time τ, over that in the steady state.
 
     A rod of length L, heated by a constant flow at one end from time 0 and kept at its temperature
     at the other, has a heated end warmer by the flow times the resistance R L/(K A) times
@@ -21,16 +21,6 @@ def stem_fraction(time: float | Array) -> Array:
 
     (Carslaw & Jaeger, *Conduction of Heat in Solids*, 2nd ed., 1959, §3.8). At first it is
     2√(τ/π), that of an endless rod.
-
-    Parameters
-    ----------
-    time : float or ndarray
-        Dimensionless time, τ; infinite for the steady state.
-
-    Returns
-    -------
-    ndarray
-        From 0 to 1, shape of `time`.
 
     Examples
     --------

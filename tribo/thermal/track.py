@@ -29,23 +29,9 @@ def track_warming(
 
         θ = F/(B ρc √(πκt)) erf(B/(4√(κt)))
 
-    The sum runs over passes at t = nT, n = 1, 2 …, T the time of one round, with the load F that
-    the pin carried then. The length of the contact along the track cancels.
-
-    Parameters
-    ----------
-    time : float
-        Present time, from the beginning of the loading [s].
-    round_trip : float
-        Duration of one round of the disk, T [s].
-    loads : tuple of ndarray, shape (n,)
-        Times [s], ascending, and normal loads then [N], linear in between and 0 at time 0.
-    width : float
-        Width of the track, B [m].
-    diffusivity : float
-        Thermal diffusivity of the disk, κ [m²/s].
-    heat_capacity : float
-        Heat capacity of the disk per volume, ρc [J/(m³ K)].
+    The sum runs over passes at t = nT, n = 1, 2 …, T the time of one round [s], with the load F
+    that the pin carried then: `loads` are times [s] and loads [N], linear in between and 0 at
+    time 0. The length of the contact along the track cancels.
 
     Examples
     --------

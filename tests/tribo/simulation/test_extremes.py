@@ -15,6 +15,7 @@ import pytest
 
 from tests.helpers.random_scenes import assert_sound
 from tests.helpers.scenes import STEEL, small_scene
+from tests.tribo.thermal.influence import thermal_influence
 from tribo import (
     Ball,
     ConvergenceError,
@@ -41,7 +42,6 @@ from tribo.analytic import uniform_flux_rise
 from tribo.files import read_load
 from tribo.loading import MeasuredLoad
 from tribo.thermal import conduction
-from tribo.thermal.conduction import thermal_influence
 from tribo.thermal.quadrature import panels
 
 TABLE = Path(__file__).parents[3] / "workflows" / "EXTREMES.md"

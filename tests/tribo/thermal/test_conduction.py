@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tests.tribo.thermal.influence import thermal_influence
 from tribo.analytic import (
     MOVING_SQUARE_PEAK,
     moving_band_rise,
@@ -19,7 +20,7 @@ from tribo.errors import InputError
 from tribo.grid import Grid
 from tribo.material import Material
 from tribo.thermal import ConductingHalfSpace, settling_time
-from tribo.thermal.conduction import flux_history_spectrum, thermal_influence
+from tribo.thermal.conduction import flux_history_spectrum
 
 REFERENCES = json.loads(
     (Path(__file__).parent / "references" / "thermal_influence.json").read_text()
