@@ -191,26 +191,10 @@ def _require_within(name: str, rise: Any, quantiles: Array) -> None:
 
 
 def rises_at(columns: Columns, bulk_ratio: float) -> Columns:
-    """Rises at friction 1 above the pin's bulk at a bulk ratio [K].
+    """Columns with their rises at friction 1 above the pin's bulk at a bulk ratio [K].
 
-    Parameters
-    ----------
-    columns : mapping
-        ``rise_quantile`` (..., n_quantile), ``mean_rise`` and ``max_rise`` (...) at the bulk ratio
-        0 [K], as far as they are needed; ``bulk_rise_quantile`` (..., n_ratio, n_quantile) [K] and
-        ``mean_bulk_response`` (...).
-    bulk_ratio : float
-        Disk's less pin's bulk temperature, over friction [K].
-
-    Returns
-    -------
-    mapping
-        The columns, with the first three at that ratio.
-
-    Raises
-    ------
-    InputError
-        If the ratio is not 0, and nothing is kept for that.
+    The bulk ratio is the disk's less the pin's bulk temperature, over friction [K]. The mean rise
+    needs the column ``mean_bulk_response`` for that, quantiles need ``bulk_rise_quantile``.
 
     Examples
     --------

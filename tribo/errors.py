@@ -99,16 +99,7 @@ class RangeError(TriboError, ArithmeticError):
 
 @contextmanager
 def of_law(name: str) -> Iterator[None]:
-    """Turn any error within a law of one's own into one that names it.
-
-    Examples
-    --------
-    >>> with of_law("wear law"):
-    ...     1 / 0
-    Traceback (most recent call last):
-        ...
-    tribo.errors.InputError: wear law: ZeroDivisionError: division by zero
-    """
+    """Turn any error within a law of one's own into an `InputError` that names the law."""
     try:
         yield
     except TriboError:
@@ -118,46 +109,21 @@ def of_law(name: str) -> Iterator[None]:
 
 
 def require_positive(**values: float) -> None:
-    """Raise `InputError` for the first value that is not finite and positive.
-
-    Examples
-    --------
-    >>> require_positive(radius=2e-3)
-    >>> require_positive(radius=-2e-3)
-    Traceback (most recent call last):
-        ...
-    tribo.errors.InputError: radius is -0.002; it must be finite and greater than 0
-    """
+    """Raise `InputError` for the first value that is not finite and positive."""
     for name, value in values.items():
         if not (math.isfinite(value) and value > 0):
             raise InputError(f"{name} is {value!r}; it must be finite and greater than 0")
 
 
 def require_integer(lowest: int, **values: float) -> None:
-    """Raise `InputError` for the first value that is not an integer of at least `lowest`.
-
-    Examples
-    --------
-    >>> require_integer(1, increments=100)
-    >>> require_integer(1, increments=math.inf)
-    Traceback (most recent call last):
-        ...
-    tribo.errors.InputError: increments is inf; it must be an integer of at least 1
-    """
+    """Raise `InputError` for the first value that is not an integer of at least `lowest`."""
     for name, value in values.items():
         if not (math.isfinite(value) and value == int(value) and value >= lowest):
             raise InputError(f"{name} is {value!r}; it must be an integer of at least {lowest}")
 
 
 def finite_field(name: str, field: ArrayLike, shape: tuple[int, ...]) -> Array:
-    """Return `field` as an array of float64; raise `InputError` if that would hide a fault.
-
-    Examples
-    --------
-    >>> finite_field("separation", [[1, 2], [3, 4]], shape=(2, 2))
-    array([[1., 2.],
-           [3., 4.]])
-    """
+    """Return `field` as an array of float64; raise `InputError` if that would hide a fault."""
     try:
         array = np.asarray(field)
     except ValueError as error:

@@ -141,15 +141,7 @@ def _shortened(reason: str) -> str:
 
 
 def _hint(cells: list[str]) -> str:
-    """Advice for a row that is not numbers between commas; empty if it is unclear.
-
-    Examples
-    --------
-    >>> _hint(["1", "5;2", "5"])
-    '; put commas between numbers, in place of semicolons, and write decimals with a point'
-    >>> _hint(["1 2 3"])
-    '; put commas between numbers, in place of spaces'
-    """
+    """Advice for a row that is not numbers between commas; empty if it is unclear."""
     row = ",".join(cells).strip()
     point = "write decimals with a point"
     for separator, name in ((";", "semicolons"), ("\t", "tabs"), (" ", "spaces")):

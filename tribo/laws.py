@@ -37,19 +37,7 @@ class WearLaw(Protocol):
         """Worn depth over pressure between two sliding distances [m/Pa]."""
 
     def depth(self, pressure: Array, begin: float, end: float) -> Array:
-        """Depth that a constant pressure wears off between two sliding distances [m].
-
-        Parameters
-        ----------
-        pressure : ndarray
-            Pressure that wears [Pa], the mean along y where the wear is swept.
-        begin, end : float
-            Distances slid since the start [m].
-
-        Returns
-        -------
-        ndarray, shape of `pressure`
-        """
+        """Depth that a constant pressure wears off between two sliding distances [m]."""
 
     def volume(self, load: float, begin: float, end: float) -> float:
         """Volume that the whole pin loses under a constant load between two distances [m³]."""
@@ -131,25 +119,7 @@ class RunningIn:
 
 @dataclass(frozen=True, slots=True)
 class OwnWear(Wear):
-    """Wear by a law of one's own.
-
-    Parameters
-    ----------
-    specific_wear_rate : float
-        Its mean rate over a stretch of the way [m²/N].
-    pattern : {"local", "swept"}
-        Pattern of the law.
-    law : WearLaw
-        The law.
-    begin, end : float
-        Sliding distances between which the rate is a mean [m].
-
-    Raises
-    ------
-    InputError
-        If the law lacks an attribute.
-    InvariantError
-        If the rate is not finite, or negative.
+    """Wear by a law of one's own between two sliding distances, at its mean rate there.
 
     Examples
     --------
@@ -208,13 +178,7 @@ def wear_of(wear: Wear | WearLaw | None) -> Wear | None:
 
 
 def heights_of(surface: Any, pixels: Grid) -> Array:
-    """Heights of a surface [m], shape ``pixels.shape``.
-
-    Raises
-    ------
-    InvariantError
-        If they have another shape, or are not finite somewhere.
-    """
+    """Heights of a surface [m], shape ``pixels.shape``; `InvariantError` if they are not."""
     with of_law(f"surface {surface!r}"):
         heights = np.asarray(surface.heights(pixels), dtype=float)
     if heights.shape != pixels.shape:

@@ -3,8 +3,7 @@
 A kernel that falls off like 1/r is worst conditioned at short waves, at which an element feels
 little but its neighbours. The middle column of the inverse of a block of 3 × 3 elements undoes
 that, on a set of nodes of any shape. Preconditioned with it, conjugate gradients need half the
-iterations, for a tenth to a fifth of a convolution each. (The reciprocal of the whole spectrum
-saves as many on rough contacts, and costs a convolution each.)
+iterations, for a tenth to a fifth of a convolution each.
 """
 
 from __future__ import annotations
@@ -26,21 +25,11 @@ _RIGID = 0.3
 class Neighbourhood:
     """The stencils of a convolution whose kernel is even along y.
 
-    A stencil holds the factors of the elements at -1, 0 and 1 along x, and 0 and 1 along y.
-
-    Parameters
-    ----------
-    convolution : Convolution
-        Map whose kernel falls off with distance.
-    soft_axis, coupling : int, float
-        Displacement that elements of a row along that axis add to each other, whatever their
-        distance (see `tribo.contact.rows`). The inverse leaves it to `Preconditioner`.
-
-    Attributes
-    ----------
-    influence, inverse : ndarray, shape (3, 2)
-        The kernel, and the stencil that undoes it: on 3 × 3 elements, or where rows are rigid
-        compared with their coupling, on 3 of a row.
+    A stencil, shape (3, 2), holds the factors of the elements at -1, 0 and 1 along x, and 0 and 1
+    along y. `influence` is the kernel, and `inverse` undoes it: on 3 × 3 elements, or where rows
+    are rigid compared with their coupling, on 3 of a row. The coupling is the displacement that
+    elements of a row along the soft axis add to each other, whatever their distance (see
+    `tribo.contact.rows`); the inverse leaves it to `Preconditioner`.
 
     Examples
     --------
@@ -131,15 +120,6 @@ class Preconditioner:
     followed by what makes its result sum to 0. For a stencil within rows yᵢ is S1ᵢ, and (1) the
     exact inverse of S⁻¹ + k Σᵢ 1ᵢ1ᵢᵀ; one that reaches beyond them is for small k, for which (1)
     is nearly symmetric too.
-
-    Parameters
-    ----------
-    inverse : callable
-        The map r -> S r on the nodes.
-    rows : ndarray of int
-        Number of the row of each node.
-    coupling : float
-        k [m/Pa].
 
     Examples
     --------

@@ -90,11 +90,6 @@ def block_average(heights: Array, factor: int) -> Array:
 def block_sample(heights: Array, factor: int) -> Array:
     """One pixel in the middle of each block of ``factor × factor``, shape as of `block_average`.
 
-    Raises
-    ------
-    InputError
-        If the shape is not a multiple of the factor.
-
     Examples
     --------
     >>> block_sample(np.arange(9.0).reshape(3, 3), 3)

@@ -3,10 +3,8 @@
 The pressure p follows at once from the worn depth h and the load, and wear relaxes it: a wave of
 h that the half-space flattens with the compliance λ, an eigenvalue of the elastic map D, decays
 as exp(−kS/λ). So the shortest waves make the equation stiff. A scheme that takes the pressure at
-the end of a step solves the contact with D + k·dS in place of D, which costs nothing, since it
-only adds a constant to some entries of the spectrum.
-
-The worn volume is k∫F dS in every scheme: a step wears over the distance that makes it so.
+the end of a step solves the contact with D + k·dS in place of D, which only adds a constant to
+some entries of the spectrum. The worn volume is k∫F dS in every scheme.
 """
 
 from __future__ import annotations
@@ -34,21 +32,11 @@ _LONGEST_STRETCH = 2.0  # of a step, to wear off what its stages' loads alone wo
 
 
 class Stage(NamedTuple):
-    """A contact to be solved within a step.
+    """A contact to be solved within a step."""
 
-    Attributes
-    ----------
-    normal_load : float
-        Load on the whole pin [N].
-    distance : float
-        Sliding distance over which its pressure wears the pin in all [m].
-    implicit_distance : float
-        Sliding distance over which its own pressure has worn the shape that it meets [m].
-    """
-
-    normal_load: float
-    distance: float
-    implicit_distance: float
+    normal_load: float  # on the whole pin [N]
+    distance: float  # slid, over which its pressure wears the pin in all [m]
+    implicit_distance: float  # over which its own pressure has worn the shape that it meets [m]
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,50 +47,30 @@ class RungeKutta:
     there the pressure pᵢ of the shape worn by h + k dS (b₁p₁ + … + bᵢ₋₁pᵢ₋₁ + γpᵢ). The step ends
     at h + k dS Σ bᵢpᵢ. Of a step over the distance S, dS is S F̄/Σ bᵢFᵢ, F̄ the mean load along it:
     so the worn volume is kF̄S, whatever the load does within the step.
-
-    Attributes
-    ----------
-    fractions, weights : tuple of float
-        c and b.
-    implicitness : float
-        γ; 0 for a scheme that takes the pressure before the wear that it causes.
     """
 
-    fractions: tuple[float, ...]
-    weights: tuple[float, ...]
-    implicitness: float
+    fractions: tuple[float, ...]  # c
+    weights: tuple[float, ...]  # b
+    implicitness: float  # γ; 0 to take the pressure before the wear that it causes
 
     def stages(
         self, loads: tuple[float, float], mean_load: float, distance: float
     ) -> Iterator[Stage]:
         """Contacts that a step has to solve, one after the other; the last one at its end.
 
-        Where the stages hardly carry load, as at the end of a fall to nothing, they do not know
-        where the pin has worn. The step then wears by one stage at the mean load, and another that
-        wears nothing is its end.
-
-        Parameters
-        ----------
-        loads : tuple of float
-            Loads at both ends of the step, F [N].
-        mean_load : float
-            Mean load along the step, F̄ [N].
-        distance : float
-            Slid in the step, S [m].
+        The loads are those at both ends of the step, and the mean along it [N].
 
         Examples
         --------
         >>> implicit = WEAR_SCHEMES["implicit"]
         >>> list(implicit.stages((0.0, 80.0), mean_load=40.0, distance=1.0))
         [Stage(normal_load=80.0, distance=0.5, implicit_distance=0.5)]
-        >>> for stage in implicit.stages((80.0, 0.0), mean_load=40.0, distance=1.0):
-        ...     print(stage)
-        Stage(normal_load=40.0, distance=1.0, implicit_distance=1.0)
-        Stage(normal_load=0.0, distance=0.0, implicit_distance=0.0)
         """
         begin, end = loads
         carried = [(1 - c) * begin + c * end for c in self.fractions]
         past = sum(b * F for b, F in zip(self.weights, carried, strict=True))
+        # Stages that hardly carry load, as at the end of a fall to nothing, do not know where the
+        # pin has worn. One at the mean load does; another that wears nothing is the step's end.
         if mean_load > _LONGEST_STRETCH * past:
             yield Stage(mean_load, distance, distance if self.implicitness else 0.0)
             yield Stage(end, 0.0, 0.0)
@@ -219,14 +187,8 @@ class Wear:
 class RollingWear(Wear):
     """Wear of a pin that rolls: along x by the same depth everywhere on its track.
 
-    See `tribo.simulation.motion`, Eq. (1). Along y it wears by the pattern.
-
-    Parameters
-    ----------
-    specific_wear_rate, pattern
-        Those of `Wear`.
-    window_share : float
-        Length of the window along x, in that of the track around the pin; above 0, at most 1.
+    See `tribo.simulation.motion`, Eq. (1); along y it wears by the pattern. The window's share is
+    its length along x in that of the track around the pin, above 0 and at most 1.
 
     Examples
     --------
