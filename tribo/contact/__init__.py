@@ -1,13 +1,8 @@
 """Normal contact of rough, elastic, perfectly plastic bodies."""
 
-from tribo.contact.elasticity import ElasticHalfSpace, ElasticKernel, elastic_influence
-from tribo.contact.solver import ContactCriterion, ContactSolution, solve_contact
-
-__all__ = [
-    "ContactCriterion",
-    "ContactSolution",
-    "ElasticHalfSpace",
-    "ElasticKernel",
-    "elastic_influence",
-    "solve_contact",
-]
+from tribo.contact.elasticity import ElasticHalfSpace as ElasticHalfSpace
+from tribo.contact.elasticity import ElasticKernel as ElasticKernel
+from tribo.contact.elasticity import elastic_influence as elastic_influence
+from tribo.contact.solver import ContactCriterion as ContactCriterion
+from tribo.contact.solver import ContactSolution as ContactSolution
+from tribo.contact.solver import solve_contact as solve_contact

@@ -1,6 +1,5 @@
 """Load as a function of time: ramps and records."""
 
-from tribo.loading.ramp import Ramp, Station
-from tribo.loading.record import MeasuredLoad
-
-__all__ = ["MeasuredLoad", "Ramp", "Station"]
+from tribo.loading.ramp import Ramp as Ramp
+from tribo.loading.ramp import Station as Station
+from tribo.loading.record import MeasuredLoad as MeasuredLoad

@@ -1,46 +1,30 @@
 """One point of the diagram: loading with wear and friction heat."""
 
-from tribo.simulation.cache import forget_contacts, forget_kernels
-from tribo.simulation.contact_ramp import contacts, inseparable, leads_to, mechanics, wear_number
-from tribo.simulation.fidelity import PRESETS, Fidelity
-from tribo.simulation.loading_step import advance, start
-from tribo.simulation.motion import Motion, Velocities
-from tribo.simulation.pins import Ball, Crowned, Cylinder
-from tribo.simulation.point import heated, simulate
-from tribo.simulation.point_warnings import PointWarning, WarningKind, warnings
-from tribo.simulation.roughness import MeasuredRoughness, SelfAffineRoughness
-from tribo.simulation.scene import Scene
-from tribo.simulation.state import Heat, State
-from tribo.simulation.step_measures import measures
-from tribo.simulation.temperature import heat
-
-__all__ = [
-    "PRESETS",
-    "Ball",
-    "Crowned",
-    "Cylinder",
-    "Fidelity",
-    "Heat",
-    "MeasuredRoughness",
-    "Motion",
-    "PointWarning",
-    "Scene",
-    "SelfAffineRoughness",
-    "State",
-    "Velocities",
-    "WarningKind",
-    "advance",
-    "contacts",
-    "forget_contacts",
-    "forget_kernels",
-    "heat",
-    "heated",
-    "inseparable",
-    "leads_to",
-    "measures",
-    "mechanics",
-    "simulate",
-    "start",
-    "warnings",
-    "wear_number",
-]
+from tribo.simulation.cache import forget_contacts as forget_contacts
+from tribo.simulation.cache import forget_kernels as forget_kernels
+from tribo.simulation.contact_ramp import contacts as contacts
+from tribo.simulation.contact_ramp import inseparable as inseparable
+from tribo.simulation.contact_ramp import leads_to as leads_to
+from tribo.simulation.contact_ramp import mechanics as mechanics
+from tribo.simulation.contact_ramp import wear_number as wear_number
+from tribo.simulation.fidelity import PRESETS as PRESETS
+from tribo.simulation.fidelity import Fidelity as Fidelity
+from tribo.simulation.loading_step import advance as advance
+from tribo.simulation.loading_step import start as start
+from tribo.simulation.motion import Motion as Motion
+from tribo.simulation.motion import Velocities as Velocities
+from tribo.simulation.pins import Ball as Ball
+from tribo.simulation.pins import Crowned as Crowned
+from tribo.simulation.pins import Cylinder as Cylinder
+from tribo.simulation.point import heated as heated
+from tribo.simulation.point import simulate as simulate
+from tribo.simulation.point_warnings import PointWarning as PointWarning
+from tribo.simulation.point_warnings import WarningKind as WarningKind
+from tribo.simulation.point_warnings import warnings as warnings
+from tribo.simulation.roughness import MeasuredRoughness as MeasuredRoughness
+from tribo.simulation.roughness import SelfAffineRoughness as SelfAffineRoughness
+from tribo.simulation.scene import Scene as Scene
+from tribo.simulation.state import Heat as Heat
+from tribo.simulation.state import State as State
+from tribo.simulation.step_measures import measures as measures
+from tribo.simulation.temperature import heat as heat

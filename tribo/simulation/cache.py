@@ -30,15 +30,9 @@ Value = TypeVar("Value")
 
 
 class Kept(Generic[Value]):
-    """Values by what they are computed from; those used last are kept, up to a limit.
+    """Values by what they are computed from; those used last are kept, up to a sum of their sizes.
 
-    Parameters
-    ----------
-    size_of : callable
-        Size of a value, in the unit of the limit.
-    limit : int
-        Size of all values together, beyond which those that were used longest ago are dropped. The
-        last one is kept whatever its size.
+    The last one is kept whatever its size.
 
     Examples
     --------
@@ -74,24 +68,12 @@ class Kept(Generic[Value]):
 
 
 class ElasticBodies(NamedTuple):
-    """The bodies' map and shape, which no step of a loading changes.
-
-    Attributes
-    ----------
-    solid : ElasticHalfSpace
-        The map from pressure [Pa] to displacement [m].
-    separation : ndarray, shape (nx, ny)
-        Distance of the unworn, undeformed surfaces [m].
-    heights : ndarray, shape (nx, ny), or None
-        Heights of the disk about their mean, where they are swept past along x and y [m].
-    yielding : float
-        Σ u·z of the displacement u by a pressure of z · 1 Pa/m, of these heights z [m²].
-    """
+    """The bodies' map and shape, which no step of a loading changes."""
 
     solid: ElasticHalfSpace
-    separation: Array
-    heights: Array | None = None
-    yielding: float = 0.0
+    separation: Array  # of the unworn, undeformed surfaces [m]
+    heights: Array | None = None  # of the disk about their mean, if swept along x and y [m]
+    yielding: float = 0.0  # Σ u·z of the displacement u by z · 1 Pa/m, z these heights [m²]
 
 
 _bodies = Kept[ElasticBodies](size_of=lambda _: 1, limit=_MOST_BODIES)

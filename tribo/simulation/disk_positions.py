@@ -38,35 +38,18 @@ _STEPS = 1 / _PLASTIC, 1 / _PLASTIC**2
 
 
 class Pass(NamedTuple):
-    """A contact to be solved within a step.
-
-    Attributes
-    ----------
-    stage : Stage
-        Load of the pass, and the wear that it causes.
-    shift : tuple of int or None
-        Elements by which the disk lies off its own position along x and y; None at that position.
-    """
+    """A contact to be solved within a step."""
 
     stage: Stage
-    shift: tuple[int, int] | None = None
+    shift: tuple[int, int] | None = None  # of the disk along x and y, in elements
 
 
 def parts(scene: Scene, wear: Wear, distance: float) -> int:
     """Parts into which a step of wear is cut, with the disk elsewhere in each.
 
     As many as leave the imprint of each below a limit. Of a wave of the roughness that is an
-    amplitude of kS/λ for small ones: the wear along the distance S by the pressure that flattens
-    it, λ the compliance of the half-space to it. Here it is the mean over the waves.
-
-    Parameters
-    ----------
-    scene : Scene
-        System to simulate.
-    wear : Wear
-        Wear of the pin at the velocity of the step.
-    distance : float
-        Slid in the step [m].
+    amplitude of kS/λ for small ones: the wear along the distance S [m] by the pressure that
+    flattens it, λ the compliance of the half-space to it. Here it is the mean over the waves.
     """
     heights, yielding = elastic_bodies(scene).heights, elastic_bodies(scene).yielding
     if heights is None or not yielding > 0:
@@ -84,24 +67,9 @@ def passes(
     observed: bool,
     scheme: WearScheme | None = None,
 ) -> Iterator[Pass]:
-    """Contacts that the step from `state` to `station` has to solve.
+    """Contacts that the step from `state` to `station` has to solve, with the wear at its velocity.
 
-    Parameters
-    ----------
-    scene : Scene
-        System to simulate.
-    state : State
-        State at the beginning of the step.
-    station : Station
-        Time and load at its end.
-    wear : Wear or None
-        Wear of the pin at the velocity of the step.
-    distance : float
-        Slid in the step [m].
-    observed : bool
-        True to solve the contact at the disk's own position too, if others pass.
-    scheme : str, optional
-        Scheme of the wear, in place of that of the fidelity.
+    The contact at the disk's own position is solved too, last, where it is to be observed.
     """
     if not wear:
         yield Pass(Stage(station.normal_load, 0.0, 0.0))

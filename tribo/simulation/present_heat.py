@@ -33,13 +33,6 @@ def excess_of_present_heat(scene: Scene, state: State) -> float:
     Below 0.1 m/s that foretells the error to some percent. On random scenes at 0.07 to 31 m/s the
     true one was 0.88 of it in the median, and 1.31 of it at most.
 
-    Parameters
-    ----------
-    scene : Scene
-        System that was simulated.
-    state : State
-        State with its temperature.
-
     Examples
     --------
     >>> import tribo
@@ -95,18 +88,7 @@ def _late_warming(
 ) -> float:
     """Warming, per heat along the contact, that the model has and the loading had not [m K/W].
 
-    Parameters
-    ----------
-    material : Material
-        Material of the body.
-    velocity : float
-        Velocity of its surface [m/s].
-    length : float
-        Heated length along y [m].
-    ages : ndarray, shape (n,)
-        Times before now, ascending from 0 [s].
-    lacking : ndarray, shape (n,)
-        Shares of the present load that were lacking then; linear in between.
+    The shares of the present load that were lacking belong to ages that ascend from 0 [s].
     """
     kappa = material.thermal_diffusivity
     ends = np.sqrt(ages)

@@ -72,16 +72,7 @@ def _on_elements_of(scene: Scene, state: State) -> Scene:
 def heated_since(scene: Scene, before: State, state: State, velocity: float) -> State:
     """Give a state the temperature that it owes to all heat since the start.
 
-    Parameters
-    ----------
-    scene : Scene
-        System to simulate.
-    before : State
-        State one step earlier, with its histories of the heat.
-    state : State
-        State now, without temperature.
-    velocity : float
-        Sliding velocity [m/s].
+    The state one step earlier has the histories of the heat.
     """
     contact = state.pressure > 0
 

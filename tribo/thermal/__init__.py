@@ -1,42 +1,23 @@
 """Flash temperature, heat partition, and the temperature over the contact."""
 
-from tribo.thermal.circuit import circuit_rise
-from tribo.thermal.conduction import ConductingHalfSpace, HeatedLength, settling_time
-from tribo.thermal.duhamel import Conductor, HeatHistory, conducted_spectrum, partition_with_history
-from tribo.thermal.partition import DIRECT_MEMORY, HeatPartition, partition_heat
-from tribo.thermal.quantiles import (
-    BULK_RATIOS,
-    QUANTILES,
-    at_bulk_ratio,
-    bulk_ratio_quantiles,
-    contact_quantiles,
-    failed_share,
-    require_share,
-    rise_exceeded,
-)
-from tribo.thermal.stem import stem_fraction
-from tribo.thermal.track import track_warming
-
-__all__ = [
-    "BULK_RATIOS",
-    "DIRECT_MEMORY",
-    "QUANTILES",
-    "ConductingHalfSpace",
-    "Conductor",
-    "HeatHistory",
-    "HeatPartition",
-    "HeatedLength",
-    "at_bulk_ratio",
-    "bulk_ratio_quantiles",
-    "circuit_rise",
-    "conducted_spectrum",
-    "contact_quantiles",
-    "failed_share",
-    "partition_heat",
-    "partition_with_history",
-    "require_share",
-    "rise_exceeded",
-    "settling_time",
-    "stem_fraction",
-    "track_warming",
-]
+from tribo.thermal.circuit import circuit_rise as circuit_rise
+from tribo.thermal.conduction import ConductingHalfSpace as ConductingHalfSpace
+from tribo.thermal.conduction import HeatedLength as HeatedLength
+from tribo.thermal.conduction import settling_time as settling_time
+from tribo.thermal.duhamel import Conductor as Conductor
+from tribo.thermal.duhamel import HeatHistory as HeatHistory
+from tribo.thermal.duhamel import conducted_spectrum as conducted_spectrum
+from tribo.thermal.duhamel import partition_with_history as partition_with_history
+from tribo.thermal.partition import DIRECT_MEMORY as DIRECT_MEMORY
+from tribo.thermal.partition import HeatPartition as HeatPartition
+from tribo.thermal.partition import partition_heat as partition_heat
+from tribo.thermal.quantiles import BULK_RATIOS as BULK_RATIOS
+from tribo.thermal.quantiles import QUANTILES as QUANTILES
+from tribo.thermal.quantiles import at_bulk_ratio as at_bulk_ratio
+from tribo.thermal.quantiles import bulk_ratio_quantiles as bulk_ratio_quantiles
+from tribo.thermal.quantiles import contact_quantiles as contact_quantiles
+from tribo.thermal.quantiles import failed_share as failed_share
+from tribo.thermal.quantiles import require_share as require_share
+from tribo.thermal.quantiles import rise_exceeded as rise_exceeded
+from tribo.thermal.stem import stem_fraction as stem_fraction
+from tribo.thermal.track import track_warming as track_warming
