@@ -7,12 +7,14 @@ from typing import Any
 
 from pipeline.analysis.transition import ENTRIES
 from pipeline.scene.quantities import display
+from pipeline.sweep.unknown import Unknown
 
 _ATTRIBUTES = (
     "scene", "conditions", "friction_band", "lubrication", "loads", "velocities", "realizations",
-    "samples", "sample_seed", "unknown", "measured", "tested", "preset",
+    "samples", "sample_seed", "wear_rates", "measured", "tested", "preset",
 )  # fmt: skip
-_NOT_SHOWN = ("friction_heat", "unequal_bulks", "lubrication.")  # follow from other entries
+_NOT_SHOWN = ("friction_heat", "unequal_bulks", "lubrication.", "sweep.samples.")
+"""Paths of values that follow from other entries."""
 _TYPES = tuple(
     f"{name}.type"
     for name in ("material", "disk", "pixels", "loading", "roughness", "wear", "motion", "fidelity")
@@ -31,6 +33,7 @@ _PATHS = {
     "realizations": "sweep.realizations",
     "samples": "sweep.samples",
     "sample_seed": "sweep.sample_seed",
+    "wear_rates": "sweep.wear_rates",
     "preset": "fidelity.preset",
     **{f"conditions.{name}": path for name, path in ENTRIES.items()},
     "conditions.disk_temperature": "temperature.bulk.disk",
@@ -52,7 +55,7 @@ _UNITS = {
     "N": ("reference_load", "loads", "normal_load", "load_scatter"),
     "m/s": ("entrainment_velocity", "velocities", "velocity", "velocity_scatter"),
     "s": ("hold", "settling_time"),
-    "mm³/(N m)": ("specific_wear_rate",),
+    "mm³/(N m)": ("specific_wear_rate", "wear_rates"),
     "°C": ("bulk_temperature", "disk_temperature", "critical_temperature", "temperatures"),
     "1/GPa": ("pressure_coefficients",),
     "mm²/s": ("viscosities", "thermal_diffusivity"),
@@ -85,6 +88,9 @@ def entries_of(attributes: Mapping[str, Any]) -> dict[str, str]:
             shown = _in_scene(path)
             if not (shown.startswith(_NOT_SHOWN) or path.endswith(_TYPES)):
                 entries[shown] = in_usual_unit(path, value)
+    for data in attributes.get("unknown") or []:
+        path, _, distribution = str(Unknown.from_dict(data)).partition(": ")
+        entries[f'unknown."{path}"'] = distribution
     return entries
 
 

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import csv
 import os
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,11 +10,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from pipeline.scene.rows import quantity_and_unit, read_rows
 from pipeline.scene.units import UnitError, to_si
 from pipeline.store.place import PathLike
 from tribo import InputError
 
-_HEAD = re.compile(r"\s*(?P<title>[^\[\]]*?)\s*(?:\[(?P<unit>[^\[\]]*)\])?\s*")
 _LIKE = {"load": "500 N", "velocity": "2 m/s"}
 _MOST_FAULTS = 20  # that are written out
 
@@ -104,27 +102,19 @@ def _read_csv(path: Path, faults: list[str]) -> _Cells:
     if path.suffix.lower() != ".csv":
         raise InputError(f"cannot read {path}: operating points are read from a .csv file")
     try:
-        text = path.read_text(encoding="utf-8-sig")
+        heads, rows, wrong_rows = read_rows(path)
     except OSError as error:
         raise InputError(f"cannot read {path}: {error.strerror or error}") from error
     except UnicodeDecodeError:
         raise InputError(f"cannot read {path}: it is not in UTF-8; save it as such") from None
-    first = text.split("\n", 1)[0]
-    lines = csv.reader(text.splitlines(), delimiter=max(",;\t", key=first.count))
-    rows = [(number, row) for number, row in enumerate(lines, 1) if any(map(str.strip, row))]
-    if not rows:
+    if not heads:
         raise InputError(f'{path} is empty; begin it with a line "load [N],velocity [m/s]"')
-    heads = [head.strip() for head in rows.pop(0)[1]]
     twice = dict.fromkeys(head for head in heads if heads.count(head) > 1)
     faults += [f'column "{head}" stands there twice; name each once' for head in twice]
-    faults += [
-        f"row {number}: {len(row)} cells below {len(heads)} headings"
-        for number, row in rows
-        if len(row) != len(heads)
-    ]
-    full = [[*row, *[""] * len(heads)] for _, row in rows]
+    faults += wrong_rows
+    full = [[*row.cells, *[""] * len(heads)] for row in rows]
     columns = {head: [row[place] for row in full] for place, head in enumerate(heads)}
-    return _Cells(str(path), [number for number, _ in rows], columns)
+    return _Cells(str(path), [row.number for row in rows], columns)
 
 
 def _cells_of(columns: Any) -> _Cells:
@@ -140,14 +130,14 @@ def _cells_of(columns: Any) -> _Cells:
 def _quantity(cells: _Cells, name: str, faults: list[str]) -> tuple[str, list[float]]:
     """Heading and values in SI of a quantity; faults are added to the list."""
     like, usual = _LIKE[name], _LIKE[name].split()[1]
-    matches = {head: _HEAD.fullmatch(head) for head in cells.columns}
-    heads = {head: match for head, match in matches.items() if match and _title(match) == name}
+    read = {head: quantity_and_unit(head) for head in cells.columns}
+    heads = [head for head, (quantity, _) in read.items() if quantity == name]
     if len(heads) != 1:
         listed = ", ".join(f'"{head}"' for head in cells.columns)
         faults.append(f'{"two columns" if heads else "no column"} "{name} [{usual}]" in {listed}')
         return "", []
-    ((head, match),) = heads.items()
-    unit = match["unit"] or ""
+    (head,) = heads
+    unit = read[head][1]
     if unit and (fault := _fault_of(f"1 {unit}", like)):
         faults.append(f'column "{head}": {fault}')
         return head, []
@@ -163,11 +153,6 @@ def _quantity(cells: _Cells, name: str, faults: list[str]) -> tuple[str, list[fl
             faults.append(f'row {row}, column "{head}": {fault}')
         values.append(value)
     return head, values
-
-
-def _title(match: re.Match[str]) -> str:
-    """Name of the quantity that a heading stands for."""
-    return match["title"].lower().removeprefix("normal ").removeprefix("sliding ")
 
 
 def _fault_of(text: str, like: str) -> str | None:

@@ -6,18 +6,14 @@ is empty leaves the entry out. Columns of other names, as of dates and operators
 
 from __future__ import annotations
 
-import csv
-import re
 from pathlib import Path
 from typing import Any
 
 from pipeline.scene.document import Document
 from pipeline.scene.faults import Faults
 from pipeline.scene.kinds import Kind
+from pipeline.scene.rows import quantity_and_unit, read_rows
 from pipeline.scene.schema import Table
-
-_HEAD = re.compile(r"\s*(?P<title>[^\[\]]*?)\s*(?:\[(?P<unit>[^\[\]]*)\])?\s*")
-_USUAL = {"normal_load": "load", "sliding_velocity": "velocity", "bulk": "bulk_temperature"}
 
 
 def with_rows(
@@ -28,22 +24,9 @@ def with_rows(
     faults: Faults,
     notes: list[str],
 ) -> dict[str, Any]:
-    """Put the rows of log files in the place of the tables that name them.
+    """Put the rows of log files in the place of the tables of a list that name them.
 
-    Parameters
-    ----------
-    entries : dict
-        Entries of the scene.
-    key : str
-        Key of a list of tables, some of them with ``file``.
-    row_of : Table
-        Format of a row.
-    document : Document
-        Scene that they stand in.
-    faults : list of Fault
-        List to which a fault is added for each wrong cell, by its row and column.
-    notes : list of str
-        List to which the names of columns that are not used are added.
+    Faults are added by row and column, the names of columns that are not used to the notes.
     """
     listed = entries.get(key)
     if not isinstance(listed, list):
@@ -72,30 +55,23 @@ def _rows(
     path: Path, at: str, row_of: Table, faults: Faults, notes: list[str]
 ) -> list[dict[str, Any]]:
     """Rows of a file as tables of a scene; faults are named by row and column."""
-    text = path.read_text(encoding="utf-8-sig")
-    separator = max(",;\t", key=text.partition("\n")[0].count)
-    lines = [
-        (number, cells)
-        for number, cells in enumerate(csv.reader(text.splitlines(), delimiter=separator), 1)
-        if any(map(str.strip, cells))
-    ]
-    if len(lines) < 2:
+    heads, numbered, wrong_rows = read_rows(path)
+    if not numbered:
         problem = f'{path} has no rows; begin it with a line such as "load [N],velocity [m/s]"'
         faults.note(at, problem)
-        return []
-    columns = dict(enumerate(map(_named, lines[0][1])))
-    if unused := [name for name, _ in columns.values() if name not in row_of.keys]:
+    for problem in wrong_rows:
+        faults.note(at, f"{path.name}, {problem}")
+    columns = [quantity_and_unit(head) for head in heads]
+    if unused := [name for name, _ in columns if name not in row_of.keys]:
         notes.append(f"{at}: columns not used: {', '.join(unused)}")
     rows = []
-    for number, cells in lines[1:]:
+    for number, cells in numbered:
         if len(cells) != len(columns):
-            problem = f"{path.name}, row {number}: {len(cells)} cells below {len(columns)} headings"
-            faults.note(at, problem)
             continue
         row = {
-            name: _value(cell.strip(), unit, row_of.keys[name])
-            for (name, unit), cell in zip(columns.values(), cells, strict=True)
-            if name in row_of.keys and cell.strip()
+            name: _value(cell, unit, row_of.keys[name])
+            for (name, unit), cell in zip(columns, cells, strict=True)
+            if name in row_of.keys and cell
         }
         wrong = Faults()
         row_of.read(row, "", wrong)
@@ -107,21 +83,6 @@ def _rows(
         if not wrong:
             rows.append(row)
     return rows
-
-
-def _named(heading: str) -> tuple[str, str]:
-    """Entry that a heading stands for, and its unit.
-
-    Examples
-    --------
-    >>> _named("Normal load [kN]"), _named("outcome")
-    (('load', 'kN'), ('outcome', ''))
-    """
-    match = _HEAD.fullmatch(heading)
-    if match is None:
-        return heading.strip(), ""
-    name = match["title"].lower().replace(" ", "_")
-    return _USUAL.get(name, name), match["unit"] or ""
 
 
 def _value(cell: str, unit: str, kind: Kind | Any) -> Any:

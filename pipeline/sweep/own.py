@@ -12,9 +12,9 @@ import importlib
 import inspect
 import sys
 import traceback
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
-from types import ModuleType
+from types import FunctionType, ModuleType
 from typing import Any
 
 from tribo import InputError, MeasuredRoughness, Scene, SelfAffineRoughness
@@ -152,7 +152,7 @@ def _made(reference: str, parameters: tuple[tuple[str, Any], ...], source: str |
     module_name, _, name = reference.partition(":")
     module = _installed(module_name, reference) if source is None else _loaded(module_name, source)
     if not hasattr(module, name):
-        public = ", ".join(sorted(key for key in vars(module) if not key.startswith("_")))
+        public = ", ".join(sorted(_defined_in(module)))
         raise InputError(f'"{reference}": the module has no {name}; it has {public or "nothing"}')
     found = getattr(module, name)
     if not parameters and not isinstance(found, type):
@@ -164,6 +164,16 @@ def _made(reference: str, parameters: tuple[tuple[str, Any], ...], source: str |
         raise InputError(
             f'"{reference}" cannot be made with {given}: {type(error).__name__}: {error}'
         ) from error
+
+
+def _defined_in(module: ModuleType) -> Iterator[str]:
+    """Public names of a module, without those that it imports."""
+    for name, value in vars(module).items():
+        is_imported = isinstance(value, ModuleType) or (
+            isinstance(value, type | FunctionType) and value.__module__ != module.__name__
+        )
+        if not (name.startswith("_") or is_imported):
+            yield name
 
 
 def _installed(module: str, reference: str) -> ModuleType:
