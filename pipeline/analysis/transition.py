@@ -7,10 +7,7 @@ Where these are not done, or were never asked for, the transition lies beyond wh
 from __future__ import annotations
 
 import math
-import shlex
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -140,59 +137,6 @@ def range_of(ds: xr.Dataset, axis: str) -> tuple[float, float]:
     return float(min(asked or present)), float(max(asked or present))
 
 
-def command_of(
-    store: Any, attributes: Mapping[str, Any], conditions: Mapping[str, Any], is_pending: bool
-) -> str:
-    """The command that computes more of a store's boundary under some conditions.
-
-    Parameters
-    ----------
-    store : str or path
-        Path of the store.
-    attributes : mapping
-        Attributes of the sweep.
-    conditions : mapping
-        Conditions, as `pipeline.sweep.conditions.Conditions.as_dict` has them.
-    is_pending : bool
-        Points that the last run asked for are not done; these come first.
-
-    Examples
-    --------
-    >>> stored = {"friction": 0.1, "critical_temperature": 418.15}
-    >>> attributes = {"arguments": ["edge.toml", "--preset=draft"], "conditions": stored}
-    >>> asked = {"friction": 0.12, "critical_temperature": 418.15}
-    >>> command_of("edge.zarr", attributes, asked, is_pending=False)
-    'irg run edge.toml --preset=draft -o edge.zarr --boundary-only --set=friction.coefficient=0.12'
-    """
-    arguments = attributes.get("arguments") or [f"{attributes.get('name')}.toml"]
-    selection = attributes.get("selection")
-    picked = [f"--accuracy={selection['accuracy']:g}"] if selection else []
-    settings = [] if is_pending else _settings(attributes.get("conditions") or {}, conditions)
-    replaced = tuple(setting[: setting.rindex("=") + 1] for setting in settings)
-    kept = [word for word in arguments if not (replaced and word.startswith(replaced))]
-    is_whole = is_pending and not attributes.get("boundary_only")
-    searched = [] if is_whole else ["--boundary-only"]
-    return shlex.join(["irg", "run", *kept, *picked, "-o", str(store), *searched, *settings])
-
-
-def _settings(stored: Mapping[str, Any], conditions: Mapping[str, Any]) -> list[str]:
-    """Settings of the conditions that differ from those of a store."""
-    entries = ENTRIES
-    if "disk_temperature" in stored:
-        entries = entries | _BULKS
-        conditions = {"disk_temperature": conditions["bulk_temperature"], **conditions}
-    stored = {"criterion": "share", **stored}
-    settings = []
-    for name, entry in entries.items():
-        value = conditions.get(name)
-        if value is not None and stored.get(name) != value:
-            text = value if isinstance(value, str) else repr(float(value))
-            if name.endswith("temperature"):
-                text = f"{value - 273.15:.6g} degC"
-            settings.append(f"--set={entry}={text}")
-    return settings
-
-
 ENTRIES = {
     "friction": "friction.coefficient",
     "bulk_temperature": "temperature.bulk",
@@ -200,7 +144,4 @@ ENTRIES = {
     "failing_share": "temperature.failing_share",
     "criterion": "temperature.criterion",
 }
-_BULKS = {
-    "bulk_temperature": "temperature.bulk.pin",
-    "disk_temperature": "temperature.bulk.disk",
-}
+"""Entries of the scene format that give the conditions."""

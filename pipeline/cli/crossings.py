@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import math
 from collections.abc import Callable, Iterator
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -20,8 +21,8 @@ from pipeline.analysis.boundary_tables import (
     tables_of,
 )
 from pipeline.analysis.scenes import parts_of
-from pipeline.analysis.transition import BEYOND, OUTCOMES, UNKNOWN, command_of
-from pipeline.cli.next_steps import after_boundary
+from pipeline.analysis.transition import BEYOND, OUTCOMES, UNKNOWN
+from pipeline.cli.next_steps import after_boundary, more_of_boundary
 from pipeline.cli.output import Result, to_table
 from pipeline.cli.scenes import CONDITIONS, given, opened
 from pipeline.cli.unknowns import boundary_of_samples
@@ -38,7 +39,7 @@ def boundary(options: argparse.Namespace) -> Result:
     if "sample" in ds.dims:
         return boundary_of_samples(ds, conditions)
     crossings = pipeline.boundary(ds, **conditions)
-    command = command_for(crossings, options.store, ds)
+    command = _command(crossings, options.store, ds)
     text = [*text_of(crossings, command), *after_boundary(attributes_of(ds), options.store)]
     warned = pipeline.warned(ds, **conditions)
     document = document_of(crossings) | {"command": command}
@@ -90,7 +91,7 @@ def _regime(film_parameter: float) -> str:
     return lubrication_regime(film_parameter) if math.isfinite(film_parameter) else "no crossing"
 
 
-def command_for(crossings: xr.Dataset, store: Any, ds: xr.Dataset) -> str | None:
+def _command(crossings: xr.Dataset, store: Path | str, ds: xr.Dataset) -> str | None:
     """The command that computes transitions beyond the computed points; None if there are none."""
     beyond = [
         scene.attrs | {"friction": friction}
@@ -100,7 +101,7 @@ def command_for(crossings: xr.Dataset, store: Any, ds: xr.Dataset) -> str | None
     ]
     if not beyond:
         return None
-    return command_of(store, attributes_of(ds), beyond[0], bool(_missing(crossings)))
+    return more_of_boundary(ds, store, beyond[0])
 
 
 def text_of(crossings: xr.Dataset, command: str | None = None) -> Iterator[str]:

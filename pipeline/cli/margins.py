@@ -14,16 +14,14 @@ import pipeline
 from pipeline.analysis.attributes import attributes_of
 from pipeline.analysis.band import BAND
 from pipeline.analysis.conditions import conditions_of
-from pipeline.analysis.dataset import asked
 from pipeline.analysis.margin_table import table_of_margins
 from pipeline.analysis.operating_points import OperatingPoints, Place
 from pipeline.analysis.scenes import columns_of, joined, words
-from pipeline.analysis.transition import BEYOND, CROSSES, OUTCOMES, command_of, in_words
-from pipeline.cli.next_steps import after_margin
+from pipeline.analysis.transition import BEYOND, CROSSES, OUTCOMES, in_words
+from pipeline.cli.next_steps import after_margin, more_of_boundary
 from pipeline.cli.output import Result, counted, to_table
 from pipeline.cli.scenes import CONDITIONS, flags_of, given, opened
 from pipeline.cli.unknowns import judged_by, notes, samples_of, table_of_intervals
-from pipeline.store.schema import PENDING
 from tribo import InputError
 
 if TYPE_CHECKING:
@@ -149,9 +147,7 @@ def _command(
     beyond = {OUTCOMES[outcome] for outcome in BEYOND}
     if not any(beyond & {one.velocity_outcome, one.load_outcome} for one in margins):
         return None
-    is_pending = bool((asked(ds) & (ds["status"] == PENDING)).any())
-    judged = conditions_of(ds, **conditions).as_dict()
-    return command_of(options.store, attributes_of(ds), judged, is_pending)
+    return more_of_boundary(ds, options.store, conditions_of(ds, **conditions).as_dict())
 
 
 def _on_one(here: Margin) -> Iterator[str]:

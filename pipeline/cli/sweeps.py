@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import argparse
+import shlex
 from pathlib import Path
 
 import pipeline
-from pipeline.cli.next_steps import after_run
 from pipeline.cli.output import DONE, SOME_FAILED, Result, failed_points, tell
 from pipeline.cli.picture import require_screen, watched
 from pipeline.cli.progress import run_line
@@ -58,7 +58,9 @@ def computed(options: argparse.Namespace) -> Result:
     if outcome.failed:
         text.append("try these again with: the same command and --retry-failed")
     elif outcome.done:
-        text.append(after_run(sweep, out))
+        names = ("risk", "sensitivity") if sweep.samples else ("boundary", "plot")
+        commands = (shlex.join(["irg", name, str(out)]) for name in names)
+        text.append(f"next: {', '.join(commands)}")
     warned = pipeline.warned(out) if pipeline.summary(out).warned else NO_WARNING
     return Result(document, text, warned, code=SOME_FAILED if outcome.failed else DONE)
 

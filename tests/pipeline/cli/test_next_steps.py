@@ -1,14 +1,14 @@
 """The next command that a result calls for."""
 
 import shlex
-from dataclasses import replace
 
 import pytest
 
 from pipeline.analysis.margin import margins
-from pipeline.cli.next_steps import after_boundary, after_margin, after_run
+from pipeline.cli.next_steps import after_boundary, after_margin, more_of_boundary
 from pipeline.cli.parser import parse
-from tests.helpers import synthetic, tiny
+from pipeline.store.schema import DONE, FAILED, PENDING
+from tests.helpers import synthetic
 
 DRAFT = {
     "preset": "draft",
@@ -37,7 +37,18 @@ def test_a_margin_below_the_error_of_the_preset_is_not_relied_on(velocity, count
     assert len(list(after_margin(DRAFT, "look.zarr", near))) == count
 
 
-def test_a_run_ends_with_the_commands_that_show_it():
-    assert after_run(tiny.sweep(), "a.zarr") == "next: irg boundary a.zarr, irg plot a.zarr"
-    drawn = replace(tiny.sweep(), samples=object())
-    assert after_run(drawn, "a.zarr").startswith("next: irg risk a.zarr")
+@pytest.mark.parametrize(
+    ("status", "friction", "words"),
+    [
+        (DONE, 0.12, ["--boundary-only", "--set=friction.coefficient=0.12"]),
+        (PENDING, 0.12, []),
+        (FAILED, 0.1, ["--retry-failed"]),
+    ],
+)
+def test_missing_points_come_before_those_of_other_conditions(status, friction, words):
+    ds = synthetic.sweep(status={(600.0, 2.0): status}, arguments=["edge.toml", "--preset=draft"])
+    command = more_of_boundary(ds, "edge.zarr", synthetic.CONDITIONS | {"friction": friction})
+    assert shlex.split(command) == [
+        *["irg", "run", "edge.toml", "--preset=draft", "-o", "edge.zarr"],
+        *words,
+    ]
