@@ -16,8 +16,8 @@ from matplotlib.patches import Patch
 
 from pipeline.analysis.attributes import attributes_of
 from pipeline.analysis.band import BAND
-from pipeline.analysis.conditions import Bulk, conditions_of
-from pipeline.analysis.dataset import asked, dataset_of, on_surface, variant_of
+from pipeline.analysis.conditions import conditions_of
+from pipeline.analysis.dataset import asked, on_surface, variant_of
 from pipeline.analysis.decisive import decisive_rise, refined
 from pipeline.analysis.transition import BEYOND, CROSSES, Transition, range_of
 from pipeline.analysis.warned import has_warning
@@ -56,16 +56,13 @@ _RESOLUTION = 240
 def diagram(
     ds: xr.Dataset,
     friction: float | Sequence[float] | None = None,
-    bulk_temperature: Bulk | None = None,
-    critical_temperature: float | str | None = None,
-    share: float | str | None = None,
-    criterion: str | None = None,
     realization: int | None = None,
     rivals: Sequence[str] = (),
     log: bool = False,
     given_measured: bool = False,
     scatter: float | None = None,
     ax: Axes | None = None,
+    **changed: Any,
 ) -> Figure:
     """Draw the transition diagram; of samples, the probability of severe wear.
 
@@ -75,43 +72,17 @@ def diagram(
     each velocity. Where the sweep has a band of friction coefficients, the boundaries at its ends
     enclose a shaded area; where it has measured transitions, they are marked; where its scene gives
     an oil, lines show where mixed lubrication and the full film begin.
-
-    Parameters
-    ----------
-    ds : Dataset
-        Dataset of `pipeline.open_sweep`.
-    bulk_temperature, critical_temperature, share, criterion
-        See `pipeline.boundary`.
-    friction : float or several, optional
-        The lowest and highest of several make the band in place of the sweep's own, and the
-        boundary is that of their median.
-    realization : int, optional
-        Seed of the only surface to draw; all of them if not given.
-    rivals : sequence of str, optional
-        Names of simpler criteria whose transition to draw beside the computed one, out of
-        `pipeline.sweep.rivals.RIVALS`.
-    log : bool
-        Both axes logarithmic, as in the classical figures; without velocity 0.
-    given_measured : bool
-        Of samples of what is not known: whether the measured transitions narrow it down.
-    scatter : float, optional
-        Relative standard deviation of the measured velocities; see `pipeline.posterior`.
-    ax : Axes, optional
-        Axes of matplotlib to draw on, in place of a figure of its own; not for samples.
     """
-    ds = dataset_of(ds)
     if variant_of(ds) == "sample" or given_measured or scatter is not None:
-        changed = (friction, bulk_temperature, critical_temperature, share, criterion, realization)
-        if rivals or any(value is not None for value in (*changed, ax)):
+        others = (friction, realization, ax, *changed.values())
+        if rivals or any(value is not None for value in others):
             raise InputError(_AS_DRAWN)
         return _probability(ds, given_measured, scatter, log)
     band = attributes_of(ds).get("friction_band")
     if isinstance(friction, Sequence):
         band = min(friction), max(friction)
         friction = float(np.median(friction))
-    conditions = conditions_of(
-        ds, friction, bulk_temperature, critical_temperature, share, criterion
-    )
+    conditions = conditions_of(ds, friction, **changed)
     if realization is not None:
         ds = on_surface(ds, realization)
     beyond = _beyond(ds, conditions)

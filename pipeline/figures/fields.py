@@ -1,102 +1,96 @@
-"""Pressure, temperature and wear over the contact at the end of a point."""
+"""Pressure, temperature and wear over the contact at the end of a point, and as the load grows."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import xarray as xr
+from matplotlib.animation import PillowWriter
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from pipeline.analysis.conditions import Bulk, conditions_of
-from pipeline.analysis.dataset import corrected_field, dataset_of, on_surface
+from pipeline.analysis.conditions import conditions_of
+from pipeline.analysis.dataset import corrected_field, on_surface
 from pipeline.figures.points import chosen_points, name_of
 from pipeline.figures.style import Picture, celsius, heating, in_house_style, title_of
+from pipeline.store.schema import DONE
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.criterion import contact_temperature
 from tribo import InputError
 from tribo.types import Array
 
 _HIGHEST_STACKED = 2.6  # [inch] of each of three panels, which fit a page at a column's width
+_PACE = 2  # pictures of an animation a second
+_LAST = 3  # times that its last picture is shown again
+_DPI = 100
 
 
 def fields(
     ds: xr.Dataset,
     load: float | str | None = None,
     velocity: float | str | None = None,
-    friction: float | None = None,
-    bulk_temperature: Bulk | None = None,
-    critical_temperature: float | str | None = None,
-    share: float | str | None = None,
-    criterion: str | None = None,
     realization: int | None = None,
     stacked: bool = False,
+    **changed: Any,
 ) -> Figure:
-    """Draw pressure, temperature and wear depth over the contact at the end of one point.
-
-    Parameters
-    ----------
-    ds : Dataset
-        Dataset of `pipeline.open_sweep`.
-    load : float or str, optional
-        Load of the point [N], or text with a unit; the highest if not given.
-    velocity : float or str, optional
-        Velocity of the point [m/s], or text with a unit; the one nearest to the transition at that
-        load if not given.
-    friction, bulk_temperature, critical_temperature, share, criterion
-        See `pipeline.boundary`.
-    realization : int, optional
-        Seed of the surface to draw; the first if not given.
-    stacked : bool
-        The three below each other, not side by side.
-
-    Raises
-    ------
-    InputError
-        If the sweep holds no fields, or was run without them at this point.
-    """
-    conditions = conditions_of(
-        ds, friction, bulk_temperature, critical_temperature, share, criterion
-    )
-    ds = with_fields(ds, conditions, realization)
+    """Draw pressure, temperature and wear depth over the contact at the end of one point."""
+    conditions = conditions_of(ds, **changed)
+    ds = _with_fields(ds, realization)
     point = chosen_points(ds, load, velocity, conditions)[0]
-    require_fields(ds, point)
-    return contact(ds, point, conditions, stacked)
+    return _contact(ds, point, conditions, stacked)
 
 
-def with_fields(ds: xr.Dataset, conditions: Conditions, realization: int | None) -> xr.Dataset:
-    """The sweep on one surface, at the bulk temperatures to judge by.
+def animation(
+    ds: xr.Dataset,
+    load: float | str | None = None,
+    velocity: float | str | None = None,
+    realization: int | None = None,
+    stacked: bool = False,
+    **changed: Any,
+) -> list[Figure]:
+    """Draw the contact at the end of each load up to one that is done, on the same scales."""
+    conditions = conditions_of(ds, **changed)
+    ds = _with_fields(ds, realization)
+    last, j = chosen_points(ds, load, velocity, conditions)[0]
+    status = ds["status"].transpose("load", "velocity").values
+    points = [(int(i), j) for i in np.flatnonzero(status[: last + 1, j] == DONE)]
+    scales = np.array([_scales(_shown(ds, point, conditions)) for point in points])
+    ends = np.stack([scales[:, :, 0].min(axis=0), scales[:, :, 1].max(axis=0)], axis=1)
+    return [_contact(ds, point, conditions, stacked, ends) for point in points]
 
-    Raises
-    ------
-    InputError
-        If it holds no fields.
-    """
-    ds = on_surface(dataset_of(ds), realization)
-    if not {"pressure", "rise", "wear_depth"} <= set(ds.data_vars):
+
+def save_animation(figures: Sequence[Figure], out: Path, dpi: float | None = None) -> Path:
+    """Write figures of one size as an animated GIF; raises an `InputError` if that fails."""
+    for figure in figures:  # places settle as they are drawn, and are to stay from then on
+        figure.draw_without_rendering()
+        figure.draw_without_rendering()
+        figure.set_layout_engine("none")
+    writer = PillowWriter(fps=_PACE)
+    try:
+        with writer.saving(figures[0], str(out), _DPI if dpi is None else dpi):
+            for figure in [*figures, *[figures[-1]] * _LAST]:
+                writer.fig = figure
+                writer.grab_frame()
+    except OSError as error:
+        raise InputError(f"cannot write {out}: {error.strerror or error}") from error
+    return out
+
+
+def _with_fields(ds: xr.Dataset, realization: int | None) -> xr.Dataset:
+    """The sweep on one surface, if it holds fields."""
+    if "pressure" not in ds:
         raise InputError(
-            "the sweep holds no fields; store them with 'fields = true' under [sweep] in the "
-            "scene, and run it with --fill-fields"
+            "the sweep holds no fields; set 'fields = true' under [sweep] in the scene, and run it "
+            "into another store"
         )
-    return ds
+    return on_surface(ds, realization)
 
 
-def has_fields(ds: xr.Dataset, point: tuple[int, int]) -> bool:
-    """True if a point was computed with fields, not before the scene asked for them."""
-    return bool(ds["pressure"].isel(load=point[0], velocity=point[1]).notnull().any())
-
-
-def require_fields(ds: xr.Dataset, point: tuple[int, int]) -> None:
-    """Refuse a point that was finished before the scene asked for fields."""
-    if not has_fields(ds, point):
-        raise InputError(
-            f"{name_of(ds, point)}: this point was finished before the scene asked for fields; "
-            "compute it again with: irg run --fill-fields"
-        )
-
-
-def shown(ds: xr.Dataset, point: tuple[int, int], conditions: Conditions) -> tuple[Array, ...]:
+def _shown(ds: xr.Dataset, point: tuple[int, int], conditions: Conditions) -> tuple[Array, ...]:
     """Pressure [GPa], temperature [°C] and wear depth [µm] at the end of a point, by x and y."""
     here = ds.isel(load=point[0], velocity=point[1]).transpose("x", "y", ...)
     rise = here["rise"].values
@@ -112,43 +106,24 @@ def shown(ds: xr.Dataset, point: tuple[int, int], conditions: Conditions) -> tup
     )
 
 
-def scales(values: tuple[Array, ...]) -> Array:
+def _scales(values: tuple[Array, ...]) -> Array:
     """Lowest and highest value of the scale of each panel; only temperatures do not begin at 0."""
     pressure, temperature, wear_depth = values
-    return np.array(
-        [
-            (0.0, pressure.max()),
-            (temperature.min(), temperature.max()),
-            (0.0, wear_depth.max()),
-        ]
-    )
+    ends = (0.0, pressure.max()), (temperature.min(), temperature.max()), (0.0, wear_depth.max())
+    return np.array(ends)
 
 
 @in_house_style
-def contact(
+def _contact(
     ds: xr.Dataset,
     point: tuple[int, int],
     conditions: Conditions,
     stacked: bool = False,
     ends: Array | None = None,
 ) -> Figure:
-    """Draw the contact at the end of a point of a sweep `with_fields`.
-
-    Parameters
-    ----------
-    ds : Dataset
-        The sweep on one surface.
-    point : tuple of int
-        Indices of the point's load and velocity.
-    conditions : Conditions
-        Friction and temperatures to draw.
-    stacked : bool
-        Panels below each other, not side by side.
-    ends : ndarray, shape (3, 2), optional
-        Ends of the scale of each panel; the point's own `scales` if not given.
-    """
-    values = shown(ds, point, conditions)
-    ends = scales(values) if ends is None else ends
+    """Draw the contact at the end of a point; `ends` of each panel's scale, or the point's own."""
+    values = _shown(ds, point, conditions)
+    ends = _scales(values) if ends is None else ends
     temperature = values[1]
     critical = conditions.critical_temperature
     limit = math.inf if critical is None else celsius(critical)
@@ -189,7 +164,7 @@ def contact(
 
 
 def _edges(centres: Array) -> Array:
-    """Find the borders of the elements around evenly spaced centres."""
+    """Borders of the elements around evenly spaced centres."""
     if len(centres) == 1:
         return np.array([centres[0] - 0.5, centres[0] + 0.5])
     step = (centres[-1] - centres[0]) / (len(centres) - 1)

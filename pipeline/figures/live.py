@@ -86,14 +86,26 @@ def watch(
         screen.wait(max(interval, _SHARE * (time.monotonic() - began)))
 
 
-class _File:
+class _Screen:
+    """A place for the figure, which nobody can close."""
+
+    def show(self, draw: Callable[[Any], Any]) -> None:
+        raise NotImplementedError
+
+    def wait(self, seconds: float) -> None:
+        time.sleep(seconds)
+
+    def end(self) -> None:
+        pass
+
+
+class _File(_Screen):
     """A file that holds the figure, and is replaced whole."""
 
     def __init__(self, path: Path) -> None:
         self._path = path
 
     def show(self, draw: Callable[[Path], Any]) -> None:
-        """Draw the figure anew."""
         beside = self._path.with_name(f".{self._path.stem}.{os.getpid()}{self._path.suffix}")
         try:
             draw(beside)
@@ -101,15 +113,8 @@ class _File:
         finally:
             beside.unlink(missing_ok=True)
 
-    def wait(self, seconds: float) -> None:
-        """Wait until the next look at the store."""
-        time.sleep(seconds)
 
-    def end(self) -> None:
-        """Leave the file as it is."""
-
-
-class _Notebook(_File):
+class _Notebook(_Screen):
     """A picture below the cell of a notebook."""
 
     def __init__(self) -> None:
@@ -118,11 +123,10 @@ class _Notebook(_File):
         self._display: Any = display({"text/plain": "no figure yet"}, raw=True, display_id=True)  # type: ignore[no-untyped-call]
 
     def show(self, draw: Callable[[Any], Any]) -> None:
-        """Draw the figure anew."""
         self._display.update(draw(None))
 
 
-class _Window(_File):
+class _Window(_Screen):
     """A window of matplotlib."""
 
     def __init__(self) -> None:
@@ -133,7 +137,6 @@ class _Window(_File):
         self._figure = pyplot.figure("irg")
 
     def show(self, draw: Callable[[Any], Any]) -> None:
-        """Draw the figure anew."""
         figure = draw(None)
         written = io.BytesIO()
         figure.savefig(written, format="png", dpi=self._figure.dpi)
@@ -142,24 +145,16 @@ class _Window(_File):
         self._figure.figimage(self._pyplot.imread(written), resize=True)
 
     def wait(self, seconds: float) -> None:
-        """Let the window live until the next look at the store."""
         self._pyplot.pause(seconds)
         if not self._pyplot.fignum_exists("irg"):
             raise KeyboardInterrupt
 
     def end(self) -> None:
-        """Leave the window open until it is closed."""
         self._pyplot.show()
 
 
 def require_window() -> None:
-    """Refuse to open a window where there is no display.
-
-    Raises
-    ------
-    InputError
-        If matplotlib has no backend with windows here.
-    """
+    """Refuse to open a window where matplotlib has no backend for one."""
     from matplotlib import pyplot
     from matplotlib.backends.registry import BackendFilter, backend_registry
 
@@ -168,7 +163,7 @@ def require_window() -> None:
         raise InputError("no window can be opened here; give a file, such as diagram.png")
 
 
-def _screen(out: str | Path | None) -> _File:
+def _screen(out: str | Path | None) -> _Screen:
     """The file, the notebook or the window to draw on."""
     if out is not None:
         return _File(figure_path(out))

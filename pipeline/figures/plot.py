@@ -1,7 +1,7 @@
 """Figures of a sweep by name: the transition diagram, the ramp, the fields of a point.
 
-Each is a function that takes the dataset of `pipeline.open_sweep` and gives a matplotlib figure,
-without touching pyplot's state.
+Each is a function of a dataset, its options, and conditions in place of the sweep's own; it gives
+a matplotlib figure, without touching pyplot's state.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from typing import Any
 import xarray as xr
 from matplotlib.figure import Figure
 
+from pipeline.analysis.conditions import CONDITIONS
 from pipeline.analysis.dataset import dataset_of
 from pipeline.analysis.tables import writable_path
 from pipeline.figures.fit import fitted
@@ -30,7 +31,7 @@ _KINDS = {
     "fields": "fields:fields",
     "temperature": "temperatures:temperature",
     "histogram": "temperatures:histogram",
-    "animation": "animation:animation",
+    "animation": "fields:animation",
 }
 """Module in this folder and function that draws each; imported for that figure alone."""
 
@@ -63,7 +64,26 @@ def plot(
     with_title : bool
         Draw the titles of the figure.
     **options
-        Options of the function of that name.
+        Options of the kind:
+
+        - of each, ``friction``, ``bulk_temperature``, ``critical_temperature``, ``share`` and
+          ``criterion`` in place of the sweep's own, as in `pipeline.boundary`, and
+          ``realization``, seed of the surface to draw (if not given the first; in a diagram all,
+          with a band from the tenth to the ninetieth of a hundred). In a diagram several values of
+          ``friction`` make a band, and their median the boundary.
+        - diagram: ``rivals``, names of simpler criteria out of `pipeline.sweep.rivals.RIVALS`;
+          ``log``, True for logarithmic axes, without velocity 0; of samples ``given_measured``,
+          True to let the measured transitions narrow the inputs, and ``scatter`` of
+          `pipeline.posterior`.
+        - ramp, fields, temperature, histogram, animation: ``load`` [N], or text with a unit, the
+          highest if not given; of a ramp several.
+        - ramp, fields, histogram, animation: ``velocity`` [m/s], or text with a unit; of a ramp
+          several. If not given, the one nearest to the transition at that load, in a histogram the
+          transition itself.
+        - ramp: the temperature is known at the ends of points, and between where the scene asked
+          for it.
+        - fields, animation: ``stacked``, True for panels below each other.
+        - diagram, temperature, histogram: ``ax``, axes of matplotlib to draw on; not of samples.
 
     Returns
     -------
@@ -106,21 +126,16 @@ def plot(
     if path is None:
         return drawn
     if isinstance(drawn, list):
-        from pipeline.figures.animation import save_animation  # as it was imported to draw
+        from pipeline.figures.fields import save_animation  # as it was imported to draw
 
         return save_animation(drawn, path, dpi)
     return save_figure(drawn, path, dpi)
 
 
 def options_of(kind: str) -> list[str]:
-    """Names of the options that a kind of figure has.
-
-    Examples
-    --------
-    >>> options_of("temperature")[:2]
-    ['load', 'friction']
-    """
-    return list(inspect.signature(_draw(kind)).parameters)[1:]
+    """Names of the options that a kind of figure has."""
+    _, *own, _ = inspect.signature(_draw(kind)).parameters  # between the dataset and **changed
+    return list(dict.fromkeys((*CONDITIONS, *own)))
 
 
 def _draw(kind: str) -> Callable[..., Figure | list[Figure]]:

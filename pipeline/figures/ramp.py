@@ -12,15 +12,14 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from pipeline.analysis.conditions import Bulk, conditions_of
-from pipeline.analysis.dataset import at_bulks, dataset_of, on_surface
+from pipeline.analysis.conditions import conditions_of
+from pipeline.analysis.dataset import at_bulks, on_surface
 from pipeline.figures.points import chosen_points, name_of
 from pipeline.figures.style import (
     BLACK,
     GREY,
     Picture,
     celsius,
-    exceeding,
     heating,
     in_house_style,
     title_of,
@@ -37,37 +36,17 @@ def ramp(
     ds: xr.Dataset,
     load: float | str | Iterable[float | str] | None = None,
     velocity: float | str | Iterable[float | str] | None = None,
-    friction: float | None = None,
-    bulk_temperature: Bulk | None = None,
-    critical_temperature: float | str | None = None,
-    share: float | str | None = None,
-    criterion: str | None = None,
     realization: int | None = None,
+    **changed: Any,
 ) -> Figure:
     """Draw what happens while the load grows.
 
     The temperature is known at the end of each point, and between where the scene asked for it.
     The ends of lower loads at the same velocity lie on the same ramp and are drawn too, and where
     the way was taken on larger elements, width and share of the contact are known there alone.
-
-    Parameters
-    ----------
-    ds : Dataset
-        Dataset of `pipeline.open_sweep`.
-    load : float, str or several, optional
-        Loads up to which to draw [N], or text with a unit; the highest if not given.
-    velocity : float, str or several, optional
-        Velocities of the ramps [m/s], or text with a unit; the one nearest to the transition at
-        the load if not given.
-    friction, bulk_temperature, critical_temperature, share, criterion
-        See `pipeline.boundary`.
-    realization : int, optional
-        Seed of the surface to draw; the first if not given.
     """
-    conditions = conditions_of(
-        ds, friction, bulk_temperature, critical_temperature, share, criterion
-    )
-    ds = on_surface(dataset_of(ds), realization)
+    conditions = conditions_of(ds, **changed)
+    ds = on_surface(ds, realization)
     points = chosen_points(ds, load, velocity, conditions)
     ds = at_bulks(ds, conditions).transpose("load", "velocity", "step", ...)
 
@@ -112,7 +91,8 @@ def _temperatures(
     decisive = conditions.decisive
     if decisive.temperature != Criterion("highest").temperature:
         columns = {name: ds[name].values for name in (decisive.column, "quantile")}
-        rises.append((decisive.rise(columns), exceeding(conditions), {"ls": "-", "marker": "o"}))
+        look = {"ls": "-", "marker": "o"}
+        rises.append((decisive.rise(columns), decisive.temperature, look))
     for number, point in enumerate(points):
         for rise, _, look in rises:
             time, kelvin = _along_ramp(ds, rise, point)

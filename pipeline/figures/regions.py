@@ -15,6 +15,7 @@ from pipeline.figures.style import BLUE, TINTS, VERMILION
 from tribo.types import Array, Mask
 
 _LABEL_SIZE = (0.30, 0.13)  # of the axes: about what the names of the regions take
+_LEAST_ROOM = 0.4  # of a label's size, around its middle
 
 
 def name_regions(
@@ -38,9 +39,8 @@ def name_regions(
         (mild, "I/II\nmild wear", BLUE, TINTS["mild"]),
         (severe, "III/III*\nsevere adhesive wear", VERMILION, TINTS["severe"]),
     ):
-        place = _roomiest(inside, x, y, taken)
+        place = _roomiest(inside, x, y, rows, taken)
         if place is not None:
-            place = (place[0], rows[np.abs(rows - place[1]).argmin()])
             axes.text(
                 *place, name, transform=axes.transAxes, ha="center", va="center", fontsize=10.5,
                 fontweight="bold", linespacing=1.05, color=colour, zorder=5,
@@ -49,9 +49,9 @@ def name_regions(
 
 
 def _roomiest(
-    inside: Mask, x: Array, y: Array, taken: Sequence[tuple[float, float]]
+    inside: Mask, x: Array, y: Array, rows: Array, taken: Sequence[tuple[float, float]]
 ) -> tuple[float, float] | None:
-    """Place of a label farthest from a region's edges, in label sizes; None if none fits."""
+    """Roomiest place of a label in a row, counted in sizes of labels; None if none fits."""
     inside = inside.copy()
     for point in taken:
         if x[0] <= point[0] <= x[-1] and y[0] <= point[1] <= y[-1]:
@@ -60,7 +60,8 @@ def _roomiest(
     steps = (np.ptp(y) / (len(y) - 1) / height, np.ptp(x) / (len(x) - 1) / width)
     # Padded, since the edges of the diagram count as edges of the region.
     room = distance_transform_edt(np.pad(inside, 1), sampling=steps)[1:-1, 1:-1]
-    if room.max() < 0.4:
+    free = np.abs(y - rows[:, None]).argmin(axis=1)
+    if room[free].max() < _LEAST_ROOM:
         return None
-    row, column = np.unravel_index(int(room.argmax()), room.shape)
-    return float(x[column]), float(y[row])
+    row, column = np.unravel_index(int(room[free].argmax()), room[free].shape)
+    return float(x[column]), float(y[free[row]])

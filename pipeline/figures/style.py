@@ -53,6 +53,9 @@ _HOUSE_STYLE: Any = {
     "ytick.color": "#444444",
 }
 
+SOFT_BREAK = " \n"
+"""Break between lines of a title that goes where the figure gets another width."""
+
 _NARROW = 40  # characters of a line below the axes of a caller
 _SUFFIXES = (".pdf", ".png", ".svg")
 
@@ -96,23 +99,15 @@ def in_house_style(draw: Callable[P, R]) -> Callable[P, R]:
 
     @functools.wraps(draw)
     def styled(*args: P.args, **kwargs: P.kwargs) -> R:
-        with rc_context(_unchosen()):
+        unset = (name for name in _HOUSE_STYLE if rcParams[name] == rcParamsDefault[name])
+        with rc_context({name: _HOUSE_STYLE[name] for name in unset}):
             return draw(*args, **kwargs)
 
     return styled
 
 
-def _unchosen() -> Any:
-    """The house style as far as the user has not chosen otherwise, by a file or in Python."""
-    return {
-        name: value
-        for name, value in _HOUSE_STYLE.items()
-        if rcParams[name] == rcParamsDefault[name]
-    }
-
-
 def figure_path(out: str | Path) -> Path:
-    """Give the path of a figure to be written, before it is drawn.
+    """Path of a figure to be written, examined before it is drawn.
 
     Raises
     ------
@@ -134,7 +129,7 @@ def figure_path(out: str | Path) -> Path:
 
 @in_house_style
 def save_figure(figure: Figure, out: Path, dpi: float | None = None) -> Path:
-    """Write a figure, with so many dots per inch.
+    """Write a figure to a path of `figure_path`, with so many dots per inch.
 
     Raises
     ------
@@ -158,49 +153,18 @@ def save_figure(figure: Figure, out: Path, dpi: float | None = None) -> Path:
 
 
 def celsius(temperature: Any) -> Any:
-    """Convert kelvin to degrees Celsius.
-
-    Examples
-    --------
-    >>> celsius(298.15)
-    25.0
-    """
+    """A temperature [°C], of one in kelvin."""
     return temperature - 273.15
 
 
-def exceeding(conditions: Conditions) -> str:
-    """Name the temperature that decides.
-
-    Examples
-    --------
-    >>> exceeding(Conditions(0.1, 298.15, 418.15, failing_share=0.1))
-    'exceeded on 10 % of the contact'
-    """
-    return conditions.decisive.temperature
-
-
 def criterion(conditions: Conditions) -> str:
-    """Name the criterion of severe wear.
-
-    Examples
-    --------
-    >>> criterion(Conditions(0.1, 298.15, 418.15, failing_share=0.1))
-    'more than 10 % of the contact above 145 °C'
-    >>> criterion(Conditions(0.1, 298.15, 418.15, failing_share=0.0))
-    'any of the contact above 145 °C'
-    """
+    """Criterion of severe wear in words, such as "more than 10 % of the contact above 145 °C"."""
     critical = celsius(conditions.known_critical_temperature())
     return f"{conditions.decisive.severe} {critical:g} °C"
 
 
 def heating(conditions: Conditions) -> str:
-    """Name the conditions of the temperature.
-
-    Examples
-    --------
-    >>> heating(Conditions(0.1, 298.15, 418.15, failing_share=0.1))
-    'friction 0.1, bulk 25 °C'
-    """
+    """Friction and bulk temperature in words, such as "friction 0.1, bulk 25 °C"."""
     bulk = f"bulk {celsius(conditions.bulk_temperature):g} °C"
     if conditions.disk_temperature is not None:
         bulk += f" (pin) and {celsius(conditions.disk_temperature):g} °C (disk)"
@@ -218,8 +182,27 @@ def plain_numbers(axes: Axes) -> None:
 
 
 def title_of(ds: Described) -> str:
-    """Give the sweep's title, in a few lines that fit a figure."""
-    return textwrap.fill(as_text(str(ds.attrs.get("title") or ds.attrs.get("name") or "")), 80)
+    """Title of a sweep, in a few lines that fit a figure."""
+    return as_title(str(ds.attrs.get("title") or ds.attrs.get("name") or ""))
+
+
+def as_title(words: str, letters: int = 80) -> str:
+    """Words as a title, in lines of so many letters until a figure is fitted to a width."""
+    return SOFT_BREAK.join(textwrap.wrap(as_text(words), letters))
+
+
+def entry_label(path: str, letters: int = 22) -> str:
+    """Entry of a scene in words, the table above the name.
+
+    Examples
+    --------
+    >>> print(entry_label("disk.roughness.correlation_length"))
+    disk roughness:
+    correlation length
+    """
+    *tables, name = (part.replace("_", " ") for part in path.split("."))
+    words = f"{' '.join(tables)}: {name}" if tables else name
+    return textwrap.fill(as_text(words), letters)
 
 
 def as_text(words: str) -> str:

@@ -10,8 +10,8 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from pipeline.analysis.conditions import Bulk, conditions_of
-from pipeline.analysis.dataset import at_bulks, dataset_of, end_of_point, on_surface
+from pipeline.analysis.conditions import conditions_of
+from pipeline.analysis.dataset import at_bulks, end_of_point, on_surface
 from pipeline.analysis.decisive import decisive_rise
 from pipeline.analysis.interpolation import crossing, interpolated
 from pipeline.figures.points import index_of_load
@@ -21,7 +21,6 @@ from pipeline.figures.style import (
     VERMILION,
     canvas,
     celsius,
-    exceeding,
     heating,
     in_house_style,
     legend_below,
@@ -40,39 +39,19 @@ _BINS = 40
 def temperature(
     ds: xr.Dataset,
     load: float | str | None = None,
-    friction: float | None = None,
-    bulk_temperature: Bulk | None = None,
-    critical_temperature: float | str | None = None,
-    share: float | str | None = None,
-    criterion: str | None = None,
     realization: int | None = None,
     ax: Axes | None = None,
+    **changed: Any,
 ) -> Figure:
-    """Draw how the temperatures of the contact grow with the velocity at one load.
-
-    Parameters
-    ----------
-    ds : Dataset
-        Dataset of `pipeline.open_sweep`.
-    load : float or str, optional
-        Load [N], or text with a unit; the highest if not given.
-    friction, bulk_temperature, critical_temperature, share, criterion
-        See `pipeline.boundary`.
-    realization : int, optional
-        Seed of the surface to draw; the first if not given.
-    ax : Axes, optional
-        Axes of matplotlib to draw on, in place of a figure of its own.
-    """
-    conditions = conditions_of(
-        ds, friction, bulk_temperature, critical_temperature, share, criterion
-    )
+    """Draw how the temperatures of the contact grow with the velocity at one load."""
+    conditions = conditions_of(ds, **changed)
     row = _row(ds, load, realization)
     velocities = row["velocity"].values
     figure, axes = canvas(ax, (7.2, 5.0))
     highest = replace(conditions, criterion="highest")
     shown: list[tuple[Conditions, str, Any]] = [(highest, "highest", {"ls": "--", "marker": "^"})]
     if conditions.decisive.temperature != highest.decisive.temperature:
-        shown.append((conditions, exceeding(conditions), {"ls": "-", "marker": "o"}))
+        shown.append((conditions, conditions.decisive.temperature, {"ls": "-", "marker": "o"}))
     for judged, name, look in shown:
         rises = decisive_rise(row, judged).values[0]
         computed = velocities[np.isfinite(rises)]
@@ -107,41 +86,15 @@ def histogram(
     ds: xr.Dataset,
     load: float | str | None = None,
     velocity: float | str | None = None,
-    friction: float | None = None,
-    bulk_temperature: Bulk | None = None,
-    critical_temperature: float | str | None = None,
-    share: float | str | None = None,
-    criterion: str | None = None,
     realization: int | None = None,
     ax: Axes | None = None,
+    **changed: Any,
 ) -> Figure:
     """Draw how the temperature is distributed over the contact at the end of a point.
 
     Between the velocities of the sweep each quantile is interpolated.
-
-    Parameters
-    ----------
-    ds : Dataset
-        Dataset of `pipeline.open_sweep`.
-    load : float or str, optional
-        Load [N], or text with a unit; the highest if not given.
-    velocity : float or str, optional
-        Velocity [m/s], or text with a unit; that of the transition at the load if not given.
-    friction, bulk_temperature, critical_temperature, share, criterion
-        See `pipeline.boundary`.
-    realization : int, optional
-        Seed of the surface to draw; the first if not given.
-    ax : Axes, optional
-        Axes of matplotlib to draw on, in place of a figure of its own.
-
-    Raises
-    ------
-    InputError
-        If the load has no transition and no velocity is given, or the points do not reach that far.
     """
-    conditions = conditions_of(
-        ds, friction, bulk_temperature, critical_temperature, share, criterion
-    )
+    conditions = conditions_of(ds, **changed)
     row = _row(ds, load, realization)
     newtons = float(row["load"][0])
     sliding = (
@@ -182,7 +135,7 @@ def histogram(
 
 def _row(ds: xr.Dataset, load: float | str | None, realization: int | None) -> xr.Dataset:
     """The points at one load on one surface, the velocities ascending."""
-    ds = on_surface(dataset_of(ds), realization)
+    ds = on_surface(ds, realization)
     return ds.isel(load=[index_of_load(ds, load)])
 
 

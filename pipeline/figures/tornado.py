@@ -10,14 +10,23 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, MaxNLocator
 
-from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION, Picture, as_text, in_house_style
+from pipeline.figures.style import (
+    BLACK,
+    BLUE,
+    GREY,
+    VERMILION,
+    Picture,
+    as_text,
+    as_title,
+    entry_label,
+    in_house_style,
+)
 from pipeline.run.vary import Variation, Variations
 
 _LONGEST = 20  # letters of a value beside a bar
 _LEAST = 0.01  # change on either side for which there is room where nothing moves
 
 _TICKS = 6
-_LETTERS = 22  # of a name on one line
 _POWER = re.compile(r"(?<=\d)[eE]([+-]?\d+)")
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _SIGNS = {"um": "µm", "deg": "°", "^2": "²", "^3": "³"}
@@ -50,9 +59,9 @@ def draw_variations(varied: Variations) -> Figure:
             height_of_bar = row + (place - (len(ends) - 1) / 2) * height
             _bar(axes, varied, variations, load, height_of_bar, 0.86 * height, colour)
     axes.axvline(0.0, color=BLACK, lw=1.0)
-    axes.set_yticks(range(len(keys)), [_named(key, each) for key, each in keys.items()])
+    axes.set_yticks(range(len(keys)), [_named(key, values) for key, values in keys.items()])
     axes.set_ylim(len(keys) - 0.5, -0.5)
-    moved = np.array([varied.changes(each)[list(ends)] for each in varied.others])
+    moved = np.array([varied.changes(one)[list(ends)] for one in varied.others])
     moved = moved[np.isfinite(moved)]
     low, high = moved.min(initial=0.0), moved.max(initial=0.0)
     if low == high:
@@ -70,26 +79,16 @@ def draw_variations(varied: Variations) -> Figure:
         begins = f"from {critical_velocity:.3g} m/s" if np.isfinite(critical_velocity) else outcome
         axes.plot([], [], color=colour, lw=6, label=f"at {varied.loads[load]:g} N, {begins}")
     figure.legend(loc="outside lower center", ncols=len(ends))
-    axes.set_title(textwrap.fill(as_text(varied.title), 60), x=0.3)
+    axes.set_title(as_title(varied.title, 60), x=0.3)
     return figure
 
 
 def _named(key: str, variations: list[Variation]) -> str:
-    """Name of a row in words, with values that are too long to stand at a bar's end.
-
-    Examples
-    --------
-    >>> print(_named("disk.roughness.correlation_length", []))
-    disk roughness:
-    correlation length
-    """
-    *tables, name = (part.replace("_", " ") for part in key.split("."))
-    words = f"{' '.join(tables)}: {name}" if tables else name
+    """Name of a row in words, with values that are too long to stand at a bar's end."""
     values = [
         as_text(variation.value) for variation in variations if len(variation.value) > _LONGEST
     ]
-    lines = [textwrap.fill(as_text(words), _LETTERS)]
-    return "\n".join(lines + [textwrap.fill(value, 42) for value in values])
+    return "\n".join([entry_label(key), *(textwrap.fill(value, 42) for value in values)])
 
 
 def _shown(value: str) -> str:
@@ -111,7 +110,7 @@ def _shown(value: str) -> str:
 
 def _bar(
     axes: Axes,
-    found: Variations,
+    varied: Variations,
     variations: list[Variation],
     load: int,
     position: float,
@@ -119,7 +118,7 @@ def _bar(
     colour: str,
 ) -> None:
     """One bar from the least to the greatest change at a load, its ends named by the values."""
-    changes = np.array([found.changes(variation)[load] for variation in variations])
+    changes = np.array([varied.changes(variation)[load] for variation in variations])
     is_finite = np.isfinite(changes)
     if not is_finite.any():
         axes.text(

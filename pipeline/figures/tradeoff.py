@@ -14,7 +14,7 @@ from matplotlib.text import Text
 from matplotlib.ticker import FuncFormatter, NullFormatter
 from matplotlib.transforms import Bbox
 
-from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION, Picture, as_text, in_house_style
+from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION, Picture, as_title, in_house_style
 from pipeline.tradeoff.table import Choice, Trade
 from tribo import PRESETS
 
@@ -22,14 +22,7 @@ _LEAST = 1e-4  # the smallest error that is told apart from none
 _OUTLYING = 0.1  # relative error from which what is varied is not drawn
 _NAMED: dict[str, Any] = {"fontsize": 10, "fontweight": "bold", "color": BLACK}
 _VARIED: dict[str, Any] = {"fontsize": 7.5, "color": GREY}
-_SIDES = (
-    (1, 1),
-    (1, -1),
-    (1, 0),
-    (-1, 0),
-    (-1, 1),
-    (-1, -1),
-)  # of a point, right and up
+_SIDES = ((1, 1), (1, -1), (1, 0), (-1, 0), (-1, 1), (-1, -1))  # of a point, right and up
 _LEAD = {"arrowstyle": "-", "lw": 0.5, "color": GREY, "shrinkA": 1, "shrinkB": 4}
 
 
@@ -71,7 +64,8 @@ def draw_trade(trade: Trade) -> Figure:
             axes.plot(x, y, ls="none", label=label, gid=label, **look)
     work = [choice.saving for choice in shown]
     axes.set_xlim(max(work) * 2.0, min(work) / 2.0)
-    _limit_errors(axes, shown)
+    errors = [_place(choice)[1] for choice in shown]
+    axes.set_ylim(min(errors) / 1.8, max(errors) * 2.2)
 
     axes.set_xlabel("times less work than the reference  (faster to the left)")
     axes.set_ylabel("largest error of the boundary velocity")
@@ -79,7 +73,7 @@ def draw_trade(trade: Trade) -> Figure:
     axes.yaxis.set_minor_formatter(NullFormatter())
     axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axes.xaxis.set_minor_formatter(NullFormatter())
-    axes.set_title(f"Speed against accuracy: {as_text(trade.title)}", pad=10)
+    axes.set_title(as_title(f"Speed against accuracy: {trade.title}"), pad=10)
     figure.legend(loc="outside lower center", ncols=4)
     figure.draw_without_rendering()  # names go by the final scales
     _name(figure, axes, trade, shown, front)
@@ -106,11 +100,6 @@ def _kinds(
         ("presets", presets, {"marker": "D", "mfc": VERMILION, "mec": "white", "ms": 8.5}),
         ("the scene's own", others, {"marker": "s", "mfc": BLACK, "mec": "white", "ms": 7.5}),
     )
-
-
-def _limit_errors(axes: Axes, shown: list[Choice]) -> None:
-    errors = [_place(choice)[1] for choice in shown]
-    axes.set_ylim(min(errors) / 1.8, max(errors) * 2.2)
 
 
 def _name(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import textwrap
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -23,6 +22,8 @@ from pipeline.figures.style import (
     VERMILION,
     Picture,
     as_text,
+    as_title,
+    entry_label,
     in_house_style,
     plain_numbers,
 )
@@ -101,7 +102,7 @@ def draw_risk(
         if posterior
         else "inputs as assumed, before any measurement"
     )
-    axes.set_title(f"{textwrap.fill(as_text(ensemble.title), 70)}\n{basis}")
+    axes.set_title(f"{as_title(ensemble.title, 70)}\n{basis}")
     if axes.get_legend_handles_labels()[0]:
         figure.legend(loc="outside lower center", ncols=2)
     return figure
@@ -148,23 +149,16 @@ def draw_sensitivity(sensitivity: Sensitivity, title: str) -> Figure:
             error_kw={"ecolor": BLACK, "elinewidth": 0.8, "capsize": 2},
         )  # fmt: skip
         if has_total:
-            axes.plot(
-                sensitivity.total[i, order],
-                positions,
-                ls="none",
-                marker="|",
-                ms=8,
-                mew=1.4,
-                color=BLACK,
-            )
-    axes.set_yticks(range(len(order)), [_broken(sensitivity.unknown[k].path) for k in order])
+            total = sensitivity.total[i, order]
+            axes.plot(total, positions, ls="none", marker="|", ms=8, mew=1.4, color=BLACK)
+    axes.set_yticks(range(len(order)), [entry_label(sensitivity.unknown[k].path) for k in order])
     axes.grid(visible=False, axis="y")
     axes.set_xlim(left=0.0)
-    what = "share of the variance\nof the critical velocity"
-    what += ",\ngiven the measured transitions" if sensitivity.given_measured else ""
+    label = "share of the variance\nof the critical velocity"
+    label += ",\ngiven the measured transitions" if sensitivity.given_measured else ""
     bars = "bar: first index, 90 % interval" + ("\ntick: total index" if has_total else "")
-    axes.set_xlabel(f"{what}\n{bars}")
-    figure.suptitle(textwrap.fill(as_text(title), 70))
+    axes.set_xlabel(f"{label}\n{bars}")
+    figure.suptitle(as_title(title, 70))
     figure.legend(
         loc="outside lower center", ncols=min(number, 4), title="load, spread of velocity"
     )
@@ -208,14 +202,14 @@ def draw_posterior(posterior: Posterior) -> Figure:
         ):
             of_draws = quantity.shown.of(draws.inputs[:, number]) / 10.0**power
             _histogram(panel, of_draws, draws, bins, colour, label)
-        panel.set_xlabel(_broken(quantity.path) + _unit(quantity.shown.name, power), fontsize=9)
+        panel.set_xlabel(entry_label(quantity.path) + _unit(quantity.shown.name, power), fontsize=9)
         panel.set_yticks([])
         panel.grid(visible=False)
     if transitions:
         _parity(axes[len(unknown)], transitions, posterior.inferred_scatter[1])
     for panel in axes[panels:]:
         panel.set_axis_off()
-    titles = (textwrap.fill(as_text(one.title), 34 * columns) for one in posterior.ensembles)
+    titles = (as_title(one.title, 34 * columns) for one in posterior.ensembles)
     figure.suptitle("\n".join(titles))
     handles, labels = axes[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=2)
@@ -264,9 +258,3 @@ def _unit(unit: str, power: int) -> str:
     if unit != "1":
         shown.append(as_text(unit).replace("^2", "²").replace("^3", "³"))
     return f"\n[{' '.join(shown)}]" if shown else ""
-
-
-def _broken(path: str) -> str:
-    """The path of an input in two lines."""
-    table, _, name = path.rpartition(".")
-    return as_text(table) + ".\n" + as_text(name)

@@ -14,7 +14,7 @@ from pipeline.figures.page.content import content
 
 _FOLDER = Path(pipeline.figures.page.__file__).parent
 _SCRIPTS = (
-    "interpolation", "criterion", "transition", "rises", "model", "plot", "state", "conditions",
+    "interpolation", "criterion", "transition", "model", "plot", "state", "conditions",
     "verdict", "tables", "margin",
 )  # fmt: skip
 _STUB = """

@@ -8,6 +8,7 @@ from __future__ import annotations
 import base64
 import math
 from collections.abc import Mapping
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -27,6 +28,7 @@ from pipeline.analysis.decisive import decisive_rise
 from pipeline.analysis.entries import entries_of
 from pipeline.analysis.transition import OUTCOMES, range_of
 from pipeline.analysis.wear_rate import at_wear_rate, own_wear_rate
+from pipeline.figures.page.controls import controls
 from pipeline.figures.page.fields import FIELDS, packed_fields
 from pipeline.store.schema import DONE
 from pipeline.sweep.conditions import Conditions
@@ -34,7 +36,7 @@ from pipeline.sweep.criterion import rise_limit
 from pipeline.sweep.lubrication import Lubrication
 from pipeline.sweep.rises import above_colder
 from pipeline.sweep.selection import Selection
-from tribo import Criterion, WarningKind
+from tribo import Criterion
 from tribo.types import Array, Mask
 
 MOST_FIELDS = 500
@@ -42,10 +44,20 @@ MOST_FIELDS = 500
 
 _OIL_TEMPERATURES = np.arange(220.0, 601.0, 1.0)  # [K]
 
-_SHOWN = (
-    "time", "sliding_distance", "contact_fraction", "contact_width", "max_pressure",
-    "mean_pressure", "saturated_fraction", "wear_depth_max", "wear_volume", "pin_heat_share",
-)  # fmt: skip
+_NUMBERS = (
+    ("contact_width", "contact width", "µm", 1e6, 0),
+    ("contact_fraction", "contact area", "% of the window", 100.0, 0),
+    ("mean_pressure", "mean pressure", "GPa", 1e-9, 0),
+    ("max_pressure", "highest pressure", "GPa", 1e-9, 0),
+    ("saturated_fraction", "contact at the hardness", "%", 100.0, 0),
+    ("wear_depth_max", "wear depth", "µm", 1e6, 0),
+    ("wear_volume", "worn volume", "mm³", 1e9, 0),
+    ("pin_heat_share", "pin’s share of the heat", "%", 100.0, None),
+    ("sliding_distance", "sliding distance", "m", 1.0, -1),
+    ("time", "duration", "s", 1.0, 0),
+)
+"""Numbers of a point: variable, label, unit, its factor, and the power of the wear rate that they
+follow; None where they are known at the sweep's own alone."""
 
 
 def content(ds: xr.Dataset, most_fields: int = MOST_FIELDS) -> dict[str, Any]:
@@ -73,12 +85,16 @@ def content(ds: xr.Dataset, most_fields: int = MOST_FIELDS) -> dict[str, Any]:
         for part in surfaces
     ]  # fmt: skip
     done = np.array([part["status"] == DONE for part in parts], dtype=bool)
+    has_heat = attributes.get("scene", {}).get("friction_heat", True)
     chosen = _nearest(surfaces, done, conditions, most_fields) if _has_fields(ds) else []
     return {
         "title": attributes.get("title"),
         "name": attributes.get("name"),
         "conditions": _conditions(ds, conditions) | ({"wear_rate": rates[stored]} if rates else {}),
-        "friction_heat": attributes.get("scene", {}).get("friction_heat", True),
+        "controls": [
+            asdict(control)
+            for control in controls(conditions, has_heat, len(ratios) > 1, len(shares) > 1, rates)
+        ],
         "measured": attributes.get("measured") or [],
         "friction_band": attributes.get("friction_band"),
         "film": _film(attributes, ds),
@@ -89,7 +105,7 @@ def content(ds: xr.Dataset, most_fields: int = MOST_FIELDS) -> dict[str, Any]:
         "loads": ds["load"].values.tolist(),
         "velocities": ds["velocity"].values.tolist(),
         "quantiles": ds["quantile"].values.tolist(),
-        "surfaces": None if axis is None else _surfaces(ds, axis),
+        "surfaces": None if axis is None else ds[axis].values.tolist(),
         "done": int(done.sum()),
         "status": _packed([part["status"] for part in parts], "i1"),
         "asked": _packed([part["asked"] for part in parts], "u1"),
@@ -100,12 +116,17 @@ def content(ds: xr.Dataset, most_fields: int = MOST_FIELDS) -> dict[str, Any]:
         "shares": shares,
         "decisive": _packed([part["decisive"] for part in parts], "<f8"),
         "rises": _packed([part["rises"] for part in parts], "<f4"),
-        "numbers": {
-            name: _packed([part["numbers"][name] for part in parts], "<f4")
-            for name in parts[0]["numbers"]
+        "numbers": [
+            {"label": label, "unit": unit, "power": power}
+            | {"values": _packed([factor * part["end"][name] for part in parts], "<f4")}
+            for name, label, unit, factor, power in _NUMBERS
+            if name in ds
+        ],
+        "messages": {
+            str(place): message
+            for place, message in enumerate(text for part in parts for text in part["messages"])
+            if message
         },
-        "messages": _by_place([part["messages"] for part in parts]),
-        "warnings": _by_place([part["warnings"] for part in parts]),
         "fields": packed_fields(surfaces, chosen) | {"stored": int(done.sum()) * _has_fields(ds)},
         "record": _record(ds, attributes),
     }
@@ -146,9 +167,9 @@ def _on_surface(
     shares: list[float],
 ) -> dict[str, Any]:
     """Data of each point on one surface, from the sweep at each wear rate, and at its own."""
-    systems = [each.transpose("load", "velocity", "step", ...) for each in systems]
-    tables = [_tables(each, criterion, ratios, shares) for each in systems]
-    decisive, rises = (np.stack(each, axis=3) for each in zip(*tables, strict=True))
+    systems = [system.transpose("load", "velocity", "step", ...) for system in systems]
+    tables = [_tables(system, criterion, ratios, shares) for system in systems]
+    decisive, rises = (np.stack(table, axis=3) for table in zip(*tables, strict=True))
     ds = systems[stored]
     status, times = ds["status"].values, ds["time"].values
     normal_load = ds["normal_load"].values
@@ -160,9 +181,7 @@ def _on_surface(
         moments[place] = steps.size
         kept += [(*place, step) for step in steps]
     indices = tuple(np.array(kept, dtype=np.intp).reshape(-1, 3).T)
-    end = end_of_point(ds[[name for name in _SHOWN if name in ds]])
-    flags = ds["warning_flags"].values.ravel().tolist()
-    kinds = [[kind.label for kind in WarningKind if flag & kind] for flag in flags]
+    end = end_of_point(ds[[name for name, *_ in _NUMBERS if name in ds]])
     return {
         "status": status,
         "asked": asked(ds).transpose("load", "velocity").values,
@@ -170,11 +189,8 @@ def _on_surface(
         "times": times[indices],
         "decisive": decisive[indices],
         "rises": rises[indices],
-        "numbers": {
-            str(name): end[name].transpose("load", "velocity").values for name in end.data_vars
-        },
+        "end": {name: end[name].transpose("load", "velocity").values for name in end.data_vars},
         "messages": [str(message) for message in ds["message"].values.ravel()],
-        "warnings": kinds,
     }
 
 
@@ -217,11 +233,6 @@ def _moments(rises: Array, normal_load: Array, load: float) -> NDArray[np.intp]:
         if not any((rises[other] >= row).all() for other in kept):
             kept = [other for other in kept if not (row >= rises[other]).all()] + [step]
     return np.array(kept, dtype=np.intp)
-
-
-def _surfaces(ds: xr.Dataset, axis: str) -> dict[str, Any]:
-    """Names of several surfaces."""
-    return {"axis": axis, "names": ds[axis].values.tolist()}
 
 
 def _film(attributes: Mapping[str, Any], ds: xr.Dataset) -> dict[str, Any] | None:
@@ -286,12 +297,6 @@ def _nearest(
         distance = np.abs(rise - min(limit, rise.max(initial=0.0)))
         places = places[np.sort(np.argsort(distance, kind="stable")[:most])]
     return [(int(surface), int(load), int(velocity)) for surface, load, velocity in places]
-
-
-def _by_place(texts: list[list[Any]]) -> dict[str, Any]:
-    """Texts by place; most have none."""
-    entries = (entry for part in texts for entry in part)
-    return {str(place): entry for place, entry in enumerate(entries) if entry}
 
 
 def _packed(parts: list[Any], dtype: str) -> str:

@@ -25,10 +25,7 @@ function riseFactor(conditions) {
   return Math.max(conditions.friction, Math.abs(bulkDifference(conditions)) / largest);
 }
 
-/**
- * Difference of the bulk temperatures over what the rise is multiplied by [K].
- * @param {Conditions} conditions
- */
+/** Difference of the bulk temperatures over the factor of the rise [K]. @param {Conditions} conditions */
 function bulkRatio(conditions) {
   const difference = bulkDifference(conditions);
   return difference === 0 ? 0 : difference / riseFactor(conditions);

@@ -2,11 +2,22 @@
 "use strict";
 /* The transition diagram: regions, boundary, band, and the marks of points and measurements. */
 
-/** @type {{frame: Frame, shades: SVGElement, lines: SVGElement, targets: SVGElement[][]} | null} */
+/** @type {{frame: Frame, root: SVGElement, shades: SVGElement, lines: SVGElement, pointer: SVGElement,
+ *  choice: SVGElement} | null} */
 let diagram = null;
 
-/** Ends of an axis that holds some values, with room about them. */
-function ends(/** @type {number[]} */ values, isLog = false) {
+/** @type {[string, string][]} */
+const KINDS = [
+  ["mild", "mild wear, computed"],
+  ["severe", "severe wear, computed"],
+  ["mixed", "severe on some"],
+  ["unjudged", "computed"],
+  ["failed", "failed"],
+  ["pending", "pending"],
+];
+
+/** Ends of an axis that holds some values, with room about them. @param {number[]} values */
+function ends(values, isLog = false) {
   const [low, high] = [Math.min(...values), Math.max(...values)];
   if (isLog) {
     const factor = (high > low ? high / low : 2) ** 0.04;
@@ -16,20 +27,17 @@ function ends(/** @type {number[]} */ values, isLog = false) {
   return { low: low - room, high: high + room };
 }
 
-/** Velocities of the sweep; where it answers for several wear rates those that all of them have. */
-function commonVelocities() {
-  const { velocities, wear_rates, conditions } = content;
-  const { wear_rate = NaN } = conditions;
-  if (!wear_rates.length) return velocities;
-  const [low, high] = [velocities.find((velocity) => velocity > 0) ?? 0, velocities.slice(-1)[0]];
-  return [(low * wear_rate) / wear_rates[0], (high * wear_rate) / wear_rates.slice(-1)[0]];
-}
-
-/** Velocities and loads that the diagram is to hold. */
+/** Velocities and loads that the diagram holds: of several wear rates the velocities that all have. */
 function extent() {
+  const { velocities, wear_rates: rates, conditions } = content;
+  const { wear_rate = NaN } = conditions;
+  const [low, high] = [velocities.find((velocity) => velocity > 0) ?? 0, velocities.slice(-1)[0]];
+  const common = rates.length
+    ? [(low * wear_rate) / rates[0], (high * wear_rate) / rates.slice(-1)[0]]
+    : velocities;
   return {
-    velocities: [...commonVelocities(), ...content.measured.map((at) => at.velocity)],
-    loads: [...sweep.loads, ...content.measured.map((at) => at.normal_load)],
+    velocities: [...common, ...content.measured.map(({ velocity }) => velocity)],
+    loads: [...sweep.loads, ...content.measured.map(({ normal_load }) => normal_load)],
   };
 }
 
@@ -45,92 +53,74 @@ function makeScaleChoice() {
   });
 }
 
-/** Draw what does not follow the conditions: axes, and a target for each point. */
+/** Draw the parts that do not follow the conditions: axes, and rings about points. */
 function makeDiagram() {
   const room = element("diagram");
   const width = Math.max(room.clientWidth, 280);
   const { velocities, loads } = extent();
-  const { root, inside, frame } = axes(
-    width,
-    Math.round(Math.min(Math.max(0.72 * width, 300), 560)),
-    {
-      ...ends(velocities, chosen.isLog),
-      label: "sliding velocity [m/s]",
-    },
-    {
-      ...ends(loads, chosen.isLog),
-      label: "normal load [N]",
-    },
-  );
-  root.setAttribute("role", "group");
-  root.setAttribute("aria-label", "Points of the sweep by velocity and load; arrow keys move");
-  const shades = svg("g", { "aria-hidden": "true" });
-  const lines = svg("g", { "aria-hidden": "true" });
+  const x = { ...ends(velocities, chosen.isLog), label: "sliding velocity [m/s]" };
+  const y = { ...ends(loads, chosen.isLog), label: "normal load [N]" };
+  const height = Math.round(Math.min(Math.max(0.72 * width, 300), 560));
+  const { root, inside, frame } = axes(width, height, x, y);
+  const label = "Points of the sweep by velocity and load; arrow keys move, Enter keeps one";
+  const about = { tabindex: 0, role: "application", "aria-label": label, "aria-describedby": "tip" };
+  for (const [name, value] of Object.entries(about)) root.setAttribute(name, String(value));
+  const [shades, lines] = [svg("g"), svg("g")];
   const { left, top, right, bottom } = frame;
   const size = { x: left, y: top, width: right - left, height: bottom - top };
-  const viewBox = `${left} ${top} ${size.width} ${size.height}`;
-  const view = svg("svg", { ...size, viewBox, class: "view" });
-  view.append(shades, lines); // cut off where another wear rate has velocities beyond
-  inside.append(view);
-  const targets = sweep.loads.map((_load, i) =>
-    sweep.velocities.map((_velocity, j) => target(frame, i, j)),
-  );
-  root.append(svg("g", {}, ...targets.flat()));
+  const viewBox = Object.values(size).join(" ");
+  const view = svg("svg", { ...size, viewBox, class: "view" }, shades, lines);
+  inside.append(view); // cut off where another wear rate has velocities beyond
+  const pointer = svg("circle", { class: "pointer", r: 8, display: "none" });
+  const choice = svg("circle", { class: "choice", r: 8, display: "none" });
+  root.append(pointer, choice);
   room.replaceChildren(root, tip);
-  diagram = { frame, shades, lines, targets };
-  const { i, j } = chosen.point ?? nearest();
-  targets[i][j].setAttribute("tabindex", "0");
+  diagram = { frame, root, shades, lines, pointer, choice };
+  pointTo(null);
+  ring(choice, chosen.point);
+  listenToPoints(root);
 }
 
-/** Draw what follows the conditions. */
+/** Draw the parts that follow the conditions. */
 function drawDiagram() {
   if (!diagram) return;
-  const { frame, shades, lines, targets } = diagram;
+  const { frame, shades, lines } = diagram;
   shades.replaceChildren(...drawnShades(frame));
-  const marks = drawnMarks(frame);
-  lines.replaceChildren(...drawnLines(frame), ...marks, ...drawnMeasured(frame), ...drawnPlace(frame));
-  targets.forEach((row, i) =>
-    row.forEach((each, j) => {
-      const x = frame.x(sweep.velocities[j]);
-      const isThere = kindOf(i, j) && x >= frame.left && x <= frame.right;
-      each.setAttribute("display", isThere ? "inline" : "none");
-    }),
+  lines.replaceChildren(
+    ...drawnLines(frame), ...drawnMarks(frame), ...drawnMeasured(frame), ...drawnPlace(frame),
   );
 }
 
-/** Mild and severe regions, and the band over the surfaces. @param {Frame} frame */
+/** Mild and severe regions, and the bands over surfaces and frictions. @param {Frame} frame */
 function drawnShades(frame) {
   if (!isJudged() || Math.min(sweep.loads.length, sweep.velocities.length) < 2) return [];
   const { fine } = sweep.decisive(chosen.conditions);
   const [lowest, highest] = [sweep.loads[0], sweep.loads[sweep.loads.length - 1]];
-  // What lies beyond the sweep is drawn to its end.
+  // Beyond the sweep the boundary is drawn along its end.
   const edgesAt = (/** @type {number} */ friction) =>
     sweep
-      .drawn(chosen.surface, { ...chosen.conditions, friction })
-      .map(({ loads }) => loads.map((load) => Math.min(Math.max(load, lowest), highest)));
+      .drawn(surfaces(), { ...chosen.conditions, friction })
+      .map((loads) => loads.map((load) => Math.min(Math.max(load, lowest), highest)));
   const edges = edgesAt(chosen.conditions.friction);
   const middle = edges[edges.length >> 1];
-  const found = [];
+  const shades = [];
   if (!content.chosen) {
-    found.push(area(frame, fine, fine.map(() => lowest), middle, "mild"));
-    found.push(area(frame, fine, middle, fine.map(() => highest), "severe"));
+    shades.push(area(frame, fine, fine.map(() => lowest), middle, "mild"));
+    shades.push(area(frame, fine, middle, fine.map(() => highest), "severe"));
   }
   if (content.friction_band) {
-    const [upper, lower] = content.friction_band.map(edgesAt).map((each) => each[each.length >> 1]);
-    found.push(area(frame, fine, lower, upper, "friction"));
+    const [upper, lower] = content.friction_band.map(edgesAt).map((lines) => lines[lines.length >> 1]);
+    shades.push(area(frame, fine, lower, upper, "friction"));
   }
-  if (edges.length > 1) found.push(area(frame, fine, edges[0], edges[2], "band"));
-  return found;
+  if (edges.length > 1) shades.push(area(frame, fine, edges[0], edges[2], "band"));
+  return shades;
 }
 
-/** Area between two lines, where both are known and apart. */
-function area(
-  /** @type {Frame} */ frame,
-  /** @type {number[]} */ x,
-  /** @type {number[]} */ low,
-  /** @type {number[]} */ high,
-  /** @type {string} */ look,
-) {
+/**
+ * Area between two lines, where both are known and apart.
+ * @param {Frame} frame @param {number[]} x @param {number[]} low @param {number[]} high @param {string} look
+ */
+function area(frame, x, low, high, look) {
   // Between a value and the next; beyond the last there is nothing.
   const isApart = x.map((_, k) => Math.max(high[k] - low[k], high[k + 1] - low[k + 1]) > 0);
   let text = "";
@@ -138,10 +128,10 @@ function area(
     if (!isApart[k]) continue;
     let end = k;
     while (isApart[end]) end++;
-    const there = x.slice(k, end + 1).map(frame.x);
+    const across = x.slice(k, end + 1).map(frame.x);
     const up = high.slice(k, end + 1).map(frame.y);
     const down = low.slice(k, end + 1).map(frame.y);
-    text += `${path([...there, ...there.slice().reverse()], [...up, ...down.reverse()])}Z`;
+    text += `${path([...across, ...across.slice().reverse()], [...up, ...down.reverse()])}Z`;
     k = end;
   }
   return svg("path", { class: look, d: text });
@@ -151,51 +141,48 @@ function area(
 function drawnLines(frame) {
   if (!isJudged()) return [];
   const { fine } = sweep.decisive(chosen.conditions);
-  const edges = sweep.drawn(chosen.surface, chosen.conditions);
-  const { loads, velocities } = edges[edges.length >> 1];
+  const edges = sweep.drawn(surfaces(), chosen.conditions);
+  const loads = edges[edges.length >> 1];
   const points = [
-    ...fine.map((at, k) => [at, loads[k]]),
-    ...sweep.loads.map((load, i) => [velocities[i], load]),
+    ...fine.map((velocity, k) => [velocity, loads[k]]),
+    ...summary().velocity.map(({ middle }, i) => [middle, sweep.loads[i]]),
   ];
-  const known = points.filter((at) => at.every(Number.isFinite)).sort((a, b) => a[0] - b[0]);
-  if (known.length === 1) {
-    const [[at, load]] = known;
-    return [svg("circle", { cx: frame.x(at), cy: frame.y(load), r: 4 })];
+  const finite = points.filter((point) => point.every(Number.isFinite)).sort((a, b) => a[0] - b[0]);
+  if (finite.length === 1) {
+    const [[velocity, load]] = finite;
+    return [svg("circle", { cx: frame.x(velocity), cy: frame.y(load), r: 4 })];
   }
-  const [x, y] = [0, 1].map((k) => known.map((at) => at[k]));
-  return [svg("path", { class: "boundary", d: path(x.map(frame.x), y.map(frame.y)) })];
+  const [x, y] = [finite.map(([velocity]) => frame.x(velocity)), finite.map(([, load]) => frame.y(load))];
+  return [svg("path", { class: "boundary", d: path(x, y) })];
+}
+
+/** Indices of all points. */
+function everyPoint() {
+  return sweep.loads.flatMap((_load, i) => sweep.velocities.map((_velocity, j) => ({ i, j })));
 }
 
 /** Marks of the points, ringed where they carry a warning. @param {Frame} frame */
 function drawnMarks(frame) {
   const r = sweep.plane < 1500 ? 3.4 : 2;
-  const found = [];
-  for (let i = 0; i < sweep.loads.length; i++) {
-    for (let j = 0; j < sweep.velocities.length; j++) {
-      const kind = kindOf(i, j);
-      if (!kind) continue;
-      const [x, y] = [frame.x(sweep.velocities[j]), frame.y(sweep.loads[i])];
-      if (hasWarning(i, j)) found.push(svg("circle", { class: "ring", cx: x, cy: y, r: r + 3 }));
-      found.push(mark(kind, x, y, r));
-    }
-  }
-  return found;
+  return everyPoint().flatMap(({ i, j }) => {
+    const kind = kindOf(i, j);
+    if (!kind) return [];
+    const [x, y] = [frame.x(sweep.velocities[j]), frame.y(sweep.loads[i])];
+    const rings = hasWarning(i, j) ? [svg("circle", { class: "ring", cx: x, cy: y, r: r + 3 })] : [];
+    return [...rings, mark(kind, x, y, r)];
+  });
 }
 
-/** Measured transitions, each beside what is computed at its own friction. @param {Frame} frame */
+/** Measured transitions, each beside the one computed at its own friction. @param {Frame} frame */
 function drawnMeasured(frame) {
-  const found = [];
-  for (const at of content.measured) {
-    const [x, y] = [frame.x(at.velocity), frame.y(at.normal_load)];
-    const expected = expectedVelocity(at);
-    if (Number.isFinite(expected)) {
-      const x2 = frame.x(expected);
-      found.push(svg("line", { class: "own", x1: x, y1: y, x2, y2: y }));
-      found.push(diamond(x2, y, 4.5, "expected"));
-    }
-    found.push(diamond(x, y, 6.5, "measured"));
-  }
-  return found;
+  return content.measured.flatMap((measurement) => {
+    const [x, y] = [frame.x(measurement.velocity), frame.y(measurement.normal_load)];
+    const expected = frame.x(expectedVelocity(measurement));
+    const mark = diamond(x, y, 6.5, "measured");
+    if (!Number.isFinite(expected)) return [mark];
+    const line = svg("path", { class: "own", d: `M${x},${y}H${expected}` });
+    return [line, diamond(expected, y, 4.5, "expected"), mark];
+  });
 }
 
 /** The operating point. @param {Frame} frame */
@@ -207,49 +194,29 @@ function drawnPlace(frame) {
 
 /** Signs of the diagram, in words. */
 function showLegend() {
-  const kinds = new Set();
-  const several = surfaces().length > 1;
-  let warned = false;
-  for (let i = 0; i < sweep.loads.length; i++) {
-    for (let j = 0; j < sweep.velocities.length; j++) {
-      kinds.add(kindOf(i, j));
-      warned = warned || hasWarning(i, j);
-    }
-  }
-  /** @type {[string, SVGElement][]} */
-  const signs = [];
-  if (isJudged()) {
-    const line = svg("path", { class: "boundary", d: "M0,7H26" });
-    signs.push([several ? "transition, median" : "computed transition", line]);
-    if (several) {
-      const text = `${100 * BAND[0]} to ${100 * BAND[2]} % of ${surfaces().length}`;
-      signs.push([text, svg("rect", { class: "band", width: 26, height: 14 })]);
-    }
-  }
-  if (isJudged() && content.friction_band) {
-    const span = content.friction_band.map((each) => shown(each)).join(" to ");
-    signs.push([`transition at friction ${span}`, svg("rect", { class: "friction", width: 26, height: 14 })]);
-  }
-  for (const [kind, words] of KINDS) if (kinds.has(kind)) signs.push([words, mark(kind, 13, 7, 4)]);
-  if (warned) signs.push(["carries a warning", svg("circle", { class: "ring", cx: 13, cy: 7, r: 6 })]);
-  if (content.measured.length) {
-    signs.push(["measured transition", diamond(13, 7, 6, "measured")]);
-    if (isJudged()) signs.push(["computed at its own friction", diamond(13, 7, 5, "expected")]);
-  }
-  if (isInside()) signs.push(["operating point", svg("path", { class: "operating", d: "M5,7h16M13,-1v16" })]);
-  element("legend").replaceChildren(
-    ...signs.map(([words, sign]) =>
-      html("li", {}, svg("svg", { "aria-hidden": "true", viewBox: "0 0 26 14" }, sign), words),
-    ),
+  const box = (/** @type {string} */ look) => svg("rect", { class: look, width: 26, height: 14 });
+  const line = (/** @type {string} */ look, /** @type {string} */ d) => svg("path", { class: look, d });
+  /** @type {Set<string>} */
+  const kinds = new Set(everyPoint().map(({ i, j }) => kindOf(i, j)));
+  const isWarned = everyPoint().some(({ i, j }) => hasWarning(i, j));
+  const count = surfaces().length;
+  const { friction_band: band, measured } = content;
+  /** @type {[boolean | number | string, string, SVGElement][]} */
+  const signs = [
+    [isJudged(), count > 1 ? "transition, median" : "computed transition", line("boundary", "M0,7H26")],
+    [isJudged() && count > 1, `${100 * BAND[0]} to ${100 * BAND[2]} % of ${count}`, box("band")],
+  ];
+  const frictions = band ? band.map((end) => shown(end)).join(" to ") : "";
+  signs.push([frictions && isJudged(), `transition at friction ${frictions}`, box("friction")]);
+  for (const [kind, words] of KINDS) signs.push([kinds.has(kind), words, mark(kind, 13, 7, 4)]);
+  signs.push(
+    [isWarned, "carries a warning", svg("circle", { class: "ring", cx: 13, cy: 7, r: 6 })],
+    [measured.length, "measured transition", diamond(13, 7, 6, "measured")],
+    [measured.length && isJudged(), "computed at its own friction", diamond(13, 7, 5, "expected")],
+    [isInside(), "operating point", line("operating", "M5,7h16M13,-1v16")],
   );
+  const items = signs.filter(([isThere]) => isThere).map(([, words, sign]) =>
+    html("li", {}, svg("svg", { "aria-hidden": "true", viewBox: "0 0 26 14" }, sign), words),
+  );
+  element("legend").replaceChildren(...items);
 }
-
-/** @type {[string, string][]} */
-const KINDS = [
-  ["mild", "mild wear, computed"],
-  ["severe", "severe wear, computed"],
-  ["mixed", "severe on some"],
-  ["unjudged", "computed"],
-  ["failed", "failed"],
-  ["pending", "pending"],
-];

@@ -6,55 +6,24 @@
  */
 
 /**
- * @typedef {{value: (at: number) => number}} Smooth
- * @typedef {{x: number[], y: number[], smooth: Smooth | null}} Line known values, ascending in x
+ * @typedef {(x: number) => number} Smooth
+ * @typedef {{x: number[], y: number[], smooth: Smooth | null}} Line finite values, ascending in x
  */
 
 /**
- * Cubic through points that is monotone between them (PCHIP), as scipy's PchipInterpolator.
- * @param {number[]} x ascending, at least two
- * @param {number[]} y
+ * Slopes at the points of a cubic that is monotone between them (PCHIP), as SciPy's.
+ * @param {number[]} h widths of the intervals @param {number[]} m their mean slopes
  */
-function pchip(x, y) {
-  const n = x.length;
-  /** @type {number[]} */
-  const h = [];
-  /** @type {number[]} */
-  const m = [];
-  for (let k = 0; k < n - 1; k++) {
-    h.push(x[k + 1] - x[k]);
-    m.push((y[k + 1] - y[k]) / h[k]);
-  }
-  /** @type {number[]} */
-  const d = new Array(n);
-  if (n === 2) {
-    d[0] = d[1] = m[0];
-  } else {
-    for (let k = 1; k < n - 1; k++) {
-      const before = m[k - 1];
-      const after = m[k];
-      if (before * after <= 0) {
-        d[k] = 0;
-      } else {
-        const w1 = 2 * h[k] + h[k - 1];
-        const w2 = h[k] + 2 * h[k - 1];
-        d[k] = (w1 + w2) / (w1 / before + w2 / after);
-      }
-    }
-    d[0] = endSlope(h[0], h[1], m[0], m[1]);
-    d[n - 1] = endSlope(h[n - 2], h[n - 3], m[n - 2], m[n - 3]);
-  }
-  return {
-    slope: d,
-    /** @param {number} at */
-    value(at) {
-      const k = Math.min(Math.max(above(x, at) - 1, 0), n - 2);
-      const s = at - x[k];
-      const c = (3 * m[k] - 2 * d[k] - d[k + 1]) / h[k];
-      const b = (d[k] - 2 * m[k] + d[k + 1]) / (h[k] * h[k]);
-      return y[k] + s * (d[k] + s * (c + s * b));
-    },
-  };
+function slopes(h, m) {
+  const n = h.length;
+  if (n === 1) return [m[0], m[0]];
+  const inner = m.slice(1).map((after, k) => {
+    if (m[k] * after <= 0) return 0;
+    const [w1, w2] = [2 * h[k + 1] + h[k], h[k + 1] + 2 * h[k]];
+    return (w1 + w2) / (w1 / m[k] + w2 / after);
+  });
+  const [first, last] = [endSlope(h[0], h[1], m[0], m[1]), endSlope(h[n - 1], h[n - 2], m[n - 1], m[n - 2])];
+  return [first, ...inner, last];
 }
 
 /**
@@ -66,6 +35,25 @@ function endSlope(h0, h1, m0, m1) {
   if (Math.sign(d) !== Math.sign(m0)) return 0;
   if (Math.sign(m0) !== Math.sign(m1) && Math.abs(d) > 3 * Math.abs(m0)) return 3 * m0;
   return d;
+}
+
+/**
+ * Cubic through points, and its slope at the first of them.
+ * @param {number[]} x ascending, at least two @param {number[]} y
+ * @returns {{value: Smooth, slope: number}}
+ */
+function pchip(x, y) {
+  const h = x.slice(1).map((end, k) => end - x[k]);
+  const m = h.map((width, k) => (y[k + 1] - y[k]) / width);
+  const d = slopes(h, m);
+  const value = (/** @type {number} */ place) => {
+    const k = Math.min(Math.max(above(x, place) - 1, 0), h.length - 1);
+    const s = place - x[k];
+    const c = (3 * m[k] - 2 * d[k] - d[k + 1]) / h[k];
+    const b = (d[k] - 2 * m[k] + d[k + 1]) / (h[k] * h[k]);
+    return y[k] + s * (d[k] + s * (c + s * b));
+  };
+  return { value, slope: d[0] };
 }
 
 /**
@@ -84,53 +72,47 @@ function above(x, value) {
 }
 
 /**
- * Value at an abscissa by straight lines, that of the nearer end beyond them.
- * @param {ArrayLike<number>} x ascending @param {ArrayLike<number>} y @param {number} at
+ * Value by straight lines, that of the nearer end beyond them.
+ * @param {ArrayLike<number>} x ascending @param {ArrayLike<number>} y @param {number} place
  */
-function linear(x, y, at) {
+function linear(x, y, place) {
   const last = x.length - 1;
-  if (!(at > x[0])) return y[0];
-  if (at >= x[last]) return y[last];
-  const k = above(x, at);
-  const weight = (at - x[k - 1]) / (x[k] - x[k - 1]);
+  if (!(place > x[0])) return y[0];
+  if (place >= x[last]) return y[last];
+  const k = above(x, place);
+  const weight = (place - x[k - 1]) / (x[k] - x[k - 1]);
   return (1 - weight) * y[k - 1] + weight * y[k];
 }
 
 /**
- * Interpolant of values close to a power law (pipeline.analysis.interpolation).
+ * Interpolant of values close to a power law.
  * @param {number[]} x ascending, at least two @param {number[]} y @returns {Smooth}
  */
 function interpolant(x, y) {
-  const positive = (/** @type {number} */ value) => value > 0;
-  if (x.every(positive) && y.every(positive)) {
+  const isPositive = (/** @type {number} */ value) => value > 0;
+  if (x.every(isPositive) && y.every(isPositive)) {
     const cubic = pchip(x.map(Math.log), y.map(Math.log));
-    return { value: (at) => Math.exp(cubic.value(Math.log(at))) };
+    return (place) => Math.exp(cubic.value(Math.log(place)));
   }
-  if (x[0] === 0 && y[0] === 0 && x.length > 2 && y.slice(1).every(positive)) {
+  if (x[0] === 0 && y[0] === 0 && x.length > 2 && y.slice(1).every(isPositive)) {
     // From the first point down to 0, the power law goes on with which the others begin.
-    const first = x[1];
     const cubic = pchip(x.slice(1).map(Math.log), y.slice(1).map(Math.log));
-    const exponent = cubic.slope[0];
-    if (exponent > 0.25) {
-      return {
-        value: (at) =>
-          at < first
-            ? y[1] * (at / first) ** exponent
-            : Math.exp(cubic.value(Math.log(Math.max(at, first)))),
-      };
+    if (cubic.slope > 0.25) {
+      return (place) =>
+        place < x[1] ? y[1] * (place / x[1]) ** cubic.slope : Math.exp(cubic.value(Math.log(place)));
     }
   }
-  return pchip(x, y);
+  return pchip(x, y).value;
 }
 
 /**
- * The points of a row that are known.
- * @param {number[]} x ascending @param {number[]} y NaN where not known @returns {Line}
+ * Line through the finite values of a row.
+ * @param {number[]} x ascending @param {number[]} y @returns {Line}
  */
 function lineOf(x, y) {
-  const at = x.filter((_, k) => Number.isFinite(y[k]));
-  const known = y.filter(Number.isFinite);
-  return { x: at, y: known, smooth: at.length > 1 ? interpolant(at, known) : null };
+  const places = x.filter((_, k) => Number.isFinite(y[k]));
+  const values = y.filter(Number.isFinite);
+  return { x: places, y: values, smooth: places.length > 1 ? interpolant(places, values) : null };
 }
 
 /**
@@ -142,64 +124,38 @@ function crossing({ x, y, smooth }, limit) {
   if (first < 0) return NaN;
   if (y[first] === limit) return x[first];
   if (first === 0 || !smooth) return NaN;
-  return root((at) => smooth.value(at) - limit, x[first - 1], x[first]);
-}
-
-/**
- * Root of a monotone function that is below 0 at `low` and above at `high`: by regula falsi, which
- * halves the weight of an end that stays, and by halving where that is slow.
- * @param {(at: number) => number} f @param {number} low @param {number} high
- */
-function root(f, low, high) {
-  let below = f(low);
-  let over = f(high);
-  // Within rounding of a point the interpolant may lie on the other side of the limit.
-  if (below >= 0) return low;
-  if (over <= 0) return high;
-  let side = 0;
-  for (let turn = 0; turn < 200; turn++) {
-    const halve = turn % 4 === 3;
-    const at = halve ? (low + high) / 2 : (low * over - high * below) / (over - below);
-    if (!(at > low && at < high)) return at <= low ? low : high;
-    const value = f(at);
-    if (value === 0) return at;
-    if (value < 0) {
-      low = at;
-      below = value;
-      if (side < 0) over /= 2;
-      side = halve ? 0 : -1;
-    } else {
-      high = at;
-      over = value;
-      if (side > 0) below /= 2;
-      side = halve ? 0 : 1;
-    }
-    if (high - low <= 1e-15 * high) break;
+  let [low, high] = [x[first - 1], x[first]];
+  while (high - low > 1e-12 * high) {
+    const middle = (low + high) / 2;
+    if (smooth(middle) < limit) low = middle;
+    else high = middle;
   }
   return (low + high) / 2;
 }
 
 /**
  * Value of a line; NaN beyond its ends, or by the power law of its last two points.
- * @param {Line} line @param {number} at @param {boolean} [continued]
+ * @param {Line} line @param {number} place @param {boolean} [isContinued]
  */
-function valueAt({ x, y, smooth }, at, continued = false) {
-  const n = x.length;
-  const same = x.indexOf(at);
+function valueAt({ x, y, smooth }, place, isContinued = false) {
+  const last = x.length - 1;
+  const same = x.indexOf(place);
   if (same >= 0) return y[same];
   if (!smooth) return NaN;
-  if (at >= x[0] && at <= x[n - 1]) return smooth.value(at);
-  if (!continued || !(at > 0) || [...x, ...y].some((value) => value <= 0)) return NaN;
-  const [i, j] = at < x[0] ? [0, 1] : [n - 1, n - 2];
-  return y[i] * (at / x[i]) ** (Math.log(y[i] / y[j]) / Math.log(x[i] / x[j]));
+  if (place >= x[0] && place <= x[last]) return smooth(place);
+  if (!isContinued || !(place > 0) || [...x, ...y].some((value) => value <= 0)) return NaN;
+  const [i, j] = place < x[0] ? [0, 1] : [last, last - 1];
+  return y[i] * (place / x[i]) ** (Math.log(y[i] / y[j]) / Math.log(x[i] / x[j]));
 }
 
 /**
  * A row through one more point, so that what follows from both agrees.
- * @param {number[]} x @param {number[]} y @param {number} at @param {number} value @returns {Line}
+ * @param {number[]} x @param {number[]} y @param {number} place @param {number} value @returns {Line}
  */
-function withPoint(x, y, at, value) {
-  const others = x.map((each, k) => [each, y[k]]).filter(([each]) => each !== at);
-  const all = [...others, [at, value]].sort((a, b) => a[0] - b[0]);
-  return lineOf(all.map(([each]) => each), all.map(([, each]) => each));
+function withPoint(x, y, place, value) {
+  const end = above(x, place);
+  const begin = x[end - 1] === place ? end - 1 : end;
+  const insert = (/** @type {number[]} */ row, /** @type {number} */ entry) =>
+    [...row.slice(0, begin), entry, ...row.slice(end)];
+  return lineOf(insert(x, place), insert(y, value));
 }

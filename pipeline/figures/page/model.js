@@ -4,32 +4,28 @@
 
 /**
  * @typedef {{normal_load: number, velocity: number, friction: number | null}} Measurement
- * @typedef {{axis: string, names: number[], inputs: Object<string, (number|string)[]>}} Surfaces
  * @typedef {[number, number, number, number, number, number, string]} Packed
  * @typedef {{points: Object<string, Packed>, stored: number, shape?: [number, number],
  *   block?: [number, number], extent?: [number, (number | null)]}} Fields
  * @typedef {{load: number, velocity: number, powers: [number, number], temperatures: number[],
  *   logarithms: number[]}} Film
- * @typedef {{title: string, name: string, conditions: Conditions, friction_heat: boolean,
+ * @typedef {{name: ControlName, factor: number, offset: number, least: number | null,
+ *   most: number | null, fault: string}} Control
+ * @typedef {"friction" | "bulk_temperature" | "disk_temperature" | "critical_temperature"
+ *   | "failing_share" | "wear_rate"} ControlName
+ * @typedef {{label: string, unit: string, power: number | null, values: string}} Numbers
+ * @typedef {{title: string, name: string, conditions: Conditions, controls: Control[],
  *   measured: Measurement[], chosen: boolean, loads: number[], velocities: number[],
  *   quantiles: number[], wear_rates: number[], bulk_ratios: number[], shares: number[],
- *   surfaces: Surfaces | null,
- *   done: number, status: string, asked: string,
- *   moments: string, moment_times: string, rises: string, numbers: Object<string, string>,
- *   decisive: string, deciding: string, outcomes: string[],
- *   range: {velocity: [number, number], load: [number, number]},
- *   messages: Object<string, string>, warnings: Object<string, string[]>, fields: Fields,
- *   friction_band: [number, number] | null, film: Film | null,
- *   record: Object<string, string>}} Content what pipeline.figures.page.content gives
- * @typedef {[number, number]} Ends least and greatest place that a transition may have
- * @typedef {{at: number[], outcome: number[], ends: Ends[], computed: Ends[]}} Crossings
- * @typedef {{velocity: Crossings, load: Crossings, missing: number}} Boundary
- * @typedef {{rise: number, moment: number}} Worst
+ *   surfaces: number[] | null, status: string, asked: string, moments: string,
+ *   moment_times: string, rises: string, decisive: string, numbers: Numbers[], deciding: string,
+ *   outcomes: string[], range: {velocity: Ends, load: Ends}, messages: Object<string, string>,
+ *   fields: Fields, friction_band: Ends | null, film: Film | null}} Content what
+ *   pipeline.figures.page.content gives
  * @typedef {{rises: number[][][], along: Line[][], across: Line[][], fine: number[],
  *   columns: Line[][]}} Decisive decisive rises, and lines through them by surface
  */
 
-const BAND = [0.1, 0.5, 0.9];
 const POINT_DONE = 1;
 const POINT_FAILED = 2;
 
@@ -38,33 +34,28 @@ class Sweep {
   /** @param {Content} content */
   constructor(content) {
     const { loads, velocities } = content;
+    this.content = content;
     this.loads = loads;
     /** Those at which the contacts have the wear rate that is shown. */
     this.velocities = velocities;
-    this.content = content;
-    this.quantiles = content.quantiles;
-    this.continued = content.chosen;
+    /** @type {{velocity: Ends, load: Ends}} */
+    this.range = content.range;
     /** Number of surfaces; each has a place for every load and velocity. */
-    this.surfaces = content.surfaces ? content.surfaces.names.length : 1;
+    this.surfaces = content.surfaces?.length ?? 1;
     this.plane = loads.length * velocities.length;
     this.status = new Int8Array(bytes(content.status));
     this.asked = new Uint8Array(bytes(content.asked));
     this.moments = new Int32Array(bytes(content.moments));
     this.times = new Float32Array(bytes(content.moment_times));
-    this.range = content.range;
-    this.shares = content.shares;
+    this.numbers = content.numbers.map(({ values }) => new Float32Array(bytes(values)));
     this.everyDeciding = new Float64Array(bytes(content.decisive));
     this.everyRise = new Float32Array(bytes(content.rises));
-    this.wearRate = content.conditions.wear_rate ?? NaN;
-    /** Rise that decides at each failing share. */
-    this.deciding = this.table(this.everyDeciding, this.shares.length);
-    /** Quantiles of the rise, to look at. */
-    this.rises = this.table(this.everyRise, this.quantiles.length);
-    /** @type {Object<string, Float32Array>} */
-    this.numbers = {};
-    for (const name in content.numbers) {
-      this.numbers[name] = new Float32Array(bytes(content.numbers[name]));
-    }
+    /** Wear rate over the sweep's own. */
+    this.rateRatio = 1;
+    /** Deciding rises by moment, bulk ratio and failing share. */
+    this.deciding = this.atRate(this.everyDeciding);
+    /** Quantiles of the rise by moment and bulk ratio, to look at. */
+    this.rises = this.atRate(this.everyRise);
     /** First moment of each place. */
     this.begins = new Int32Array(this.moments.length);
     for (let k = 1; k < this.moments.length; k++) {
@@ -75,45 +66,53 @@ class Sweep {
   }
 
   /**
-   * Number of a point at the wear rate that is shown; NaN where only that of its own is known.
-   * @param {string} name @param {number} place
+   * Rises at the wear rate that is shown, of those at several: by the power law between these.
+   * @param {Float64Array | Float32Array} values by moment, wear rate and the rest
+   * @returns {ArrayLike<number>}
    */
-  number(name, place) {
-    const ratio = (this.content.conditions.wear_rate ?? NaN) / this.wearRate;
-    const value = this.numbers[name]?.[place] ?? NaN;
-    if (!Number.isFinite(ratio) || ratio === 1) return value;
-    if (name === "sliding_distance") return ratio * value;
-    return name === "pin_heat_share" ? NaN : value;
-  }
-
-  /**
-   * Rises at the wear rate that is shown.
-   * @param {Float64Array | Float32Array} values @param {number} width
-   */
-  table(values, width) {
-    const { bulk_ratios, wear_rates } = this.content;
-    const at = atWearRate(values, wear_rates, this.wearRate, bulk_ratios.length * width);
-    return new Table(at, bulk_ratios, width);
+  atRate(values) {
+    const { wear_rates: rates, conditions } = this.content;
+    if (!rates.length) return values;
+    const rate = (conditions.wear_rate ?? NaN) * this.rateRatio;
+    const rest = values.length / rates.length / Math.max(sum([...this.moments]), 1);
+    return Float64Array.from({ length: values.length / rates.length }, (_, k) => {
+      const begin = Math.floor(k / rest) * rates.length * rest + (k % rest);
+      return valueAt(lineOf(rates, rates.map((_rate, r) => values[begin + r * rest])), rate);
+    });
   }
 
   /**
    * Take the sweep at a wear rate, where its points answer for several (pipeline.at_wear_rate);
-   * whether it was at another one before.
+   * true if it was at another one before.
    * @param {number | undefined} rate
    */
   takeWearRate(rate) {
-    const own = this.content.conditions.wear_rate;
-    if (rate === undefined || own === undefined || rate === this.wearRate) return false;
-    this.wearRate = rate;
+    const ratio = (rate ?? NaN) / (this.content.conditions.wear_rate ?? NaN);
+    if (Number.isNaN(ratio) || ratio === this.rateRatio) return false;
+    this.rateRatio = ratio;
     const [low, high] = this.content.range.velocity;
-    /** @type {[number, number]} */
-    const velocity = [(low * own) / rate, (high * own) / rate];
-    this.velocities = this.content.velocities.map((each) => (each * own) / rate);
-    this.range = { ...this.content.range, velocity };
-    this.deciding = this.table(this.everyDeciding, this.shares.length);
-    this.rises = this.table(this.everyRise, this.quantiles.length);
+    this.range = { ...this.range, velocity: [low / ratio, high / ratio] };
+    this.velocities = this.content.velocities.map((velocity) => velocity / ratio);
+    this.deciding = this.atRate(this.everyDeciding);
+    this.rises = this.atRate(this.everyRise);
     this.kept.clear();
     return true;
+  }
+
+  /**
+   * Row of a table of rises above the colder body at a moment, linear between the bulk ratios [K].
+   * @param {ArrayLike<number>} values @param {number} width @param {number} moment @param {number} ratio
+   */
+  row(values, width, moment, ratio) {
+    const { bulk_ratios: ratios } = this.content;
+    const high = Math.min(above(ratios, ratio), ratios.length - 1);
+    const low = Math.max(high - 1, 0);
+    const weight = high > low ? (ratio - ratios[low]) / (ratios[high] - ratios[low]) : 0;
+    const begin = moment * ratios.length * width;
+    return Array.from({ length: width }, (_, k) => {
+      const value = values[begin + low * width + k];
+      return weight === 0 ? value : (1 - weight) * value + weight * values[begin + high * width + k];
+    });
   }
 
   /** @param {number} surface @param {number} i of the load @param {number} j of the velocity */
@@ -123,154 +122,146 @@ class Sweep {
 
   /**
    * Decisive rise of a point [K] and the moment of it; NaN and −1 where it is not known.
-   * @param {number} place @param {Conditions} conditions @returns {Worst}
+   * @param {number} place @param {Conditions} conditions
    */
   worst(place, conditions) {
+    const { shares } = this.content;
     const ratio = bulkRatio(conditions);
-    let found = { rise: NaN, moment: -1 };
+    let worst = { rise: NaN, moment: -1 };
     for (let k = 0; k < this.moments[place]; k++) {
       const moment = this.begins[place] + k;
-      const rise = linear(this.shares, this.deciding.row(moment, ratio), conditions.failing_share);
-      if (!(rise <= found.rise)) found = { rise, moment };
+      const row = this.row(this.deciding, shares.length, moment, ratio);
+      const rise = linear(shares, row, conditions.failing_share);
+      if (!(rise <= worst.rise)) worst = { rise, moment };
     }
-    return found;
+    return worst;
   }
 
-  /**
-   * Decisive rises, and the lines through them.
-   * @param {Conditions} conditions @returns {Decisive}
-   */
+  /** Decisive rises, and the lines through them. @param {Conditions} conditions @returns {Decisive} */
   decisive(conditions) {
     const key = `${conditions.failing_share} ${bulkRatio(conditions)}`;
     const kept = this.kept.get(key);
     if (kept) return kept;
     const { loads, velocities } = this;
-    /** @type {number[][][]} */
-    const rises = [];
-    for (let surface = 0; surface < this.surfaces; surface++) {
-      rises.push(
-        loads.map((_load, i) =>
-          velocities.map((_velocity, j) => this.worst(this.place(surface, i, j), conditions).rise),
-        ),
-      );
-    }
+    const rises = Array.from({ length: this.surfaces }, (_, surface) =>
+      loads.map((_load, i) =>
+        velocities.map((_velocity, j) => this.worst(this.place(surface, i, j), conditions).rise),
+      ),
+    );
     const along = rises.map((rows) => rows.map((row) => lineOf(velocities, row)));
     const across = rises.map((rows) =>
       velocities.map((_, j) => lineOf(loads, rows.map((row) => row[j]))),
     );
     const fine = this.fineVelocities();
-    const columns = along.map((rows) =>
-      fine.map((at) => lineOf(loads, rows.map((row) => valueAt(row, at)))),
+    const columns = along.map((lines) =>
+      fine.map((velocity) => lineOf(loads, lines.map((line) => valueAt(line, velocity)))),
     );
-    const found = { rises, along, across, fine, columns };
+    const decisive = { rises, along, across, fine, columns };
     if (this.kept.size > 10) this.kept.clear();
-    this.kept.set(key, found);
-    return found;
+    this.kept.set(key, decisive);
+    return decisive;
   }
 
   /** Velocities at which to draw the boundary: those of the sweep, and some between them. */
   fineVelocities() {
     const { velocities } = this;
     const between = Math.max(2, Math.round(240 / velocities.length / Math.sqrt(this.surfaces)));
-    const fine = velocities.slice(0, 1);
-    for (let j = 1; j < velocities.length; j++) {
-      const [low, high] = [velocities[j - 1], velocities[j]];
-      for (let k = 1; k < between; k++) fine.push(low + ((high - low) * k) / between);
-      fine.push(high);
-    }
-    return fine;
+    return velocities.flatMap((high, j) => {
+      if (j === 0) return [high];
+      const low = velocities[j - 1];
+      return Array.from({ length: between }, (_, k) =>
+        k + 1 < between ? low + ((high - low) * (k + 1)) / between : high,
+      );
+    });
   }
 
   /**
-   * Critical velocity by load and critical load by velocity, of one surface.
-   * @param {number} surface @param {Conditions} conditions @returns {Boundary}
+   * Critical velocity by load and critical load by velocity over surfaces, and the number of
+   * points that are missing.
+   * @param {number[]} surfaces @param {Conditions} conditions
    */
-  boundary(surface, conditions) {
+  boundary(surfaces, conditions) {
     const limit = riseLimit(conditions);
     const { along, across, rises } = this.decisive(conditions);
-    let missing = 0;
-    rises[surface].forEach((row, i) =>
-      row.forEach((rise, j) => {
-        if (Number.isNaN(rise) && this.asked[this.place(surface, i, j)]) missing++;
-      }),
+    const over = (/** @type {Line[][]} */ lines, /** @type {Ends} */ range) =>
+      lines[0].map((_, k) => summaryOf(surfaces.map((s) => transitionAlong(lines[s][k], limit, range))));
+    const missing = surfaces.flatMap((surface) =>
+      rises[surface].flat().filter((rise, k) => Number.isNaN(rise) && this.asked[surface * this.plane + k]),
     );
     return {
-      velocity: crossings(along[surface], limit, this.range.velocity),
-      load: crossings(across[surface], limit, this.range.load),
-      missing,
+      velocity: over(along, this.range.velocity),
+      load: over(across, this.range.load),
+      missing: missing.length,
     };
   }
 
   /**
-   * Boundaries to draw: critical load at each of the fine velocities and velocity at each load,
-   * infinite beyond the sweep and NaN where not known. Of one surface; or of all of them the lower
-   * edge of the band, the median and the upper edge, with which the tables agree.
-   * @param {number | null} surface @param {Conditions} conditions
+   * Boundaries to draw: critical load at each of the fine velocities, infinite beyond the sweep and
+   * NaN where not known. Of one surface; or of several the lower edge of the band, the median and
+   * the upper edge.
+   * @param {number[]} surfaces @param {Conditions} conditions
    */
-  drawn(surface, conditions) {
+  drawn(surfaces, conditions) {
     const { columns, along, fine } = this.decisive(conditions);
     const limit = riseLimit(conditions);
-    const upwards = this.continued
-      ? along.map((rows) =>
-          fine.map((at) => lineOf(this.loads, rows.map((row) => certainAt(row, at, limit)))),
-        )
-      : columns;
-    const { load, velocity } = this.range;
-    /** @type {[Line[][], [number, number]][]} */
-    const sides = [[upwards, load], [along, velocity]];
-    const [loads, velocities] = sides.map(([lines, range]) =>
-      (surface === null ? lines : [lines[surface]]).map((each) => crossings(each, limit, range).ends),
+    const column = (/** @type {number} */ surface, /** @type {number} */ k) =>
+      this.content.chosen
+        ? lineOf(this.loads, along[surface].map((line) => certainAt(line, fine[k], limit)))
+        : columns[surface][k];
+    const ends = fine.map((_, k) =>
+      surfaces.map((surface) => transitionAlong(column(surface, k), limit, this.range.load).ends),
     );
-    const over = (/** @type {Ends[][]} */ each, /** @type {number} */ share) =>
-      each[0].map((_, k) => quantileOfEnds(each.map((values) => values[k]), share));
-    return (surface === null ? BAND : [0.5]).map((share) => ({
-      loads: over(loads, share),
-      velocities: over(velocities, share),
-    }));
+    const shares = surfaces.length > 1 ? BAND : [0.5];
+    return shares.map((share) => ends.map((pairs) => quantileOfEnds(pairs, share)));
   }
 
   /**
    * Decisive rise at any load and velocity within the sweep [K], interpolated along the velocity
-   * at each load, and beyond its points by their power law, and then along the load; whether it lies
-   * within the points; and the lines through that place, without what lies beyond them.
+   * at each load, and beyond its points by their power law, and then along the load; true if it lies
+   * within the points; and the transitions along both lines through that place.
    * @param {number} surface @param {number} load @param {number} velocity
    * @param {Conditions} conditions
    */
-  lines(surface, load, velocity, conditions) {
+  margin(surface, load, velocity, conditions) {
     const { along, across } = this.decisive(conditions);
-    const column = along[surface].map((line) => valueAt(line, velocity, true));
-    const within = along[surface].map((line) => valueAt(line, velocity));
+    const { loads, velocities, range } = this;
     const limit = riseLimit(conditions);
-    const rise = valueAt(lineOf(this.loads, column), load);
-    const isWithin = Number.isFinite(valueAt(lineOf(this.loads, within), load));
-    const between = (
-      /** @type {number[]} */ x,
-      /** @type {number[]} */ y,
-      /** @type {number} */ at,
-    ) => (isWithin ? withPoint(x, y, at, rise) : lineOf(x, y));
-    const [i, j] = [this.loads.indexOf(load), this.velocities.indexOf(velocity)];
+    const within = along[surface].map((line) => valueAt(line, velocity));
+    const rise = valueAt(lineOf(loads, along[surface].map((line) => valueAt(line, velocity, true))), load);
+    const isWithin = Number.isFinite(valueAt(lineOf(loads, within), load));
+    const through = (/** @type {number[]} */ x, /** @type {number[]} */ y, /** @type {number} */ place) =>
+      isWithin ? withPoint(x, y, place, rise) : lineOf(x, y);
+    const certain = (/** @type {number} */ other) =>
+      along[surface].map((line) => certainAt(line, other, limit));
+    const [i, j] = [loads.indexOf(load), velocities.indexOf(velocity)];
     /** Computed points, and these going on where they are certainly mild or severe. */
-    let alongVelocity = [along[surface][i], along[surface][i]];
+    let alongVelocity = [along[surface][i]];
     if (i < 0) {
-      const own = across[surface].map((line) => valueAt(line, load));
-      const going = this.velocities.map((at) =>
-        valueAt(lineOf(this.loads, along[surface].map((line) => certainAt(line, at, limit))), load),
-      );
-      alongVelocity = [own, going].map((row) => between(this.velocities, row, velocity));
+      const computed = across[surface].map((line) => valueAt(line, load));
+      const going = velocities.map((other) => valueAt(lineOf(loads, certain(other)), load));
+      alongVelocity = [computed, going].map((row) => through(velocities, row, velocity));
     }
-    let alongLoad = [across[surface][j], across[surface][j]];
-    if (j < 0) {
-      const going = along[surface].map((line) => certainAt(line, velocity, limit));
-      alongLoad = [within, going].map((line) => between(this.loads, line, load));
-    }
-    return { rise, isWithin, alongVelocity, alongLoad };
+    let alongLoad = [across[surface][j]];
+    if (j < 0) alongLoad = [within, certain(velocity)].map((row) => through(loads, row, load));
+    return {
+      rise,
+      isWithin,
+      velocity: this.surest(alongVelocity, limit, range.velocity),
+      load: this.surest(alongLoad, limit, range.load),
+    };
+  }
+
+  /**
+   * Transition along the last line if it crosses, else along the first, that of computed points.
+   * @param {Line[]} lines @param {number} limit @param {Ends} range
+   */
+  surest(lines, limit, range) {
+    const going = transitionAlong(lines[lines.length - 1], limit, range);
+    return going.outcome === CROSSES ? going : transitionAlong(lines[0], limit, range);
   }
 }
 
 /** Bytes of base64. @param {string} text */
 function bytes(text) {
-  const letters = atob(text);
-  const found = new Uint8Array(letters.length);
-  for (let k = 0; k < letters.length; k++) found[k] = letters.charCodeAt(k);
-  return found.buffer;
+  return Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0)).buffer;
 }

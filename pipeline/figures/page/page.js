@@ -1,48 +1,32 @@
 // @ts-check
 "use strict";
-/* The page as a whole: what is shown once, and what again whenever the reader sets something. */
-
-function showRecord() {
-  const sizes = `${sweep.loads.length} loads, ${sweep.velocities.length} velocities`;
-  const several = content.surfaces ? `, ${sweep.surfaces} surfaces` : "";
-  element("record").replaceChildren(
-    table(`The scene as it was stored: ${sizes}${several}, ${content.done} points done.`,
-      ["entry", "value"], Object.entries(content.record), 2),
-  );
-}
+/* The page as a whole: the parts that are shown once, and again whenever the reader sets something. */
 
 /** @type {number | undefined} */
 let waiting;
 
-/** Do what a moving slider need not wait for once it rests. @param {() => void} work */
-function onceAtRest(work) {
-  clearTimeout(waiting);
-  waiting = setTimeout(work, 200);
-}
-
-/** Show all that follows from what the reader has set. */
+/** Show all that follows from the choices of the reader. */
 function update() {
-  hideTip();
+  pointTo(null);
   if (sweep.takeWearRate(chosen.conditions.wear_rate)) makeDiagram();
   drawDiagram();
   showLegend();
-  const found = showTables();
+  const answer = showTables();
   showMeasured();
   showMargin();
   showPoint();
   element("conditions-record").textContent = `Shown: ${conditionsText()}.`;
-  onceAtRest(() => {
-    element("summary").textContent = found;
-    labelPoints();
-  });
+  clearTimeout(waiting);
+  waiting = setTimeout(() => { // a screen reader is told once a moving slider rests
+    element("summary").textContent = answer;
+  }, 200);
 }
 
 function begin() {
-  makeConditions();
-  makeOperating();
+  listenToConditions();
+  listenToOperatingPoint();
   makeScaleChoice();
   makeDiagram();
-  showRecord();
   update();
   let width = element("diagram").clientWidth;
   new ResizeObserver(() => {

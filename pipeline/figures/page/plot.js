@@ -6,7 +6,7 @@ const SVG = "http://www.w3.org/2000/svg";
 
 /**
  * @typedef {{x: (value: number) => number, y: (value: number) => number, left: number,
- *   right: number, top: number, bottom: number}} Frame where values lie [px]
+ *   right: number, top: number, bottom: number}} Frame places of values [px]
  * @typedef {{low: number, high: number, label: string, isLog?: boolean}} Axis
  */
 
@@ -41,12 +41,10 @@ function html(name, attributes = {}, ...children) {
 function ticks(low, high, count) {
   const rough = (high - low) / Math.max(count, 1);
   const power = 10 ** Math.floor(Math.log10(rough));
-  const step = [1, 2, 2.5, 5, 10].map((each) => each * power).find((each) => each >= rough) ?? rough;
-  const found = [];
-  for (let k = Math.ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; k++) {
-    found.push(Number((k * step).toPrecision(12)));
-  }
-  return found;
+  const step = [1, 2, 2.5, 5, 10].map((part) => part * power).find((part) => part >= rough) ?? rough;
+  const first = Math.ceil(low / step - 1e-9);
+  const length = Math.floor(high / step + 1e-9) - first + 1;
+  return Array.from({ length }, (_, k) => Number(((first + k) * step).toPrecision(12)));
 }
 
 /**
@@ -54,11 +52,11 @@ function ticks(low, high, count) {
  * @param {number} low @param {number} high @param {number} count
  */
 function logTicks(low, high, count) {
-  const found = [];
-  for (let power = Math.floor(Math.log10(low)); power <= Math.log10(high); power++) {
-    found.push(...[1, 2, 5].map((each) => Number((each * 10 ** power).toPrecision(12))));
-  }
-  const inside = found.filter((each) => each >= low && each <= high);
+  const first = Math.floor(Math.log10(low));
+  const powers = Array.from({ length: Math.ceil(Math.log10(high)) - first }, (_, k) => first + k);
+  const inside = powers
+    .flatMap((power) => [1, 2, 5].map((part) => Number((part * 10 ** power).toPrecision(12))))
+    .filter((value) => value >= low && value <= high);
   return inside.length < 3 ? ticks(low, high, count) : inside;
 }
 
@@ -67,13 +65,13 @@ function logTicks(low, high, count) {
  * @param {Axis} axis @param {number} from @param {number} to @returns {(value: number) => number}
  */
 function scale({ low, high, isLog }, from, to) {
-  const of = isLog ? Math.log : (/** @type {number} */ value) => value;
-  return (value) => from + ((of(value) - of(low)) / (of(high) - of(low))) * (to - from);
+  const part = isLog
+    ? (/** @type {number} */ value) => Math.log(value / low) / Math.log(high / low)
+    : (/** @type {number} */ value) => (value - low) / (high - low);
+  return (value) => from + part(value) * (to - from);
 }
 
-/**
- * A number as people read it. @param {number} value @param {number} [digits]
- */
+/** A number as people read it. @param {number} value @param {number} [digits] */
 function shown(value, digits = 4) {
   if (!Number.isFinite(value)) return "–";
   const size = Math.abs(value);
@@ -82,7 +80,7 @@ function shown(value, digits = 4) {
 }
 
 /**
- * Grid, axes and labels in an SVG of some size; what is drawn goes between grid and axes.
+ * Grid, axes and labels in an SVG of some size; drawings go between grid and axes.
  * @param {number} width @param {number} height @param {Axis} x @param {Axis} y
  * @returns {{root: SVGElement, inside: SVGElement, frame: Frame}}
  */
@@ -92,30 +90,26 @@ function axes(width, height, x, y) {
   const grid = svg("g", { class: "grid", "aria-hidden": "true" });
   const outline = svg("g", { class: "axis", "aria-hidden": "true" });
   for (const value of (x.isLog ? logTicks : ticks)(x.low, x.high, (right - left) / 70)) {
-    const at = frame.x(value);
-    grid.append(svg("line", { x1: at, x2: at, y1: top, y2: bottom }));
+    const place = frame.x(value);
+    grid.append(svg("path", { d: `M${place},${top}V${bottom}` }));
     outline.append(
-      svg("line", { x1: at, x2: at, y1: bottom, y2: bottom + 4 }),
-      svg("text", { x: at, y: bottom + 17, "text-anchor": "middle" }, shown(value)),
+      svg("path", { d: `M${place},${bottom}v4` }),
+      svg("text", { x: place, y: bottom + 17, "text-anchor": "middle" }, shown(value)),
     );
   }
   for (const value of (y.isLog ? logTicks : ticks)(y.low, y.high, (bottom - top) / 40)) {
-    const at = frame.y(value);
-    grid.append(svg("line", { x1: left, x2: right, y1: at, y2: at }));
+    const place = frame.y(value);
+    grid.append(svg("path", { d: `M${left},${place}H${right}` }));
     outline.append(
-      svg("line", { x1: left - 4, x2: left, y1: at, y2: at }),
-      svg("text", { x: left - 7, y: at + 4, "text-anchor": "end" }, shown(value)),
+      svg("path", { d: `M${left},${place}h-4` }),
+      svg("text", { x: left - 7, y: place + 4, "text-anchor": "end" }, shown(value)),
     );
   }
   const middle = (top + bottom) / 2;
   outline.append(
     svg("path", { d: `M${left},${top}V${bottom}H${right}` }),
     svg("text", { x: (left + right) / 2, y: height - 6, "text-anchor": "middle" }, x.label),
-    svg(
-      "text",
-      { x: 13, y: middle, "text-anchor": "middle", transform: `rotate(-90 13 ${middle})` },
-      y.label,
-    ),
+    svg("text", { "text-anchor": "middle", transform: `translate(13 ${middle}) rotate(-90)` }, y.label),
   );
   const inside = svg("g");
   const root = svg("svg", { viewBox: `0 0 ${width} ${height}`, height });
@@ -128,14 +122,14 @@ function axes(width, height, x, y) {
  * @param {number[]} x @param {number[]} y in pixels
  */
 function path(x, y) {
-  let text = "";
   let pen = "M";
-  x.forEach((at, k) => {
-    const there = Number.isFinite(at) && Number.isFinite(y[k]);
-    if (there) text += `${pen}${at.toFixed(2)},${y[k].toFixed(2)}`;
-    pen = there ? "L" : "M";
+  const parts = x.map((across, k) => {
+    const isThere = Number.isFinite(across) && Number.isFinite(y[k]);
+    const part = isThere ? `${pen}${across.toFixed(2)},${y[k].toFixed(2)}` : "";
+    pen = isThere ? "L" : "M";
+    return part;
   });
-  return text;
+  return parts.join("");
 }
 
 /**
@@ -170,11 +164,11 @@ const COLOURS = {
  * @param {string[]} colours @param {number} part from 0 to 1
  */
 function colour(colours, part) {
-  const at = Math.min(Math.max(part, 0), 1) * (colours.length - 1);
-  const k = Math.min(Math.floor(at), colours.length - 2);
-  const [low, high] = [colours[k], colours[k + 1]].map((each) => parseInt(each.slice(1), 16));
+  const place = Math.min(Math.max(part, 0), 1) * (colours.length - 1);
+  const k = Math.min(Math.floor(place), colours.length - 2);
+  const [low, high] = [colours[k], colours[k + 1]].map((code) => parseInt(code.slice(1), 16));
   return [16, 8, 0].map((shift) => {
     const [a, b] = [(low >> shift) & 255, (high >> shift) & 255];
-    return Math.round(a + (at - k) * (b - a));
+    return Math.round(a + (place - k) * (b - a));
   });
 }

@@ -34,17 +34,12 @@ function surfaces() {
   return Array.from({ length: sweep.surfaces }, (_, k) => k);
 }
 
-/** @param {number} surface */
-function surfaceName(surface) {
-  return `surface ${content.surfaces?.names[surface]}`;
-}
-
 /** @param {number} kelvin @param {number} [digits] */
 function celsius(kelvin, digits = 4) {
   return `${shown(kelvin - ZERO_CELSIUS, digits)} °C`;
 }
 
-/** @param {number} rise */
+/** Temperature of a rise at friction 1 [K]. @param {number} rise */
 function temperature(rise) {
   return coldestBulk(chosen.conditions) + riseFactor(chosen.conditions) * rise;
 }
@@ -52,4 +47,9 @@ function temperature(rise) {
 /** There is a critical temperature to judge by. */
 function isJudged() {
   return chosen.conditions.critical_temperature !== null;
+}
+
+/** A share of the contact decides. */
+function hasShare() {
+  return content.shares.length > 1;
 }

@@ -2,12 +2,15 @@
 "use strict";
 /* The transition along a line of points, by the same rule as pipeline.analysis.transition. */
 
-const CROSSES = 0;
-const MILD = 1;
-const SEVERE = 2;
-const UNKNOWN = 3;
-const ABOVE = 4;
-const BELOW = 5;
+/**
+ * @typedef {[number, number]} Ends least and greatest place that a transition may have
+ * @typedef {{place: number, outcome: number, ends: Ends, computed: Ends}} Transition
+ * @typedef {{low: number, middle: number, high: number, mean: number, spread: number,
+ *   transitions: Transition[]}} Summary transitions on several surfaces, and their quantiles
+ */
+
+const [CROSSES, MILD, SEVERE, UNKNOWN, ABOVE, BELOW] = [0, 1, 2, 3, 4, 5];
+const BAND = [0.1, 0.5, 0.9];
 
 /**
  * Value that a share of all stays below, linear between them; infinite if beyond the finite ones.
@@ -16,78 +19,68 @@ const BELOW = 5;
 function quantileOf(values, share) {
   const ranked = values.filter((value) => !Number.isNaN(value)).sort((a, b) => a - b);
   if (!ranked.length) return NaN;
-  const place = share * (ranked.length - 1);
-  const low = ranked[Math.floor(place)];
-  const high = ranked[Math.ceil(place)];
+  const rank = share * (ranked.length - 1);
+  const [low, high] = [ranked[Math.floor(rank)], ranked[Math.ceil(rank)]];
   if (!Number.isFinite(low) || !Number.isFinite(high)) return low + high;
-  return low + (place - Math.floor(place)) * (high - low);
+  return low + (rank - Math.floor(rank)) * (high - low);
 }
 
 /**
- * The same of transitions; NaN where it depends on where those lie that were not computed.
+ * The same of transitions; NaN where it depends on the places of those that were not computed.
  * @param {Ends[]} ends @param {number} share
  */
 function quantileOfEnds(ends, share) {
-  const [low, high] = [0, 1].map((end) => quantileOf(ends.map((each) => each[end]), share));
+  const [low, high] = [0, 1].map((k) => quantileOf(ends.map((pair) => pair[k]), share));
   return low === high ? low : NaN;
 }
 
 /**
- * Transitions along lines of points.
- * @param {Line[]} lines @param {number} limit @param {[number, number]} range of the sweep itself
- * @returns {Crossings}
+ * Transition along a line.
+ * @param {Line} line @param {number} limit @param {Ends} range of the sweep itself
+ * @returns {Transition}
  */
-function crossings(lines, limit, range) {
-  const at = lines.map((line) => crossing(line, limit));
-  const outcome = at.map((value, k) => outcomeOf(lines[k], value, limit, range));
-  return {
-    at,
-    outcome,
-    ends: at.map((value, k) => endsOf(lines[k], value, outcome[k])),
-    computed: lines.map(({ x }) => (x.length ? [x[0], x[x.length - 1]] : [NaN, NaN])),
-  };
+function transitionAlong(line, limit, range) {
+  const { x, y } = line;
+  const [low, high] = x.length ? [x[0], x[x.length - 1]] : [NaN, NaN];
+  const place = crossing(line, limit);
+  const result = (/** @type {number} */ outcome, /** @type {number} */ least, /** @type {number} */ most) =>
+    /** @type {Transition} */ ({ place, outcome, ends: [least, most], computed: [low, high] });
+  if (Number.isFinite(place)) return result(CROSSES, place, place);
+  if (!x.length || Number.isNaN(limit)) return result(UNKNOWN, NaN, NaN);
+  if (y[0] > limit) {
+    return low <= range[0] ? result(SEVERE, -Infinity, -Infinity) : result(BELOW, -Infinity, low);
+  }
+  return high >= range[1] ? result(MILD, Infinity, Infinity) : result(ABOVE, high, Infinity);
 }
 
-/**
- * Transition along a line that goes on where it is certain, else along its computed points.
- * @param {Line[]} lines both @param {number} limit @param {[number, number]} range
- */
-function transition([computed, going], limit, range) {
-  const found = crossings([going], limit, range);
-  return found.outcome[0] === CROSSES ? found : crossings([computed], limit, range);
+/** Quantiles, mean and spread of transitions on several surfaces. @param {Transition[]} transitions */
+function summaryOf(transitions) {
+  const ends = transitions.map((transition) => transition.ends);
+  const [low, middle, high] = BAND.map((share) => quantileOfEnds(ends, share));
+  // A transition that was not computed has no mean.
+  const places = ends
+    .filter((pair) => !Number.isNaN(pair[0]))
+    .map(([least, most]) => (least === most ? least : Infinity));
+  const hasMean = places.length > 0 && places.every(Number.isFinite);
+  const mean = hasMean ? sum(places) / places.length : NaN;
+  const variance = sum(places.map((place) => (place - mean) ** 2)) / (places.length - 1);
+  const spread = hasMean && places.length > 1 ? Math.sqrt(variance) : NaN;
+  return { low, middle, high, mean, spread, transitions };
 }
 
-/**
- * Outcome along a line (pipeline.analysis.transition).
- * @param {Line} line @param {number} found @param {number} limit @param {[number, number]} range
- */
-function outcomeOf({ x, y }, found, limit, range) {
-  if (Number.isFinite(found)) return CROSSES;
-  if (!y.length || Number.isNaN(limit)) return UNKNOWN;
-  if (y[0] > limit) return x[0] <= range[0] ? SEVERE : BELOW;
-  return x[x.length - 1] >= range[1] ? MILD : ABOVE;
-}
-
-/**
- * Least and greatest place that a transition may have.
- * @param {Line} line @param {number} at @param {number} outcome @returns {Ends}
- */
-function endsOf({ x }, at, outcome) {
-  if (outcome === MILD) return [Infinity, Infinity];
-  if (outcome === SEVERE) return [-Infinity, -Infinity];
-  if (outcome === ABOVE) return [x[x.length - 1], Infinity];
-  if (outcome === BELOW) return [-Infinity, x[0]];
-  return [at, at];
+/** @param {number[]} values */
+function sum(values) {
+  return values.reduce((total, value) => total + value, 0);
 }
 
 /**
  * Value of a line, and beyond its ends by its power law where that leaves the kind of wear as it is.
- * @param {Line} line @param {number} at @param {number} limit
+ * @param {Line} line @param {number} place @param {number} limit
  */
-function certainAt(line, at, limit) {
+function certainAt(line, place, limit) {
   const { x, y } = line;
   const last = x.length - 1;
-  if (last < 0 || (at >= x[0] && at <= x[last])) return valueAt(line, at);
-  if (at < x[0]) return y[0] <= limit ? Math.min(valueAt(line, at, true), y[0]) : NaN;
-  return y[last] > limit ? Math.max(valueAt(line, at, true), y[last]) : NaN;
+  if (last < 0 || (place >= x[0] && place <= x[last])) return valueAt(line, place);
+  if (place < x[0]) return y[0] <= limit ? Math.min(valueAt(line, place, true), y[0]) : NaN;
+  return y[last] > limit ? Math.max(valueAt(line, place, true), y[last]) : NaN;
 }

@@ -14,13 +14,15 @@ from typing import Any
 import xarray as xr
 
 from pipeline.analysis.dataset import open_sweep
-from pipeline.analysis.tables import writable_path
+from pipeline.analysis.tables import Column, Table, writable_path
 from pipeline.figures.page.content import MOST_FIELDS, content
+from pipeline.figures.page.controls import Control, surface_choice
 from tribo import InputError
 
+_ENTRY = Column("entry", "entry"), Column("value", "value")
 _SUFFIXES = (".html", ".htm")
 _SCRIPTS = (
-    "interpolation", "criterion", "transition", "rises", "model", "plot", "state", "conditions",
+    "interpolation", "criterion", "transition", "model", "plot", "state", "conditions",
     "verdict", "points", "diagram", "tables", "margin", "detail", "page",
 )  # fmt: skip
 
@@ -125,13 +127,19 @@ def _page(held: dict[str, Any]) -> str:
     folder = resources.files(__package__)
     style = folder.joinpath("page.css").read_text("utf-8")
     script = "\n".join(folder.joinpath(f"{name}.js").read_text("utf-8") for name in _SCRIPTS)
+    several = f", {len(held['surfaces'])} surfaces" if held["surfaces"] else ""
     parts = {
         "title": html.escape(str(held["title"] or held["name"])),
+        "controls": "\n".join(Control(**control).html() for control in held["controls"]),
+        "surfaces": surface_choice(held["surfaces"]),
+        "sizes": f"{len(held['loads'])} loads, {len(held['velocities'])} velocities{several}, "
+        f"{held['done']} points done",
+        "record": Table(_ENTRY, tuple(held["record"].items())).html(),
         "style": style,
         "script": script,
         "style-hash": _hash(style),
         "script-hash": _hash(script),
-        "data": _as_json(held),
+        "data": _as_json({name: value for name, value in held.items() if name != "record"}),
     }
     page = folder.joinpath("page.html").read_text("utf-8")
     pieces = page.split("@@")  # text and names in turn

@@ -1,4 +1,4 @@
-"""The contact while the load grows (pipeline/figures/animation.py)."""
+"""The contact while the load grows (pipeline/figures/fields.py)."""
 
 import itertools
 
@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from PIL import Image, ImageChops
 
-from pipeline.figures.animation import save_animation
+from pipeline.figures.fields import save_animation
 from pipeline.figures.plot import plot
 from pipeline.store.schema import PENDING
 from tests.helpers import synthetic
@@ -81,16 +81,3 @@ def test_an_animation_is_a_gif_of_stored_fields(sweep, tmp_path):
         plot(sweep, "animation", tmp_path / "ramp.png")
     with pytest.raises(InputError, match="holds no fields"):
         plot(synthetic.sweep(), "animation", tmp_path / "ramp.gif")
-
-
-def test_points_from_before_the_scene_asked_for_fields_are_left_out(sweep):
-    part = sweep.copy()
-    for name in ("pressure", "rise", "wear_depth"):
-        part[name] = part[name].where((part["load"] > 300.0) | (part["velocity"] > 1.0))
-    figures = plot(part, "animation", velocity=1.0)
-    assert [figure.get_suptitle().splitlines()[1].split(",")[0] for figure in figures] == [
-        "400 N", "600 N", "750 N"
-    ]  # fmt: skip
-    for kind in ("fields", "animation"):
-        with pytest.raises(InputError, match=r"200 N, 1 m/s: .* --fill-fields"):
-            plot(part, kind, load=200.0, velocity=1.0)

@@ -1,0 +1,121 @@
+"""The form in which a reader of a page sets conditions: sliders, fields, a choice of surface."""
+
+from __future__ import annotations
+
+import html
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from pipeline.scene.quantities import display
+from pipeline.sweep.conditions import Conditions
+
+_ZERO_CELSIUS = 273.15  # [K]
+_COLDEST_OIL, _HOTTEST_OIL = 220.0, 900.0  # [K]
+_RATE = "mm³/(N m)"
+
+
+@dataclass(frozen=True, slots=True)
+class Control:
+    """A condition as a slider and a field: shown is ``factor`` times the value plus ``offset``.
+
+    The slider goes from ``low`` to ``high`` as shown; a value outside ``least`` to ``most``, in SI,
+    is refused with ``fault``.
+    """
+
+    name: str
+    label: str
+    low: float
+    high: float
+    step: float
+    factor: float = 1.0
+    offset: float = 0.0
+    least: float | None = None
+    most: float | None = None
+    fault: str = ""
+
+    def html(self) -> str:
+        """Slider, field, and a place for a fault."""
+        label = html.escape(self.label)
+        return (
+            f'<div class="control"><label for="{self.name}">{label}</label>\n<div class="pair">'
+            f'<input type="range" id="{self.name}-range" min="{self.low:g}" max="{self.high:g}" '
+            f'step="{self.step:g}" aria-label="{label}">'
+            f'<input type="text" inputmode="decimal" id="{self.name}" '
+            f'aria-describedby="{self.name}-fault"></div>\n'
+            f'<p class="fault" id="{self.name}-fault" role="alert"></p></div>'
+        )
+
+
+def controls(
+    conditions: Conditions, has_heat: bool, two_bulks: bool, has_share: bool, rates: Sequence[float]
+) -> list[Control]:
+    """Controls of the conditions that a sweep answers for.
+
+    It may have been computed without heat by friction, for bulk temperatures that differ, by a
+    criterion without a share, or for several wear rates [m²/N].
+    """
+    cold = "must be 0: the sweep was computed without friction, and so without any heat"
+    friction = Control(
+        "friction", "friction coefficient", 0.0,
+        max(0.3, math.ceil(20 * conditions.friction) / 10), 0.001, least=0.0,
+        most=None if has_heat else 0.0, fault="must be at least 0" if has_heat else cold,
+    )  # fmt: skip
+    bulk = conditions.bulk_temperature
+    disk = bulk if conditions.disk_temperature is None else conditions.disk_temperature
+    form = [friction, _bulk("bulk_temperature", " of the pin" if two_bulks else "", bulk)]
+    if two_bulks:
+        form.append(_bulk("disk_temperature", " of the disk", disk))
+    critical = conditions.critical_temperature
+    form.append(_celsius("critical_temperature", "critical temperature [°C]", critical, 400.0))
+    if has_share:
+        high = max(50.0, math.ceil(100 * conditions.failing_share))
+        form.append(
+            Control(
+                "failing_share", "failing share of the contact [%]", 0.0, high, 0.5, factor=100.0,
+                least=0.0, most=math.nextafter(1.0, 0.0),
+                fault="from 0 (the maximum) to below 100 %",
+            )
+        )  # fmt: skip
+    if rates:
+        form.append(_wear_rate(min(rates), max(rates)))
+    return form
+
+
+def surface_choice(surfaces: Sequence[int] | None) -> str:
+    """Choice of a surface, or of all of them; nothing where there is but one."""
+    if surfaces is None or len(surfaces) < 2:
+        return ""
+    options = [f'<option value="">all {len(surfaces)} surfaces</option>'] + [
+        f'<option value="{number}">surface {name}</option>' for number, name in enumerate(surfaces)
+    ]
+    return (
+        '<label for="surface">surface: </label>'
+        f'<select id="surface" autocomplete="off">{"".join(options)}</select>'
+    )
+
+
+def _celsius(name: str, label: str, value: float | None, high: float, **limits: Any) -> Control:
+    """Control of a temperature, whose slider reaches below and above its value [K]."""
+    shown = None if value is None else value - _ZERO_CELSIUS
+    low = 0.0 if shown is None else min(0.0, 10.0 * math.floor(shown / 10))
+    high = high if shown is None else max(high, math.ceil(1.5 * shown))
+    return Control(name, label, low, high, 0.5, offset=-_ZERO_CELSIUS, **limits)
+
+
+def _bulk(name: str, of_body: str, value: float) -> Control:
+    ends = (f"{end - _ZERO_CELSIUS:.2f}".replace("-", "−") for end in (_COLDEST_OIL, _HOTTEST_OIL))
+    fault = f"from {' to '.join(ends)} °C"
+    limits = {"least": _COLDEST_OIL, "most": _HOTTEST_OIL, "fault": fault}
+    return _celsius(name, f"bulk temperature{of_body} [°C]", value, 200.0, **limits)
+
+
+def _wear_rate(least: float, most: float) -> Control:
+    """Control of the wear rate, between the lowest and highest computed [m²/N]."""
+    span = " to ".join(display(rate, _RATE) for rate in (least, most))
+    return Control(
+        "wear_rate", "specific wear rate [10⁻⁶ mm³/(N m)]", 1e15 * least, 1e15 * most, 0.01,
+        factor=1e15, least=least * (1 - 1e-9), most=most * (1 + 1e-9),
+        fault=f"from {span}, for which the sweep was computed",
+    )  # fmt: skip
