@@ -110,7 +110,7 @@ def test_a_criterion_is_one_entry_and_every_command_knows_it(monkeypatch, capsys
     figure = diagram(ds, criterion="tenth")
     assert "its tenth above 145 °C" in figure.legends[0].get_title().get_text()
     stored = ds.assign_attrs(conditions=ds.attrs["conditions"] | {"criterion": "tenth"})
-    page = javascript.run(stored, "return summary().velocity.middle;")
+    page = javascript.run(stored, "return summary().velocity.map(({ middle }) => middle);")
     np.testing.assert_allclose(page, found["critical_velocity"], rtol=1e-9)
     monkeypatch.setattr(pipeline, "open_sweep", lambda path: ds)
     assert main(["boundary", "out.zarr", "--criterion", "tenth", "--json"]) == 0
@@ -270,7 +270,10 @@ def test_a_page_says_what_the_boundary_says(case):
     return argument.map((given) => {
       chosen.conditions = { ...content.conditions, ...given };
       const { velocity, load } = summary();
-      return [velocity, load].map(({ outcome, middle }) => ({ outcome, middle }));
+      return [velocity, load].map((rows) => ({
+        outcome: rows.map(({ transitions }) => transitions.map(({ outcome }) => outcome)),
+        middle: rows.map(({ middle }) => middle),
+      }));
     });
     """
     for given, sides in zip(asked, javascript.run(ds, script, judged), strict=True):

@@ -103,8 +103,9 @@ function pointTo(point) {
 
 /** Put a ring about a point. @param {SVGElement} circle @param {{i: number, j: number} | null} point */
 function ring(circle, point) {
-  circle.setAttribute("display", point ? "inline" : "none");
-  if (!point || !diagram) return;
+  const isThere = point !== null && isShown(point.i, point.j);
+  circle.setAttribute("display", isThere ? "inline" : "none");
+  if (!isThere || !diagram) return;
   circle.setAttribute("cx", String(diagram.frame.x(sweep.velocities[point.j])));
   circle.setAttribute("cy", String(diagram.frame.y(sweep.loads[point.i])));
 }

@@ -143,17 +143,17 @@ def test_a_decimal_comma_is_refused_with_the_point(page):
 
 def test_points_are_reached_and_kept_by_keyboard(page):
     driver = page(synthetic.sweep(fields=True))
-    stops = driver.find_elements(By.CSS_SELECTOR, ".point-target[tabindex='0']")
-    assert len(stops) == 1
-    driver.execute_script("arguments[0].focus()", stops[0])
-    first = driver.switch_to.active_element.get_attribute("aria-label")
-    driver.switch_to.active_element.send_keys(Keys.ARROW_RIGHT, Keys.ARROW_UP)
-    focused = driver.switch_to.active_element
-    label = focused.get_attribute("aria-label")
-    assert label != first
-    assert driver.find_element(By.ID, "tip").text.startswith(label.split(":")[0])
-    focused.send_keys(Keys.ENTER)
-    assert driver.find_element(By.CSS_SELECTOR, "#point h3").text == label.split(":")[0]
+    (stop,) = driver.find_elements(By.CSS_SELECTOR, "#diagram [tabindex='0']")
+    driver.execute_script("arguments[0].focus()", stop)
+    tip = driver.find_element(By.ID, "tip")
+    assert tip.get_attribute("role") == "status"  # so that it is read aloud
+    assert tip.text.startswith("600 N, 1.5 m/s\nwear: severe")  # beside the transition
+    stop.send_keys(Keys.ARROW_UP, Keys.ARROW_LEFT, Keys.ARROW_LEFT)
+    i, j = list(synthetic.LOADS).index(600.0) + 1, list(synthetic.VELOCITIES).index(1.5) - 2
+    name = f"{synthetic.LOADS[i]:g} N, {synthetic.VELOCITIES[j]:g} m/s"
+    assert tip.text.startswith(f"{name}\nwear: mild")
+    stop.send_keys(Keys.ENTER)
+    assert driver.find_element(By.CSS_SELECTOR, "#point h3").text == name
     assert "max" not in driver.find_element(By.ID, "distribution-caption").text
     assert len(driver.find_elements(By.CSS_SELECTOR, "#distribution path.curve")) == 1
 
@@ -250,7 +250,7 @@ def test_axes_are_logarithmic_on_request(page):
 
 def test_temperatures_stay_on_an_even_scale_beside_logarithmic_axes(page):
     driver = page(sweeps.one())
-    driver.find_element(By.CSS_SELECTOR, "#diagram .point-target").send_keys(Keys.ENTER)
+    driver.find_element(By.CSS_SELECTOR, "#diagram [tabindex='0']").send_keys(Keys.ENTER)
     ticks = """
     return [...document.querySelectorAll("#distribution .axis text[y='" +
             document.querySelector("#distribution .axis text").getAttribute("y") + "']")]
@@ -272,7 +272,7 @@ def test_beyond_the_sweep_there_is_no_unit(page):
     text = driver.find_element(By.ID, "margin").text
     assert "beyond the sweep" in text
     assert "beyond the sweep m/s" not in text
-    assert "5 surfaces" in driver.find_element(By.ID, "record").text
+    assert "5 surfaces" in driver.find_element(By.TAG_NAME, "footer").text
 
 
 def test_logarithmic_axes_are_not_offered_where_something_is_zero(page):

@@ -78,7 +78,7 @@ def test_points_are_asked_for_on_their_own_surface():
     found = content(ds)
     asked = unpacked(found["asked"], "u1").reshape(5, ds.sizes["load"], ds.sizes["velocity"])
     assert np.argwhere(asked).tolist() == [[1, 1, 4]]
-    assert found["surfaces"] == {"axis": axis, "names": [0, 1, 2, 3, 4]}
+    assert found["surfaces"] == [0, 1, 2, 3, 4]
 
 
 def test_points_are_asked_for_on_the_surfaces_of_the_last_run():

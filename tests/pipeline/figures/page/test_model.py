@@ -20,12 +20,10 @@ from tribo import Oil
 BOUNDARY = """
 return argument.map((given) => {
   chosen.conditions = { ...content.conditions, ...given };
-  const { velocity, load } = summary();
-  return [csv(sweep.loads, velocity, "load", "critical velocity"),
-          csv(sweep.velocities, load, "velocity", "critical load")];
+  return sides().map(csv);
 });
 """
-SIDES = (("load", "critical_velocity"), ("velocity", "critical_load"))
+SIDES = (("load", "critical_velocity", "[m/s]"), ("velocity", "critical_load", "[N]"))
 
 
 def random_conditions(ds, count=20):
@@ -72,8 +70,9 @@ def test_the_boundary_is_that_of_the_command(kind):
     asked, crossings = list(random_conditions(ds)), 0
     for given, texts in zip(asked, run(ds, BOUNDARY, asked), strict=True):
         expected = boundary(ds, given)
-        for text, (axis, name) in zip(texts, SIDES, strict=True):
-            table, words = list(csv.DictReader(io.StringIO(text))), name.replace("_", " ")
+        for text, (axis, name, unit) in zip(texts, SIDES, strict=True):
+            table = list(csv.DictReader(io.StringIO(text)))
+            words = f"{name.replace('_', ' ')} {unit}"
             if "crossing_at_load" in expected:
                 for k, part in enumerate(("10 %", "median", "90 %")):
                     same(column(table, f"{words} {part}"), expected[f"{name}_quantile"][k])
@@ -98,15 +97,10 @@ def test_the_boundary_is_that_of_the_command(kind):
 def test_the_margin_is_that_of_the_command(kind):
     ds = sweeps.KINDS[kind]()
     margin = """
-    const limit = riseLimit(chosen.conditions);
     return argument.map(([load, velocity]) => {
-      const found = sweep.lines(0, load, velocity, chosen.conditions);
-      const along = [found.alongVelocity, sweep.range.velocity];
-      const up = [found.alongLoad, sweep.range.load];
-      return [temperature(found.rise), ...[along, up].flatMap(([lines, range]) => {
-        const { at, outcome } = transition(lines, limit, range);
-        return [at[0], outcome[0]];
-      })];
+      const { rise, ...ways } = sweep.margin(0, load, velocity, chosen.conditions);
+      const along = [ways.velocity, ways.load].flatMap(({ place, outcome }) => [place, outcome]);
+      return [temperature(rise), ...along];
     });
     """
     draw = np.random.default_rng(3)
@@ -126,7 +120,7 @@ def test_the_line_that_is_drawn_lies_on_the_plane_of_the_diagram():
     ds = sweeps.one(status={})
     drawn = """
     const { conditions } = chosen;
-    return [sweep.decisive(conditions).fine, sweep.drawn(0, conditions)[0].loads];
+    return [sweep.decisive(conditions).fine, sweep.drawn([0], conditions)[0]];
     """
     fine, loads = run(ds, drawn)
     rise = decisive_rise(ds, synthetic.conditions())
@@ -137,26 +131,15 @@ def test_the_line_that_is_drawn_lies_on_the_plane_of_the_diagram():
     same(loads, expected)
 
 
-@pytest.mark.parametrize("kind", ["several surfaces", "searched surfaces"])
-def test_the_lines_over_several_meet_the_quantiles_of_the_command_at_each_load(kind):
-    ds = sweeps.KINDS[kind]()
-    expected = pipeline.boundary(ds)["critical_velocity_quantile"].values
-    drawn = "return sweep.drawn(null, chosen.conditions).map((each) => each.velocities);"
-    same(np.array(run(ds, drawn), dtype=float), expected)
-    assert np.isfinite(expected[1, 2:]).all()
-
-
 def test_no_line_is_drawn_beyond_what_was_computed():
     ds = sweeps.along_boundary()
     drawn = """
     chosen.conditions = { ...chosen.conditions, friction: argument };
-    return sweep.drawn(0, chosen.conditions)[0];
+    return sweep.drawn([0], chosen.conditions)[0];
     """
     for friction in (0.02, 0.05, 0.1, 0.3):
-        found = run(ds, drawn, friction)
         crosses = pipeline.boundary(ds, friction)["outcome_at_load"].values == 0
-        assert (np.isfinite(found["velocities"]) == crosses).all()
-        assert np.isfinite(found["loads"]).any() == crosses.any()
+        assert np.isfinite(run(ds, drawn, friction)).any() == crosses.any()
 
 
 def test_the_film_of_each_crossing_is_that_of_the_boundary():
@@ -167,7 +150,7 @@ def test_the_film_of_each_crossing_is_that_of_the_boundary():
     return argument.map((bulk_temperature) => {
       chosen.conditions = { ...content.conditions, bulk_temperature };
       const { velocity } = summary();
-      return sweep.loads.map((load, k) => filmParameter(content.film, load, velocity.middle[k]));
+      return sweep.loads.map((load, k) => filmParameter(content.film, load, velocity[k].middle));
     });
     """
     bulks = [298.15, 331.0]
