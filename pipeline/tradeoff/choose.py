@@ -193,7 +193,7 @@ def choose_fidelity(
     if points:
         places = tuple(dict.fromkeys(Place(place.load, place.variant) for place in points))
     tell("the boundary by the preset standard")
-    near, exponents = near_the_boundary(sweep, places, PRESETS["standard"])
+    near, exponents = near_the_boundary(sweep, places)
     if points:
         by_place = dict(zip(places, exponents, strict=True))
         exponents = tuple(by_place[Place(place.load, place.variant)] for place in points)

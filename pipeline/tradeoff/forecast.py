@@ -164,14 +164,7 @@ def estimate(sweep: SceneLike, workers: int | None = None, boundary_only: bool =
 
 
 def worker_bytes(sweep: Sweep, contact_nodes: int = 0) -> float:
-    """Memory of a worker [B], without computing anything.
-
-    Parameters
-    ----------
-    sweep : Sweep
-    contact_nodes : int
-        Elements in contact, which count for the direct heat partition alone.
-    """
+    """Memory of a worker [B]; elements in contact count for the direct heat partition alone."""
     direct = sweep.fidelity.partition == "direct" and sweep.friction_heat
     matrix = 8.0 * contact_nodes**2 if direct else 0.0
     return _WORKER_BYTES + _FIELDS_IN_MEMORY * 8.0 * math.prod(sweep.grid.shape) + matrix

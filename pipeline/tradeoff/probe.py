@@ -28,15 +28,7 @@ from tribo.simulation import forget_contacts, leads_to
 
 
 class Place(NamedTuple):
-    """Load at which to look for the boundary, and in which variant of the scene.
-
-    Attributes
-    ----------
-    load : float
-        Normal load on the whole pin [N].
-    variant : tuple
-        Variant of the scene, such as ``(("realization", 3),)``.
-    """
+    """Load at which to look for the boundary [N], and in which variant of the scene."""
 
     load: float
     variant: Variant = ()
@@ -55,25 +47,11 @@ _STEP = 0.05  # of the logarithm of velocity over which its exponent is taken
 class Reading:
     """Result of one point.
 
-    Attributes
-    ----------
-    rise : float
-        Rise that decides [K].
-    failed_share : float
-        Share of the contact above the critical temperature.
-    contact_width : float
-        Distance between the outermost elements in contact along x [m].
-    contact_nodes : int
-        Number of elements in contact.
-    contact_fraction : float
-        Share of the window in contact.
-    mean_pressure : float
-        Mean pressure over the contact [Pa].
-    saturated_fraction : float
-        Share of the contact at the hardness.
+    Shares are those of the contact above the critical temperature and at the hardness.
     """
 
     rise: float
+    """Rise that decides [K]."""
     failed_share: float
     contact_width: float
     contact_nodes: int
@@ -84,47 +62,25 @@ class Reading:
 
 @dataclass(frozen=True, slots=True)
 class Probe:
-    """Cost and results of a fidelity at some points.
-
-    Attributes
-    ----------
-    fidelity : Fidelity
-        Numerical choices that were tried.
-    readings : tuple of Reading
-        Result of each point.
-    seconds : float
-        Processor time [s]; where the memory is measured, without that of making the surface and
-        the kernels of the contact.
-    convolutions : int
-        Convolutions of contacts and of heat, on all grids.
-    work : float
-        Convolutions times the elements of their grids: a measure of the time that does not
-        depend on the machine.
-    peak_bytes : int or None
-        Most memory for arrays that a point took, kernels included, if it was asked for.
-    """
+    """Cost and results of a fidelity at some points."""
 
     fidelity: Fidelity
     readings: tuple[Reading, ...]
     seconds: float
+    """Processor time [s], where the memory is measured without surfaces and kernels."""
     convolutions: int
     work: float
+    """Convolutions times the elements of their grids, which do not depend on the machine."""
     peak_bytes: int | None = None
+    """Most memory for arrays that a point took, kernels included, if it was asked for."""
 
 
 def probe(
     sweep: Sweep, fidelity: Fidelity, points: Sequence[Point], with_memory: bool = False
 ) -> Probe:
-    """Simulate points of a scene with another fidelity.
+    """Simulate points of a scene with another fidelity; those at one velocity share their ramp.
 
-    Parameters
-    ----------
-    sweep : Sweep
-    fidelity : Fidelity
-    points : sequence of Point
-        Points to simulate; those at one velocity share their ramp, as in a sweep.
-    with_memory : bool
-        True to measure the memory too, at one more, cheaper point.
+    The memory is measured at one more, cheaper point.
     """
     scene = replace(sweep, fidelity=replace(fidelity, temperature_interval=0))
     peak = _peak_bytes(scene, points) if with_memory else None
@@ -211,14 +167,7 @@ def _reading(sweep: Sweep, scene: Sweep, state: State) -> Reading:
 def fitted(sweep: Sweep, fidelity: Fidelity) -> Fidelity:
     """A fidelity whose elements divide the scene's pixels: as large as asked for, or less.
 
-    How far the heat reaches is the scene's own.
-
-    Examples
-    --------
-    >>> from types import SimpleNamespace
-    >>> sweep = SimpleNamespace(pixels=SimpleNamespace(shape=(90, 60)), fidelity=Fidelity())
-    >>> fitted(sweep, Fidelity(pixels_per_element=4)).pixels_per_element
-    3
+    The kernel of the heat is the scene's own.
     """
     nx, ny = sweep.pixels.shape
     fits = (n for n in range(fidelity.pixels_per_element, 0, -1) if nx % n == ny % n == 0)
@@ -227,19 +176,7 @@ def fitted(sweep: Sweep, fidelity: Fidelity) -> Fidelity:
 
 
 def some_places(sweep: Sweep, number: int) -> tuple[Place, ...]:
-    """Some of a sweep's loads, both ends among them, and its variants in turn.
-
-    Examples
-    --------
-    >>> from types import SimpleNamespace
-    >>> sweep = SimpleNamespace(loads=(200.0, 300.0, 400.0, 500.0, 600.0), variants=((),))
-    >>> [place.load for place in some_places(sweep, 3)]
-    [200.0, 400.0, 600.0]
-    >>> variants = (("realization", 7),), (("realization", 8),)
-    >>> sweep = SimpleNamespace(loads=(200.0, 400.0), variants=variants)
-    >>> [(place.load, place.variant[0][1]) for place in some_places(sweep, 3)]
-    [(200.0, 7), (400.0, 8), (200.0, 8)]
-    """
+    """Some of a sweep's loads, both ends among them, and its variants in turn."""
     last, variants = len(sweep.loads) - 1, sweep.variants
     chosen = sorted({round(last * k / max(number - 1, 1)) for k in range(number)})
     turns = (divmod(k, len(chosen)) for k in range(number))
@@ -250,28 +187,15 @@ def some_places(sweep: Sweep, number: int) -> tuple[Place, ...]:
 
 
 def near_the_boundary(
-    sweep: Sweep, places: Sequence[Place], fidelity: Fidelity | None = None
+    sweep: Sweep, places: Sequence[Place]
 ) -> tuple[tuple[Point, ...], tuple[float, ...]]:
-    """Find, at each place, the velocity near which wear turns severe.
+    """Points near which wear turns severe at ``standard``, and d ln(rise)/d ln(velocity) there.
 
-    Parameters
-    ----------
-    sweep : Sweep
-    places : sequence of Place
-        Loads at which to look, and in which variant.
-    fidelity : Fidelity, optional
-        Fidelity to find it with; the preset ``draft`` if not given.
-
-    Returns
-    -------
-    points : tuple of Point
-        Load and velocity at each; where there is no transition between half the scene's lowest and
-        twice its highest velocity, the end that comes nearest.
-    exponents : tuple of float
-        d ln(rise)/d ln(velocity) at each: an error of the rise divided by it is that of the
-        boundary velocity.
+    Where there is no transition between half the scene's lowest and twice its highest velocity, it
+    is the end that comes nearest. An error of the rise divided by the exponent is that of the
+    boundary velocity.
     """
-    scene = replace(sweep, fidelity=fitted(sweep, fidelity or PRESETS["draft"]))
+    scene = replace(sweep, fidelity=fitted(sweep, PRESETS["standard"]))
     points, exponents = [], []
     moving = [abs(velocity) for velocity in sweep.velocities if velocity]
     if not moving:
@@ -304,25 +228,8 @@ def critical_velocity(
     """Velocity at which a growing rise reaches a limit, within a range [m/s].
 
     By secants of the logarithms, kept inside what is known to enclose it; by halving that where a
-    secant leads back to one of its ends, as beside a jump.
-
-    Parameters
-    ----------
-    rise : callable
-        Called with a velocity; returns the rise there.
-    limit : float
-        Value that the rise is to reach.
-    lowest, highest : float
-        Ends of the range [m/s]; the nearer one is returned where it has no crossing.
-    tolerance : float
-        Relative error of the rise.
-
-    Examples
-    --------
-    >>> f"{critical_velocity(lambda v: 100 * v**0.5, 200.0, 0.1, 10.0):.3f}"
-    '4.000'
-    >>> f"{critical_velocity(lambda v: 100 * v**0.5, 900.0, 0.1, 10.0):.3f}"
-    '10.000'
+    secant leads back to one of its ends, as beside a jump. Without a crossing it is the nearer end
+    of the range. The tolerance is the relative error of the rise.
     """
     low, high = math.log(lowest), math.log(highest)
     if not math.isfinite(limit):

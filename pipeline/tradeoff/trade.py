@@ -81,7 +81,7 @@ def trade(
     without_surfaces = replace(sweep, realizations=())
     asked = tuple(in_si("load", load, "600 N") for load in loads or ())
     asked = asked or tuple(place.load for place in some_places(without_surfaces, _LOADS))
-    near, exponents = near_the_boundary(sweep, [Place(load) for load in asked], PRESETS["standard"])
+    near, exponents = near_the_boundary(sweep, [Place(load) for load in asked])
     places = _around(near) if diagram else near
     exact = fitted(sweep, PRESETS["reference"])
     candidates = _candidates(sweep, presets, base)

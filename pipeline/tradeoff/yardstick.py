@@ -26,25 +26,20 @@ _MARGIN = 1.2  # errors between the points are so much larger
 
 @dataclass(frozen=True, slots=True)
 class OwnError:
-    """Relative error that the yardstick itself makes in the boundary velocity.
-
-    Attributes
-    ----------
-    steps : float
-        Error due to its number of increments.
-    heat_model : float
-        Error due to the heat model "elapsed", if the scene takes it; 0 with "history".
-    work : float
-        Elements times convolutions that were spent on it.
-    scatters : bool
-        True if more increments do not reduce the error of the steps. Under a ball each step wears
-        by other positions of the disk; where few elements touch, their imprint is left to chance.
-    """
+    """Relative error that the yardstick itself makes in the boundary velocity."""
 
     steps: float
+    """Error due to its number of increments."""
     heat_model: float
+    """Error due to the heat model "elapsed", if the scene takes it."""
     work: float
+    """Elements times convolutions that were spent on it."""
     scatters: bool = False
+    """True if more increments do not reduce the error of the steps.
+
+    Under a ball each step wears by other positions of the disk; where few elements touch, their
+    imprint is left to chance.
+    """
 
     def of(self, fidelity: Fidelity) -> float:
         """Error of a fidelity that differs from the yardstick in its steps and heat model alone."""
@@ -55,30 +50,18 @@ class OwnError:
 
 @dataclass(frozen=True, slots=True)
 class Yardstick:
-    """Results of the yardstick.
-
-    Attributes
-    ----------
-    points : tuple of Point
-        Points near the boundary, or those that were asked for.
-    exponents : tuple of float
-        d ln(rise)/d ln(velocity) at each.
-    readings : tuple of Reading
-        Results of the yardstick at these points.
-    work, own_work : float
-        Elements times convolutions that were spent, those on larger elements included; and those of
-        the yardstick alone.
-    coarser : float or None
-        Largest relative change of the boundary by elements of twice the pixels' size; None where
-        pixels cannot be joined.
-    """
+    """Results of the yardstick at points near the boundary, or at those that were asked for."""
 
     points: tuple[Point, ...]
     exponents: tuple[float, ...]
+    """d ln(rise)/d ln(velocity) at each."""
     readings: tuple[Reading, ...]
     work: float
+    """Elements times convolutions that were spent, those on larger elements included."""
     own_work: float
+    """Elements times convolutions of the yardstick alone."""
     coarser: float | None = None
+    """Largest relative change of the boundary by elements of twice the pixels' size, if any."""
 
     def errors(self, other: Probe) -> list[float]:
         """Relative errors of the boundary velocity by another fidelity, one at each point."""
@@ -100,10 +83,7 @@ def measured(
     exponents: Sequence[float],
     tell: Callable[[str], None] | None = None,
 ) -> Yardstick:
-    """Take readings of the yardstick at some points, whose exponents are known.
-
-    A line is told before each of them.
-    """
+    """Take readings of the yardstick at some points, and tell a line before each of them."""
     exact, coarse = fitted(sweep, YARDSTICK), fitted(sweep, _COARSER)
     probes = [
         probe(sweep, exact, [point])
@@ -129,16 +109,6 @@ def own_error(
 
     Steps are halved, which at second order makes four times the error. The heat of all the past
     matters most at the lowest and the highest load; how much hardly depends on the grid.
-
-    Parameters
-    ----------
-    sweep : Sweep
-    points : sequence of Point
-        Points near the boundary.
-    exponents : sequence of float
-        d ln(rise)/d ln(velocity) at each.
-    readings : sequence of Reading
-        Readings of the yardstick at each.
     """
     steps = heat_model = work = 0.0
     exact = fitted(sweep, YARDSTICK)

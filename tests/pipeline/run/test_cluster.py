@@ -2,15 +2,17 @@
 
 import json
 import os
+import shutil
 import signal
 import socket
 import subprocess
 import sys
+import sysconfig
+import tempfile
 import time
 import urllib.error
 import urllib.request
-from contextlib import ExitStack
-from dataclasses import replace
+from contextlib import ExitStack, suppress
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -21,15 +23,11 @@ from distributed import Client, LocalCluster, Security
 from distributed.scheduler import KilledWorker
 
 from pipeline.cli import main
-from pipeline.run import forkserver, local, work
+from pipeline.run import forkserver, local
 from pipeline.run.cluster import connected, share, threads_of
-from pipeline.run.schedule import compute
 from pipeline.run.source import ExecutionError
 from pipeline.run.sweep import run_sweep
-from pipeline.run.writer import Writer
-from pipeline.store.create import writing
 from pipeline.store.progress import summary
-from pipeline.sweep.plan import chains, points
 from tests.helpers import tiny
 from tests.pipeline.cli.test_commands import SCENE
 from tests.pipeline.run.test_sweep import content
@@ -45,9 +43,18 @@ SLOW = tiny.sweep(
 class Cluster:
     """A scheduler and two workers, each a command of Dask's in a process of its own."""
 
-    def __init__(self, folder, protocol="tcp", settings=(), security=None, code=ROOT):
+    def __init__(
+        self,
+        folder,
+        protocol="tcp",
+        settings=(),
+        security=None,
+        code=ROOT,
+        python=sys.executable,
+        user=None,
+    ):
         self._stack, file = ExitStack(), folder / "scheduler.json"
-        self._code = os.fspath(code)
+        self._code, self._python, self._user = os.fspath(code), python, user
         self._protocol, self._settings = protocol, dict(settings)
         self.scheduler = self._start("scheduler", "--port=0", f"--scheduler-file={file}")
         self.workers = [  # one of them with threads that may not compute at the same time
@@ -63,11 +70,12 @@ class Cluster:
             client.wait_for_workers(len(self.workers), timeout=120)
 
     def _start(self, role, *options):
-        command = [sys.executable, "-m", f"distributed.cli.dask_{role}", "--host=127.0.0.1"]
+        command = [self._python, "-m", f"distributed.cli.dask_{role}", "--host=127.0.0.1"]
         process = subprocess.Popen(
             [*command, f"--protocol={self._protocol}", "--dashboard-address=127.0.0.1:0", *options],
-            env={**os.environ, **self._settings, "PYTHONPATH": self._code},
-            cwd=self._code,
+            env={**os.environ, "PYTHONPATH": self._code, **self._settings},
+            cwd=self._code if self._user is None else None,
+            user=self._user,
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
         )
@@ -100,6 +108,37 @@ def test_workers_elsewhere_compute_the_same_and_may_be_killed(cluster, tmp_path,
     (tmp_path / "small.toml").write_text(SCENE)
     arguments = ("-o", str(tmp_path / "small.zarr"), "--scheduler", cluster.address)
     assert main(["run", str(tmp_path / "small.toml"), *arguments]) == 0
+
+
+def python_of(user):
+    """A Python of this version that another user may run, if there is one."""
+    name = f"python{sys.version_info.major}.{sys.version_info.minor}"
+    places = sys.executable, shutil.which(name, path="/usr/bin:/usr/local/bin")
+    for python in filter(None, places) if os.geteuid() == 0 else ():
+        with suppress(OSError):
+            subprocess.run([python, "-c", ""], user=user, cwd="/", check=True)
+            return python
+    return None
+
+
+@pytest.mark.skipif(not python_of("nobody"), reason="no Python that another user may run")
+@pytest.mark.filterwarnings("ignore:Mismatched versions")  # of Python, in its last digit
+@pytest.mark.timeout(300)
+def test_workers_of_another_user_need_not_see_the_store(tmp_path, alone):
+    hidden = tmp_path / "hidden"
+    hidden.mkdir(mode=0o700)
+    with tempfile.TemporaryDirectory() as folder, pytest.MonkeyPatch.context() as patched:
+        shutil.chown(folder, "nobody")
+        patched.chdir(folder)
+        paths = {"PYTHONPATH": f"{sysconfig.get_path('purelib')}:{ROOT}"}
+        theirs = {"settings": paths, "python": python_of("nobody"), "user": "nobody"}
+        cluster = Cluster(Path(folder), **theirs)
+        try:
+            outcome = run_sweep(SWEEP, hidden / "out.zarr", scheduler=cluster.address)
+        finally:
+            cluster.close()
+    assert (outcome.done, outcome.failed) == (9, ())
+    assert content(hidden / "out.zarr") == content(alone)
 
 
 def test_a_scheduler_that_is_lost_and_workers_that_are_gone_are_errors(cluster, tmp_path):
@@ -169,18 +208,6 @@ def test_each_worker_has_what_is_too_heavy_to_go_along_with_each_task():
         shared = share(client, bytes(100_000), patience=30.0)
         assert set(client.who_has([shared])[shared.key]) == set(client.nthreads())
         assert shared.result(timeout=30) == bytes(100_000)
-
-
-def test_all_workers_compute_from_the_beginning(tmp_path):
-    sweep = replace(SLOW, velocities=SLOW.velocities[:2])
-    with (
-        writing(tmp_path / "tiny.zarr", sweep) as store,
-        Writer(store) as writer,
-        connected(2, None, "", 30.0) as link,
-    ):
-        compute(link, sweep, writer, chains(points(sweep), sweep), 30.0, lambda _: None)
-        begun = link.client.run(lambda: work._unpacked.cache_info().misses)
-    assert list(begun.values()) == [1, 1]
 
 
 @pytest.mark.parametrize(

@@ -1,7 +1,6 @@
 """Sweeps over several random surfaces, and the band of their boundaries."""
 
 import json
-import math
 import re
 from dataclasses import replace
 
@@ -10,7 +9,6 @@ import pytest
 import xarray as xr
 
 import pipeline
-from pipeline.analysis.band import quantile
 from pipeline.analysis.boundary import boundary
 from pipeline.cli import main
 from pipeline.run.follow import follow_boundary
@@ -19,7 +17,7 @@ from pipeline.store.create import writing
 from pipeline.store.place import StoreMismatchError
 from pipeline.store.progress import summary
 from pipeline.store.schema import COLUMNS, FIELDS, RECORDS
-from pipeline.sweep.plan import chains, points, run_point
+from pipeline.sweep.plan import points, run_point
 from tests.helpers import synthetic, tiny
 from tests.pipeline.cli.test_commands import SCENE
 from tests.pipeline.conftest import commit_all
@@ -48,15 +46,6 @@ def swept(tmp_path_factory):
 
 
 # The sweep and its store
-
-
-def test_each_surface_has_chains_of_its_own():
-    found = chains(points(several()), several())
-    assert len(found) == 6
-    assert {(*chain[0].variant, chain[0].velocity) for chain in found} == {
-        (("realization", seed), velocity) for seed in SEEDS for velocity in (0.5, 1.5)
-    }
-    assert all([at.load for at in chain] == [150.0, 600.0] for chain in found)
 
 
 def test_realizations_need_a_surface_that_is_made_from_a_seed():
@@ -195,21 +184,6 @@ def test_a_surface_without_points_counts_for_nothing():
     assert np.isnan(boundary(ds)["critical_velocity_quantile"]).all()
 
 
-def test_quantiles_are_those_of_numpy_where_all_is_finite():
-    values = np.random.default_rng(0).normal(size=9)
-    for share in (0.0, 0.1, 0.5, 0.77, 1.0):
-        assert quantile(values, values, share) == pytest.approx(np.quantile(values, share))
-    unknown = np.array([math.nan])
-    assert math.isnan(quantile(unknown, unknown, 0.5))
-
-
-def test_friction_moves_the_whole_band_without_a_new_simulation():
-    found = boundary(ensemble(), friction=0.09).sel(load=600.0)
-    assert (found["critical_velocity_quantile"] > np.quantile(velocities(600.0), 0.0)).all()
-    lifted = synthetic.critical_velocity(600.0, synthetic.limit(friction=0.09) / LIFTS[1])
-    assert float(found["critical_velocity"].sel(realization=1)) == pytest.approx(lifted)
-
-
 # Boundary mode, figures, command
 
 
@@ -240,14 +214,6 @@ def test_the_diagram_draws_a_band_of_surfaces():
     assert {"boundary", "surface band", "surface band edge"} <= found
     assert "severe on some surfaces" in {line.get_gid() for line in axes.lines}
     assert any("4 surfaces" in text.get_text() for text in figure.legends[0].get_texts())
-
-
-def test_a_diagram_of_one_surface_has_no_band():
-    (axes,) = pipeline.plot(ensemble(), "diagram", realization=2).axes
-    found = {artist.get_gid() for artist in axes.collections}
-    assert "boundary" in found
-    assert "surface band" not in found
-    assert axes.get_title().endswith("surface 2")
 
 
 @pytest.mark.parametrize("kind", ["ramp", "fields"])

@@ -10,7 +10,7 @@ import pipeline
 from pipeline.cli import main
 from pipeline.store.place import StoreMismatchError
 from pipeline.store.verify import verify_store
-from pipeline.sweep.plan import chains, points, run_point
+from pipeline.sweep.plan import points, run_point
 from tests.helpers.stores import at
 from tests.pipeline.cli.test_commands import MEASURED, SCENE
 from tests.promises import risk
@@ -73,15 +73,6 @@ def test_a_sample_on_a_shared_contact_is_the_scene_with_its_inputs_and_velocity(
         np.testing.assert_allclose(found, expected[name], rtol=1e-9)
     again = run_point(sweep, *point).columns["max_rise"]
     assert np.array_equal(at(folder / "out.zarr", point, "max_rise"), again, equal_nan=True)
-
-
-def test_samples_of_a_contact_are_computed_one_after_the_other(sampled):
-    sweep = load(sampled[0])
-    each = chains(points(sweep), sweep)
-    assert [len(chain) for chain in each] == [2 * 16, 2 * 16]
-    assert [p[::2] for p in each[1]] == [
-        (load, (("sample", number),)) for load in sweep.loads for number in range(16, 32)
-    ]
 
 
 def test_another_friction_needs_no_new_point(sampled):

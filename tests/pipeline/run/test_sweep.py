@@ -107,13 +107,6 @@ def test_a_run_resumes_where_points_are_pending_failed_damaged_or_new(alone, pat
         )
 
 
-def test_fields_asked_for_later_are_refused(path):
-    bare = tiny.sweep(temperature_interval=2, velocities=(1.0,))
-    run_sweep(bare, path, workers=1)
-    with pytest.raises(StoreMismatchError, match="has no fields"):
-        run_sweep(tiny.full(velocities=(1.0,)), path, workers=1)
-
-
 def test_other_versions_are_told_and_noted(path, alone, monkeypatch):
     monkeypatch.setattr(local, "LocalCluster", None)
     shutil.copytree(alone, path)
@@ -202,12 +195,6 @@ def test_a_point_that_fails_says_why_and_is_tried_again_when_asked_to(path):
     assert run_sweep(sweep, path, workers=1).computed == 0
     assert summary(path).failed == (expected,)
     assert run_sweep(sweep, path, workers=1, retry_failed=True).failed == (expected,)
-
-
-def test_a_load_that_cannot_be_carried_fails_and_the_others_do_not(path):
-    outcome = run_sweep(tiny.sweep(loads=(150.0, 1e6), velocities=(1.0,), increments=1), path)
-    assert outcome.done == 1
-    assert "InputError: normal_load is" in outcome.failed[0].message
 
 
 def test_a_full_disk_stops_the_sweep_and_keeps_what_is_finished(path, alone, monkeypatch):

@@ -128,11 +128,9 @@ def test_points_lie_at_the_boundary_with_its_exponent(monkeypatch, exponent, fou
     assert point.load == 300.0
     assert abs(exponent * math.log(point.velocity / 2.0)) < 0.0101
     assert exponents == (pytest.approx(found, rel=1e-9),)
-    assert set(asked) == {fitted(SWEEP, PRESETS["draft"])}
+    assert set(asked) == {fitted(SWEEP, PRESETS["standard"])}
     made_up(monkeypatch, 0.5)
-    points, _ = near_the_boundary(
-        SWEEP, [Place(at) for at in (150.0, 300.0, 450.0)], PRESETS["standard"]
-    )
+    points, _ = near_the_boundary(SWEEP, [Place(at) for at in (150.0, 300.0, 450.0)])
     ratios = [point.velocity * (point.load / 300.0) ** 2 for point in points]
     assert ratios == pytest.approx([2.0] * 3, rel=0.025)
 

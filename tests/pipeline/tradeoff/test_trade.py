@@ -10,10 +10,10 @@ from matplotlib.text import Text
 from pipeline.figures.tradeoff import draw_trade
 from pipeline.sweep.model import Point
 from pipeline.tradeoff import trade as tradeoff
-from pipeline.tradeoff.probe import Place, fitted, near_the_boundary, probe
+from pipeline.tradeoff.probe import probe
 from pipeline.tradeoff.trade import trade
 from tests.helpers.kept import PAPER, SCENES
-from tribo import PRESETS, Fidelity, Grid, InputError
+from tribo import PRESETS, InputError
 
 LOADS = (200.0, 750.0)
 SCENE = SCENES["finer pixels"]
@@ -190,23 +190,6 @@ def test_a_diagram_without_a_transition_is_refused():
     )
     with pytest.raises(InputError, match="no transition between"):
         trade(cold, ("draft",), base=None, loads=LOADS, diagram=True)
-
-
-def test_points_lie_on_the_boundary():
-    points, exponents = near_the_boundary(SCENE, [Place(at) for at in LOADS], PRESETS["fine"])
-    found = probe(SCENE, PRESETS["fine"], points)
-    for reading in found.readings:
-        assert reading.rise == pytest.approx(1200.0, rel=0.02)
-        assert reading.failed_share == pytest.approx(0.1, abs=0.03)
-    assert all(0.3 < exponent < 1.0 for exponent in exponents)
-
-
-def test_a_fidelity_is_fitted_to_the_pixels():
-    odd = replace(
-        PAPER, pixels=Grid((91, 63), (3e-6, 3e-6)), fidelity=Fidelity(pixels_per_element=1)
-    )
-    assert fitted(odd, PRESETS["draft"]).pixels_per_element == 1
-    assert fitted(PAPER, PRESETS["draft"]) == PRESETS["draft"]
 
 
 def test_only_choices_that_go_with_unequal_bulk_temperatures_are_tried():

@@ -1,6 +1,5 @@
 """The rules by which a fidelity is judged and picked, on a rise that is known in closed form."""
 
-import math
 from dataclasses import replace
 
 import pytest
@@ -8,8 +7,8 @@ import pytest
 from pipeline.sweep.criterion import boundary_velocity_error, rise_limit
 from pipeline.sweep.model import Point
 from pipeline.tradeoff import choose, yardstick
-from pipeline.tradeoff.choose import _first_within, _on_both_sides, _steps_to_probe
-from pipeline.tradeoff.probe import Place, Probe, Reading
+from pipeline.tradeoff.choose import _first_within
+from pipeline.tradeoff.probe import Probe, Reading
 from pipeline.tradeoff.yardstick import (
     YARDSTICK,
     OwnError,
@@ -63,13 +62,6 @@ def test_the_yardstick_reads_each_point_and_once_more_on_larger_elements(monkeyp
     warm = Law(of_heat=0.01)
     errors = found.errors(warm(SWEEP, YARDSTICK, found.points))
     assert errors == pytest.approx([1.01**-2 - 1, 1.01**-1 - 1])
-
-
-def test_two_points_lie_on_either_side_of_each():
-    low, high = _on_both_sides([Point(300.0, 2.0, (("realization", 7),))])
-    assert (low.load, low.variant) == (300.0, (("realization", 7),))
-    assert math.log(high.velocity / low.velocity) == pytest.approx(0.1)
-    assert low.velocity * high.velocity == pytest.approx(4.0)
 
 
 def test_its_own_error_is_half_of_what_half_the_steps_move_and_a_fifth_more(monkeypatch):
@@ -186,9 +178,3 @@ def test_all_heat_is_taken_where_the_present_errs_by_more_than_seven_tenths(
     )
     assert found.fidelity.increments == (50 if taken == "history" else 5)
     assert found.fidelity.history_coarsening == (1 if taken == "history" else 4)
-
-
-def test_a_probe_takes_five_times_the_steps_of_the_yardstick_at_each_load():
-    top = SWEEP.loading.reference_load
-    assert _steps_to_probe(SWEEP, [Place(top)]) == 5 * 25
-    assert _steps_to_probe(SWEEP, [Place(top), Place(top / 2)]) == 5 * (25 + 13)
