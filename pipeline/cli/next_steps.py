@@ -31,8 +31,8 @@ def after_boundary(attributes: Mapping[str, Any], store: Path | str) -> Iterator
     bound = _bound(attributes)
     if bound > _COARSE:
         yield (
-            f"preset {attributes['preset']}: velocities may err by {100 * bound:g} %; next: "
-            f"{_more_accurate(attributes, store)}"
+            f"preset {attributes['preset']}: velocities may err by up to {100 * bound:g} %, "
+            f"as irg trade measures on a scene; next: {_more_accurate(attributes, store)}"
         )
 
 

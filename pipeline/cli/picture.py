@@ -9,6 +9,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import pipeline
+
 if TYPE_CHECKING:
     from pipeline.run.tally import Progress
 
@@ -17,14 +19,11 @@ _LAST = 60.0  # [s] for the last drawing of a file, after the run
 
 def require_screen(file: str | None) -> None:
     """Refuse a file that cannot be written or a window that cannot be opened, before the run."""
-    if file is None:
-        return
-    from pipeline.figures.live import require_window  # with matplotlib
-    from pipeline.figures.style import figure_path
-
     if file:
-        figure_path(file)
-    else:
+        pipeline.figure_path(file)
+    elif file is not None:
+        from pipeline.figures.live import require_window  # with xarray
+
         require_window()
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pipeline
 from pipeline.cli.output import DONE, SOME_FAILED, Result, failed_points, tell
-from pipeline.cli.picture import require_screen, watched
+from pipeline.cli.picture import watched
 from pipeline.cli.progress import run_line
 from pipeline.cli.scenes import given, scene_of, selected
 from pipeline.run.batch import Batch
@@ -21,7 +21,6 @@ def computed(options: argparse.Namespace) -> Result:
     """Run or resume a sweep, or the part of it that the boundary needs."""
     out = options.output or Path("results") / f"{options.scene.stem}.zarr"
     batch = _batch(options)
-    require_screen(options.watch)
     sweep = scene_of(options, store=out)
     if batch and options.dry_run:
         script = job_script(batch, str(out))

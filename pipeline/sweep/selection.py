@@ -117,13 +117,14 @@ class Selection:
         return cls(**{**data, **given})
 
     def __str__(self) -> str:
-        asked, err = f"accuracy {100 * self.accuracy:g} %", f"errs by {100 * self.error:.2g} %"
+        asked = f"accuracy {100 * self.accuracy:g} %"
+        err = f"errs by at most {100 * self.error:.2g} % at any load"
         if self.error > self.accuracy:
             err += ", more than asked for: nothing finer is known"
         picked = self.trials[-1]
         dropped = [
-            f"{trial.name} errs by {100 * trial.error:.2g} % with {picked.work / trial.work:.2g} "
-            "times less"
+            f"{trial.name} may err by {100 * trial.error:.2g} % with "
+            f"{picked.work / trial.work:.2g} times less"
             for trial in self.trials[:-1]
         ]
         why = f" ({', '.join(dropped)})" if dropped else ""
@@ -134,5 +135,7 @@ class Selection:
             pixels = f"elements of twice their size move it by {100 * self.coarser:.2g} %"
         return (
             f"{asked}: picked {self.name}, whose boundary {err}, against nearly exact steps on the "
-            f"scene's pixels, with {less} work{why}; {pixels}; the probe took {self.seconds:.1f} s"
+            f"scene's pixels, with {less} work{why}; the errors have a margin for loads that were "
+            f"not probed, those of irg trade have none; {pixels}; the probe took "
+            f"{self.seconds:.1f} s"
         )

@@ -205,9 +205,10 @@ class Trade:
             "",
             *rows,
             "",
-            "Largest errors: of boundary velocity, decisive rise, contact width and failed share;",
-            "and of contact area, mean pressure and share of the contact at the hardness, which",
-            "the size of the elements decides. All are against the reference on the same pixels.",
+            "Largest errors at these points: of boundary velocity, decisive rise, contact width",
+            "and failed share; and of contact area, mean pressure and share of the contact at the",
+            "hardness, which the size of the elements decides. All are against the reference on",
+            "the same pixels, without the margin for other points that --accuracy adds.",
             "",
             *(
                 f"cheapest within {100 * bound:g} %: {self.cheapest(bound).name}"
