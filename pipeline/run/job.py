@@ -7,10 +7,27 @@ import os
 
 from pipeline.run.source import CONFIGURATION
 
-# At the normal end of a job, these two would show tracebacks of connections that are closed.
-os.environ["DASK_LOGGING"] = repr(
-    {"distributed": "info", "distributed.batched": "error", "distributed.comm.tcp": "error"}
-)
+_LOGGING = {
+    "version": 1,
+    "disable_existing_loggers": False,
+    "filters": {"farewell": {"()": "pipeline.run.source.Farewell"}},
+    "formatters": {"dask": {"format": "%(asctime)s - %(name)s - %(levelname)s - %(message)s"}},
+    "handlers": {
+        "stderr": {
+            "class": "logging.StreamHandler",
+            "filters": ["farewell"],
+            "formatter": "dask",
+        }
+    },
+    "root": {"level": "WARNING", "handlers": ["stderr"]},
+    "loggers": {
+        "distributed": {"level": "INFO"},
+        # These two log connections that are closed.
+        "distributed.batched": {"level": "ERROR"},
+        "distributed.comm.tcp": {"level": "ERROR"},
+    },
+}
+os.environ["DASK_LOGGING"] = repr(_LOGGING)  # also for the worker that the nanny starts
 
 if __name__ == "__main__":
     import dask

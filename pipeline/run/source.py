@@ -8,6 +8,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -47,6 +48,14 @@ CONFIGURATION = {
 THREADS = 2
 """Threads of a worker: while one waits, the other computes."""
 Tell = Callable[[str], None]
+
+
+class Farewell(logging.Filter):
+    """Drops errors that Dask logs, with their tracebacks, at the normal end of a worker's life."""
+
+    def filter(self, record: logging.LogRecord) -> bool:
+        """True for all other messages."""
+        return "ConnectionPool is closed" not in record.getMessage()
 
 
 class ExecutionError(TriboError):
