@@ -104,6 +104,8 @@ def with_entries(document: Document, overrides: Mapping[str, Any], faults: Fault
     without = overrides.pop("without", None)
     listed = [without] if isinstance(without, str) else without
     left_out = _left_out(listed, document, document.file, faults)
+    if "fidelity.preset" in overrides:
+        left_out.append("fidelity")
     document = Document(_layers_without(document, left_out))
     entries, top = document.entries(), dict[str, Any]()
     for key, value in overrides.items():

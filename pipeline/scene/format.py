@@ -59,15 +59,16 @@ def _listed_or_spaced(kind: Quantity) -> Kind:
     return Either(List(kind, distinct=True), Range(kind), when=_is(dict))
 
 
-def _fidelity_meanings() -> dict[str, str]:
-    """First sentence on each parameter in the docstring of `tribo.Fidelity`."""
+def _fields_of_fidelity() -> dict[str, Entry]:
+    """Fields of `tribo.Fidelity`, each with the first sentence on it in its docstring."""
     text = inspect.cleandoc(tribo.Fidelity.__doc__ or "")
     section = text.partition("Parameters\n----------\n")[2].partition("\n\nRaises")[0]
     sentences = {}
     for name, about in re.findall(r"^(\w+) : .*\n((?:    .*\n?)+)", section, flags=re.MULTILINE):
         sentence = re.split(r"(?<=[.\w])[.;] ", " ".join(about.split()))[0].rstrip(".") + "."
         sentences[name] = sentence.replace('``"', '"').replace('"``', '"')
-    return sentences
+    hints = get_type_hints(tribo.Fidelity)
+    return {name: Optional(_kind(hint), sentences[name]) for name, hint in hints.items()}
 
 
 SIZE = Quantity("a length", "2 mm")
@@ -84,16 +85,9 @@ CONDUCTIVITY = Quantity("a conductivity", "45 W/(m K)")
 FRICTION = Number(at_least=0)
 SEED = Whole(at_least=0)
 SHAPE = Choice(("cylinder", "ball", "crowned"))
-PRESET = Choice(tuple(tribo.PRESETS))
 USUAL_PRESET = "standard"
 EXTENDS = Text()
 WITHOUT = List(Text(), distinct=True)
-
-_SENTENCES = _fidelity_meanings()
-FIDELITY = {
-    name: Optional(_kind(hint), _SENTENCES[name])
-    for name, hint in get_type_hints(tribo.Fidelity).items()
-}
 
 # fmt: off
 MATERIAL = Table({
@@ -311,6 +305,13 @@ TEMPERATURES = Table({
         '"laws:hottest_tenth".', default="share"),
 })
 
+FIDELITY = Table({
+    "preset": Optional(Choice(tuple(tribo.PRESETS)),
+        'Preset to begin with: "draft" is the fastest, "reference" the best.',
+        default=USUAL_PRESET),
+    **_fields_of_fidelity(),
+})
+
 SWEEP = Table({
     "loads": Entry(_listed_or_spaced(LOAD), "Normal loads."),
     "velocities": Entry(_listed_or_spaced(VELOCITY), "Sliding velocities."),
@@ -415,12 +416,8 @@ FORMAT = Table({
     "temperature": Entry(TEMPERATURES,
         "Temperatures that decide about wear. They take effect after the simulation, as friction "
         "does."),
-    "fidelity": Optional(Table({
-        "preset": Optional(PRESET,
-            'Preset to begin with: "draft" is the fastest, "reference" the best.',
-            default=USUAL_PRESET),
-        **FIDELITY,
-    }), "Numerical choices: a preset, and single choices in place of its own; the preset "
+    "fidelity": Optional(FIDELITY,
+        "Numerical choices: a preset, and single choices in place of its own; the preset "
         '"standard" without the table.'),
     "sweep": Entry(SWEEP, "The points of the load–velocity plane to compute."),
     "unknown": Optional(UNKNOWN,

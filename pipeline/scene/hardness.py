@@ -40,17 +40,7 @@ _OF_STEEL = {
 def hardness_pressure(number: Decimal, unit: str) -> Decimal | None:
     """Pressure that a hardness number stands for [Pa]; None if the unit is not one of hardness.
 
-    Parameters
-    ----------
-    number : Decimal
-        Hardness number.
-    unit : str
-        HV, HB, HBW or HRC; HV and HBW also with their test load, as in HV10 or HBW 10/3000.
-
-    Raises
-    ------
-    InputError
-        If the table of its scale does not hold the number.
+    Units are HV, HB, HBW and HRC; HV and HBW also with a test load, as in HV10 or HBW 10/3000.
 
     Examples
     --------

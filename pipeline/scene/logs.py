@@ -24,9 +24,9 @@ def with_rows(
     faults: Faults,
     notes: list[str],
 ) -> dict[str, Any]:
-    """Put the rows of log files in the place of the tables of a list that name them.
+    """Entries with the rows of log files in the place of the tables of a list that name them.
 
-    Faults are added by row and column, the names of columns that are not used to the notes.
+    Faults are named by row and column; columns that are not used are noted.
     """
     listed = entries.get(key)
     if not isinstance(listed, list):

@@ -30,21 +30,7 @@ _DISPLAY = {
 
 
 def in_si(name: str, value: float | str, like: str) -> float:
-    """Value of a quantity in SI.
-
-    Parameters
-    ----------
-    name : str
-        Name of the quantity, for the error.
-    value : float or str
-        Number in SI, or text with a unit.
-    like : str
-        Quantity of the dimension that is needed, as an example.
-
-    Raises
-    ------
-    InputError
-        If text is not such a quantity.
+    """Value in SI of a number in SI, or of text with a unit like that of the example.
 
     Examples
     --------
@@ -53,7 +39,6 @@ def in_si(name: str, value: float | str, like: str) -> float:
     """
     if not isinstance(value, str):
         return float(value)
-
     try:
         return to_si(value, like)
     except UnitError as error:
@@ -62,11 +47,6 @@ def in_si(name: str, value: float | str, like: str) -> float:
 
 def share_of(value: float | str) -> float:
     """Value of a share, as a number or as text such as ``"10%"``.
-
-    Raises
-    ------
-    InputError
-        If text is not a share.
 
     Examples
     --------

@@ -15,15 +15,14 @@ from typing import Any
 import tribo
 from pipeline.scene.consistency import check_tables
 from pipeline.scene.document import read_document, with_entries
-from pipeline.scene.faults import Faults, SceneFileError, did_you_mean, entry_at, joined
-from pipeline.scene.format import FIDELITY, FORMAT, PRESET, TEST, TRANSITION, USUAL_PRESET
+from pipeline.scene.faults import Faults, SceneFileError, did_you_mean, entry_at
+from pipeline.scene.format import FIDELITY, FORMAT, TEST, TRANSITION, USUAL_PRESET
 from pipeline.scene.library import with_library, without_consequences
 from pipeline.scene.logs import with_rows
 from pipeline.scene.over import over_of, with_first_values, without_over
 from pipeline.scene.parts import corrections_of, loading_of, oil_of, pin_of, wear_of
 from pipeline.scene.reference import sections
 from pipeline.scene.roughness import realizations_of, roughness_of
-from pipeline.scene.schema import Table
 from pipeline.scene.shipped import scene_path
 from pipeline.scene.unknown import Original, samples_of
 from pipeline.scene.wear_rates import with_velocities_for_rates
@@ -86,16 +85,14 @@ def _read(
     arguments = _arguments(path, preset, overrides)
     path = scene_path(path)
     faults, notes = Faults(), list[str]()
-    overrides = {key.removeprefix("fidelity."): value for key, value in overrides.items()}
-    entries_set = {key: overrides.pop(key) for key in list(overrides) if _is_entry(key)}
-    document = with_entries(read_document(path, faults), entries_set, faults)
+    replaced = _by_path(overrides, preset, faults)
+    document = with_entries(read_document(path, faults), replaced, faults)
     document = without_over(document) if is_variant else with_first_values(document)
     entries, taken = with_library(document.entries(), faults)
     for key, row_of in (("measured", TRANSITION), ("tested", TEST)):
         entries = with_rows(entries, key, row_of, document, faults, notes)
     tables = FORMAT.read(entries, "", faults)
-    preset = overrides.pop("preset", preset)
-    fidelity, preset = _fidelity(tables["fidelity"] or {}, preset, overrides, faults)
+    fidelity, equal_preset = _fidelity(tables["fidelity"] or {}, faults)
     realizations = realizations_of(tables, faults)
     roughness = roughness_of(tables, document, faults, notes)
     loading = loading_of(tables["loading"], document, faults, notes)
@@ -119,7 +116,7 @@ def _read(
             wear=wear,
             realizations=realizations,
             fidelity=fidelity,
-            preset=preset,
+            preset=equal_preset,
             notes=tuple(notes),
             library=taken,
             arguments=arguments,
@@ -184,43 +181,25 @@ def scene_entry(
     >>> pipeline.scene_entry("workflows/first_try.toml", "temperature.bulk")
     '25 degC'
     """
-    replaced = {name: value for name, value in (overrides or {}).items() if _is_entry(name)}
+    replaced = _by_path(overrides or {}, None, Faults())
     document = with_entries(read_document(scene_path(path), Faults()), replaced, Faults())
     return entry_at(with_library(document.entries(), Faults())[0], key)
 
 
-def _fidelity(
-    table: Mapping[str, Any], preset: str | None, overrides: Mapping[str, Any], faults: Faults
-) -> tuple[tribo.Fidelity, str | None]:
-    """Choose the fidelity; name its preset if it equals that."""
-    wanted = PRESET.read(preset, "preset", faults) if preset is not None else None
-    name = wanted or table.get("preset") or USUAL_PRESET
-    fidelity = tribo.PRESETS[name]
-    entries = {key: value for key, value in table.items() if key != "preset"}
-    for key in set(overrides) - set(FIDELITY):
-        problem = (
-            f"unknown key{did_you_mean(key, [*FIDELITY, *_paths()])}; give one of "
-            f"{', '.join(FIDELITY)}; or an entry such as wear.pattern, loading.hold or title"
-        )
-        faults.note(key, problem)
-    fields = {key: value for key, value in overrides.items() if key in FIDELITY}
-    last = Table(FIDELITY).read(fields, "", faults)
-    for where, values, counts in (("fidelity", entries, preset is None), ("", last, True)):
-        for key, value in values.items():
-            if value is None:
-                continue
-            try:
-                changed = replace(fidelity, **{key: value})
-            except tribo.InputError as error:
-                faults.note(joined(where, key), str(error))
-            else:
-                fidelity = changed if counts else fidelity
-    return fidelity, name if fidelity == tribo.PRESETS[name] else None
-
-
-def _is_entry(key: str) -> bool:
-    """True for the path of an entry of the scene, not a field of its fidelity."""
-    return "." in key or (key in FORMAT.keys and key != "extends")
+def _by_path(overrides: Mapping[str, Any], preset: str | None, faults: Faults) -> dict[str, Any]:
+    """Entries to replace by their paths; those of the fidelity may be named by their key alone."""
+    replaced: dict[str, Any] = {} if preset is None else {"fidelity.preset": preset}
+    for key, value in overrides.items():
+        if key in FIDELITY.keys:
+            replaced[f"fidelity.{key}"] = value
+        elif "." in key or (key in FORMAT.keys and key != "extends"):
+            replaced[key] = value
+        else:
+            fields = [field for field in FIDELITY.keys if field != "preset"]
+            hint = did_you_mean(key, [*fields, *_paths()])
+            problem = f"unknown key{hint}; give one of {', '.join(fields)}"
+            faults.note(key, f"{problem}; or an entry such as wear.pattern, loading.hold or title")
+    return replaced
 
 
 def _paths() -> list[str]:
@@ -232,6 +211,20 @@ def _paths() -> list[str]:
         if not (section.is_list or "NAME" in section.path or section.path == "fidelity")
         and key != "extends"
     ]
+
+
+def _fidelity(table: Mapping[str, Any], faults: Faults) -> tuple[tribo.Fidelity, str | None]:
+    """Fidelity of a table, and the name of its preset if it equals that."""
+    name = table.get("preset") or USUAL_PRESET
+    fidelity = tribo.PRESETS[name]
+    for key, value in table.items():
+        if key == "preset" or value is None:
+            continue
+        try:
+            fidelity = replace(fidelity, **{key: value})
+        except tribo.InputError as error:
+            faults.note(f"fidelity.{key}", str(error))
+    return fidelity, name if fidelity == tribo.PRESETS[name] else None
 
 
 def _sound_entries(name: str, tables: dict[str, Any]) -> dict[str, Any]:

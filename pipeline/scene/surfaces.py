@@ -29,12 +29,8 @@ _MOST_BYTES = 2**30  # that an archive may unpack to
 class Surface:
     """A measured surface.
 
-    Attributes
-    ----------
-    heights : ndarray, shape (nx, ny)
-        Heights, positive outwards; NaN where the instrument has none [m].
-    pixel_size : tuple of float or None
-        Sides of a pixel along x and y; None where the file does not give them [m].
+    Heights [m] of shape (nx, ny), positive outwards, NaN where the instrument has none; and the
+    sides of a pixel along x and y [m], None where the file does not give them.
     """
 
     heights: Array
@@ -42,20 +38,11 @@ class Surface:
 
 
 def read_surface(path: str | Path, height_unit: float | None = None) -> Surface:
-    """Read a measured surface.
+    """A measured surface from a plain array, or from a file of SurfaceTopography's formats.
 
-    Parameters
-    ----------
-    path : str or Path
-        Plain array, or a file of any format that SurfaceTopography reads.
-    height_unit : float, optional
-        Length of one unit of the file's heights, where the file does not give it or is wrong [m].
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read, is not a surface, or its unit is not known; or if the extra
-        that its format needs is not installed.
+    The length of one unit of the file's heights [m] is needed where the file does not give it, and
+    goes before what it gives. `InputError` is raised if the file cannot be read, is not a surface,
+    or if the extra that its format needs is not installed.
     """
     path = Path(path)
     if path.suffix.lower() in PLAIN:
@@ -126,16 +113,7 @@ Flip = Literal["no", "x", "y", "heights"]
 
 
 def oriented(surface: Surface, transpose: bool = False, flip: Flip = "no") -> Surface:
-    """Turn a surface that an instrument wrote in another orientation.
-
-    Parameters
-    ----------
-    surface : Surface
-        Surface as read.
-    transpose : bool
-        Exchange x and y, of the pixels too.
-    flip : {"no", "x", "y", "heights"}
-        Reverse an axis; or the heights, as of a replica, whose summits were valleys.
+    """A surface with x and y exchanged, pixels too, and then an axis or the heights reversed.
 
     Examples
     --------
@@ -156,21 +134,7 @@ def oriented(surface: Surface, transpose: bool = False, flip: Flip = "no") -> Su
 
 
 def cropped(heights: Array, first: tuple[int, int], shape: tuple[int, int]) -> Array:
-    """Cut a patch out of a surface.
-
-    Parameters
-    ----------
-    heights : ndarray, shape (mx, my)
-        Heights of the whole surface [m].
-    first : tuple of int
-        Row and column at which the patch begins, counted from 0.
-    shape : tuple of int
-        Rows and columns of the patch.
-
-    Raises
-    ------
-    InputError
-        If the patch reaches beyond the surface.
+    """Patch of a surface with so many rows and columns, from a first row and column on [m].
 
     Examples
     --------
@@ -188,18 +152,9 @@ def cropped(heights: Array, first: tuple[int, int], shape: tuple[int, int]) -> A
 
 
 def repeated(heights: Array, shape: tuple[int, int], how: Literal["mirror", "tile"]) -> Array:
-    """Go on with a surface beyond its ends, until it has as many heights.
+    """Surface continued beyond its ends to so many rows and columns at least [m].
 
     Mirrored it stays continuous; as tiles it steps at every seam, but keeps its lay.
-
-    Parameters
-    ----------
-    heights : ndarray, shape (mx, my)
-        Heights of the surface [m].
-    shape : tuple of int
-        Rows and columns wanted; a surface with more keeps them.
-    how : {"mirror", "tile"}
-        Mirror image of the repetition before, or the same again.
 
     Examples
     --------
@@ -211,9 +166,7 @@ def repeated(heights: Array, shape: tuple[int, int], how: Literal["mirror", "til
     more = [
         (0, max(0, wanted - present)) for wanted, present in zip(shape, heights.shape, strict=True)
     ]
-    if how == "mirror":
-        return np.pad(heights, more, mode="symmetric")
-    return np.pad(heights, more, mode="wrap")
+    return np.pad(heights, more, mode="symmetric" if how == "mirror" else "wrap")
 
 
 def levelled(heights: Array) -> Array:
@@ -234,14 +187,9 @@ def levelled(heights: Array) -> Array:
 
 
 def filled(heights: Array) -> Array:
-    """Replace NaN by the harmonic function that continues the heights around it.
+    """Heights with NaN replaced by the harmonic function that continues those around it [m].
 
     It is a membrane spanned over each hole, which adds neither peaks nor valleys.
-
-    Raises
-    ------
-    InputError
-        If there is no height at all.
 
     Examples
     --------
@@ -257,29 +205,24 @@ def filled(heights: Array) -> Array:
     missing = ~np.isfinite(heights)
     if missing.all():
         raise InputError("all heights are missing")
-    if not missing.any():
+    holes = np.argwhere(missing)
+    if not len(holes):
         return heights.copy()
-    count = int(missing.sum())
     number = np.full(heights.shape, -1)
-    number[missing] = np.arange(count)
-    rows, columns, weights = [np.empty(0, int)], [np.empty(0, int)], [np.empty(0)]
-    neighbours, around = np.zeros(count), np.zeros(count)
-    for axis in (0, 1):
-        low = tuple(slice(None, -1) if k == axis else slice(None) for k in (0, 1))
-        high = tuple(slice(1, None) if k == axis else slice(None) for k in (0, 1))
-        for here, there in ((low, high), (high, low)):
-            hole = missing[here]
-            inside, other, height = number[here][hole], number[there][hole], heights[there][hole]
-            neighbours += np.bincount(inside, minlength=count)
-            to_known = other < 0
-            around += np.bincount(inside[to_known], height[to_known], minlength=count)
-            rows.append(inside[~to_known])
-            columns.append(other[~to_known])
-            weights.append(-np.ones(int((~to_known).sum())))
-    off = sparse.csc_matrix(
-        (np.concatenate(weights), (np.concatenate(rows), np.concatenate(columns))),
-        shape=(count, count),
-    )
+    number[missing] = np.arange(len(holes))
+    # In each hole, the number of neighbours times the height is the sum of theirs.
+    neighbours, around = np.zeros(len(holes)), np.zeros(len(holes))
+    links = []
+    for step in ((1, 0), (-1, 0), (0, 1), (0, -1)):
+        beside = holes + step
+        inside = np.flatnonzero(((beside >= 0) & (beside < heights.shape)).all(axis=1))
+        place = tuple(beside[inside].T)
+        measured = ~missing[place]
+        neighbours[inside] += 1
+        around[inside[measured]] += heights[place][measured]
+        links.append((inside[~measured], number[place][~measured]))
+    rows, columns = np.hstack(links)
+    off = sparse.csc_matrix((-np.ones(len(rows)), (rows, columns)), shape=2 * (len(holes),))
     result = heights.copy()
     result[missing] = spsolve(sparse.diags(neighbours, format="csc") + off, around)
     return result

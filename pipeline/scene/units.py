@@ -62,21 +62,7 @@ class UnitError(TriboError, ValueError):
 
 
 def exact_si(text: str, like: str) -> Decimal:
-    """Value in SI of a quantity such as ``"0.27 um"``, without rounding.
-
-    Hardness numbers are pressures (see `pipeline.scene.hardness`).
-
-    Parameters
-    ----------
-    text : str
-        Number and unit.
-    like : str
-        Quantity of the dimension that is needed.
-
-    Raises
-    ------
-    UnitError
-        If the text is not a quantity, or is one of another dimension.
+    """Value in SI of a quantity such as ``"0.27 um"``, without rounding; hardness is a pressure.
 
     Examples
     --------
@@ -108,7 +94,19 @@ def exact_si(text: str, like: str) -> Decimal:
 
 
 def to_si(text: str, like: str) -> float:
-    """Value in SI of a quantity such as ``"0.27 um"``, the nearest double; see `exact_si`.
+    """Value in SI of a quantity such as ``"0.27 um"``, the nearest double.
+
+    Parameters
+    ----------
+    text : str
+        Number and unit; hardness numbers such as ``"62 HRC"`` are pressures.
+    like : str
+        Quantity of the dimension that is needed.
+
+    Raises
+    ------
+    UnitError
+        If the text is not a quantity, or is one of another dimension.
 
     Examples
     --------

@@ -22,22 +22,6 @@ def absolute(
 ) -> Iterator[Any]:
     """Values of an entry, those such as ``"+20%"`` as the scene's own value changed by so much.
 
-    Parameters
-    ----------
-    scene : path-like
-        Scene file, or name of a shipped scene.
-    key : str
-        Key path, such as ``wear.specific_wear_rate``.
-    values : iterable
-        Values as a scene file has them, or text in percent.
-    overrides : mapping, optional
-        Entries by their key path in place of those of the file.
-
-    Raises
-    ------
-    InputError
-        If the scene gives no number there, or a temperature.
-
     Examples
     --------
     >>> list(absolute("first_try", "pin.radius", ["1 mm", "+20%"]))

@@ -16,13 +16,8 @@ def with_velocities_for_rates(sweep: Sweep, notes: list[str]) -> Sweep:
 
     A contact at the velocity V and the scene's own rate k is that at V' and another rate k' where
     kV = k'V'. So the scene's velocities are covered at every rate where they are from k₁/k times
-    the lowest to k₂/k times the highest.
-
-    Parameters
-    ----------
-    sweep : Sweep
-    notes : list of str
-        List to which a note on these velocities is added.
+    the lowest to k₂/k times the highest; a note
+    says which velocities are added.
     """
     moving = [velocity for velocity in sweep.velocities if velocity > 0]
     if sweep.wear is None or sweep.wear_rates is None or not moving:
