@@ -1,28 +1,16 @@
 """A scene that extends another is the scene written in full."""
 
-import tomllib
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 import pipeline
 import tribo
 from pipeline.scene.faults import SceneFileError
 from pipeline.scene.scenefile import load_scene
 from pipeline.store.identity import describe
-from tests.pipeline.scene.test_scenefile import (
-    ROUGHNESS,
-    TEXT,
-    WORKFLOWS,
-    places,
-    toml,
-    unhurried,
-    values,
-)
-from tests.pipeline.scene.test_scenefile import faults_of as read_or_refused
+from tests.pipeline.scene.conftest import ROUGHNESS, TEXT, WORKFLOWS
 
 EXTENDS = 'extends = "base.toml"\n'
 
@@ -201,24 +189,6 @@ def test_another_scene_that_cannot_be_extended_is_one_clear_fault(write, tmp_pat
     assert fault.startswith("extends: ")
     assert said in fault
     assert len(fault.splitlines()) == 1
-
-
-@unhurried
-@given(st.data())
-def test_entries_of_any_kind_are_read_or_refused(tmp_path, data):
-    (tmp_path / "base.toml").write_text(TEXT, encoding="utf-8")
-    own = {"extends": "base.toml", "without": ["wear.pattern", "measured"]}
-    document = tomllib.loads(TEXT)
-    for _ in range(data.draw(st.integers(1, 3))):
-        holder, key = data.draw(st.sampled_from(list(places(document))))
-        holder[key] = data.draw(values)
-    for key in data.draw(st.lists(st.sampled_from(sorted(document)), unique=True)):
-        own[key] = document[key]
-    if data.draw(st.booleans()):
-        own[data.draw(st.sampled_from(["extends", "without"]))] = data.draw(values)
-    lines = (f"{toml(key)} = {toml(value)}\n" for key, value in own.items())
-    faults = read_or_refused(tmp_path / "own.toml", "".join(lines))
-    assert all(len(line.splitlines()) == 1 for line in faults)
 
 
 def test_tables_that_are_nested_too_deeply_are_one_unknown_key(write):

@@ -1,47 +1,29 @@
 """Materials, oils and units of hardness that a scene can name."""
 
 import re
-from decimal import Decimal
 
 import pytest
 
-from pipeline.scene.faults import SceneFileError
-from pipeline.scene.hardness import hardness_pressure
 from pipeline.scene.library import library
-from pipeline.scene.scenefile import load_scene
-from pipeline.scene.units import UnitError, to_si
 from tests.helpers.scenes import STEEL
-from tests.pipeline.scene import test_scenefile
+from tests.pipeline.scene.conftest import TEXT as WITH_OIL
 
-WITH_OIL = test_scenefile.TEXT
 TEXT = WITH_OIL[: WITH_OIL.index("[oil]")] + WITH_OIL[WITH_OIL.index("[friction]") :]
 TABLE = TEXT[TEXT.index("[materials.steel]") : TEXT.index("[pin]")]
 NO_TABLE = TEXT.replace(TABLE, "").replace('"steel"', '"AISI 52100"')
 
 
 @pytest.fixture
-def read(tmp_path):
-    def read(text):
-        path = tmp_path / "scene.toml"
-        path.write_text(text, encoding="utf-8")
-        return load_scene(path)
-
-    return read
-
-
-@pytest.fixture
-def fault(read):
+def fault(faults):
     def fault(text):
-        with pytest.raises(SceneFileError) as caught:
-            read(text)
-        (only,) = caught.value.faults
+        (only,) = faults(text=text)
         return only
 
     return fault
 
 
 def test_a_material_of_the_library_is_the_same_written_in_full(read):
-    sweep, written = read(NO_TABLE), read(TEXT)
+    sweep, written = read(text=NO_TABLE), read(text=TEXT)
     assert sweep.disk == written.disk == STEEL
     assert {entry.source for entry in sweep.library} == {"Bosman & de Rooij, Table 3"}
     assert len(sweep.library) == 6
@@ -50,16 +32,16 @@ def test_a_material_of_the_library_is_the_same_written_in_full(read):
 
 def test_hardened_bearing_steel_goes_by_the_names_that_people_use(read):
     for name in ("100Cr6", "1.3505", "SUJ2", "AISI 52100 through-hardened"):
-        steel = read(NO_TABLE.replace("AISI 52100", name)).disk
+        steel = read(text=NO_TABLE.replace("AISI 52100", name)).disk
         assert steel.thermal_conductivity == 21.0
-    soft = read(NO_TABLE.replace("AISI 52100", "AISI 52100 annealed")).disk
+    soft = read(text=NO_TABLE.replace("AISI 52100", "AISI 52100 annealed")).disk
     assert soft.thermal_conductivity == 46.0
     assert soft.hardness < 0.5 * steel.hardness
 
 
 def test_own_entries_go_before_those_of_the_library(read):
     hard = '[materials.ball]\nlike = "AISI 52100"\nhardness = "62 HRC"\n'
-    sweep = read(NO_TABLE.replace("[pin]", f"{hard}\n[pin]", 1).replace(
+    sweep = read(text=NO_TABLE.replace("[pin]", f"{hard}\n[pin]", 1).replace(
         'length = "3.4 mm"\nmaterial = "AISI 52100"', 'length = "3.4 mm"\nmaterial = "ball"'
     ))  # fmt: skip
     assert sweep.pin.material.hardness == pytest.approx(746 * 9.80665e6)
@@ -69,9 +51,9 @@ def test_own_entries_go_before_those_of_the_library(read):
 
 def test_a_table_under_a_name_of_the_library_may_be_a_part_or_whole(read):
     part = '[materials."AISI 52100"]\nhardness = "700 HV"\n\n[pin]'
-    assert read(NO_TABLE.replace("[pin]", part, 1)).disk.hardness == 700 * 9.80665e6
+    assert read(text=NO_TABLE.replace("[pin]", part, 1)).disk.hardness == 700 * 9.80665e6
     elastic = re.sub("hardness = .*\n", "", TABLE).replace("steel", '"AISI 52100"')
-    sweep = read(NO_TABLE + elastic)
+    sweep = read(text=NO_TABLE + elastic)
     assert sweep.disk.hardness == float("inf")
     assert sweep.library == ()
 
@@ -98,12 +80,12 @@ def test_an_empty_name_of_an_oil_is_one_fault(fault):
 
 def test_every_entry_of_the_library_is_a_sound_material_or_oil(read):
     for name in library()["materials"]:
-        sweep = read(NO_TABLE.replace("AISI 52100", name))
+        sweep = read(text=NO_TABLE.replace("AISI 52100", name))
         assert sweep.disk.thermal_conductivity > 0
         assert 80e9 < sweep.disk.elastic_modulus < 420e9 or name.startswith("aluminium")
         assert 1e-7 < sweep.disk.thermal_diffusivity < 2e-4
     for name in library()["oils"]:
-        oil = read(f'oil = "{name}"\n{TEXT}').oil
+        oil = read(text=f'oil = "{name}"\n{TEXT}').oil
         assert 1 < oil.viscosity(303.15) / oil.viscosity(373.15) < 100
 
 
@@ -116,7 +98,7 @@ def test_every_number_of_the_library_has_a_source():
 
 def test_the_viscosity_between_its_temperatures_is_that_of_the_source(read):
     """The source has 23.3 mPa s at 60 °C as well, the equation of ASTM D341 within 3 %."""
-    oil = read(f'oil = "medicinal white oil"\n{TEXT}').oil
+    oil = read(text=f'oil = "medicinal white oil"\n{TEXT}').oil
     assert oil.viscosity(303.15) == pytest.approx(0.107)
     assert oil.viscosity(373.15) == pytest.approx(0.0064)
     assert oil.viscosity(333.15) == pytest.approx(0.0233, rel=0.03)
@@ -126,7 +108,7 @@ def test_the_viscosity_between_its_temperatures_is_that_of_the_source(read):
 def test_own_viscosity_takes_none_of_the_library_at_other_temperatures(read):
     own = '[oil]\nlike = "medicinal white oil"\ndensity = "866 kg/m^3"\n'
     thin = own + 'kinematic_viscosity = ["32 mm^2/s", "5 mm^2/s"]\n'
-    oil = read(TEXT + thin).oil
+    oil = read(text=TEXT + thin).oil
     assert oil.temperatures == (313.15, 373.15)
     assert oil.pressure_coefficients is None
 
@@ -142,29 +124,3 @@ def test_own_viscosity_takes_none_of_the_library_at_other_temperatures(read):
 )
 def test_a_faulty_oil_is_one_clear_fault(fault, table, said):
     assert said in fault(f"{TEXT}[oil]\n{table}\n")
-
-
-@pytest.mark.parametrize(
-    ("text", "vickers"), [("700 HV", 700), ("700 HV0.5", 700), ("64 HRC", 800), ("20.5 HRC", 240.5),
-                          ("654 HBW 10/3000", 697), ("226 HB", 238)],
-)  # fmt: skip
-def test_units_of_hardness(text, vickers):
-    assert to_si(text, like="6.6 GPa") == pytest.approx(vickers * 9.80665e6)
-
-
-@pytest.mark.parametrize("text", ["19 HRC", "69 HRC", "200 HB", "740 HBW", "60 HRA", "60 HRC/mm"])
-def test_no_hardness_outside_its_conversion(text):
-    with pytest.raises(UnitError):
-        to_si(text, like="6.6 GPa")
-
-
-def test_conversion_rises_and_scales_agree():
-    """HB of E140 at 60 HRC is 654: both give the same Vickers number."""
-    values = [hardness_pressure(Decimal(n), "HRC") for n in range(20, 69)]
-    assert values == sorted(set(values))
-    assert hardness_pressure(Decimal(654), "HB") == hardness_pressure(Decimal(60), "HRC")
-
-
-def test_a_hardness_is_not_a_length():
-    with pytest.raises(UnitError, match="cannot be converted to mm"):
-        to_si("62 HRC", like="1 mm")

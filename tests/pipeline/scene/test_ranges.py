@@ -12,9 +12,9 @@ import pytest
 
 import tribo
 from pipeline.scene.faults import Faults
-from pipeline.scene.format import FORMAT
-from pipeline.scene.kinds import Quantity
-from pipeline.scene.schema import Either, Entry, List, Table, Tables
+from pipeline.scene.kinds import Number, Quantity, Whole
+from pipeline.scene.reference import sections
+from pipeline.scene.schema import Either, List
 from pipeline.sweep.conditions import Conditions
 from tests.helpers.scenes import STEEL, small_scene
 
@@ -23,22 +23,32 @@ RAMP = tribo.Ramp(rate=150.0, reference_load=750.0)
 CONDITIONS = Conditions(0.1, 298.15, None)
 
 
-def kind_at(path):
-    """The kind of the entry at a key path; the usual one where there are two."""
-    kind = FORMAT
-    for key in path.split("."):
-        kind = kind.usual if isinstance(kind, Either) else kind
-        if isinstance(kind, Tables):
-            kind = kind.of
-            continue
-        assert isinstance(kind, Table)
-        kind = kind.keys[key].kind
-    kind = kind.usual if isinstance(kind, Either) else kind
+def kind_of(entry):
+    """The usual kind of an entry, of one of its values where it is a list."""
+    kind = entry.kind.usual if isinstance(entry.kind, Either) else entry.kind
     return kind.of if isinstance(kind, List) else kind
 
 
+KINDS = {
+    section.path_of(key).replace("NAME", "steel"): kind_of(entry)
+    for section in sections()
+    for key, (entry, _) in section.keys().items()
+}
+
+
+def at_bounds(kind):
+    """Values at each bound of a kind, and just beyond it."""
+    if isinstance(kind, Quantity):
+        return (-1e-30 if kind.zero else -1e-300, 0.0, 1e-30, 1.0, 300.0)
+    if isinstance(kind, Whole):
+        return (kind.at_least - 1, kind.at_least, kind.at_least + 1)
+    bounds = [bound for bound in vars(kind).values() if math.isfinite(bound)]
+    ends = (-math.inf, math.inf)
+    return tuple(value for b in bounds for value in (b, *(math.nextafter(b, end) for end in ends)))
+
+
 def format_allows(path, value):
-    kind, faults = kind_at(path), Faults()
+    kind, faults = KINDS[path], Faults()
     if isinstance(kind, Quantity):
         unit = kind.example.split(" ", 1)[1]
         scale = {"GPa": 1e9, "g/cm^3": 1e3, "um": 1e-6, "mm": 1e-3, "mm^2": 1e-6}
@@ -61,102 +71,69 @@ def roughness(**changes):
     return tribo.SelfAffineRoughness(**given).heights(GRID)
 
 
-ABOVE_0, AT_LEAST_0 = (-1e-300, 0.0, 1e-30, 1.0), (-1e-30, 0.0, 1e-30, 1.0)
-FROM_1 = (-1, 0, 1, 2)
 PLACES = {
-    "materials.steel.elastic_modulus": (ABOVE_0, lambda v: replace(STEEL, elastic_modulus=v)),
-    "materials.steel.poisson_ratio": (
-        (-1.0, math.nextafter(-1, 0), 0.5, math.nextafter(0.5, 1)),
-        lambda v: replace(STEEL, poisson_ratio=v),
+    "materials.steel.elastic_modulus": lambda v: replace(STEEL, elastic_modulus=v),
+    "materials.steel.poisson_ratio": lambda v: replace(STEEL, poisson_ratio=v),
+    "materials.steel.hardness": lambda v: replace(STEEL, hardness=v),
+    "materials.steel.thermal_conductivity": lambda v: replace(STEEL, thermal_conductivity=v),
+    "materials.steel.density": lambda v: replace(STEEL, density=v),
+    "materials.steel.specific_heat": lambda v: replace(STEEL, specific_heat=v),
+    "pin.radius": lambda v: (tribo.Cylinder(v, 1.0, STEEL), tribo.Ball(v, STEEL)),
+    "pin.length": lambda v: tribo.Cylinder(1.0, v, STEEL),
+    "pin.stem.length": lambda v: tribo.Stem.rod(v, 1.0, 1.0, 1.0),
+    "pin.stem.area": lambda v: tribo.Stem.rod(1.0, v, 1.0, 1.0),
+    "disk.track_length": lambda v: tribo.Track.under(tribo.Ball(1.0, STEEL), STEEL, v),
+    "disk.roughness.ra": lambda v: roughness(ra=v),
+    "disk.roughness.hurst_exponent": lambda v: roughness(hurst_exponent=v),
+    "disk.roughness.correlation_length": lambda v: roughness(correlation_length=(v, v)),
+    "disk.roughness.seed": lambda v: roughness(seed=v),
+    "window.pixels": lambda v: tribo.Grid((v, v), (1.0, 1.0)),
+    "window.pixel_size": lambda v: tribo.Grid((2, 2), (v, v)),
+    "loading.rate": lambda v: replace(RAMP, rate=v),
+    "loading.reference_load": lambda v: replace(RAMP, reference_load=v),
+    "loading.hold": lambda v: replace(RAMP, hold=v),
+    "loading.hold_steps": lambda v: replace(RAMP, hold_steps=v),
+    "motion.track_length": lambda v: tribo.Motion(slide_roll_ratio=1.0, track_length=v),
+    "wear.specific_wear_rate": tribo.Wear,
+    "oil.temperatures": lambda v: tribo.Oil((v, 400.0), (32e-6, 5e-6), 866.0),
+    "oil.density": lambda v: tribo.Oil((313.0, 373.0), (32e-6, 5e-6), v),
+    "oil.pressure_viscosity_coefficient": lambda v: tribo.Oil(
+        (313.0, 373.0), (32e-6, 5e-6), 866.0, (v, v)
     ),
-    "materials.steel.hardness": (ABOVE_0, lambda v: replace(STEEL, hardness=v)),
-    "materials.steel.thermal_conductivity": (
-        ABOVE_0,
-        lambda v: replace(STEEL, thermal_conductivity=v),
-    ),
-    "materials.steel.density": (ABOVE_0, lambda v: replace(STEEL, density=v)),
-    "materials.steel.specific_heat": (ABOVE_0, lambda v: replace(STEEL, specific_heat=v)),
-    "pin.radius": (ABOVE_0, lambda v: (tribo.Cylinder(v, 1.0, STEEL), tribo.Ball(v, STEEL))),
-    "pin.length": (ABOVE_0, lambda v: tribo.Cylinder(1.0, v, STEEL)),
-    "pin.stem.length": (ABOVE_0, lambda v: tribo.Stem.rod(v, 1.0, 1.0, 1.0)),
-    "pin.stem.area": (ABOVE_0, lambda v: tribo.Stem.rod(1.0, v, 1.0, 1.0)),
-    "disk.track_length": (
-        ABOVE_0,
-        lambda v: tribo.Track.under(tribo.Ball(1.0, STEEL), STEEL, v),
-    ),
-    "disk.roughness.ra": (ABOVE_0, lambda v: roughness(ra=v)),
-    "disk.roughness.hurst_exponent": (
-        (0.0, 5e-324, 1.0, math.nextafter(1, 2)),
-        lambda v: roughness(hurst_exponent=v),
-    ),
-    "disk.roughness.correlation_length": (
-        (-1e-6, 0.0, 1e-6),
-        lambda v: roughness(correlation_length=(v, v)),
-    ),
-    "disk.roughness.seed": ((-1, 0, 1), lambda v: roughness(seed=v)),
-    "window.pixels": (FROM_1, lambda v: tribo.Grid((v, v), (1.0, 1.0))),
-    "window.pixel_size": (ABOVE_0, lambda v: tribo.Grid((2, 2), (v, v))),
-    "loading.rate": (ABOVE_0, lambda v: replace(RAMP, rate=v)),
-    "loading.reference_load": (ABOVE_0, lambda v: replace(RAMP, reference_load=v)),
-    "loading.hold": (AT_LEAST_0, lambda v: replace(RAMP, hold=v)),
-    "loading.hold_steps": (FROM_1, lambda v: replace(RAMP, hold_steps=v)),
-    "motion.track_length": (
-        ABOVE_0,
-        lambda v: tribo.Motion(slide_roll_ratio=1.0, track_length=v),
-    ),
-    "wear.specific_wear_rate": (AT_LEAST_0, tribo.Wear),
-    "oil.temperatures": (ABOVE_0, lambda v: tribo.Oil((v, 400.0), (32e-6, 5e-6), 866.0)),
-    "oil.kinematic_viscosity": (
-        (-1.0, 0.0, 1.0),
-        lambda v: tribo.Oil((313.0, 373.0), (v, v / 2), 866.0),
-    ),
-    "oil.density": (ABOVE_0, lambda v: tribo.Oil((313.0, 373.0), (32e-6, 5e-6), v)),
-    "oil.pressure_viscosity_coefficient": (
-        ABOVE_0,
-        lambda v: tribo.Oil((313.0, 373.0), (32e-6, 5e-6), 866.0, (v, v)),
-    ),
-    "friction.coefficient": (AT_LEAST_0, lambda v: replace(CONDITIONS, friction=v)),
-    "temperature.bulk": (
-        (-1.0, 0.0, 1e-30, 300.0),
-        lambda v: replace(CONDITIONS, bulk_temperature=v),
-    ),
-    "temperature.failing_share": (
-        (-5e-324, 0.0, math.nextafter(1, 0), 1.0),
-        lambda v: replace(CONDITIONS, failing_share=v),
-    ),
-    "sweep.loads": ((-1.0, 0.0, 100.0), lambda v: list(tribo.simulate(SCENE, v, 1.0))),
+    "friction.coefficient": lambda v: replace(CONDITIONS, friction=v),
+    "temperature.bulk": lambda v: replace(CONDITIONS, bulk_temperature=v),
+    "temperature.failing_share": lambda v: replace(CONDITIONS, failing_share=v),
+    "sweep.loads": lambda v: list(tribo.simulate(SCENE, v, 1.0)),
 }
 SCENE = small_scene(roughness=False, wear=False, increments=1)
 
 
 @pytest.mark.parametrize("path", PLACES)
 def test_format_and_tribo_allow_the_same(path):
-    values, build = PLACES[path]
+    values = at_bounds(KINDS[path])
     allowed = [format_allows(path, value) for value in values]
-    assert allowed == [tribo_allows(build, value) for value in values]
-    assert True in allowed
-    assert False in allowed
+    assert allowed == [tribo_allows(PLACES[path], value) for value in values]
+    assert {True, False} <= set(allowed)
 
 
 @pytest.mark.parametrize("path", PLACES)
 def test_neither_takes_a_number_that_is_not_finite(path):
-    _, build = PLACES[path]
     for value in (math.nan, math.inf, -math.inf):
         infinite_hardness = path.endswith("hardness") and value == math.inf
         assert not format_allows(path, value)
         with np.errstate(all="ignore"):
-            assert tribo_allows(build, value) == infinite_hardness
+            assert tribo_allows(PLACES[path], value) == infinite_hardness
 
 
 def test_every_range_of_the_format_is_held_against_tribo():
     """A quantity or a number with a range that is added must be added here, too."""
     elsewhere = {
-        "loading.file",
         "fidelity",  # `tribo.Fidelity` alone checks these
         "sweep.velocities",  # `tribo` lets the disk move backwards, too
         "motion.slide_roll_ratio",  # any but 0
         "motion.entrainment_velocity",  # likewise
         "sweep.realizations",  # how many, or seeds as above
+        "oil.kinematic_viscosity",  # ASTM D341 has a least one, too
         "oil.dynamic_viscosity",  # as the kinematic one
         "sweep.samples",  # how many
         "sweep.sample_seed",  # as a seed above
@@ -165,22 +142,16 @@ def test_every_range_of_the_format_is_held_against_tribo():
         "friction.band",  # as the coefficient
         "temperature.critical",  # above the bulk temperature
         "measured",
+        "tested",
+        "friction.by_velocity",  # as the velocities and the coefficient
+        "pin.crown_radius",  # as the radius
+        "pin.stem.resistance",
         "disk.roughness.crop",
-        "disk.roughness.height_unit",
     }
 
-    def ranged(kind, path):
-        kind = kind.kind if isinstance(kind, Entry) else kind
-        kind = kind.usual if isinstance(kind, Either) else kind
-        if isinstance(kind, Tables):
-            yield from ranged(kind.of, f"{path}.steel")
-        elif isinstance(kind, Table):
-            for key, entry in kind.keys.items():
-                yield from ranged(entry, f"{path}.{key}".strip("."))
-        else:
-            of = kind.of if isinstance(kind, List) else kind
-            if isinstance(of, Quantity) or (hasattr(of, "at_least") and "from" not in path):
-                yield path
-
-    found = set(ranged(FORMAT, ""))
-    assert {path for path in found if not path.startswith(tuple(elsewhere))} == set(PLACES)
+    ranged = {
+        path
+        for path, kind in KINDS.items()
+        if isinstance(kind, Quantity | Number) and not path.startswith(tuple(elsewhere))
+    }
+    assert ranged == set(PLACES)

@@ -7,14 +7,13 @@ from types import ModuleType, SimpleNamespace
 import numpy as np
 import pytest
 
-from pipeline.scene.faults import SceneFileError
-from pipeline.scene.scenefile import load_scene
 from pipeline.scene.surfaces import cropped, filled, levelled, read_surface
-from tests.pipeline.scene.test_scenefile import ROUGHNESS, TEXT
+from tests.pipeline.scene.conftest import ROUGHNESS
 from tribo import InputError
 
 HEIGHTS = np.random.default_rng(5).normal(0.0, 3e-7, (48, 40))
 SIDES = 0.816e-6, 0.95e-6
+FINEST = {"pixels_per_element": 1}
 
 
 class FakeTopography:
@@ -60,16 +59,9 @@ def holed(*places):
     return np.ma.masked_array(HEIGHTS, mask)
 
 
-def scene(tmp_path, table, pixels=HEIGHTS.shape):
-    text = TEXT.replace(ROUGHNESS, table + "\n").replace("[480, 480]", str(list(pixels)))
-    (tmp_path / "scene.toml").write_text(text, encoding="utf-8")
-    return load_scene(tmp_path / "scene.toml", overrides={"pixels_per_element": 1})
-
-
-def faults(tmp_path, table, **options):
-    with pytest.raises(SceneFileError) as caught:
-        scene(tmp_path, table, **options)
-    return caught.value.faults
+def with_table(table, pixels=HEIGHTS.shape):
+    """Changes of the first scene to a measured surface."""
+    return (ROUGHNESS, table + "\n"), ("[480, 480]", str(list(pixels)))
 
 
 def test_heights_and_pixels_come_in_metres(library):
@@ -179,10 +171,10 @@ def test_a_patch_beyond_the_surface_is_refused():
         cropped(HEIGHTS, (1, 0), (48, 40))
 
 
-def test_a_scene_takes_a_patch_levelled_and_filled(tmp_path, library):
+def test_a_scene_takes_a_patch_levelled_and_filled(read, library):
     library.topography = FakeTopography(holed((10, 12), (20, 20)))
     table = 'file = "a.x3p"\ncrop = [4, 6]\nlevel = true\nmissing = "fill"\n'
-    sweep = scene(tmp_path, table, pixels=(40, 32))
+    sweep = read(*with_table(table, (40, 32)), overrides=FINEST)
     expected = levelled(filled(cropped(holed((10, 12), (20, 20)).filled(np.nan), (4, 6), (40, 32))))
     np.testing.assert_array_equal(sweep.roughness.array, expected)
     (note,) = sweep.notes
@@ -190,11 +182,11 @@ def test_a_scene_takes_a_patch_levelled_and_filled(tmp_path, library):
 
 
 @pytest.mark.parametrize("how", ["mirror", "tile"])
-def test_a_scan_that_is_too_small_is_repeated_on_request(tmp_path, library, how):
+def test_a_scan_that_is_too_small_is_repeated_on_request(read, library, how):
     library.topography = FakeTopography(HEIGHTS)
     rows, columns = HEIGHTS.shape
     table = f'file = "a.x3p"\nrepeat = "{how}"\ncrop = [2, 0]\n'
-    sweep = scene(tmp_path, table, pixels=(2 * rows, columns))
+    sweep = read(*with_table(table, (2 * rows, columns)), overrides=FINEST)
     kept, second = np.split(sweep.roughness.array, [rows - 2])
     np.testing.assert_array_equal(kept, HEIGHTS[2:])
     again = HEIGHTS[2:][::-1] if how == "mirror" else HEIGHTS[2:]
@@ -217,18 +209,18 @@ def test_a_scan_that_is_too_small_is_repeated_on_request(tmp_path, library, how)
         ('file = "a.npy"\n', "disk.roughness.height_unit", "missing"),
     ],
 )
-def test_a_fault_of_a_measured_surface_has_its_key(tmp_path, library, table, key, said):
+def test_a_fault_of_a_measured_surface_has_its_key(faults, library, table, key, said):
     library.topography = FakeTopography(holed((20, 20)))
-    (fault,) = faults(tmp_path, table)
+    (fault,) = faults(*with_table(table), overrides=FINEST)
     assert fault.startswith(f"{key}: ")
     assert said in fault
 
 
-def test_the_pixels_of_the_file_are_those_of_the_window(tmp_path, library):
+def test_the_pixels_of_the_file_are_those_of_the_window(faults, library):
     library.topography = FakeTopography(HEIGHTS)
     library.topography.to_unit = lambda unit: SimpleNamespace(
         heights=lambda: HEIGHTS, pixel_size=(2e-6, 2e-6)
     )
-    (fault,) = faults(tmp_path, 'file = "a.x3p"\n')
+    (fault,) = faults(*with_table('file = "a.x3p"\n'), overrides=FINEST)
     assert fault.startswith("window.pixel_size: ")
     assert "2 µm × 2 µm" in fault

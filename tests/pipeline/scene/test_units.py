@@ -1,24 +1,112 @@
-"""Quantities in the usual units, which are read without the library of all others."""
+"""Quantities: from text to SI, and back to text."""
+
+from decimal import Decimal
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from pipeline.scene import units
+from pipeline.scene.hardness import hardness_pressure
+from pipeline.scene.quantities import display
+from pipeline.scene.units import UnitError, exact_si, to_si
 
 USUAL = [(si, unit) for si, group in units._USUAL.items() for unit in group]
 
 
-@pytest.mark.parametrize("number", ["1", "-0.27", "273.15", "6.6e3", "1.23456789012345678e-7"])
-@pytest.mark.parametrize(("si", "unit"), USUAL, ids=[unit for _, unit in USUAL])
-def test_usual_units_are_what_they_are_among_all(monkeypatch, si, unit, number):
-    own = units.exact_si(f"{number} {unit}", like=f"1 {si}")
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        *[("0.27 um", 2.7e-7), ("0.816 µm", 0.816e-6), ("4um", 4e-6), ("150 mm", 0.15)],
+        *[("6.6 GPa", 6.6e9), ("660 kgf/mm^2", 6472389000.0), ("0.75 kN", 750.0)],
+        *[("45 W/(m K)", 45.0), ("45 W/m/K", 45.0), ("45 W m^-1 K^-1", 45.0)],
+        *[("45 W/(m degC)", 45.0), ("7.8 g/cm^3", 7800.0), ("0.47 kJ/kg/K", 470.0)],
+        *[("1.2e-6 mm^3/(N m)", 1.2e-15), ("1.2e-6 mm³/(N·m)", 1.2e-15)],
+        *[("1.2e-6 mm**3/N/m", 1.2e-15), ("0.1 m/s", 0.1), ("9 km/h", 2.5)],
+        *[("25 degC", 298.15), ("25 °C", 298.15), ("77 degF", 298.15), ("298 K", 298.0)],
+    ],
+)
+def test_a_quantity_is_the_double_nearest_to_its_value_in_si(text, value):
+    assert to_si(text, like=text) == value
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        *("", "4", "um", "4 kp", "4,0 um", "4 um um", "4 2 um", "nan um", "inf um", "1e9999 um"),
+        *("4 um^9^9^9^9", "4 um**9**9**9", "0x4 um", "1_000 um", "4 um # no", "4 __import__('os')"),
+        *("4 (um", "4 um)", "4 ^um", "4 /um", "4 um^-", "4 um^", "25 degC", "4 degC^2 um"),
+        *("4 " + "(" * 3000 + "m" + ")" * 3000, "١ um", "4 um\n", "\x00", "4 um^½"),
+    ],
+)
+def test_what_is_not_a_quantity_of_the_dimension_asked_for_is_refused(text):
+    with pytest.raises(UnitError):
+        exact_si(text, like="1 m")
+
+
+def test_a_temperature_difference_is_no_temperature():
+    with pytest.raises(UnitError):
+        to_si("25 delta_degC", like="300 K")
+
+
+@settings(deadline=None)
+@given(st.text(alphabet="mkKNPaWJsg0123456789.eE+-*/^()·°µ²³⁻¹ _%C", max_size=20))
+def test_text_in_place_of_a_quantity_is_read_or_refused(text):
+    try:
+        said = str(exact_si(text, like="1 m"))
+    except UnitError as error:
+        said = str(error)
+    assert len(said.splitlines()) == 1
+
+
+def test_usual_units_are_what_they_are_among_all(monkeypatch):
+    """Scenes in the usual units are read without the library of all others."""
+    numbers = ["1", "-0.27", "273.15", "6.6e3", "1.23456789012345678e-7"]
+    cases = [(f"{number} {unit}", f"1 {si}") for si, unit in USUAL for number in numbers]
+    usual = [to_si(text, like) for text, like in cases]
     monkeypatch.setattr(units, "_USUAL", {"Pa": {}})
-    among_all = units.exact_si(f"{number} {unit}", like=f"1 {si}")
-    assert float(own) == float(among_all)
+    assert usual == [to_si(text, like) for text, like in cases]
 
 
 def test_usual_units_of_another_dimension_are_refused():
     for si, unit in USUAL:
         for other in units._USUAL:
             if other != si:
-                with pytest.raises(units.UnitError):
-                    units.exact_si(f"1 {unit}", like=f"1 {other}")
+                with pytest.raises(UnitError):
+                    exact_si(f"1 {unit}", like=f"1 {other}")
+
+
+@pytest.mark.parametrize(
+    ("text", "vickers"),
+    [
+        *[("700 HV", 700), ("700 HV0.5", 700), ("64 HRC", 800), ("20.5 HRC", 240.5)],
+        *[("654 HBW 10/3000", 697), ("226 HB", 238)],
+    ],
+)
+def test_units_of_hardness(text, vickers):
+    assert to_si(text, like="6.6 GPa") == pytest.approx(vickers * 9.80665e6)
+
+
+@pytest.mark.parametrize("text", ["19 HRC", "69 HRC", "200 HB", "740 HBW", "60 HRA", "60 HRC/mm"])
+def test_no_hardness_outside_its_conversion(text):
+    with pytest.raises(UnitError):
+        to_si(text, like="6.6 GPa")
+
+
+def test_conversion_rises_and_scales_agree():
+    """HB of E140 at 60 HRC is 654: both give the same Vickers number."""
+    values = [hardness_pressure(Decimal(n), "HRC") for n in range(20, 69)]
+    assert values == sorted(set(values))
+    assert hardness_pressure(Decimal(654), "HB") == hardness_pressure(Decimal(60), "HRC")
+
+
+def test_a_hardness_is_not_a_length():
+    with pytest.raises(UnitError, match="cannot be converted to mm"):
+        to_si("62 HRC", like="1 mm")
+
+
+def test_values_are_displayed_in_the_units_of_the_field():
+    assert display(418.15, "°C") == "145 °C"
+    assert display(to_si("0.3 m/s", like="1 m/s"), "m/s") == "0.3 m/s"
+    assert display(6.6e9, "GPa") == "6.6 GPa"
+    assert display(2e-3, "mm") == "2 mm"
