@@ -30,18 +30,10 @@ def over_of(
     sweep: Sweep,
     scene_with: Callable[[Mapping[str, Any]], Sweep],
 ) -> Over:
-    """Entries with several values, and the scenes with them.
+    """Entries with several values, by their paths as TOML has them, and the scenes with them.
 
-    Raise an `InputError` at the first value that does not go with the scene.
-
-    Parameters
-    ----------
-    asked : mapping
-        Values by the paths of entries, as TOML has them.
-    sweep : Sweep
-        The scene without them.
-    scene_with : callable
-        Returns the scene with other entries, by their paths.
+    `InputError` is raised at the first value that does not go with the scene; `scene_with` gives
+    the scene with other entries.
     """
     axes = tuple(_axis(path, values) for path, values in asked.items())
     written = {axis.path: dict(zip(axis.values, axis.written, strict=True)) for axis in axes}
@@ -65,7 +57,8 @@ def over_of(
 def with_first_values(document: Document) -> Document:
     """The document with the first values of ``over`` where it has no such entries."""
     entries = document.entries()
-    over = entry_at(entries, "sweep") and entries["sweep"].get("over")
+    sweep = entries.get("sweep")
+    over = sweep.get("over") if isinstance(sweep, dict) else None
     if not isinstance(over, dict):
         return document
     missing = {
