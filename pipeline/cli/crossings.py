@@ -24,7 +24,7 @@ from pipeline.analysis.scenes import parts_of
 from pipeline.analysis.transition import BEYOND, OUTCOMES, UNKNOWN
 from pipeline.cli.next_steps import after_boundary, more_of_boundary
 from pipeline.cli.output import Result, to_table
-from pipeline.cli.scenes import CONDITIONS, given, opened
+from pipeline.cli.scenes import conditions_in, opened
 from pipeline.cli.unknowns import boundary_of_samples
 from tribo import lubrication_regime
 from tribo.lubricant import BOUNDARY, FULL_FILM
@@ -35,7 +35,7 @@ SLOW = 0.4  # exponent of the rise over the velocity, below which its errors are
 @to_table
 def boundary(options: argparse.Namespace) -> Result:
     """Print critical velocities and loads."""
-    ds, conditions = opened(options), given(options, *CONDITIONS)
+    ds, conditions = opened(options), conditions_in(options)
     if "sample" in ds.dims:
         return boundary_of_samples(ds, conditions)
     crossings = pipeline.boundary(ds, **conditions)

@@ -9,7 +9,7 @@ from typing import Any
 import pipeline
 from pipeline.cli.output import Result, tell
 from pipeline.cli.progress import working
-from pipeline.cli.scenes import CONDITIONS, PLACE, beside, flags_of, given, opened
+from pipeline.cli.scenes import CONDITIONS, PLACE, beside, conditions_in, flags_of, given, opened
 from tribo import InputError
 
 _RIVALS = "rivals"
@@ -21,7 +21,7 @@ def plot(options: argparse.Namespace) -> Result:
     """Draw a figure of a store."""
     shown = given(options, *PLACE, _RIVALS, "scatter", "width", "dpi")
     shown |= {name: True for name in ("log", "given_measured") if getattr(options, name)}
-    conditions = given(options, *CONDITIONS)
+    conditions = conditions_in(options)
     _require_options(options.kind, [*shown, *conditions])
     shown |= {"with_title": not options.no_title}
     if options.watch:
@@ -76,7 +76,7 @@ def explore(options: argparse.Namespace) -> Result:
 
 def report(options: argparse.Namespace) -> Result:
     """Write a report of a store."""
-    ds, conditions = opened(options), given(options, *CONDITIONS)
+    ds, conditions = opened(options), conditions_in(options)
     out = options.output or beside(options.store, "_report.html")
     with working("writing the report"):
         written = pipeline.report(ds, out, options.points, **conditions)

@@ -20,7 +20,7 @@ from pipeline.analysis.scenes import columns_of, joined, words
 from pipeline.analysis.transition import BEYOND, CROSSES, OUTCOMES, in_words
 from pipeline.cli.next_steps import after_margin, more_of_boundary
 from pipeline.cli.output import Result, counted, to_table
-from pipeline.cli.scenes import CONDITIONS, flags_of, given, opened
+from pipeline.cli.scenes import conditions_in, flags_of, given, opened
 from pipeline.cli.unknowns import judged_by, notes, samples_of, table_of_intervals
 from tribo import InputError
 
@@ -46,7 +46,7 @@ def margin(options: argparse.Namespace) -> Result:
         raise InputError("no operating point is given; give --load and --velocity, or --points")
     if options.points is not None and (others := [*place, *weighed]):
         raise InputError(f"--points stands alone; leave out {flags_of(others)}")
-    ds, conditions = opened(options), given(options, *CONDITIONS)
+    ds, conditions = opened(options), conditions_in(options)
     if "sample" in ds.dims:
         return _of_samples(options, ds, conditions, weighed)
     if weighed:

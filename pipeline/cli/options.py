@@ -7,11 +7,11 @@ from typing import Any, NamedTuple
 
 from pipeline.cli import values
 
-_PRESETS = "draft, standard, fine, reference, as-published"  # as `tribo.PRESETS`, told sooner
+_PRESETS = "draft, standard, fine, reference, as-published"  # as `tribo.PRESETS`, but sooner here
 
 
 class Option(NamedTuple):
-    """An option or a positional argument: what `argparse` is told of it."""
+    """An option or a positional argument, with the settings of `argparse`."""
 
     names: tuple[str, ...]
     settings: dict[str, Any]
@@ -32,8 +32,14 @@ def _option(*names: str, **settings: Any) -> Option:
     return Option(names, settings)
 
 
-def _flag(*names: str, **settings: Any) -> Option:
-    return Option(names, {"action": "store_true", **settings})
+def _flag(name: str, use: str, *short: str) -> Option:
+    return Option((*short, name), {"action": "store_true", "help": use})
+
+
+def _quantity(name: str, metavar: str, like: str, use: str, is_signed: bool = False) -> Option:
+    """Option for a quantity with a unit, such as the example that ends its help."""
+    read = values.quantity(like) if is_signed else values.positive(like)
+    return _option(name, metavar=metavar, type=read, help=f'{use}, like "{like}"')
 
 
 def output(name: str, use: str) -> Option:
@@ -42,307 +48,255 @@ def output(name: str, use: str) -> Option:
 
 
 OF_ALL = (
-    _flag("--json", help="print one JSON document"),
-    _flag("-q", "--quiet", help="show no progress and no notes, only errors"),
+    _flag("--json", "print one JSON document"),
+    _flag("--quiet", "show no progress and no notes, only errors", "-q"),
 )
+LIST = _flag("--list", "list them")
+TABLE = output("TABLE.csv", "file of the table, .csv or .md")
+FIGURE_OR_TABLE = output("FILE.png", "file of a figure; or of the table, .csv or .md")
 
-SCENE = _option("scene", metavar="SCENE.toml", type=Path, help="the scene file")
-PRESET = _option("--preset", metavar="NAME", help=f"fidelity: {_PRESETS}")
+SCENE = _option("scene", metavar="SCENE.toml", type=Path, help="scene file, or a shipped scene")
+PRESET = _option(
+    "--preset", metavar="NAME", help=f"fidelity in place of the scene's own: {_PRESETS}"
+)
 SET = _option(
-    "--set",
-    metavar="KEY=VALUE",
-    type=values.setting,
-    action="append",
-    default=[],
+    "--set", metavar="KEY=VALUE", type=values.setting, action="append", default=[],
     help="another numerical choice, such as increments=50, or another entry of the scene, such as "
     "wear.pattern=local or without=motion; may be repeated for other keys",
-)
-OF_SCENE = (SCENE, PRESET.but(help=f"fidelity in place of the scene's own: {_PRESETS}"), SET)
-STORE = _option(
-    "store", metavar="OUT.zarr", type=values.store, help="a store that irg run has made"
-)
+)  # fmt: skip
+OF_SCENE = (SCENE, PRESET, SET)
+ACCURACY = _option(
+    "--accuracy", metavar="BOUND", type=values.share,
+    help="largest error of the boundary, such as 2%%, for which the cheapest fidelity is picked",
+)  # fmt: skip
+BOUNDARY_ONLY = _option(
+    "--boundary-only", metavar="TOLERANCE", nargs="?", const=0.01, type=values.tolerance,
+    help="tolerance of the boundary, for which the velocities are chosen; default: 1%%",
+)  # fmt: skip
+
+STORE = _option("store", metavar="OUT.zarr", type=values.store, help="store that irg run has made")
 OTHER_STORE = _option(
-    "other", metavar="OTHER.zarr", type=values.store, help="the store to compare it with"
+    "other", metavar="OTHER.zarr", type=values.store, help="store to compare it with"
 )
 FOLDER = _option(
     "folder", metavar="FOLDER", type=Path, nargs="?", default=Path("results"),
     help="folder to search, with those in it; default: results",
 )  # fmt: skip
+REPAIR = _flag("--repair", "set damaged points to be computed again")
 
-SCAN = _option(
-    "scan", metavar="SCAN", type=Path, help="heights: .npy, .csv, or the file of an instrument"
-)
 OF_SCAN = (
-    SCAN,
     _option(
-        "--height-unit",
-        metavar="UNIT",
+        "scan", metavar="SCAN", type=Path, help="heights: .npy, .csv, or the file of an instrument"
+    ),
+    _option(
+        "--height-unit", metavar="UNIT",
         help='unit of the heights, like "um", where the file gives none or a wrong one',
     ),
     _option(
-        "--pixel-size",
-        metavar="DX[,DY]",
-        type=values.sides,
+        "--pixel-size", metavar="DX[,DY]", type=values.sides,
         help='sides of a pixel along x and y, like "0.8 um" or "0.8 um,0.9 um", where the file '
         "gives none; after --transpose",
     ),
-    _flag("--transpose", help="exchange x and y of the file"),
+    _flag("--transpose", "exchange x and y of the file"),
     _option(
-        "--flip",
-        choices=("no", "x", "y", "heights"),
-        default="no",
-        help="reverse an axis, or the heights, as of a replica",
+        "--flip", choices=("no", "x", "y", "heights"), default="no",
+        help="axis to reverse; or the heights, as of a replica",
     ),
-)
+)  # fmt: skip
 
-NEW_FILE = _option("file", metavar="FILE.toml", type=Path, nargs="?", help="file to write")
-FROM = _option(
-    "--from", metavar="NAME", dest="like", help="shipped scene to begin with; see --list"
-)
-SCHEMA = _option(
-    "--schema",
-    metavar="FILE.json",
-    type=Path,
-    help="write the format as a JSON schema instead, by which an editor completes and explains "
-    "scenes",
-)
-LIST = _flag("--list")
 TOPIC = _option("topic", metavar="TOPIC", nargs="?", help="name of a page or of a command")
+OF_NEW = (
+    _option("file", metavar="FILE.toml", type=Path, nargs="?", help="file to write"),
+    _option("--from", metavar="NAME", dest="like", help="shipped scene to begin with; see --list"),
+    LIST.but(help="list the shipped scenes"),
+    _option(
+        "--schema", metavar="FILE.json", type=Path,
+        help="file for a JSON schema of the format instead, by which editors complete scenes",
+    ),
+    _option(
+        "--site", metavar="FILE.toml", type=Path,
+        help="file for sample options of a batch system instead, for irg run --cluster",
+    ),
+)  # fmt: skip
 
 WORKERS = _option(
-    "--workers",
-    metavar="N",
-    type=values.count,
+    "--workers", metavar="N", type=values.count,
     help="number of workers; default: one for each core",
-)
-SCHEDULER = _option("--scheduler", metavar="ADDRESS", help="a running Dask scheduler to use")
-CLUSTER = _option(
-    "--cluster",
-    metavar="SYSTEM",
-    choices=("slurm",),
-    help="compute in the jobs of a batch system: slurm; with --jobs, --walltime and --site",
-)
-OF_CLUSTER = Group(
-    "jobs of --cluster",
-    (
-        _option(
-            "--jobs", metavar="N", type=values.count, help="jobs at the same time; default: 10"
-        ),
-        _option(
-            "--walltime",
-            metavar="T",
-            type=values.positive("2 h"),
-            help="time that a job may take, like 2h; default: 1h",
-        ),
-        _option(
-            "--site",
-            metavar="FILE.toml",
-            type=Path,
-            help="options of the site, such as queue and account; irg new --site writes a sample",
-        ),
-        _flag("--dry-run", help="print the script of a job, and submit none"),
+)  # fmt: skip
+OF_RUN = (
+    output("OUT.zarr", "path of the store; default: results/<scene>.zarr").but(
+        type=values.new_store
     ),
-)
-NEW_SITE = _option(
-    "--site",
-    metavar="FILE.toml",
-    type=Path,
-    help="write a sample of the options of a batch system instead, for irg run --cluster",
-)
-RETRY_FAILED = _flag("--retry-failed", help="compute failed points again")
-NEW_STORE = output("OUT.zarr", "path of the store; default: results/<scene>.zarr").but(
-    type=values.new_store
-)
-BOUNDARY_ONLY = _option(
-    "--boundary-only",
-    metavar="TOLERANCE",
-    nargs="?",
-    const=0.01,
-    type=values.tolerance,
-    help="choose velocities until the boundary is known to this tolerance; default: 1%%",
-)
-ACCURACY = _option(
-    "--accuracy",
-    metavar="BOUND",
-    type=values.share,
-    help="pick the cheapest fidelity whose boundary errs by no more than this, such as 2%%",
-)
-REPAIR = _flag("--repair", help="set damaged points to be computed again")
+    Group(
+        "",
+        (
+            WORKERS,
+            _option("--scheduler", metavar="ADDRESS", help="address of a running Dask scheduler"),
+            _option(
+                "--cluster", metavar="SYSTEM", choices=("slurm",),
+                help="batch system to compute in: slurm; with --jobs, --walltime and --site",
+            ),
+        ),
+    ),
+    _flag("--retry-failed", "compute failed points again"),
+    BOUNDARY_ONLY,
+    ACCURACY,
+    _option(
+        "--watch", metavar="FILE.png", nargs="?", const="",
+        help="file of a diagram that is drawn as points come; a window without it",
+    ),
+    Group(
+        "jobs of --cluster",
+        (
+            _option(
+                "--jobs", metavar="N", type=values.count, help="jobs at the same time; default: 10"
+            ),
+            _quantity("--walltime", "T", "2 h", "longest time of a job (default: 1h)"),
+            _option(
+                "--site", metavar="FILE.toml", type=Path,
+                help="options of the site, such as queue and account; irg new --site writes a "
+                "sample",
+            ),
+            _flag("--dry-run", "print the script of a job, and submit none"),
+        ),
+    ),
+)  # fmt: skip
 
-LOAD = _option(
-    "--load", metavar="F", type=values.positive("750 N"), help='normal load, like "750 N"'
+PLACE = (
+    _quantity("--load", "F", "750 N", "normal load"),
+    _quantity("--velocity", "V", "1.25 m/s", "sliding velocity", is_signed=True),
 )
-VELOCITY = _option(
-    "--velocity",
-    metavar="V",
-    type=values.quantity("1.25 m/s"),
-    help='sliding velocity, like "1.25 m/s"',
-)
-REALIZATION = _option(
-    "--realization",
-    metavar="SEED",
-    type=values.seed,
-    help="seed of one of several random surfaces",
-)
-PLACE = (LOAD, VELOCITY)
+NEEDED_PLACE = tuple(option.but(required=True) for option in PLACE)
 POINTS = _option(
-    "--points",
-    metavar="DUTY.csv",
-    type=Path,
+    "--points", metavar="DUTY.csv", type=Path,
     help='operating points, a row each, in columns "load [N]" and "velocity [m/s]" or in other '
     "units; further columns are passed on",
+)  # fmt: skip
+REALIZATION = _option(
+    "--realization", metavar="SEED", type=values.seed, help="seed of one of several random surfaces"
 )
-NEEDED_PLACE = tuple(each.but(required=True) for each in PLACE)
+AT = _option(
+    "--at", metavar="KEY=VALUE", type=values.setting, action="append", default=[],
+    help='value of an entry with several, like "pin.radius=2 mm", of a store whose scene has over; '
+    "may be repeated for other entries",
+)  # fmt: skip
+WEAR_RATE = _quantity(
+    "--wear-rate", "K", "2e-6 mm^3/(N m)", "specific wear rate of a store with wear_rates"
+)
 
 FRICTION = _option("--friction", metavar="MU", type=values.friction, help="coefficient of friction")
 FRICTIONS = FRICTION.but(
-    type=values.frictions, action=values.Several, help="coefficient of friction; may be repeated"
+    type=values.frictions, action="extend", help="coefficient of friction; may be repeated"
 )
 BULK = _option(
-    "--bulk-temperature",
-    metavar="T",
-    type=values.bulk,
+    "--bulk-temperature", metavar="T", type=values.bulk,
     help='bulk temperature, like "25 degC"; "pin=60 degC, disk=25 degC" in a sweep of unequal ones',
-)
-CRITICAL = _option(
-    "--critical-temperature",
-    metavar="T",
-    type=values.quantity("145 degC"),
-    help='temperature above which the lubricant fails, like "145 degC"',
-)
-SHARE = _option(
-    "--share",
-    type=values.failing_share,
-    help="share of the contact above the critical temperature beyond which wear is severe, like "
-    "10%% or 0.1; 0 for the maximum temperature",
-)
-CRITERION = _option(
-    "--criterion",
-    metavar="NAME",
-    type=values.criterion,
-    help="temperature that decides: share (the one that the share exceeds), highest or mean",
-)
-WEAR_RATE = _option(
-    "--wear-rate",
-    metavar="K",
-    type=values.positive("2e-6 mm^3/(N m)"),
-    help='specific wear rate, like "2e-6 mm^3/(N m)", of a store whose scene has wear_rates',
-)
-AT = _option(
-    "--at",
-    metavar="KEY=VALUE",
-    type=values.setting,
-    action="append",
-    default=[],
-    help='value of an entry with several, like "pin.radius=2 mm", of a store whose scene has over; '
-    "may be repeated for other entries",
-)
+)  # fmt: skip
+_THRESHOLD = (
+    _quantity(
+        "--critical-temperature", "T", "145 degC",
+        "temperature above which the lubricant fails", is_signed=True,
+    ),
+    _option(
+        "--share", type=values.failing_share,
+        help="share of the contact above the critical temperature beyond which wear is severe, "
+        "like 10%% or 0.1; 0 for the maximum temperature",
+    ),
+    _option(
+        "--criterion", metavar="NAME", type=values.criterion,
+        help="temperature that decides: share (the one that the share exceeds), highest or mean",
+    ),
+)  # fmt: skip
 _INSTEAD = "conditions, in place of the scene's own"
-CONDITIONS = Group(_INSTEAD, (FRICTION, BULK, CRITICAL, SHARE, CRITERION))
-CONDITIONS_AT_FRICTIONS = Group(_INSTEAD, (FRICTIONS, BULK, CRITICAL, SHARE, CRITERION))
+CONDITIONS = Group(_INSTEAD, (FRICTION, BULK, *_THRESHOLD))
+CONDITIONS_AT_FRICTIONS = Group(_INSTEAD, (FRICTIONS, BULK, *_THRESHOLD))
 
 OVER = _option(
-    "--over",
-    metavar="KEY=VALUE,VALUE",
-    type=values.settings,
-    action="append",
-    default=[],
+    "--over", metavar="KEY=VALUE,VALUE", type=values.settings, action="append", default=[],
     help="an entry of the scene, and the values to give it, such as 0.08,0.12; or -20%%,+20%% of "
-    "what the scene gives; may be repeated",
-)
+    "its own value; may be repeated",
+)  # fmt: skip
 PHYSICS = _flag(
-    "--physics",
-    help="physics that the scene leaves out, each with its size here and how sure it is",
-)
-NEXT = _option(
-    "--next",
-    metavar="COUNT",
-    nargs="?",
-    const=1,
-    type=values.count,
-    help="of samples: rank what to measure next, or plan so many tests at once",
-)
-FOR = _option(
-    "--for",
-    metavar="ENTRY",
-    dest="target",
-    help="target of the next test: an unknown input, such as temperature.critical, or a load, such "
-    'as "400 N", for the boundary there; default: the whole boundary',
+    "--physics", "physics that the scene leaves out, each with its size here and its certainty"
 )
 SCATTER = _option(
-    "--scatter",
-    metavar="SHARE",
-    type=values.share,
+    "--scatter", metavar="SHARE", type=values.share,
     help="relative standard deviation of measured velocities that give none; default: 5%%",
-)
+)  # fmt: skip
 GIVEN_MEASURED = _flag(
-    "--given-measured",
-    help="let the scene's measured transitions narrow down the unknown inputs",
+    "--given-measured", "let the scene's measured transitions narrow down the unknown inputs"
 )
-CONTACT_WIDTH = _option(
-    "--contact-width",
-    metavar="W",
-    type=values.positive("348 um"),
-    help='width measured at --load and --velocity, like "348 um": find the specific wear rate '
-    "instead",
-)
-DURATION = _option(
-    "--duration",
-    metavar="T",
-    type=values.positive("8 s"),
-    help="sliding from the start of the ramp until the width was measured; default: the scene's",
-)
-BASE = _option("--base", metavar="NAME", default="fine", help="preset to vary choice by choice")
-DIAGRAM = _flag("--diagram", help="compare whole small diagrams")
-RESULT = _option("name", metavar="NAME", nargs="?", help="one of --list, or all")
-SURFACES = _option("--surfaces", metavar="N", type=values.count, help="number of random surfaces")
-TABLE = output("TABLE.csv", "write the table to a file, .csv or .md")
-FIGURE_OR_TABLE = output("FILE.png", "draw a figure; or write a table, to .csv or .md")
-
-KIND = _option(
-    "--kind",
-    default="diagram",
-    choices=("diagram", "ramp", "fields", "temperature", "histogram", "animation"),
-    help="default: diagram; temperature is over the velocity, histogram over the contact, "
-    "animation of the fields while the load grows",
-)
-LOOK = (
+OF_INFER = (
+    SCENE.but(nargs="+", help="scene file; or stores of samples, which share inputs"),
+    PRESET,
+    SET,
     _option(
-        "--width",
-        metavar="W",
-        type=values.positive("8.5 cm"),
-        help='width of the figure, like "8.5 cm"; words stay readable',
+        "--next", metavar="COUNT", nargs="?", const=1, type=values.count,
+        help="of samples: rank the measurements to make next, or plan so many tests at once",
     ),
-    _option("--dpi", metavar="N", type=values.count, help="dots per inch of a .png or .gif"),
-    _flag("--no-title", help="draw no title, where a caption gives it"),
-    _flag("--log", help="scale both axes of the diagram by the logarithm"),
-)
-RIVAL = _option(
-    "--rival",
-    metavar="NAME",
-    dest="rivals",
-    action="append",
-    help="draw what a simpler criterion says into the diagram: blok, power, power-density or pv; "
-    "may be repeated",
-)
-WATCH = _flag(
-    "--watch",
-    help="draw again as points come, until the run ends: in a window, or into the file of -o",
-)
-WATCHED_RUN = _option(
-    "--watch",
-    metavar="FILE.png",
-    nargs="?",
-    const="",
-    help="draw the diagram as points come: in a window, or into a file",
-)
-FIELDS = (
     _option(
-        "--most-fields",
-        metavar="N",
-        type=values.count,
+        "--for", metavar="ENTRY", dest="target",
+        help="target of the next test: an unknown input, such as temperature.critical, or a load, "
+        'such as "400 N", for the boundary there; default: the whole boundary',
+    ),
+    SCATTER,
+    _quantity(
+        "--contact-width", "W", "348 um",
+        "width measured at --load and --velocity, to find the specific wear rate instead",
+    ),
+    _quantity(
+        "--duration", "T", "8 s",
+        "sliding from the start of the ramp until the width was measured (default: the scene's)",
+    ),
+    BULK.but(
+        action="append",
+        help='bulk temperature, like "25 degC"; with --next one to choose from, may be repeated',
+    ),
+    output("TABLE.csv", "file of the table, .csv or .md; or, of samples, of a figure"),
+    *PLACE,
+    REALIZATION,
+)  # fmt: skip
+
+OF_TRADE = (
+    *OF_SCENE,
+    _option("--base", metavar="NAME", default="fine", help="preset to vary choice by choice"),
+    _flag("--diagram", "compare whole small diagrams"),
+    FIGURE_OR_TABLE,
+)
+OF_REPRODUCE = (
+    _option("name", metavar="NAME", nargs="?", help="one of --list, or all"),
+    LIST.but(help="list the figures and tables"),
+    output("FILE.png", "figure to draw; for all, the folder of their common page"),
+    PRESET.but(help=f"fidelity: {_PRESETS}"),
+    _option("--surfaces", metavar="N", type=values.count, help="number of random surfaces"),
+    WORKERS.but(help="workers for the diagram"),
+)
+
+OF_PLOT = (
+    _option(
+        "--kind", default="diagram",
+        choices=("diagram", "ramp", "fields", "temperature", "histogram", "animation"),
+        help="default: diagram; temperature is over the velocity, histogram over the contact, "
+        "animation of the fields while the load grows",
+    ),
+    output("FILE.png", "file of the figure; default: beside the store"),
+    _flag("--watch", "draw again as points come, until the run ends: in a window, or with -o"),
+    _quantity("--width", "W", "8.5 cm", "width of the figure, whose words stay readable"),
+    _option("--dpi", metavar="N", type=values.count, help="dots per inch of a .png or .gif"),
+    _flag("--no-title", "draw no title, where a caption gives it"),
+    _flag("--log", "scale both axes of the diagram by the logarithm"),
+    _option(
+        "--rival", metavar="NAME", dest="rivals", action="append",
+        help="simpler criterion to draw into the diagram: blok, power, power-density or pv; may be "
+        "repeated",
+    ),
+)  # fmt: skip
+OF_EXPLORE = (
+    output("PAGE.html", "file of the page; default: beside the store"),
+    _option(
+        "--most-fields", metavar="N", type=values.count,
         help="number of points whose fields the page holds, those nearest to the transition, about "
         "10 kB each; default: 500",
     ),
-    _flag("--no-fields", help="leave all fields out"),
-)
+    _flag("--no-fields", "leave all fields out"),
+)  # fmt: skip

@@ -16,25 +16,11 @@ from pipeline.cli import options as o
 
 
 class Command(NamedTuple):
-    """A command.
-
-    Attributes
-    ----------
-    name : str
-        Name of the command.
-    function : str
-        Module in this folder and function that carry it out.
-    what : str
-        Purpose, for the help.
-    example : str
-        Arguments of an example.
-    takes : tuple of Option or Group
-        Options besides those of all commands.
-    """
+    """A command: its function as ``module:name`` of this folder, its help, and its options."""
 
     name: str
     function: str
-    what: str
+    purpose: str
     example: str
     takes: tuple[o.Option | o.Group, ...]
 
@@ -47,8 +33,7 @@ COMMANDS = (
     Command(
         "new", "begin:new",
         "write a commented scene to start from: all tables, keys, units and defaults",
-        "scene.toml --from twin_disc",
-        (o.NEW_FILE, o.FROM, o.LIST.but(help="list the shipped scenes"), o.SCHEMA, o.NEW_SITE),
+        "scene.toml --from twin_disc", o.OF_NEW,
     ),
     Command(
         "surface", "begin:surface",
@@ -57,35 +42,25 @@ COMMANDS = (
     ),
     Command(
         "run", "running:run", "run or resume the sweep of a scene", "scene.toml --accuracy 2%",
-        (
-            *o.OF_SCENE,
-            o.NEW_STORE,
-            o.Group("", (o.WORKERS, o.SCHEDULER, o.CLUSTER)),
-            o.RETRY_FAILED, o.BOUNDARY_ONLY, o.ACCURACY, o.WATCHED_RUN, o.OF_CLUSTER,
-        ),
+        (*o.OF_SCENE, *o.OF_RUN),
     ),
     Command(
-        "check", "check:check", "say what a scene means, what would run and what it would cost",
-        "scene.toml --accuracy 2%",
-        (*o.OF_SCENE, o.WORKERS, o.BOUNDARY_ONLY, o.ACCURACY),
+        "check", "check:check", "print the meaning of a scene, and the cost of its sweep",
+        "scene.toml --accuracy 2%", (*o.OF_SCENE, o.WORKERS, o.BOUNDARY_ONLY, o.ACCURACY),
     ),
     Command(
         "status", "stores:status", "count the points done, failed and pending",
-        "results/scene.zarr",
-        (o.STORE,),
+        "results/scene.zarr", (o.STORE,),
     ),
     Command(
         "verify", "stores:verify", "read a whole store and name each damaged point",
-        "results/scene.zarr --repair",
-        (o.STORE, o.REPAIR),
+        "results/scene.zarr --repair", (o.STORE, o.REPAIR),
     ),
     Command(
         "boundary", "crossings:boundary",
         "find the transition from mild to severe wear, without a new simulation",
         "results/scene.zarr --friction 0.09 --friction 0.103",
-        (
-            o.STORE, o.TABLE, o.WEAR_RATE, o.AT, o.CONDITIONS_AT_FRICTIONS,
-        ),
+        (o.STORE, o.TABLE, o.WEAR_RATE, o.AT, o.CONDITIONS_AT_FRICTIONS),
     ),
     Command(
         "margin", "margins:margin",
@@ -97,15 +72,12 @@ COMMANDS = (
         ),
     ),
     Command(
-        "diff", "stores:diff",
-        "differences between two stores: of scenes, boundaries and points",
-        "results/scene.zarr results/other.zarr",
-        (o.STORE, o.OTHER_STORE, o.TABLE),
+        "diff", "stores:diff", "differences between two stores: of scenes, boundaries and points",
+        "results/scene.zarr results/other.zarr", (o.STORE, o.OTHER_STORE, o.TABLE),
     ),
     Command(
         "list", "stores:listing", "list the stores and scenes below a folder, with their states",
-        "results",
-        (o.FOLDER, o.TABLE),
+        "results", (o.FOLDER, o.TABLE),
     ),
     Command(
         "vary", "studies:vary",
@@ -120,22 +92,8 @@ COMMANDS = (
     Command(
         "infer", "inference:infer",
         "find the critical temperature from measured transitions, or a wear rate from a contact "
-        "width; from a store of samples, what the transitions tell of all unknown inputs",
-        'scene.toml --contact-width "348 um" --load "750 N" --velocity "1.25 m/s"',
-        (
-            o.SCENE.but(nargs="+", help="the scene file; or stores of samples, which share inputs"),
-            *o.OF_SCENE[1:],
-            o.NEXT, o.FOR, o.SCATTER, o.CONTACT_WIDTH, o.DURATION,
-            o.BULK.but(
-                action="append",
-                help='bulk temperature, like "25 degC"; with --next one to choose from, may be '
-                "repeated",
-            ),
-            o.output(
-                "TABLE.csv", "write the table, to .csv or .md; or, of samples, draw a figure"
-            ),
-            *o.PLACE, o.REALIZATION,
-        ),
+        "width; from a store of samples, all unknown inputs by the transitions and tests",
+        'scene.toml --contact-width "348 um" --load "750 N" --velocity "1.25 m/s"', o.OF_INFER,
     ),
     Command(
         "risk", "unknowns:risk",
@@ -145,29 +103,24 @@ COMMANDS = (
     ),
     Command(
         "sensitivity", "unknowns:sensitivity",
-        "tell which unknown input moves the boundary how much (Sobol' indices)",
+        "find the share of each unknown input in the scatter of the boundary (Sobol' indices)",
         "results/uncertain.zarr -o sensitivity.png",
         (o.STORE, o.FIGURE_OR_TABLE, o.GIVEN_MEASURED, o.SCATTER),
     ),
     Command(
         "trade", "studies:trade", "measure speed against accuracy", "scene.toml -o trade.png",
-        (*o.OF_SCENE, o.BASE, o.DIAGRAM, o.FIGURE_OR_TABLE),
+        o.OF_TRADE,
     ),
     Command(
         "reproduce", "studies:reproduce",
         "recompute a figure or table of the paper, beside what it prints, in a checkout", "table4",
-        (
-            o.RESULT, o.LIST.but(help="list the figures and tables"),
-            o.output("FILE.png", "figure to draw; for all, the folder of their common page"),
-            o.PRESET, o.SURFACES, o.WORKERS.but(help="workers for the diagram"),
-        ),
+        o.OF_REPRODUCE,
     ),
     Command(
         "plot", "figures:plot", "draw a figure of a store",
         'results/scene.zarr --kind ramp --load "600 N" --velocity "1.6 m/s"',
         (
-            o.STORE, o.KIND, o.output("FILE.png", "file of the figure; default: beside the store"),
-            o.WATCH, *o.LOOK, o.RIVAL, o.GIVEN_MEASURED, o.SCATTER, o.WEAR_RATE, o.AT,
+            o.STORE, *o.OF_PLOT, o.GIVEN_MEASURED, o.SCATTER, o.WEAR_RATE, o.AT,
             o.CONDITIONS_AT_FRICTIONS, *o.PLACE, o.REALIZATION,
         ),
     ),
@@ -182,11 +135,7 @@ COMMANDS = (
     ),
     Command(
         "explore", "figures:explore", "write a page to explore a store in a browser",
-        "results/scene.zarr -o page.html",
-        (
-            o.STORE, o.output("PAGE.html", "file of the figure; default: beside the store"),
-            o.AT, *o.FIELDS,
-        ),
+        "results/scene.zarr -o page.html", (o.STORE, *o.OF_EXPLORE, o.AT),
     ),
     Command(
         "help", "begin:help_", "print a page of the documentation, or list them", "first-hour",
@@ -282,8 +231,8 @@ def _add(parsers: Any, command: Command) -> None:
     """Add the parser of a command."""
     added = parsers.add_parser(
         command.name,
-        help=command.what,
-        description=f"{command.what[0].upper()}{command.what[1:]}.",
+        help=command.purpose,
+        description=f"{command.purpose[0].upper()}{command.purpose[1:]}.",
         epilog=f"example:\n  irg {command.name} {command.example}",
         formatter_class=_Help,
     )

@@ -33,7 +33,7 @@ def scene_of(
     """
     settings = settings_of(options)
     sweep: Sweep = pipeline.load_scene(options.scene, preset=options.preset, overrides=settings)
-    if conditions := given(options, *CONDITIONS):
+    if conditions := conditions_in(options):
         changed = sweep.conditions.changed(**conditions)
         sweep = replace(
             sweep,
@@ -84,6 +84,15 @@ def beside(store: Path | str, ending: str) -> Path:
     """File beside a store, or here for a store at an address."""
     path = Path(store) if "://" not in str(store) else Path(Path(store).name)
     return path.with_name(f"{path.stem}{ending}")
+
+
+def conditions_in(options: argparse.Namespace) -> dict[str, Any]:
+    """Conditions that the user gave in place of the scene's own; several frictions as a tuple."""
+    conditions = given(options, *CONDITIONS)
+    frictions = conditions.get("friction")
+    if isinstance(frictions, list):
+        conditions["friction"] = tuple(frictions) if len(frictions) > 1 else frictions[0]
+    return conditions
 
 
 def given(options: argparse.Namespace, *names: str) -> dict[str, Any]:

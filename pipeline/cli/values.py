@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import argparse
 import math
 import re
 import tomllib
+from argparse import ArgumentTypeError as Refused
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -22,25 +22,25 @@ _DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d+")
 
 
 def quantity(like: str) -> Callable[[str], float]:
-    """Return a reader of quantities with a unit, such as `like`."""
+    """Reader of quantities with a unit, such as `like`."""
 
     def read(text: str) -> float:
         try:
             return pipeline.to_si(text, like)
         except ValueError as error:
-            raise argparse.ArgumentTypeError(f'{error}; give one like "{like}"') from error
+            raise Refused(f'{error}; give one like "{like}"') from error
 
     return read
 
 
 def positive(like: str) -> Callable[[str], float]:
-    """Return a reader of quantities above 0 with a unit, such as `like`."""
+    """Reader of quantities above 0 with a unit, such as `like`."""
     signed = quantity(like)
 
     def read(text: str) -> float:
         value = signed(text)
         if not 0 < value < math.inf:
-            raise argparse.ArgumentTypeError(f'"{text}" is not above 0; give one like "{like}"')
+            raise Refused(f'"{text}" is not above 0; give one like "{like}"')
         return value
 
     return read
@@ -72,9 +72,7 @@ def bulk(text: str) -> float | dict[str, float]:
         return read(text)
     match = _EACH_BULK.fullmatch(text)
     if match is None:
-        raise argparse.ArgumentTypeError(
-            f'"{text}": give one like "25 degC", or "pin=60 degC, disk=25 degC"'
-        )
+        raise Refused(f'"{text}": give one like "25 degC", or "pin=60 degC, disk=25 degC"')
     return {"pin": read(match["pin"]), "disk": read(match["disk"])}
 
 
@@ -84,12 +82,12 @@ def store(text: str) -> Path | str:
 
 
 def new_store(text: str) -> Path | str:
-    """Read where to store a sweep, which an ending of files of another kind shows to be a slip."""
+    """Read the folder of a new store; the ending of another kind of file shows a slip."""
     ending = Path(text).suffix.lower()
     if ending in _OF_OTHER_FILES and not Path(text).is_dir():
-        raise argparse.ArgumentTypeError(
-            f'"{text}" ends like a file of another kind, and what is written is the folder of a '
-            f'store; give one like "{Path(text).stem}.zarr"'
+        raise Refused(
+            f'"{text}" ends like a file of another kind; give the folder of a store, like '
+            f'"{Path(text).stem}.zarr"'
         )
     return store(text)
 
@@ -101,7 +99,7 @@ def count(text: str, least: int = 1) -> int:
     except ValueError:
         number = least - 1
     if number < least:
-        raise argparse.ArgumentTypeError(f'"{text}": give a whole number of at least {least}')
+        raise Refused(f'"{text}": give a whole number of at least {least}')
     return number
 
 
@@ -116,7 +114,7 @@ def friction(text: str) -> float:
         return float(text)
     except ValueError:
         like = text.replace(",", ".") if _DECIMAL_COMMA.fullmatch(text) else "0.1"
-        raise argparse.ArgumentTypeError(f'"{text}": give a number such as {like}') from None
+        raise Refused(f'"{text}": give a number such as {like}') from None
 
 
 def frictions(text: str) -> tuple[float, ...]:
@@ -129,45 +127,28 @@ def frictions(text: str) -> tuple[float, ...]:
     """
     parts = text.split(",")
     if len(parts) > 1 and not all(_DECIMAL_POINT.fullmatch(part) for part in parts):
-        raise argparse.ArgumentTypeError(
+        raise Refused(
             f'"{text}": the comma may stand for a decimal point; write one number as 0.12, several '
             "as --friction 0.09 --friction 0.103 or 0.09,0.103"
         )
     return tuple(friction(part) for part in parts)
 
 
-class Several(argparse.Action):
-    """Values of an option that may be repeated: the value if it is one, a tuple if more."""
-
-    def __call__(
-        self,
-        parser: argparse.ArgumentParser,
-        namespace: argparse.Namespace,
-        values: Any,
-        option_string: str | None = None,
-    ) -> None:
-        """Add values to those that are there."""
-        before = getattr(namespace, self.dest)
-        earlier = () if before is None else before if isinstance(before, tuple) else (before,)
-        several = (*earlier, *values)
-        setattr(namespace, self.dest, several if len(several) > 1 else several[0])
-
-
 def share(text: str) -> float:
     """Read a share such as 2% or 0.02."""
     try:
         value = failing_share(text)
-    except argparse.ArgumentTypeError:
+    except Refused:
         value = 0.0
     if not 0 < value < 1:
-        raise argparse.ArgumentTypeError(f'"{text}": give a share between 0 and 1, such as 2%')
+        raise Refused(f'"{text}": give a share between 0 and 1, such as 2%')
     return value
 
 
 def tolerance(text: str) -> float:
-    """Read the tolerance of an option that may go without one, for which a scene may be taken."""
+    """Read the tolerance of an option that may go without one: a scene is taken for it."""
     if text.endswith(".toml"):
-        raise argparse.ArgumentTypeError(
+        raise Refused(
             f'"{text}" stands where a tolerance may; give the scene first, or one such as 1%'
         )
     return share(text)
@@ -186,7 +167,7 @@ def failing_share(text: str) -> float:
     try:
         return share_of(text)
     except ValueError as error:
-        raise argparse.ArgumentTypeError(str(error)) from None
+        raise Refused(str(error)) from None
 
 
 def criterion(text: str) -> str:
@@ -194,9 +175,7 @@ def criterion(text: str) -> str:
     from tribo import CRITERIA  # with its solvers, which help does not need
 
     if text not in CRITERIA and ":" not in text:
-        raise argparse.ArgumentTypeError(
-            f'"{text}": give one of {", ".join(CRITERIA)}, or "module:name" of your own'
-        )
+        raise Refused(f'"{text}": give one of {", ".join(CRITERIA)}, or "module:name" of your own')
     return text
 
 
@@ -212,9 +191,7 @@ def settings(text: str) -> tuple[str, list[Any]]:
     """
     key, separator, values = text.partition("=")
     if not (separator and key and values):
-        raise argparse.ArgumentTypeError(
-            f'"{text}" gives no values; give them like friction.coefficient=0.08,0.12'
-        )
+        raise Refused(f'"{text}" gives no values; give them like friction.coefficient=0.08,0.12')
     return key, [setting(f"{key}={value.strip()}")[1] for value in values.split(",")]
 
 
@@ -228,7 +205,7 @@ def setting(text: str) -> tuple[str, Any]:
     """
     key, separator, value = text.partition("=")
     if not (separator and key and value):
-        raise argparse.ArgumentTypeError(f'"{text}" is not a setting; give one like increments=50')
+        raise Refused(f'"{text}" is not a setting; give one like increments=50')
     try:
         return key, tomllib.loads(f"value = {value}")["value"]
     except tomllib.TOMLDecodeError:
