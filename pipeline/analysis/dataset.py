@@ -60,7 +60,7 @@ def open_sweep(path: PathLike) -> xr.Dataset:
     ds = ordered(open_store(path))
     ds["finished_at"].attrs |= _IN_UTC
     ds = ds.drop_vars(["checksum", "record_checksum"])
-    words = [name for name in entries_of(ds) if ds[name].dtype.kind not in "f"]
+    words = [name for name in entry_dims(ds) if ds[name].dtype.kind not in "f"]
     ds = ds.assign_coords({name: ds[name].astype(object) for name in words})  # as netCDF has text
     return ds.drop_attrs(deep=False).assign_attrs(portable(ds.attrs))
 
@@ -70,7 +70,7 @@ def dataset_of(source: xr.Dataset | PathLike) -> xr.Dataset:
     return _of_one_scene(ordered(source)) if isinstance(source, xr.Dataset) else open_sweep(source)
 
 
-def entries_of(ds: xr.Dataset | xr.DataArray) -> list[str]:
+def entry_dims(ds: xr.Dataset | xr.DataArray) -> list[str]:
     """Dimensions of entries with several values (``[sweep] over``), by their paths."""
     dims = ds["status"].dims if isinstance(ds, xr.Dataset) and "status" in ds else ds.dims
     return [str(dim) for dim in dims if dim not in _USUAL]
@@ -103,13 +103,7 @@ def plane_of(source: xr.Dataset | PathLike) -> xr.Dataset:
         If it has samples, each with one velocity.
     """
     ds = dataset_of(source)
-    if names := entries_of(ds):
-        several = " and ".join(names)
-        given = " ".join(f'--at "{name}=..."' for name in names)
-        raise InputError(
-            f"the sweep has several values of {several}; take one of each: {given}, in Python "
-            "pipeline.at_entries"
-        )
+    require_one_scene(ds)
     if "sample" in ds.dims:
         raise InputError(
             "the sweep has samples of unknown inputs, each at one velocity, and no plane of "
@@ -119,9 +113,20 @@ def plane_of(source: xr.Dataset | PathLike) -> xr.Dataset:
     return ds
 
 
+def require_one_scene(ds: xr.Dataset) -> None:
+    """Raise an `InputError` at a sweep in which entries have several values."""
+    if names := entry_dims(ds):
+        several = " and ".join(names)
+        given = " ".join(f'--at "{name}=..."' for name in names)
+        raise InputError(
+            f"the sweep has several values of {several}; take one of each: {given}, in Python "
+            "pipeline.at_entries"
+        )
+
+
 def ordered(ds: xr.Dataset) -> xr.Dataset:
     """Sort the axes of a sweep, which a store keeps in the order in which they grew."""
-    numbers = [name for name in entries_of(ds) if ds[name].dtype.kind == "f"]
+    numbers = [name for name in entry_dims(ds) if ds[name].dtype.kind == "f"]
     axes = [*numbers, *(name for name in (*LEADING, "load", "velocity") if name in ds.dims)]
     unsorted = [name for name in axes if (np.diff(ds[name].values) < 0).any()]
     return ds.sortby(unsorted) if unsorted else ds

@@ -11,7 +11,7 @@ import xarray as xr
 
 from pipeline.analysis.attributes import attributes_of
 from pipeline.analysis.boundary import boundary
-from pipeline.analysis.dataset import asked, dataset_of, end_of_point, variant_of
+from pipeline.analysis.dataset import asked, dataset_of, end_of_point, require_one_scene, variant_of
 from pipeline.analysis.entries import entries_of
 from pipeline.analysis.tables import Column, Table
 from pipeline.analysis.transition import OUTCOMES
@@ -84,6 +84,8 @@ def diff(a: xr.Dataset | PathLike, b: xr.Dataset | PathLike) -> Difference:
     ['0 %', '0 %', '0 %', '0 %']
     """
     first, second = dataset_of(a), dataset_of(b)
+    for ds in (first, second):
+        require_one_scene(ds)
     points, alike = _points(first, second)
     return Difference(_entries(first, second), _boundary(first, second), points, alike)
 

@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from pipeline.analysis.band import BAND
-from pipeline.analysis.dataset import dataset_of, entries_of, plane_of
+from pipeline.analysis.dataset import dataset_of, entry_dims, plane_of
 from pipeline.analysis.margin import Margin, judge_of
 from pipeline.analysis.operating_points import OperatingPoints
 from pipeline.analysis.scenes import columns_of, joined, scenes
@@ -58,7 +58,7 @@ def margin_table(
     """
     read = points if isinstance(points, OperatingPoints) else OperatingPoints.read(points)
     ds = dataset_of(ds)
-    names = entries_of(ds)
+    names = entry_dims(ds)
     parts = (
         ([scene[name].item() for name in names], _table_of(scene, read, conditions))
         for scene in scenes(ds)

@@ -10,7 +10,7 @@ from typing import Any, Concatenate, ParamSpec, TypeVar, cast
 import numpy as np
 import xarray as xr
 
-from pipeline.analysis.dataset import dataset_of, entries_of
+from pipeline.analysis.dataset import dataset_of, entry_dims
 from pipeline.analysis.tables import Column, Table
 from pipeline.scene.quantities import display
 from pipeline.scene.units import UnitError, to_si
@@ -55,7 +55,7 @@ def at_entries(ds: xr.Dataset | PathLike, values: Mapping[str, float | str]) -> 
 its scene sweep.over, and run it into another store
     """
     ds = dataset_of(ds)
-    names = entries_of(ds)
+    names = entry_dims(ds)
     for path, value in values.items():
         if path not in names:
             others = f"; it has several of {', '.join(names)}" if names else ""
@@ -70,7 +70,7 @@ its scene sweep.over, and run it into another store
 def scenes(ds: xr.Dataset | PathLike) -> Iterator[xr.Dataset]:
     """The sweep of each scene: with each combination of the values of its entries."""
     ds = dataset_of(ds)
-    names = entries_of(ds)
+    names = entry_dims(ds)
     for places in np.ndindex(*(ds.sizes[name] for name in names)):
         yield dataset_of(ds.isel(dict(zip(names, places, strict=True))))
 
@@ -83,7 +83,7 @@ def by_scene(
     @functools.wraps(function)
     def of_all(ds: xr.Dataset | PathLike, *args: Given.args, **options: Given.kwargs) -> Result:
         ds = dataset_of(ds)
-        names = entries_of(ds)
+        names = entry_dims(ds)
         results = [function(scene, *args, **options) for scene in scenes(ds)]
         result = stacked(results, [ds[name] for name in names])
         return result.assign_coords(_differing(results, [ds.sizes[name] for name in names], names))
@@ -95,7 +95,7 @@ def parts_of(
     results: xr.Dataset, like: str = "critical_velocity"
 ) -> Iterator[tuple[tuple[Any, ...], xr.Dataset]]:
     """Results of `by_scene` again one by one, each with the values of its entries."""
-    names = entries_of(results[like])
+    names = entry_dims(results[like])
     for places in np.ndindex(*(results.sizes[name] for name in names)):
         part = results.isel(dict(zip(names, places, strict=True)))
         values = tuple(part[name].item() for name in names)
@@ -109,7 +109,7 @@ def parts_of(
 
 def columns_of(ds: xr.Dataset | xr.DataArray) -> tuple[Column, ...]:
     """Columns of a table for the entries that have several values."""
-    names = entries_of(ds)
+    names = entry_dims(ds)
     units = [str(ds[name].attrs.get("units", "")) for name in names]
     return tuple(
         Column(name, f"{name} [{unit}]" if unit not in ("", "1", *_SHOWN) else name, shown)

@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from pipeline.analysis.conditions import conditions_of
-from pipeline.analysis.dataset import dataset_of, entries_of
+from pipeline.analysis.dataset import dataset_of, entry_dims
 from pipeline.analysis.decisive import decisive_rise
 from pipeline.analysis.scenes import scenes, stacked
 from pipeline.store.place import PathLike
@@ -64,7 +64,7 @@ def _beside_boundaries(ds: xr.Dataset, conditions: dict[str, Any]) -> xr.DataArr
     near = [_beside_boundary(scene, conditions) for scene in scenes(ds)]
     if any(marked is None for marked in near):
         return None
-    axes = [ds[name] for name in entries_of(ds)]
+    axes = [ds[name] for name in entry_dims(ds)]
     return stacked([marked for marked in near if marked is not None], axes)
 
 

@@ -73,7 +73,7 @@ COMMANDS = (
     ),
     Command(
         "diff", "stores:diff", "differences between two stores: of scenes, boundaries and points",
-        "results/scene.zarr results/other.zarr", (o.STORE, o.OTHER_STORE, o.TABLE),
+        "results/scene.zarr results/other.zarr", (o.STORE, o.OTHER_STORE, o.AT, o.TABLE),
     ),
     Command(
         "list", "stores:listing", "list the stores and scenes below a folder, with their states",

@@ -71,11 +71,12 @@ def selected(sweep: Sweep) -> dict[str, Any]:
     return {"selection": sweep.selection.as_dict()} if sweep.selection else {}
 
 
-def opened(options: argparse.Namespace) -> xr.Dataset:
-    """The store, at the values of entries and the wear rate that the user asked for."""
-    ds = pipeline.open_sweep(options.store)
-    if options.at:
-        ds = pipeline.at_entries(ds, dict(options.at))
+def opened(options: argparse.Namespace, store: Path | str | None = None) -> xr.Dataset:
+    """The store, or another one, at the entries and the wear rate that the user asked for."""
+    ds = pipeline.open_sweep(store or options.store)
+    wanted = {path: value for path, value in options.at if store is None or path in ds.dims}
+    if wanted:
+        ds = pipeline.at_entries(ds, wanted)
     wear_rate = getattr(options, "wear_rate", None)
     return ds if wear_rate is None else pipeline.at_wear_rate(ds, wear_rate)
 

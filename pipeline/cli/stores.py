@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import pipeline
 from pipeline.cli.output import DONE, SOME_FAILED, Result, failed_points, to_table, with_variant
 from pipeline.cli.progress import working
+from pipeline.cli.scenes import opened
 from pipeline.sweep.stages import duration
 from pipeline.sweep.warned import NO_WARNING
 
@@ -92,7 +93,7 @@ def verify(options: argparse.Namespace) -> Result:
 @to_table
 def diff(options: argparse.Namespace) -> Result:
     """Print the differences between two stores."""
-    between = pipeline.diff(options.store, options.other)
+    between = pipeline.diff(opened(options), opened(options, options.other))
     text = [f"A {options.store}", f"B {options.other}", ""]
     text += between.entries.lines() if between.entries.rows else ["their scenes are equal"]
     text.append("")

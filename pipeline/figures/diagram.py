@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
+from matplotlib import colormaps
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -17,8 +18,9 @@ from matplotlib.patches import Patch
 from pipeline.analysis.attributes import attributes_of
 from pipeline.analysis.band import BAND
 from pipeline.analysis.conditions import conditions_of
-from pipeline.analysis.dataset import asked, on_surface, variant_of
+from pipeline.analysis.dataset import asked, entry_dims, on_surface, variant_of
 from pipeline.analysis.decisive import decisive_rise, refined
+from pipeline.analysis.scenes import scenes, value_text
 from pipeline.analysis.transition import BEYOND, CROSSES, Transition, range_of
 from pipeline.analysis.warned import has_warning
 from pipeline.figures.measured import at_own_friction, measured_transitions
@@ -49,7 +51,12 @@ _AS_DRAWN = (
     "the diagram of samples shows the probability of severe wear for the inputs as they were "
     "drawn; leave out conditions, surface, rivals and ax"
 )
+_ONE_LINE_EACH = (
+    "the diagram of several scenes has one line for each; leave out rivals and a second friction, "
+    'or take one scene with --at "{}=..."'
+)
 _RESOLUTION = 240
+_COLOURS = colormaps["viridis"]
 
 
 @in_house_style
@@ -78,6 +85,10 @@ def diagram(
         if rivals or any(value is not None for value in others):
             raise InputError(_AS_DRAWN)
         return _probability(ds, given_measured, scatter, log)
+    if entry_dims(ds):
+        if rivals or isinstance(friction, Sequence):
+            raise InputError(_ONE_LINE_EACH.format(entry_dims(ds)[0]))
+        return _of_scenes(ds, {"friction": friction, **changed}, realization, log, ax)
     band = attributes_of(ds).get("friction_band")
     if isinstance(friction, Sequence):
         band = min(friction), max(friction)
@@ -121,6 +132,46 @@ def diagram(
     axes.set_ylabel("normal load [N]")
     severe = _severe_wear(conditions)
     legend_below(figure, ax, handles=legend, ncols=3, title=severe, title_fontsize=9.5)
+    return figure
+
+
+def _of_scenes(
+    ds: xr.Dataset,
+    given: Mapping[str, Any],
+    realization: int | None,
+    log: bool,
+    ax: Axes | None,
+) -> Figure:
+    """Draw the boundary of each scene of a sweep over entries, the median of its surfaces."""
+    if min(ds.sizes["load"], ds.sizes["velocity"]) < 2:
+        raise InputError(
+            "the diagram of several scenes takes two loads and two velocities or more; irg "
+            "boundary prints their transitions"
+        )
+    figure, axes = canvas(ax, (8.0, 6.4))
+    legend: list[Artist] = []
+    several = list(scenes(ds))
+    for number, scene in enumerate(several):
+        judged = conditions_of(scene, **given)
+        one = scene if realization is None else on_surface(scene, realization)
+        plane = _quantile(_planes(one.sel(velocity=one["velocity"] > 0), judged), 0.5)
+        name = ", ".join(value_text(ds[path], scene[path].item()) for path in entry_dims(ds))
+        colour = _COLOURS(0.85 * number / max(len(several) - 1, 1))
+        is_drawn = _isoline(
+            axes, plane, rise_limit(judged), f"boundary {name}", colors=[colour], linewidths=2.0
+        )
+        outside = "" if is_drawn else ": no transition computed"
+        width = 2.0 if is_drawn else 0.0
+        legend.append(Line2D([], [], lw=width, color=colour, label=name + outside))
+    measured = attributes_of(ds).get("measured") or []
+    legend += measured_transitions(axes, measured)
+    _scale(axes, ds, measured, log)
+    surface = "" if realization is None else f", surface {realization}"
+    axes.set_title(title_of(ds) + surface, pad=10)
+    axes.set_xlabel("sliding velocity [m/s]")
+    axes.set_ylabel("normal load [N]")
+    title = f"transition to severe wear, by {' and '.join(entry_dims(ds))}"
+    legend_below(figure, ax, handles=legend, ncols=3, title=title, title_fontsize=9.5)
     return figure
 
 

@@ -77,16 +77,13 @@ def follow_boundary(
             "the samples of a scene are computed by run_sweep, and the boundary follows from them; "
             "leave out the search (--boundary-only)"
         )
-    limit = rise_limit(sweep.conditions)
-    moving = searched(sweep, limit)
-    tolerance = tolerance_under(sweep.conditions, tolerance)
-    search = BoundarySearch(sweep.loads, moving[0], moving[-1], limit, tolerance)
+    searches = {variant: _search(sweep.variant(variant), tolerance) for variant in sweep.variants}
 
     def further(store: Store | None, retry_failed: bool = False) -> Sweep | None:
         """The sweep at the points that are done or failed, and at those to look at next."""
         rises, failed = _seen(store, sweep) if store else ({}, set())
         wanted: set[Point] = set()
-        for variant in sweep.variants:
+        for variant, search in searches.items():
             rises_here = {
                 Point(*point[:2]): rise for point, rise in rises.items() if point.variant == variant
             }
@@ -106,18 +103,29 @@ def follow_boundary(
     )  # fmt: skip
 
 
+def _search(sweep: Sweep, tolerance: float) -> BoundarySearch:
+    """Search for the boundary of one variant."""
+    limit = rise_limit(sweep.conditions)
+    moving = searched(sweep, limit)
+    tolerance = tolerance_under(sweep.conditions, tolerance)
+    return BoundarySearch(sweep.loads, moving[0], moving[-1], limit, tolerance)
+
+
 def _seen(store: Store, sweep: Sweep) -> tuple[dict[Point, float], set[Point]]:
     """Decisive rise of each point of a store that is done [K], and points that failed."""
     names = [name for name in STEPPED if name in store.arrays]
     columns = {name: store.read(name, ...) for name in names}
     loads = np.array(store.axes["load"])[:, None, None]
-    rises = decisive_rises(columns, loads, sweep.conditions)
-    variants = set(sweep.variants)
+    variants = {variant: sweep.variant(variant).conditions for variant in sweep.variants}
+    rises = {
+        conditions: decisive_rises(columns, loads, conditions)
+        for conditions in set(variants.values())
+    }
 
     def of_sweep(flag: int) -> Iterator[tuple[Point, tuple[Any, ...]]]:
         for point in store.points_at(np.nonzero(store.flags == flag)):
             if point.load in sweep.loads and point.variant in variants:
                 yield point, store.index(point)
 
-    done = {point: float(rises[index]) for point, index in of_sweep(DONE)}
+    done = {point: float(rises[variants[point.variant]][index]) for point, index in of_sweep(DONE)}
     return done, {point for point, _ in of_sweep(FAILED)}

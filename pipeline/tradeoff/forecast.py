@@ -103,6 +103,8 @@ def estimate(sweep: SceneLike, workers: int | None = None, boundary_only: bool =
     24
     """
     sweep, cores = sweep_of(sweep), os.cpu_count() or 1
+    if sweep.over:
+        return _of_scenes(sweep, workers, boundary_only)
     workers, variants = workers or cores, 1 if sweep.samples else len(sweep.variants)
     searched = boundary_only and not sweep.samples
     velocities = _searched(sweep) if searched else sweep.ramps // variants
@@ -160,6 +162,31 @@ def estimate(sweep: SceneLike, workers: int | None = None, boundary_only: bool =
         worker_bytes=worker_bytes(sweep, nodes),
         disk_bytes=points * _point_bytes(sweep, costs[-1].state),
         warnings=tuple(_too_many_nodes(sweep, nodes)) if moving else (),
+    )
+
+
+def _of_scenes(sweep: Sweep, workers: int | None, boundary_only: bool) -> Estimate:
+    """Cost of a sweep over entries, from that of some of its scenes."""
+    count, ramps = len(sweep.entries), len(set(sweep.over.leads)) if sweep.over else 1
+    tried = dict.fromkeys((0, count // 2, count - 1))
+    costs = [
+        estimate(sweep.variant(sweep.entries[number]), workers, boundary_only) for number in tried
+    ]
+
+    def total(name: str, scenes: int) -> float:
+        return float(scenes * np.mean([getattr(cost, name) for cost in costs]))
+
+    started = total("seconds", ramps) - (ramps - 1) * _SECONDS_TO_START
+    return replace(
+        costs[0],
+        points=round(total("points", count)),
+        steps=round(total("steps", ramps)),
+        temperatures=round(total("temperatures", count)),
+        chains=round(total("chains", ramps)),
+        seconds=max(started, costs[0].seconds),
+        worker_bytes=max(cost.worker_bytes for cost in costs),
+        disk_bytes=total("disk_bytes", count),
+        warnings=tuple(dict.fromkeys(line for cost in costs for line in cost.warnings)),
     )
 
 

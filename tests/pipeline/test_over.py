@@ -1,56 +1,205 @@
 """Entries with several values (``[sweep] over``), from the scene to every answer."""
 
+import json
+
 import numpy as np
 import pytest
 
 import pipeline
+from pipeline.cli import main
+from pipeline.run.follow import follow_boundary
+from pipeline.store.place import StoreMismatchError
 from pipeline.store.verify import verify_store
+from pipeline.sweep.plan import chains, points
 from tests.pipeline.cli.test_commands import SCENE
+from tests.pipeline.conftest import commit_all
+from tribo import InputError
 
+OVER = '{ "pin.radius" = ["4 mm", "2 mm"] }'
 RADII = ("2 mm", "4 mm")
 
 
-def load(folder, over='"pin.radius" = ["4 mm", "2 mm"]', more="", scene=SCENE, **overrides):
-    path = folder / "scene.toml"
-    path.write_text(scene.replace("fields = true", f"over = {{ {over} }}\n{more}"))
-    return pipeline.load_scene(path, overrides=overrides)
+def load(folder, over=OVER, scene=SCENE, **overrides):
+    (folder / "scene.toml").write_text(scene.replace("fields = true", f"over = {over}"))
+    return pipeline.load_scene(folder / "scene.toml", overrides=overrides)
 
 
-@pytest.fixture(scope="module")
-def swept(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("over")
-    sweep = load(folder, more="fields = true")
-    outcome = pipeline.run_sweep(sweep, folder / "out.zarr", workers=1)
-    assert (outcome.done, outcome.failed) == (2 * len(sweep.loads) * len(sweep.velocities), ())
-    return folder
-
-
-@pytest.fixture(scope="module")
-def alone(tmp_path_factory):
-    """A store for each radius, of scenes that have it set."""
-    folder = tmp_path_factory.mktemp("alone")
-    (folder / "scene.toml").write_text(SCENE)
-    stores = {}
-    for radius in RADII:
-        stores[radius] = folder / f"{radius[0]}.zarr"
-        scene = pipeline.load_scene(folder / "scene.toml", overrides={"pin.radius": radius})
-        pipeline.run_sweep(scene, stores[radius], workers=1)
-    return stores
+def alone(folder, **entries):
+    """The scene with some entries in place of its own, without `over`."""
+    (folder / "alone.toml").write_text(SCENE.replace("fields = true", ""))
+    names = {name.replace("_", ".", 1): value for name, value in entries.items()}
+    return pipeline.load_scene(folder / "alone.toml", overrides=names)
 
 
 def same(one, other):
-    for name in other.data_vars:
-        if name not in ("wall_time", "finished_at"):
-            np.testing.assert_array_equal(one[name].values, other[name].values)
+    for name in set(other.data_vars) - {"wall_time", "finished_at"}:
+        np.testing.assert_array_equal(one[name].values, other[name].values, name)
 
 
-def test_each_value_gives_the_numbers_of_a_scene_that_has_it_bit_for_bit(swept, alone):
-    ds = pipeline.open_sweep(swept / "out.zarr")
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return tmp_path_factory.mktemp("over")
+
+
+@pytest.fixture(scope="module")
+def swept(folder):
+    """The store of a sweep over two radii, and its output."""
+    sweep = load(folder)
+    outcome = pipeline.run_sweep(sweep, folder / "out.zarr", workers=1)
+    assert (outcome.done, outcome.total, outcome.failed) == (len(points(sweep)),) * 2 + ((),)
+    return folder / "out.zarr"
+
+
+def test_each_value_gives_the_numbers_of_a_scene_that_has_it_bit_for_bit(swept, folder):
+    ds = pipeline.open_sweep(swept)
     assert ds["pin.radius"].values.tolist() == [0.002, 0.004]
     assert ds["pin.radius"].attrs["units"] == "m"
     assert ds["max_rise"].dims == ("pin.radius", "load", "velocity", "step")
-    for radius, store in alone.items():
+    boundaries = pipeline.boundary(ds)
+    for number, radius in enumerate(RADII):
+        store = folder / f"{number}.zarr"
+        commit_all(store, alone(folder, pin_radius=radius))
         one, other = pipeline.at_entries(ds, {"pin.radius": radius}), pipeline.open_sweep(store)
         same(one, other)
-        same(pipeline.boundary(one), pipeline.boundary(other))
-    assert verify_store(swept / "out.zarr").is_clean
+        same(boundaries.isel({"pin.radius": number}), pipeline.boundary(other))
+        assert json.loads(one.attrs["scene"]) == json.loads(other.attrs["scene"])
+    assert not np.array_equal(*boundaries["critical_velocity"].values, equal_nan=True)
+    assert verify_store(swept).is_clean
+
+
+def test_the_boundary_alone_is_sought_for_each_value(swept, folder):
+    whole = pipeline.boundary(swept)["critical_velocity"]
+    outcome = follow_boundary(load(folder), folder / "edge.zarr", workers=1)
+    edge = pipeline.boundary(folder / "edge.zarr")["critical_velocity"]
+    np.testing.assert_allclose(edge.values, whole.values, rtol=0.03)
+    assert follow_boundary(load(folder), folder / "edge.zarr", workers=1).computed == 0
+    assert outcome.computed == outcome.done
+
+
+def test_values_are_added_to_a_store_and_an_interrupted_one_goes_on(tmp_path):
+    store, small = tmp_path / "out.zarr", {"sweep.velocities": ["1 m/s", "2 m/s"]}
+    first = load(tmp_path, '{ "pin.radius" = ["2 mm"] }', **small)
+    commit_all(store, first, skip=points(first)[1:])
+    again = load(tmp_path, '{ "pin.radius" = ["3 mm", "1 mm", "2 mm"] }', **small)
+    outcome = pipeline.run_sweep(again, store, workers=1)
+    assert (outcome.total, outcome.computed) == (len(points(again)), len(points(again)) - 1)
+    ds = pipeline.open_sweep(store)
+    assert ds["pin.radius"].values.tolist() == [0.001, 0.002, 0.003]
+    for radius in ("1 mm", "2 mm"):
+        commit_all(tmp_path / f"{radius}.zarr", alone(tmp_path, pin_radius=radius, **small))
+        one = pipeline.at_entries(ds, {"pin.radius": radius})
+        same(one, pipeline.open_sweep(tmp_path / f"{radius}.zarr"))
+    assert pipeline.run_sweep(first, store, workers=1).computed == 0
+
+
+@pytest.mark.parametrize(
+    ("over", "overrides", "fault"),
+    [
+        (OVER, {"pin.length": "3 mm"}, "pin.radius 0.002: scene.pin.length"),
+        ('{ "pin.length" = ["3 mm"] }', {}, "axes for other entries of sweep.over: pin.radius in"),
+        ("{}", {}, "pin.radius in the store, none in the scene"),
+    ],
+)
+def test_the_store_of_another_scene_is_refused(swept, tmp_path, over, overrides, fault):
+    with pytest.raises(StoreMismatchError, match=fault):
+        pipeline.run_sweep(load(tmp_path, over, **overrides), swept, workers=1)
+
+
+def test_several_entries_and_surfaces_give_their_product_and_share_contacts(tmp_path):
+    over = '{ "friction.coefficient" = [0.08, 0.12], "pin.material" = ["hard", "100Cr6"] }'
+    materials = SCENE.replace("[pin]", '[materials.hard]\nlike = "AISI 52100"\n[pin]')
+    sweep = load(
+        tmp_path, over, materials,
+        **{"sweep.velocities": ["2 m/s"], "sweep.loads": ["600 N"], "sweep.realizations": [3, 4]},
+    )  # fmt: skip
+    assert list(sweep.axes) == ["friction.coefficient", "pin.material", "realization"]
+    assert (len(points(sweep)), len(chains(points(sweep), sweep))) == (8, 4)
+    pipeline.run_sweep(sweep, tmp_path / "out.zarr", workers=1)
+    ds = pipeline.open_sweep(tmp_path / "out.zarr")
+    assert ds["pin.material"].values.tolist() == ["hard", "100Cr6"]
+    one = pipeline.at_entries(ds, {"friction.coefficient": 0.12, "pin.material": "hard"})
+    assert json.loads(one.attrs["conditions"])["friction"] == 0.12
+    hottest = pipeline.decisive_temperature(ds)
+    assert hottest.dims == (*sweep.axes, "load", "velocity")
+    rises = hottest - 298.15
+    ratio = rises.sel({"friction.coefficient": 0.12}) / rises.sel({"friction.coefficient": 0.08})
+    np.testing.assert_allclose(ratio.values, 1.5, rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("over", "fault"),
+    [
+        (
+            '{ "pin.radius" = ["1 mm", "2 s"] }',
+            '"2 s": "2 s" cannot be converted to mm; give ',
+        ),
+        ('{ "pin.radus" = ["1 mm"] }', 'radus: unknown key (did you mean "radius"?)'),
+        ('{ "pin.radius" = ["1 mm", "0.1 cm"] }', "are the same; give each value once"),
+        ('{ "pin.radius" = ["1 mm", 2] }', "give all with a unit, or none"),
+        ('{ "pin.radius" = "1 mm" }', "is not a list"),
+        ('{ "sweep.loads" = ["1 N"] }', "cannot take several values; give an entry of the scene"),
+        ('{ "wear.pattern" = ["swept", "worn"] }', '"worn" is unknown'),
+        ('{ "temperature.bulk" = ["20 degC", "20 degC"] }', "equals entry [0]"),
+        ('{ "oil.density" = ["800 kg/m^3"] }', "oil"),
+    ],
+)
+def test_a_wrong_entry_or_value_is_named_with_its_cure(tmp_path, over, fault):
+    with pytest.raises(pipeline.SceneFileError) as error:
+        load(tmp_path, over)
+    assert fault in str(error.value)
+
+
+def test_over_and_samples_exclude_each_other(tmp_path):
+    unknown = '\n[unknown]\n"friction.coefficient" = [0.1, 0.2]\n'
+    with pytest.raises(pipeline.SceneFileError, match="exclude each other"):
+        load(tmp_path, scene=SCENE + unknown, **{"sweep.samples": 4})
+
+
+def printed(capsys, *words):
+    code = main([str(word) for word in words])
+    out, err = capsys.readouterr()
+    return code, out, err
+
+
+def test_commands_answer_for_each_value(swept, folder, capsys):
+    code, out, _ = printed(capsys, "boundary", swept, "--json")
+    document = json.loads(out)
+    assert (code, document["pin.radius"]) == (0, [0.002, 0.004])
+    assert np.shape(document["critical_velocity"])[0] == 2
+    assert "pin.radius [mm]   load [N]" in printed(capsys, "boundary", swept)[1]
+    printed(capsys, "boundary", swept, "-o", folder / "b.csv")
+    assert (folder / "b.csv").read_text().startswith("pin.radius [mm],friction,load [N]")
+    place = ("--load", "500 N", "--velocity", "1.5 m/s")
+    assert "pin.radius 4 mm:" in printed(capsys, "margin", swept, *place)[1]
+    (one, other) = json.loads(printed(capsys, "margin", swept, *place, "--json")[1])["scenes"]
+    assert (one["pin.radius"], other["pin.radius"]) == (0.002, 0.004)
+    assert one["distance"] < other["distance"]
+    (folder / "duty.csv").write_text("load [N],velocity [m/s]\n500,1.5\n")
+    table = pipeline.margin_table(swept, folder / "duty.csv").as_dict()
+    assert table["distance"] == [one["distance"], other["distance"]]
+    assert "2 values of pin.radius" in printed(capsys, "check", folder / "scene.toml")[1]
+    assert printed(capsys, "status", swept)[0] == 0
+
+
+def test_figures_and_reports_show_each_value_or_ask_for_one(swept, folder, capsys):
+    figure = pipeline.plot(swept, "diagram")
+    labels = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert labels[:2] == list(RADII)
+    assert printed(capsys, "report", swept, "-o", folder / "r.html")[0] == 0
+    assert "pin.radius 4 mm. Answer: " in (folder / "r.html").read_text()
+    for words in (
+        ("explore", swept),
+        ("plot", swept, "--kind", "temperature"),
+        ("diff", swept, swept),
+    ):
+        code, _, err = printed(capsys, words[0], swept, *words[1:])
+        assert (code, 'take one of each: --at "pin.radius=..."' in err) == (2, True)
+    at = ("--at", "pin.radius=2 mm")
+    assert printed(capsys, "explore", swept, *at, "-o", folder / "p.html")[0] == 0
+    code, _, err = printed(capsys, "boundary", swept, "--at", "pin.radius=3 mm")
+    assert (
+        code,
+        "which the sweep does not have; it has 2 mm, 4 mm" in err,
+    ) == (2, True)
+    with pytest.raises(InputError, match="pattern has one value alone in this sweep"):
+        pipeline.at_entries(swept, {"wear.pattern": "local"})

@@ -15,10 +15,11 @@ from pipeline.analysis.attributes import attributes_of
 from pipeline.analysis.boundary import boundary
 from pipeline.analysis.boundary_tables import readable
 from pipeline.analysis.conditions import conditions_of
-from pipeline.analysis.dataset import asked, variant_of
+from pipeline.analysis.dataset import asked, entry_dims, variant_of
 from pipeline.analysis.entries import entries_of
 from pipeline.analysis.margin_table import margin_table
 from pipeline.analysis.operating_points import OperatingPoints
+from pipeline.analysis.scenes import parts_of, scenes, words
 from pipeline.analysis.tables import Column, Table
 from pipeline.analysis.transition import CROSSES, OUTCOMES
 from pipeline.analysis.warned import warned
@@ -106,9 +107,11 @@ def _question(ds: xr.Dataset, changed: Mapping[str, Any]) -> Iterator[str]:
             "What follows rests on those that are done."
         )
     boundaries = boundary(ds, **changed)
-    judged = conditions_of(ds, **changed)
-    yield _paragraph(f"Wear is taken as severe with {criterion(judged)}, at {heating(judged)}.")
-    yield _paragraph(_answer(boundaries))
+    for judged in dict.fromkeys(conditions_of(scene, **changed) for scene in scenes(ds)):
+        yield _paragraph(f"Wear is taken as severe with {criterion(judged)}, at {heating(judged)}.")
+    for values, part in parts_of(boundaries):
+        entries = words(ds, dict(zip(entry_dims(ds), values, strict=True)))
+        yield _paragraph(f"{entries}. {_answer(part)}" if entries else _answer(part))
 
 
 def _answer(boundaries: xr.Dataset) -> str:
@@ -147,7 +150,7 @@ def _numbers(ds: xr.Dataset, conditions: Mapping[str, Any]) -> Iterator[str]:
     boundaries = boundary(ds, **conditions)
     for table in readable(boundaries):
         yield table.without_empty().html()
-    if missing := boundaries.attrs["missing_points"]:
+    if missing := sum(part.attrs["missing_points"] for _, part in parts_of(boundaries)):
         yield _paragraph(f"{missing} points are pending or failed and were left out.")
     if "film_parameter_at_load" in boundaries:
         yield _paragraph(
