@@ -188,9 +188,9 @@ def test_figures_and_reports_show_each_value_or_ask_for_one(swept, folder, capsy
     assert printed(capsys, "report", swept, "-o", folder / "r.html")[0] == 0
     assert "pin.radius 4 mm. Answer: " in (folder / "r.html").read_text()
     for words in (
-        ("explore", swept),
-        ("plot", swept, "--kind", "temperature"),
-        ("diff", swept, swept),
+        ("explore",),
+        ("plot", "--kind", "temperature"),
+        ("diff", swept),
     ):
         code, _, err = printed(capsys, words[0], swept, *words[1:])
         assert (code, 'take one of each: --at "pin.radius=..."' in err) == (2, True)
