@@ -12,8 +12,8 @@ import pipeline
 import tribo
 from pipeline.cli import main
 from pipeline.cli.parser import parse
-from pipeline.sweep.doubts import doubts
-from pipeline.sweep.facts import facts_of
+from pipeline.scene.doubts import doubts
+from pipeline.scene.facts import facts_of
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")

@@ -11,15 +11,15 @@ import numpy as np
 import pipeline
 from pipeline.cli.output import Result, counted, show_text
 from pipeline.cli.scenes import scene_of, selected
-from pipeline.sweep.doubts import doubts
-from pipeline.sweep.facts import Facts, Span, facts_of, require_bearable_load
+from pipeline.scene.doubts import doubts
+from pipeline.scene.facts import Facts, Span, facts_of, require_bearable_load
 from pipeline.sweep.lubrication import Lubrication
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.own import own_laws
-from pipeline.sweep.savings import savings
 from pipeline.sweep.stages import duration
 from pipeline.sweep.surface import SurfaceFacts
 from pipeline.tradeoff.forecast import Estimate, machine_bytes, worker_bytes
+from pipeline.tradeoff.savings import savings
 from tribo import lubrication_regime
 
 _LEVEL = 1e-6  # of Rq, below which a tilt or a mean height is that of rounding

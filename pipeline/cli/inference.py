@@ -15,8 +15,8 @@ from pipeline.cli.output import Result, counted, tell, to_figure_or_table
 from pipeline.cli.progress import working
 from pipeline.cli.scenes import PLACE, flags_of, given, scene_of, selected
 from pipeline.cli.unknowns import posterior
+from pipeline.scene.facts import require_bearable_load
 from pipeline.sweep.criterion import Verdict
-from pipeline.sweep.facts import require_bearable_load
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import PointResult
 from tribo import Criterion, InputError, Ramp, measures, specific_wear_rate

@@ -12,10 +12,10 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from pipeline.analysis.attributes import attributes_of
+from pipeline.figures.rivals import RIVALS, SmoothContact
 from pipeline.figures.style import BLACK, GREY, celsius
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.lubrication import Lubrication
-from pipeline.sweep.rivals import RIVALS, SmoothContact
 from tribo import InputError, lubrication_regime
 from tribo.lubricant import BOUNDARY, FULL_FILM
 from tribo.types import Array

@@ -13,13 +13,13 @@ import numpy as np
 
 from pipeline.analysis.transition import OUTCOMES, Transition
 from pipeline.run.boundary_search import BoundarySearch, searched, tolerance_under
+from pipeline.run.physics import LeftOut, physics_left_out
+from pipeline.run.sharing import SharedContacts, SharedPoint
 from pipeline.scene.scenefile import load_scene
 from pipeline.scene.variants import absolute
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.criterion import decisive_rises, rise_limit
 from pipeline.sweep.model import Point, Sweep
-from pipeline.sweep.physics import LeftOut, physics_left_out
-from pipeline.sweep.sharing import SharedContacts, SharedPoint
 from pipeline.sweep.stages import staged
 from pipeline.sweep.warned import NO_WARNING, Warned
 from tribo import Scene

@@ -103,8 +103,8 @@ ROOMS = {
         ],
     ),
     "doubts": (
-        ["pipeline/sweep/doubts.py"],
-        ["tests/pipeline/sweep/test_doubts.py", "tests/pipeline/sweep/test_facts.py"],
+        ["pipeline/scene/doubts.py"],
+        ["tests/pipeline/scene/test_doubts.py", "tests/pipeline/scene/test_facts.py"],
     ),
     "accuracy": (
         [f"pipeline/tradeoff/{name}.py" for name in ("choose", "probe", "yardstick")],

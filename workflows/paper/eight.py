@@ -22,7 +22,7 @@ _STATIC = 145.0, 8.0  # °C and K: critical temperature of the white oil on the 
 _OIL_A = 120.0, 500.0  # °C: critical temperature of oil A, evenly
 _SCATTER = 0.03, 0.3  # standard deviation of the rise, evenly in its logarithm
 _MOST_SHARE = 0.5  # of the load on an oil film, over the film parameter
-_TRACK, _STEM = 0.34, 4e-3  # m, as in pipeline.sweep.physics
+_TRACK, _STEM = 0.34, 4e-3  # m, as in pipeline.run.physics
 
 
 @dataclass(frozen=True, slots=True)

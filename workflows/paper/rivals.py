@@ -10,11 +10,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from matplotlib.figure import Figure
 
+from pipeline.figures.rivals import SmoothContact, load_speed_exponent
 from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, VERMILION, celsius, in_house_style
 from pipeline.sweep.criterion import boundary_velocity_error, rise_limit
 from pipeline.sweep.lubrication import Lubrication
 from pipeline.sweep.model import Measurement, Sweep
-from pipeline.sweep.rivals import SmoothContact, load_speed_exponent
 from tribo import lubrication_regime
 from workflows.paper.ensemble import matching, name_of
 from workflows.paper.publication import TABLE_4

@@ -13,9 +13,9 @@ from pipeline.figures.diagram import diagram
 from pipeline.figures.fields import fields
 from pipeline.figures.plot import plot
 from pipeline.figures.ramp import ramp
+from pipeline.figures.rivals import SmoothContact
 from pipeline.store.schema import FAILED, PENDING
 from pipeline.sweep.lubrication import Lubrication
-from pipeline.sweep.rivals import SmoothContact
 from pipeline.uncertain.answers import probabilities, risk_lines
 from pipeline.uncertain.weigh import posterior
 from tests.helpers import samples, synthetic

@@ -7,9 +7,9 @@ import pytest
 
 import pipeline
 from pipeline.cli import main
+from pipeline.run.sharing import SharedContacts, SharedPoint
 from pipeline.run.vary import _beside, _Plane, _warned
 from pipeline.sweep.model import Point
-from pipeline.sweep.sharing import SharedContacts, SharedPoint
 from pipeline.sweep.warned import NO_WARNING, Warned
 from tests.pipeline.cli.test_commands import SCENE
 from tribo import PointWarning, WarningKind

@@ -6,9 +6,9 @@ from dataclasses import replace
 import pytest
 
 from pipeline.sweep.plan import chains, points, run_point
-from pipeline.sweep.savings import savings
 from pipeline.tradeoff import forecast
 from pipeline.tradeoff.forecast import _Timed, estimate
+from pipeline.tradeoff.savings import savings
 from tests.helpers import tiny
 from tests.helpers.kept import PAPER
 from tribo import PRESETS, Fidelity, Grid, Ramp, Wear, start

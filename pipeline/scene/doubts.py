@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from pipeline.sweep.facts import Facts
+from pipeline.scene.facts import Facts
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.surface import SurfaceFacts
 from tribo import Ball, Crowned, Cylinder, Material, SelfAffineRoughness, analytic

@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 
 import pipeline
+from pipeline.figures.rivals import RIVALS, SmoothContact, load_speed_exponent
 from pipeline.store.identity import describe
-from pipeline.sweep.rivals import RIVALS, SmoothContact, load_speed_exponent
 from tribo import InputError, Motion
 from workflows.paper.publication import TABLE_4
 

@@ -1,4 +1,4 @@
-"""At which values a scene begins to be doubted (pipeline/sweep/doubts.py).
+"""At which values a scene begins to be doubted (pipeline/scene/doubts.py).
 
 Which doubts there are is in test_facts.py.
 """
@@ -8,8 +8,8 @@ from dataclasses import replace
 import pytest
 
 import tribo
-from pipeline.sweep.doubts import doubts
-from pipeline.sweep.facts import Span, facts_of
+from pipeline.scene.doubts import doubts
+from pipeline.scene.facts import Span, facts_of
 from pipeline.sweep.surface import SurfaceFacts
 from tests.helpers.scenes import STEEL
 from tests.pipeline.sweep.test_facts import BALL, CROWNED, SMOOTH

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import tribo
-from pipeline.sweep.doubts import doubts
-from pipeline.sweep.facts import facts_of
+from pipeline.scene.doubts import doubts
+from pipeline.scene.facts import facts_of
 from pipeline.sweep.plan import run_point
 from pipeline.sweep.surface import surface_facts
 from tests.helpers import tiny
