@@ -12,7 +12,7 @@ from pipeline.scene.doubts import doubts
 from pipeline.scene.facts import Span, facts_of
 from pipeline.sweep.surface import SurfaceFacts
 from tests.helpers.scenes import STEEL
-from tests.pipeline.sweep.test_facts import BALL, CROWNED, SMOOTH
+from tests.pipeline.scene.test_facts import BALL, CROWNED, SMOOTH
 
 FACTS = {id(sweep): facts_of(sweep) for sweep in (SMOOTH, BALL, CROWNED)}
 HALF_WIDTH = SMOOTH.pin.radius  # as a unit
