@@ -3,7 +3,6 @@
 import json
 
 import numpy as np
-import pytest
 
 import pipeline
 from pipeline.cli import main
@@ -47,9 +46,3 @@ def test_a_list_tells_scenes_stores_and_damage_apart(tmp_path, capsys):
     assert states["faulty.toml"].startswith("a fault")
     assert "damaged" in states["lost.zarr"]
     assert "pyproject.toml" not in states
-
-
-@pytest.mark.parametrize("arguments", [["list", "nowhere"], ["diff", "nowhere", "nowhere"]])
-def test_what_is_not_there_is_named(arguments, capsys):
-    assert main(arguments) == 2
-    assert "nowhere" in capsys.readouterr().err
