@@ -244,22 +244,27 @@ def _boundary(axes: Axes, plane: xr.DataArray, conditions: Conditions) -> list[A
 
 def _beyond(ds: xr.Dataset, conditions: Conditions) -> list[Artist]:
     """Say at which loads transitions lie beyond what was computed."""
+    beyond = _loads_beyond(ds, conditions)
+    if not beyond:
+        return []
+    span = " to ".join(f"{load:g}" for load in dict.fromkeys((beyond[0], beyond[-1])))
+    text = f"beyond what was computed: at {len(beyond)} of {ds.sizes['load']} loads, {span} N"
+    return [Line2D([], [], ls="none", label=text)]
+
+
+def _loads_beyond(ds: xr.Dataset, conditions: Conditions) -> list[float]:
+    """Loads at which a transition lies beyond what was computed."""
     rises = decisive_rise(ds, conditions).transpose("load", ..., "velocity")
-    loads, velocities = rises["load"].values, rises["velocity"].values
-    limit, ends = rise_limit(conditions), range_of(ds, "velocity")
-    beyond = [
+    velocities, ends = rises["velocity"].values, range_of(ds, "velocity")
+    limit = rise_limit(conditions)
+    return [
         load
-        for load, rows in zip(loads, rises.values, strict=True)
+        for load, rows in zip(rises["load"].values.tolist(), rises.values, strict=True)
         if any(
             Transition.along(velocities, row, limit, ends).outcome in BEYOND
             for row in rows.reshape(-1, len(velocities))
         )
     ]
-    if not beyond:
-        return []
-    span = " to ".join(f"{load:g}" for load in dict.fromkeys((beyond[0], beyond[-1])))
-    text = f"beyond what was computed: at {len(beyond)} of {len(loads)} loads, {span} N"
-    return [Line2D([], [], ls="none", label=text)]
 
 
 def _band(
@@ -287,6 +292,8 @@ def _band(
     for edge in (low, high):
         _isoline(axes, edge, 1.0, "band edge", colors=GREY, linewidths=0.8, linestyles="--")
     text = f"transition at friction {min(band):g}–{max(band):g}"
+    if cut := {load for end in ends for load in _loads_beyond(ds, end)}:
+        text += f",\nbeyond what was computed at {len(cut)} of {ds.sizes['load']} loads"
     return [Patch(fc=TINTS["band"], ec=GREY, ls="--", lw=0.8, alpha=0.8, label=text)]
 
 

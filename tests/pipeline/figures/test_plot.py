@@ -135,6 +135,15 @@ def test_several_frictions_make_the_band_and_their_middle_the_boundary(sweep):
     np.testing.assert_allclose(x, expected, rtol=1e-3)
 
 
+def test_a_band_that_is_cut_at_what_was_computed_says_so():
+    whole = synthetic.sweep(friction_band=[0.099, 0.103])
+    searched = whole.assign_attrs(velocities=[0.5, 4.0]).sel(velocity=slice(1.0, 2.0))
+    searched = searched.sel(load=slice(400, 700))  # severe from 2.07 m/s at 400 N, 1.88 at 450 N
+    cut = [label for label in labels(diagram(searched).legends[0]) if "friction 0.099" in label]
+    assert len(cut) == 1
+    assert "beyond what was computed at 1 of 7 loads" in cut[0]
+
+
 @pytest.mark.parametrize("friction", [0.05, 0.1, 0.2])
 def test_names_stand_inside_their_regions(sweep, friction):
     axes = diagram(sweep, friction=friction).axes[0]
