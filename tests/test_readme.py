@@ -66,11 +66,13 @@ def test_the_walk_from_a_scan_to_a_boundary_leads_there(folder, monkeypatch, cap
     holed = rng.normal(scale=0.3, size=(400, 520)) + np.linspace(0, 5, 400)[:, None]  # tilted
     holed[3, 50] = np.nan
     np.save("disk.npy", holed)
-    own, measured = re.findall(r"```toml\n(.*?)```", WALK, flags=re.DOTALL)
+    own, radii, measured = re.findall(r"```toml\n(.*?)```", WALK, flags=re.DOTALL)
     (folder / "rig.toml").write_text(own, encoding="utf-8")
     sweep = pipeline.load_scene("rig.toml")
     assert isinstance(sweep.pin, tribo.Ball)
     assert doubts(sweep, facts_of(sweep)) == ()
+    (folder / "radii.toml").write_text(radii, encoding="utf-8")
+    assert pipeline.load_scene("radii.toml").axes == {"pin.radius": (0.003, 0.005, 0.008)}
     (folder / "measured.toml").write_text(measured, encoding="utf-8")
     surface = facts_of(pipeline.load_scene("measured.toml")).surface
     assert surface.measured

@@ -36,7 +36,8 @@ ds["rise_quantile"].sel(load=600, velocity=1.5)  # K at friction 1, by step and 
 Write `ds["load"]` and `ds["quantile"]`: `ds.load` and `ds.quantile` are methods of xarray's. The
 last step of a point below the highest load is not the last of the dimension:
 `pipeline.end_of_point` takes each point's own. The scene, its hash, the versions and the preset are
-attributes of the dataset. A sweep over `realizations` or `samples` has that dimension in front.
+attributes of the dataset. A sweep over `realizations` or `samples` has that dimension in front;
+`over` gives a dimension for each of its entries, by its path.
 """
 _TABLES: dict[str, Mapping[str, Variable]] = {
     "Coordinates": COORDINATES,
