@@ -42,11 +42,6 @@ class Stem:
     settling_time : float
         L²/κ [s]; 0 for a resistance without heat capacity.
 
-    Raises
-    ------
-    InputError
-        If the resistance is not positive or the time negative.
-
     Examples
     --------
     >>> Stem.rod(5e-3, 13.6e-6, thermal_conductivity=45.0, thermal_diffusivity=1.2275e-5)
@@ -90,11 +85,6 @@ class Track:
         Width of the contact across the track over that along it, of a ball or a crowned pin.
     thermal_diffusivity, heat_capacity : float
         κ [m²/s] and ρc [J/(m³ K)] of the disk.
-
-    Raises
-    ------
-    InputError
-        If one is not positive.
 
     Examples
     --------
@@ -146,11 +136,6 @@ class Corrections:
     film_resistance : float
         Thickness over conductivity of an oxide or tribofilm on the disk [m² K/W].
 
-    Raises
-    ------
-    InputError
-        If velocities do not ascend, or a value lies outside its range.
-
     Examples
     --------
     >>> falling = Corrections(friction=((1.0, 1.03), (4.0, 0.94)))
@@ -194,13 +179,7 @@ class Corrections:
 
     @property
     def worded(self) -> str:
-        """The corrections in words.
-
-        Examples
-        --------
-        >>> Corrections(stem=Stem(8.0), film_resistance=3e-8).worded
-        'stem of the pin, 8 K/W; film on the disk, 3e-08 m² K/W'
-        """
+        """The corrections in words."""
         parts = (
             (self.friction, "friction by velocity"),
             (self.track, f"earlier passes, {self.track.length:.3g} m" if self.track else ""),
@@ -226,15 +205,8 @@ class Corrections:
     def added_rise(self, columns: Mapping[str, Any]) -> Array:
         """Additional rise of the contact at friction 1 by film, stem and earlier passes [K].
 
-        Parameters
-        ----------
-        columns : mapping of ndarray, shape (..., n_step)
-            Those of `NEEDED`; the steps in their order in time.
-
-        Returns
-        -------
-        ndarray, shape (..., n_step)
-            NaN where the temperature was not asked for.
+        The columns are those of `NEEDED`, the steps last, in their order in time. NaN where the
+        temperature was not asked for.
         """
         rise, load, time = (columns[name] for name in ("mean_rise", "normal_load", "time"))
         heats = np.isfinite(rise) & (rise > 0)
@@ -259,14 +231,9 @@ class Corrections:
         return added
 
     def applied(self, columns: Mapping[str, Any]) -> dict[str, Any]:
-        """Columns whose rises have the corrections, at all bulk ratios.
+        """Columns whose rises at friction 1 have the corrections, at all bulk ratios [K].
 
-        Parameters
-        ----------
-        columns : mapping of ndarray
-            Rises at friction 1 by step, as far as they are needed [K]: ``rise_quantile``
-            (..., n_quantile), ``mean_rise``, ``max_rise`` (...) and ``bulk_rise_quantile``
-            (..., n_ratio, n_quantile); and those of `NEEDED`.
+        Needed are those of `NEEDED`, and the rises by step as far as they are asked for.
         """
         added, slid = self.added_rise(columns), columns["sliding_distance"]
         factor = self.friction_factor(slid / np.where(slid > 0, columns["time"], 1.0))
@@ -288,14 +255,9 @@ _RISES: dict[str, Any] = {
 
 
 def moment_of(scene: Scene, state: State, corrections: Corrections | None) -> Mapping[str, Any]:
-    """Rises of a state that has a temperature, with corrections, as columns of one moment.
+    """Rises of a state as columns of one moment, with corrections.
 
-    Before that moment the load is taken to have grown evenly.
-
-    Raises
-    ------
-    InputError
-        If the state has no temperature.
+    The state has to have a temperature. Before, the load is taken to have grown evenly.
     """
     if state.heat is None:
         raise InputError("a point ended without a temperature")

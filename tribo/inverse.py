@@ -97,25 +97,13 @@ def critical_temperature(
     bulk_temperature : float
         Bulk temperature of both bodies, or of the pin where they differ [K] or [°C].
     criterion : Criterion or float
-        Criterion of severe wear, or the share of the contact area that is above the critical
-        temperature at a transition, from 0 (the maximum temperature, as Blok has it) to below 1.
+        Criterion of severe wear, or the share of the contact area above the critical temperature.
     bulk_difference : float
         Bulk temperature of the disk less that of the pin [K]; the scene must have `unequal_bulks`
         if it is not 0.
     corrections : Corrections, optional
         Physics beside the half-spaces; of its friction by velocity nothing is used, since each
         transition has its friction.
-
-    Returns
-    -------
-    CriticalTemperature
-        Temperature found from each transition, and their mean.
-
-    Raises
-    ------
-    InputError
-        If there is no transition, or the share or a friction coefficient lies outside its range,
-        besides what `tribo.simulate` raises.
 
     Examples
     --------
@@ -174,8 +162,7 @@ def specific_wear_rate(
 
     Wear flattens the pin, and so the contact is the wider the more it has worn. Widths are whole
     numbers of elements, and grow by two at a time where both bodies are smooth, so that a measured
-    one belongs to a range of wear rates. Its two ends are bracketed by powers of ten and then
-    halved.
+    one belongs to a range of wear rates.
 
     Parameters
     ----------
@@ -187,11 +174,6 @@ def specific_wear_rate(
         into the loading, as a hold.
     normal_load, velocity : float
         Load on the whole pin at the end [N], and sliding velocity [m/s].
-
-    Returns
-    -------
-    WearRate
-        Rate with which the contact gets as wide as measured, and its bounds.
 
     Raises
     ------
@@ -259,15 +241,9 @@ def _crossing(exceeds: Callable[[float], bool]) -> tuple[float, float]:
 def critical_temperature_rig(normal_load: float = 10.0, duration: float = 60.0) -> Scene:
     """Ball-on-disk rig with which Bosman & de Rooij measured the critical temperature of an oil.
 
-    A polished ball of radius 10 mm on a disk, both of AISI 316 and taken as smooth. The surfaces
-    do not wear, which leaves them as hot as can be.
-
-    Parameters
-    ----------
-    normal_load : float
-        Load on the ball [N].
-    duration : float
-        Duration of the sliding [s]; the contact has its steady temperature after milliseconds.
+    A polished ball of radius 10 mm on a disk, both of AISI 316 and taken as smooth, slides for a
+    duration [s]; the contact has its steady temperature after milliseconds. The surfaces do not
+    wear, which leaves them as hot as can be.
 
     Examples
     --------

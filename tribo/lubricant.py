@@ -102,22 +102,9 @@ def minimum_line_film(
     """Minimum film thickness between smooth cylinders [m].
 
     h/R = 2.65 U^0.7 G^0.54 W^−0.13 with U = ηu/(E'R), G = αE', W = w/(E'R), E' = 2E* (Dowson,
-    *Elastohydrodynamics*, Proc. IMechE 182, 1968; after Dowson & Higginson).
-
-    Parameters
-    ----------
-    speed : float
-        Entrainment speed u, the mean velocity of the two surfaces [m/s].
-    viscosity : float
-        Dynamic viscosity η at the inlet [Pa s].
-    pressure_coefficient : float
-        Pressure-viscosity coefficient α [1/Pa].
-    load_per_length : float
-        Load per length w [N/m].
-    radius : float
-        Radius R of the cylinder on a plane [m].
-    contact_modulus : float
-        Contact modulus E* [Pa].
+    *Elastohydrodynamics*, Proc. IMechE 182, 1968; after Dowson & Higginson): u is the mean velocity
+    of both surfaces [m/s], η the viscosity at the inlet [Pa s], α the pressure-viscosity
+    coefficient [1/Pa], w the load per length [N/m], and R the radius of the cylinder [m].
 
     Examples
     --------
@@ -141,20 +128,11 @@ def minimum_point_film(
 ) -> float:
     """Minimum film thickness between a smooth ball or crowned roller and a plane [m].
 
-    h/R = 3.63 U^0.68 G^0.49 W^−0.073 (1 − e^−0.68k) with U = ηu/(E'R), G = αE', W = F/(E'R²),
-    E' = 2E* (Hamrock & Dowson, J. Lubr. Technol. 99, 1977). It was fitted to ellipticities k from 1
-    to 8; beyond, it goes on to that of a long contact and, for an ellipse along the motion, to 0.
-
-    Parameters
-    ----------
-    speed, viscosity, pressure_coefficient, contact_modulus
-        See `minimum_line_film`.
-    normal_load : float
-        Load F [N].
-    radius : float
-        Radius R of the ball, or of the roller in the plane of motion [m].
-    ellipticity : float
-        Width of the contact across the motion over that along it, k.
+    h/R = 3.63 U^0.68 G^0.49 W^−0.073 (1 − e^−0.68k) with U and G of `minimum_line_film`,
+    W = F/(E'R²), F the load [N] and R the radius in the plane of motion [m] (Hamrock & Dowson,
+    J. Lubr. Technol. 99, 1977). It was fitted to ellipticities k, the width of the contact across
+    the motion over that along it, from 1 to 8; beyond, it goes on to that of a long contact and,
+    for an ellipse along the motion, to 0.
 
     Examples
     --------

@@ -102,14 +102,6 @@ def separation_at(scene: Scene, shift: tuple[int, int] | None) -> Array:
     return separation + heights - np.roll(heights, shift, axis=(0, 1))
 
 
-def spread(wear_depth: Array, shape: tuple[int, int]) -> Array:
-    """Wear on finer elements, linear along x and y; its mean stays the same."""
-    for n in shape[::-1]:  # along the last axis, then turned
-        fine, coarse = ((np.arange(size) + 0.5) / size for size in (n, wear_depth.shape[1]))
-        wear_depth = np.array([np.interp(fine, coarse, row) for row in wear_depth]).T
-    return np.ascontiguousarray(wear_depth)
-
-
 def _position(scene: Scene, number: int) -> tuple[int, int]:
     x, y = (int(n * (number * step % 1)) for n, step in zip(scene.grid.shape, _STEPS, strict=True))
     return x, y

@@ -32,15 +32,12 @@ class Fidelity:
         Until a point's last step, elements are up to so many times larger along each axis; the
         last step is then repeated on the scene's own grid. The past acts through the wear alone,
         which a coarse grid knows well where it is swept and many elements touch. Where fewer than
-        400 do, or `fewest_elements`, the point is computed on its own grid from the start. Local
-        wear keeps the roughness, and the grid with it.
+        `fewest_elements` do, the point is computed on its own grid from the start. Local wear
+        keeps the roughness, and the grid with it.
     fewest_elements : int
         Elements that have to touch at least where a temperature is asked for. A point at which
         fewer do is computed from its start on smaller elements, down to the pixels, and on one
-        grid; where fewer than 400 do even so, contacts are solved to 1e-3. 0 to take elements and
-        tolerance of the scene in any case. Where the pin has worn by more than ten times the
-        roughness, whole rows of elements touch at a time, and the square of half the number of
-        rows is counted instead.
+        grid; 0 to take the scene's in any case.
     increments : int
         Steps of the ramp up to its reference load.
     kernel : {"periodic", "nearest-image"}

@@ -31,16 +31,7 @@ _NEW, _RIM = 0.01, 0.75
 def ended(scene: Scene, before: State, after: State, station: Station, velocity: float) -> State:
     """The state after a step, or after the same with a short end where much has come into contact.
 
-    Parameters
-    ----------
-    scene : Scene
-        System to simulate.
-    before, after : State
-        States at the beginning and at the end of the step, on one grid.
-    station : Station
-        Time and load at the end of the step.
-    velocity : float
-        Sliding velocity [m/s].
+    The states at its beginning and at its end are on one grid.
     """
     if not _comes_into_contact(scene, before, after, velocity):
         return after

@@ -75,15 +75,13 @@ def advance(
         the last two states if not given.
     observed : bool, optional
         True to solve the contact at the disk's own position, too, where others pass the pin.
-        If not, the pressure is that of the last one that has passed.
     scheme : str, optional
         Scheme of the wear, in place of that of the fidelity.
 
     Returns
     -------
     State
-        State at the station, with its temperature where that depends on the earlier ones, else
-        without.
+        State at the station; with a temperature only where that depends on the earlier ones.
 
     Examples
     --------

@@ -38,8 +38,7 @@ def simulate(
     Raises
     ------
     InputError
-        If the load is not positive, exceeds what the hardness carries, or the velocity is not
-        finite.
+        If the load exceeds what the hardness carries, or a value is not finite and positive.
     ConvergenceError
         If a contact or a heat partition does not reach its tolerance.
 
@@ -59,17 +58,10 @@ def simulate(
 
 
 def heated(scene: Scene, contact: State, velocity: float) -> State:
-    """A state of `tribo.contacts` at a velocity, with its temperature if that is asked for.
+    """A state of `tribo.contacts` at a velocity [m/s], with its temperature if that is asked for.
 
-    Parameters
-    ----------
-    scene : Scene
-        A system of the wear rate with which the contact's wear number is that of the velocity,
-        and of any thermal constants.
-    contact : State
-        State without temperature.
-    velocity : float
-        Sliding velocity [m/s].
+    The scene may have any thermal constants, and the wear rate with which the contact's wear
+    number is that of the velocity.
 
     Examples
     --------

@@ -15,14 +15,12 @@ from tribo.simulation.present_heat import excess_of_present_heat, stations_so_fa
 from tribo.simulation.roughness import SelfAffineRoughness
 from tribo.simulation.scene import Scene
 from tribo.simulation.state import State
+from tribo.simulation.step_measures import touching_elements
 from tribo.types import Array
 from tribo.wear import EXPLICIT_LIMIT, WEAR_SCHEMES
 
 FEW_NODES = 400  # below which `draft` errs by over 8 % and `standard` by over 3 % in most scenes,
 # and a coarse history of heavy wear, which does not know the summits that wear, by up to 80 %
-# Wear in standard deviations of the roughness, beyond which the pin fits the disk. From 13 on, with
-# 18 to 38 rows in contact, `draft` was off by up to 12.5 % and `standard` by 4.4 %.
-_FITS = 10.0
 # Elements across a smooth contact. With 12 under a ball its rise was up to 2 % low, with 8 up to
 # 3 %, with 4 up to 5 %, with 3 up to 15 %; with 6 rows under a cylinder up to 4 %, with 4 up to
 # 8 %, with 2 up to 28 %.
@@ -58,7 +56,7 @@ class WarningKind(IntFlag):
         return (self.name or "").lower().replace("_", " ")
 
 
-Found = tuple[WarningKind, str]
+Reason = tuple[WarningKind, str]
 
 
 class PointWarning(NamedTuple):
@@ -109,7 +107,7 @@ def warnings(scene: Scene, state: State) -> list[PointWarning]:
     return [PointWarning(*reason) for rule in rules for reason in rule(scene, state)]
 
 
-def _at_edge(scene: Scene, state: State) -> Iterator[Found]:
+def _at_edge(scene: Scene, state: State) -> Iterator[Reason]:
     """Warn where a wider window would carry load as well."""
     touched = [
         f"{name} edge"
@@ -124,7 +122,7 @@ def _at_edge(scene: Scene, state: State) -> Iterator[Found]:
         )
 
 
-def _coarse_pixels(scene: Scene, state: State) -> Iterator[Found]:
+def _coarse_pixels(scene: Scene, state: State) -> Iterator[Reason]:
     """Warn where elements are too large for the contact, or pixels for the roughness."""
     axes = (0,) if isinstance(scene.pin, Cylinder) else (0, 1)
     fewest = FEWEST_ROWS if len(axes) == 1 else FEWEST_ACROSS
@@ -153,7 +151,7 @@ def _coarse_pixels(scene: Scene, state: State) -> Iterator[Found]:
             )
 
 
-def _beyond_shape(scene: Scene, state: State) -> Iterator[Found]:
+def _beyond_shape(scene: Scene, state: State) -> Iterator[Reason]:
     """Warn where the contact is so wide, or the wear so deep, that the pin has another shape."""
     radius, depth = scene.pin.radius, float(state.wear_depth.max())
     width = _extent(state.pressure, 0) / len(state.pressure) * scene.grid.size[0]
@@ -171,7 +169,7 @@ def _beyond_shape(scene: Scene, state: State) -> Iterator[Found]:
     )
 
 
-def _few_turns(scene: Scene, state: State) -> Iterator[Found]:
+def _few_turns(scene: Scene, state: State) -> Iterator[Reason]:
     """Warn where a pin that rolls hardly turns, or stands still at this very velocity alone."""
     if not scene.motion or not scene.wears or not state.sliding_distance:
         return
@@ -190,17 +188,12 @@ def _few_turns(scene: Scene, state: State) -> Iterator[Found]:
     )
 
 
-def _few_nodes(scene: Scene, state: State) -> Iterator[Found]:
+def _few_nodes(scene: Scene, state: State) -> Iterator[Reason]:
     """Warn where the decisive temperature is that of a few elements."""
-    ordered, nodes = ordered_nodes(scene, state), int(np.count_nonzero(state.pressure))
     smallest = on_pixels(scene, state)
-    if not 0 < ordered < FEW_NODES or (smallest and scene.roughness is None):
+    if not 0 < touching_elements(scene, state) < FEW_NODES or (smallest and not scene.roughness):
         return
-    count, errors = f"{nodes} elements touch", "0.4 to 100 %, by 10 % in the median"
-    if ordered < nodes:
-        rows = _rows(state)
-        count, errors = f"{rows} rows of elements touch a pin that wear has fitted", "up to 12 %"
-    text = f"only {count} at {state.normal_load:g} N; "
+    text = f"only {np.count_nonzero(state.pressure)} elements touch at {state.normal_load:g} N; "
     if smallest:
         text += (
             "the decisive temperature is that of the hottest of these, and differs by several "
@@ -209,8 +202,9 @@ def _few_nodes(scene: Scene, state: State) -> Iterator[Found]:
         )
     else:
         text += (
-            f"so few had the boundary of random scenes off by {errors}; take smaller elements "
-            f"(fewest_elements = {FEW_NODES}, or pixels_per_element = 1), or ask for an accuracy"
+            "so few had the boundary of random scenes off by 0.4 to 100 %, by 10 % in the median; "
+            f"take smaller elements (fewest_elements = {FEW_NODES}, or pixels_per_element = 1), "
+            "or ask for an accuracy"
         )
     yield WarningKind.FEW_NODES, text
 
@@ -226,33 +220,7 @@ def _extent(pressure: Array, axis: int) -> int:
     return int(np.ptp(touched)) + 1 if touched.size else 0
 
 
-def ordered_nodes(scene: Scene, state: State) -> int:
-    """Elements that touch, as many as count where they are in order of their heat.
-
-    In a plane that is their square. Where the pin has worn by far more than the roughness it fits
-    the disk, and whole rows come into contact at a time: then it is the square of half the rows.
-    """
-    nodes, rows = int(np.count_nonzero(state.pressure)), _rows(state)
-    if scene.is_plane:
-        nodes = nodes**2
-    in_rows = (rows // 2) ** 2
-    return in_rows if in_rows < nodes and _fits(scene, state) else nodes
-
-
-def _rows(state: State) -> int:
-    """Rows along y in which any element touches."""
-    return int(np.count_nonzero(state.pressure.any(axis=1)))
-
-
-def _fits(scene: Scene, state: State) -> bool:
-    """True if wear has shaped the pin by far more than the roughness is high."""
-    if scene.wear is None:
-        return False
-    heights = elastic_bodies(scene).separation - scene.pin.profile(scene.grid)
-    return bool(np.ptp(state.wear_depth) > _FITS * heights.std())
-
-
-def _few_steps(scene: Scene, state: State) -> Iterator[Found]:
+def _few_steps(scene: Scene, state: State) -> Iterator[Reason]:
     """Warn where a pin that wears has come here in too few steps for its shape to be known."""
     stages = len(WEAR_SCHEMES[scene.fidelity.wear_scheme].weights)
     if not scene.wears or not 0 < stages * state.index < _FEWEST_STEPS:
@@ -265,7 +233,7 @@ def _few_steps(scene: Scene, state: State) -> Iterator[Found]:
     )
 
 
-def _present_heat(scene: Scene, state: State) -> Iterator[Found]:
+def _present_heat(scene: Scene, state: State) -> Iterator[Reason]:
     """Warn where the heat of the past is known to be less than the present, by more than counts."""
     if scene.remembers_heat:
         return
@@ -294,7 +262,7 @@ def _step_lengths(scene: Scene, state: State, holding: bool) -> list[float]:
     ]
 
 
-def _unstable_wear(scene: Scene, state: State) -> Iterator[Found]:
+def _unstable_wear(scene: Scene, state: State) -> Iterator[Reason]:
     """Warn where steps have been too long for explicit wear, and say how many would do."""
     fidelity = scene.fidelity
     if not scene.wear or fidelity.wear_scheme != "explicit" or not state.normal_load:

@@ -1,4 +1,4 @@
-"""Record of a step."""
+"""Values that are kept of a step, and its elements in contact."""
 
 from __future__ import annotations
 
@@ -93,3 +93,9 @@ def _contact_measures(scene: Scene, pressure: Array) -> tuple[float, ...]:
         float(pressure.sum()) / max(nodes, 1),
         np.count_nonzero(pressure >= scene.hardness) / max(nodes, 1),
     )
+
+
+def touching_elements(scene: Scene, state: State) -> int:
+    """Elements that touch; where rows stand for a plane, as many as if it were divided alike."""
+    nodes = int(np.count_nonzero(state.pressure))
+    return nodes**2 if scene.is_plane else nodes

@@ -34,16 +34,8 @@ def heat(scene: Scene, state: State, velocity: float) -> Heat:
     Rooij), whatever the heat model of the fidelity.
 
     The temperature knows of the contact its pressure and time, and not how it has worn; so the
-    velocity may be another one than that of the contact. See `tribo.contacts`.
-
-    Parameters
-    ----------
-    scene : Scene
-        System of the contact, with any thermal constants.
-    state : State
-        State with its contact, on elements of the scene's size or of another one.
-    velocity : float
-        Sliding velocity [m/s].
+    thermal constants, the velocity [m/s] and the size of the elements may be others than those of
+    the contact. See `tribo.contacts`.
 
     Examples
     --------

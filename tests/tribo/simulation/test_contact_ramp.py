@@ -19,7 +19,7 @@ from tribo import (
     solve_contact,
 )
 from tribo.grid import Grid
-from tribo.simulation import forget_contacts, step
+from tribo.simulation import forget_contacts, loading_step
 
 RATE = 1.2e-15
 
@@ -84,7 +84,7 @@ def test_without_wear_the_contact_at_a_load_is_solved_once_for_all_velocities_an
         solved.append(solve_contact(*arguments, **options))
         return solved[-1]
 
-    monkeypatch.setattr(step, "solve_contact", counted)
+    monkeypatch.setattr(loading_step, "solve_contact", counted)
     scene = small_scene(wear=False, temperature_interval=4, pixels_per_element=2)
     insulating = replace(scene, disk=replace(scene.disk, thermal_conductivity=20.0))
     forget_kernels()

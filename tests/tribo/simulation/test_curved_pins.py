@@ -34,7 +34,8 @@ from tribo import (
 )
 from tribo.analytic import hertz_ellipse, moving_ellipse_rise, resting_ellipse_rise
 from tribo.simulation import disk_positions
-from tribo.simulation.disk_positions import parts, spread
+from tribo.simulation.disk_positions import parts
+from tribo.simulation.finer_grids import _spread
 from tribo.wear import RollingWear
 
 E_STAR = contact_modulus(STEEL, STEEL)
@@ -251,7 +252,7 @@ def test_all_heat_so_far_is_remembered_under_a_ball_too():
 
 def test_spread_wear_keeps_its_volume_and_planes():
     depth = np.add.outer(np.arange(6.0), 2 * np.arange(4.0))
-    finer = spread(depth, (24, 16))
+    finer = _spread(depth, (24, 16))
     assert finer.mean() == pytest.approx(depth.mean(), rel=1e-14)
     assert np.allclose(np.diff(finer[2:-2], axis=0), 0.25)
     assert np.allclose(np.diff(finer[:, 2:-2], axis=1), 0.5)

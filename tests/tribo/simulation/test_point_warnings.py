@@ -8,7 +8,7 @@ import pytest
 
 from tests.helpers.scenes import STEEL, small_scene
 from tribo import Ball, Grid, Motion, Ramp, WarningKind, Wear, simulate, start, warnings
-from tribo.simulation.point_warnings import ordered_nodes
+from tribo.simulation.step_measures import touching_elements
 
 BALL = Ball(8e-3, STEEL)
 
@@ -84,7 +84,7 @@ def test_an_edge_beyond_which_the_patch_goes_on_is_none():
 def test_from_400_elements_on_there_are_enough(nodes, told):
     scene = replace(small_scene(pixels_per_element=2), pixels=Grid((96, 64), (4e-6, 4e-6)))
     state = touching(scene, np.unravel_index(np.arange(nodes) + 48, scene.grid.shape))
-    assert ordered_nodes(scene, state) == nodes
+    assert touching_elements(scene, state) == nodes
     found = texts(scene, state, WarningKind.FEW_NODES)
     assert len(found) == told
     assert not told or f"only {nodes} elements" in found[0]
@@ -93,34 +93,7 @@ def test_from_400_elements_on_there_are_enough(nodes, told):
 def test_in_a_plane_elements_count_as_many_times():
     scene = small_scene(roughness=False)
     assert scene.is_plane
-    assert ordered_nodes(scene, touching(scene, np.s_[3:10])) == 49
-
-
-@pytest.mark.parametrize(
-    ("wear", "depth", "rows", "counted"),
-    [
-        (Wear(1e-13), 10.1, 40, 400),  # squared elements twice as long and wide as these
-        (Wear(1e-13), 10.1, 39, 361),
-        (Wear(1e-13), 9.9, 39, 39 * 32),
-        (Wear(1e-13), 10.1, 3, 1),
-        (None, 10.1, 39, 39 * 32),
-    ],
-)
-def test_rows_count_where_wear_has_fitted_the_pin(wear, depth, rows, counted):
-    scene = small_scene(pixels_per_element=2)
-    scene = replace(scene, wear=wear, pixels=Grid((96, 64), (4e-6, 4e-6)))
-    heights = scene.separation(scene.heights()) - scene.pin.profile(scene.grid)
-    state = touching(scene, np.s_[4 : 4 + rows])
-    worn = np.zeros_like(state.pressure)
-    worn[5:] = depth * heights.std()
-    assert ordered_nodes(scene, replace(state, wear_depth=worn)) == counted
-    # A pin that rolls loses as much all around, which leaves its shape.
-    assert ordered_nodes(scene, replace(state, wear_depth=worn + worn.max())) == counted
-    even = np.full_like(worn, worn.max())
-    assert ordered_nodes(scene, replace(state, wear_depth=even)) == rows * 32
-    found = texts(scene, replace(state, wear_depth=worn), WarningKind.FEW_NODES)
-    assert len(found) == (counted < 400)
-    assert not found or f"only {rows} rows of elements touch a pin that wear" in found[0]
+    assert touching_elements(scene, touching(scene, np.s_[3:10])) == 49
 
 
 @pytest.mark.parametrize(
@@ -159,18 +132,6 @@ def test_few_nodes_warn_of_larger_elements_and_of_few_summits(changes, told):
     found = texts(scene, last(simulate(scene, 50.0, 1.25)), WarningKind.FEW_NODES)
     assert len(found) == bool(told)
     assert not told or told in found[0]
-
-
-def test_few_elements_are_solved_tightly_where_the_fidelity_asks_for_more():
-    scene = replace(small_scene(wear=False, roughness=True), pixels=Grid((96, 64), (4e-6, 4e-6)))
-    loose, tight, asking = (
-        replace(scene, fidelity=replace(scene.fidelity, contact_tolerance=tolerance, **more))
-        for tolerance, more in ((0.1, {}), (1e-3, {}), (0.1, {"fewest_elements": 400}))
-    )
-    one, other, third = (last(simulate(each, 50.0, 1.25)) for each in (loose, tight, asking))
-    assert np.count_nonzero(other.pressure) < 400
-    assert np.array_equal(third.pressure, other.pressure)
-    assert not np.array_equal(third.pressure, one.pressure)
 
 
 @pytest.mark.parametrize(

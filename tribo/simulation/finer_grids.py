@@ -1,0 +1,79 @@
+"""The last step of a point on the scene's own grid, after a history on coarser ones."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from tribo.loading import Station
+from tribo.simulation.disk_positions import Pass
+from tribo.simulation.implicit_end import ended
+from tribo.simulation.loading_step import advance, solved
+from tribo.simulation.scene import Scene
+from tribo.simulation.state import State
+from tribo.types import Array
+from tribo.wear import Stage
+
+
+def on_finest_grid(
+    levels: tuple[Scene, ...], before: State, after: State, station: Station, velocity: float
+) -> State:
+    """Repeat the step from `before` to `after` on ever finer grids, each begun with the last."""
+    finest = levels[-1]
+    if finest.sweeps_over and len(levels) > 1:
+        return _observed(finest, after)
+    state, on_grid = after, before
+    for scene in levels[1:]:
+        shape = scene.grid.shape
+        on_grid = replace(
+            before,
+            pressure=_prolonged(before.pressure, shape),
+            wear_depth=_spread(before.wear_depth, shape),
+            previous_pressure=_prolonged(before.previous_pressure, shape),
+            displacement=None,
+        )
+        finer = advance(scene, on_grid, station, velocity, _prolonged(state.pressure, shape))
+        state = replace(
+            finer,
+            iterations=state.iterations + finer.iterations,
+            work=state.work + finer.work,
+            history=after,
+        )
+    return ended(finest, on_grid, state, station, velocity)
+
+
+def _observed(scene: Scene, after: State) -> State:
+    """The contact at the disk's own position on the finest grid, worn as on the coarsest."""
+    # The step itself is not repeated: its wear is a mean over many positions of the disk, which
+    # the coarse grid knows, and each would be a contact to solve on the fine one.
+    wear_depth = _spread(after.wear_depth, scene.grid.shape)
+    at_own_position = Pass(Stage(after.normal_load, 0.0, 0.0))
+    guess = _prolonged(after.pressure, scene.grid.shape)
+    contact, displacement = solved(scene, after, at_own_position, None, wear_depth, guess)
+    return replace(
+        after,
+        pressure=contact.pressure,
+        wear_depth=wear_depth,
+        iterations=after.iterations + contact.iterations,
+        work=after.work + contact.iterations * contact.pressure.size,
+        residual=max(after.residual, contact.residual),
+        displacement=displacement,
+        previous_displacement=None,
+        history=after,
+    )
+
+
+def _prolonged(field: Array, shape: tuple[int, int]) -> Array:
+    """A field on finer elements, each with the value of the one that it was part of."""
+    for axis, n in enumerate(shape):
+        field = np.repeat(field, n // field.shape[axis], axis)
+    return field
+
+
+def _spread(wear_depth: Array, shape: tuple[int, int]) -> Array:
+    """Wear on finer elements, linear along x and y; its mean stays the same."""
+    for n in shape[::-1]:  # along the last axis, then turned
+        fine, coarse = ((np.arange(size) + 0.5) / size for size in (n, wear_depth.shape[1]))
+        wear_depth = np.array([np.interp(fine, coarse, row) for row in wear_depth]).T
+    return np.ascontiguousarray(wear_depth)
