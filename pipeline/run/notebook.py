@@ -12,7 +12,8 @@ from pipeline.sweep.stages import duration
 
 def in_notebook() -> bool:
     """True in a kernel of Jupyter."""
-    return "ipykernel" in sys.modules
+    ipython = sys.modules.get("IPython")
+    return ipython is not None and hasattr(ipython.get_ipython(), "kernel")
 
 
 @contextmanager

@@ -1,7 +1,6 @@
 """What is shown where a scene, a point or a figure is looked at, as in a notebook."""
 
 import io
-import sys
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -49,7 +48,7 @@ def test_a_figure_shows_itself_as_a_picture(kind):
 def test_a_notebook_shows_one_line_of_progress(monkeypatch):
     with reported(None) as report:
         assert report is None
-    monkeypatch.setitem(sys.modules, "ipykernel", sys)
+    monkeypatch.setattr("IPython.get_ipython", lambda: SimpleNamespace(kernel=None))
     with reported(print) as report:
         assert report is print
     shown = []

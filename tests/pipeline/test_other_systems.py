@@ -50,7 +50,7 @@ def test_what_only_reads_works(command, alone, tmp_path):
     places["figure.png"] = tmp_path / "figure.png"
     done = run(*(places.get(word, word) for word in command))
     assert done.returncode == 0, done.stderr
-    assert done.stderr == ""
+    assert all("so far" in line for line in done.stderr.splitlines())  # on a busy machine
 
 
 def test_a_run_says_what_it_needs(tmp_path):

@@ -14,7 +14,8 @@ from pipeline.sweep.model import Measurement, Sweep
 from tribo import Corrections, Cylinder, Stem, Track, contacts, heated, measures
 from tribo.criterion import Criterion, columns_of
 from tribo.types import Array
-from workflows.paper.study import Study, WearPattern, with_wear
+from workflows.paper.study import Study
+from workflows.paper.transitions import WearPattern, worn
 
 SCENES = ("irg_transition", "oil_a", "oil_a_hot")
 _SURFACES = 4
@@ -123,7 +124,7 @@ def transitions_of(
             columns: dict[tuple[WearPattern, float], list[Mapping[str, Any]]] = {}
             for pattern, conductivities in kinds:
                 for seed in study.seeds(_SURFACES):
-                    surface = with_wear(scene.on_surface(seed), pattern)
+                    surface = worn(scene.on_surface(seed), pattern)
                     for K, at in _columns(surface, measured, conductivities):
                         columns.setdefault((pattern, K), []).append(at)
             oil = "oil A" if "oil_a" in name else "white oil"

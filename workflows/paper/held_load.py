@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -14,7 +13,8 @@ from pipeline.sweep.model import Sweep
 from tribo import InputError, Ramp, simulate
 from tribo.types import Array
 from workflows.paper.report import Report, Table, line
-from workflows.paper.study import Study, with_wear
+from workflows.paper.study import Study
+from workflows.paper.transitions import worn
 
 _LOOKS = {"no wear": (BLACK, "--"), "swept wear": (BLUE, "-"), "local wear": (VERMILION, "-")}
 _Curves = Mapping[str, tuple[Array, Array]]
@@ -28,9 +28,9 @@ def fig5(study: Study) -> Report:
         raise InputError(f"the scene {sweep.name} must have a ramp, `rate` under [loading]")
     load, velocity = sweep.loads[-1], sweep.velocities[-1]
     variants = {
-        "no wear": replace(sweep, wear=None),
-        "swept wear": with_wear(sweep, "swept"),
-        "local wear": with_wear(sweep, "local"),
+        "no wear": worn(sweep, "unworn"),
+        "swept wear": worn(sweep, "swept"),
+        "local wear": worn(sweep, "local"),
     }
     curves = {name: _highest(variants[name], load, velocity) for name in study.each(variants)}
     full = load / sweep.loading.rate
@@ -49,14 +49,14 @@ def fig5(study: Study) -> Report:
         "hold": hold,
         "pace": pace,
     }
-    worn = ("swept wear", "local wear")
+    worn_ones = ("swept wear", "local wear")
     return Report.of(
         "fig5",
         values,
         verdicts={
-            "level": min(cooler[name] for name in worn) > 0,
-            "hold": max(hold[name] for name in worn) < 0,
-            "pace": max(pace[name] for name in worn) < pace["no wear"],
+            "level": min(cooler[name] for name in worn_ones) > 0,
+            "hold": max(hold[name] for name in worn_ones) < 0,
+            "pace": max(pace[name] for name in worn_ones) < pace["no wear"],
         },
         table=Table(
             ("highest temperature [°C]", *(f"{time:g} s" for time in times), "in the hold"),

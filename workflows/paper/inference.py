@@ -15,7 +15,7 @@ from pipeline.analysis.inference import critical_temperatures
 from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, VERMILION, celsius, in_house_style
 from pipeline.sweep.model import Sweep
 from tribo import InputError, Ramp, rig_heating, specific_wear_rate
-from workflows.paper.ensemble import Values
+from tribo.types import Array
 from workflows.paper.publication import (
     RIG_HEATING,
     ROOM_CELSIUS,
@@ -25,8 +25,9 @@ from workflows.paper.publication import (
     Row4,
     Row6,
 )
-from workflows.paper.report import Report, Table, line, means, statistics
-from workflows.paper.study import Study, end_of
+from workflows.paper.report import Report, Table, line, mean, spread
+from workflows.paper.study import Study
+from workflows.paper.transitions import end_of, name_of
 
 _SURFACES = 8
 _DURATIONS = (6.0, 7.0, 8.0, 9.0, 10.0)  # s, of the whole test: not published
@@ -41,23 +42,22 @@ def inverse(study: Study) -> Report:
     oils_a = tuple(study.scene(name) for name in ("oil_a", "oil_a_hot"))
     critical = {"white oil": _critical(study, (white,)), "oil A": _critical(study, oils_a)}
     study.tell("specific wear rate")
-    rates = _wear_rates(white, TABLE_4, _DURATIONS)
-    rates_of_a = [
-        rate
-        for scene in oils_a
-        for row in _wear_rates(scene, _rows_of(scene), (_DURATIONS[_CHOSEN],)).values()
-        for rate in row
-    ]
+    rates = {
+        row.normal_load: [_wear_rate(white, row, duration) for duration in _DURATIONS]
+        for row in TABLE_4
+    }
+    pairs = ((scene, row) for scene in oils_a for row in _rows_of(scene))
+    rates_of_a = [_wear_rate(scene, row, _DURATIONS[_CHOSEN]) for scene, row in pairs]
     widening = _widening(white)
     study.tell("friction heating of the rig")
     heating = {friction: rig_heating(friction) for friction in _FRICTIONS}
     durations = {load: _duration_for(row, SPECIFIC_WEAR_RATE) for load, row in rates.items()}
     printed = float(celsius(white.conditions.known_critical_temperature()))
-    shown = [row[_CHOSEN] for row in rates.values()]
+    shown = np.array([row[_CHOSEN] for row in rates.values()])
     values = {
         "printed_critical": printed,
         **_of_temperatures(critical),
-        "rates": [_UNIT * rate for rate in shown],
+        "rates": _UNIT * shown,
         "durations": list(durations.values()),
         "widening": widening,
         "lower_rates": -((1 + widening) ** -3 - 1),
@@ -66,15 +66,15 @@ def inverse(study: Study) -> Report:
         "heating": ", ".join(f"{value:.1f} K at friction {mu:g}" for mu, value in heating.items()),
         "most_friction": _FRICTIONS[0] * RIG_HEATING / heating[_FRICTIONS[0]],
     }
-    pairs = values["cold_rates"], values["hot_rates"]
+    of_a = values["cold_rates"], values["hot_rates"]
     return Report.of(
         "inverse",
         values,
         verdicts={
             "white_oil": abs(values["mean"] - printed) < 5,
             "oil_a": values["oil_a_spread"] < 15,
-            "wear_rate": 0.7 < statistics(shown)[0] / SPECIFIC_WEAR_RATE < 1.4,
-            "wear_rates_of_oil_a": all(max(pair) < 1.4 * min(pair) for pair in pairs)
+            "wear_rate": 0.7 < float(mean(shown)) / SPECIFIC_WEAR_RATE < 1.4,
+            "wear_rates_of_oil_a": all(max(pair) < 1.4 * min(pair) for pair in of_a)
             and max(values["pair_means"]) < _UNIT * min(SPECIFIC_WEAR_RATE, *shown),
             "heating": heating[_FRICTIONS[1]] < RIG_HEATING * 1.01,
         },
@@ -84,7 +84,7 @@ def inverse(study: Study) -> Report:
                 ("critical temperature [°C], from each transition",),
                 *_temperatures("white oil", (white,), critical, f"{printed:g}"),
                 *_temperatures("oil A", oils_a, critical, ""),
-                *_rates(rates, rates_of_a),
+                *_rates(shown, rates_of_a),
                 ("duration of the test that gives the printed wear rate [s]",),
                 *(line(f"  {load:g} N", ["", time], ".1f") for load, time in durations.items()),
                 ("friction heating of the critical-temperature rig [K]",),
@@ -107,13 +107,13 @@ def inverse(study: Study) -> Report:
     )
 
 
-def _critical(study: Study, scenes: Sequence[Sweep]) -> Values:
+def _critical(study: Study, scenes: Sequence[Sweep]) -> Array:
     """Critical temperature [°C] by transition and surface."""
-    temperatures: Values = []
-    for scene in scenes:
-        on_surfaces = replace(scene, realizations=tuple(study.seeds(_SURFACES)))
-        result = critical_temperatures(on_surfaces, study.tell)
-        temperatures += [[float(celsius(value)) for value in row] for row in result.temperatures]
+    seeds = tuple(study.seeds(_SURFACES))
+    results = (
+        critical_temperatures(replace(scene, realizations=seeds), study.tell) for scene in scenes
+    )
+    temperatures: Array = celsius(np.concatenate([result.temperatures for result in results]))
     return temperatures
 
 
@@ -131,18 +131,12 @@ def _held(sweep: Sweep, row: Row4 | Row6, duration: float, steps: int) -> Sweep:
     return replace(sweep, loading=replace(sweep.loading, hold=hold, hold_steps=steps))
 
 
-def _wear_rates(
-    sweep: Sweep, rows: Sequence[Row4 | Row6], durations: Sequence[float]
-) -> dict[float, list[float]]:
-    """Wear rate [m²/N] that gives each measured width, by load and duration of the test."""
+def _wear_rate(sweep: Sweep, row: Row4 | Row6, duration: float) -> float:
+    """Specific wear rate that gives a measured width by the end of a test [m²/N]."""
     fidelity = replace(sweep.fidelity, averaging="mean", temperature_interval=0)
     smooth = replace(sweep, roughness=None, fidelity=fidelity)
-
-    def rate(row: Row4 | Row6, duration: float) -> float:
-        scene = _held(smooth, row, duration, steps=50)
-        return specific_wear_rate(scene, row.measured_width, row.normal_load, row.velocity).value
-
-    return {row.normal_load: [rate(row, duration) for duration in durations] for row in rows}
+    scene = _held(smooth, row, duration, steps=50)
+    return specific_wear_rate(scene, row.measured_width, row.normal_load, row.velocity).value
 
 
 def _widening(sweep: Sweep) -> float:
@@ -150,7 +144,7 @@ def _widening(sweep: Sweep) -> float:
     row = TABLE_4[0]
     held = _held(sweep, row, _DURATIONS[len(_DURATIONS) // 2], steps=20)
     rough, smooth = (
-        end_of(scene, row.normal_load, row.velocity).contact_width
+        float(end_of(scene, row.normal_load, row.velocity).contact_width)
         for scene in (held, replace(held, roughness=None))
     )
     return rough / smooth - 1
@@ -162,34 +156,29 @@ def _duration_for(rates: Sequence[float], wanted: float) -> float:
     return math.exp((math.log(wanted) - offset) / slope)
 
 
-def _of_temperatures(critical: dict[str, Values]) -> dict[str, Any]:
+def _of_temperatures(critical: dict[str, Array]) -> dict[str, Any]:
     """Critical temperatures of both oils, over surfaces and from single transitions [°C]."""
-    by_surface = zip(*critical["white oil"], strict=True)
-    on_surfaces = [float(np.mean(column)) for column in by_surface]
-    mean, spread = statistics(on_surfaces)
-    of_transition = means(critical["white oil"])
-    oil_a_mean, oil_a_spread = statistics(means(critical["oil A"]))
+    on_surfaces, of_oil_a = critical["white oil"].mean(axis=0), mean(critical["oil A"])
+    of_transition = mean(critical["white oil"])
     return {
         "surfaces": len(on_surfaces),
-        "mean": mean,
-        "spread": spread,
+        "mean": mean(on_surfaces),
+        "spread": spread(on_surfaces),
         "of_transition": of_transition,
-        "farthest": max(abs(value - mean) for value in of_transition),
-        "of_oil_a": means(critical["oil A"]),
-        "oil_a_mean": oil_a_mean,
-        "oil_a_spread": oil_a_spread,
-        "printed_spread": statistics([row.max_celsius for row in TABLE_6])[1],
+        "farthest": abs(of_transition - mean(on_surfaces)).max(),
+        "of_oil_a": of_oil_a,
+        "oil_a_mean": mean(of_oil_a),
+        "oil_a_spread": spread(of_oil_a),
+        "printed_spread": spread([row.max_celsius for row in TABLE_6]),
     }
 
 
-def _of_oil_a(rates: list[float], scenes: Sequence[Sweep]) -> dict[str, Any]:
+def _of_oil_a(rates: Sequence[float], scenes: Sequence[Sweep]) -> dict[str, Any]:
     """Specific wear rates of oil A [1e-6 mm³/(N m)], from its widths and in its scenes."""
-    pairs = list(zip(TABLE_6, rates, strict=True))
-    cold = [_UNIT * rate for row, rate in pairs if row.bulk_celsius == ROOM_CELSIUS]
-    hot = [_UNIT * rate for row, rate in pairs if row.bulk_celsius != ROOM_CELSIUS]
-    pair_means = [math.sqrt(math.prod(pair)) for pair in (cold, hot)]
-    in_scenes = [_UNIT * scene.wear.specific_wear_rate for scene in scenes if scene.wear]
-    ratios = (rate / mean for rate, mean in zip(in_scenes, pair_means, strict=True))
+    is_cold = np.array([row.bulk_celsius == ROOM_CELSIUS for row in TABLE_6])
+    cold, hot = (_UNIT * np.array(rates)[rows] for rows in (is_cold, ~is_cold))
+    pair_means = np.array([math.sqrt(np.prod(pair)) for pair in (cold, hot)])
+    in_scenes = np.array([_UNIT * scene.wear.specific_wear_rate for scene in scenes if scene.wear])
     return {
         "printed_rate": _UNIT * SPECIFIC_WEAR_RATE,
         "duration": _DURATIONS[_CHOSEN],
@@ -199,36 +188,34 @@ def _of_oil_a(rates: list[float], scenes: Sequence[Sweep]) -> dict[str, Any]:
         "hot_rates": hot,
         "pair_means": pair_means,
         "scene_rates": [f"{rate:.2f}" for rate in in_scenes],
-        "scenes_off": max(abs(ratio - 1) for ratio in ratios),
+        "scenes_off": abs(in_scenes / pair_means - 1).max(),
     }
 
 
 def _temperatures(
-    name: str, scenes: Sequence[Sweep], critical: dict[str, Values], printed: str
+    name: str, scenes: Sequence[Sweep], critical: dict[str, Array], printed: str
 ) -> Iterator[tuple[str, ...]]:
     """Rows with the critical temperature from each transition of an oil."""
     entries = [(entry, scene.conditions) for scene in scenes for entry in scene.measured]
-    for (entry, conditions), column in zip(entries, critical[name], strict=True):
+    for (entry, conditions), values in zip(entries, critical[name], strict=True):
         bulk = celsius(conditions.bulk_temperature)
-        label = f"  {name}, {entry.normal_load:g} N, {entry.velocity:g} m/s, {bulk:g} °C"
-        yield line(label, [printed, column], ".1f")
+        label = f"  {name}, {name_of(entry)}, {bulk:g} °C"
+        yield line(label, [printed, values], ".1f")
 
 
-def _rates(
-    rates: dict[float, list[float]], rates_of_a: Sequence[float]
-) -> Iterator[tuple[str, ...]]:
+def _rates(rates: Array, rates_of_a: Sequence[float]) -> Iterator[tuple[str, ...]]:
     """Rows with the specific wear rates of both oils."""
+    printed = f"{_UNIT * SPECIFIC_WEAR_RATE:g}"
     yield (f"specific wear rate [1e-6 mm³/(N m)], if the test lasts {_DURATIONS[_CHOSEN]:g} s",)
-    for load, row in rates.items():
-        printed = f"{_UNIT * SPECIFIC_WEAR_RATE:g}"
-        yield line(f"  white oil, {load:g} N", [printed, _UNIT * row[_CHOSEN]], ".2f")
+    for white, rate in zip(TABLE_4, rates, strict=True):
+        yield line(f"  white oil, {white.normal_load:g} N", [printed, _UNIT * rate], ".2f")
     for of_a, rate in zip(TABLE_6, rates_of_a, strict=True):
         label = f"  oil A, {of_a.normal_load:g} N, {of_a.bulk_celsius:g} °C"
         yield line(label, ["", _UNIT * rate], ".2f")
 
 
 @in_house_style
-def _draw(critical: dict[str, Values], printed: float, rates: dict[float, list[float]]) -> Figure:
+def _draw(critical: dict[str, Array], printed: float, rates: dict[float, list[float]]) -> Figure:
     figure = Figure(figsize=(9.6, 4.4))
     left, right = figure.subplots(1, 2)
     _draw_temperatures(left, critical, printed)
@@ -236,16 +223,16 @@ def _draw(critical: dict[str, Values], printed: float, rates: dict[float, list[f
     return figure
 
 
-def _draw_temperatures(axes: Axes, critical: dict[str, Values], printed: float) -> None:
+def _draw_temperatures(axes: Axes, critical: dict[str, Array], printed: float) -> None:
     start = 0
-    for (name, columns), colour in zip(critical.items(), (BLUE, VERMILION), strict=True):
-        mean, spread = np.array([statistics(column) for column in columns]).T
-        places = np.arange(start, start + len(columns))
+    for (name, values), colour in zip(critical.items(), (BLUE, VERMILION), strict=True):
+        places = np.arange(start, start + len(values))
         axes.errorbar(
-            places, mean, spread, color=colour, marker="o", ls="none", capsize=3, label=name
-        )
-        axes.hlines(mean.mean(), places[0] - 0.3, places[-1] + 0.3, color=colour, lw=0.9)
-        start += len(columns)
+            places, mean(values), spread(values),
+            color=colour, marker="o", ls="none", capsize=3, label=name,
+        )  # fmt: skip
+        axes.hlines(values.mean(), places[0] - 0.3, places[-1] + 0.3, color=colour, lw=0.9)
+        start += len(values)
     label = f"white oil on the rig, {printed:g} °C"
     axes.axhline(printed, color=GREY, ls=":", lw=1.4, label=label)
     ticks = [f"{row.normal_load:g} N" for row in TABLE_4]

@@ -16,7 +16,8 @@ from tribo import InputError, MeasuredLoad, Ramp, simulate
 from tribo.types import Array
 from workflows.paper.publication import LOADING_RATE
 from workflows.paper.report import Report, Table
-from workflows.paper.study import Study, summary_of
+from workflows.paper.study import Study
+from workflows.paper.transitions import HIGHEST, Ends
 
 _RECORD, _FIT = "record", "its linear fit"
 _SAME = 2.0  # K: within what a linear fit serves as well as the record
@@ -104,15 +105,15 @@ def _run(scene: Sweep, load: float, velocity: float) -> _Run:
     times, temperatures = [0.0], [float(celsius(contact_temperature(0.0, conditions)))]
     for state in simulate(scene, load, velocity):
         if state.heat is not None:
-            end = summary_of(scene, state)
+            end = Ends.of(scene, state)
             times.append(state.time)
-            temperatures.append(end.exceeded(conditions))
+            temperatures.append(float(end.celsius(conditions.decisive)))
     return _Run(
         np.array(times),
         np.array(temperatures),
         state.time,
         state.sliding_distance,
-        end.highest(conditions),
+        float(end.celsius(HIGHEST)),
         temperatures[-1],
     )
 

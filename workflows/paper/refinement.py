@@ -9,7 +9,8 @@ from typing import Any
 from pipeline.sweep.model import Measurement, Sweep
 from tribo import ConvergenceError, Fidelity, simulate, warnings
 from tribo.types import Array
-from workflows.paper.study import End, Study, WearPattern, summary_of, with_wear
+from workflows.paper.study import Study
+from workflows.paper.transitions import HIGHEST, Ends, WearPattern, end_of, worn
 
 _BLOCKS = (8, 6, 4, 3, 2, 1)  # pixels along a side of an element
 _INCREMENTS = (20, 30, 40, 50, 75, 100, 150, 200)
@@ -79,17 +80,16 @@ def _on_grid(
     surfaces: Sequence[Sweep], block: int, measured: Measurement
 ) -> dict[str, list[float]]:
     """Temperatures with elements of so many pixels along each side [°C]."""
-    scenes = [
-        _with(surface, pixels_per_element=block, history_coarsening=1, averaging="mean")
-        for surface in surfaces
-    ]
-    ends = [_end(scene, measured)[0] for scene in scenes]
-    single = [_end(replace(scene, wear=None), measured)[0] for scene in scenes]
-    conditions = scenes[0].conditions.at_friction(measured.friction)
+    elements = {"pixels_per_element": block, "history_coarsening": 1, "averaging": "mean"}
+    scenes = [_with(surface, **elements) for surface in surfaces]
+    point = measured.normal_load, measured.velocity, measured.friction
+    ends = [end_of(scene, *point) for scene in scenes]
+    single = [end_of(worn(scene, "unworn"), *point) for scene in scenes]
+    decisive = scenes[0].conditions.decisive
     return {
-        "maximum": [end.highest(conditions) for end in ends],
-        "10 %": [end.exceeded(conditions) for end in ends],
-        "one step": [end.highest(conditions) for end in single],
+        "maximum": [float(end.celsius(HIGHEST)) for end in ends],
+        "10 %": [float(end.celsius(decisive)) for end in ends],
+        "one step": [float(end.celsius(HIGHEST)) for end in single],
     }
 
 
@@ -108,31 +108,22 @@ def _with_steps(
     shown_pressure = None
     for count in study.each(counts, (name + ", {} increments").format, weight=float):
         for surface in surfaces:
-            scene = _with(
-                with_wear(surface, pattern), increments=count, history_coarsening=1, **changes
-            )
+            steps = {"increments": count, "history_coarsening": 1, **changes}
+            scene = _with(worn(surface, pattern), **steps)
             try:
-                end, doubts, pressure = _end(scene, measured)
+                *_, state = simulate(scene, measured.normal_load, measured.velocity)
             except ConvergenceError as error:
                 unstable[count] = str(error)
                 continue
-            conditions = scene.conditions.at_friction(measured.friction)
-            highest.setdefault(count, []).append(end.highest(conditions))
+            end = Ends.of(scene, state, measured.friction)
+            highest.setdefault(count, []).append(float(end.celsius(HIGHEST)))
             if pattern == "local" and count == shown and surface is surfaces[0]:
-                shown_pressure = pressure
-            for doubt in filter(lambda doubt: "explicit" in doubt, doubts):
-                unstable[count] = doubt
+                shown_pressure = state.pressure
+            for warning in map(str, warnings(scene, state)):
+                if "explicit" in warning:
+                    unstable[count] = warning
     return Steps(highest, unstable, shown_pressure)
 
 
 def _with(scene: Sweep, **changes: Any) -> Sweep:
     return replace(scene, fidelity=replace(scene.fidelity, **changes))
-
-
-def _end(scene: Sweep, measured: Measurement) -> tuple[End, list[str], Array]:
-    *_, state = simulate(scene, measured.normal_load, measured.velocity)
-    return (
-        summary_of(scene, state),
-        [str(warning) for warning in warnings(scene, state)],
-        state.pressure,
-    )

@@ -9,12 +9,15 @@ from __future__ import annotations
 
 import string
 import tomllib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from matplotlib.figure import Figure
+
+from tribo.types import Array
 
 WORDS: dict[str, Any] = tomllib.loads(
     Path(__file__).with_name("words.toml").read_text(encoding="utf-8")
@@ -36,7 +39,7 @@ class _Writer(string.Formatter):
         """
         is_range, form = form.endswith("range"), form.removesuffix("range")
         unit, form = " %" * form.endswith("%"), form.removesuffix("%")
-        values = value if isinstance(value, list) else [value]
+        values = np.atleast_1d(value).tolist()
         texts = [
             format(100 * entry if unit else entry, form)
             for entry in ((min(values), max(values)) if is_range else values)
@@ -137,7 +140,7 @@ class Table:
             yield f"| {' | '.join(cells)} |"
 
 
-def line(label: str, values: Sequence[Any], form: str = ".0f") -> tuple[str, ...]:
+def line(label: str, values: Iterable[Any], form: str = ".0f") -> tuple[str, ...]:
     """Row of a table: texts as they are, numbers by a format, of lists the mean and spread.
 
     Examples
@@ -149,9 +152,10 @@ def line(label: str, values: Sequence[Any], form: str = ".0f") -> tuple[str, ...
 
 
 def _cell(value: Any, form: str) -> str:
-    if isinstance(value, list):
-        return " ± ".join(f"{part:{form}}" for part in statistics(value)[: len(value)])
-    return value if isinstance(value, str) else _WRITER.format_field(value, form)
+    if isinstance(value, str):
+        return value
+    parts = [mean(value), spread(value)] if np.size(value) > 1 else [value]
+    return " ± ".join(_WRITER.format_field(part, form) for part in parts)
 
 
 @dataclass(frozen=True, slots=True)
@@ -229,20 +233,27 @@ class Report:
             "agrees": all(finding.agrees for finding in self.findings),
             "findings": [asdict(finding) for finding in self.findings],
             "notes": list(self.notes),
-            "data": self.data,
+            "data": _plain(self.data),
             "figure": str(self.file) if self.file else None,
             "wall_time": self.seconds,
         }
 
 
-def statistics(values: Sequence[float]) -> tuple[float, float]:
-    """Mean, and standard deviation of the single values; 0 if there is but one."""
-    mean = sum(values) / len(values)
-    if len(values) == 1:
-        return mean, 0.0
-    return mean, (sum((value - mean) ** 2 for value in values) / (len(values) - 1)) ** 0.5
+def _plain(value: Any) -> Any:
+    """Values for JSON: names as text, arrays as lists."""
+    if isinstance(value, Mapping):
+        return {str(name): _plain(part) for name, part in value.items()}
+    return value.tolist() if isinstance(value, np.ndarray | np.generic) else value
 
 
-def means(values: Sequence[Sequence[float]]) -> list[float]:
-    """Mean of each column."""
-    return [statistics(column)[0] for column in values]
+def mean(values: Any) -> Array:
+    """Mean over the last axis."""
+    means: Array = np.mean(values, axis=-1)
+    return means
+
+
+def spread(values: Any) -> Array:
+    """Standard deviation of the single values of the last axis; 0 if there is but one."""
+    values = np.asarray(values)
+    spreads: Array = np.std(values, axis=-1, ddof=min(1, values.shape[-1] - 1))
+    return spreads

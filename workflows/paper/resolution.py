@@ -12,7 +12,7 @@ from matplotlib.figure import Figure, SubFigure
 from pipeline.figures.style import BLACK, BLUE, GREEN, GREY, VERMILION, celsius, in_house_style
 from tribo.types import Array
 from workflows.paper.refinement import PUBLISHED, SCHEMES, Refinement, Row, refined
-from workflows.paper.report import Finding, Report, Table, judged, line, statistics
+from workflows.paper.report import Finding, Report, Table, judged, line, mean, spread
 from workflows.paper.study import Study
 
 _SHOWN = 48  # elements of the pressure field
@@ -38,17 +38,13 @@ def fig6(study: Study) -> Report:
         findings=(_on_elements(refinement.by_elements), *on_increments),
         table=_table(refinement),
         data={
-            "by_elements": {n: _by_text(row) for n, row in refinement.by_elements.items()},
-            "by_increments": {name: _by_text(each.highest) for name, each in steps.items()},
+            "by_elements": refinement.by_elements,
+            "by_increments": {name: its.highest for name, its in steps.items()},
             "neighbours": neighbours,
-            "warnings": {name: _by_text(each.unstable) for name, each in steps.items()},
+            "warnings": {name: its.unstable for name, its in steps.items()},
         },
         figure=_draw(refinement),
     )
-
-
-def _by_text(row: Mapping[int, Any]) -> dict[str, Any]:
-    return {str(number): value for number, value in row.items()}
 
 
 def _neighbours(pressure: Array) -> float:
@@ -130,7 +126,7 @@ def _on_increments(refinement: Refinement, name: str) -> Finding:
 
 def _difference(row: Row, number: int, other: int) -> float:
     """Temperature at a number of elements or increments above that at another [K]."""
-    return statistics(row[number])[0] - statistics(row[other])[0]
+    return float(mean(row[number]) - mean(row[other]))
 
 
 def _signed(value: float) -> str:
@@ -170,10 +166,11 @@ def _draw(refinement: Refinement) -> Figure:
 
 def _curve(axes: Axes, row: Row, name: str, colour: str, style: str) -> None:
     numbers = sorted(row)
-    mean, spread = np.array([statistics(row[n]) for n in numbers]).T
+    values = [row[n] for n in numbers]
+    bars = spread(values) if len(values[0]) > 1 else None
     axes.errorbar(
-        numbers, mean, spread if spread.any() else None, color=colour, ls=style, marker="o", ms=3.5,
-        capsize=2, label=name,
+        numbers, mean(values), bars, color=colour, ls=style, marker="o", ms=3.5, capsize=2,
+        label=name,
     )  # fmt: skip
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -16,82 +16,81 @@ from pipeline.sweep.criterion import boundary_velocity_error, rise_limit
 from pipeline.sweep.lubrication import Lubrication
 from pipeline.sweep.model import Measurement, Sweep
 from tribo import lubrication_regime
-from workflows.paper.ensemble import matching, name_of
+from tribo.types import Array
 from workflows.paper.publication import TABLE_4
 from workflows.paper.report import Report, Table
-from workflows.paper.study import Study, end_of
+from workflows.paper.study import Study
+from workflows.paper.transitions import end_of, matching, name_of
 
 _SURFACES = 4
 _STEP = 0.05  # of the logarithm of the velocity, to find an exponent
 _LOOKS = {"ours": BLUE, "blok": VERMILION, "power": GREEN, "pv": GREY, "load": BLACK}
 
 
-class _Criterion(NamedTuple):
+@dataclass(frozen=True, slots=True)
+class _Criterion:
     """A number at each measured transition, which would be the same at all were it what decides."""
 
     name: str
     unit: str
-    values: list[float]  # at the measured friction
-    alike: list[float]  # at the scene's friction everywhere
-    exponents: list[float]  # of the number over the velocity
-    shown: list[float]  # values in the unit, bulk temperature added where it is a rise
+    values: Array  # at the measured friction
+    alike: Array  # at the scene's friction everywhere
+    exponents: Array | float  # of the number over the velocity
+    shown: Array  # values in the unit, bulk temperature added where it is a rise
     fitted: bool = False  # True if it has a parameter fitted to these very transitions
 
     @property
     def spread(self) -> float:
         """Highest over lowest value, less one."""
-        return max(self.values) / min(self.values) - 1
+        return float(self.values.max() / self.values.min() - 1)
 
     @property
     def worst(self) -> float:
         """Largest relative error of a velocity, if the mean value were the limit."""
-        return max(map(abs, _off(self.values, self.exponents)))
+        return float(abs(_off(self.values, self.exponents)).max())
 
     @property
     def worst_alike(self) -> float:
         """The same where the friction is not known at each transition."""
-        return max(map(abs, _off(self.alike, self.exponents)))
+        return float(abs(_off(self.alike, self.exponents)).max())
 
 
-def _off(
-    values: Sequence[float], exponents: Sequence[float], limit: float | None = None
-) -> list[float]:
+def _off(values: Array, exponents: Array | float, limit: float | None = None) -> Array:
     """Relative errors of the velocities at which a number is at a limit, its mean if not given."""
-    level = math.exp(float(np.mean(np.log(values)))) if limit is None else limit
-    return [(level / value) ** (1 / n) - 1 for value, n in zip(values, exponents, strict=True)]
+    level = _mean(values) if limit is None else limit
+    errors: Array = (level / values) ** (1 / exponents) - 1
+    return errors
+
+
+def _mean(values: Array) -> float:
+    """Geometric mean."""
+    return math.exp(float(np.mean(np.log(values))))
 
 
 @dataclass(frozen=True, slots=True)
 class _Line:
     """The measured line, on which every criterion is evaluated."""
 
-    loads: list[float]  # [N]
-    velocities: list[float]  # [m/s]
-    frictions: list[float]  # measured at each transition
+    loads: Array  # [N]
+    velocities: Array  # [m/s]
+    frictions: Array  # measured at each transition
     friction: float  # of the scene
     bulk: float  # [°C]
 
-    def of_friction(
+    def criterion(
         self,
         name: str,
         unit: str,
-        values: Sequence[float],
-        exponents: list[float],
+        values: Array,
+        exponents: Array | float,
         scale: float = 1.0,
+        by_friction: bool = True,
     ) -> _Criterion:
-        """A criterion in proportion to friction, from its values at friction 1."""
-        measured = [mu * value for mu, value in zip(self.frictions, values, strict=True)]
-        alike = [self.friction * value for value in values]
-        base = self.bulk if unit == "°C" else 0.0
-        shown = [base + scale * value for value in measured]
-        return _Criterion(name, unit, measured, alike, exponents, shown)
-
-    def of_motion(
-        self, name: str, unit: str, values: list[float], n: float = 1.0, scale: float = 1.0
-    ) -> _Criterion:
-        """A criterion that friction does not enter, in proportion to a power of the velocity."""
-        shown = [scale * value for value in values]
-        return _Criterion(name, unit, values, values, [n] * len(values), shown)
+        """A criterion from its values, at friction 1 where it is in proportion to friction."""
+        frictions, friction = (self.frictions, self.friction) if by_friction else (1.0, 1.0)
+        measured = frictions * values
+        shown = (self.bulk if unit == "°C" else 0.0) + scale * measured
+        return _Criterion(name, unit, measured, friction * values, exponents, shown)
 
 
 def rivals(study: Study) -> Report:
@@ -100,20 +99,20 @@ def rivals(study: Study) -> Report:
     measured = matching(sweep, [row.normal_load for row in TABLE_4])
     conditions = sweep.conditions
     line = _Line(
-        [entry.normal_load for entry in measured],
-        [entry.velocity for entry in measured],
-        [entry.friction or conditions.friction for entry in measured],
+        np.array([entry.normal_load for entry in measured]),
+        np.array([entry.velocity for entry in measured]),
+        np.array([entry.friction or conditions.friction for entry in measured]),
         conditions.friction,
         float(celsius(conditions.bulk_temperature)),
     )
     rises, exponents, critical = _simulated(study, sweep, measured)
     share = f"exceeded on {100 * conditions.failing_share:g} % of the contact"
-    ours = line.of_friction(share, "°C", rises, exponents)
+    ours = line.criterion(share, "°C", rises, exponents)
     criteria = {"ours": ours, **_simple(line, SmoothContact.of(sweep))}
     values = {
         "share": conditions.failing_share,
-        "measured_exponent": load_speed_exponent(line.loads, line.velocities),
-        "computed_exponent": load_speed_exponent(line.loads, critical),
+        "measured_exponent": load_speed_exponent(line.loads.tolist(), line.velocities.tolist()),
+        "computed_exponent": load_speed_exponent(line.loads.tolist(), critical.tolist()),
         **_against_blok(
             criteria, conditions.known_critical_temperature() - conditions.bulk_temperature
         ),
@@ -124,7 +123,7 @@ def rivals(study: Study) -> Report:
         "constancy": ours.spread < values["best"].spread,
     }
     film = _film(sweep, line)
-    if film:
+    if film is not None:
         regimes = dict.fromkeys(map(lubrication_regime, sorted(film)))
         values |= {"film": film, "regimes": ", ".join(regimes)}
         values["place"] = name_of(measured[int(np.argmax(film))])
@@ -156,14 +155,12 @@ def rivals(study: Study) -> Report:
     )
 
 
-def _simulated(
-    study: Study, sweep: Sweep, measured: Sequence[Measurement]
-) -> tuple[list[float], list[float], list[float]]:
+def _simulated(study: Study, sweep: Sweep, measured: Sequence[Measurement]) -> Array:
     """Deciding rise at friction 1, its exponent over velocity, and critical velocity.
 
-    Means over the surfaces, by transition; the velocity is at the scene's friction.
+    Means over the surfaces, shape (3, transition); the velocity is at the scene's friction.
     """
-    conditions, limit = sweep.conditions, rise_limit(sweep.conditions)
+    decisive, limit = sweep.conditions.decisive, rise_limit(sweep.conditions)
     outcomes = np.empty((3, len(measured), len(study.seeds(_SURFACES))))
     for surface, seed in enumerate(study.seeds(_SURFACES)):
         study.tell(f"surface {surface + 1} of {outcomes.shape[2]}")
@@ -171,49 +168,50 @@ def _simulated(
         for number, entry in enumerate(measured):
             V, faster = entry.velocity, entry.velocity * math.exp(_STEP)
             rise, higher = (
-                end_of(scene, entry.normal_load, velocity).decisive_rise(conditions)
+                float(end_of(scene, entry.normal_load, velocity).rise(decisive))
                 for velocity in (V, faster)
             )
             exponent = math.log(higher / rise) / _STEP
             critical = V * (1 + boundary_velocity_error(rise, limit, exponent))
             outcomes[:, number, surface] = rise, exponent, critical
-    rises, exponents, velocities = outcomes.mean(axis=2).tolist()
-    return rises, exponents, velocities
+    means: Array = outcomes.mean(axis=2)
+    return means
 
 
 def _simple(line: _Line, contact: SmoothContact) -> dict[str, _Criterion]:
     """The criteria that need no simulation; worn ones have the measured width."""
-    halves, ones = [0.5] * len(line.loads), [1.0] * len(line.loads)
-    power = [F * V for F, V in zip(line.loads, line.velocities, strict=True)]
+    power = line.loads * line.velocities
     widths = {
         "unworn": [contact.width(load) for load in line.loads],
         "worn": [row.measured_width for row in TABLE_4],
     }
-    criteria = {"power": line.of_friction("friction power", "W", power, ones)}
+    criteria = {"power": line.criterion("friction power", "W", power, 1.0)}
     for state, across in widths.items():
         points = list(zip(line.loads, line.velocities, across, strict=True))
-        rises = [contact.flash_rise(F, V, 1.0, width) for F, V, width in points]
-        density = [F * V / contact.area(F, width) for F, V, width in points]
+        rises = np.array([contact.flash_rise(F, V, 1.0, width) for F, V, width in points])
+        density = np.array([F * V / contact.area(F, width) for F, V, width in points])
         criteria |= {
-            f"blok_{state}": line.of_friction(f"Blok, smooth, {state}", "°C", rises, halves),
-            f"power_per_area_{state}": line.of_friction(
-                f"power per {state} area", "W/mm²", density, ones, 1e-6
+            f"blok_{state}": line.criterion(f"Blok, smooth, {state}", "°C", rises, 0.5),
+            f"power_per_area_{state}": line.criterion(
+                f"power per {state} area", "W/mm²", density, 1.0, 1e-6
             ),
-            f"pv_{state}": line.of_motion(f"PV, {state}", "GPa m/s", density, scale=1e-9),
+            f"pv_{state}": line.criterion(
+                f"PV, {state}", "GPa m/s", density, 1.0, 1e-9, by_friction=False
+            ),
         }
-    n = load_speed_exponent(line.loads, line.velocities)
-    together = [F * V**n for F, V in zip(line.loads, line.velocities, strict=True)]
-    fitted = line.of_motion(f"F·Vⁿ, n = {n:.2f} fitted here", "N (m/s)ⁿ", together, n)
-    return criteria | {"load_speed": fitted._replace(fitted=True)}
+    n = load_speed_exponent(line.loads.tolist(), line.velocities.tolist())
+    together = line.loads * line.velocities**n
+    name = f"F·Vⁿ, n = {n:.2f} fitted here"
+    fitted = line.criterion(name, "N (m/s)ⁿ", together, n, by_friction=False)
+    return criteria | {"load_speed": replace(fitted, fitted=True)}
 
 
-def _film(sweep: Sweep, line: _Line) -> list[float] | None:
+def _film(sweep: Sweep, line: _Line) -> Array | None:
     """Film parameters along the line; None where the scene gives no oil."""
     lubrication, bulk = Lubrication.of(sweep), sweep.conditions.bulk_temperature
     if lubrication is None:
         return None
-    film: list[float] = lubrication.film_parameter(line.loads, line.velocities, bulk).tolist()
-    return film
+    return lubrication.film_parameter(line.loads, line.velocities, bulk)
 
 
 def _against_blok(criteria: Mapping[str, _Criterion], limit: float) -> dict[str, Any]:
@@ -256,13 +254,13 @@ def _constancy(criteria: Mapping[str, _Criterion]) -> dict[str, Any]:
 def _table(
     criteria: Mapping[str, _Criterion],
     measured: Sequence[Measurement],
-    film: list[float] | None,
+    film: Array | None,
     line: _Line,
 ) -> Table:
     rows = [
         (
             f"{criterion.name} [{criterion.unit}]",
-            *(f"{value:.{0 if min(criterion.shown) >= 10 else 2}f}" for value in criterion.shown),
+            *(f"{value:.{0 if criterion.shown.min() >= 10 else 2}f}" for value in criterion.shown),
             *(
                 f"{100 * value:.0f} %"
                 for value in (criterion.spread, criterion.worst, criterion.worst_alike)
@@ -270,7 +268,7 @@ def _table(
         )
         for criterion in criteria.values()
     ]
-    if film:
+    if film is not None:
         texts = (f"{value:.2f}" for value in film)
         rows.append((f"film parameter Λ at {line.bulk:g} °C", *texts, "", "", ""))
     columns = ("highest over lowest", "velocity off", f"at friction {line.friction:g}")
@@ -283,11 +281,10 @@ def _draw(criteria: Mapping[str, _Criterion], ticks: list[str]) -> Figure:
     axes = figure.subplots()
     places = np.arange(len(ticks))
     for number, (key, criterion) in enumerate(criteria.items()):
-        values = np.array(criterion.values)
         is_ours = key == "ours"
         axes.plot(
             places,
-            values / math.exp(float(np.mean(np.log(values)))),
+            criterion.values / _mean(criterion.values),
             marker="os^vDdPXp"[number % 9],
             color=_LOOKS[key.split("_")[0]],
             lw=2.4 if is_ours else 1.1,

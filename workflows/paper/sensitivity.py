@@ -17,8 +17,9 @@ from pipeline.sweep.model import Sweep
 from tribo import InputError, SelfAffineRoughness
 from tribo.types import Array
 from workflows.paper.publication import TABLE_4
-from workflows.paper.report import Report, Table, means, statistics
-from workflows.paper.study import Study, end_of
+from workflows.paper.report import Report, Table, mean, spread
+from workflows.paper.study import Study
+from workflows.paper.transitions import HIGHEST, end_of, worn
 
 _LENGTHS = (2.0, 3.0, 4.0, 5.0, 6.0, 8.0)  # µm
 _LAYS = ((1.0, 1.0), (1.0, 4.0), (4.0, 1.0))  # factors on the length along x and along y
@@ -31,7 +32,7 @@ _EXPONENT = 0.6  # of the rise over velocity, for a second guess
 _GOOD = 0.15  # relative, of the boundary velocity
 
 
-_Outcome = dict[str, list[list[float]]]
+_Outcome = dict[str, Array]
 """Temperatures at the measured friction [°C], and errors of the critical velocity at the scene's
 friction, relative; by transition and surface."""
 _Outcomes = Mapping[str, Mapping[str, _Outcome]]
@@ -105,39 +106,36 @@ def _kinds(rough: SelfAffineRoughness) -> dict[str, dict[str, SelfAffineRoughnes
 
 
 def _outcome(study: Study, sweep: Sweep) -> _Outcome:
-    limit = rise_limit(sweep.conditions)
+    decisive, limit = sweep.conditions.decisive, rise_limit(sweep.conditions)
     names = ("exceeded_celsius", "max_celsius", "critical_velocity_off")
-    outcome: _Outcome = {name: [[] for _ in sweep.measured] for name in names}
-    for seed in study.seeds(_SURFACES):
-        surface = sweep.on_surface(seed)
+    seeds = study.seeds(_SURFACES)
+    values = np.empty((len(names), len(sweep.measured), len(seeds)))
+    for surface, seed in enumerate(seeds):
+        scene = sweep.on_surface(seed)
         for number, entry in enumerate(sweep.measured):
-            end = end_of(surface, entry.normal_load, entry.velocity)
-            at_its_friction = sweep.conditions.at_friction(entry.friction)
-            outcome["exceeded_celsius"][number].append(end.exceeded(at_its_friction))
-            outcome["max_celsius"][number].append(end.highest(at_its_friction))
-
-            rise = end.decisive_rise(sweep.conditions)
+            F, V = entry.normal_load, entry.velocity
+            end = end_of(scene, F, V, entry.friction)
+            rise = float(end.rise(decisive))
             step = math.log(limit / rise) / _EXPONENT or 0.01
-            other = end_of(surface, entry.normal_load, entry.velocity * math.exp(step))
-            exponent = math.log(other.decisive_rise(sweep.conditions) / rise) / step
-            off = boundary_velocity_error(rise, limit, exponent)
-            outcome["critical_velocity_off"][number].append(off)
-    return outcome
+            other = float(end_of(scene, F, V * math.exp(step)).rise(decisive))
+            off = boundary_velocity_error(rise, limit, math.log(other / rise) / step)
+            values[:, number, surface] = end.celsius(decisive), end.celsius(HIGHEST), off
+    return dict(zip(names, values, strict=True))
 
 
 def _worst(outcome: _Outcome) -> float:
     """Largest relative error of a critical velocity, averaged over the surfaces."""
-    return max(map(abs, means(outcome["critical_velocity_off"])))
+    return float(abs(mean(outcome["critical_velocity_off"])).max())
 
 
-def _unworn_widths(study: Study, sweep: Sweep) -> list[float]:
+def _unworn_widths(study: Study, sweep: Sweep) -> Array:
     """Width of the unworn contact at each transition, averaged over the surfaces [µm]."""
-    unworn = replace(sweep, wear=None)
-    surfaces = [unworn.on_surface(seed) for seed in study.seeds(_SURFACES)]
-    return [
-        1e6 * sum(end_of(s, F, V).contact_width for s in surfaces) / len(surfaces)
-        for F, V in ((entry.normal_load, entry.velocity) for entry in sweep.measured)
+    surfaces = [worn(sweep, "unworn").on_surface(seed) for seed in study.seeds(_SURFACES)]
+    widths = [
+        [end_of(s, entry.normal_load, entry.velocity).contact_width for s in surfaces]
+        for entry in sweep.measured
     ]
+    return 1e6 * mean(widths)
 
 
 def _of_velocities(outcomes: _Outcomes, usual: _Outcome) -> dict[str, Any]:
@@ -154,11 +152,11 @@ def _of_velocities(outcomes: _Outcomes, usual: _Outcome) -> dict[str, Any]:
         "lengths": ", ".join(good) or "none",
         "lays": off["lay"],
         "hursts": off["Hurst exponent"],
-        "seeds": max(100 * statistics(column)[1] for column in usual["critical_velocity_off"]),
+        "seeds": 100 * spread(usual["critical_velocity_off"]).max(),
     }
 
 
-def _of_widths(widths: Mapping[str, list[float]], smoother: _Outcome) -> dict[str, Any]:
+def _of_widths(widths: Mapping[str, Array], smoother: _Outcome) -> dict[str, Any]:
     """Errors of the unworn contact widths by Ra, and the Ra that they speak for."""
     off = {name: _width_off(row) for name, row in widths.items()}
     of_ra = {name: value for name, value in off.items() if name != _SMOOTHER}
@@ -167,17 +165,17 @@ def _of_widths(widths: Mapping[str, list[float]], smoother: _Outcome) -> dict[st
         "nearest": min(of_ra, key=lambda name: abs(of_ra[name])),
         "smoother": _SMOOTHER,
         "smoother_off": off[_SMOOTHER],
-        "smoother_velocities": [100 * mean for mean in means(smoother["critical_velocity_off"])],
+        "smoother_velocities": 100 * mean(smoother["critical_velocity_off"]),
     }
 
 
-def _width_off(widths: list[float]) -> float:
+def _width_off(widths: Array) -> float:
     """Relative error of the unworn widths [µm], averaged over the transitions."""
-    pairs = zip(widths, TABLE_4, strict=True)
-    return sum(width / (1e6 * row.unworn_width) - 1 for width, row in pairs) / len(TABLE_4)
+    printed = np.array([1e6 * row.unworn_width for row in TABLE_4])
+    return float(np.mean(widths / printed - 1))
 
 
-def _table(sweep: Sweep, outcomes: _Outcomes, widths: Mapping[str, list[float]]) -> Table:
+def _table(sweep: Sweep, outcomes: _Outcomes, widths: Mapping[str, Array]) -> Table:
     rows: list[tuple[str, ...]] = []
     for kind, variants in outcomes.items():
         rows.append((kind,))
@@ -187,8 +185,8 @@ def _table(sweep: Sweep, outcomes: _Outcomes, widths: Mapping[str, list[float]])
                 f"{np.mean(outcome['exceeded_celsius']):.0f}",
                 f"{np.mean(outcome['max_celsius']):.0f}",
                 *(
-                    f"{round(100 * mean) + 0:+d} %"
-                    for mean in means(outcome["critical_velocity_off"])
+                    f"{round(100 * off) + 0:+d} %"
+                    for off in mean(outcome["critical_velocity_off"]).tolist()
                 ),
                 f"{100 * _width_off(widths[name]):+.0f} %" if kind == "Ra" else "",
             )
@@ -208,7 +206,7 @@ def _draw(sweep: Sweep, outcomes: _Outcomes) -> Figure:
     for number, (kind, variants) in enumerate(outcomes.items()):
         upper, lower = rows[0][number], rows[1][number]
         highest, exceeded, off = (
-            np.array([np.mean(outcome[name], axis=1) for outcome in variants.values()])
+            np.array([mean(outcome[name]) for outcome in variants.values()])
             for name in ("max_celsius", "exceeded_celsius", "critical_velocity_off")
         )
         _line(upper, highest, BLUE, "highest")

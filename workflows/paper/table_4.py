@@ -5,30 +5,27 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
 from matplotlib.figure import Figure
 
 from pipeline.figures.style import GREY, celsius, in_house_style
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.criterion import rise_limit
 from pipeline.sweep.model import Measurement
-from workflows.paper.ensemble import (
-    beside,
-    ensemble,
-    matching,
-    name_of,
-    worn,
-)
+from tribo.criterion import Criterion
 from workflows.paper.publication import TABLE_4
-from workflows.paper.report import Report, Table, line, means, statistics
-from workflows.paper.study import End, Study
+from workflows.paper.report import Report, Table, line, mean
+from workflows.paper.study import Study
+from workflows.paper.transitions import HIGHEST, PATTERNS, beside, ensemble, matching, name_of
 
 _BAND = 10.0  # K: within which the paper's highest temperatures lie
 _GOOD = 0.05  # relative, of a friction coefficient
 _LONGER = 4  # patches of the disk in a row, to see what hangs on the length of the patch
 _FEW = 4  # surfaces for that
-_WIDTHS = [1e6 * row.unworn_width for row in TABLE_4]  # [µm]
-_MAXIMA = [row.max_celsius for row in TABLE_4]
-_SHARES = [100 * row.failed_share for row in TABLE_4]  # [%]
+_WIDTHS = np.array([1e6 * row.unworn_width for row in TABLE_4])  # [µm]
+_MAXIMA = np.array([row.max_celsius for row in TABLE_4])
+_SHARES = np.array([100 * row.failed_share for row in TABLE_4])  # [%]
+_FRICTIONS = np.array([row.friction for row in TABLE_4])
 
 
 def table4(study: Study) -> Report:
@@ -36,53 +33,52 @@ def table4(study: Study) -> Report:
     sweep = study.scene("irg_transition")
     conditions = sweep.conditions
     measured = matching(sweep, [row.normal_load for row in TABLE_4])
-    kinds = {"unworn": replace(sweep, wear=None), **worn(sweep)}
-    transitions = ensemble(study, kinds, measured)
+    ends = ensemble(study, ("unworn", *PATTERNS), [(sweep, entry) for entry in measured])
 
     patch = sweep.pixels
     long_patch = replace(patch, shape=(patch.shape[0], _LONGER * patch.shape[1]))
     few = replace(study, surfaces=min(_FEW, len(study.seeds(_FEW))))
-    longer = {"swept": replace(kinds["swept"], pixels=long_patch)}
-    on_longer = ensemble(few, longer, measured[-1:], "swept, longer patch")
+    longer = [(replace(sweep, pixels=long_patch), measured[-1])]
+    on_longer = ensemble(few, ("swept",), longer, "{}, longer patch")
 
-    limit = rise_limit(conditions.changed(friction=1.0))
-    printed = zip(TABLE_4, transitions.ends["swept"], strict=True)
+    swept, limit = ends["swept"], rise_limit(conditions.changed(friction=1.0))
+    printed_shares = [Criterion(share=row.failed_share) for row in TABLE_4]
+    critical = conditions.known_critical_temperature()
     data: dict[str, Any] = {
         "load": [entry.normal_load for entry in measured],
-        "unworn_width_um": transitions.widths("unworn"),
-        "bearing_width_um": transitions.of("unworn", lambda end, _: 1e6 * end.bearing_width),
-        "failed_percent": transitions.of_all(lambda end, its: 100 * end.failed_fraction(its)),
-        "failed_percent_at_scene_friction": transitions.of(
-            "swept", lambda end, _: 100 * end.failed_fraction(conditions)
+        "unworn_width_um": 1e6 * ends["unworn"].contact_width,
+        "bearing_width_um": 1e6 * ends["unworn"].bearing_width,
+        "failed_percent": {wear: its.failed_percent(critical) for wear, its in ends.items()},
+        "failed_percent_at_scene_friction": swept.failed_percent(critical, conditions.friction),
+        "friction_for_printed_share": np.stack(
+            [limit / swept.rise(share)[row] for row, share in enumerate(printed_shares)]
         ),
-        "friction_for_printed_share": [
-            [limit / end.decisive_rise(conditions.changed(share=row.failed_share)) for end in ends]
-            for row, ends in printed
-        ],
-        "max_celsius_on_longer_patch": on_longer.of("swept", End.highest)[0],
-        "max_celsius": transitions.of_all(End.highest),
-        "exceeded_celsius": transitions.of_all(End.exceeded),
-        "worn_width_um": transitions.widths("swept"),
+        "max_celsius_on_longer_patch": on_longer["swept"].celsius(HIGHEST)[0],
+        "max_celsius": {wear: its.celsius(HIGHEST) for wear, its in ends.items()},
+        "exceeded_celsius": {wear: its.celsius(conditions.decisive) for wear, its in ends.items()},
+        "worn_width_um": 1e6 * swept.contact_width,
     }
-    critical = float(celsius(conditions.known_critical_temperature()))
+    critical = float(celsius(critical))
+    local_shares = mean(data["failed_percent"]["local"])
     values = {
-        "surfaces": len(data["unworn_width_um"][0]),
+        "surfaces": swept.contact_width.shape[1],
         "critical": critical,
         "friction": conditions.friction,
         **_widths(data),
         **_shares(data, conditions.friction),
         **_temperatures(data, critical, float(celsius(conditions.bulk_temperature))),
-        "local_highest": means(data["max_celsius"]["local"]),
-        "local_share": max(means(data["failed_percent"]["local"])),
+        "local_highest": mean(data["max_celsius"]["local"]),
+        "local_share": local_shares.max(),
     }
+    needed = abs(values["needed"] / conditions.friction - 1)
     return Report.of(
         "table4",
         values,
         verdicts={
-            "width": max(map(abs, values["width_off"])) < 15,
-            "share": max(abs(mu / conditions.friction - 1) for mu in values["needed"]) < _GOOD,
-            "highest": max(map(abs, values["apart"])) < _BAND and values["interval"] <= _BAND,
-            "local": min(means(data["failed_percent"]["local"])) > 5,
+            "width": abs(values["width_off"]).max() < 15,
+            "share": needed.max() < _GOOD,
+            "highest": abs(values["apart"]).max() < _BAND and values["interval"] <= _BAND,
+            "local": local_shares.min() > 5,
         },
         table=_table(data, measured, conditions),
         data=data,
@@ -93,47 +89,41 @@ def table4(study: Study) -> Report:
 def _widths(data: dict[str, Any]) -> dict[str, Any]:
     """Unworn widths against the printed ones [%], by both ways to take them."""
     off, below = (
-        [100 * (mean / width - 1) for mean, width in zip(means(data[key]), _WIDTHS, strict=True)]
-        for key in ("unworn_width_um", "bearing_width_um")
+        100 * (mean(data[key]) / _WIDTHS - 1) for key in ("unworn_width_um", "bearing_width_um")
     )
-    why = "why_between" if max(below) <= 0 <= min(off) else "why"
+    why = "why_between" if below.max() <= 0 <= off.min() else "why"
     return {"width_off": off, "bearing_off": below, "why": why}
 
 
 def _shares(data: dict[str, Any], friction: float) -> dict[str, Any]:
     """Failed shares with the measured frictions and with one, and the effect of friction."""
-    shares, alike = (
-        means(data["failed_percent"]["swept"]),
-        means(data["failed_percent_at_scene_friction"]),
-    )
-    steep = [
-        _GOOD * friction * (share - other) / (row.friction - friction)
-        for share, other, row in zip(shares, alike, TABLE_4, strict=True)
-        if row.friction != friction
-    ]
-    needed = means(data["friction_for_printed_share"])
+    shares = mean(data["failed_percent"]["swept"])
+    alike = mean(data["failed_percent_at_scene_friction"])
+    other = friction != _FRICTIONS
+    steep = _GOOD * friction * (shares - alike)[other] / (_FRICTIONS - friction)[other]
+    needed = mean(data["friction_for_printed_share"])
     return {"needed": needed, "good": _GOOD, "shares": shares, "alike": alike, "steep": steep}
 
 
 def _temperatures(data: dict[str, Any], critical: float, bulk: float) -> dict[str, Any]:
     """Highest temperatures with swept wear beside the printed ones."""
-    maxima, tenths = means(data["max_celsius"]["swept"]), means(data["exceeded_celsius"]["swept"])
+    maxima, tenths = mean(data["max_celsius"]["swept"]), mean(data["exceeded_celsius"]["swept"])
     return {
         "maxima": maxima,
-        "apart": [ours - printed for ours, printed in zip(maxima, _MAXIMA, strict=True)],
-        "interval": max(maxima) - min(maxima),
-        "above": sum(maxima) / len(maxima) / critical - 1,
-        "ratios": [(t - bulk) / (m - bulk) for t, m in zip(tenths, maxima, strict=True)],
-        "printed_ratios": [(critical - bulk) / (printed - bulk) for printed in _MAXIMA],
+        "apart": maxima - _MAXIMA,
+        "interval": np.ptp(maxima),
+        "above": maxima.mean() / critical - 1,
+        "ratios": (tenths - bulk) / (maxima - bulk),
+        "printed_ratios": (critical - bulk) / (_MAXIMA - bulk),
         "times_longer": _LONGER,
-        "longer": statistics(data["max_celsius_on_longer_patch"])[0],
+        "longer": mean(data["max_celsius_on_longer_patch"]),
         "last": maxima[-1],
         "last_load": data["load"][-1],
     }
 
 
 def _table(data: dict[str, Any], measured: list[Measurement], conditions: Conditions) -> Table:
-    wears = ("swept", "local", "unworn")
+    wears = (*PATTERNS, "unworn")
     critical = celsius(conditions.known_critical_temperature())
 
     def by_wear(key: str, form: str = ".0f") -> list[tuple[str, ...]]:
@@ -155,7 +145,7 @@ def _table(data: dict[str, Any], measured: list[Measurement], conditions: Condit
                 ".1f",
             ),
             ("friction coefficient",),
-            line("  measured", [row.friction for row in TABLE_4], ".3f"),
+            line("  measured", _FRICTIONS, ".3f"),
             line(
                 "  that gives the printed share, swept", data["friction_for_printed_share"], ".4f"
             ),

@@ -3,26 +3,20 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
 
 from pipeline.figures.style import celsius, in_house_style
-from workflows.paper.ensemble import (
-    Ensemble,
-    Values,
-    beside,
-    ensemble,
-    matching,
-    name_of,
-    worn,
-)
+from tribo.types import Array, Mask
 from workflows.paper.publication import ROOM_CELSIUS, TABLE_4, TABLE_6, Row4, Row6
-from workflows.paper.report import Report, Table, line, means, statistics
-from workflows.paper.study import End, Study
+from workflows.paper.report import Report, Table, line, mean, spread
+from workflows.paper.study import Study
+from workflows.paper.transitions import HIGHEST, PATTERNS, beside, ensemble, matching, name_of
 
-_PRINTED = [row.max_celsius for row in TABLE_6]  # [°C]
+_PRINTED = np.array([row.max_celsius for row in TABLE_6])  # [°C]
 _GOOD = 0.15  # relative, of a rise
 _DECISIVE = 3.0  # times as large a misfit, from which one reading is taken for the other
 _SCENES = {"oil_a": 25.0, "oil_a_hot": 100.0}  # bulk temperature by scene [°C]
@@ -30,57 +24,52 @@ _SCENES = {"oil_a": 25.0, "oil_a_hot": 100.0}  # bulk temperature by scene [°C]
 
 def table6(study: Study) -> Report:
     """Temperatures at the measured transitions of oil A, at two bulk temperatures."""
-    cold, hot = (_of_scene(study, name, bulk) for name, bulk in _SCENES.items())
-    transitions = cold + hot
-    bulks = [float(celsius(its.bulk_temperature)) for its in transitions.conditions]
+    transitions = []
+    for name, bulk in _SCENES.items():
+        scene = study.scene(name)
+        loads = [row.normal_load for row in TABLE_6 if row.bulk_celsius == bulk]
+        transitions += [(scene, entry) for entry in matching(scene, loads)]
+    ends = ensemble(study, PATTERNS, transitions)
+    conditions, measured = scene.conditions, [entry for _, entry in transitions]
+    bulks = ends["swept"].bulk[:, :1]
+    highest = {wear: its.celsius(HIGHEST) for wear, its in ends.items()}
+    at_room = highest["swept"] - celsius(bulks) + ROOM_CELSIUS
     data: dict[str, Any] = {
-        "load": [entry.normal_load for entry in transitions.measured],
-        "velocity": [entry.velocity for entry in transitions.measured],
-        "bulk_temperature": [its.bulk_temperature for its in transitions.conditions],
-        "max_celsius": transitions.of_all(End.highest),
-        "exceeded_celsius": transitions.of_all(End.exceeded),
+        "load": [entry.normal_load for entry in measured],
+        "velocity": [entry.velocity for entry in measured],
+        "bulk_temperature": bulks[:, 0],
+        "max_celsius": highest,
+        "exceeded_celsius": {wear: its.celsius(conditions.decisive) for wear, its in ends.items()},
         "misfit_by_bulk_celsius": {"25": _misfit(25.0), "100": _misfit(100.0)},
-        "width_um": transitions.widths("swept"),
+        "width_um": 1e6 * ends["swept"].contact_width,
+        "max_celsius_at_room_temperature": at_room,
     }
-    at_room = _at_room(data["max_celsius"]["swept"], bulks)
-    data["max_celsius_at_room_temperature"] = at_room
-    share = transitions.conditions[0].failing_share
     values = {
-        "surfaces": len(data["width_um"][0]),
-        "share": share,
+        "surfaces": at_room.shape[1],
+        "share": conditions.failing_share,
         "room": ROOM_CELSIUS,
         **_bulk_of_hot_rows(),
-        **_levels(means(at_room), bulks),
-        **_intervals(data),
+        **_levels(mean(at_room), celsius(bulks[:, 0]) > ROOM_CELSIUS),
+        **_intervals(mean(highest["swept"]), mean(data["exceeded_celsius"]["swept"])),
     }
     misfit = data["misfit_by_bulk_celsius"]
+    names = [
+        f"{name_of(entry)}, {bulk:g} °C"
+        for entry, bulk in zip(measured, celsius(bulks[:, 0]), strict=True)
+    ]
+    share = f"{100 * conditions.failing_share:g} %"
     return Report.of(
         "table6",
         values,
         verdicts={
             "bulk": misfit["100"] < _DECISIVE * misfit["25"],
-            "highest": max(abs(ratio - 1) for ratio in values["ratios"]) < _GOOD,
+            "highest": abs(values["ratios"] - 1).max() < _GOOD,
             "interval": values["interval"] <= values["printed_interval"],
         },
-        table=_table(data, transitions, bulks, f"{100 * share:g} %"),
+        table=_table(data, names, share),
         data=data,
-        figure=_draw(data, transitions, bulks, f"{100 * share:g} %"),
+        figure=_draw(data, names, share),
     )
-
-
-def _of_scene(study: Study, name: str, bulk_celsius: float) -> Ensemble:
-    """The transitions of a scene with oil A, at its bulk temperature."""
-    sweep = study.scene(name)
-    loads = [row.normal_load for row in TABLE_6 if row.bulk_celsius == bulk_celsius]
-    return ensemble(study, worn(sweep), matching(sweep, loads), name + ", {}")
-
-
-def _at_room(values: Values, bulks: list[float]) -> Values:
-    """Temperatures as they would be with the bulk at room temperature [°C]."""
-    return [
-        [value - bulk + ROOM_CELSIUS for value in column]
-        for bulk, column in zip(bulks, values, strict=True)
-    ]
 
 
 def _bulk_of_hot_rows() -> dict[str, Any]:
@@ -115,51 +104,40 @@ def _misfit(bulk_celsius: float) -> float:
     return float(np.sqrt(off @ off / (len(rows) - len(law))))
 
 
-def _levels(temperatures: list[float], bulks: list[float]) -> dict[str, Any]:
+def _levels(at_room: Array, is_hot: Mask) -> dict[str, Any]:
     """Printed rises over ours with the bulk at room temperature."""
-    rises = [value - ROOM_CELSIUS for value in temperatures]
-    printed = [value - ROOM_CELSIUS for value in _PRINTED]
-    ratios = [theirs / ours for theirs, ours in zip(printed, rises, strict=True)]
-    is_hot = [bulk > ROOM_CELSIUS for bulk in bulks]
-    hot = [ratio for ratio, hot in zip(ratios, is_hot, strict=True) if hot]
-    cold = [ratio for ratio, hot in zip(ratios, is_hot, strict=True) if not hot]
+    ratios = (_PRINTED - ROOM_CELSIUS) / (at_room - ROOM_CELSIUS)
+    good = abs(ratios - 1) < _GOOD
     return {
-        "at_room": [rise + ROOM_CELSIUS for rise in rises],
+        "at_room": at_room,
         "ratios": ratios,
-        "cold": cold,
-        "hot": hot,
-        "why": "why_all"
-        if all(abs(ratio - 1) < _GOOD for ratio in ratios)
-        else "why_hot"
-        if all(abs(ratio - 1) < _GOOD for ratio in hot)
-        else "why",
+        "cold": ratios[~is_hot],
+        "hot": ratios[is_hot],
+        "why": "why_all" if good.all() else "why_hot" if good[is_hot].all() else "why",
     }
 
 
-def _intervals(data: dict[str, Any]) -> dict[str, Any]:
+def _intervals(maxima: Array, tenths: Array) -> dict[str, Any]:
     """Intervals of the temperatures, printed and ours [K]."""
-    maxima, tenths = means(data["max_celsius"]["swept"]), means(data["exceeded_celsius"]["swept"])
-    mean, deviation = statistics(tenths)
     return {
-        "printed_interval": max(_PRINTED) - min(_PRINTED),
-        "interval": max(tenths) - min(tenths),
-        "interval_of_maxima": max(maxima) - min(maxima),
-        "mean": mean,
-        "deviation": deviation,
+        "printed_interval": np.ptp(_PRINTED),
+        "interval": np.ptp(tenths),
+        "interval_of_maxima": np.ptp(maxima),
+        "mean": mean(tenths),
+        "deviation": spread(tenths),
     }
 
 
-def _table(data: dict[str, Any], transitions: Ensemble, bulks: list[float], share: str) -> Table:
-    heads = zip(transitions.measured, bulks, strict=True)
+def _table(data: dict[str, Any], names: Sequence[str], share: str) -> Table:
     return Table(
-        ("", *(f"{name_of(entry)}, {bulk:g} °C" for entry, bulk in heads)),
+        ("", *names),
         (
             ("highest temperature [°C]",),
             line("  printed", _PRINTED),
-            *(line(f"  {name}", values) for name, values in data["max_celsius"].items()),
+            *(line(f"  {wear}", values) for wear, values in data["max_celsius"].items()),
             line("  swept, with the bulk at 25 °C", data["max_celsius_at_room_temperature"]),
             (f"temperature exceeded on {share} of the contact [°C]",),
-            *(line(f"  {name}", values) for name, values in data["exceeded_celsius"].items()),
+            *(line(f"  {wear}", values) for wear, values in data["exceeded_celsius"].items()),
             ("contact width at the end of the ramp [µm]",),
             line("  printed, measured later", [1e6 * row.measured_width for row in TABLE_6]),
             line("  swept", data["width_um"]),
@@ -168,9 +146,8 @@ def _table(data: dict[str, Any], transitions: Ensemble, bulks: list[float], shar
 
 
 @in_house_style
-def _draw(data: dict[str, Any], transitions: Ensemble, bulks: list[float], share: str) -> Figure:
-    heads = zip(transitions.measured, bulks, strict=True)
-    ticks = [f"{name_of(entry)}\n{bulk:g} °C" for entry, bulk in heads]
+def _draw(data: dict[str, Any], names: Sequence[str], share: str) -> Figure:
+    ticks = ["\n".join(name.rsplit(", ", 1)) for name in names]
     figure = Figure(figsize=(9.6, 4.6))
     left, right = figure.subplots(1, 2, sharey=True)
     at_room = {"swept, bulk 25 °C": data["max_celsius_at_room_temperature"]}

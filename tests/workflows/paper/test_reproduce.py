@@ -129,8 +129,7 @@ def test_wear_cools_the_contact_and_goes_on_doing_so_in_the_hold(small):
 def test_explicit_wear_warns_in_fig6_and_needs_more_increments(small):
     report = small("fig6")
     assert (
-        "explicit wear is unstable"
-        in report.data["warnings"]["explicit, local (as published)"]["20"]
+        "explicit wear is unstable" in report.data["warnings"]["explicit, local (as published)"][20]
     )
     assert report.data["warnings"]["implicit, local"] == {}
     (published,) = (f for f in report.findings if "as published" in f.computed)
@@ -215,8 +214,8 @@ def test_the_highest_temperature_grows_with_the_patch_and_is_judged_once(small):
 def test_criteria_are_said_to_be_nearer_by_the_error_that_is_meant():
     def criterion(name, at_own, at_one):
         # Values in a ratio r to 1 lie off their mean by the root of r.
-        own, one = [(1 + at_own) ** 2, 1.0], [(1 + at_one) ** 2, 1.0]
-        return _Criterion(name, "K", own, one, [1.0, 1.0], own)
+        own, one = (np.array([(1 + off) ** 2, 1.0]) for off in (at_own, at_one))
+        return _Criterion(name, "K", own, one, 1.0, own)
 
     words = _constancy(
         {
