@@ -57,7 +57,7 @@ def small(folder, scenes):
         if name not in made:
             # fig4 is cheap enough to be made as it is.
             options = {} if name == "fig4" else SMALL
-            if name in ("steel", "evidence"):
+            if name in ("steel", "evidence", "fig6", "inverse", "sensitivity"):
                 options = SMALL | {"surfaces": 1}
             with (
                 np.errstate(all="raise", under="ignore"),
