@@ -26,28 +26,14 @@ from tribo import (
 
 @dataclass(frozen=True, slots=True)
 class SmoothContact:
-    """The smooth contact, as the simple criteria know it.
+    """The smooth contact, as the simple criteria know it."""
 
-    Attributes
-    ----------
-    radius : float
-        Radius of the pin [m].
-    length : float or None
-        Length of a cylinder [m]; None for a ball or a crowned pin.
-    pin, disk : Material
-        Materials of the two bodies.
-    motion : Motion or None
-        Motion of both bodies; None if the pin is at rest.
-    crown_radius : float or None
-        Radius of a crowned pin across sliding [m]; None for a cylinder or a ball.
-    """
-
-    radius: float
-    length: float | None
+    radius: float  # of the pin [m]
+    length: float | None  # of a cylinder [m]; None for a ball or a crowned pin
     pin: Material
     disk: Material
-    motion: Motion | None = None
-    crown_radius: float | None = None
+    motion: Motion | None = None  # None if the pin is at rest
+    crown_radius: float | None = None  # of a crowned pin, across sliding [m]
 
     @classmethod
     def of(cls, scene: Scene) -> Self:
@@ -92,19 +78,10 @@ class SmoothContact:
     def flash_rise(
         self, load: float, velocity: float, friction: float, width: float | None = None
     ) -> float:
-        """Blok's flash temperature of the smooth line contact, above the bulk [K].
+        """Blok's flash temperature of the smooth line contact above the bulk [K].
 
-        Parameters
-        ----------
-        load, velocity, friction : float
-            Normal load [N], sliding velocity [m/s] and coefficient of friction.
-        width : float, optional
-            Width of the contact [m]; that of Hertz if not given.
-
-        Raises
-        ------
-        InputError
-            If the contact is not a line, or bodies of different materials both move.
+        Its width is that of Hertz, or another [m]. An `InputError` unless it is a line contact, and
+        bodies that both move are of the same material.
         """
         if self.length is None:
             raise InputError("Blok's flash temperature of a line contact needs a cylinder")
@@ -118,25 +95,12 @@ class SmoothContact:
 
 
 class Rival(NamedTuple):
-    """A simple criterion.
-
-    Attributes
-    ----------
-    label : str
-        Name for people.
-    unit : str
-        Unit in which to show its value.
-    scale : float
-        Factor from its value in SI to that unit.
-    value : callable
-        Called with a contact, load [N], velocity [m/s] and friction; returns the criterion's value
-        in SI.
-    """
+    """A simple criterion: its value in SI of a contact, load [N], velocity [m/s] and friction."""
 
     label: str
-    unit: str
-    scale: float
-    value: Callable[[SmoothContact, float, float, float], float]
+    unit: str  # unit in which to show its value
+    scale: float  # factor from its value in SI to that unit
+    value: Callable[[SmoothContact, float, float, float], float]  # in SI
 
 
 RIVALS: dict[str, Rival] = {

@@ -18,27 +18,13 @@ _CONDUCTIVITY, _SPECIFIC_HEAT = 42 / 45, 520 / 470
 
 @dataclass(frozen=True, slots=True)
 class LeftOut:
-    """Physics that a scene leaves out.
-
-    Attributes
-    ----------
-    name : str
-        Name of the effect.
-    size : str
-        Size that is assumed for it.
-    certainty : str
-        Reason to believe the result, or not to.
-    entry : str
-        Entry by which a scene includes it; empty if there is none.
-    scene : Sweep
-        The scene with it.
-    """
+    """Physics that a scene leaves out."""
 
     name: str
-    size: str
-    certainty: str
-    entry: str
-    scene: Sweep
+    size: str  # that is assumed for it, in words
+    certainty: str  # reason to believe the result, or not to
+    entry: str  # entry by which a scene includes it; empty if there is none
+    scene: Sweep  # with the effect
 
 
 def physics_left_out(sweep: Sweep) -> tuple[LeftOut, ...]:

@@ -23,28 +23,14 @@ _Contact = tuple[Scene, float, float]
 
 
 class SharedPoint(NamedTuple):
-    """Result of a point.
-
-    Attributes
-    ----------
-    columns : dict of ndarray, shape (n_step, ...)
-        Variables of the dataset, some of them from when the load is reached on alone.
-    warnings : tuple of PointWarning
-        Reasons for care in relying on the point.
-    """
+    """Columns of a point by step, some from when the load is reached on alone; its warnings."""
 
     columns: dict[str, Array]
     warnings: tuple[PointWarning, ...]
 
 
 class SharedContacts:
-    """Contacts of points that were computed, for points of other systems.
-
-    Attributes
-    ----------
-    computed : int
-        Points whose contacts were computed.
-    """
+    """Contacts of points that were computed, and their number, for points of other systems."""
 
     def __init__(self) -> None:
         self._states: dict[_Contact, tuple[State, ...]] = {}

@@ -20,19 +20,7 @@ from tribo.simulation.point_warnings import (
 
 
 class Usual(NamedTuple):
-    """Usual range of a quantity, in a unit for display.
-
-    Attributes
-    ----------
-    name : str
-        Name of the quantity.
-    low, high : float
-        Ends of the range [unit].
-    unit : str
-        Unit for display.
-    factor : float
-        Number of these units in one of SI.
-    """
+    """Usual range of a quantity, in a unit of which one in SI has a number, the factor."""
 
     name: str
     low: float

@@ -45,55 +45,23 @@ class Span(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Facts:
-    """Meaning of a scene in numbers. Spans are over its loads and velocities.
+    """Meaning of a scene in numbers. Spans are over its loads and velocities."""
 
-    Attributes
-    ----------
-    contact_modulus : float
-        Contact modulus of the two bodies [Pa].
-    hertz_pressure : Span
-        Highest pressure of the smooth, elastic, unworn contact [Pa].
-    hertz_half_width : Span
-        Half-width of that contact [m].
-    contact_width : Span
-        Width expected at the end of the points, worn and rough [m].
-    contact_widths : tuple of tuple of float
-        Contact width expected at each load and velocity [m].
-    window : tuple of float
-        Sides of the window along x and y [m].
-    duration : Span
-        Time from the first contact to the end of the points [s].
-    sliding_distance : Span
-        Distance slid until then [m].
-    wear_depth : Span or None
-        Depth expected to be worn off the pin by then [m]; None without wear.
-    peclet_number : Span
-        u·a/(2κ) of the disk, after Jaeger, with its velocity u and the Hertzian half-width a.
-    pin_velocity, disk_velocity : Span or None
-        Velocities of both surfaces through the contact [m/s]; None where the pin is at rest.
-    pin_turns : Span or None
-        Turns of the pin around its track until then; None where it is at rest.
-    greatest_load : float
-        Load at which the whole window would be at the hardness [N]; infinite without hardness.
-    surface : SurfaceFacts or None
-        Surface of the disk; None if it is smooth.
-    """
-
-    contact_modulus: float
-    hertz_pressure: Span
-    hertz_half_width: Span
-    contact_width: Span
-    contact_widths: tuple[tuple[float, ...], ...]
-    window: tuple[float, float]
-    duration: Span
-    sliding_distance: Span
-    wear_depth: Span | None
-    peclet_number: Span
-    greatest_load: float
-    surface: SurfaceFacts | None
-    pin_velocity: Span | None = None
-    disk_velocity: Span | None = None
-    pin_turns: Span | None = None
+    contact_modulus: float  # [Pa]
+    hertz_pressure: Span  # highest pressure of the smooth, elastic, unworn contact [Pa]
+    hertz_half_width: Span  # half-width of that contact [m]
+    contact_width: Span  # width expected at the end of the points, worn and rough [m]
+    contact_widths: tuple[tuple[float, ...], ...]  # by load and velocity [m]
+    window: tuple[float, float]  # sides of the window along x and y [m]
+    duration: Span  # time from the first contact to the end of the points [s]
+    sliding_distance: Span  # distance slid until then [m]
+    wear_depth: Span | None  # depth expected to be worn off the pin by then [m]; None without wear
+    peclet_number: Span  # u a/(2κ) of the disk, a the half-width of Hertz
+    greatest_load: float  # with the whole window at the hardness [N]; may be infinite
+    surface: SurfaceFacts | None  # surface of the disk; None if it is smooth
+    pin_velocity: Span | None = None  # of the surface through the contact [m/s]
+    disk_velocity: Span | None = None  # of both, None where the pin is at rest [m/s]
+    pin_turns: Span | None = None  # around its track until the end
 
     def as_dict(self) -> dict[str, Any]:
         """Return the facts by name, each with its unit; what is not there or infinite left out."""

@@ -158,13 +158,7 @@ class Conditions:
         return replace(self, friction=friction, corrections=corrections)
 
     def known_critical_temperature(self) -> float:
-        """Critical temperature [K].
-
-        Raises
-        ------
-        InputError
-            If it is not known.
-        """
+        """Critical temperature [K]; an `InputError` if it is not known."""
         if self.critical_temperature is None:
             raise InputError(
                 "temperature.critical: the scene does not give it, and this needs it; add it to "
@@ -181,17 +175,7 @@ class Conditions:
         share: float | None = None,
         criterion: str | None = None,
     ) -> Conditions:
-        """Return the conditions with those that are given in place of their own.
-
-        Parameters
-        ----------
-        friction, critical_temperature, share : float, optional
-            Coefficient, temperature [K] and share in place of their own.
-        bulk_temperature : float or mapping, optional
-            Temperature of both bodies [K]; or one for each, by ``"pin"`` and ``"disk"``.
-        criterion : str, optional
-            Kind of criterion; "share" if a share alone is given.
-        """
+        """The same with others in their place; a share alone makes "share" the criterion."""
         given: dict[str, Any] = {
             "friction": friction,
             "critical_temperature": critical_temperature,
@@ -221,11 +205,6 @@ def _checked(conditions: Conditions) -> str:
 
 def of_bulks(given: float | Mapping[str, float | None] | None) -> dict[str, Any]:
     """Entries of `Conditions` for one bulk temperature, or for one of each body [K].
-
-    Raises
-    ------
-    InputError
-        If it names other bodies than pin and disk.
 
     Examples
     --------

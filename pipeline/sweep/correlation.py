@@ -20,16 +20,9 @@ _LEAST = 1e-6  # of the variance of an input's score that the others must leave 
 
 
 def correlated(correlations: Array, shares: Array) -> list[Array]:
-    """Shares by which to draw each input, from independent ones.
+    """Shares by which to draw each input, from independent ones, shape (n, n_unknown or more).
 
     Those of inputs that are correlated with none before them are as they were.
-
-    Parameters
-    ----------
-    correlations : ndarray, shape (n_unknown, n_unknown)
-        Correlations of the normal scores.
-    shares : ndarray, shape (n, n_unknown or more)
-        Independent shares.
 
     Examples
     --------

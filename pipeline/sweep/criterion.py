@@ -95,26 +95,12 @@ def rise_limit(conditions: Conditions) -> float:
 
 
 def failed_fraction(rise_quantile: Array, conditions: Conditions) -> float:
-    """Share of the contact area above the critical temperature.
-
-    Parameters
-    ----------
-    rise_quantile : ndarray, shape (n_quantile,)
-        Rise that each of `tribo.QUANTILES` of the contact area stays below [K], of `at_bulks`.
-    conditions : Conditions
-        Friction and temperatures to judge by.
-    """
+    """Share of the contact area above the critical temperature, by quantiles of `at_bulks` [K]."""
     return failed_share(rise_quantile, rise_limit(conditions))
 
 
 def rises_of(scene: Scene, state: State, conditions: Conditions) -> Mapping[str, Any]:
-    """Rises at one moment of a simulation with temperature, as `at_bulks` gives them.
-
-    Raises
-    ------
-    InputError
-        If the state has no temperature.
-    """
+    """Rises at one moment of a simulation with temperature, as `at_bulks` gives them."""
     plain = replace(conditions, corrections=None)
     return at_bulks(moment_of(scene, state, conditions.corrections), plain)
 
@@ -127,19 +113,8 @@ def decisive_rise(scene: Scene, state: State, conditions: Conditions) -> float:
 def worst_moment(rise: Array, normal_load: Array, load: Array | float) -> Indices:
     """Step at which the rise is highest, from when the load of the point is reached on.
 
-    Parameters
-    ----------
-    rise : ndarray, shape (..., n_step)
-        Rise at each step that just the failing share exceeds [K]; NaN where it is not known.
-    normal_load : ndarray, shape (..., n_step)
-        Normal load at each step [N].
-    load : float or ndarray, shape (..., 1)
-        The load that the point is named after [N].
-
-    Returns
-    -------
-    ndarray of int, shape (...)
-        The last step where the rise is not known at any that counts.
+    Rises and normal loads have the shape (..., n_step). The last step where no rise that counts is
+    known.
 
     Examples
     --------
@@ -155,22 +130,11 @@ def worst_moment(rise: Array, normal_load: Array, load: Array | float) -> Indice
 def decisive_rises(
     columns: Mapping[str, Any], load: Array | float, conditions: Conditions
 ) -> Array:
-    """Rise that decides at points, each at its worst moment [K].
+    """Rise that decides at points, each at its worst moment [K]; NaN where it is not known.
 
-    Parameters
-    ----------
-    columns : mapping of ndarray
-        ``normal_load`` (..., n_step) [N] and those of `at_bulks` by step; ``quantile`` where they
-        are not at all of `tribo.QUANTILES`.
-    load : float or ndarray, shape (..., 1)
-        Loads that the points are named after [N].
-    conditions : Conditions
-        Conditions to judge by.
-
-    Returns
-    -------
-    ndarray, shape (...)
-        NaN where the rise is not known.
+    Columns are those of `at_bulks` and ``normal_load``, shape (..., n_step) [N], with ``quantile``
+    where they are not at all of `tribo.QUANTILES`; loads that the points are named after have the
+    shape (..., 1) [N].
     """
     rises = conditions.decisive.rise(at_bulks(columns, conditions))
     worst = worst_moment(rises, columns["normal_load"], load)
@@ -179,18 +143,7 @@ def decisive_rises(
 
 
 def verdict(columns: Mapping[str, Array], load: float, conditions: Conditions) -> Verdict:
-    """Mild or severe wear at a point.
-
-    Parameters
-    ----------
-    columns : dict of ndarray
-        ``normal_load`` [N], ``time`` [s] and those of `at_bulks` by step, as in
-        `pipeline.sweep.plan.PointResult.columns`.
-    load : float
-        The load that the point is named after [N].
-    conditions : Conditions
-        Conditions to judge by.
-    """
+    """Mild or severe wear at a point, by its columns and the load that it is named after [N]."""
     columns = at_bulks(columns, conditions)
     rises = conditions.decisive.rise(columns)
     worst = int(worst_moment(rises, columns["normal_load"], load))
@@ -209,13 +162,6 @@ def boundary_velocity_error(rise: float, expected: float, exponent: float) -> fl
     """Relative error of the velocity of the boundary, from that of the rise near it.
 
     A rise that is too high reaches the limit at too low a velocity.
-
-    Parameters
-    ----------
-    rise, expected : float
-        Rise found, and the one there should be [K].
-    exponent : float
-        d ln(rise)/d ln(velocity) there.
 
     Examples
     --------

@@ -32,33 +32,15 @@ from tribo.types import Array
 
 @dataclass(frozen=True, slots=True)
 class Lubrication:
-    """Quantities that the film parameter of a scene depends on.
+    """Quantities that the film parameter of a scene depends on."""
 
-    Attributes
-    ----------
-    oil : Oil
-        Lubricant, with a pressure-viscosity coefficient.
-    radius : float
-        Radius of the pin [m].
-    length : float or None
-        Length of a cylinder [m]; None for any other pin.
-    contact_modulus : float
-        Contact modulus of the two bodies [Pa].
-    rms_height : float
-        Root mean square height of the disk [m].
-    motion : Motion or None
-        Motion of both bodies; None if the pin is at rest.
-    crown_radius : float or None
-        Radius of a crowned roller across the motion [m]; None for any other pin.
-    """
-
-    oil: Oil
-    radius: float
-    length: float | None
-    contact_modulus: float
-    rms_height: float
-    motion: Motion | None = None
-    crown_radius: float | None = None
+    oil: Oil  # with a pressure-viscosity coefficient
+    radius: float  # of the pin [m]
+    length: float | None  # of a cylinder [m]; None for any other pin
+    contact_modulus: float  # [Pa]
+    rms_height: float  # of the disk [m]
+    motion: Motion | None = None  # None if the pin is at rest
+    crown_radius: float | None = None  # of a crowned roller, across the motion [m]
 
     @classmethod
     def of(cls, sweep: Sweep) -> Self | None:

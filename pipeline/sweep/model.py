@@ -113,17 +113,7 @@ class Measurement:
 
 
 class FromLibrary(NamedTuple):
-    """A number that a scene takes from the library.
-
-    Attributes
-    ----------
-    key : str
-        Key path of the entry.
-    value : str
-        Value of the number, with its unit.
-    source : str
-        Source of the library's value.
-    """
+    """A number that a scene takes from the library: key path, value with unit, and its source."""
 
     key: str
     value: str
@@ -356,13 +346,7 @@ class Sweep(Scene):
         return self.samples.velocities[number], ((name, number),)
 
     def held(self, duration: float) -> Self:
-        """The sweep with another duration at the full load [s].
-
-        Raises
-        ------
-        InputError
-            If the load follows a record.
-        """
+        """The sweep with another duration at the full load [s]; not if the load is a record."""
         if not isinstance(self.loading, Ramp):
             raise InputError(
                 f"hold is {duration:g} s, and the load follows a record, which has its own: leave "

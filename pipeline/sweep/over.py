@@ -15,39 +15,20 @@ Variant = tuple[tuple[str, Label], ...]
 
 @dataclass(frozen=True, slots=True)
 class Axis:
-    """An entry and its values.
+    """An entry and its values."""
 
-    Attributes
-    ----------
-    path : str
-        Key path of the entry, which names the dimension.
-    values : tuple of float or str
-        Its values, ascending [SI]; or words, in the order of the scene.
-    written : tuple
-        The values as they stand in the scene.
-    unit : str or None
-        SI unit; None for words.
-    """
-
-    path: str
-    values: tuple[float | str, ...]
-    written: tuple[Any, ...]
-    unit: str | None
+    path: str  # its name as a dimension
+    values: tuple[float | str, ...]  # ascending [SI]; or words, in the order of the scene
+    written: tuple[Any, ...]  # as they stand in the scene
+    unit: str | None  # of SI; None for words
 
 
 @dataclass(frozen=True, slots=True)
 class Over:
     """Entries with several values each, and the scenes that follow from them.
 
-    Attributes
-    ----------
-    axes : tuple of Axis
-        The entries.
-    parts : tuple of tuple of (str, value)
-        Fields of the `Sweep` that differ from its own, for each combination of values, those of
-        the last entry first.
-    leads : tuple of tuple
-        First combination with the same contacts at all velocities, for each.
+    For each combination of values, those of the last entry first: the fields of the `Sweep` that
+    differ from its own, and the first combination with the same contacts at all velocities.
     """
 
     axes: tuple[Axis, ...]

@@ -26,19 +26,9 @@ _PREFIX = "irg_own"
 class Own:
     """An object of a module of one's own; it has the attributes of that object.
 
-    Parameters
-    ----------
-    reference : str
-        Module and name, such as ``"laws:running_in"``.
-    parameters : tuple of pairs
-        Names and values with which the name is called; called without any if it is a class.
-    source : str or None
-        Text of the module; None for one that is installed.
-
-    Raises
-    ------
-    InputError
-        If there is no such object, or making it fails.
+    It is made of its reference, such as ``"laws:running_in"``; the names and values with which the
+    reference is called (a class also without any); and the text of the module, None if installed.
+    An `InputError` where there is no such object, or making it fails.
 
     Examples
     --------

@@ -170,32 +170,17 @@ class PointResult:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PointRecord:
-    """Stored result of a point.
+    """Stored result of a point: variables of the dataset, or None of one that failed.
 
-    Attributes
-    ----------
-    point : Point
-    data : dict of ndarray or None
-        Variables of the dataset, at the point's own steps and at its end; None if it failed.
-        Fields of a packed record are bytes, see `pipeline.store.packing`.
-    message : str
-        Its warnings, or the reason why it failed.
-    warning_flags : int
-        Kinds of its warnings.
-    wall_time : float
-        Duration of its computation [s].
-    finished_at : float
-        End of its computation, since 1970-01-01 UTC [s].
-    checksum : int or None
-        Checksum of the data, if they are packed.
+    Fields of a packed record are bytes, and it has a checksum; see `pipeline.store.packing`.
     """
 
     point: Point
     data: Mapping[str, Array | bytes] | None
-    message: str = ""
+    message: str = ""  # its warnings, or the reason of its failure
     warning_flags: int = 0
-    wall_time: float = math.nan
-    finished_at: float = math.nan
+    wall_time: float = math.nan  # [s]
+    finished_at: float = math.nan  # since 1970-01-01 UTC [s]
     checksum: np.uint64 | None = field(default=None, kw_only=True)
 
 
@@ -311,15 +296,7 @@ def _at_wear_rates(
 ) -> dict[str, Array]:
     """Heat on the contacts of a point at the velocities at which other wear rates have them.
 
-    Parameters
-    ----------
-    sweep : Sweep
-    velocity : float
-        Velocity at which the scene's own wear rate has them [m/s].
-    at_load : mapping
-        States from when the load is reached on, by their places among the steps.
-    steps : int
-        Number of steps.
+    The states, by their places among the steps, are those from when the load is reached on.
     """
     if sweep.wear is None or not sweep.rates:
         return {}

@@ -24,25 +24,8 @@ RISES = ("max_rise", "mean_rise", "rise_quantile")
 def at_bulks(columns: Mapping[str, Any], conditions: Conditions) -> Mapping[str, Any]:
     """Rises of the contact above the colder body, for each unit of `Conditions.rise_factor` [K].
 
-    Parameters
-    ----------
-    columns : mapping of ndarray
-        ``rise_quantile`` (..., n_quantile), ``mean_rise`` and ``max_rise`` (...) above the pin's
-        bulk at friction 1 [K], as far as they are needed; where the bulk temperatures differ what
-        `tribo.criterion.rises_at` needs, and for corrections `tribo.corrections.NEEDED`.
-    conditions : Conditions
-        Conditions to judge by.
-
-    Returns
-    -------
-    mapping of ndarray
-        The columns, with those of `RISES` at the bulk temperatures and with the corrections of the
-        conditions.
-
-    Raises
-    ------
-    InputError
-        If the bulk temperatures differ, and nothing is kept for that.
+    Columns are ``rise_quantile`` (..., n_quantile), ``mean_rise`` and ``max_rise`` (...) above the
+    pin's bulk at friction 1 [K], and `columns_needed`; all come back, those of `RISES` changed.
     """
     columns = corrected(columns, conditions)
     ratio = conditions.bulk_ratio
@@ -53,15 +36,7 @@ def at_bulks(columns: Mapping[str, Any], conditions: Conditions) -> Mapping[str,
 
 
 def above_colder(columns: Mapping[str, Any], bulk_ratio: float) -> Mapping[str, Any]:
-    """Rises at friction 1 above the colder body at a bulk ratio [K].
-
-    Parameters
-    ----------
-    columns : mapping of ndarray
-        See `at_bulks`.
-    bulk_ratio : float
-        Disk's less pin's bulk temperature, over friction [K].
-    """
+    """Columns with rises at friction 1 above the colder body, at a bulk ratio [K]."""
     above_pin = rises_at(columns, bulk_ratio)
     pin = max(0.0, -bulk_ratio)
     return {**above_pin, **{name: above_pin[name] + pin for name in RISES if name in above_pin}}
@@ -74,15 +49,7 @@ def columns_needed(conditions: Conditions) -> tuple[str, ...]:
 
 
 def corrected(columns: Mapping[str, Any], conditions: Conditions) -> Mapping[str, Any]:
-    """Columns whose rises have the corrections of some conditions, at all bulk ratios.
-
-    Parameters
-    ----------
-    columns : mapping of ndarray
-        Rises by step [K], and `tribo.corrections.NEEDED`.
-    conditions : Conditions
-        Conditions with corrections; without any the columns are given back as they are.
-    """
+    """Columns whose rises have the corrections of some conditions, at all bulk ratios."""
     return conditions.corrections.applied(columns) if conditions.corrections else columns
 
 

@@ -33,17 +33,7 @@ _WITH_CONTACTS, _ALONG_WEAR, _OF_ONE_CONTACT = 4, 16, 64  # samples of a contact
 
 
 def samples_per_contact(layers: tuple[Layer, ...], wears: bool, separable: bool) -> int:
-    """Number of samples that share a contact.
-
-    Parameters
-    ----------
-    layers : tuple of str
-        Layers of the inputs.
-    wears : bool
-        True if contacts depend on the velocity, through the wear.
-    separable : bool
-        True if contacts of one wear number are the same at all velocities.
-    """
+    """Number of samples that share a contact, by the layers of the inputs."""
     if not separable:
         return 1
     if "contact" in layers:
@@ -53,27 +43,13 @@ def samples_per_contact(layers: tuple[Layer, ...], wears: bool, separable: bool)
 
 @dataclass(frozen=True, slots=True)
 class Design:
-    """Rule by which samples follow from a seed.
+    """Rule by which samples follow from a seed."""
 
-    Attributes
-    ----------
-    inputs : tuple of Unknown
-        Inputs that rises depend on; the wear rate among them where samples differ in it.
-    layers : tuple of str
-        Layer of each of them.
-    velocities : tuple of float
-        Velocities between which samples lie [m/s].
-    seed : int
-        Seed of the scrambling.
-    per_contact : int
-        Number of samples that share a contact.
-    """
-
-    inputs: tuple[Unknown, ...]
-    layers: tuple[Layer, ...]
-    velocities: tuple[float, float]
+    inputs: tuple[Unknown, ...]  # of rises, with the wear rate if samples differ in it
+    layers: tuple[Layer, ...]  # of the inputs
+    velocities: tuple[float, float]  # between which samples lie [m/s]
     seed: int
-    per_contact: int
+    per_contact: int  # samples that share a contact
 
     def draw(self, count: int) -> tuple[Array, Array]:
         """Inputs [SI], shape (count, n_input), and velocities [m/s], shape (count,).
@@ -130,27 +106,13 @@ class Design:
 
 @dataclass(frozen=True, slots=True)
 class Samples:
-    """Samples of a sweep, each with its inputs in place of the scene's own, and one velocity.
-
-    Attributes
-    ----------
-    unknown : tuple of Unknown
-        Inputs that are not known exactly.
-    design : Design
-        Rule by which the samples follow.
-    values : tuple of tuple of float
-        Values by sample and input of the design [SI].
-    velocities : tuple of float
-        Velocity of each sample [m/s].
-    parts : tuple of tuple of (str, value)
-        Fields of the `Sweep` that differ from its own, and their values, for each sample.
-    """
+    """Samples of a sweep, each with its inputs in place of the scene's own, and one velocity."""
 
     unknown: tuple[Unknown, ...]
     design: Design
-    values: tuple[tuple[float, ...], ...]
-    velocities: tuple[float, ...]
-    parts: tuple[tuple[tuple[str, Any], ...], ...]
+    values: tuple[tuple[float, ...], ...]  # by sample and input of the design [SI]
+    velocities: tuple[float, ...]  # [m/s]
+    parts: tuple[tuple[tuple[str, Any], ...], ...]  # fields of the `Sweep` that differ
 
     def __len__(self) -> int:
         return len(self.velocities)

@@ -17,24 +17,12 @@ PRESET_BOUNDS = {"draft": 0.08, "standard": 0.03, "fine": 0.01}
 
 @dataclass(frozen=True, slots=True)
 class Trial:
-    """A fidelity that was tried, and by how much it moves the boundary velocity at most.
-
-    Attributes
-    ----------
-    name : str
-        Name of the fidelity, as shown to the user.
-    fidelity : Fidelity
-        The numerical choices that were tried.
-    error : float
-        Largest relative error of the boundary velocity to expect at any load.
-    work : float
-        Work of the points tried, in elements times convolutions.
-    """
+    """A fidelity that was tried, and by how much it moves the boundary velocity at most."""
 
     name: str
     fidelity: Fidelity
-    error: float
-    work: float
+    error: float  # largest of the boundary velocity to expect, relative
+    work: float  # elements times convolutions
 
 
 @dataclass(frozen=True, slots=True)

@@ -21,18 +21,7 @@ def staged(
 ) -> Iterator[T]:
     """Go through items, and say before each which it is, of how many, and the time to go.
 
-    Parameters
-    ----------
-    items : iterable
-        Stages, computed one after the other.
-    tell : callable or None
-        Called with a line before each; nothing is said if None.
-    name : callable
-        Gives the name of an item.
-    weight : callable
-        Gives the share of the time that an item takes, in any unit.
-    clock : callable
-        Gives the time [s].
+    The weight is an item's share of the time, in any unit; the clock gives the time [s].
 
     Examples
     --------

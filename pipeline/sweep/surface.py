@@ -20,29 +20,14 @@ _LAY = 2.0  # slopes across the grooves, in those along them, from which a surfa
 
 @dataclass(frozen=True, slots=True)
 class SurfaceFacts:
-    """The disk's surface, on its pixels.
-
-    Attributes
-    ----------
-    measured : bool
-        True if the heights come from a file.
-    ra, rq : float
-        Mean and root mean square distance of the heights from their mean plane [m].
-    mean_height : float
-        Mean height [m].
-    rise : tuple of float
-        Heights by which the mean plane rises over the window, along x and along y [m].
-    lay : float or None
-        Angle between the grooves and the sliding direction, from 0 to 90 [°]; None for a surface
-        without grooves.
-    """
+    """The disk's surface, on its pixels."""
 
     measured: bool
-    ra: float
-    rq: float
-    mean_height: float = 0.0
-    rise: tuple[float, float] = (0.0, 0.0)
-    lay: float | None = None
+    ra: float  # mean distance of the heights from their mean plane [m]
+    rq: float  # root mean square of it [m]
+    mean_height: float = 0.0  # [m]
+    rise: tuple[float, float] = (0.0, 0.0)  # of the mean plane over the window, along x and y [m]
+    lay: float | None = None  # from grooves to the sliding direction [°]; None without grooves
 
     def as_dict(self) -> dict[str, Any]:
         """Return the facts by name, each with its unit."""

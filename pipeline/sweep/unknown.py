@@ -32,15 +32,6 @@ MOST_SAMPLES = 1_000_000
 class Unit:
     """A unit in which values are shown.
 
-    Attributes
-    ----------
-    name : str
-        The unit as text; of a pure number, ``1``.
-    size : float
-        Difference that one of it makes [SI].
-    zero : float
-        Value at its zero [SI].
-
     Examples
     --------
     >>> celsius = Unit("°C", zero=273.15)
@@ -48,9 +39,9 @@ class Unit:
     '145 °C'
     """
 
-    name: str
-    size: float = 1.0
-    zero: float = 0.0
+    name: str  # of a pure number, ``1``
+    size: float = 1.0  # of one [SI]
+    zero: float = 0.0  # value at its zero [SI]
 
     def of(self, value: Any) -> Any:
         """A value, or an array of them, in this unit."""
@@ -64,29 +55,12 @@ class Unit:
 
 @dataclass(frozen=True, slots=True)
 class Unknown:
-    """An input that is not known exactly.
+    """An input that is not known exactly, by the path of its entry.
 
-    Attributes
-    ----------
-    path : str
-        Path of the entry in the scene, such as ``wear.specific_wear_rate``.
-    kind : {"normal", "log-normal", "uniform", "list"}
-        Shape of its distribution.
-    parameters : tuple of float
-        Mean and standard deviation; median and factor, within which two thirds lie; lowest and
-        highest value; or the values, each as likely [SI].
-    unit : str
-        Unit of its values in SI.
-    written : Unit, optional
-        Unit in which the scene gives its values, if not in SI. Another makes no other input.
-    correlated : tuple of (str, float)
-        Inputs that stand before it and are correlated with it, by their paths, and the correlation
-        of their normal scores (`pipeline.sweep.correlation`).
-
-    Raises
-    ------
-    InputError
-        If the parameters do not make a distribution.
+    Its parameters are mean and standard deviation; median and factor, within which two thirds lie;
+    lowest and highest value; or the values, each as likely [SI]. It may be correlated with inputs
+    that stand before it, by their paths and the correlation of the normal scores. The unit in
+    which the scene writes it makes no other input.
 
     Examples
     --------
@@ -128,18 +102,7 @@ class Unknown:
             raise InputError(fault)
 
     def at(self, share: Array) -> Array:
-        """Values that shares of the probability stay below.
-
-        Parameters
-        ----------
-        share : ndarray
-            Shares, above 0 and below 1.
-
-        Returns
-        -------
-        ndarray
-            Values [SI].
-        """
+        """Values that shares of the probability, above 0 and below 1, stay below [SI]."""
         first, *rest = self.parameters
         if self.kind == "normal":
             return np.asarray(first + rest[0] * scipy.special.ndtri(share))
@@ -202,20 +165,6 @@ class Unknown:
 
 def drawn(unknown: tuple[Unknown, ...], seed: int, count: int) -> Array:
     """Draw samples of unknown inputs.
-
-    Parameters
-    ----------
-    unknown : tuple of Unknown
-        Inputs, `MOST` at most.
-    seed : int
-        Seed of the scrambling.
-    count : int
-        Number of samples.
-
-    Returns
-    -------
-    ndarray, shape (count, n_unknown)
-        Values [SI]. Those of more samples begin with those of fewer.
 
     Examples
     --------
