@@ -15,7 +15,7 @@ from pipeline.run.sweep import Outcome, run_sweep
 from pipeline.run.tally import Progress
 from pipeline.scene.scenefile import sweep_of
 from pipeline.store.place import PathLike, place_of
-from pipeline.store.root import read_root
+from pipeline.store.root import find_root
 from pipeline.store.schema import DONE, FAILED, STEPPED
 from pipeline.store.write import Store
 from pipeline.sweep.criterion import decisive_rises, rise_limit
@@ -93,7 +93,8 @@ def follow_boundary(
         return replace(sweep, chosen=frozenset({*rises, *failed, *wanted})) if wanted else None
 
     place = place_of(out)
-    store = Store(place, read_root(place)) if place.exists() else None
+    root = find_root(place)
+    store = Store(place, root) if root else None
     begun = further(store, retry_failed)
     if begun is None and store:
         begun = replace(sweep, chosen=frozenset(itertools.chain(*_seen(store, sweep))))

@@ -31,7 +31,7 @@ from pipeline.scene.scenefile import sweep_of
 from pipeline.store.attributes import versions
 from pipeline.store.create import grown, writing
 from pipeline.store.identity import differences
-from pipeline.store.place import Bucket, PathLike, place_of
+from pipeline.store.place import Bucket, PathLike
 from pipeline.store.progress import FailedPoint, summarized
 from pipeline.store.root import read_attributes
 from pipeline.store.schema import FAILED
@@ -137,15 +137,15 @@ def run_sweep(
     sweep = sweep_of(sweep)
     began = time.monotonic()
     where = cluster or scheduler
-    if isinstance(where, str) and not place_of(out).exists():
+    before = read_attributes(out)
+    if isinstance(where, str) and before is None:
         with connected(None, where, str(out), patience):
             pass  # an address where nobody answers makes no store
-    before = read_attributes(out) or {}
     with writing(out, sweep) as store, reported(progress) as report:
         damaged = _repaired(store)
         if retry_failed:
             store.forget(store.points_at(np.nonzero((store.asked == 1) & (store.flags == FAILED))))
-        for note in _notes(store, before, damaged):
+        for note in _notes(store, before or {}, damaged):
             if tell:
                 tell(note)
         tally = Tally(store, report, began)
@@ -204,8 +204,11 @@ def _repaired(store: Store) -> int:
 
     Not in a bucket: its servers look after their objects, and each is a request.
     """
-    is_new = isinstance(store.place, Bucket) or not store.place.names("checksum")
-    return 0 if is_new else len(examined(store, repair=True).damaged)
+    if isinstance(store.place, Bucket):
+        return 0
+    keys = store.place.keys()
+    has_points = any(key.startswith("checksum/c.") for key in keys)
+    return len(examined(store, repair=True).damaged) if has_points else 0
 
 
 def _notes(store: Store, before: Mapping[str, Any], damaged: int) -> Iterator[str]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import json
 from collections.abc import Iterable, Mapping
 from datetime import UTC, datetime
 from importlib import metadata
@@ -15,12 +16,25 @@ from pipeline.sweep.model import Sweep
 from pipeline.sweep.plan import step_count
 from tribo import BULK_RATIOS, QUANTILES
 
-OPTIONAL = ("coordinates", "lubrication", "samples", "sample_seed", "unknown")
+_OPTIONAL = ("coordinates", "lubrication", "samples", "sample_seed", "unknown")
 """Attributes of a scene that a store has only where there are samples, or an oil."""
 
 
-def lasting_attributes(sweep: Sweep) -> dict[str, Any]:
-    """Attributes that a store keeps from its creation: the scene, and what computed it."""
+def attributes_of(sweep: Sweep, before: Mapping[str, Any] | None) -> dict[str, Any]:
+    """Attributes of the store of a sweep, which had others before if it is not new.
+
+    The scene and what computed it stay as they were at its creation, with versions that came later
+    beside them; what does not decide the numbers follows the scene file.
+    """
+    kept = {name: value for name, value in (before or {}).items() if name not in _OPTIONAL}
+    kept = kept or _lasting(sweep)
+    attributes = _with_present_versions(kept) | _present(sweep) | _entries(sweep, kept)
+    # As the root gives them back: JSON knows no tuples.
+    plain: dict[str, Any] = json.loads(json.dumps(attributes))
+    return plain
+
+
+def _lasting(sweep: Sweep) -> dict[str, Any]:
     description = describe(sweep)
     return {
         "Conventions": "CF-1.11",
@@ -41,8 +55,7 @@ def versions() -> dict[str, str]:
     return {"tribo": tribo} | {name: metadata.version(name) for name in ("numpy", "scipy", "zarr")}
 
 
-def with_present_versions(attributes: Mapping[str, Any]) -> dict[str, Any]:
-    """Attributes with the present versions added, if the last run had others."""
+def _with_present_versions(attributes: Mapping[str, Any]) -> dict[str, Any]:
     later = attributes.get("later_versions", [])
     last = later[-1]["versions"] if later else attributes["versions"]
     if last == versions():
@@ -52,34 +65,30 @@ def with_present_versions(attributes: Mapping[str, Any]) -> dict[str, Any]:
     return {**attributes, "later_versions": [*later, entry]}
 
 
-def present_attributes(sweep: Sweep) -> dict[str, Any]:
-    """Attributes that follow the scene file, since they do not decide the numbers.
+def _present(sweep: Sweep) -> dict[str, Any]:
+    """Attributes that follow the scene file.
 
     The reasons for the fidelity are kept from an earlier run, if this one did not pick it.
     """
     picked = {"selection": sweep.selection.as_dict()} if sweep.selection else {}
     lubrication = Lubrication.of(sweep)
     oiled = {"lubrication": lubrication.as_dict()} if lubrication else {}
-    return (
-        picked
-        | oiled
-        | _samples_of(sweep)
-        | {
-            "name": sweep.name,
-            "title": sweep.title,
-            "arguments": list(sweep.arguments),
-            "preset": sweep.preset,
-            "conditions": sweep.conditions.as_dict(),
-            "friction_band": list(sweep.friction_band) if sweep.friction_band else None,
-            "measured": [measurement.as_dict() for measurement in sweep.measured],
-            "tested": [measurement.as_dict() for measurement in sweep.tested],
-            "library": [entry._asdict() for entry in sweep.library],
-            "loads": list(sweep.loads),
-            "velocities": list(sweep.velocities),
-            "realizations": list(sweep.realizations),
-            "boundary_only": sweep.chosen is not None,
-        }
-    )
+    of_scene = {
+        "name": sweep.name,
+        "title": sweep.title,
+        "arguments": list(sweep.arguments),
+        "preset": sweep.preset,
+        "conditions": sweep.conditions.as_dict(),
+        "friction_band": list(sweep.friction_band) if sweep.friction_band else None,
+        "measured": [measurement.as_dict() for measurement in sweep.measured],
+        "tested": [measurement.as_dict() for measurement in sweep.tested],
+        "library": [entry._asdict() for entry in sweep.library],
+        "loads": list(sweep.loads),
+        "velocities": list(sweep.velocities),
+        "realizations": list(sweep.realizations),
+        "boundary_only": sweep.chosen is not None,
+    }
+    return picked | oiled | _samples_of(sweep) | of_scene
 
 
 def _samples_of(sweep: Sweep) -> dict[str, Any]:
@@ -99,15 +108,15 @@ def _samples_of(sweep: Sweep) -> dict[str, Any]:
     }
 
 
-def grown_entries(sweep: Sweep, stored: Mapping[str, Any]) -> dict[str, Any]:
-    """Attribute on the scenes that entries with several values make, if there are any.
+def _entries(sweep: Sweep, stored: Mapping[str, Any]) -> dict[str, Any]:
+    """Attributes on the scenes that entries with several values make, if there are any.
 
     For each combination of values: what is not as in the attributes ``scene`` and the others. Those
     of a store stay, besides what a sweep says of them.
     """
     if not sweep.over:
         return {}
-    present = present_attributes(sweep)
+    present = _present(sweep)
     combinations = {tuple(entry["values"]): entry for entry in stored.get("scenes", [])}
     for variant in sweep.entries:
         scene = sweep.variant(variant)
@@ -116,7 +125,7 @@ def grown_entries(sweep: Sweep, stored: Mapping[str, Any]) -> dict[str, Any]:
             "values": list(values),
             "written": sweep.over.written(variant),
             "scene": _differing(describe(scene), stored["scene"]),
-            "attributes": _differing(present_attributes(scene), present),
+            "attributes": _differing(_present(scene), present),
         }
     return {"over": [axis.path for axis in sweep.over.axes], "scenes": [*combinations.values()]}
 

@@ -3,23 +3,14 @@
 from __future__ import annotations
 
 import asyncio
-import errno
-import os
-from collections.abc import Mapping
-from concurrent.futures import ThreadPoolExecutor
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from zarr.storage import LocalStore
 
+from pipeline.store import files
+
 if TYPE_CHECKING:
     from zarr.abc.buffer import Buffer
-
-PARTIAL = ".partial"
-"""Ending of the names of files that are being written."""
-
-_NO_SYNC = (errno.EINVAL, errno.EBADF, errno.ENOTSUP)  # some file systems cannot sync a folder
-_THREADS = 8  # that wait for the disk, which then writes several files in one go
 
 
 class Durable(LocalStore):
@@ -40,8 +31,7 @@ class Durable(LocalStore):
 
     async def set(self, key: str, value: Buffer) -> None:
         """Replace the content of a key."""
-        self._check_writable()
-        await asyncio.to_thread(replace_file, self.root / key, value.to_bytes())
+        await asyncio.to_thread(self.set_sync, key, value)
 
     async def set_if_not_exists(self, key: str, value: Buffer) -> None:
         """Set the content of a key that has none."""
@@ -51,60 +41,14 @@ class Durable(LocalStore):
     async def delete(self, key: str) -> None:
         """Remove a key."""
         await super().delete(key)
-        await asyncio.to_thread(sync, (self.root / key).parent)
+        await asyncio.to_thread(files.sync, (self.root / key).parent)
 
     def set_sync(self, key: str, value: Buffer) -> None:
         """Replace the content of a key."""
         self._check_writable()
-        replace_file(self.root / key, value.to_bytes())
+        files.replace_file(self.root / key, value.to_bytes())
 
     def delete_sync(self, key: str) -> None:
         """Remove a key."""
         super().delete_sync(key)
-        sync((self.root / key).parent)
-
-
-def replace_file(file: Path, content: bytes) -> None:
-    """Replace the content of a file at one stroke; return once that is on the disk.
-
-    Only one process and thread may replace a file at a time.
-    """
-    make_folder(file.parent)
-    partial = file.with_name(file.name + PARTIAL)
-    try:
-        with partial.open("wb") as stream:
-            stream.write(content)
-            stream.flush()
-            os.fsync(stream.fileno())
-        partial.replace(file)
-    except BaseException:
-        partial.unlink(missing_ok=True)
-        raise
-    sync(file.parent)
-
-
-def replace_files(root: Path, contents: Mapping[str, bytes]) -> None:
-    """Replace several files below a folder, side by side."""
-    with ThreadPoolExecutor(_THREADS) as threads:
-        files = [(root / key, content) for key, content in contents.items()]
-        list(threads.map(lambda file: replace_file(*file), files))
-
-
-def make_folder(folder: Path) -> None:
-    """Make a folder and those above it; return once their names are on the disk."""
-    if not folder.is_dir():
-        make_folder(folder.parent)
-        folder.mkdir(exist_ok=True)
-        sync(folder.parent)
-
-
-def sync(folder: Path) -> None:
-    """Wait until the names in a folder are on the disk, as far as its file system can tell."""
-    descriptor = os.open(folder, os.O_RDONLY)
-    try:
-        os.fsync(descriptor)
-    except OSError as error:
-        if error.errno not in _NO_SYNC:
-            raise
-    finally:
-        os.close(descriptor)
+        files.sync((self.root / key).parent)

@@ -14,11 +14,12 @@ import re
 import socket
 import tempfile
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-from pipeline.store.place import LOCK, Bucket, Folder, Place, StoreError
+from pipeline.store.files import make_folder
+from pipeline.store.place import LOCK, Bucket, Folder, Place, StoreError, writes
 
 try:
     import fcntl
@@ -33,58 +34,37 @@ _NO_LOCKS = (errno.ENOLCK, errno.EOPNOTSUPP, errno.ENOSYS, errno.EINVAL)
 
 @dataclass(frozen=True, slots=True)
 class Lock:
-    """A lock that this process holds.
-
-    Attributes
-    ----------
-    file : Path
-        File that is locked.
-    descriptor : int
-        Its open descriptor.
-    """
+    """A lock that this process holds: a file and its open descriptor."""
 
     file: Path
     descriptor: int
 
-    def is_in_place(self, file: Path) -> bool:
-        """True if the file of this lock still lies at a path."""
+    def is_in_place(self) -> bool:
+        """True if the file that was locked still lies at its path."""
         try:
-            return os.path.samestat(os.fstat(self.descriptor), file.stat())
+            return os.path.samestat(os.fstat(self.descriptor), self.file.stat())
         except FileNotFoundError:
             return False
 
 
 @contextmanager
-def held(place: Place) -> Iterator[Lock | None]:
+def held(place: Place) -> Iterator[Lock]:
     """Hold the lock of a store, at once or not at all.
 
-    Raises
-    ------
-    StoreError
-        If another process holds it, or the disk has no locks.
-    OSError
-        If the place cannot be written to.
+    Raise a `StoreError` if another process holds it, the disk has no locks, or the place cannot be
+    written to.
     """
     if fcntl is None:
         raise StoreError(
             "this system has no locks on files, which runs need; run on Linux or macOS, or within "
             "WSL on Windows; commands that only read a store work here"
         )
-    if isinstance(place, Folder):
-        with _locked(place.path / LOCK, str(place)) as lock:
-            yield lock
-        return
-    with _locked(_stand_in(place), str(place)):  # against others on this machine
-        content = _this_process()
-        if not place.create(LOCK, content):
-            holder = (place.read(LOCK) or b"").decode(errors="replace").strip()
-            if holder and not _is_here(holder):
-                raise _in_use(place, f"{holder} (if that has ended, delete {place}/{LOCK})")
-            place.put({LOCK: content})  # left behind by a process of this machine
-        try:
-            yield None
-        finally:
-            place.remove(LOCK)
+    with ExitStack() as stack:
+        with writes(place):
+            lock = stack.enter_context(_locked(_file(place), str(place)))
+            if isinstance(place, Bucket):
+                stack.enter_context(_created(place))
+        yield lock
 
 
 def holder_of(place: Place) -> str | None:
@@ -95,19 +75,17 @@ def holder_of(place: Place) -> str | None:
     if fcntl is None:
         return None
     try:
-        content = place.read(LOCK)
+        name = _complete(place.read(LOCK) or b"")
     except OSError:
         return None
-    name = _complete(content or b"")
     if name and not _is_here(name):
         return name
-    file = place.path / LOCK if isinstance(place, Folder) else _stand_in(place)
-    return (name or "another process") if _is_locked(file) else None
+    return (name or "another process") if _is_locked(_file(place)) else None
 
 
 @contextmanager
 def _locked(file: Path, store: str) -> Iterator[Lock]:
-    file.parent.mkdir(parents=True, exist_ok=True)
+    make_folder(file.parent)
     if os.path.lexists(file) and (file.is_symlink() or not file.is_file()):
         raise OSError(f"{file} is not a file; delete it")
     descriptor = os.open(file, os.O_RDWR | os.O_CREAT | _AS_IT_IS, 0o644)
@@ -138,6 +116,20 @@ def _locked(file: Path, store: str) -> Iterator[Lock]:
         os.close(descriptor)
 
 
+@contextmanager
+def _created(bucket: Bucket) -> Iterator[None]:
+    """Hold the lock of an object store, of which this process holds the stand-in."""
+    if not bucket.create(LOCK, _this_process()):
+        holder = (bucket.read(LOCK) or b"").decode(errors="replace").strip()
+        if holder and not _is_here(holder):
+            raise _in_use(str(bucket), f"{holder} (if that has ended, delete {bucket}/{LOCK})")
+        bucket.put({LOCK: _this_process()})  # left behind by a process of this machine
+    try:
+        yield
+    finally:
+        bucket.remove(LOCK)
+
+
 def _is_locked(file: Path) -> bool:
     try:
         descriptor = os.open(file, os.O_RDONLY | _AS_IT_IS)
@@ -154,13 +146,15 @@ def _is_locked(file: Path) -> bool:
     return False
 
 
-def _in_use(store: object, holder: str) -> StoreError:
+def _in_use(store: str, holder: str) -> StoreError:
     return StoreError(f"{store} is in use by {holder}; wait for it, or write to another store")
 
 
-def _stand_in(bucket: Bucket) -> Path:
-    """File that stands for the lock of an object store on this machine."""
-    digest = hashlib.sha256(bucket.address.encode()).hexdigest()[:16]
+def _file(place: Place) -> Path:
+    """File that is locked: one of the store, or on this machine one that stands for a bucket's."""
+    if isinstance(place, Folder):
+        return place.path / LOCK
+    digest = hashlib.sha256(place.address.encode()).hexdigest()[:16]
     return Path(tempfile.gettempdir()) / f"irg-{os.getuid()}-{digest}.lock"
 
 

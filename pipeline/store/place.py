@@ -11,8 +11,7 @@ from __future__ import annotations
 
 import errno
 import os
-import shutil
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
@@ -20,7 +19,8 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pipeline.store.schema import is_coordinate
+from pipeline.store.files import PARTIAL, make_folder, replace_files
+from pipeline.store.schema import COORDINATES, VARIABLES
 from tribo import TriboError
 
 if TYPE_CHECKING:
@@ -65,13 +65,7 @@ class StoreMismatchError(StoreError):
 
 @dataclass(frozen=True)
 class Folder:
-    """A folder of a disk.
-
-    Attributes
-    ----------
-    path : Path
-        Absolute path.
-    """
+    """A folder of a disk, by its absolute path."""
 
     path: Path
 
@@ -84,12 +78,6 @@ class Folder:
 
         return Durable(self.path, read_only=read_only)
 
-    def exists(self) -> bool:
-        """True if there is anything but an empty folder."""
-        if self.path.is_dir():
-            return any(self.path.iterdir())
-        return os.path.lexists(self.path) and self.path.exists()
-
     def read(self, key: str) -> bytes | None:
         """Content of a file; None if there is none."""
         file = self.path / key
@@ -101,48 +89,24 @@ class Folder:
 
     def put(self, contents: Mapping[str, bytes]) -> None:
         """Replace files; return once they are on the disk."""
-        from pipeline.store.durable import replace_files
-
         replace_files(self.path, contents)
 
-    def names(self, name: str) -> set[str]:
-        """Names of the files in the folder of an array."""
-        try:
-            with os.scandir(self.path / name) as entries:
-                return {entry.name for entry in entries if entry.is_file()}
-        except FileNotFoundError:
-            return set()
-
-    def all_names(self, names: Iterable[str]) -> dict[str, set[str]]:
-        """Names of the files in the folder of each array."""
-        return {name: self.names(name) for name in names}
-
-    def is_unfinished(self) -> bool:
-        """True if there is no folder, or one that a creation cut short has left."""
-        if not os.path.lexists(self.path):
-            return True
-        if self.path.is_symlink() or not self.path.is_dir():
-            return False
-        only_begun = {entry.name for entry in self.path.iterdir()} <= {Path(LOCK).parts[0]}
-        return only_begun or (self.path / LOCK).is_file()
-
-    def clear(self) -> None:
-        """Remove all but the lock."""
-        for entry in self.path.iterdir():
-            if entry.is_dir() and entry.name != Path(LOCK).parts[0]:
-                shutil.rmtree(entry)
-            elif not entry.is_dir():
-                entry.unlink()
+    def keys(self) -> set[str]:
+        """Names of all files in the folder and in those in it, but not of pipes."""
+        names: set[str] = set()
+        for entry in os.scandir(self.path) if self.path.exists() else ():
+            inner = os.scandir(entry) if entry.is_dir() else ()
+            names |= {f"{entry.name}/{i.name}" for i in inner if i.is_file() or i.is_dir()}
+            if not entry.is_dir():
+                names.add(entry.name)
+        return names
 
 
 @dataclass(frozen=True)
 class Bucket:
-    """A folder of an object store, whose objects are replaced at one stroke and safe then.
+    """A folder of an object store by its address, such as ``s3://bucket/sweep.zarr``.
 
-    Attributes
-    ----------
-    address : str
-        Address, such as ``s3://bucket/sweep.zarr``.
+    Its objects are replaced at one stroke, and safe then.
     """
 
     address: str
@@ -155,13 +119,6 @@ class Bucket:
         from zarr.storage import FsspecStore
 
         return FsspecStore.from_url(self.address, read_only=read_only, storage_options=_OPTIONS)
-
-    def exists(self) -> bool:
-        """True if there is more than the beginning of a store without points."""
-        return self.read(ROOT) is not None or any(
-            key != LOCK and not key.endswith(f"/{ROOT}") and not is_coordinate(key.split("/")[0])
-            for key in self._keys()
-        )
 
     def read(self, key: str) -> bytes | None:
         """Content of an object; None if there is none."""
@@ -177,23 +134,11 @@ class Bucket:
         with self._as_os_error():
             self._objects.pipe({self._key(key): content for key, content in contents.items()})
 
-    def names(self, name: str) -> set[str]:
-        """Names of the objects directly below the name of an array."""
+    def keys(self) -> set[str]:
+        """Names of all objects."""
         with self._as_os_error():
-            try:
-                listed = self._objects.ls(self._key(name), detail=False, refresh=True)
-            except FileNotFoundError:
-                return set()
-        return {address.rsplit("/", 1)[-1] for address in listed}
-
-    def all_names(self, names: Iterable[str]) -> dict[str, set[str]]:
-        """Names of the objects directly below the name of each array, by one listing of all."""
-        listed: dict[str, set[str]] = {name: set() for name in names}
-        for key in self._keys():
-            name, _, rest = key.partition("/")
-            if name in listed:
-                listed[name].add(rest)
-        return listed
+            listed = self._objects.find(self._key(""))
+        return {address.removeprefix(self._key("")) for address in listed}
 
     def create(self, key: str, content: bytes) -> bool:
         """Create an object unless there is one; return whether that was done."""
@@ -211,11 +156,6 @@ class Bucket:
         """Remove an object."""
         with self._as_os_error():
             self._objects.rm_file(self._key(key))
-
-    def _keys(self) -> list[str]:
-        with self._as_os_error():
-            listed = self._objects.find(self._key(""))
-        return [address.removeprefix(self._key("")) for address in listed]
 
     def _key(self, key: str) -> str:
         return f"{self.address.removeprefix(SCHEME)}/{key}"
@@ -245,13 +185,7 @@ Place = Folder | Bucket
 
 
 def place_of(path: PathLike) -> Place:
-    """Place of a store.
-
-    Raises
-    ------
-    StoreError
-        If the path can be none.
-    """
+    """Place of a store; raise a `StoreError` if the path can be none."""
     address = os.fspath(path)
     if address.startswith(SCHEME):
         if find_spec("s3fs") is None:
@@ -270,32 +204,59 @@ def place_of(path: PathLike) -> Place:
     return Folder(folder)
 
 
-def require_writable(path: PathLike) -> None:
-    """Refuse a place where no store can be made, before long work for it.
+def is_beginning(key: str) -> bool:
+    """True for what a creation cut short may leave: metadata, coordinates, the lock, but no root.
 
-    Raises
-    ------
-    StoreError
-        If the folder around it cannot be made or written.
+    Nothing is lost if a store is made over it.
     """
-    from pipeline.store.durable import make_folder
+    name, _, rest = key.removesuffix(PARTIAL).partition("/")
+    if name == ROOT:
+        return key != ROOT
+    if rest == ROOT:
+        return name in VARIABLES or "." in name  # the path of an entry of the scene
+    return key == LOCK or (rest.startswith("c.") and (name in COORDINATES or "." in name))
 
+
+def require_writable(path: PathLike) -> None:
+    """Refuse a place where no store can be made, before long work for it."""
     place = place_of(path)
     if isinstance(place, Bucket):
         return
-    try:
+    with writes(place):
         make_folder(place.path.parent)
         if not os.access(place.path.parent, os.W_OK):
             raise PermissionError("no permission to write to its folder")
+
+
+@contextmanager
+def writes(place: Place, advice: str = "") -> Iterator[None]:
+    """Turn an `OSError` into a `StoreError` that says why a place cannot be written."""
+    try:
+        yield
     except OSError as error:
-        raise unwritable(place, error) from error
+        above = place.path.parents if isinstance(place, Folder) else ()
+        in_the_way = (f"{folder} is a file, not a folder" for folder in above if folder.is_file())
+        reason = next(in_the_way, error.strerror or error)
+        raise StoreError(f"{place} cannot be written: {reason}{advice}") from error
 
 
-def unwritable(place: Place, error: OSError) -> StoreError:
-    """Error for a place that cannot be written, with the reason."""
-    above = place.path.parents if isinstance(place, Folder) else ()
-    in_the_way = (f"{folder} is a file, not a folder" for folder in above if folder.is_file())
-    return StoreError(f"{place} cannot be written: {next(in_the_way, error.strerror or error)}")
+@contextmanager
+def reads(place: Place, name: str) -> Iterator[None]:
+    """Turn an error of Zarr or its codecs on damaged data into a `StoreError` that names them."""
+    try:
+        yield
+    except (RuntimeError, ValueError, OSError) as error:
+        if is_lack_of_memory(error):  # nothing is damaged
+            raise
+        raise StoreError(damaged(place, name)) from error
+
+
+def damaged(place: Place, name: str) -> str:
+    """Message that data of a store cannot be read."""
+    return (
+        f"{place}: {name} cannot be read; irg verify names what is damaged, and repairs it with "
+        "--repair"
+    )
 
 
 def is_lack_of_memory(error: BaseException) -> bool:

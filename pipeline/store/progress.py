@@ -7,13 +7,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pipeline.store.lock import holder_of
-from pipeline.store.pace import pace
 from pipeline.store.place import PathLike, place_of
 from pipeline.store.root import read_root
 from pipeline.store.schema import DONE, FAILED, PENDING
 from pipeline.store.write import Store
 from pipeline.sweep.model import Point
 from pipeline.sweep.over import Variant
+from tribo.types import Array
+
+_RECENT = 200  # points, of which the rate is taken
+_BREAK = 20.0  # times the usual time between points, after which a run was interrupted
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,3 +129,23 @@ def summary(path: PathLike) -> Summary:
         warned=int(np.count_nonzero(warned)),
         running=holder_of(place),
     )
+
+
+def pace(finished: Array) -> float | None:
+    """Points per second, of the most recent ones and since the last interruption.
+
+    By the times at which points were finished [s], in any order; None if fewer than three tell.
+
+    Examples
+    --------
+    >>> pace(np.array([1000.0, 1002.0, 1004.0, 9000.0, 9000.5, 9001.0, 9001.5]))
+    2.0
+    """
+    times = np.sort(finished)[-_RECENT:]
+    gaps = np.diff(times)
+    if gaps.size:
+        (breaks,) = np.nonzero(gaps > _BREAK * max(np.median(gaps), np.finfo(float).tiny))
+        times = times[breaks[-1] + 1 :] if breaks.size else times
+    if times.size < 3 or times[-1] == times[0]:
+        return None
+    return float((times.size - 1) / (times[-1] - times[0]))

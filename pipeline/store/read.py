@@ -1,4 +1,4 @@
-"""A store as a dataset: xarray on Zarr, with points that are not done as NaN."""
+"""A store as a dataset: a backend of xarray, with points that are not done as NaN."""
 
 from __future__ import annotations
 
@@ -6,80 +6,59 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
-from xarray.backends import BackendArray
+from xarray.backends import BackendArray, BackendEntrypoint
 from xarray.core import indexing
 
-from pipeline.store.place import PathLike, StoreError, is_lack_of_memory, place_of
-from pipeline.store.points import missing_chunks
+from pipeline.store.layout import missing_chunks
+from pipeline.store.place import PathLike, StoreError, damaged, place_of, reads
 from pipeline.store.root import read_root
 from pipeline.store.schema import DONE, PENDING, RECORDS, is_coordinate
-from pipeline.store.write import DAMAGED, UNREADABLE
+from pipeline.store.write import Store
 from tribo.types import Mask
-
-_OF_ALL = ("status", "asked")
 
 
 def open_store(path: PathLike) -> xr.Dataset:
     """Open a store, which may be written to meanwhile, as it is now.
 
-    Parameters
-    ----------
-    path : str or path
-        Folder or address of the store.
-
-    Returns
-    -------
-    Dataset
-        Axes in the order of the store; attributes as plain data. Data are read when they are used.
-
-    Raises
-    ------
-    StoreError
-        If there is no readable store, or done points lack chunks.
+    Axes are in the order of the store, attributes plain data. Data are read when they are used.
+    Raise a `StoreError` if there is no readable store, or done points lack chunks.
     """
-    place = place_of(path)
-    root = read_root(place)
-    try:
-        ds = xr.open_zarr(
-            place.zarr(read_only=True),
-            chunks=None,
-            consolidated=True,
-            decode_cf=False,
-            zarr_format=3,  # or it looks for the files of format 2 too
-        )
-        ds = ds.set_coords([str(name) for name in ds.variables if is_coordinate(str(name))])
-        flags: NDArray[np.int8] = ds["status"].values
-        ds["asked"].load()
-    except (*UNREADABLE, KeyError, TypeError) as error:
-        if is_lack_of_memory(error):  # nothing is damaged
-            raise
-        raise StoreError(DAMAGED.format(place, "its axes or statuses")) from error
-    if ds.attrs["axes"] != root.axes:
-        return open_store(path)  # it has grown in between
-    for name in ds.coords:
-        if ds[name].values.tolist() != root.axes.get(str(name)):
-            raise StoreError(DAMAGED.format(place, f"the axis {name}"))
-    if missing := missing_chunks(place, root, flags):
-        names = ", ".join(sorted(missing))
-        raise StoreError(DAMAGED.format(place, names))
-    variables: dict[str, xr.Variable] = {}
-    for name in map(str, ds.data_vars):
-        if name not in _OF_ALL:
-            mask = flags != PENDING if name in RECORDS else flags == DONE
-            variables[name] = _where(ds[name].variable, mask, DAMAGED.format(place, name))
-    opened: xr.Dataset = ds.assign(variables).assign_attrs(root.attributes)
-    return opened
+    return xr.open_dataset(str(place_of(path)), engine=_Backend, chunks=None)
+
+
+class _Backend(BackendEntrypoint):
+    """Access of xarray to a store, whose axes and metadata are those of its root."""
+
+    def open_dataset(self, filename_or_obj: Any, *, drop_variables: Any = None) -> xr.Dataset:
+        """Open a store; no variable may be dropped."""
+        place = place_of(filename_or_obj)
+        store = Store(place, read_root(place))  # statuses first: a point that was done stays whole
+        done = store.flags == DONE
+        if missing := missing_chunks(place, store.arrays, done):
+            raise StoreError(damaged(place, ", ".join(sorted(missing))))
+        present: dict[str, Any] = {"status": store.flags, "asked": store.asked}
+        variables = {}
+        for name, array in store.arrays.items():
+            if is_coordinate(name):
+                present[name] = np.array(store.axes[name], array.dtype)
+            elif name not in present:
+                mask = store.flags != PENDING if name in RECORDS else done
+                present[name] = indexing.LazilyIndexedArray(_Masked(store, name, mask))
+            dims, attributes = array.metadata.dimension_names, array.metadata.attributes
+            variables[name] = xr.Variable(dims, present[name], attributes)
+        coords = {name: variables.pop(name) for name in [*variables] if is_coordinate(name)}
+        return xr.Dataset(variables, coords, store.attributes)
 
 
 class _Masked(BackendArray):
     """A variable of which the entries of some points alone are shown."""
 
-    def __init__(self, variable: xr.Variable, mask: Mask, fault: str, fill: Any) -> None:
-        # Text as Python's, since xarray writes no other to netCDF.
-        is_text = variable.dtype.kind == "T"
-        self.shape, self.dtype = variable.shape, np.dtype(object) if is_text else variable.dtype
-        self._variable, self._mask, self._fault, self._fill = variable, mask, fault, fill
+    def __init__(self, store: Store, name: str, mask: Mask) -> None:
+        self._place, self._name, self._mask = store.place, name, mask
+        self._array = store.arrays[name]
+        self.shape, self.dtype = self._array.shape, self._array.dtype
+        if self.dtype.kind == "T":  # text as Python's, since xarray writes no other to netCDF
+            self.dtype = np.dtype(object)
 
     def __getitem__(self, key: indexing.ExplicitIndexer) -> Any:
         return indexing.explicit_indexing_adapter(
@@ -88,24 +67,8 @@ class _Masked(BackendArray):
 
     def _read(self, key: tuple[Any, ...]) -> Any:
         """Read a part that is given by an orthogonal index."""
-        try:
-            values = np.array(self._variable[key].values, self.dtype)
-        except UNREADABLE as error:
-            if is_lack_of_memory(error):  # nothing is damaged
-                raise
-            raise StoreError(self._fault) from error
-        mask = xr.Variable(self._variable.dims[: self._mask.ndim], self._mask)
-        shown = mask[key[: self._mask.ndim]].values
-        values[~shown] = self._fill
+        with reads(self._place, self._name):
+            values = np.array(self._array.oindex[key], self.dtype)
+        mask = xr.Variable(self._array.metadata.dimension_names[: self._mask.ndim], self._mask)
+        values[~mask[key[: self._mask.ndim]].values] = self._array.fill_value
         return values
-
-
-def _where(variable: xr.Variable, mask: Mask, fault: str) -> xr.Variable:
-    """Show entries of a variable within a mask alone, and read them when they are used."""
-    kind = variable.dtype.kind
-    fill = np.nan if kind == "f" else 0 if kind in "iu" else ""
-    lazy = indexing.LazilyIndexedArray(_Masked(variable, mask, fault, fill))
-    # As xarray wraps what it opens itself: read once, and writable in memory.
-    writable = indexing.CopyOnWriteArray(lazy)  # type: ignore[arg-type]
-    cached = indexing.MemoryCachedArray(writable)  # type: ignore[no-untyped-call]
-    return xr.Variable(variable.dims, cached, variable.attrs)

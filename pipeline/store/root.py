@@ -10,7 +10,15 @@ import json
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
-from pipeline.store.place import ROOT, Folder, PathLike, Place, StoreError, place_of
+from pipeline.store.place import (
+    ROOT,
+    Folder,
+    PathLike,
+    Place,
+    StoreError,
+    is_beginning,
+    place_of,
+)
 from pipeline.store.schema import FORMAT
 
 _HASH = "root_hash"
@@ -34,19 +42,57 @@ class Root(NamedTuple):
 def read_root(place: Place) -> Root:
     """Read the root of a store.
 
-    Raises
-    ------
-    StoreError
-        If there is no store, or its root is lost, damaged or of another version.
+    Raise a `StoreError` if there is no store, or its root is lost, damaged or of another version.
     """
+    root = find_root(place)
+    if root is None and isinstance(place, Folder) and place.path.is_dir():
+        raise _no_store(place)
+    if root is None:
+        raise StoreError(f"{place} does not exist; give a store that irg run made")
+    return root
+
+
+def find_root(place: Place) -> Root | None:
+    """Read the root of a store; None if there is none, nor anything else; else as `read_root`."""
     if isinstance(place, Folder) and place.path.is_file():
         raise StoreError(f"{place} is a file, not a store; give a folder that irg run made")
     try:
         content = place.read(ROOT)
-        if content is None:
-            raise _nothing_at(place)
+        keys = place.keys() if content is None else set()
     except OSError as error:
         raise StoreError(f"{place} cannot be read: {error.strerror or error}") from error
+    if content is not None:
+        return _parsed(place, content)
+    if any(key.startswith("status/c.") for key in keys):
+        raise StoreError(f"{place} has lost its {ROOT}; {_ELSEWHERE}")
+    if not all(map(is_beginning, keys)):
+        raise _no_store(place)
+    return None
+
+
+def read_attributes(path: PathLike) -> dict[str, Any] | None:
+    """Attributes of a store; None if there is nothing at its place; else as `read_root`."""
+    root = find_root(place_of(path))
+    return root.attributes if root else None
+
+
+def root_document(attributes: Mapping[str, Any], arrays: Mapping[str, Any]) -> bytes:
+    """Content of the root, as Zarr consolidates it.
+
+    Zarr would write the attributes first and the metadata of the arrays later; a kill in between
+    would leave a root that describes no store.
+    """
+    document = {
+        "zarr_format": 3,
+        "node_type": "group",
+        "attributes": attributes,
+        _CONSOLIDATED: {"kind": "inline", "must_understand": False, "metadata": arrays},
+    }
+    document["attributes"] = {**attributes, _HASH: _hash(document)}
+    return json.dumps(document, allow_nan=False).encode()
+
+
+def _parsed(place: Place, content: bytes) -> Root:
     try:
         root = json.loads(content)
         attributes, arrays = root["attributes"], root[_CONSOLIDATED]["metadata"]
@@ -67,45 +113,11 @@ def read_root(place: Place) -> Root:
     return Root(attributes, arrays)
 
 
-def root_document(attributes: Mapping[str, Any], arrays: Mapping[str, Any]) -> bytes:
-    """Content of the root, as Zarr consolidates it.
-
-    Zarr would write the attributes first and the metadata of the arrays later; a kill in between
-    would leave a root that describes no store.
-    """
-    document = {
-        "zarr_format": 3,
-        "node_type": "group",
-        "attributes": attributes,
-        _CONSOLIDATED: {"kind": "inline", "must_understand": False, "metadata": arrays},
-    }
-    document["attributes"] = {**attributes, _HASH: _hash(document)}
-    return json.dumps(document, allow_nan=False).encode()
-
-
-def read_attributes(path: PathLike) -> dict[str, Any] | None:
-    """Attributes of a store; None if there is nothing at its place.
-
-    Raises
-    ------
-    StoreError
-        If there is something else, or the store cannot be read.
-    """
-    place = place_of(path)
-    return read_root(place).attributes if place.exists() else None
-
-
 def _hash(document: Mapping[str, Any]) -> str:
     return hashlib.sha256(json.dumps(document, sort_keys=True).encode()).hexdigest()
 
 
-def _nothing_at(place: Place) -> StoreError:
-    """Error for a place without a root, by what there is instead."""
-    is_empty = isinstance(place, Folder) and place.path.is_dir()
-    if not place.exists() and not is_empty:
-        return StoreError(f"{place} does not exist; give a store that irg run made")
-    if place.names("status"):
-        return StoreError(f"{place} has lost its {ROOT}; {_ELSEWHERE}")
+def _no_store(place: Place) -> StoreError:
     return StoreError(
         f"{place} is not a store: there is no {ROOT}; give a folder that irg run made, or to run a "
         "scene into, one that is not there yet"

@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-import json
-import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any, NamedTuple
 
-import numpy as np
-
+from pipeline.sweep.model import Sweep
 from tribo import WarningKind
 
 FORMAT = 1
@@ -177,184 +174,37 @@ def is_coordinate(name: str) -> bool:
     return name in COORDINATES or name not in VARIABLES
 
 
-def variables(
-    leading: Sequence[str],
-    with_fields: bool,
-    of_bulks: bool,
-    of_rates: bool,
-    inputs: Mapping[str, str],
-    over: Mapping[str, str | None],
-) -> dict[str, Variable]:
-    """Variables of a store.
-
-    Parameters
-    ----------
-    leading : sequence of str
-        Dimensions in front of load and velocity.
-    with_fields : bool
-        True to keep the fields at the end of each point.
-    of_bulks : bool
-        True if the bodies differ in bulk temperature.
-    of_rates : bool
-        True if the points answer for several wear rates.
-    inputs : mapping
-        Unit of each input that is drawn, by its path in the scene.
-    over : mapping
-        Unit of each entry with several values, by its path; None for words.
-    """
-    absent = {name for name in LEADING if name not in leading}
-    if not with_fields:
-        absent |= {"x", "y", *AT_END}
-    if not of_bulks:
-        absent |= {"bulk_ratio", *BULK_COLUMNS, *BULK_FIELDS}
-    if not of_rates:
-        absent |= {"wear_rate", *RATE_COLUMNS}
-    present = {name: variable for name, variable in VARIABLES.items() if name not in absent}
-    # Each sample has one velocity.
-    absent_dims = {"velocity"} if "sample" in leading else set[str]()
-    dims = {
-        name: (*leading, *(dim for dim in variable.dims if dim not in absent_dims))
-        for name, variable in present.items()
-    }
-    table = {
-        name: variable if name in COORDINATES else variable._replace(dims=dims[name])
-        for name, variable in present.items()
-    }
-    if "sample" in leading:
-        table["velocity"] = _VELOCITY
-    entries = {
-        path: Variable((path,), unit, f"{path} of the scene", "str" if unit is None else "float64")
-        for path, unit in over.items()
-    }
-    return entries | {path: _INPUT._replace(units=unit) for path, unit in inputs.items()} | table
-
-
-def block_of(sizes: Mapping[str, int], bytes_of_a_point: int) -> dict[str, int]:
-    """Points in a chunk along each dimension that tells points apart.
-
-    These are some hundred points, fewer where they are large: all loads, which one task computes
-    after the other, then neighbouring velocities, then surfaces or samples.
-
-    Parameters
-    ----------
-    sizes : mapping
-        Points along each of these dimensions.
-    bytes_of_a_point : int
-        Size of a point in the largest variable [B].
-
-    Examples
-    --------
-    >>> block_of({"load": 12, "velocity": 30}, 6000)
-    {'load': 12, 'velocity': 30}
-    >>> block_of({"load": 12, "velocity": 8334}, 2880)
-    {'load': 12, 'velocity': 85}
-    >>> block_of({"sample": 1000, "load": 4}, 1200)
-    {'sample': 256, 'load': 4}
-    """
-    room = min(max(_LARGEST // bytes_of_a_point, _FEWEST), _MOST)
-    block = dict.fromkeys(sizes, 1)
-    block["load"] = min(sizes["load"], room)
-    if "velocity" in sizes:  # to which a search adds others later
-        block["velocity"] = max(1, min(max(sizes["velocity"], 16), room // block["load"]))
-    for name in set(sizes) - {"load", "velocity"}:
-        block[name] = max(1, min(sizes[name], room // math.prod(block.values())))
-    return block
-
-
-_LARGEST = 2**22  # bytes of a chunk
-_FEWEST, _MOST = 64, 1024  # points in a chunk
-_GROWING = 4096  # entries in a chunk of a coordinate that grows
-
-
-def documents(
-    wanted: Mapping[str, Variable],
-    axes: Mapping[str, list[float]],
-    block: Mapping[str, int],
-) -> dict[str, bytes]:
-    """Metadata of the arrays of a store and the chunks of its coordinates, as Zarr writes them.
-
-    Parameters
-    ----------
-    wanted : mapping
-        Variables of the store.
-    axes : mapping
-        Values along each dimension, and of each input.
-    block : mapping
-        Points in a chunk along each dimension that tells points apart, and the steps in one.
-
-    Returns
-    -------
-    dict
-        Contents of keys.
-    """
-    import zarr
-    from zarr.codecs import ZstdCodec
-    from zarr.storage import MemoryStore
-
-    memory: dict[str, Any] = {}
-    group = zarr.open_group(MemoryStore(memory), mode="w")
-    for name, variable in wanted.items():
-        shape = [len(axes[dim]) for dim in variable.dims]
-        chunks = {**dict(zip(variable.dims, shape, strict=True)), **block}
-        if is_coordinate(name):
-            chunks |= {dim: _GROWING for dim in variable.dims if dim == "step" or is_of_points(dim)}
-        elif name in AT_END:
-            chunks |= {dim: 1 for dim in variable.dims if is_of_points(dim)}
-        is_real = variable.dtype.startswith("float")
-        units = {} if variable.units is None else {"units": variable.units}
-        array = group.create_array(
-            name,
-            shape=shape,
-            chunks=tuple(chunks[dim] for dim in variable.dims),
-            dtype=str if variable.dtype == "str" else variable.dtype,
-            fill_value="" if variable.dtype == "str" else np.nan if is_real else 0,
-            compressors=ZstdCodec(**COMPRESSION),
-            dimension_names=variable.dims,
-            attributes={"long_name": variable.long_name, **units, **variable.attributes},
-            chunk_key_encoding={"name": "default", "separator": "."},
-        )
-        if is_coordinate(name):
-            array[:] = np.array(axes[name], variable.dtype)
-    memory.pop("zarr.json")
-    return {key: content.to_bytes() for key, content in memory.items()}
-
-
-def metadata_of(documents: Mapping[str, bytes]) -> dict[str, Any]:
-    """Metadata of each array, by its name."""
-    ending = "/zarr.json"
-    return {
-        key.removesuffix(ending): json.loads(content)
-        for key, content in documents.items()
-        if key.endswith(ending)
-    }
-
-
-def chunk_name(numbers: Iterable[int]) -> str:
-    """Name of a chunk in the folder of its array.
-
-    Examples
-    --------
-    >>> chunk_name((0, 2))
-    'c.0.2'
-    """
-    return ".".join(map(str, ("c", *numbers)))
-
-
-def chunks_of(array: Mapping[str, Any]) -> list[int]:
-    """Sizes of an array's chunks, by its metadata."""
-    sizes: list[int] = array["chunk_grid"]["configuration"]["chunk_shape"]
-    return sizes
-
-
-def bytes_of_a_point(wanted: Mapping[str, Variable], axes: Mapping[str, list[float]]) -> int:
-    """Size of a point in the largest variable that points share chunks of [B]."""
-    return max(
-        8 * math.prod(len(axes[dim]) for dim in variable.dims if not is_of_points(dim))
-        for name, variable in wanted.items()
-        if name in STEPPED
-    )
-
-
 def is_of_points(dim: str) -> bool:
     """True if a dimension tells points apart."""
     return dim not in ("step", "quantile", "bulk_ratio", "wear_rate", "x", "y")
+
+
+def variables_of(sweep: Sweep, with_fields: bool) -> dict[str, Variable]:
+    """Variables of the store of a sweep, with fields at the end of each point or without."""
+    absent = {name for name in LEADING if name not in sweep.axes}
+    if not with_fields:
+        absent |= {"x", "y", *AT_END}
+    if not sweep.unequal_bulks:
+        absent |= {"bulk_ratio", *BULK_COLUMNS, *BULK_FIELDS}
+    if not sweep.rates:
+        absent |= {"wear_rate", *RATE_COLUMNS}
+    table: dict[str, Variable] = {}
+    for axis in sweep.over.axes if sweep.over else ():
+        dtype = "str" if axis.unit is None else "float64"
+        table[axis.path] = Variable((axis.path,), axis.unit, f"{axis.path} of the scene", dtype)
+    for unknown in sweep.samples.design.inputs if sweep.samples else ():
+        table[unknown.path] = _INPUT._replace(units=unknown.unit)
+    for name, variable in VARIABLES.items():
+        if name in COORDINATES and name not in absent:
+            table[name] = variable
+        elif name not in absent:
+            table[name] = variable._replace(dims=_dims(sweep, variable))
+    if sweep.samples:
+        table["velocity"] = _VELOCITY
+    return table
+
+
+def _dims(sweep: Sweep, variable: Variable) -> tuple[str, ...]:
+    """Dimensions of a variable of points, with those in front; each sample has one velocity."""
+    without = {"velocity"} if sweep.samples else set[str]()
+    return (*sweep.axes, *(dim for dim in variable.dims if dim not in without))

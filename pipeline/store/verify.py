@@ -8,20 +8,20 @@ checksum, a message from these kinds, and times are unknown.
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from pipeline.store.create import repairing
 from pipeline.store.identity import checksum, record_checksum
+from pipeline.store.layout import Slices, blocks, chunk_key, missing_chunks
 from pipeline.store.place import ROOT, PathLike, StoreError, place_of
-from pipeline.store.points import Slices, missing_chunks
-from pipeline.store.root import Root, read_root
-from pipeline.store.schema import AT_END, DONE, PENDING, STEPPED, chunk_name, is_coordinate
-from pipeline.store.write import ABOUT, Store
+from pipeline.store.root import read_root
+from pipeline.store.schema import AT_END, DONE, PENDING, STEPPED, is_coordinate
+from pipeline.store.write import ABOUT, Store, told_of
 from pipeline.sweep.model import Point
 from pipeline.sweep.over import Variant
 from pipeline.sweep.plan import PointRecord
@@ -131,177 +131,157 @@ def examined(
 ) -> Verification:
     """Read all of an open store; see `verify_store`."""
     shared = [*_shared_faults(store, repair)]
-    unknown = _on_disk(store, "checksum")
-    unknown &= ~_on_disk(store, "status") | store.unreadable["status"]
+    keys = store.place.keys()
+    # Points that have data, but whose status was lost.
+    unknown = _on_disk(store, "checksum", keys)
+    unknown &= ~_on_disk(store, "status", keys) | store.unreadable["status"]
     is_there = (store.flags != PENDING) | unknown
-    missing = missing_chunks(
-        store.place,
-        Root(store.attributes, store.metadata),
-        np.where(is_there, DONE, PENDING).astype(np.int8),
-    )
+    missing = missing_chunks(store.place, store.arrays, is_there)
     if "asked" in missing:
         store.unreadable["asked"] |= missing["asked"]
     for name, kind in (("status", "statuses"), ("asked", "points that the last run asked for")):
         if store.unreadable[name].any():
             shared.append(f"the {kind} are damaged")
-    total, count, examinations = int(np.count_nonzero(store.flags == DONE)), 0, []
-    for _, block in store.blocks(is_there | _on_disk(store, "message")):
-        gone = {name: mask[block] for name, mask in missing.items() if mask[block].any()}
-        examinations.append(_examined_block(store, block, unknown[block], gone))
+    total, count = int(np.count_nonzero(store.flags == DONE)), 0
+    lost: list[tuple[str, Slices]] = []
+    faults: list[_Fault] = []
+    complete: list[Point] = []
+    for block in store.blocks(is_there | _on_disk(store, "message", keys)):
+        shared_chunks = {name: _read(store, name, block, missing) for name in _together(store)}
+        lost += [(name, block) for name, values in shared_chunks.items() if values is None]
+        indices = np.argwhere(is_there[block]) + [part.start for part in block]
+        for point, index in zip(store.points_at(indices.T), map(tuple, indices), strict=True):
+            within = tuple(i - part.start for i, part in zip(index, block, strict=True))
+            entries = {
+                name: None if values is None else values[within]
+                for name, values in shared_chunks.items()
+            }
+            for name in store.arrays.keys() & AT_END.keys():
+                entries[name] = _read(store, name, index, missing)
+            fault = _fault(point, entries, bool(unknown[index] or store.flags[index] == DONE))
+            if fault and not unknown[index]:
+                faults.append(fault)
+            elif unknown[index] and not fault:
+                complete.append(point)
         count += int(np.count_nonzero(store.flags[block] == DONE))
         if progress:
             progress(count, total)
-    damaged = [point for examination in examinations for point in examination.damaged]
-    done = total - sum(map(store.is_done, damaged))
+    damaged = [fault for fault in faults if fault.record is None]
+    done = total - sum(store.is_done(fault.point) for fault in damaged)
     if repair:
-        for examination in examinations:
-            _repair(store, examination)
-        store.restore_flags()
+        _repair(store, lost, faults, complete)
         done = int(np.count_nonzero(store.flags == DONE))
     return Verification(
         done=done,
-        damaged=_damages(examination.damaged for examination in examinations),
-        records=_damages(examination.records for examination in examinations),
+        damaged=tuple(fault.as_damage() for fault in damaged),
+        records=tuple(fault.as_damage() for fault in faults if fault.record),
         shared=tuple(shared),
-        without_status=tuple(
-            point for examination in examinations for point in examination.complete
-        ),
+        without_status=tuple(complete),
         repaired=repair,
     )
 
 
-class _Examination(NamedTuple):
-    """Points that share chunks: their damage by its reason, and those that lack a status alone."""
+class _Fault(NamedTuple):
+    """Fault of a point, and what is told of it anew if its data are intact."""
 
-    block: Slices
-    lost: list[str]
-    damaged: dict[Point, str]
-    records: dict[Point, str]
-    restored: dict[Point, PointRecord]
-    complete: list[Point]
+    point: Point
+    reason: str
+    record: PointRecord | None
+
+    def as_damage(self) -> Damage:
+        return Damage(self.point.load, self.point.velocity, self.reason, self.point.variant)
 
 
-def _on_disk(store: Store, name: str) -> Mask:
+def _on_disk(store: Store, name: str, keys: set[str]) -> Mask:
     """Points whose chunk of a small variable is on the disk."""
-    names = store.place.names(name)
-    mask = np.zeros(store.shape, bool)
-    for chunk, block in store.blocks(~mask):
-        mask[block] = chunk_name(chunk) in names
+    mask = np.zeros(store.flags.shape, bool)
+    for numbers, block in blocks(~mask, store.arrays[name].chunks):
+        mask[block] = chunk_key(name, numbers) in keys
     return mask
 
 
-def _examined_block(
-    store: Store, block: Slices, unknown: Mask, missing: Mapping[str, Mask]
-) -> _Examination:
-    values: dict[str, NDArray[Any]] = {}
-    lost = []
-    for name in set(store.names) - set(AT_END) - {"status", "asked"}:
-        try:
-            if name in missing:
-                raise StoreError
-            values[name] = store.read(name, block)
-        except StoreError:
-            lost.append(name)
-    examination = _Examination(block, lost, {}, {}, {}, [])
-    flags = np.where(unknown, DONE, store.flags[block])
-    places = np.argwhere(flags != PENDING)
-    first = [part.start for part in block]
-    for within, point in zip(places.tolist(), store.points_at((places + first).T), strict=True):
-        index = tuple(within)
-        entries = {name: array[index] for name, array in values.items()}
-        gone = {name for name in AT_END if name in missing and missing[name][index]}
-        is_done = flags[index] == DONE
-        record, fault = _record(point, entries, is_done)
-        fault_of_data = _fault_of_data(store, point, entries, gone) if is_done else None
-        if unknown[index]:
-            if not (fault or fault_of_data):
-                examination.complete.append(point)
-        elif fault_of_data or (fault and record is None):
-            examination.damaged[point] = fault_of_data or fault or ""
-        elif fault and record:
-            examination.records[point], examination.restored[point] = fault, record
-    return examination
+def _together(store: Store) -> list[str]:
+    """Variables of which points share chunks, besides their statuses."""
+    others = {*AT_END, "status", "asked"}
+    return [name for name in store.arrays if not is_coordinate(name) and name not in others]
 
 
-def _record(
-    point: Point, entries: Mapping[str, Any], is_done: bool
-) -> tuple[PointRecord | None, str | None]:
-    """Record of a point, as far as it can be read or follows from the rest, and its fault."""
-    if fault := _unreadable(name for name in (*ABOUT, "record_checksum") if name not in entries):
-        return _restored(point, entries, is_done), fault
+def _read(store: Store, name: str, points: Any, missing: Mapping[str, Mask]) -> Any:
+    """Values of points; None if a chunk of theirs is lost."""
+    if name in missing and missing[name][points].any():
+        return None
+    try:
+        return store.read(name, points)
+    except StoreError:
+        return None
+
+
+def _fault(point: Point, entries: Mapping[str, Any], is_done: bool) -> _Fault | None:
+    """Fault of a point by its entries, of which lost ones are None; None without a fault."""
+    if is_done and (reason := _fault_of_data(point, entries)):
+        return _Fault(point, reason, None)
+    if lost := [name for name in (*ABOUT, "record_checksum") if entries[name] is None]:
+        return _Fault(point, _unreadable(lost), _restored(point, entries, is_done))
     message, kinds, *times = (entries[name] for name in ABOUT)
     record = PointRecord(point, None, str(message), int(kinds), *map(float, times))
     is_sound = entries["record_checksum"] == record_checksum(record)
-    return (record, None) if is_sound else (None, _OTHER)
+    return None if is_sound else _Fault(point, _OTHER, None)
+
+
+def _fault_of_data(point: Point, entries: Mapping[str, Any]) -> str | None:
+    data = {name: entries[name] for name in entries.keys() & {*STEPPED, *AT_END}}
+    needed = data | {"checksum": entries["checksum"]}
+    if lost := sorted(name for name, values in needed.items() if values is None):
+        return _unreadable(lost)
+    steps = np.count_nonzero(np.isfinite(data["time"]))
+    data |= {name: data[name][:steps] for name in data.keys() & STEPPED.keys()}
+    return None if entries["checksum"] == checksum(point, data) else _OTHER
 
 
 def _restored(point: Point, entries: Mapping[str, Any], is_done: bool) -> PointRecord | None:
-    message, kinds = entries.get("message"), int(entries.get("warning_flags", -1))
-    times = [float(entries.get(name, np.nan)) for name in ("wall_time", "finished_at")]
-    if kinds < 0 and message != "":
+    """Record of a point from what is left of it; None if its warnings are lost for good."""
+    message, kinds, *times = (entries[name] for name in ABOUT)
+    times = [math.nan if moment is None else float(moment) for moment in times]
+    if kinds is None and message != "":
         every = (
             PointRecord(point, None, str(message or ""), number, *times)
             for number in range(2 * max(WarningKind))
         )
-        expected = entries.get("record_checksum")
+        expected = entries["record_checksum"]
         return next((record for record in every if record_checksum(record) == expected), None)
+    kinds = int(kinds or 0)
     if message is None:
         labels = ", ".join(kind.label for kind in WarningKind if kind & kinds)
         message = _LOST.format(labels) if labels else "" if is_done else _LOST_REASON
-    return PointRecord(point, None, str(message), max(kinds, 0), *times)
+    return PointRecord(point, None, str(message), kinds, *times)
 
 
-def _fault_of_data(
-    store: Store, point: Point, entries: Mapping[str, Any], gone: set[str]
-) -> str | None:
-    data: dict[str, NDArray[Any]] = {}
-    lost = [name for name in (*STEPPED, "checksum") if name in store.arrays.keys() - entries.keys()]
-    for name in store.arrays.keys() & AT_END.keys():
-        try:
-            if name in gone:
-                raise StoreError
-            data[name] = store.read(name, store.index(point))
-        except StoreError:
-            lost.append(name)
-    if lost:
-        return _unreadable(sorted(lost))
-    steps = np.count_nonzero(np.isfinite(entries["time"]))
-    data |= {name: entries[name][:steps] for name in STEPPED if name in entries}
-    return None if entries["checksum"] == checksum(point, data) else _OTHER
+def _unreadable(names: Iterable[str]) -> str:
+    return f"{', '.join(names)} cannot be read"
 
 
-def _unreadable(names: Iterable[str]) -> str | None:
-    lost = ", ".join(names)
-    return f"{lost} cannot be read" if lost else None
-
-
-def _damages(reasons: Iterable[Mapping[Point, str]]) -> tuple[Damage, ...]:
-    return tuple(
-        Damage(point.load, point.velocity, reason, point.variant)
-        for damage in reasons
-        for point, reason in damage.items()
-    )
-
-
-def _repair(store: Store, examination: _Examination) -> None:
+def _repair(
+    store: Store,
+    lost: Iterable[tuple[str, Slices]],
+    faults: Iterable[_Fault],
+    complete: Iterable[Point],
+) -> None:
     """Make damaged points pending, and write anew what is told of the others."""
-    for name in examination.lost:
-        store.arrays[name][examination.block] = store.arrays[name].fill_value
-    for point in examination.damaged:
+    for name, block in lost:
+        store.arrays[name][block] = store.arrays[name].fill_value
+    damaged = [fault.point for fault in faults if fault.record is None]
+    for point in damaged:
         for name in store.arrays.keys() & AT_END.keys():
             store.arrays[name][store.index(point)] = store.arrays[name].fill_value
-    values = {
-        store.index(point): {name: getattr(record, name) for name in ABOUT}
-        | {"record_checksum": record_checksum(record)}
-        for point, record in examination.restored.items()
-    }
-    store.write(values, {store.index(point): DONE for point in examination.complete})
-    store.forget(examination.damaged)
+    values = {store.index(fault.point): told_of(fault.record) for fault in faults if fault.record}
+    store.write(values, {store.index(point): DONE for point in complete})
+    store.forget(damaged)
+    store.restore_marks()
 
 
 def _shared_faults(store: Store, repair: bool) -> Iterator[str]:
     """Faults of coordinates and metadata, which are restored from the root if so desired."""
-    for name, expected in store.metadata.items():
+    for name, expected in store.root.arrays.items():
         key = f"{name}/{ROOT}"
         if not _is_same(store.place.read(key), expected):
             yield f"the metadata of {name} are damaged"

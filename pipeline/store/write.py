@@ -1,4 +1,4 @@
-"""The writer of a store: one process, which commits the results of many points together.
+"""A store, which one process writes: it commits the results of many points together.
 
 Data are written first, the status last: a status of done means that all of a point is on the disk.
 Chunks hold some hundred points, and are replaced whole with their other points as they were. They
@@ -7,140 +7,126 @@ never move, so a reader sees each point either as it was or as it is.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+import itertools
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from dataclasses import replace
 from datetime import UTC, datetime
 from typing import Any
 
 import numpy as np
-import zarr
 from numpy.typing import NDArray
-from zarr.storage import StorePath
 
+from pipeline.store.files import THREADS
 from pipeline.store.identity import record_checksum
+from pipeline.store.layout import Slices, arrays_of, blocks, chunk_key
 from pipeline.store.lock import Lock
 from pipeline.store.packing import packed
-from pipeline.store.place import (
-    LOCK,
-    ROOT,
-    Bucket,
-    Folder,
-    Place,
-    StoreError,
-    is_lack_of_memory,
-    unwritable,
-)
-from pipeline.store.points import Places, Slices
+from pipeline.store.place import LOCK, ROOT, Folder, Place, StoreError, reads, writes
 from pipeline.store.root import Root, root_document
-from pipeline.store.schema import (
-    DONE,
-    FAILED,
-    PENDING,
-    STEPPED,
-    chunk_name,
-    chunks_of,
-    is_coordinate,
-)
-from pipeline.sweep.model import Point
+from pipeline.store.schema import DONE, FAILED, PENDING, STEPPED
+from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import PointRecord
-from tribo.types import Mask
+from tribo.types import Indices, Mask
 
-_THREADS = 8  # that wait for the disk, which then writes several files in one go
 _LONGEST = 2000  # characters of a message, which somebody is to read
 ABOUT = ("message", "warning_flags", "wall_time", "finished_at")
 """Variables with what is told about a point."""
-UNREADABLE = (RuntimeError, ValueError, OSError)
-"""Errors of Zarr and its codecs on damaged chunks."""
-DAMAGED = "{}: {} cannot be read; irg verify names what is damaged, and repairs it with --repair"
 
 _Index = tuple[int, ...]
 
 
-class Store(Places):
-    """A store to which this process alone writes.
+class Store:
+    """A store, and the places of its points in it.
 
-    Parameters
-    ----------
-    place : Folder or Bucket
-    root : Root
-    lock : Lock, optional
-        Lock that this process holds on it; without, it is only read.
-    is_damaged : bool, optional
-        True to take statuses that cannot be read as pending.
+    It is written by the process that holds its lock, else only read. Statuses that cannot be read
+    are an error, or taken as pending if it may be damaged.
 
     Attributes
     ----------
-    flags : ndarray of int
-        Status of each point.
-    asked : ndarray of int
-        1 for each point that the last run asked for.
+    attributes, axes, arrays : dict
+        Attributes, values along each dimension, and Zarr's arrays, all by the root.
+    dims : tuple of str
+        Dimensions that tell points apart.
+    flags, asked : ndarray of int
+        Status of each point, and 1 for each that the last run asked for.
     unreadable : dict of ndarray of bool
         Points of which these two cannot be read, by the names ``status`` and ``asked``.
-
-    Raises
-    ------
-    StoreError
-        If the statuses cannot be read.
     """
 
     def __init__(
-        self,
-        place: Place,
-        root: Root,
-        lock: Lock | None = None,
-        is_damaged: bool = False,
+        self, place: Place, root: Root, lock: Lock | None = None, is_damaged: bool = False
     ) -> None:
-        super().__init__(root)
-        self.place, self.lock = place, lock
-        is_written = lock is not None or isinstance(place, Bucket)
-        self.arrays = arrays_of(place, root.arrays, read_only=not is_written)
+        self.place, self.root, self.lock = place, root, lock
+        self.attributes, self.axes = root.attributes, root.axes
+        self.arrays = arrays_of(place, root.arrays, read_only=lock is None)
+        status = self.arrays["status"]
+        self.dims: tuple[str, ...] = status.metadata.dimension_names
+        self._block: tuple[int, ...] = status.chunks
+        self._numbers = [
+            {value: number for number, value in enumerate(self.axes[name])} for name in self.dims
+        ]
         self.unreadable: dict[str, Mask] = {}
         self.flags = self._whole("status", is_damaged)
         self.asked = self._whole("asked", is_damaged)
 
+    # Places of points
+
     @property
-    def names(self) -> list[str]:
-        """Variables of points."""
-        return [name for name in self.arrays if not is_coordinate(name)]
+    def leading(self) -> tuple[str, ...]:
+        """Dimensions in front of load and velocity."""
+        return self.dims[: self.dims.index("load")]
 
-    def _whole(self, name: str, is_damaged: bool) -> NDArray[np.int8]:
-        """All of a small variable; fill values where a chunk is damaged, if any may be."""
-        self.unreadable[name] = np.zeros(self.shape, bool)
-        try:
-            values: NDArray[np.int8] = self.read(name, ...)
-        except StoreError:
-            if not is_damaged:
-                raise
-            values = np.zeros(self.shape, np.int8)
-            for _, block in self.blocks(values == 0):
-                try:
-                    values[block] = self.read(name, block)
-                except StoreError:
-                    self.unreadable[name][block] = True
-        return values
+    def index(self, point: Point) -> _Index:
+        """Place of a point."""
+        values = dict(point.variant) | {"load": point.load, "velocity": point.velocity}
+        return tuple(
+            numbers[values[name]] for name, numbers in zip(self.dims, self._numbers, strict=True)
+        )
 
-    def restore_flags(self) -> None:
-        """Write anew where statuses and points that were asked for cannot be read."""
-        self.asked[self.unreadable["asked"] & (self.flags != PENDING)] = 1
-        for name, values in (("status", self.flags), ("asked", self.asked)):
-            for _, block in self.blocks(self.unreadable[name]):
-                self.arrays[name][block] = values[block]
+    def points_at(self, where: Sequence[Indices]) -> list[Point]:
+        """Points at places that are given by their indices along each dimension."""
+        axes = {
+            name: np.array(self.axes[name], dtype=object)[along].tolist()
+            for name, along in zip(self.dims, where, strict=True)
+        }
+        if "sample" in self.leading:  # each of which has one velocity
+            velocities = np.array(self.axes["velocity"], dtype=object)
+            axes["velocity"] = velocities[where[0]].tolist()
+        columns = [axes[name] for name in self.leading]
+        values = zip(*columns, strict=True) if columns else itertools.repeat(())
+        variants = (tuple(zip(self.leading, row, strict=True)) for row in values)
+        return list(map(Point, axes["load"], axes["velocity"], variants))
+
+    def asked_by(self, sweep: Sweep) -> Mask:
+        """Mask of the points that a sweep asks for."""
+        mask = np.zeros(self.flags.shape, bool)
+        if sweep.chosen is not None:
+            for point in sweep.chosen:
+                mask[self.index(point)] = True
+            return mask
+        wanted: dict[str, Iterable[Any]] = {
+            "load": sweep.loads, "velocity": sweep.velocities, **sweep.axes
+        }  # fmt: skip
+        rows = [
+            [numbers[value] for value in wanted[name]]
+            for name, numbers in zip(self.dims, self._numbers, strict=True)
+        ]
+        mask[np.ix_(*rows)] = True
+        return mask
+
+    def blocks(self, mask: Mask) -> Iterator[Slices]:
+        """Slices of points that share chunks, where they hold any point of a mask."""
+        for _, block in blocks(mask, self._block):
+            yield block
+
+    # What is read
 
     def read(self, name: str, key: Any) -> Any:
-        """Read a part of a variable.
-
-        Raises
-        ------
-        StoreError
-            If a chunk is damaged.
-        """
-        try:
+        """Read a part of a variable; raise a `StoreError` if a chunk is damaged."""
+        with reads(self.place, name):
             return self.arrays[name][key]
-        except UNREADABLE as error:
-            if is_lack_of_memory(error):  # nothing is damaged
-                raise
-            raise StoreError(DAMAGED.format(self.place, name)) from error
 
     def is_done(self, point: Point) -> bool:
         """True if a point is complete."""
@@ -154,166 +140,131 @@ class Store(Places):
         """Reason why a point failed, or its warnings."""
         return str(self.read("message", self.index(point)))
 
-    def commit(self, records: Iterable[PointRecord]) -> None:
-        """Put points on the disk: data first, then statuses.
+    def _whole(self, name: str, is_damaged: bool) -> NDArray[np.int8]:
+        """All of a small variable; zeros where a chunk is damaged, if any may be."""
+        shape = self.arrays[name].shape
+        self.unreadable[name] = np.zeros(shape, bool)
+        try:
+            values: NDArray[np.int8] = self.read(name, ...)
+        except StoreError:
+            if not is_damaged:
+                raise
+            values = np.zeros(shape, np.int8)
+            for block in self.blocks(values == 0):
+                try:
+                    values[block] = self.read(name, block)
+                except StoreError:
+                    self.unreadable[name][block] = True
+        return values
 
-        Raises
-        ------
-        StoreError
-            If they cannot be written, or the lock was lost.
-        """
-        values = {self.index(record.point): self._values(record) for record in records}
-        self.write(values, {index: data.pop("status") for index, data in values.items()})
+    # What is written: all of it raises a `StoreError` if it fails, or the lock was lost
+
+    def commit(self, records: Iterable[PointRecord]) -> None:
+        """Put points on the disk: data first, then statuses."""
+        values, statuses = {}, {}
+        for record in records:
+            # Names of files in a message may be no text.
+            message = record.message[:_LONGEST].encode(errors="backslashreplace").decode()
+            record = packed(replace(record, message=message))
+            index = self.index(record.point)
+            values[index] = told_of(record)
+            statuses[index] = FAILED
+            if record.data is not None:
+                values[index] |= {**record.data, "checksum": record.checksum}
+                statuses[index] = DONE
+        self.write(values, statuses)
 
     def note_worker(self, versions: Mapping[str, str]) -> None:
-        """Note, once, the versions of packages that a worker has; raise as `commit` does."""
+        """Note, once, the versions of packages that a worker has."""
         noted = self.attributes.setdefault("worker_versions", [])
         if any(entry["versions"] == versions for entry in noted):
             return
         since = datetime.now(UTC).isoformat(timespec="seconds")
         noted.append({"since": since, "versions": dict(versions)})
-        self._require_lock()
-        try:
-            self.place.put({ROOT: root_document(self.attributes, self.metadata)})
-        except OSError as error:
-            raise unwritable(self.place, error) from error
+        with self._writes():
+            self.place.put({ROOT: root_document(self.attributes, self.root.arrays)})
 
     def forget(self, points: Iterable[Point]) -> None:
-        """Make points pending again; raise as `commit` does."""
+        """Make points pending again."""
         self.write({}, {self.index(point): PENDING for point in points})
 
     def ask(self, wanted: Mask) -> None:
-        """Note which points this run asks for; raise as `commit` does."""
-        changed = map(tuple, np.argwhere(self.asked != wanted).tolist())
+        """Note which points this run asks for."""
+        changed = self.asked != wanted
         self.asked = wanted.astype(np.int8)
-        self._put_all({"asked": {index: self.asked[index] for index in changed}})
+        self._put_marks("asked", self.asked, changed)
+
+    def restore_marks(self) -> None:
+        """Write anew where statuses and points that were asked for cannot be read."""
+        self.asked[self.unreadable["asked"] & (self.flags != PENDING)] = 1
+        self._put_marks("status", self.flags, self.unreadable["status"])
+        self._put_marks("asked", self.asked, self.unreadable["asked"])
 
     def write(
-        self, values: Mapping[_Index, Mapping[str, Any]], flags: Mapping[_Index, int]
+        self, values: Mapping[_Index, Mapping[str, Any]], statuses: Mapping[_Index, int]
     ) -> None:
         """Write values of points by name, and once they are on the disk statuses."""
-        by_name: dict[str, dict[_Index, Any]] = {}
-        chunks: dict[str, bytes] = {}
-        for index, record in values.items():
-            for name, value in record.items():
+        encoded: dict[str, bytes] = {}
+        chunks: dict[tuple[str, _Index], dict[_Index, Any]] = {}
+        for index, of_point in values.items():
+            chunk = tuple(i // n for i, n in zip(index, self._block, strict=True))
+            for name, value in of_point.items():
                 if isinstance(value, bytes):
-                    chunks[f"{name}/{chunk_name((*index, 0, 0))}"] = value
+                    encoded[chunk_key(name, (*index, 0, 0))] = value
                 else:
-                    by_name.setdefault(name, {})[index] = value
-        self._put_all(by_name, chunks)
-        self._put_all({"status": flags})
+                    chunks.setdefault((name, chunk), {})[index] = value
+        with self._writes():
+            self.place.put(encoded)
+            with ThreadPoolExecutor(THREADS) as threads:  # which ends when all have
+                list(threads.map(lambda chunk: self._put(*chunk), chunks.items()))
+        flags, changed = self.flags.copy(), np.zeros(self.flags.shape, bool)
+        for index, status in statuses.items():
+            flags[index], changed[index] = status, True
+        self._put_marks("status", flags, changed)
         self._require_lock()  # a driver that came meanwhile may have read the statuses before
-        for index, flag in flags.items():
-            self.flags[index] = flag
+        self.flags = flags
 
-    def _values(self, record: PointRecord) -> dict[str, Any]:
-        """All that is stored of a point by name, its status included."""
-        # Names of files in a message may be no text.
-        message = record.message[:_LONGEST].encode(errors="backslashreplace").decode()
-        record = packed(replace(record, message=message))
-        about = {name: getattr(record, name) for name in ABOUT}
-        about["record_checksum"] = record_checksum(record)
-        if record.data is None:
-            return about | {"status": FAILED}
-        return {**record.data, **about, "checksum": record.checksum, "status": DONE}
-
-    def _put_all(
-        self, by_name: Mapping[str, Mapping[_Index, Any]], chunks: Mapping[str, bytes] | None = None
-    ) -> None:
-        """Write values at the indices of points, chunk by chunk and side by side."""
-        self._require_lock()
-        jobs: dict[tuple[str, _Index], dict[_Index, Any]] = {}
-        for name, entries in by_name.items():
-            sizes = chunks_of(self.metadata[name])[: self.ndim]
-            for index, value in entries.items():
-                chunk = tuple(i // n for i, n in zip(index, sizes, strict=True))
-                jobs.setdefault((name, chunk), {})[index] = value
-        try:
-            self.place.put(chunks or {})
-            with ThreadPoolExecutor(_THREADS) as threads:  # which ends when all have
-                list(threads.map(lambda job: self._put(job[0], job[1], jobs[job]), jobs))
-        except OSError as error:
-            raise StoreError(
-                f"{self.place} cannot be written: {error.strerror or error}; what is finished is "
-                "safe, go on when there is room and permission to write"
-            ) from error
-
-    def _put(self, name: str, chunk: _Index, entries: Mapping[_Index, Any]) -> None:
-        """Write values into the points of one chunk, and leave the others as they are."""
+    def _put(self, place: tuple[str, _Index], values: Mapping[_Index, Any]) -> None:
+        """Write values into points of one chunk of a variable, and leave the others as they are."""
+        name, chunk = place
         array = self.arrays[name]
-        block = self.block(chunk, chunks_of(self.metadata[name]))
-        shape = [part.stop - part.start for part in block] + list(array.shape[self.ndim :])
-        if name == "status":
-            part = self.flags[block].copy()
-        elif name == "asked":
-            part = self.asked[block]
-        elif len(entries) == np.prod(shape[: self.ndim]):
-            part = np.full(shape, array.fill_value, array.dtype)
+        block = tuple(slice(i * n, (i + 1) * n) for i, n in zip(chunk, self._block, strict=True))
+        points = self.flags[block].shape
+        if len(values) == np.prod(points):
+            part = np.full((*points, *array.shape[len(points) :]), array.fill_value, array.dtype)
         else:
             part = self.read(name, block)
-        for index, value in entries.items():
-            within = tuple(i - axis.start for i, axis in zip(index, block, strict=True))
+        for index, value in values.items():
+            within = tuple(i % n for i, n in zip(index, self._block, strict=True))
             if name in STEPPED:
                 part[within] = np.nan
-                part[(*within, slice(len(value)))] = value
+                part[within][: len(value)] = value
             else:
                 part[within] = value
         array[block] = part
 
+    def _put_marks(self, name: str, values: NDArray[np.int8], changed: Mask) -> None:
+        """Write all of the chunks of a small variable in which something has changed."""
+        with self._writes():
+            for block in self.blocks(changed):
+                self.arrays[name][block] = values[block]
+
+    @contextmanager
+    def _writes(self) -> Iterator[None]:
+        self._require_lock()
+        advice = "; what is finished is safe, go on when there is room and permission to write"
+        with writes(self.place, advice):
+            yield
+
     def _require_lock(self) -> None:
-        if not self.lock or not isinstance(self.place, Folder):
-            return
-        if not self.lock.is_in_place(self.place.path / LOCK):
+        if isinstance(self.place, Folder) and self.lock and not self.lock.is_in_place():
             raise StoreError(
                 f"{self.place}: its lock ({LOCK}) was deleted or replaced while this run wrote; it "
                 "stops, since another one may write now. What is finished is safe, run it again"
             )
 
-    def blocks(self, mask: Mask) -> Iterable[tuple[tuple[int, ...], Slices]]:
-        """Numbers and slices of the chunks with any of the points of a mask."""
-        sizes = chunks_of(self.metadata["status"])
-        counts = [-(-n // size) for n, size in zip(mask.shape, sizes, strict=True)]
-        for chunk in np.ndindex(*counts):
-            block = self.block(chunk, sizes)
-            if mask[block].any():
-                yield chunk, block
 
-
-def arrays_of(place: Place, metadata: Mapping[str, Any], read_only: bool = False) -> dict[str, Any]:
-    """Open the arrays of a store by the metadata of its root, which may have changed since."""
-    store = place.zarr(read_only)
-    # An array takes this from the time when it is opened. A chunk of nothing but fill values that
-    # is not written looks like one that was lost.
-    with zarr.config.set({"array.write_empty_chunks": True}):
-        return {
-            name: zarr.Array.from_dict(StorePath(store, name), array)
-            for name, array in metadata.items()
-        }
-
-
-def fill_new_steps(place: Place, points: Places) -> None:
-    """Write empty chunks for the steps that a store was given, where it has points already.
-
-    So a done point has all its chunks, and one that is missing was lost.
-
-    Parameters
-    ----------
-    place : Folder or Bucket
-    points : Places
-        Its points, with metadata that the arrays have, but not yet the root.
-    """
-    for name, array in arrays_of(place, points.metadata).items():
-        if name not in STEPPED:
-            continue
-        sizes, names = chunks_of(points.metadata[name]), place.names(name)
-        for chunk in {_numbers(key)[: points.ndim] for key in names if key.startswith("c.")}:
-            for step in range(sizes[points.ndim], array.shape[points.ndim], sizes[points.ndim]):
-                numbers = (*chunk, step // sizes[points.ndim])
-                tail = (0,) * (len(sizes) - len(numbers))
-                if chunk_name((*numbers, *tail)) not in names:
-                    steps = slice(step, step + sizes[points.ndim])
-                    array[(*points.block(chunk, sizes), steps)] = np.nan
-
-
-def _numbers(key: str) -> tuple[int, ...]:
-    return tuple(map(int, key.split(".")[1:]))
+def told_of(record: PointRecord) -> dict[str, Any]:
+    """Values of a record by the names of variables, besides its data."""
+    about = {name: getattr(record, name) for name in ABOUT}
+    return about | {"record_checksum": record_checksum(record)}

@@ -18,7 +18,7 @@ from pathlib import Path
 import numpy as np
 
 from tests.crash import damage, deadly, drivers, kills, objects, power, readers
-from tests.crash.loop import Report
+from tests.crash.loop import Report, Run
 from tests.crash.sweeps import keep_one_thread
 
 CAMPAIGNS = {
@@ -45,17 +45,17 @@ def main():
     document = {}
     for name in options.campaigns or CAMPAIGNS:
         module, report, began = CAMPAIGNS[name], Report(), time.monotonic()
-        chance = random.Random(f"{name} {options.seed}")
-        further = {"ways": options.ways} if name == "kills" and options.ways is not None else {}
         with tempfile.TemporaryDirectory() as folder:
-            module.campaign(
+            run = Run(
+                name,
                 Path(folder),
                 module.TRIALS if options.trials is None else options.trials,
-                chance,
+                random.Random(f"{name} {options.seed}"),
                 report,
                 module.MISTAKE if options.mistake else None,
-                **further,
             )
+            further = [options.ways] if name == "kills" and options.ways is not None else []
+            module.campaign(run, *further)
         report.counts["seconds"] = round(time.monotonic() - began)
         document[name] = report.as_dict()
         print(f"{name}: {json.dumps(document[name])[:300]}", file=sys.stderr)

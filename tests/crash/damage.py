@@ -8,15 +8,15 @@ import contextlib
 import io
 import json
 import shutil
-import sys
 import traceback
+from contextlib import nullcontext
 from unittest import mock
 
 import pipeline
 from pipeline.cli import main as irg
 from pipeline.store import verify as verifying
 from tests.crash.loop import Forked, code_of, differing, places
-from tests.crash.sweeps import STAGES, Expected
+from tests.crash.sweeps import STAGES
 
 TRIALS = 60
 MISTAKE = "unchecked"
@@ -72,10 +72,9 @@ def called(*arguments):
 class _Whole:
     """A complete store, of which copies are damaged."""
 
-    def __init__(self, folder):
-        self.path, self.log = folder / "whole.zarr", folder / "acknowledged"
-        self.expected = Expected(STAGES[-1])
-        self.known = self.expected.records(STAGES[-1])
+    def __init__(self, run):
+        self.path, self.log = run.folder / "whole.zarr", run.folder / "acknowledged"
+        self.expected, self.known = run.expected, run.known
         self.resume(self.path)
         files = sorted(file for file in self.path.rglob("*") if file.is_file())
         self.files = [file.relative_to(self.path) for file in files]
@@ -121,32 +120,25 @@ def _faults_of(path, whole):
         yield f"after a repair and a run, {fault}"
 
 
-def _unchecked():
-    """Leave the checksums of points unread."""
-    return mock.patch.object(verifying, "_OTHER", None)
-
-
-def campaign(folder, trials, chance, report, mistake=None):
+def campaign(run):
     """Damage so many files, the one after the other."""
-    whole = _Whole(folder)
+    whole = _Whole(run)
     # Most other damage is noticed by the codec already.
-    kinds = (_swapped,) if mistake else _KINDS
+    kinds = (_swapped,) if run.mistake else _KINDS
     cases = [(file, kind) for file in whole.files for kind in kinds]
-    cases = chance.sample(cases, min(trials, len(cases)))
-    wrong = _unchecked() if mistake else contextlib.nullcontext()
+    cases = run.chance.sample(cases, min(run.count, len(cases)))
+    # Checksums of points are left unread.
+    wrong = mock.patch.object(verifying, "_OTHER", "") if run.mistake else nullcontext()
     with wrong:
-        for number, (file, kind) in enumerate(cases):
-            path = folder / "out.zarr"
+        for file, kind in cases:
+            path = run.folder / "out.zarr"
             shutil.rmtree(path, ignore_errors=True)
             shutil.copytree(whole.path, path)
-            kind(path / file, chance)
+            kind(path / file, run.chance)
             what = kind.__name__.strip("_")
-            report.counts[what] += 1
+            run.report.counts[what] += 1
             try:
                 faults = [f"{file} {what}: {fault}" for fault in _faults_of(path, whole)]
-                report.faults += faults[:3]
+                run.report.faults += faults[:3]
             except Exception:
-                report.faults.append(f"{file} {what}: {traceback.format_exc()[-400:]}")
-            if number % 20 == 19:
-                done = f"{number + 1} of {len(cases)}, {len(report.faults)} faults"
-                print(f"damage: {done}", file=sys.stderr)
+                run.report.faults.append(f"{file} {what}: {traceback.format_exc()[-400:]}")

@@ -34,32 +34,30 @@ def _has_killed(point, message):
     return point.load == _DEADLY and "died" in message
 
 
-def campaign(folder, trials, chance, report, mistake=None):
+def campaign(run):
     """Run so many sweeps to their end, half of them on one worker."""
     with ExitStack() as stack:
         for _ in range(os.cpu_count()):
             busy = subprocess.Popen([sys.executable, "-c", _BUSY])
             stack.callback(busy.wait)
             stack.callback(busy.kill)
-        for number in range(trials):
-            place = folder / str(number)
-            place.mkdir()
-            sweep = sweep_of(chance.randint(3, 5))
+        for number, trial in enumerate(run.trials()):
+            sweep = sweep_of(run.chance.randint(3, 5))
             expected = Expected(replace(sweep, loading=tiny.SlowRamp(150.0, 750.0)))
-            path, log = place / "out.zarr", place / "acknowledged"
-            run = started(log, *job(place, sweep, path, log, None, mistake, 0.0, 2 - number % 2))
-            code = code_of(run)
-            if not end(run):
-                report.faults.append(f"{number}: processes of a driver that ended go on")
+            workers = 2 - number % 2
+            arguments = (sweep, trial.path, trial.log, None, run.mistake, 0.0, workers)
+            driver = started(trial.log, *job(trial.place, *arguments))
+            code = code_of(driver)
+            if not end(driver):
+                trial.fault("processes of a driver that ended go on")
             if code != 1:
-                report.faults.append(f"{number}: it ends with {code}, not 1")
-            with pipeline.open_sweep(path) as ds:
-                wrong = list(faults_of(ds, expected, may_fail=_has_killed))
+                trial.fault(f"it ends with {code}, not 1")
+            with pipeline.open_sweep(trial.path) as ds:
+                for fault in faults_of(ds, expected, may_fail=_has_killed):
+                    trial.fault(fault)
                 failed = int((ds["status"] == 2).sum())
                 pending = int((ds["status"] == 0).sum())
-            report.faults += [f"{number}: {fault}" for fault in wrong]
             if failed != len(sweep.velocities) or pending:
-                report.faults.append(f"{number}: {failed} points failed, {pending} are pending")
-            report.counts["trials"] += 1
-            report.counts["points that kill"] += failed
-            print(f"deadly: {number + 1} of {trials}, {len(report.faults)} faults", file=sys.stderr)
+                trial.fault(f"{failed} points failed, {pending} are pending")
+            run.report.counts["trials"] += 1
+            run.report.counts["points that kill"] += failed

@@ -20,7 +20,7 @@ from pipeline.run import sweep as running
 from pipeline.run.cluster import Connection
 from pipeline.run.source import ExecutionError, Source
 from pipeline.run.tally import Tally
-from pipeline.store import create, durable
+from pipeline.store import create, files
 from pipeline.store.lock import Lock
 from pipeline.store.place import StoreError
 from pipeline.store.write import Store
@@ -94,18 +94,18 @@ def _status_first():
     write = Store.write
 
     def careless(self, values, flags):
-        self._put_all({"status": flags})
+        write(self, {}, flags)
         write(self, values, flags)
 
     return mock.patch.object(Store, "write", careless)
 
 
 def _unsynced():
-    return mock.patch.object(durable.os, "fsync")
+    return mock.patch.object(files.os, "fsync")
 
 
 class _NoLock(Lock):
-    def is_in_place(self, file):
+    def is_in_place(self):
         return True
 
 

@@ -8,7 +8,6 @@ half of the time is spent in commits.
 import itertools
 import os
 import signal
-import sys
 import time
 from contextlib import suppress
 from pathlib import Path
@@ -16,8 +15,8 @@ from pathlib import Path
 import psutil
 
 import pipeline
-from tests.crash.loop import PATIENCE, Forked, Trial, code_of, job, started
-from tests.crash.sweeps import STAGES, Expected
+from tests.crash.loop import PATIENCE, code_of, job, started
+from tests.crash.sweeps import Expected
 
 TRIALS = 16
 MISTAKE = "status first"
@@ -77,74 +76,57 @@ def _kill(run, target, chance):
     return True
 
 
-class _Campaign:
-    def __init__(self, folder, chance, report, mistake):
-        self._folder, self._chance, self._report = folder, chance, report
-        self._mistake = mistake
-        self._expected = Expected(STAGES[-1])
-        self._known = self._expected.records(STAGES[-1])
+def _fast(trial):
+    """Kill a driver without Dask, time after time."""
 
-    def fast(self, number):
-        """Kill a driver without Dask, time after time."""
-        log, path = self._paths(number)
+    def disturb(driver):
+        trial.wait(driver)
+        trial.run.report.counts["kills of everything"] += driver.returncode is None
 
-        def start(sweep):
-            return Forked(sweep, path, log, self._known, self._mistake)
+    trial.go([disturb] * 5)
 
-        def disturb(run):
-            trial.wait(run, self._chance)
-            self._report.counts["kills of everything"] += run.returncode is None
 
-        trial = Trial(self._report, path, self._expected, log, start)
-        trial.go([disturb] * 5)
+def _with_workers(trial, way):
+    """Kill processes of a driver on Dask."""
 
-    def with_workers(self, number, way):
-        """Kill processes of a driver on Dask."""
-        log, path = self._paths(number)
-        expected, stages, start = self._expected, STAGES, None
-        if way in _COMMANDS:
-            (name, *options), stages = _COMMANDS[way]
-            scene = str(_SCENE).format(name)
-            coarse = _COARSE if way != "samples" else []
-            settings = [word for entry in coarse for word in ("--set", entry)]
-            expected = Expected(pipeline.load_scene(scene, overrides=dict(map(_entry, coarse))))
-            if way == "samples":
-                most = dict(map(_entry, stages[-1]))
-                expected = Expected(pipeline.load_scene(scene, overrides=most))
-            command = ["run", scene, *options, "-o", path, "--workers", "2", *settings]
+    def by_job(stage):
+        arguments = (stage, trial.path, trial.log, None, trial.run.mistake)
+        return started(trial.log, *job(trial.place, *arguments))
 
-            def start(stage):
-                further = [word for entry in stage for word in ("--set", entry)]
-                return started(log, *command, *further, mistake=self._mistake)
-        else:
+    trial.start = by_job
+    if way in _COMMANDS:
+        (name, *options), trial.stages = _COMMANDS[way]
+        scene = str(_SCENE).format(name)
+        coarse = _COARSE if way != "samples" else []
+        most = trial.stages[-1] if way == "samples" else coarse
+        overrides = dict(map(_entry, most))
+        trial.expected = Expected(pipeline.load_scene(scene, overrides=overrides))
+        command = ["run", scene, *options, "-o", trial.path, "--workers", "2"]
 
-            def start(sweep):
-                arguments = job(log.parent, sweep, path, log, None, self._mistake)
-                return started(log, *arguments)
+        def by_command(stage):
+            settings = [word for entry in (*coarse, *stage) for word in ("--set", entry)]
+            return started(trial.log, *command, *settings, mistake=trial.run.mistake)
 
-        targets = itertools.cycle(self._chance.sample(_TARGETS, len(_TARGETS)))
-        trial = Trial(self._report, path, expected, log, start, stages)
-        trial.go([lambda run: self._disturb(trial, run, targets)] * 3)
+        trial.start = by_command
+    targets = itertools.cycle(trial.run.chance.sample(_TARGETS, len(_TARGETS)))
+    trial.go([lambda driver: _disturb(trial, driver, targets)] * 3)
 
-    def _disturb(self, trial, run, targets):
-        """Kill one process after the other until the driver ends."""
-        limit, killed = time.monotonic() + PATIENCE, []
-        while code_of(run, self._chance.uniform(*_EVERY)) is None:
-            if time.monotonic() > limit:
-                trial.fault(f"it hangs after kills of {killed}")
-                return
-            if len(killed) < _KILLS and _kill(run, target := next(targets), self._chance):
-                killed.append(target)
-                self._report.counts[f"kills of {target}"] += 1
-        self._report.counts["given up"] += run.returncode > 0
-        if run.returncode > 0 and set(killed) <= {"worker"}:
-            words = trial.last_words()
-            trial.fault(f"it ends with {run.returncode} after kills of {killed}: {words}")
 
-    def _paths(self, number):
-        folder = self._folder / str(number)
-        folder.mkdir()
-        return folder / "acknowledged", folder / "results" / "out.zarr"
+def _disturb(trial, driver, targets):
+    """Kill one process after the other until the driver ends."""
+    chance, counts = trial.run.chance, trial.run.report.counts
+    limit, killed = time.monotonic() + PATIENCE, []
+    while code_of(driver, chance.uniform(*_EVERY)) is None:
+        if time.monotonic() > limit:
+            trial.fault(f"it hangs after kills of {killed}")
+            return
+        if len(killed) < _KILLS and _kill(driver, target := next(targets), chance):
+            killed.append(target)
+            counts[f"kills of {target}"] += 1
+    counts["given up"] += driver.returncode > 0
+    if driver.returncode > 0 and set(killed) <= {"worker"}:
+        words = trial.last_words()
+        trial.fault(f"it ends with {driver.returncode} after kills of {killed}: {words}")
 
 
 def _entry(text):
@@ -153,15 +135,13 @@ def _entry(text):
     return name, {"true": True}.get(value) or int(value)
 
 
-def campaign(folder, trials, chance, report, mistake=None, ways=WAYS):
+def campaign(run, ways=WAYS):
     """Disturb so many sweeps, every fourth of them with workers."""
-    tried = _Campaign(folder, chance, report, mistake)
     following = itertools.cycle(ways)
-    for number in range(trials):
+    for number, trial in enumerate(run.trials()):
         if number % 4 == 3 and ways:
             way = next(following)
-            report.counts[f"by {way}"] += 1
-            tried.with_workers(number, way)
+            run.report.counts[f"by {way}"] += 1
+            _with_workers(trial, way)
         else:
-            tried.fast(number)
-        print(f"kills: {number + 1} of {trials}, {len(report.faults)} faults", file=sys.stderr)
+            _fast(trial)

@@ -15,17 +15,18 @@ import time
 import traceback
 from collections import Counter
 from contextlib import suppress
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
 
 import pipeline
-from pipeline.store.place import place_of
+from pipeline.store.root import read_attributes
 from pipeline.store.schema import DONE, FAILED, FIELDS, STEPPED
 from pipeline.store.verify import verify_store
 from pipeline.sweep.model import Point
 from tests.crash.drive import drive
-from tests.crash.sweeps import FAILING, REASON, STAGES
+from tests.crash.sweeps import FAILING, REASON, STAGES, Expected
 
 PATIENCE = 300.0
 """Time that a run may take, which takes less than 20 s on an idle machine [s]."""
@@ -176,32 +177,63 @@ def faults_of(ds, expected, acknowledged=(), may_fail=is_meant_to_fail):
     yield from (f"{point} was told as done, and is lost" for point in left)
 
 
+def faults_of_files(verification):
+    """Damage that a verification names."""
+    named = (*verification.damaged, *verification.records, *verification.shared)
+    return [f"damaged: {fault}" for fault in named]
+
+
+class Run:
+    """A campaign: its name, folder and number of trials, chance, report, and mistake if any."""
+
+    def __init__(self, name, folder, count, chance, report, mistake):
+        self.name, self.folder, self.count = name, folder, count
+        self.chance, self.run.report, self.mistake = chance, report, mistake
+
+    @cached_property
+    def expected(self):
+        """Results of the points of all stages."""
+        return Expected(STAGES[-1])
+
+    @cached_property
+    def known(self):
+        """Records of these points, as workers would return them."""
+        return self.expected.records(STAGES[-1])
+
+    def trials(self, pace=0.0):
+        """Trials, each with a folder of its own, on drivers without Dask."""
+        for number in range(self.count):
+            place = self.folder / str(number)
+            place.mkdir(parents=True)
+            yield Trial(self, place, pace)
+            done = f"{number + 1} of {self.count}, {len(self.run.report.faults)} faults"
+            print(f"{self.name}: {done}", file=sys.stderr)
+
+
 class Trial:
     """A store that is written to through all kinds of disturbances.
 
-    Parameters
-    ----------
-    report : Report
-    path : str or Path
-    expected : Expected
-    log : Path
-        File in which drivers note what they were told is done.
-    start : callable
-        Starts a driver, given one of the `stages`.
-    stages : sequence
-        Sweeps, the one after the other; the last one is completed in the end.
-
     Attributes
     ----------
+    run : Run
+    place, path, log : Path
+        Its folder, the store, and the file in which drivers note what they were told is done.
+    expected : Expected
+    stages : sequence
+        Sweeps, the one after the other; the last one is completed in the end.
     may_repeat : bool
         Whether points may be computed again that were told as done.
     """
 
-    may_repeat = False
+    def __init__(self, run, place, pace):
+        self.run, self.place, self._pace = run, place, pace
+        self.path, self.log = place / "results" / "out.zarr", place / "acknowledged"
+        self.expected, self.stages, self.may_repeat = run.expected, STAGES, False
 
-    def __init__(self, report, path, expected, log, start, stages=STAGES):
-        self.report, self.path, self.expected, self.log = report, path, expected, Path(log)
-        self._start, self._stages = start, stages
+    def start(self, stage, path=None):
+        """Start a driver on one of the stages."""
+        run = self.run
+        return Forked(stage, path or self.path, self.log, run.known, run.mistake, self._pace)
 
     @property
     def acknowledged(self):
@@ -213,21 +245,21 @@ class Trial:
     def go(self, disturbances):
         """Disturb one run after the other, then complete the sweep; add faults to the report."""
         for number, disturb in enumerate(disturbances):
-            run = self._start(self._stages[min(number, len(self._stages) - 1)])
+            driver = self.start(self.stages[min(number, len(self.stages) - 1)])
             try:
-                disturb(run)
+                disturb(driver)
             finally:
-                if not end(run):
+                if not end(driver):
                     self.fault("processes of a dead driver go on")
             self.look()
         self.complete()
-        self.report.counts["trials"] += 1
+        self.run.report.counts["trials"] += 1
 
     def complete(self):
         """Run without a disturbance to the end, and look at all that is left."""
-        run = self._start(self._stages[-1])
-        code = code_of(run)
-        end(run)
+        driver = self.start(self.stages[-1])
+        code = code_of(driver)
+        end(driver)
         if code != 0:
             word = "it hangs" if code is None else f"it ends with {code}"
             self.fault(f"resumed, {word}: {self.last_words()}")
@@ -236,35 +268,35 @@ class Trial:
             self.fault(f"resumed, {pending} points are not done")
         if isinstance(self.path, Path):
             left = [*self.path.rglob("*.partial"), *self.path.parent.glob("*.partial")]
-            self.report.faults += [f"left over: {file}" for file in left]
+            self.run.report.faults += [f"left over: {file}" for file in left]
         told = self.acknowledged
-        self.report.counts["acknowledged"] += len(told)
+        self.run.report.counts["acknowledged"] += len(told)
         for point in (point for point, times in told.items() if times > 1 and not self.may_repeat):
             self.fault(f"{point} was told as done, and computed again")
 
-    def wait(self, run, chance):
+    def wait(self, driver):
         """Let a driver go on until some moment, soon or after some points more."""
+        chance = self.run.chance
         further = chance.choice((0, chance.randint(0, 40)))
         enough = len(self.acknowledged) + further if further else 0
         limit = time.monotonic() + PATIENCE
-        while run.poll() is None and time.monotonic() < limit:
+        while driver.poll() is None and time.monotonic() < limit:
             if len(self.acknowledged) >= enough:
-                code_of(run, chance.uniform(0.0, _SOON if further else _LATEST))
+                code_of(driver, chance.uniform(0.0, _SOON if further else _LATEST))
                 return
             time.sleep(0.005)
 
     def look(self):
         """Add what is wrong with the store to the report."""
         acknowledged = self.acknowledged
-        self.report.counts["looks"] += 1
-        if not place_of(self.path).exists():
+        self.run.report.counts["looks"] += 1
+        if read_attributes(self.path) is None:
             if acknowledged:
                 self.fault(f"{len(acknowledged)} points were told as done, and there is no store")
             return
         try:
-            checked = verify_store(self.path)
-            for each in (*checked.damaged, *checked.records, *checked.shared):
-                self.fault(f"damaged: {each}")
+            for fault in faults_of_files(verify_store(self.path)):
+                self.fault(fault)
             with pipeline.open_sweep(self.path) as ds:
                 for fault in faults_of(ds.load(), self.expected, acknowledged):
                     self.fault(fault)
@@ -272,7 +304,7 @@ class Trial:
             self.fault(f"{type(error).__name__}: {error}")
 
     def fault(self, text):
-        self.report.faults.append(f"{Path(self.path).parent.name}: {text}")
+        self.run.report.faults.append(f"{self.place.name}: {text}")
 
     def last_words(self):
         """End of what drivers have said."""

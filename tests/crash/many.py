@@ -26,6 +26,7 @@ import pipeline
 from pipeline.cli import main as irg
 from pipeline.run.sweep import run_sweep
 from pipeline.store.create import writing
+from pipeline.store.place import ROOT
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import run_point
 from tests.crash.loop import code_of, differing, places
@@ -119,7 +120,7 @@ def early(folder, points):
         following = 0.0
         while run.process.poll() is None:
             time.sleep(0.2)
-            if path.exists() and time.monotonic() > following:
+            if (path / ROOT).exists() and time.monotonic() > following:
                 copies.append(folder / f"{len(copies)}.zarr")
                 copied(path, copies[-1])
                 following = time.monotonic() + max(1.0, 0.1 * len(copies))

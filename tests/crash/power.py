@@ -11,12 +11,10 @@ import os
 import shutil
 import struct
 import subprocess
-import sys
 from contextlib import contextmanager
 from pathlib import Path
 
-from tests.crash.loop import Forked, Trial, code_of
-from tests.crash.sweeps import STAGES, Expected
+from tests.crash.loop import code_of, end
 
 TRIALS = 28
 MISTAKE = "unsynced"
@@ -80,40 +78,32 @@ def _mounted(disk):
         disk.unmount()
 
 
-def campaign(folder, trials, chance, report, mistake=None):
+def campaign(run):
     """Cut the power of so many disks, several times of each."""
     if not (on := kinds()):
-        report.counts["skipped: needs root, loop devices and mkfs.ext4"] = 1
+        run.report.counts["skipped: needs root, loop devices and mkfs.ext4"] = 1
         return
     if _MEMORY.is_dir():
-        folder = _MEMORY / f"irg-{os.getpid()}"
-    expected = Expected(STAGES[-1])
-    known = expected.records(STAGES[-1])
+        run.folder = _MEMORY / f"irg-{os.getpid()}"
     try:
-        for number in range(trials):
-            kind, place = on[number % len(on)], folder / str(number)
-            disk = Disk(place, kind)
-            path, log = disk.folder / "results" / "out.zarr", place / "acknowledged"
+        for number, trial in enumerate(run.trials()):
+            kind = on[number % len(on)]
+            disk = Disk(trial.place, kind)
+            trial.path = disk.folder / "results" / "out.zarr"
 
-            def start(sweep, path=path, log=log):
-                return Forked(sweep, path, log, known, mistake)
-
-            trial = Trial(report, path, expected, log, start)
-
-            def cut(run, disk=disk, kind=kind, trial=trial):
-                trial.wait(run, chance)
-                late = run.returncode is not None
-                report.counts["cuts, too late" if late else f"cuts of {kind}"] += 1
+            def cut(driver, disk=disk, kind=kind, trial=trial):
+                trial.wait(driver)
+                late = driver.returncode is not None
+                run.report.counts["cuts, too late" if late else f"cuts of {kind}"] += 1
                 disk.cut_power()
-                code_of(run)
-                run.kill()
-                run.wait()
+                code_of(driver)
+                end(driver)
                 disk.unmount()
                 disk.mount()
 
             with _mounted(disk):
                 trial.go([cut] * CUTS)
-            shutil.rmtree(place)
-            print(f"power: {number + 1} of {trials}, {len(report.faults)} faults", file=sys.stderr)
+            shutil.rmtree(trial.place)
     finally:
-        shutil.rmtree(folder, ignore_errors=True)
+        if run.folder.parent == _MEMORY:
+            shutil.rmtree(run.folder, ignore_errors=True)

@@ -4,65 +4,51 @@ Points that were told as done before a reader opens the store are whole in what 
 are whole or NaN; no reader has an error. Every other reader reads only some time after it opened.
 """
 
-import sys
-
 import pipeline
-from pipeline.store.place import place_of
-from tests.crash.loop import Forked, Trial, code_of, faults_of
-from tests.crash.sweeps import STAGES, Expected
+from pipeline.store.root import read_attributes
+from tests.crash.loop import code_of, faults_of, faults_of_files
+from tests.crash.sweeps import STAGES
 
 TRIALS = 5
 MISTAKE = "status first"
 _PACE = 0.03  # [s] between commits
 
 
-def campaign(folder, trials, chance, report, mistake=None):
+def campaign(run):
     """Read so many sweeps from their beginning to their end."""
-    expected = Expected(STAGES[-1])
-    known = expected.records(STAGES[-1])
-    for number in range(trials):
-        place = folder / str(number)
-        place.mkdir()
-        path, log = place / "out.zarr", place / "acknowledged"
+    for trial in run.trials(_PACE):
 
-        def start(sweep, path=path, log=log):
-            return Forked(sweep, path, log, known, mistake, _PACE)
-
-        trial = Trial(report, path, expected, log, start)
-
-        def read(run, trial=trial):
-            while code_of(run, chance.uniform(0.0, 0.05)) is None:
+        def read(driver, trial=trial):
+            while code_of(driver, run.chance.uniform(0.0, 0.05)) is None:
                 try:
-                    _read(trial, run, chance, report)
+                    for fault in _read(trial, driver):
+                        trial.fault(f"a reader: {fault}")
                 except Exception as error:
                     trial.fault(f"a reader: {type(error).__name__}: {error}")
-            if run.returncode not in (0, 1):
-                trial.fault(f"the driver ends with {run.returncode}")
+            if driver.returncode not in (0, 1):
+                trial.fault(f"the driver ends with {driver.returncode}")
 
         trial.go([read] * len(STAGES))
-        print(f"readers: {number + 1} of {trials}, {len(report.faults)} faults", file=sys.stderr)
 
 
-def _read(trial, run, chance, report):
-    """Read a store in one of the ways, if there is one."""
-    told = trial.acknowledged
-    if not place_of(trial.path).exists():
+def _read(trial, driver):
+    """Read a store in one of the ways, if there is one; faults of what is seen."""
+    told, chance = trial.acknowledged, trial.run.chance
+    if read_attributes(trial.path) is None:
         return
     way = chance.choice(("status", "verify", "data", "data, later"))
-    report.counts[way] += 1
+    trial.run.report.counts[way] += 1
     if way == "status":
         summary = pipeline.summary(trial.path)
         if summary.done + summary.earlier < len(told):
-            trial.fault(f"{len(told)} points were told as done, and summary counts {summary.done}")
+            yield f"{len(told)} points were told as done, and summary counts {summary.done}"
     elif way == "verify":
         checked = pipeline.verify_store(trial.path)
-        for each in (*checked.damaged, *checked.records, *checked.shared):
-            trial.fault(f"verify beside the driver: {each}")
+        yield from faults_of_files(checked)
         if checked.done < len(told):
-            trial.fault(f"{len(told)} points were told as done, and verify counts {checked.done}")
+            yield f"{len(told)} points were told as done, and verify counts {checked.done}"
     else:
         with pipeline.open_sweep(trial.path) as ds:
             if way == "data, later":
-                code_of(run, chance.uniform(0.0, 0.3))
-            for fault in faults_of(ds, trial.expected, told):
-                trial.fault(f"a reader: {fault}")
+                code_of(driver, chance.uniform(0.0, 0.3))
+            yield from faults_of(ds, trial.expected, told)

@@ -7,7 +7,7 @@ from contextlib import contextmanager
 import numpy as np
 import xarray as xr
 
-from pipeline.store import durable
+from pipeline.store import files
 from pipeline.store.create import writing
 from pipeline.store.place import place_of
 from pipeline.store.root import read_root
@@ -85,21 +85,21 @@ def assert_is_as_computed(path, expected):
 
 
 @contextmanager
-def killed_after(monkeypatch, files):
+def killed_after(monkeypatch, count):
     """Let the process be killed after it has replaced so many files, and say whether it was."""
-    replace, lock, left, was_killed = durable.replace_file, threading.Lock(), [files], []
+    replace, lock, left, was_killed = files.replace_file, threading.Lock(), [count], []
 
     def replace_some(file, content):
         with lock:
             left[0] -= 1
         if left[0] < 0:
             file.parent.mkdir(parents=True, exist_ok=True)
-            file.with_name(file.name + durable.PARTIAL).write_bytes(content[: len(content) // 2])
+            file.with_name(file.name + files.PARTIAL).write_bytes(content[: len(content) // 2])
             raise Killed
         replace(file, content)
 
     with monkeypatch.context() as patch:
-        patch.setattr(durable, "replace_file", replace_some)
+        patch.setattr(files, "replace_file", replace_some)
         try:
             yield was_killed
         except Killed:
@@ -108,5 +108,5 @@ def killed_after(monkeypatch, files):
 
 def contents(path):
     """Contents of all files below a path by their names, without the lock, which is emptied."""
-    files = (file for file in path.rglob("*") if file.is_file() and file.name != "lock")
-    return {str(file.relative_to(path)): file.read_bytes() for file in files}
+    present = (file for file in path.rglob("*") if file.is_file() and file.name != "lock")
+    return {str(file.relative_to(path)): file.read_bytes() for file in present}

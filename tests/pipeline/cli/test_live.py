@@ -7,8 +7,7 @@ import pytest
 
 from pipeline.cli import main
 from pipeline.store.create import writing
-from pipeline.store.pace import pace
-from pipeline.store.progress import summary
+from pipeline.store.progress import pace, summary
 from pipeline.sweep.plan import points
 from tests.helpers import tiny
 from tests.helpers.stores import commit, record

@@ -22,7 +22,7 @@ import tribo
 from pipeline.run import local
 from pipeline.run import sweep as execute
 from pipeline.run.sweep import run_sweep
-from pipeline.store import attributes, durable
+from pipeline.store import attributes, files
 from pipeline.store.create import writing
 from pipeline.store.identity import describe, scene_hash
 from pipeline.store.place import StoreError, StoreMismatchError, place_of
@@ -199,14 +199,18 @@ def test_a_point_that_fails_says_why_and_is_tried_again_when_asked_to(path):
 
 def test_a_full_disk_stops_the_sweep_and_keeps_what_is_finished(path, alone, monkeypatch):
     def full(file, content):
-        if file.parent.name == "rise_quantile" and path.exists() and summary(path).done:
+        if (
+            file.parent.name == "rise_quantile"
+            and (path / "zarr.json").exists()
+            and summary(path).done
+        ):
             raise OSError(errno.ENOSPC, "No space left on device")
         written(file, content)
 
-    written = durable.replace_file
+    written = files.replace_file
     slow = tiny.full(loading=tiny.SlowRamp(150.0, 750.0))
     with monkeypatch.context() as patch:
-        patch.setattr(durable, "replace_file", full)
+        patch.setattr(files, "replace_file", full)
         with pytest.raises(StoreError, match=r"cannot be written: No space left .* go on"):
             run_sweep(slow, path, workers=1)
     assert multiprocessing.active_children() == []

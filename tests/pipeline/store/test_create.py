@@ -2,7 +2,6 @@
 
 import dataclasses
 import errno
-import json
 import os
 import shutil
 import subprocess
@@ -19,9 +18,8 @@ from hypothesis import strategies as st
 import tribo
 from pipeline.analysis.dataset import open_sweep
 from pipeline.cli import main
-from pipeline.store import create
 from pipeline.store.create import writing
-from pipeline.store.durable import PARTIAL
+from pipeline.store.files import PARTIAL
 from pipeline.store.place import StoreError, StoreMismatchError
 from pipeline.store.progress import summary
 from pipeline.store.verify import verify_store
@@ -79,16 +77,6 @@ def test_axes_have_the_exact_loads_and_velocities(path):
         assert ds["quantile"].values.tolist() == list(tribo.QUANTILES)
 
 
-def test_chunks_are_compressed_with_a_checksum_and_hold_many_points(alone):
-    for name in ("time", "pressure", "status", "message", "checksum"):
-        metadata = json.loads((alone / name / "zarr.json").read_text())
-        assert metadata["codecs"][-1] == {
-            "name": "zstd",
-            "configuration": {"level": 1, "checksum": True},
-        }
-    assert len(list((alone / "time").glob("c.*"))) == 1
-
-
 def test_attributes_say_what_was_computed(alone):
     attributes = xr.open_zarr(alone).attrs
     assert attributes["scene"]["pin"]["radius"] == 8e-3
@@ -97,16 +85,16 @@ def test_attributes_say_what_was_computed(alone):
     assert attributes["measured"][1] == {"normal_load": 200.0, "velocity": 3.75, "friction": None}
 
 
-@pytest.mark.parametrize("files", [0, 1, 20, 36, 37, 38, 39, 40, 41])
+@pytest.mark.parametrize("files", [0, 20, 37, 38, 39, 40, 41])
 def test_a_creation_cut_short_leaves_no_store_or_a_whole_one(path, monkeypatch, files):
     with killed_after(monkeypatch, files) as was_killed:
         commit(path, SWEEP, [POINT])
     assert was_killed
-    if path.exists():
+    if (path / "zarr.json").exists():
         assert (summary(path).done, summary(path).pending) in ((0, 0), (0, 9))  # asked for or not
         assert open_sweep(path).load()["time"].isnull().all()
     else:
-        with pytest.raises(StoreError, match="does not exist"):
+        with pytest.raises(StoreError, match="is not a store"):
             summary(path)
     commit(path, SWEEP, [POINT])
     assert_is_as_computed(path, [POINT])
@@ -159,17 +147,6 @@ def test_conditions_and_titles_follow_the_scene_file(path):
     assert_is_as_computed(path, [POINT])
 
 
-def test_a_store_grows_by_loads_velocities_and_steps(path):
-    commit(path, SWEEP, [POINT])
-    commit(path, LARGER, [ADDED])
-    assert_is_as_computed(path, [POINT, ADDED])
-    assert opened(path).axes["load"] == [150.0, 250.0, 600.0, 700.0, 1500.0]
-    assert opened(path).axes["step"] == list(range(1, 13))
-    with open_sweep(path) as ds:
-        assert ds.sizes["load"] == 5
-    assert verify_store(path).is_clean
-
-
 def test_points_of_earlier_runs_are_counted_apart(path):
     commit(path, SWEEP, points(SWEEP)[:3])
     commit(path, dataclasses.replace(SWEEP, loads=(600.0,)), ())
@@ -198,7 +175,7 @@ def test_a_store_grown_in_any_order_has_each_point_as_computed(tmp_path_factory,
     assert verify_store(path).is_clean
 
 
-@pytest.mark.parametrize("files", [*range(0, 48, 5), 10**6])
+@pytest.mark.parametrize("files", [*range(0, 48, 8), 10**6])
 def test_a_growth_killed_before_any_change_of_a_file_costs_no_point(path, monkeypatch, files):
     commit(path, SWEEP, [POINT])
     with killed_after(monkeypatch, files) as was_killed:
@@ -216,18 +193,12 @@ def test_a_growth_killed_before_any_change_of_a_file_costs_no_point(path, monkey
     assert not list(path.rglob(f"*{PARTIAL}"))
 
 
-RADIUS = Unknown("pin.radius", "normal", (8e-3, 1e-4), "m")
-RATE = Unknown("wear.specific_wear_rate", "log-normal", (1.2e-15, 1.2), "m s2 kg-1")
-
-
-def sampled(*unknown, count=2, seed=0):
-    layers = tuple("wear rate" if each is RATE else "contact" for each in unknown)
-    design = Design(unknown, layers, (0.5, 1.0), seed, 1)
-    made = {RADIUS: lambda value: ("pin", tribo.Cylinder(value, 3.375e-3, STEEL))}
-    made[RATE] = lambda value: ("wear", tribo.Wear(value))
+def sampled(count=2, seed=0):
+    unknown = (Unknown("pin.radius", "normal", (8e-3, 1e-4), "m"),)
+    design = Design(unknown, ("contact",), (0.5, 1.0), seed, 1)
 
     def part(row):
-        return tuple(made[each](value) for each, value in zip(unknown, row, strict=True))
+        return (("pin", tribo.Cylinder(row[0], 3.375e-3, STEEL)),)
 
     return drawn_samples(unknown, design, count, part)
 
@@ -240,7 +211,7 @@ def several(**changes):
     ("fewer", "more"),
     [
         (several(realizations=(4, 1)), several(realizations=(7, 1, 4))),
-        (several(samples=sampled(RADIUS)), several(samples=sampled(RADIUS, count=5))),
+        (several(samples=sampled()), several(samples=sampled(count=5))),
     ],
     ids=["surfaces", "samples"],
 )
@@ -284,10 +255,10 @@ MISMATCHES = {
     "fields later": (several(), several(store_fields=True), "has no fields"),
     "surfaces later": (several(), several(realizations=(1,)), "has no axis for sweep.realization"),
     "surfaces before": (several(realizations=(1,)), several(), "has an axis for sweep.realization"),
-    "samples later": (several(), several(samples=sampled(RADIUS)), "no axis for sweep.sampl"),
+    "samples later": (several(), several(samples=sampled()), "no axis for sweep.sampl"),
     "another seed": (
-        several(samples=sampled(RADIUS)),
-        several(samples=sampled(RADIUS, seed=1)),
+        several(samples=sampled()),
+        several(samples=sampled(seed=1)),
         "scene.samples.seed: 0 in the store, 1 in the scene",
     ),
 }
@@ -346,15 +317,6 @@ def of_another_format(path):
     (path / "zarr.json").write_text(root.replace('"format": 1', '"format": 99'))
 
 
-def a_folder_beside(path):
-    a_folder(path.with_name(path.name + PARTIAL))
-
-
-def a_link_beside(path):
-    a_folder(path.with_name("mine"))
-    path.with_name(path.name + PARTIAL).symlink_to("mine")
-
-
 @pytest.mark.parametrize(
     ("make", "complaint"),
     [
@@ -366,8 +328,6 @@ def a_link_beside(path):
         (without_root_and_status, "is not a store: there is no zarr.json"),
         (with_half_a_root, "is damaged"),
         (of_another_format, "has format 99, and this program reads format 1"),
-        (a_folder_beside, "tiny.zarr.partial is no store that was being made; move it"),
-        (a_link_beside, "tiny.zarr.partial is no store that was being made; move it"),
     ],
 )
 def test_nothing_is_written_over(path, make, complaint):
@@ -396,7 +356,9 @@ def test_a_place_that_cannot_be_written_is_refused(tmp_path):
             commit(tmp_path / "file" / below, SWEEP, ())
 
 
-def test_the_name_of_a_new_folder_is_on_the_disk_too(tmp_path, monkeypatch):
+def test_the_names_of_new_folders_are_on_the_disk_too(tmp_path, monkeypatch):
+    """Also where a process made one and was killed before it synced its name."""
+    (tmp_path / "results" / "more").mkdir(parents=True)
     synced, fsync = [], os.fsync
 
     def logged(descriptor):
@@ -405,14 +367,6 @@ def test_the_name_of_a_new_folder_is_on_the_disk_too(tmp_path, monkeypatch):
 
     monkeypatch.setattr(os, "fsync", logged)
     make(tmp_path / "results" / "more" / "tiny.zarr", SWEEP)
-    assert {tmp_path, tmp_path / "results", tmp_path / "results" / "more"} <= set(synced)
-
-
-def test_a_creator_that_comes_second_leaves_nothing_beside_the_store(path, monkeypatch):
-    def overtaken(folder):
-        monkeypatch.undo()
-        make(path, SWEEP)
-
-    monkeypatch.setattr(create, "make_folder", overtaken)
-    make(path, SWEEP)
-    assert [entry.name for entry in path.parent.iterdir()] == [path.name]
+    make(tmp_path / "new" / "tiny.zarr", SWEEP)
+    new = {tmp_path, tmp_path / "new", tmp_path / "results", tmp_path / "results" / "more"}
+    assert new <= set(synced)

@@ -86,14 +86,11 @@ def test_any_value_of_the_metadata_of_an_array_may_be_any_other(forged, alone, d
 
 
 EDITS = {
-    "friction": (("attributes", "conditions", "friction"), 0.5),
     "an axis": (("attributes", "axes", "load", 0), 152.0),
-    "a unit": (("consolidated_metadata", "metadata", "time", "attributes", "units"), "h"),
     "points of a chunk": (
         ("consolidated_metadata", "metadata", "time", "chunk_grid", "configuration", "chunk_shape"),
         [3, 2, 12],
     ),
-    "a kind of node": (("node_type",), "array"),
     "another true": (("consolidated_metadata", "must_understand"), 0),
 }
 
@@ -108,7 +105,7 @@ def test_a_change_of_the_root_is_named(forged, alone, capsys, path, new):
     assert said.count("zarr.json is damaged: it is not what was written; restore it from a ") == 3
 
 
-@pytest.mark.parametrize("depth", [10, 900, 980, 990, 995, 10_000])
+@pytest.mark.parametrize("depth", [10, 990, 10_000])
 @pytest.mark.parametrize("replaced", ['"A tiny sweep"', '"format": 1'])
 def test_a_root_without_a_bottom_is_refused(forged, alone, depth, replaced):
     text, nested = (alone / ROOT).read_text(), "[" * depth + "]" * depth

@@ -1,0 +1,62 @@
+"""Files that are on the disk, names included, once they are written."""
+
+from __future__ import annotations
+
+import errno
+import os
+from collections.abc import Mapping
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+PARTIAL = ".partial"
+"""Ending of the names of files that are being written."""
+THREADS = 8
+"""Threads that wait for the disk, which then writes several files in one go."""
+
+_NO_SYNC = (errno.EINVAL, errno.EBADF, errno.ENOTSUP)  # some file systems cannot sync a folder
+
+
+def replace_file(file: Path, content: bytes) -> None:
+    """Replace the content of a file at one stroke; return once that is on the disk.
+
+    Only one process and thread may replace a file at a time.
+    """
+    make_folder(file.parent)
+    partial = file.with_name(file.name + PARTIAL)
+    try:
+        with partial.open("wb") as stream:
+            stream.write(content)
+            stream.flush()
+            os.fsync(stream.fileno())
+        partial.replace(file)
+    except BaseException:
+        partial.unlink(missing_ok=True)
+        raise
+    sync(file.parent)
+
+
+def replace_files(root: Path, contents: Mapping[str, bytes]) -> None:
+    """Replace several files below a folder, side by side."""
+    with ThreadPoolExecutor(THREADS) as threads:
+        files = [(root / key, content) for key, content in contents.items()]
+        list(threads.map(lambda file: replace_file(*file), files))
+
+
+def make_folder(folder: Path) -> None:
+    """Make a folder and those above it; return once their names are on the disk."""
+    if not folder.is_dir():
+        make_folder(folder.parent)
+        folder.mkdir(exist_ok=True)
+        sync(folder.parent)
+
+
+def sync(folder: Path) -> None:
+    """Wait until the names in a folder are on the disk, as far as its file system can tell."""
+    descriptor = os.open(folder, os.O_RDONLY)
+    try:
+        os.fsync(descriptor)
+    except OSError as error:
+        if error.errno not in _NO_SYNC:
+            raise
+    finally:
+        os.close(descriptor)

@@ -1,0 +1,157 @@
+"""Layout of a store: its arrays, their chunks, and the files that these take."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import zarr
+from zarr.codecs import ZstdCodec
+from zarr.storage import MemoryStore, StorePath
+
+from pipeline.store.place import ROOT, Place
+from pipeline.store.schema import (
+    AT_END,
+    COMPRESSION,
+    STEPPED,
+    Variable,
+    is_coordinate,
+    is_of_points,
+)
+from tribo.types import Mask
+
+Slices = tuple[slice, ...]
+
+_LARGEST = 2**22  # bytes of a chunk
+_FEWEST, _MOST = 64, 1024  # points in a chunk
+_GROWING = 4096  # entries in a chunk of a coordinate that grows
+
+
+def block_of(sizes: Mapping[str, int], bytes_of_a_point: int) -> dict[str, int]:
+    """Points in a chunk along each dimension that tells points apart, by their numbers of points.
+
+    These are some hundred points, fewer where they are large: all loads, which one task computes
+    after the other, then neighbouring velocities, then surfaces or samples.
+
+    Examples
+    --------
+    >>> block_of({"load": 12, "velocity": 30}, 6000)
+    {'load': 12, 'velocity': 30}
+    >>> block_of({"load": 12, "velocity": 8334}, 2880)
+    {'load': 12, 'velocity': 85}
+    >>> block_of({"sample": 1000, "load": 4}, 1200)
+    {'sample': 256, 'load': 4}
+    """
+    room = min(max(_LARGEST // bytes_of_a_point, _FEWEST), _MOST)
+    block = dict.fromkeys(sizes, 1)
+    block["load"] = min(sizes["load"], room)
+    if "velocity" in sizes:  # to which a search adds others later
+        block["velocity"] = max(1, min(max(sizes["velocity"], 16), room // block["load"]))
+    for name in set(sizes) - {"load", "velocity"}:
+        block[name] = max(1, min(sizes[name], room // math.prod(block.values())))
+    return block
+
+
+def bytes_of_a_point(wanted: Mapping[str, Variable], axes: Mapping[str, list[float]]) -> int:
+    """Size of a point in the largest variable of which points share chunks [B]."""
+    return max(
+        8 * math.prod(len(axes[dim]) for dim in variable.dims if not is_of_points(dim))
+        for name, variable in wanted.items()
+        if name in STEPPED
+    )
+
+
+def documents(
+    wanted: Mapping[str, Variable], axes: Mapping[str, list[float]], block: Mapping[str, int]
+) -> tuple[dict[str, bytes], dict[str, Any]]:
+    """Documents and coordinates of a store by key, as Zarr writes them, and metadata by array.
+
+    ``axes`` has the values along each dimension and of each input, ``block`` the points in a chunk
+    along each dimension that tells points apart, and the steps in one.
+    """
+    memory: dict[str, Any] = {}
+    group = zarr.open_group(MemoryStore(memory), mode="w")
+    for name, variable in wanted.items():
+        shape = [len(axes[dim]) for dim in variable.dims]
+        chunks = {**dict(zip(variable.dims, shape, strict=True)), **block}
+        if is_coordinate(name):
+            chunks |= {dim: _GROWING for dim in variable.dims if dim == "step" or is_of_points(dim)}
+        elif name in AT_END:
+            chunks |= {dim: 1 for dim in variable.dims if is_of_points(dim)}
+        is_real = variable.dtype.startswith("float")
+        units = {} if variable.units is None else {"units": variable.units}
+        array = group.create_array(
+            name,
+            shape=shape,
+            chunks=tuple(chunks[dim] for dim in variable.dims),
+            dtype=str if variable.dtype == "str" else variable.dtype,
+            fill_value="" if variable.dtype == "str" else np.nan if is_real else 0,
+            compressors=ZstdCodec(**COMPRESSION),
+            dimension_names=variable.dims,
+            attributes={"long_name": variable.long_name, **units, **variable.attributes},
+            chunk_key_encoding={"name": "default", "separator": "."},
+        )
+        if is_coordinate(name):
+            array[:] = np.array(axes[name], variable.dtype)
+    memory.pop(ROOT)
+    contents = {key: content.to_bytes() for key, content in memory.items()}
+    return contents, {name: json.loads(contents[f"{name}/{ROOT}"]) for name in wanted}
+
+
+def arrays_of(place: Place, metadata: Mapping[str, Any], read_only: bool) -> dict[str, Any]:
+    """Open the arrays of a store by the metadata of its root, which may have changed since."""
+    store = place.zarr(read_only)
+    # An array takes this from the time when it is opened. A chunk of nothing but fill values that
+    # is not written looks like one that was lost.
+    with zarr.config.set({"array.write_empty_chunks": True}):
+        return {
+            name: zarr.Array.from_dict(StorePath(store, name), array)
+            for name, array in metadata.items()
+        }
+
+
+def fill_new_steps(arrays: Mapping[str, Any], steps: int) -> None:
+    """Write the chunks beyond so many steps, empty, as a lost chunk is one that is missing."""
+    for name, array in arrays.items():
+        if name in STEPPED:
+            axis = array.metadata.dimension_names.index("step")
+            begin = -(-steps // array.chunks[axis]) * array.chunks[axis]
+            if begin < array.shape[axis]:
+                array[(*[slice(None)] * axis, slice(begin, None))] = np.nan
+
+
+def blocks(mask: Mask, sizes: Sequence[int]) -> Iterator[tuple[tuple[int, ...], Slices]]:
+    """Numbers and slices of the chunks of these sizes that hold any point of a mask."""
+    for numbers in np.ndindex(*(-(-n // size) for n, size in zip(mask.shape, sizes, strict=True))):
+        block = tuple(slice(i * n, (i + 1) * n) for i, n in zip(numbers, sizes, strict=True))
+        if mask[block].any():
+            yield numbers, block
+
+
+def missing_chunks(place: Place, arrays: Mapping[str, Any], mask: Mask) -> dict[str, Mask]:
+    """Points of a mask that lack a chunk, by the names of variables that lack any."""
+    keys = place.keys()
+    missing: dict[str, Mask] = {}
+    for name, array in arrays.items():
+        if is_coordinate(name):
+            continue
+        counts = [-(-n // size) for n, size in zip(array.shape, array.chunks, strict=True)]
+        for numbers, block in blocks(mask, array.chunks[: mask.ndim]):
+            inner = np.ndindex(*counts[mask.ndim :])
+            if not keys.issuperset(chunk_key(name, (*numbers, *rest)) for rest in inner):
+                missing.setdefault(name, np.zeros_like(mask))[block] = mask[block]
+    return missing
+
+
+def chunk_key(name: str, numbers: Sequence[int]) -> str:
+    """Key of a chunk of an array.
+
+    Examples
+    --------
+    >>> chunk_key("time", (0, 2, 0))
+    'time/c.0.2.0'
+    """
+    return f"{name}/" + ".".join(map(str, ("c", *numbers)))
