@@ -3,7 +3,7 @@
 import numpy as np
 import xarray as xr
 
-from pipeline.store.schema import DONE, FAILED
+from pipeline.store.schema import COLUMNS, DONE, FAILED
 from pipeline.sweep.conditions import Conditions
 from tribo import QUANTILES
 
@@ -23,6 +23,7 @@ MEASURED = [
 LOADS = np.arange(200.0, 751.0, 50.0)
 VELOCITIES = np.arange(0.5, 4.01, 0.25)
 RATE, INCREMENT = 150.0, 37.5
+_STEP = ("load", "velocity", "step")
 
 
 def profile(quantile):
@@ -67,7 +68,7 @@ def sweep(
     ramps = [np.append(np.arange(INCREMENT, F * (1 - 1e-12), INCREMENT), F) for F in loads]
     n_step = max(map(len, ramps))
     shape = (len(loads), len(velocities), n_step)
-    scalars = {name: np.full(shape, np.nan) for name in _VARIABLES}
+    scalars = {name: np.full(shape, np.nan) for name in COLUMNS if name != "rise_quantile"}
     quantiles = np.full((*shape, len(QUANTILES)), np.nan)
     flags = np.full(shape[:2], DONE, np.int8)
     messages = np.full(shape[:2], "", dtype=object)
@@ -88,10 +89,10 @@ def sweep(
                 quantiles[i, j, k] = rise(ramp[k], V, np.array(QUANTILES))
 
     data = {
-        name: (("load", "velocity", "step"), scalars[name], {"units": units, "long_name": name})
-        for name, units in _VARIABLES.items()
+        name: (_STEP, values, {"units": COLUMNS[name].units, "long_name": name})
+        for name, values in scalars.items()
     }
-    data["rise_quantile"] = (("load", "velocity", "step", "quantile"), quantiles, {"units": "K"})
+    data["rise_quantile"] = ((*_STEP, "quantile"), quantiles, {"units": "K"})
     data["status"] = (("load", "velocity"), flags, {"flag_values": [0, 1, 2]})
     data["wall_time"] = (("load", "velocity"), np.where(flags == DONE, 1.0, np.nan))
     data["warning_flags"] = (("load", "velocity"), np.zeros(shape[:2], np.int32))
@@ -160,22 +161,3 @@ def _fields(flags, loads, velocities, rise, coords, nx=48, ny=36):
         "rise": (dims, np.where(done, hottest * heat, np.nan), {"units": "K"}),
         "wear_depth": (dims, np.where(done, wear, np.nan), {"units": "m"}),
     }
-
-
-_VARIABLES = {
-    "time": "s",
-    "normal_load": "N",
-    "sliding_distance": "m",
-    "contact_fraction": "1",
-    "contact_width": "m",
-    "max_pressure": "Pa",
-    "mean_pressure": "Pa",
-    "saturated_fraction": "1",
-    "wear_depth_max": "m",
-    "wear_volume": "m^3",
-    "iterations": "1",
-    "residual": "1",
-    "max_rise": "K",
-    "mean_rise": "K",
-    "pin_heat_share": "1",
-}

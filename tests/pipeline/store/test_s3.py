@@ -150,7 +150,6 @@ def test_a_driver_that_was_killed_does_not_count_and_one_elsewhere_does(address)
         import os, sys
         from pipeline.store.create import writing
         from tests.helpers import tiny
-from tests.helpers.s3 import served
         held = writing(sys.argv[1], tiny.full())
         held.__enter__()
         os._exit(1)
