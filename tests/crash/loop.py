@@ -188,7 +188,7 @@ class Run:
 
     def __init__(self, name, folder, count, chance, report, mistake):
         self.name, self.folder, self.count = name, folder, count
-        self.chance, self.run.report, self.mistake = chance, report, mistake
+        self.chance, self.report, self.mistake = chance, report, mistake
 
     @cached_property
     def expected(self):
@@ -206,7 +206,7 @@ class Run:
             place = self.folder / str(number)
             place.mkdir(parents=True)
             yield Trial(self, place, pace)
-            done = f"{number + 1} of {self.count}, {len(self.run.report.faults)} faults"
+            done = f"{number + 1} of {self.count}, {len(self.report.faults)} faults"
             print(f"{self.name}: {done}", file=sys.stderr)
 
 
