@@ -14,7 +14,6 @@ from tribo import (
     Ball,
     ConductingHalfSpace,
     Crowned,
-    Cylinder,
     ElasticHalfSpace,
     Fidelity,
     Grid,
@@ -36,7 +35,6 @@ from tribo.analytic import hertz_ellipse, moving_ellipse_rise, resting_ellipse_r
 from tribo.simulation import disk_positions
 from tribo.simulation.disk_positions import parts
 from tribo.simulation.finer_grids import _spread
-from tribo.wear import RollingWear
 
 E_STAR = contact_modulus(STEEL, STEEL)
 K, KAPPA = STEEL.thermal_conductivity, STEEL.thermal_diffusivity
@@ -165,13 +163,6 @@ def test_heavy_wear_is_averaged_to_a_hundredth(monkeypatch):
     assert found == pytest.approx(hot(end(scene)), rel=0.01)
 
 
-def test_a_step_has_more_parts_the_more_it_wears():
-    counts = [parts(ball(), Wear(rate, "local"), 0.05) for rate in (1e-17, 2e-15, 1e-12)]
-    assert counts[0] == 1 < counts[1] < counts[2] == disk_positions._MOST_PARTS
-    assert parts(ball(), RollingWear(2e-15, "local", 0.1), 0.05) == 1  # its track is long
-    assert parts(ball(pattern="local"), Wear(1e-12, "local"), 0.05) == 1
-
-
 def test_the_imprint_of_a_wave_is_its_wear_by_the_pressure_that_flattens_it(monkeypatch):
     """A wave of length λ under the patch yields by λ/(πE*) for each pascal of its pressure."""
     side, length = 4e-6, 32e-6
@@ -185,17 +176,6 @@ def test_the_imprint_of_a_wave_is_its_wear_by_the_pressure_that_flattens_it(monk
     assert found == pytest.approx(expected, rel=0.02)  # elements of an eighth of the wave
 
 
-def test_the_wear_has_no_memory_of_a_patch():
-    """Its roughness is well below that of one that has worn into a single patch."""
-    worn, fitted = (
-        end(ball("standard", pattern, history_coarsening=1, increments=30)).wear_depth
-        for pattern in ("swept", "local")
-    )
-    worn, fitted = worn[30:50, 30:50], fitted[30:50, 30:50]
-    roughness = [np.diff(np.diff(depth, axis=0), axis=1).std() for depth in (worn, fitted)]
-    assert roughness[0] < 0.5 * roughness[1]
-
-
 @pytest.mark.parametrize("coarsening", [1, 4])
 def test_going_on_from_the_trunk_is_the_same_bit_for_bit(coarsening):
     scene = ball(history_coarsening=coarsening, increments=8)
@@ -205,14 +185,6 @@ def test_going_on_from_the_trunk_is_the_same_bit_for_bit(coarsening):
     assert np.array_equal(gone_on.pressure, alone.pressure)
     assert np.array_equal(gone_on.heat.rise, alone.heat.rise)
     assert np.array_equal(gone_on.wear_depth, alone.wear_depth)
-
-
-def test_over_a_smooth_disk_swept_and_local_are_one():
-    swept, local = (
-        end(replace(ball(pattern=pattern), roughness=None)) for pattern in ("swept", "local")
-    )
-    assert hot(swept) == pytest.approx(hot(local), rel=1e-12)  # few touch, so both on one grid
-    assert not replace(ball(), roughness=None).sweeps_over
 
 
 def test_explicit_wear_counts_each_part_of_a_step():
@@ -226,13 +198,6 @@ def test_explicit_wear_counts_each_part_of_a_step():
     count = parts(ball(), Wear(1e-14, "local"), state.sliding_distance)
     assert count > 1
     assert stiffness[0] * count == pytest.approx(stiffness[1], rel=1e-2)  # in print
-
-
-def test_a_cylinder_with_free_ends_is_swept_over_too():
-    scene = replace(ball(pixels=96, side=5e-6, increments=4), pin=Cylinder(5e-3, 0.6e-3, STEEL))
-    assert scene.sweeps_over
-    volume = measures(scene, end(scene))["wear_volume"]
-    assert volume == pytest.approx(1.2e-15 * 200.0 * 200.0 / 150.0 / 2, rel=1e-10)
 
 
 def test_a_ball_that_rolls_is_swept_over_and_wears_around():

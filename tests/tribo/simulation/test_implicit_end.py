@@ -8,7 +8,6 @@ import pytest
 from tests.helpers.scenes import small_scene
 from tribo import (
     PRESETS,
-    Ball,
     Grid,
     MeasuredLoad,
     Motion,
@@ -145,22 +144,3 @@ def test_it_is_taken_where_more_than_a_hundredth_of_the_load_is_new(before, afte
     scene = replace(worn_scene(), wear=Wear(2e-14, pattern))
     states = (touching(scene, each) for each in (before, after))
     assert implicit_end._comes_into_contact(scene, *states, VELOCITY) == taken
-
-
-def test_an_element_whose_row_has_worn_is_new_where_wear_is_local():
-    scene = replace(ROUGH, fidelity=worn_scene().fidelity)
-    before = touching(scene, ALL)
-    moved = replace(before, pressure=np.roll(before.pressure, 1, axis=1))
-    for pattern, taken in (("swept", False), ("local", True)):
-        worn = replace(scene, wear=Wear(2e-14, pattern))
-        assert implicit_end._comes_into_contact(worn, before, moved, VELOCITY) == taken
-
-
-def test_it_is_not_taken_where_a_pin_wears_by_the_mean_over_the_disk_s_positions():
-    pixels = Grid((128, 128), (8e-6, 8e-6), (False, False))
-    scene = replace(ROUGH, pin=Ball(8e-3, ROUGH.disk), pixels=pixels)
-    scene = replace(scene, fidelity=worn_scene().fidelity)
-    before, after = (touching(scene, each) for each in (0 * ALL, ALL))
-    swept, local = (replace(scene, wear=Wear(2e-14, each)) for each in ("swept", "local"))
-    assert not implicit_end._comes_into_contact(swept, before, after, VELOCITY)
-    assert implicit_end._comes_into_contact(local, before, after, VELOCITY)

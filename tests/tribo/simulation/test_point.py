@@ -1,6 +1,3 @@
-import os
-import subprocess
-import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -55,47 +52,6 @@ def test_every_state_carries_its_load_and_the_time_of_the_ramp():
     assert loads == [75.0, 150.0, 225.0, 300.0, 375.0, 430.0]
 
 
-@pytest.mark.parametrize("pattern", ["local", "swept"])
-def test_worn_volume_is_rate_times_the_work_of_the_load(pattern):
-    scene = small_scene(pattern)
-    expected = 1.2e-15 * 1.25 * 5.0 * 750.0 / 2
-    state = last(simulate(scene, 750.0, 1.25))
-    assert measures(scene, state)["wear_volume"] == pytest.approx(expected, rel=1e-12)
-
-
-@pytest.mark.parametrize("interval", [0, 2])
-def test_going_on_from_the_trunk_is_the_same_bit_for_bit(interval):
-    scene = small_scene(temperature_interval=interval)
-    alone = list(simulate(scene, 600.0, 1.25))
-    for lower in (200.0, 300.0, 525.0):
-        trunk = [s for s in simulate(scene, lower, 1.25) if s.on_trunk][-1]
-        rest = list(simulate(scene, 600.0, 1.25, trunk=trunk))
-        assert_same(rest[-1], alone[-1])
-        assert [s.heat is None for s in rest] == [s.heat is None for s in alone[-len(rest) :]]
-
-
-def test_the_number_of_threads_of_the_linear_algebra_changes_no_bit():
-    code = (
-        "from tests.helpers.scenes import small_scene\n"
-        "from tribo import simulate\n"
-        "import hashlib\n"
-        "*_, state = simulate(small_scene(contact_tolerance=1e-3), 600.0, 1.25)\n"
-        "fields = state.pressure, state.wear_depth, state.heat.rise\n"
-        "print(hashlib.sha256(b''.join(f.tobytes() for f in fields)).hexdigest())\n"
-    )
-    digests = {
-        subprocess.run(
-            [sys.executable, "-c", code],
-            env=os.environ | {"OPENBLAS_NUM_THREADS": threads, "PYTHONPATH": str(ROOT)},
-            capture_output=True,
-            text=True,
-            check=True,
-        ).stdout
-        for threads in ("1", "2")
-    }
-    assert len(digests) == 1
-
-
 def test_smooth_unworn_cylinder_is_hertz():
     scene = replace(small_scene(roughness=False, wear=False), pixels=Grid((128, 2), (2e-6, 8e-6)))
     scene = replace(
@@ -108,13 +64,6 @@ def test_smooth_unworn_cylinder_is_hertz():
     assert found["max_pressure"] == pytest.approx(hertz_line_peak_pressure(*line), rel=1e-3)
     # The width is a whole number of elements.
     assert found["contact_width"] == pytest.approx(2 * hertz_line_half_width(*line), abs=4e-6)
-
-
-def test_no_motion_makes_no_heat_and_no_wear():
-    state = last(simulate(small_scene(), 300.0, 0.0))
-    assert state.wear_depth.max() == 0
-    assert state.heat.max_rise == 0
-    assert state.heat.rise.max() == 0
 
 
 def test_direction_of_sliding_is_a_mirror():
@@ -136,32 +85,6 @@ def test_wear_widens_and_cools_the_contact():
     assert worn["contact_width"] > unworn["contact_width"]
     assert worn["max_rise"] < unworn["max_rise"]
     assert unworn["wear_volume"] == 0
-
-
-def test_ball_on_a_flat_runs_with_local_wear():
-    scene = replace(
-        small_scene("local", roughness=False),
-        pin=Ball(10e-3, STEEL),
-        pixels=Grid((32, 32), (20e-6, 20e-6), (False, False)),
-        loading=Ramp(10.0, 10.0),
-    )
-    state = last(simulate(scene, 10.0, 0.065))
-    assert state.pressure.sum() * scene.grid.element_area == pytest.approx(10.0)
-    assert state.pressure == pytest.approx(state.pressure[:, ::-1], rel=1e-3)
-
-
-@pytest.mark.parametrize(
-    ("load", "velocity", "said"),
-    [
-        (0.0, 1.0, "normal_load"),
-        (-5.0, 1.0, "normal_load"),
-        (100.0, float("nan"), "velocity"),
-        (1e9, 1.0, "hardness"),
-    ],
-)
-def test_impossible_points_are_refused(load, velocity, said):
-    with pytest.raises(InputError, match=said):
-        list(simulate(small_scene(increments=1), load, velocity))
 
 
 def test_only_the_trunk_can_be_gone_on_from():
@@ -239,6 +162,8 @@ def test_temperatures_of_the_paper_s_system_are_those_of_the_trial():
 @pytest.mark.parametrize(
     "options",
     [
+        {},
+        {"temperature_interval": 2},
         {"wear_scheme": "explicit", "increments": 40},
         {"wear_scheme": "sdirk2"},
         {"heat_model": "history"},
@@ -260,6 +185,7 @@ def test_going_on_from_the_trunk_is_the_same_bit_for_bit_with_every_option(optio
         rest = list(simulate(scene, 600.0, 1.25, trunk=replace(trunk, heat=None)))
         assert_same(rest[-1], alone[-1])
         assert [s.time for s in rest] == [s.time for s in alone[-len(rest) :]]
+        assert [s.heat is None for s in rest] == [s.heat is None for s in alone[-len(rest) :]]
         if "heat_model" in options:
             ours, theirs = rest[-1].heat_history, alone[-1].heat_history
             assert ours.times == theirs.times

@@ -112,18 +112,6 @@ def test_heat_that_has_not_crossed_half_an_element_is_one_dimensional(begin):
     np.testing.assert_allclose(spectrum, exact, rtol=1e-9)  # rounding where begin is near end
 
 
-@pytest.mark.parametrize("velocity", [0.0, 0.3, -2.0])
-def test_growing_flux_is_the_limit_of_many_small_sudden_ones(velocity):
-    grid, duration, steps = Grid((14, 10), (20e-6, 20e-6)), 0.02, 200
-    ramp = flux_history_spectrum(grid, STEEL, velocity, (0.0, duration), (1.0, 0.0))
-    starts = duration * (np.arange(steps) + 0.5) / steps  # a staircase through its middles
-    stairs = sum(
-        ConductingHalfSpace(grid, STEEL, velocity, duration - begin).spectrum for begin in starts
-    )
-    # The youngest stair is wrong by O(√(step/duration)) of its 1/steps: about 1/steps^1.5.
-    np.testing.assert_allclose(stairs / steps, ramp, rtol=0, atol=1e-3 * np.abs(ramp).max())
-
-
 def test_a_spectrum_keeps_only_the_columns_that_have_not_faded():
     grid = Grid((20, 48), ELEMENT)
     young, old = (
@@ -253,16 +241,6 @@ def test_equal_steps_need_one_new_spectrum_for_each_lag_and_body():
     anew, _ = run(grid, fluxes, times)
     assert np.array_equal(once.rise, again.rise)
     assert np.array_equal(once.rise, anew.rise)
-
-
-def test_little_is_kept_of_old_flux():
-    state = last(simulate(small_scene(increments=20, heat_model="history"), 600.0, 1.25))
-    past = state.heat_history
-    assert len(past.times) == len(past.pin_flux) + 1 == len(past.disk_flux) + 1 == 17
-    columns = [flux.shape[1] for flux in past.pin_flux]
-    assert columns[-1] == 9  # all of them: 16 elements along y
-    assert columns[0] < columns[-1]
-    assert past.disk_flux[0].shape[1] == 0  # 1.25 m/s carry it out of the window in 0.3 ms
 
 
 def test_bulk_difference_is_felt_with_history_as_without():
