@@ -12,7 +12,6 @@ from tribo import (
     RangeError,
     TriboError,
     Wear,
-    measures,
     simulate,
 )
 from tribo.simulation import loading_step, temperature
@@ -152,15 +151,6 @@ def test_wear_and_heat_that_are_wrong_are_found_out_in_a_simulation(monkeypatch)
     monkeypatch.setattr(temperature, "partition_heat", leaking)
     with pytest.raises(InvariantError, match="heat balance"):
         temperature.heat(small_scene(), states[-1], 1.25)
-
-
-@pytest.mark.parametrize("pattern", ["local", "swept"])
-@pytest.mark.parametrize("scheme", ["implicit", "explicit", "sdirk2"])
-def test_the_whole_pin_loses_rate_times_load_times_distance(pattern, scheme):
-    scene = small_scene(pattern, wear_scheme=scheme, increments=5)
-    state = last(simulate(scene, 750.0, 0.01))
-    expected = 1.2e-15 * 375.0 * state.sliding_distance  # of a load that grows evenly to 750 N
-    assert measures(scene, state)["wear_volume"] == pytest.approx(expected, rel=1e-12)
 
 
 def test_numbers_beyond_double_precision_are_named():

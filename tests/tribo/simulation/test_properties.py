@@ -10,7 +10,6 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from tests.helpers.random_scenes import outcome, random_point
-from tests.helpers.scenes import STEEL
 from tribo import (
     Cylinder,
     Fidelity,
@@ -22,11 +21,9 @@ from tribo import (
     SelfAffineRoughness,
     Wear,
     measures,
-    partition_heat,
     simulate,
 )
 from tribo.simulation import leads_to
-from tribo.thermal import ConductingHalfSpace
 
 few = settings(deadline=None, derandomize=True, max_examples=30)
 
@@ -168,26 +165,6 @@ def test_more_load_never_means_less_contact(drawn):
     for before, after in itertools.pairwise(states):
         # Nor does any element carry less: a monotone problem (Barber 1974).
         assert (after.pressure - before.pressure).min() >= -1e-6 * after.pressure.max()
-
-
-@few
-@given(st.integers(0, 2**32 - 1), st.floats(0.01, 100.0), st.floats(1e-6, 10.0))
-def test_heat_superposes(seed, velocity, duration):
-    rng = np.random.default_rng(seed)
-    grid = Grid((int(rng.integers(3, 25)), int(rng.integers(1, 15))), (2e-6, 3e-6))
-    contact = rng.uniform(size=grid.shape) < 0.5
-    contact[0, 0] = True
-    pin = ConductingHalfSpace(grid, STEEL, 0.0, duration)
-    disk = ConductingHalfSpace(grid, replace(STEEL, thermal_conductivity=9.0), velocity, duration)
-    first, second = (np.where(contact, rng.uniform(size=grid.shape) * 1e9, 0.0) for _ in "12")
-    alone, other, both = (
-        partition_heat(pin, disk, flux, contact, tolerance=1e-12)
-        for flux in (first, second, first + second)
-    )
-    assert alone.rise + other.rise == pytest.approx(both.rise, abs=1e-9 * both.rise.max())
-    assert alone.pin_flux + other.pin_flux == pytest.approx(
-        both.pin_flux, abs=1e-8 * np.abs(both.pin_flux).max()
-    )
 
 
 @few
