@@ -92,11 +92,6 @@ class Criterion:
         Share of the contact area above the critical temperature beyond which wear is severe, from
         0 (the highest temperature) to below 1; for the kind "share" alone.
 
-    Raises
-    ------
-    InputError
-        If the name is unknown, or the share lies outside its range.
-
     Examples
     --------
     >>> columns = {"rise_quantile": np.linspace(0, 100, len(QUANTILES)), "mean_rise": 40.0}

@@ -28,12 +28,6 @@ class Grid:
     periodic : tuple of bool
         True along x, and along y, if the patch repeats there. ``(False, True)`` is a line contact.
 
-    Raises
-    ------
-    InputError
-        If a number of elements is not a positive integer, a side is not positive and finite, or
-        one side is more than a million times the other.
-
     Examples
     --------
     >>> grid = Grid(shape=(240, 240), spacing=(1.632e-6, 1.9e-6), periodic=(False, True))

@@ -79,11 +79,6 @@ class RunningIn:
     pattern : {"local", "swept"}
         See `tribo.Wear`.
 
-    Raises
-    ------
-    InputError
-        If a rate is negative or the distance not positive.
-
     Examples
     --------
     >>> law = RunningIn(initial_rate=6e-15, final_rate=1e-15, distance=2.0)

@@ -32,12 +32,6 @@ class Oil:
     pressure_coefficients : tuple of float or None
         Pressure-viscosity coefficient α at these temperatures [1/Pa]; None if it is not known.
 
-    Raises
-    ------
-    InputError
-        If a value is not positive, the temperatures do not rise, the viscosity does not fall, or
-        is below 0.31 mm²/s, where ASTM D341 in its simple form ends.
-
     Examples
     --------
     >>> white = Oil((313.15, 373.15), (32e-6, 5e-6), 866.0, (20e-9, 20e-9))
@@ -78,13 +72,7 @@ class Oil:
         return 1e-6 * kinematic * self.density
 
     def pressure_coefficient(self, temperature: float) -> float:
-        """Pressure-viscosity coefficient α [1/Pa], its logarithm linear in the temperature.
-
-        Raises
-        ------
-        InputError
-            If it is not known.
-        """
+        """Pressure-viscosity coefficient α [1/Pa], its logarithm linear in the temperature."""
         if self.pressure_coefficients is None:
             raise InputError("the oil has no pressure-viscosity coefficient; give it one")
         (cold, warm), (low, high) = self.temperatures, self.pressure_coefficients

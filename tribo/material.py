@@ -28,11 +28,6 @@ class Material:
         Highest pressure that the solid carries, H [Pa]. Infinite, that is purely elastic, if not
         given.
 
-    Raises
-    ------
-    InputError
-        If a value lies outside its range.
-
     Examples
     --------
     >>> steel = Material(elastic_modulus=210e9, poisson_ratio=0.3, hardness=6.6e9,

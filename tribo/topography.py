@@ -73,11 +73,6 @@ def self_affine(
 def block_average(heights: Array, factor: int) -> Array:
     """Mean of each block of ``factor × factor`` pixels, shape ``(nx/factor, ny/factor)``.
 
-    Raises
-    ------
-    InputError
-        If the shape is not a multiple of the factor.
-
     Examples
     --------
     >>> block_average(np.array([[1.0, 3.0], [5.0, 7.0]]), 2)

@@ -112,11 +112,6 @@ class Wear:
         periodic along y. Where y is free, as under a ball, a scene takes the mean over positions
         of the disk instead; see `tribo.simulation.disk_positions`.
 
-    Raises
-    ------
-    InputError
-        If the rate is negative or the pattern unknown.
-
     Examples
     --------
     >>> steel = Wear(specific_wear_rate=1.2e-15, pattern="swept")
@@ -143,13 +138,7 @@ class Wear:
         return np.broadcast_to(self.specific_wear_rate * distance * source, pressure.shape)
 
     def yielding(self, solid: ElasticHalfSpace, distance: float) -> ElasticHalfSpace:
-        """`solid` with the wear over a sliding distance added to its displacement.
-
-        Raises
-        ------
-        InputError
-            If the pattern is swept and the patch not periodic along y.
-        """
+        """`solid` with the wear over a sliding distance added to its displacement."""
         compliance = self.specific_wear_rate * distance
         if self.pattern == "swept" and not solid.grid.periodic[1]:
             raise InputError(

@@ -9,7 +9,7 @@ import numpy as np
 from tribo.loading import Station
 from tribo.simulation.disk_positions import Pass
 from tribo.simulation.implicit_end import ended
-from tribo.simulation.loading_step import advance, solved
+from tribo.simulation.loading_step import advance, solve_pass
 from tribo.simulation.scene import Scene
 from tribo.simulation.state import State
 from tribo.types import Array
@@ -48,9 +48,9 @@ def _observed(scene: Scene, after: State) -> State:
     # The step itself is not repeated: its wear is a mean over many positions of the disk, which
     # the coarse grid knows, and each would be a contact to solve on the fine one.
     wear_depth = _spread(after.wear_depth, scene.grid.shape)
-    at_own_position = Pass(Stage(after.normal_load, 0.0, 0.0))
+    unworn = Pass(Stage(after.normal_load, 0.0, 0.0))
     guess = _prolonged(after.pressure, scene.grid.shape)
-    contact, displacement = solved(scene, after, at_own_position, None, wear_depth, guess)
+    contact, displacement = solve_pass(scene, after, unworn, None, wear_depth, guess)
     return replace(
         after,
         pressure=contact.pressure,

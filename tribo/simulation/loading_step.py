@@ -96,21 +96,19 @@ def advance(
     slid = state.sliding_distance
     wear = scene.wear_at(velocity, (slid, slid + distance))
     passed = state.pressure if guess is None else guess
-    for stage, shift in passes(scene, state, station, wear, distance, observed, scheme):
-        extrapolated = (guess is None and shift is None) or not passed.any()
+    for contact_pass in passes(scene, state, station, wear, distance, observed, scheme):
+        # At the disk's own position the last two states know the pressure best; elsewhere, only
+        # the contact that has just passed does.
+        extrapolated = (guess is None and contact_pass.shift is None) or not passed.any()
         near = None if extrapolated else passed
-        contact, displacement = solved(scene, state, Pass(stage, shift), wear, wear_depth, near)
+        contact, displacement = solve_pass(scene, state, contact_pass, wear, wear_depth, near)
         iterations, residual = iterations + contact.iterations, max(residual, contact.residual)
         if wear:
-            wear_depth = wear_depth + wear.depth(contact.pressure, stage.distance)
+            wear_depth = wear_depth + wear.depth(contact.pressure, contact_pass.stage.distance)
         passed = contact.pressure
     if wear:
         area = _element_area(scene) * scene.windows_worn(velocity)
-        if isinstance(wear, OwnWear):
-            mean_load = (station.impulse - state.impulse) / (station.time - state.time)
-            volume = float(state.wear_depth.sum()) * area + wear.volume(mean_load)
-        else:
-            volume = wear.specific_wear_rate * abs(velocity) * station.impulse
+        volume = _worn_volume(wear, state, station, velocity, area)
         check_wear(state.wear_depth, wear_depth, area, volume)
     advanced = State(
         pressure=contact.pressure,
@@ -134,24 +132,38 @@ def advance(
     return heated_since(scene, state, advanced, velocity)
 
 
-def solved(
+def _worn_volume(
+    wear: Wear, state: State, station: Station, velocity: float, element_area: float
+) -> float:
+    """Volume that the whole pin has lost by its law up to a station [m³]."""
+    if isinstance(wear, OwnWear):
+        mean_load = (station.impulse - state.impulse) / (station.time - state.time)
+        return float(state.wear_depth.sum()) * element_area + wear.volume(mean_load)
+    return wear.specific_wear_rate * abs(velocity) * station.impulse
+
+
+def solve_pass(
     scene: Scene,
     state: State,
-    each: Pass,
+    contact_pass: Pass,
     wear: Wear | None,
     wear_depth: Array,
     guess: Array | None,
 ) -> tuple[ContactSolution, Array]:
-    """Contact of a pass after a state, and its elastic displacement."""
-    solid, fidelity, stage = elastic_bodies(scene).solid, scene.fidelity, each.stage
+    """Contact of a pass after a state, and its elastic displacement [m].
+
+    Without a guess the pressure is extrapolated.
+    """
+    solid, fidelity, stage = elastic_bodies(scene).solid, scene.fidelity, contact_pass.stage
     initial, displacement = (
         _extrapolated(state, stage.normal_load) if guess is None else (guess, None)
     )
     if wear:
+        # The pressure sought wears the shape that it meets: what it wears is a compliance more.
         solid = wear.yielding(solid, stage.implicit_distance)
         if displacement is not None and initial is not None:
             displacement += wear.depth(initial, stage.implicit_distance)
-    shape = separation_at(scene, each.shift) + wear_depth
+    shape = separation_at(scene, contact_pass.shift) + wear_depth
     contact = solve_contact(
         solid,
         shape,

@@ -1,4 +1,10 @@
-"""One point of the diagram: its contacts, and the temperatures of those that are asked for."""
+"""One point of the diagram: its contacts, and the temperatures of those that are asked for.
+
+To be read downwards: `contacts` of `contact_ramp` goes along the stations of a loading; `advance`
+of `loading_step` is one of its steps, with the contacts that `disk_positions` and the stages of
+`tribo.wear` lay out; `finer_grids` repeats the last one on the scene's own grid; `heat` of
+`temperature` gives what is asked for.
+"""
 
 from __future__ import annotations
 
