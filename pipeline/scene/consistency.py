@@ -137,13 +137,17 @@ def _crown(shape: str, crown: float | None) -> str | None:
     return None
 
 
-@_rule("motion", "motion")
-def _one_of_two(motion: dict[str, Any] | None) -> str | None:
-    given = [motion[key] for key in ("slide_roll_ratio", "entrainment_velocity")] if motion else []
-    if given.count(None) == 1 or motion is None:
+def _not_one_given(table: dict[str, Any] | None, *keys: str) -> str | None:
+    """Beginning of the problem of a table that has both of two keys, or neither."""
+    if table is None or [table[key] for key in keys].count(None) == 1:
         return None
-    subject = "neither is" if None in given else "both are"
-    return f"{subject} given; give either slide_roll_ratio or entrainment_velocity"
+    return "neither is given" if table[keys[0]] is None else "both are given"
+
+
+@_rule("motion", "motion")
+def _motion(motion: dict[str, Any] | None) -> str | None:
+    given = _not_one_given(motion, "slide_roll_ratio", "entrainment_velocity")
+    return given and f"{given}; give either slide_roll_ratio or entrainment_velocity"
 
 
 @_rule("motion.slide_roll_ratio", "motion.slide_roll_ratio", "motion.entrainment_velocity")
@@ -217,12 +221,9 @@ def _passes(track: float | None, motion: Any) -> str | None:
 
 @_rule("oil", "oil")
 def _viscosity(oil: dict[str, Any] | None) -> str | None:
-    given = [oil["kinematic_viscosity"], oil["dynamic_viscosity"]] if oil else []
-    if given.count(None) == 1 or oil is None:
-        return None
-    subject = "neither is" if None in given else "both are"
-    return (
-        f"kinematic_viscosity, dynamic_viscosity: {subject} given; give kinematic_viscosity with a "
+    given = _not_one_given(oil, "kinematic_viscosity", "dynamic_viscosity")
+    return given and (
+        f"kinematic_viscosity, dynamic_viscosity: {given}; give kinematic_viscosity with a "
         "density, or dynamic_viscosity"
     )
 

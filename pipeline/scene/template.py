@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 import re
 import shutil
@@ -78,7 +79,8 @@ def new_scene(path: str | Path, like: str | None = None) -> list[Path]:
         entries |= {"title": "My system", "fidelity": {"preset": USUAL_PRESET}}
         del entries["measured"]
     else:
-        head = "".join(_header_of(source))
+        lines = source.read_text(encoding="utf-8").splitlines(keepends=True)
+        head = "".join(itertools.takewhile(lambda line: line.startswith("#"), lines))
     text = "\n".join([head + _NEXT.format(name=path.stem).rstrip(), *_lines(entries), ""])
     beside = [str(name) for key in _FILES if (name := entry_at(entries, key))]
     copies = [(source.parent / name, path.parent / Path(name).name) for name in beside]
@@ -92,14 +94,6 @@ def new_scene(path: str | Path, like: str | None = None) -> list[Path]:
     except OSError as error:
         raise unwritable(path, error) from error
     return [path, *(copy for _, copy in copies)]
-
-
-def _header_of(scene: Path) -> Iterator[str]:
-    """The comment at the head of a scene file."""
-    for line in scene.read_text(encoding="utf-8").splitlines(keepends=True):
-        if not line.startswith("#"):
-            return
-        yield line
 
 
 def _lines(entries: Mapping[str, Any]) -> Iterator[str]:
