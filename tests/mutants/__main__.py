@@ -80,6 +80,13 @@ ROOMS = {
         ],
     ),
     "loading": (["tribo/loading"], ["tribo/loading", "tests/tribo/loading"]),
+    "scene": (
+        [
+            f"pipeline/scene/{name}.py"
+            for name in ("consistency", "correlation", "document", "kinds", "schema", "unknown")
+        ],
+        ["tests/pipeline/scene", "tests/pipeline/test_corrections.py"],
+    ),
     "store": (["pipeline/store"], ["pipeline/store", "tests/pipeline/store"]),
     "schedule": (
         [f"pipeline/run/{name}.py" for name in ("schedule", "work", "writer")],
