@@ -166,13 +166,7 @@ def _depth(entries: Any, parts: list[str]) -> int:
 
 
 def _merged(lower: dict[str, Any], upper: dict[str, Any], levels: int = _LEVELS) -> dict[str, Any]:
-    """The entries of `lower`, and those of `upper` in their place, down to some levels of tables.
-
-    Examples
-    --------
-    >>> _merged({"pin": {"shape": "ball", "radius": "2 mm"}}, {"pin": {"radius": "4 mm"}})
-    {'pin': {'shape': 'ball', 'radius': '4 mm'}}
-    """
+    """The entries of `lower` with those of `upper` in their place, down to some levels."""
     merged = dict(lower)
     for key, value in upper.items():
         both = levels and isinstance(value, dict) and isinstance(lower.get(key), dict)

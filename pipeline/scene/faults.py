@@ -104,15 +104,7 @@ def quoted(value: object) -> str:
 
 
 def did_you_mean(word: str, words: Iterable[str]) -> str:
-    """Ask whether the nearest known word was meant; empty if none is near.
-
-    Examples
-    --------
-    >>> did_you_mean("swetp", ["local", "swept"]), did_you_mean("hurst", ["hurst_exponent"])
-    (' (did you mean "swept"?)', ' (did you mean "hurst_exponent"?)')
-    >>> did_you_mean("loads", ["sweep.loads"])
-    ' (did you mean "sweep.loads"?)'
-    """
+    """Ask whether the nearest known word was meant; empty if none is near."""
     word, words = word[:80].lower(), list(words)
     ends = [other for other in words if other.endswith(f".{word}")]
     longer = [other for other in words if len(word) > 2 and other.startswith(word)]

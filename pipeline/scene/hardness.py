@@ -41,15 +41,6 @@ def hardness_pressure(number: Decimal, unit: str) -> Decimal | None:
     """Pressure that a hardness number stands for [Pa]; None if the unit is not one of hardness.
 
     Units are HV, HB, HBW and HRC; HV and HBW also with a test load, as in HV10 or HBW 10/3000.
-
-    Examples
-    --------
-    >>> f"{hardness_pressure(Decimal(700), 'HV10'):.6g} Pa"
-    '6.86466e+9 Pa'
-    >>> f"{hardness_pressure(Decimal(60), 'HRC') / _KGF_PER_MM2:.0f} HV"
-    '697 HV'
-    >>> f"{hardness_pressure(Decimal(325), 'HB') / _KGF_PER_MM2:.2f} HV"
-    '342.75 HV'
     """
     match = _SCALE.fullmatch(unit.strip())
     if match is None:

@@ -13,13 +13,7 @@ WORKFLOWS = _INSTALLED if _INSTALLED.is_dir() else _PACKAGE.parent / "workflows"
 
 
 def shipped_scenes() -> dict[str, Path]:
-    """File of each shipped scene, by name.
-
-    Examples
-    --------
-    >>> "first_try" in shipped_scenes()
-    True
-    """
+    """File of each shipped scene, by name."""
     return {path.stem: path for path in sorted(WORKFLOWS.glob("*.toml"))}
 
 
