@@ -120,6 +120,14 @@ def entry_at(tables: Mapping[str, Any], path: str) -> Any:
     return entry
 
 
+def with_value(tables: Mapping[str, Any], path: str, value: Any) -> dict[str, Any]:
+    """Tables with another value at a path; those on the way are copied, or made."""
+    first, _, rest = path.partition(".")
+    inner = tables.get(first)
+    other = with_value(inner if isinstance(inner, dict) else {}, rest, value) if rest else value
+    return {**tables, first: other}
+
+
 def joined(place: str, key: str) -> str:
     """Path of a key of the table `place`, as TOML writes it."""
     bare = key if re.fullmatch(r"[A-Za-z0-9_-]+", key) else quoted(key)

@@ -145,6 +145,17 @@ class Scalar(Kind):
 
 
 @dataclass(frozen=True)
+class Rounded:
+    """Text of a quantity, and the exact value in SI for which it stands."""
+
+    text: str
+    value: float
+
+    def __str__(self) -> str:
+        return quoted(self.text)
+
+
+@dataclass(frozen=True)
 class Quantity(Kind):
     """A number above 0 with a unit, read in SI; its example fixes the dimension.
 
@@ -161,13 +172,14 @@ class Quantity(Kind):
         return f"{self.name} {limit}, such as {quoted(self.example)}"
 
     def _read(self, value: Any, place: str, faults: Faults) -> float | Decimal:
-        if not isinstance(value, str):
+        text = value.text if isinstance(value, Rounded) else value
+        if not isinstance(text, str):
             raise UnfitError(f"{quoted(value)} has no unit")
         try:
-            exact = exact_si(value, like=self.example)
+            exact = exact_si(text, like=self.example)
         except UnitError as error:
             raise UnfitError(str(error)) from error
-        rounded = float(exact)
+        rounded = value.value if isinstance(value, Rounded) else float(exact)
         if not (0 <= rounded < math.inf if self.zero else 0 < rounded < math.inf):
             raise UnfitError(f"{quoted(value)} is out of range")
         return exact if self.exact else rounded

@@ -6,14 +6,15 @@ Every combination is read as if its values stood in the file, or were given by `
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
-from pipeline.scene.document import Document, with_entries
-from pipeline.scene.faults import Faults, SceneFileError, entry_at, quoted
+from pipeline.scene.document import Document, Layer
+from pipeline.scene.faults import Faults, entry_at, quoted, with_value
 from pipeline.scene.schema import flat
 from pipeline.scene.units import UnitError, si_unit, to_si
-from pipeline.scene.unknown import differing
+from pipeline.scene.unknown import Make, differing
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.over import Axis, Over, Variant, combinations
 from tribo import InputError, Scene, inseparable, mechanics, wear_number
@@ -25,16 +26,13 @@ _SAME = (
 _MOST = 10_000  # combinations, each of which is read as a scene
 
 
-def over_of(
-    asked: Mapping[str, tuple[Any, ...]],
-    sweep: Sweep,
-    scene_with: Callable[[Mapping[str, Any]], Sweep],
-) -> Over:
+def over_of(asked: Mapping[str, tuple[Any, ...]] | None, sweep: Sweep, make: Make) -> Over | None:
     """Entries with several values, by their paths as TOML has them, and the scenes with them.
 
-    `InputError` is raised at the first value that does not go with the scene; `scene_with` gives
-    the scene with other entries.
+    `InputError` is raised at the first value that does not go with the scene.
     """
+    if not asked:
+        return None
     axes = tuple(_axis(path, values) for path, values in asked.items())
     written = {axis.path: dict(zip(axis.values, axis.written, strict=True)) for axis in axes}
     variants = combinations({axis.path: axis.values for axis in axes})
@@ -43,7 +41,7 @@ def over_of(
             f"sweep.over: {len(variants)} combinations are too many; give {_MOST} at most"
         )
     scenes = [
-        _scene({path: written[path][value] for path, value in variant}, sweep, scene_with)
+        _scene({path: written[path][value] for path, value in variant}, sweep, make)
         for variant in variants
     ]
     parts = tuple(tuple(differing(sweep, scene)) for scene in scenes)
@@ -56,22 +54,13 @@ def over_of(
 
 def with_first_values(document: Document) -> Document:
     """The document with the first values of ``over`` where it has no such entries."""
-    entries = document.entries()
+    entries, first = document.entries(), dict[str, Any]()
     sweep = entries.get("sweep")
     over = sweep.get("over") if isinstance(sweep, dict) else None
-    if not isinstance(over, dict):
-        return document
-    missing = {
-        path: values[0]
-        for path, values in flat(over)
-        if isinstance(values, list) and values and _is_missing(entries, path)
-    }
-    return Document((*document.layers, *with_entries(document, missing, Faults()).layers[:1]))
-
-
-def without_over(document: Document) -> Document:
-    """The document without ``over``."""
-    return with_entries(document, {"without": ["sweep.over"]}, Faults())
+    for path, values in flat(over) if isinstance(over, dict) else ():
+        if isinstance(values, list) and values and _is_missing(entries, path):
+            first = with_value(first, path, values[0])
+    return Document((*document.layers, Layer(document.file, first)))
 
 
 def _is_missing(entries: Mapping[str, Any], path: str) -> bool:
@@ -109,16 +98,20 @@ def _axis(path: str, values: tuple[Any, ...]) -> Axis:
     return Axis(path, tuple(labels[i] for i in order), tuple(values[i] for i in order), unit)
 
 
-def _scene(
-    values: Mapping[str, Any], sweep: Sweep, scene_with: Callable[[Mapping[str, Any]], Sweep]
-) -> Sweep:
+def _scene(values: Mapping[str, Any], sweep: Sweep, make: Make) -> Sweep:
     """The scene with some values; raises if it is faulty, or has other axes."""
     shown = ", ".join(f"{path} = {quoted(value)}" for path, value in values.items())
+    faults = Faults()
     try:
-        scene = scene_with(values)
-    except SceneFileError as error:
-        problem = error.faults[0].removeprefix(f"{next(iter(values))}: ")
-        raise InputError(f"sweep.over: {shown}: {problem}") from error
+        scene = make(values, faults)
+    except InputError as error:
+        raise InputError(f"sweep.over: {shown}: {error}") from error
+    if scene is None:
+        key, problem, _ = faults[0]
+        problem = problem if key == next(iter(values)) else f"{key}: {problem}"
+        raise InputError(f"sweep.over: {shown}: {problem}")
+    settings = (f"--set={path}={value}" for path, value in values.items())
+    scene = replace(scene, arguments=(*sweep.arguments, *settings))
     for name in _SAME:
         if getattr(scene, name) != getattr(sweep, name):
             raise InputError(

@@ -15,19 +15,21 @@ from typing import Any
 import tribo
 from pipeline.scene.consistency import check_tables
 from pipeline.scene.document import read_document, with_entries
-from pipeline.scene.faults import Faults, SceneFileError, did_you_mean, entry_at
+from pipeline.scene.faults import Faults, SceneFileError, did_you_mean, entry_at, with_value
 from pipeline.scene.format import FIDELITY, FORMAT, TEST, TRANSITION, USUAL_PRESET
 from pipeline.scene.library import with_library, without_consequences
 from pipeline.scene.logs import with_rows
-from pipeline.scene.over import over_of, with_first_values, without_over
+from pipeline.scene.over import over_of, with_first_values
 from pipeline.scene.parts import corrections_of, loading_of, oil_of, pin_of, wear_of
 from pipeline.scene.reference import sections
 from pipeline.scene.roughness import realizations_of, roughness_of
 from pipeline.scene.shipped import scene_path
-from pipeline.scene.unknown import Original, samples_of
+from pipeline.scene.unknown import samples_of
 from pipeline.scene.wear_rates import with_velocities_for_rates
 from pipeline.sweep.conditions import Conditions, of_bulks
 from pipeline.sweep.model import Measurement, Sweep
+
+_OF_SURFACE = ("disk.roughness", "disk.surface", "window")
 
 
 def load_scene(
@@ -62,78 +64,66 @@ def load_scene(
     >>> scene.preset, scene.loads
     ('standard', (200.0, 400.0, 600.0, 750.0))
     """
-    sweep, asked = _read(path, preset, overrides or {})
-    if not asked:
-        return sweep
-
-    def scene_with(values: Mapping[str, Any]) -> Sweep:
-        return _read(path, preset, {**(overrides or {}), **values}, is_variant=True)[0]
-
-    try:
-        return replace(sweep, over=over_of(asked, sweep, scene_with))
-    except tribo.InputError as error:
-        raise SceneFileError(scene_path(path), [str(error)]) from error
-
-
-def _read(
-    path: str | PathLike[str],
-    preset: str | None,
-    overrides: Mapping[str, Any],
-    is_variant: bool = False,
-) -> tuple[Sweep, dict[str, Any]]:
-    """The scene, without `over` if it is a variant of another, and the values of `over`."""
-    arguments = _arguments(path, preset, overrides)
-    path = scene_path(path)
+    path, arguments = scene_path(path), _arguments(path, preset, overrides or {})
     faults, notes = Faults(), list[str]()
-    replaced = _by_path(overrides, preset, faults)
-    document = with_entries(read_document(path, faults), replaced, faults)
-    document = without_over(document) if is_variant else with_first_values(document)
-    entries, taken = with_library(document.entries(), faults)
+    replaced = _by_path(overrides or {}, preset, faults)
+    document = with_first_values(with_entries(read_document(path, faults), replaced, faults))
+    entries = document.entries()
+    if isinstance(entries.get("oil"), str):
+        entries["oil"] = {"like": entries["oil"]}
     for key, row_of in (("measured", TRANSITION), ("tested", TEST)):
         entries = with_rows(entries, key, row_of, document, faults, notes)
-    tables = FORMAT.read(entries, "", faults)
-    fidelity, equal_preset = _fidelity(tables["fidelity"] or {}, faults)
-    realizations = realizations_of(tables, faults)
-    roughness = roughness_of(tables, document, faults, notes)
-    loading = loading_of(tables["loading"], document, faults, notes)
+    surfaces: dict[str, Any] = {}
 
-    def build(other: dict[str, Any], wrong: Faults) -> Sweep | None:
-        """The sweep of tables, few of which differ from those of the file."""
-        surface, load = roughness, loading
-        if entry_at(other, "disk.roughness") is not entry_at(tables, "disk.roughness"):
-            surface = roughness_of(other, document, wrong, [])
-        if other["loading"] is not tables["loading"]:
-            load = loading_of(other["loading"], document, wrong, [])
-        check_tables(other, fidelity, surface, wrong)
-        oil, wear = oil_of(other["oil"], wrong), wear_of(other["wear"], wrong)
-        if wrong or load is None:
-            return None
-        return Sweep(
-            **_sound_entries(path.stem, other),
-            loading=load,
-            roughness=surface,
+    def read(
+        entries: dict[str, Any], faults: Faults, notes: list[str]
+    ) -> tuple[Sweep | None, dict[str, Any]]:
+        """The sweep of entries, without samples and `over`, and their tables."""
+        entries, taken = with_library(entries, faults)
+        tables: dict[str, Any] = FORMAT.read(entries, "", faults)
+        fidelity, equal_preset = _fidelity(tables["fidelity"] or {}, faults)
+        realizations = realizations_of(tables, faults)
+        key = repr([entry_at(tables, place) for place in _OF_SURFACE])
+        if key not in surfaces:  # a file is read once for all samples
+            surfaces[key] = roughness_of(tables, document, faults, notes)
+        loading = loading_of(tables["loading"], document, faults, notes)
+        check_tables(tables, fidelity, surfaces[key], faults)
+        oil, wear = oil_of(tables["oil"], faults), wear_of(tables["wear"], faults)
+        if faults or loading is None:
+            return None, tables
+        sweep = Sweep(
+            **_sound_entries(path.stem, tables),
+            loading=loading,
+            roughness=surfaces[key],
             oil=oil,
             wear=wear,
             realizations=realizations,
             fidelity=fidelity,
             preset=equal_preset,
-            notes=tuple(notes),
             library=taken,
             arguments=arguments,
         )
+        return with_velocities_for_rates(sweep, notes), tables
+
+    def variant(values: Mapping[str, Any], faults: Faults) -> Sweep | None:
+        """The sweep with other values of some entries."""
+        other = entries
+        for place, value in values.items():
+            other = with_value(other, place, value)
+        return read(other, faults, [])[0]
 
     try:
-        sweep = build(tables, faults)
+        sweep, tables = read(entries, faults, notes)
         if sweep is not None:
-            sweep = with_velocities_for_rates(sweep, notes)
-            samples = samples_of(Original(entries, tables, sweep, build), faults, notes)
-            sweep = replace(sweep, samples=samples, notes=tuple(notes))
+            samples = samples_of(tables, sweep, variant, faults, notes)
+            over = over_of(tables["sweep"]["over"], sweep, variant)
+            sweep = replace(sweep, samples=samples, over=over, notes=tuple(notes))
     except (tribo.InputError, tribo.InvariantError) as error:
         raise SceneFileError(path, [str(error)]) from error
     if sweep is None or faults:
         causes = without_consequences(faults)
         raise SceneFileError(path, [document.line(fault) for fault in causes])
-    return sweep, tables["sweep"]["over"] or {}
+    return sweep
 
 
 def _arguments(

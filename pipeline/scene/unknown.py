@@ -9,14 +9,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, fields, replace
-from typing import Any, NamedTuple, cast
+from typing import Any, cast
 
 import numpy as np
 import scipy  # its special functions take 0.2 s to load
 
 from pipeline.scene.correlation import with_correlations
 from pipeline.scene.faults import Faults, quoted
-from pipeline.scene.format import FORMAT
+from pipeline.scene.kinds import Rounded
 from pipeline.scene.schema import Shape
 from pipeline.scene.units import UnitError, si_unit, to_si
 from pipeline.sweep.model import Sweep
@@ -33,6 +33,8 @@ from pipeline.sweep.samples import (
 from pipeline.sweep.unknown import MOST, Kind, Unit, Unknown
 from tribo import InputError, Material, Scene, Wear, inseparable
 
+Make = Callable[[Mapping[str, Any], Faults], Sweep | None]
+"""Makes the sweep with other values of some entries, by their paths; notes faults."""
 _FACTOR = 1.25  # of a wear rate that is known, in which samples of a contact differ all the same
 _FIXED = (
     "sweep", "fidelity", "window", "measured", "tested", "unknown", "title", "extends", "without",
@@ -43,18 +45,6 @@ _EVERYWHERE = {"name", "title", "notes"}
 _SIMULATED = {field.name for field in fields(Scene)}
 _THERMAL = "thermal_conductivity", "density", "specific_heat"
 _DECISIVE = _SIMULATED | {"conditions"}
-
-
-class Original(NamedTuple):
-    """A scene without samples: as TOML has it, as the format reads it, and as a sweep.
-
-    `build` makes a sweep of other tables of the format, and notes their faults.
-    """
-
-    entries: Mapping[str, Any]
-    tables: dict[str, Any]
-    sweep: Sweep
-    build: Callable[[dict[str, Any], Faults], Sweep | None]
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,28 +59,30 @@ class _Input:
     def key(self) -> str:
         return f"unknown.{quoted(self.unknown.path)}"
 
-    def read(self, value: float) -> float | int:
-        """A value as the format gives it."""
-        return round(value) if self.is_whole else float(value)
-
     def written(self, value: float) -> str | float | int:
-        """A value as it would stand in the file."""
+        """A value as the file would write it."""
         if self.unit is None:
-            return self.read(value)
+            return round(value) if self.is_whole else float(value)
         return f"{self.unknown.shown.of(value):.6g} {self.unit}"
 
+    def entry(self, value: float) -> Rounded | float | int:
+        """A value as an entry of the scene."""
+        text = self.written(value)
+        return Rounded(text, float(value)) if isinstance(text, str) else text
 
-def samples_of(original: Original, faults: Faults, notes: list[str]) -> Samples | None:
+
+def samples_of(
+    tables: dict[str, Any], sweep: Sweep, make: Make, faults: Faults, notes: list[str]
+) -> Samples | None:
     """Samples of a scene; None if it asks for none, or something is wrong."""
-    asked, table = original.tables["sweep"], original.tables["unknown"]
-    count = asked["samples"]
+    count, table = tables["sweep"]["samples"], tables["unknown"]
     if count is not None and not table:
         problem = f"{count} does not fit a scene in which all is known; give [unknown], too"
         faults.note("sweep.samples", problem)
     if not table:
         return None
     before = len(faults)
-    if original.sweep.unequal_bulks:
+    if sweep.unequal_bulks:
         faults.note(
             "temperature.bulk",
             "two temperatures do not go with [unknown], whose probabilities take friction to scale "
@@ -103,15 +95,15 @@ def samples_of(original: Original, faults: Faults, notes: list[str]) -> Samples 
     inputs = [replace(one, unknown=unknown) for one, unknown in zip(inputs, joint, strict=True)]
     if len(inputs) > MOST:
         faults.note("unknown", f"{len(inputs)} inputs are unknown; give {MOST} at most")
-    layers = [_layer(one, original, faults) for one in inputs]
+    layers = [_layer(one, sweep, make, faults) for one in inputs]
     if len(faults) > before:
         return None
     if count is None:
         number = "1 input" if len(inputs) == 1 else f"{len(inputs)} inputs"
         notes.append(f"unknown: {number} not known exactly; give sweep.samples to draw them")
         return None
-    design = _design(inputs, layers, asked["sample_seed"], original.sweep, faults)
-    return _drawn(inputs, design, count, original, faults) if design else None
+    design = _design(inputs, layers, tables["sweep"]["sample_seed"], sweep, faults)
+    return _drawn(inputs, design, count, sweep, make, faults) if design else None
 
 
 def _design(
@@ -142,19 +134,20 @@ def _design(
 
 
 def _drawn(
-    inputs: list[_Input], design: Design, count: int, original: Original, faults: Faults
+    inputs: list[_Input], design: Design, count: int, sweep: Sweep, make: Make, faults: Faults
 ) -> Samples | None:
     """Samples of a design; None if one is not a sound scene."""
     by_path = {one.unknown.path: one for one in inputs}
     wrong = Faults()
 
     def part(values: tuple[float, ...]) -> tuple[tuple[str, Any], ...]:
-        tables = original.tables
+        entries: dict[str, Any] = {}
         for unknown, value in zip(design.inputs, values, strict=True):
             one = by_path.get(unknown.path)
-            tables = _with(tables, unknown.path, one.read(value) if one else value)
-        sweep = None if wrong else original.build(tables, wrong)
-        return () if sweep is None else tuple(differing(original.sweep, sweep))
+            usual = Rounded(f"{value:.6g} m^2/N", value)  # of a wear rate that is known
+            entries[unknown.path] = one.entry(value) if one else usual
+        other = None if wrong else make(entries, wrong)
+        return () if other is None else tuple(differing(sweep, other))
 
     samples = drawn_samples(tuple(one.unknown for one in inputs), design, count, part)
     if wrong:
@@ -227,22 +220,19 @@ def _spread(text: str, like: str) -> float:
     return spread
 
 
-def _layer(one: _Input, original: Original, faults: Faults) -> Layer:
+def _layer(one: _Input, sweep: Sweep, make: Make, faults: Faults) -> Layer:
     """Layer of a point that an input enters; it is tried out at its ends."""
-    unknown, sweep, highest = one.unknown, original.sweep, max(original.sweep.loads)
+    unknown, highest = one.unknown, max(sweep.loads)
     changed: set[str] = set()
     is_heat_alone = True
     for value, where, instead in _tried(one):
         wrong = Faults()
-        FORMAT.read(_with(dict(original.entries), unknown.path, one.written(value)), "", wrong)
-        other = None
-        if not wrong:
-            other = original.build(_with(original.tables, unknown.path, one.read(value)), wrong)
+        other = make({unknown.path: one.entry(value)}, wrong)
         if other is None:
             why = f"{wrong[0].key}: {wrong[0].problem}" if wrong else "the scene does not fit"
             faults.note(one.key, f"{where}{why}{instead}")
             return "conditions"
-        changed |= {name for name, _ in differing(sweep, other)}
+        changed |= {name for name, _ in differing(sweep, other)} - {"library"}
         alike = {name for name, _ in differing(sweep, _with_heat_of(other, sweep))}
         is_heat_alone &= not alike & _SIMULATED
         if step_count(other, highest) != step_count(sweep, highest):
@@ -285,11 +275,3 @@ def _tried(one: _Input) -> Iterator[tuple[float, str, str]]:
     for value in unknown.at(ends).tolist():
         where = f"reaches {one.written(value)} in the outermost samples: "
         yield value, where, "; or a narrower distribution, or one with median and factor"
-
-
-def _with(tables: dict[str, Any], path: str, value: Any) -> dict[str, Any]:
-    """Tables with another value at a path; those on the way are copied, or made."""
-    first, _, rest = path.partition(".")
-    inner = tables.get(first)
-    other = _with(inner if isinstance(inner, dict) else {}, rest, value) if rest else value
-    return {**tables, first: other}

@@ -173,7 +173,7 @@ def test_another_spelling_of_the_same_quantities_is_shown_and_is_the_same_scene(
             '"60 HRC" is on a scale of uneven steps; give it in HV, or as a pressure',
         ),
         ('"friction.coefficient" = { median = 0.1, factor = 0.9 }', "0.9 is out of range"),
-        ('"materials.copper.hardness" = ["1 GPa", "2 GPa"]', "materials.copper.elastic_modulus"),
+        ('"materials.mine.hardness" = ["1 GPa", "2 GPa"]', "materials.mine.elastic_modulus"),
         ('"friction.band" = [0.1, 0.2]', "friction.band: 0.1 is not a list"),
         ('"sweep.loads" = ["1 N", "2 N"]', "cannot be unknown"),
         ('"title" = ["a", "b"]', "cannot be unknown"),
