@@ -7,14 +7,14 @@ within a table while it is read, those between tables afterwards.
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
-from dataclasses import replace
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
 from os import PathLike, fspath
 from typing import Any
 
 import tribo
 from pipeline.scene.consistency import check_tables
-from pipeline.scene.document import read_document, with_entries
+from pipeline.scene.document import Document, read_document, with_entries
 from pipeline.scene.faults import Faults, SceneFileError, did_you_mean, entry_at, with_value
 from pipeline.scene.format import FIDELITY, FORMAT, TEST, TRANSITION, USUAL_PRESET
 from pipeline.scene.library import with_library, without_consequences
@@ -28,8 +28,6 @@ from pipeline.scene.unknown import samples_of
 from pipeline.scene.wear_rates import with_velocities_for_rates
 from pipeline.sweep.conditions import Conditions, of_bulks
 from pipeline.sweep.model import Measurement, Sweep
-
-_OF_SURFACE = ("disk.roughness", "disk.surface", "window")
 
 
 def load_scene(
@@ -73,47 +71,17 @@ def load_scene(
         entries["oil"] = {"like": entries["oil"]}
     for key, row_of in (("measured", TRANSITION), ("tested", TEST)):
         entries = with_rows(entries, key, row_of, document, faults, notes)
-    surfaces: dict[str, Any] = {}
-
-    def read(
-        entries: dict[str, Any], faults: Faults, notes: list[str]
-    ) -> tuple[Sweep | None, dict[str, Any]]:
-        """The sweep of entries, without samples and `over`, and their tables."""
-        entries, taken = with_library(entries, faults)
-        tables: dict[str, Any] = FORMAT.read(entries, "", faults)
-        fidelity, equal_preset = _fidelity(tables["fidelity"] or {}, faults)
-        realizations = realizations_of(tables, faults)
-        key = repr([entry_at(tables, place) for place in _OF_SURFACE])
-        if key not in surfaces:  # a file is read once for all samples
-            surfaces[key] = roughness_of(tables, document, faults, notes)
-        loading = loading_of(tables["loading"], document, faults, notes)
-        check_tables(tables, fidelity, surfaces[key], faults)
-        oil, wear = oil_of(tables["oil"], faults), wear_of(tables["wear"], faults)
-        if faults or loading is None:
-            return None, tables
-        sweep = Sweep(
-            **_sound_entries(path.stem, tables),
-            loading=loading,
-            roughness=surfaces[key],
-            oil=oil,
-            wear=wear,
-            realizations=realizations,
-            fidelity=fidelity,
-            preset=equal_preset,
-            library=taken,
-            arguments=arguments,
-        )
-        return with_velocities_for_rates(sweep, notes), tables
+    reader = _Reader(document, arguments)
 
     def variant(values: Mapping[str, Any], faults: Faults) -> Sweep | None:
         """The sweep with other values of some entries."""
         other = entries
         for place, value in values.items():
             other = with_value(other, place, value)
-        return read(other, faults, [])[0]
+        return reader.sweep(other, faults, [])[0]
 
     try:
-        sweep, tables = read(entries, faults, notes)
+        sweep, tables = reader.sweep(entries, faults, notes)
         if sweep is not None:
             samples = samples_of(tables, sweep, variant, faults, notes)
             over = over_of(tables["sweep"]["over"], sweep, variant)
@@ -124,6 +92,56 @@ def load_scene(
         causes = without_consequences(faults)
         raise SceneFileError(path, [document.line(fault) for fault in causes])
     return sweep
+
+
+@dataclass(frozen=True, slots=True)
+class _Reader:
+    """Reads entries into a sweep, and files that they name once for all entries."""
+
+    document: Document
+    arguments: tuple[str, ...]
+    parts: dict[str, Any] = field(default_factory=dict)
+
+    def sweep(
+        self, entries: dict[str, Any], faults: Faults, notes: list[str]
+    ) -> tuple[Sweep | None, dict[str, Any]]:
+        """The sweep, without samples and `over`, and the tables of the format."""
+        entries, taken = with_library(entries, faults)
+        tables: dict[str, Any] = FORMAT.read(entries, "", faults)
+        fidelity, preset = _fidelity(tables["fidelity"] or {}, faults)
+        realizations = realizations_of(tables, faults)
+        roughness = self._once(
+            [entry_at(tables, path) for path in ("disk.roughness", "disk.surface", "window")],
+            lambda: roughness_of(tables, self.document, faults, notes),
+        )
+        loading = self._once(
+            [tables["loading"]],
+            lambda: loading_of(tables["loading"], self.document, faults, notes),
+        )
+        check_tables(tables, fidelity, roughness, faults)
+        oil, wear = oil_of(tables["oil"], faults), wear_of(tables["wear"], faults)
+        if faults or loading is None:
+            return None, tables
+        sweep = Sweep(
+            **_sound_entries(self.document.file.stem, tables),
+            loading=loading,
+            roughness=roughness,
+            oil=oil,
+            wear=wear,
+            realizations=realizations,
+            fidelity=fidelity,
+            preset=preset,
+            library=taken,
+            arguments=self.arguments,
+        )
+        return with_velocities_for_rates(sweep, notes), tables
+
+    def _once(self, tables: list[Any], make: Callable[[], Any]) -> Any:
+        """The part of a scene that is made of some tables."""
+        key = repr(tables)
+        if key not in self.parts:
+            self.parts[key] = make()
+        return self.parts[key]
 
 
 def _arguments(
