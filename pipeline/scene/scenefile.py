@@ -139,9 +139,10 @@ class _Reader:
     def _once(self, tables: list[Any], make: Callable[[], Any]) -> Any:
         """The part of a scene that is made of some tables."""
         key = repr(tables)
-        if key not in self.parts:
-            self.parts[key] = make()
-        return self.parts[key]
+        part = self.parts.get(key) or make()
+        if part is not None:  # a faulty one is told each time
+            self.parts[key] = part
+        return part
 
 
 def _arguments(
