@@ -3,7 +3,7 @@
     python -m tests.cluster.wide --workers 200 --points 1000000 --seconds 2 --for 120
 
 The workers are threads of one process, and wait at each point in place of computing it; scheduler,
-schedule, commits and network are real. Prints a JSON document.
+schedule, commits and network (without encryption) are real. Prints a JSON document.
 """
 
 import argparse
@@ -11,7 +11,7 @@ import asyncio
 import json
 import os
 import resource
-import stat
+import subprocess
 import sys
 import tempfile
 import threading
@@ -19,16 +19,16 @@ import time
 from contextlib import nullcontext, suppress
 from dataclasses import replace
 from pathlib import Path
+from unittest import mock
 
 import numpy as np
-from distributed import Security, Worker
+from distributed import LocalCluster, Worker
 
 import pipeline
 from pipeline.run import schedule, work
-from pipeline.run import sweep as execute
+from pipeline.store.write import Store
 from tests.crash.sweeps import keep_one_thread
 from tests.helpers import tiny
-from tests.helpers.slurm import write_commands
 
 _LOADS = 10
 ROOT = Path(__file__).parents[2]
@@ -39,46 +39,26 @@ class EnoughError(Exception):
 
 
 class Waiting:
-    """A point that takes its time, with the data of the first at its load."""
+    """Points that take their time, with the data of the first at their load."""
 
     def __init__(self, seconds):
-        self._seconds, self._known, self._run_point = seconds, {}, work.run_point
+        self._seconds, self._known, self._run_points = seconds, {}, work.run_points
         self._lock = threading.Lock()
 
-    def __call__(self, sweep, load, velocity, *place, trunk=None):
+    def __call__(self, sweep, points, trunk=None):
         with self._lock:
-            if load not in self._known:
-                self._known[load] = self._run_point(sweep, load, velocity, *place)
-        time.sleep(self._seconds)
-        point = self._known[load].point._replace(velocity=velocity)
-        return replace(self._known[load], point=point)
+            for point in points:
+                if point.load not in self._known:
+                    (self._known[point.load],) = self._run_points(sweep, (point,))
+        time.sleep(self._seconds * len(points))
+        return tuple(replace(self._known[point.load], point=point) for point in points)
 
 
-async def host(number, address, name, certificates):
-    """Workers of one job, all in this process."""
-    security = Security(require_encryption=True, **certificates)
-    workers = [
-        Worker(address, nthreads=2, name=f"{name}-{i}", security=security, memory_limit=0)
-        for i in range(number)
-    ]
+async def host(address, number):
+    """Workers, all in this process."""
+    workers = [Worker(address, nthreads=2, memory_limit=0) for _ in range(number)]
     await asyncio.gather(*workers)
     await asyncio.gather(*(worker.finished() for worker in workers))
-
-
-def hosted(words):
-    parser = argparse.ArgumentParser()
-    for option in ("--nworkers", "--name", "--tls-ca-file", "--tls-cert", "--tls-key"):
-        parser.add_argument(option)
-    options, rest = parser.parse_known_args(words)
-    address = next(word for word in rest if word.startswith("tls://") and word != "tls://")
-    work.run_point = Waiting(float(os.environ["WIDE_SECONDS"]))
-    work._one_at_a_time = nullcontext()
-    certificates = {
-        "tls_ca_file": options.tls_ca_file,
-        "tls_worker_cert": options.tls_cert,
-        "tls_worker_key": options.tls_key,
-    }
-    asyncio.run(host(int(options.nworkers), address, options.name, certificates))
 
 
 def sweep_of(points):
@@ -91,20 +71,21 @@ def sweep_of(points):
     )
 
 
-def driven(folder, options):
+def driven(out, address, options):
     """Drive the workers for a while; what each point and the start cost."""
-    write_commands(folder / "slurm")
-    os.environ["PATH"] = f"{folder / 'slurm'}:{os.environ['PATH']}"
-    python = folder / "python"
-    python.write_text(f'#!/bin/sh\nexec {sys.executable} -m tests.cluster.wide --host "$@"\n')
-    python.chmod(stat.S_IRWXU)
-    os.environ |= {"PYTHONPATH": str(ROOT), "WIDE_SECONDS": str(options.seconds)}
-    marks, tasks, start = [], [], schedule._Run._start
+    marks, tasks, commits = [], [], []
+    start, commit = schedule._Run._start, Store.commit
     began = time.monotonic(), time.process_time()
 
     def counted(self, *arguments):
         tasks.append(None)
         start(self, *arguments)
+
+    def timed(self, records):
+        before = time.monotonic(), time.thread_time()
+        commit(self, records)
+        took = time.monotonic() - before[0], time.thread_time() - before[1]
+        commits.append((len(records), *took))
 
     def note(now):
         mark = now.done, time.monotonic(), time.process_time(), len(tasks)
@@ -112,30 +93,15 @@ def driven(folder, options):
         if now.done and mark[1] - next(m[1] for m in marks if m[0]) > options.duration:
             raise EnoughError
 
-    schedule._Run._start = counted
-    site = pipeline.Site(cores=options.workers, python=str(python), interface="lo")
-    commits = []
-    commit = execute.Store.commit
-
-    def timed(self, records):
-        records = list(records)
-        before = time.monotonic(), time.thread_time()
-        commit(self, records)
-        after = time.monotonic(), time.thread_time()
-        commits.append((len(records), after[0] - before[0], after[1] - before[1]))
-
-    execute.Store.commit = timed
-    with suppress(EnoughError):
-        pipeline.run_sweep(
-            sweep_of(options.points),
-            folder / "out.zarr",
-            cluster=pipeline.Batch("slurm", 1, "2 h", site),
-            progress=note,
-            tell=lambda line: print(line, file=sys.stderr),
-        )
+    with (
+        mock.patch.object(schedule._Run, "_start", counted),
+        mock.patch.object(Store, "commit", timed),
+        suppress(EnoughError),
+    ):
+        sweep = sweep_of(options.points)
+        pipeline.run_sweep(sweep, out, scheduler=address, progress=note, patience=120.0)
     first = next(mark for mark in marks if mark[0])
-    last = marks[-1]
-    done, wall, cpu, number = (b - a for a, b in zip(first, last, strict=True))
+    done, wall, cpu, number = (b - a for a, b in zip(first, marks[-1], strict=True))
     in_commits = sum(took for _, _, took in commits[1:])
     return {
         "workers": options.workers,
@@ -150,23 +116,38 @@ def driven(folder, options):
         "longest_commit_s": max(took for _, took, _ in commits),
         "commit_ms_a_point": 1e3 * in_commits / max(sum(n for n, _, _ in commits[1:]), 1),
         "driver_mb": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e3,
-        "files": sum(len(names) for _, _, names in os.walk(folder / "out.zarr")),
+        "files": sum(len(names) for _, _, names in os.walk(out)),
     }
 
 
 def main():
-    if "--host" in sys.argv:
-        hosted(sys.argv[sys.argv.index("--host") + 1 :])
-        return
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--workers", type=int, default=200)
     parser.add_argument("--points", type=int, default=10_000)
     parser.add_argument("--seconds", type=float, default=4.0, help="of a point")
     parser.add_argument("--for", dest="duration", type=float, default=60.0, help="seconds")
+    parser.add_argument("--host", metavar="ADDRESS", help=argparse.SUPPRESS)
     options = parser.parse_args()
+    if options.host:
+        work.run_points, work._one_at_a_time = Waiting(options.seconds), nullcontext()
+        asyncio.run(host(options.host, options.workers))
+        return
     keep_one_thread()
-    with tempfile.TemporaryDirectory() as folder:
-        print(json.dumps(driven(Path(folder), options), indent=1))
+    with (
+        tempfile.TemporaryDirectory() as folder,
+        LocalCluster(n_workers=0, dashboard_address="127.0.0.1:0") as cluster,
+    ):
+        words = ["--host", cluster.scheduler_address, "--workers", str(options.workers)]
+        workers = subprocess.Popen(
+            [sys.executable, "-m", "tests.cluster.wide", *words, "--seconds", str(options.seconds)],
+            cwd=ROOT,
+        )
+        try:
+            report = driven(Path(folder) / "out.zarr", cluster.scheduler_address, options)
+        finally:
+            workers.kill()
+            workers.wait()
+        print(json.dumps(report, indent=1))
 
 
 if __name__ == "__main__":

@@ -117,13 +117,6 @@ def test_few_nodes_are_solved_tightly():
     assert max(fidelity.contact_tolerance for fidelity in many.values()) == 0.1
 
 
-def test_no_coarse_history_is_tried_that_points_of_few_elements_do_without():
-    few, more = (dict(_ladder(UNWORN, nodes, past=False)) for nodes in (399, 400))
-    assert not any(name.startswith("fine, coarse") for name in few)
-    assert any(name.startswith("fine, coarse") for name in more)
-    assert any(name.startswith("fine, one grid") for name in few)
-
-
 def test_the_heat_of_all_the_past_is_taken_where_the_present_one_errs_too_far():
     slow = replace(UNWORN, velocities=tuple(velocity / 100 for velocity in MANY))
     warm = replace(slow.conditions, critical_temperature=slow.conditions.bulk_temperature + 12)
