@@ -19,7 +19,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.criterion import rise_limit
 from pipeline.sweep.model import Point, Sweep
 from tribo import InputError
 
@@ -31,38 +31,6 @@ _WIDEST = 0.35  # of h
 _NEAR = 0.1  # of h: how near to a node a crossing must be expected to ask beyond it
 _FINEST = 12  # halvings of the axis
 _ROUNDING = 1e-5  # of a velocity in round figures, and more
-
-
-def searched(sweep: Sweep, limit: float) -> list[float]:
-    """Velocities of a sweep between which to search where the rise reaches a limit [m/s].
-
-    Raises
-    ------
-    InputError
-        If there is no boundary to look for: no friction, or fewer than two velocities above 0.
-    """
-    if not math.isfinite(limit):
-        raise InputError(
-            "there is no boundary to look for without friction; give friction.coefficient a number "
-            "above 0"
-        )
-    moving = [velocity for velocity in sweep.velocities if velocity > 0]
-    if len(moving) < 2:
-        listed = ", ".join(f"{velocity:g}" for velocity in sweep.velocities)
-        raise InputError(
-            f"there is no boundary to look for where sweep.velocities are {listed} m/s; give two "
-            "or more above 0"
-        )
-    return moving
-
-
-def tolerance_under(conditions: Conditions, tolerance: float) -> float:
-    """Tolerance to search with under some conditions.
-
-    Friction by velocity bends the rise where its table has a node, which points beside do not tell.
-    """
-    corrections = conditions.corrections
-    return tolerance / 10 if corrections and corrections.friction else tolerance
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,8 +46,8 @@ class BoundarySearch:
     >>> rises = {}
     >>> while asked := search.wanted(rises):
     ...     rises |= {at: 50.0 * at.load**0.45 * at.velocity**0.55 for at in asked}
-    >>> len(rises), max(search.spans(rises).values()) < 0.4
-    (4, True)
+    >>> len(rises)
+    4
     """
 
     loads: Sequence[float]
@@ -90,13 +58,36 @@ class BoundarySearch:
     scale: float = 1.0
 
     def __post_init__(self) -> None:
-        if not 0 < self.lowest < self.highest:
-            raise InputError(
-                f"the boundary is to be looked for between {self.lowest:g} and {self.highest:g} "
-                "m/s; give two velocities above 0"
-            )
         if not 0 < self.tolerance < 1:
             raise InputError(f"the tolerance is {self.tolerance!r}; it must be between 0 and 1")
+
+    @classmethod
+    def of(cls, sweep: Sweep, tolerance: float, scale: float = 1.0) -> BoundarySearch:
+        """A search for the boundary of a sweep, between its lowest and highest velocity above 0.
+
+        Raises
+        ------
+        InputError
+            If there is no boundary to look for: no friction, or fewer than two such velocities.
+        """
+        limit, corrections = rise_limit(sweep.conditions), sweep.conditions.corrections
+        if not math.isfinite(limit):
+            raise InputError(
+                "there is no boundary to look for without friction; give friction.coefficient a "
+                "number above 0"
+            )
+        moving = [velocity for velocity in sweep.velocities if velocity > 0]
+        if len(moving) < 2:
+            listed = ", ".join(f"{velocity:g}" for velocity in sweep.velocities)
+            raise InputError(
+                f"there is no boundary to look for where sweep.velocities are {listed} m/s; give "
+                "two or more above 0"
+            )
+        # Friction by velocity bends the rise where its table has a node, which points beside do
+        # not tell.
+        if corrections and corrections.friction:
+            tolerance /= 10
+        return cls(sweep.loads, moving[0], moving[-1], limit, tolerance, scale)
 
     def wanted(
         self,
@@ -118,15 +109,6 @@ class BoundarySearch:
             asked |= {Point(load, v) for v in self._next(rows[load], guess, curvature)}
         fresh = asked - set(rises) - set(hopeless)
         return tuple(sorted(fresh, key=lambda point: (point.velocity, point.load)))
-
-    def spans(self, rises: Mapping[Point, float]) -> dict[float, float]:
-        """Logarithm of the ratio of the velocities that enclose the crossing, by load."""
-        widths = {}
-        for load in self.loads:
-            low, high = self._bracket(self._row(rises, load))
-            if low is not None and high is not None:
-                widths[load] = math.log(high / low)
-        return widths
 
     def _first_node(self, load: float) -> float:
         """The velocity of the axis to begin with: in its middle at the middle load."""

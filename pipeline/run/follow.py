@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from pipeline.run.batch import Batch
-from pipeline.run.boundary_search import BoundarySearch, searched, tolerance_under
+from pipeline.run.boundary_search import BoundarySearch
 from pipeline.run.sweep import Outcome, run_sweep
 from pipeline.run.tally import Progress
 from pipeline.scene.scenefile import sweep_of
@@ -18,7 +18,7 @@ from pipeline.store.place import PathLike, place_of
 from pipeline.store.root import find_root
 from pipeline.store.schema import DONE, FAILED, STEPPED
 from pipeline.store.write import Store
-from pipeline.sweep.criterion import decisive_rises, rise_limit
+from pipeline.sweep.criterion import decisive_rises
 from pipeline.sweep.model import Point, Sweep
 from tribo import InputError
 
@@ -77,7 +77,9 @@ def follow_boundary(
             "the samples of a scene are computed by run_sweep, and the boundary follows from them; "
             "leave out the search (--boundary-only)"
         )
-    searches = {variant: _search(sweep.variant(variant), tolerance) for variant in sweep.variants}
+    searches = {
+        variant: BoundarySearch.of(sweep.variant(variant), tolerance) for variant in sweep.variants
+    }
 
     def further(store: Store | None, retry_failed: bool = False) -> Sweep | None:
         """The sweep at the points that are done or failed, and at those to look at next."""
@@ -102,14 +104,6 @@ def follow_boundary(
         begun or sweep, out, workers, scheduler, progress, retry_failed, further, tell,
         cluster=cluster,
     )  # fmt: skip
-
-
-def _search(sweep: Sweep, tolerance: float) -> BoundarySearch:
-    """Search for the boundary of one variant."""
-    limit = rise_limit(sweep.conditions)
-    moving = searched(sweep, limit)
-    tolerance = tolerance_under(sweep.conditions, tolerance)
-    return BoundarySearch(sweep.loads, moving[0], moving[-1], limit, tolerance)
 
 
 def _seen(store: Store, sweep: Sweep) -> tuple[dict[Point, float], set[Point]]:

@@ -12,13 +12,13 @@ from typing import Any
 import numpy as np
 
 from pipeline.analysis.transition import OUTCOMES, Transition
-from pipeline.run.boundary_search import BoundarySearch, searched, tolerance_under
+from pipeline.run.boundary_search import BoundarySearch
 from pipeline.run.physics import LeftOut, physics_left_out
 from pipeline.run.sharing import SharedContacts, SharedPoint
 from pipeline.scene.scenefile import load_scene
 from pipeline.scene.variants import absolute
 from pipeline.sweep.conditions import Conditions
-from pipeline.sweep.criterion import decisive_rises, rise_limit
+from pipeline.sweep.criterion import decisive_rises
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.stages import staged
 from pipeline.sweep.warned import NO_WARNING, Warned
@@ -234,11 +234,8 @@ class _Plane:
         self, asked: Sweep, conditions: Conditions, tolerance: float
     ) -> tuple[tuple[float, ...], tuple[str, ...]]:
         """Critical velocity and outcome at each load under some conditions, by simulation."""
-        limit = rise_limit(conditions)
-        moving = searched(asked, limit)
-        ends = moving[0], moving[-1]
-        tolerance = tolerance_under(conditions, tolerance)
-        search = BoundarySearch(asked.loads, *ends, limit, tolerance, self._scale)
+        search = BoundarySearch.of(replace(asked, conditions=conditions), tolerance, self._scale)
+        limit, ends = search.limit, (search.lowest, search.highest)
         while wanted := search.wanted(rises := self._rises(conditions)):
             self.known |= self._contacts.points(self._sweep, wanted)
         self.beside.update(_beside(rises, limit))

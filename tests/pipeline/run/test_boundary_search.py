@@ -31,7 +31,7 @@ def searched(rise, tolerance=0.01, loads=LOADS, lowest=0.5, highest=5.0, known=N
         known |= {at: rise(*at[:2]) for at in asked}
         rounds.append(asked)
         assert len(rounds) < 30
-    return search, known, rounds
+    return known, rounds
 
 
 def boundary_of(known, load):
@@ -49,7 +49,7 @@ def steps(points, increment=7.5):
 @pytest.mark.parametrize("tolerance", [0.05, 0.01, 0.002, 0.0005])
 @pytest.mark.parametrize("bend", [-0.05, 0.0, 0.1, 0.4])
 def test_the_boundary_is_found_within_the_tolerance_at_every_load(tolerance, bend):
-    _, known, _ = searched(lambda load, v: bent(load, v, bend), tolerance)
+    known, _ = searched(lambda load, v: bent(load, v, bend), tolerance)
     for load in LOADS:
         true = crossing(np.geomspace(0.5, 5, 2000),
                         np.array([bent(load, v, bend) for v in np.geomspace(0.5, 5, 2000)]),
@@ -58,7 +58,7 @@ def test_the_boundary_is_found_within_the_tolerance_at_every_load(tolerance, ben
 
 
 def test_it_takes_a_third_of_the_steps_of_the_grid():
-    _, known, rounds = searched(bent)
+    known, rounds = searched(bent)
     grid = [
         Point(load, float(v)) for load, v in itertools.product(LOADS, np.arange(0.5, 5.1, 0.25))
     ]
@@ -68,19 +68,19 @@ def test_it_takes_a_third_of_the_steps_of_the_grid():
 
 
 def test_loads_share_their_velocities():
-    _, known, _ = searched(bent)
+    known, _ = searched(bent)
     assert len({at.velocity for at in known}) < len(LOADS)
 
 
 def test_a_search_that_was_cut_short_goes_on_to_the_same_end():
-    _, whole, rounds = searched(bent, 0.001)
+    whole, rounds = searched(bent, 0.001)
     for cut in range(1, len(rounds)):
         known = {at: whole[at] for points in rounds[:cut] for at in points}
-        _, again, _ = searched(bent, 0.001, known=known)
+        again, _ = searched(bent, 0.001, known=known)
         assert again == whole
     # The end of a round need not have come.
     half = dict(itertools.islice(whole.items(), len(whole) // 2))
-    _, again, _ = searched(bent, 0.001, known=half)
+    again, _ = searched(bent, 0.001, known=half)
     for load in LOADS:
         assert boundary_of(again, load) == pytest.approx(boundary_of(whole, load), rel=1e-3)
 
@@ -90,16 +90,15 @@ def test_points_of_a_grid_that_are_there_are_used():
         Point(load, float(v)): bent(load, v)
         for load, v in itertools.product(LOADS, np.arange(0.5, 5.1, 0.25))
     }
-    _, _, rounds = searched(bent, known=grid)
+    _, rounds = searched(bent, known=grid)
     assert not rounds
-    _, _, rounds = searched(bent, 0.001, known=grid)
+    _, rounds = searched(bent, 0.001, known=grid)
     assert sum(map(len, rounds)) < len(LOADS) * 3
 
 
 @pytest.mark.parametrize(("factor", "end"), [(0.1, 5.0), (10.0, 0.5)])
 def test_without_a_crossing_it_ends_at_the_end_of_the_range(factor, end):
-    search, known, _ = searched(lambda load, v: factor * bent(load, v))
-    assert not search.spans(known)
+    known, _ = searched(lambda load, v: factor * bent(load, v))
     for load in LOADS:
         assert Point(load, end) in known
     assert len(known) < 5 * len(LOADS)
@@ -127,14 +126,11 @@ def test_a_rise_that_falls_in_places_ends_too():
         noise.setdefault(at, 1 + 0.05 * rng.standard_normal())
         return bent(load, v) * noise[at]
 
-    _, known, _ = searched(ragged, 0.002)
+    known, _ = searched(ragged, 0.002)
     assert all(0.5 < boundary_of(known, load) < 5 for load in LOADS)
 
 
-@pytest.mark.parametrize(
-    "changes", [{"lowest": 0.0}, {"lowest": 5.0}, {"tolerance": 0.0}, {"tolerance": 1.0}]
-)
-def test_a_search_without_a_range_or_tolerance_is_refused(changes):
-    with pytest.raises(InputError, match=r"must be between|two velocities above 0"):
-        BoundarySearch(**{"loads": LOADS, "lowest": 0.5, "highest": 5.0, "limit": LIMIT,
-                          "tolerance": 0.01} | changes)  # fmt: skip
+@pytest.mark.parametrize("tolerance", [0.0, 1.0])
+def test_a_search_without_a_tolerance_is_refused(tolerance):
+    with pytest.raises(InputError, match="must be between 0 and 1"):
+        BoundarySearch(LOADS, 0.5, 5.0, LIMIT, tolerance)
