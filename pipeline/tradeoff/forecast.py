@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any, NamedTuple
 
@@ -120,14 +120,13 @@ def estimate(sweep: SceneLike, workers: int | None = None, boundary_only: bool =
         moving = min(moving, velocities)
         steps = [step for step in steps if step[0] <= np.median(sweep.loads)]
     timed, begin = _timed_loads(sweep)
-    loads, costs = zip(*sorted(timed.items()), strict=True)
-    seconds_each = [[cost.step for cost in costs], [cost.end for cost in costs]]
-    unheated = sum(float(np.interp(load, loads, seconds_each[False])) for load, _ in steps)
-    ramp = sum(float(np.interp(load, loads, seconds_each[heated])) for load, heated in steps)
-    ramp -= unheated * (1 - 1 / shared)
-    ends = [load for load, heated in steps if heated and load in sweep.loads]
-    at_rates = ends * len(sweep.rates)
-    ramp += sum(float(np.interp(load, loads, [cost.heat for cost in costs])) for load in at_rates)
+    heated = [load for load, is_heated in steps if is_heated]
+    unheated = [load for load, is_heated in steps if not is_heated]
+    at_rates = [load for load in heated if load in sweep.loads] * len(sweep.rates)
+    contacts_and_heat = _seconds(timed, "step", unheated) + _seconds(timed, "end", heated)
+    heat_alone = _seconds(timed, "heat", heated)
+    ramp = heat_alone + (contacts_and_heat - heat_alone) / shared
+    ramp += _seconds(timed, "heat", at_rates)
     chains = points if sweep.independent else ramps
     parallel = min(workers, chains)
     ramps_of_contacts = math.ceil(ramps / shared)
@@ -135,8 +134,7 @@ def estimate(sweep: SceneLike, workers: int | None = None, boundary_only: bool =
         not sweep.remembers_steps and not sweep.samples
     ):  # workers keep contacts of the first velocity
         ramps_of_contacts = min(ramps, parallel * variants)
-        first = [cost.contact for cost in costs]
-        begin += sum(float(np.interp(load, loads, first)) for load, _ in steps)
+        begin += _seconds(timed, "contact", [load for load, _ in steps])
     turns = ramps / parallel if sweep.independent else math.ceil(ramps / parallel)
     alone = begin * variants + turns * (ramp + len(sweep.loads) * _SECONDS_TO_COMMIT)
     busy = min(os.getloadavg()[0], cores) if hasattr(os, "getloadavg") else 0.0
@@ -145,8 +143,9 @@ def estimate(sweep: SceneLike, workers: int | None = None, boundary_only: bool =
         _SECONDS_TO_START + alone * (1.0 if elsewhere else max(1.0, (others + parallel) / cores))
         for others in (busy, 0.0)
     )
-    nodes = int(np.count_nonzero(costs[-1].state.pressure))
-    basis = f"mostly right within a factor of 1.5, from steps at {len(loads)} loads timed just now"
+    highest = timed[max(timed)].state
+    nodes = int(np.count_nonzero(highest.pressure))
+    basis = f"mostly right within a factor of 1.5, from steps at {len(timed)} loads timed just now"
     if elsewhere:
         basis += "; for workers that have a core each, as fast as those here"
     if seconds > 1.1 * idle:
@@ -154,13 +153,13 @@ def estimate(sweep: SceneLike, workers: int | None = None, boundary_only: bool =
     return Estimate(
         points=points,
         steps=len(steps) * ramps_of_contacts,
-        temperatures=(sum(heated for _, heated in steps) + len(at_rates)) * moving * surfaces,
+        temperatures=(len(heated) + len(at_rates)) * moving * surfaces,
         chains=chains,
         workers=workers,
         seconds=seconds,
         basis=basis,
         worker_bytes=worker_bytes(sweep, nodes),
-        disk_bytes=points * _point_bytes(sweep, costs[-1].state),
+        disk_bytes=points * _point_bytes(sweep, highest),
         warnings=tuple(_too_many_nodes(sweep, nodes)) if moving else (),
     )
 
@@ -209,7 +208,7 @@ class _Timed(NamedTuple):
     """CPU time of a step without a temperature and with one [s], and the last state.
 
     Where the scene remembers no step, both are without the contact, which takes its own time once.
-    Heat at another wear rate takes its own time, too.
+    Heat on a contact that is there takes its own time, for samples and other wear rates.
     """
 
     step: float
@@ -225,7 +224,7 @@ def _timed_loads(sweep: Sweep) -> tuple[dict[float, _Timed], float]:
     if direct:  # which is timed on a smaller matrix
         sweep = replace(sweep, fidelity=replace(sweep.fidelity, partition="local"))
     moving = sorted((velocity for velocity in sweep.velocities if velocity), key=abs)
-    velocity = moving[len(moving) // 2] if moving else 0.0
+    velocity = math.sqrt(abs(moving[0] * moving[-1])) if moving else 0.0
     top, began = sweep.loads[-1], time.process_time()
     _timed(sweep, top, velocity)
     cold, began = time.process_time() - began, time.process_time()
@@ -239,6 +238,12 @@ def _timed_loads(sweep: Sweep) -> tuple[dict[float, _Timed], float]:
     if direct:
         timed = {load: cost._replace(end=_eliminated(cost)) for load, cost in timed.items()}
     return timed, begin
+
+
+def _seconds(timed: Mapping[float, _Timed], name: str, loads: Sequence[float]) -> float:
+    """Time of steps at some loads [s], by one of the times of those that were timed."""
+    known, costs = zip(*sorted(timed.items()), strict=True)
+    return float(np.interp(loads, known, [getattr(cost, name) for cost in costs]).sum())
 
 
 def _timed(sweep: Sweep, load: float, velocity: float) -> _Timed:
@@ -267,11 +272,11 @@ def _timed_from(sweep: Sweep, load: float, velocity: float, before: State | None
         (ends if state.heat is not None else steps if number > 2 else []).append(now - began)
         began = now
     end = float(np.median(ends))
-    began = time.process_time()
-    for place in range(len(sweep.rates)):
-        heat(sweep, state, velocity * 1.1**place)
-    at_rates = (time.process_time() - began) / max(len(sweep.rates), 1)
-    return _Timed(float(np.median(steps)) if steps else end, end, state, heat=at_rates)
+    began, again = time.process_time(), 0.0
+    if sweep.rates or sweep.samples:
+        heat(sweep, state, velocity * 1.1)
+        again = time.process_time() - began
+    return _Timed(float(np.median(steps)) if steps else end, end, state, heat=again)
 
 
 def _timed_early(sweep: Sweep, velocity: float) -> dict[float, _Timed]:

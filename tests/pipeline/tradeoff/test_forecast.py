@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import pytest
 
+import pipeline
 from pipeline.sweep.plan import chains, points, run_point
 from pipeline.tradeoff import forecast
 from pipeline.tradeoff.forecast import _Timed, estimate
@@ -22,7 +23,7 @@ def counted(sweep):
     for chain in chains(points(sweep), sweep):
         trunk = None
         for point in chain:
-            new = slice(len(trunk.records.get(None, ())) if trunk else 0, None)
+            new = slice(len(trunk.records.get((), ())) if trunk else 0, None)
             result = run_point(sweep, *point, trunk=trunk)
             steps += len(result.columns["time"][new])
             temperatures += (result.columns["max_rise"][new] >= 0).sum()
@@ -70,6 +71,15 @@ def test_the_time_is_that_of_all_steps_shared_by_the_workers(known):
         assert estimate(case, workers).seconds == pytest.approx(turns * ramp + 5, rel=0.02)
     # Three at a time on two cores
     assert estimate(three, 3).seconds == pytest.approx(1.5 * (ramp + 5), rel=0.02)
+
+
+def test_samples_on_a_shared_contact_cost_no_more_than_their_heat(known, monkeypatch):
+    sweep = pipeline.load_scene("uncertain")
+    cost = _Timed(1.0, 10.0, start(sweep), heat=2.0)
+    monkeypatch.setattr(forecast, "_timed_loads", lambda _: ({400.0: cost}, 0.0))
+    # 3 steps without a temperature and 4 with one, whose contacts 4 samples share.
+    ramp = 4 * 2.0 + (3 * 1.0 + 4 * 8.0) / 4
+    assert estimate(sweep, 1).seconds == pytest.approx(128 * ramp, rel=0.02)
 
 
 def test_where_others_take_the_cores_it_says_what_it_would_be_without_them(known, monkeypatch):
