@@ -100,6 +100,8 @@ def diagram(
     if log:
         ds = ds.sel(velocity=ds["velocity"] > 0)
     figure, axes = canvas(ax, (8.0, 6.4))
+    if log:
+        axes.set(xscale="log", yscale="log")
     legend: list[Artist] = []
     sizes = ds.sizes["load"], ds.sizes["velocity"]
     is_plane = min(sizes) > 1
@@ -122,7 +124,10 @@ def diagram(
     legend += measured_transitions(axes, measured)
     if is_plane:
         legend += at_own_friction(axes, plane, measured, conditions)
-    _scale(axes, ds, measured, log)
+    axes.use_sticky_edges = False  # those of the regions would leave no margin
+    axes.margins(0.04)
+    if log:
+        plain_numbers(axes)
     if is_plane:
         name_regions(axes, plane, rise_limit(conditions), ds["load"].values, measured)
 
@@ -130,7 +135,7 @@ def diagram(
     axes.set_title(title_of(ds) + surface, pad=10)
     axes.set_xlabel("sliding velocity [m/s]")
     axes.set_ylabel("normal load [N]")
-    severe = _severe_wear(conditions)
+    severe = f"severe wear: {criterion(conditions)}; {heating(conditions)}"
     legend_below(figure, ax, handles=legend, ncols=3, title=severe, title_fontsize=9.5)
     return figure
 
@@ -187,20 +192,6 @@ def _probability(ds: xr.Dataset, given_measured: bool, scatter: float | None, lo
     posterior = posterior_if_given(samples, given_measured, scatter)
     plane = probabilities(samples, posterior.draws if posterior else None)
     return draw_risk(samples, plane, posterior=posterior, log=log)
-
-
-def _scale(axes: Axes, ds: xr.Dataset, measured: Sequence[dict[str, Any]], log: bool) -> None:
-    """Set the scales of both axes and their limits."""
-    if log:
-        axes.set_xscale("log")
-        axes.set_yscale("log")
-    _limits(axes, ds, measured, log)
-    if log:
-        plain_numbers(axes)
-
-
-def _severe_wear(conditions: Conditions) -> str:
-    return f"severe wear: {criterion(conditions)}; {heating(conditions)}"
 
 
 def _planes(ds: xr.Dataset, conditions: Conditions) -> Sequence[xr.DataArray]:
@@ -398,16 +389,3 @@ def _on_a_line(axes: Axes, ds: xr.Dataset, conditions: Conditions) -> list[Artis
     unit = "m/s" if axis == "velocity" else "N"
     text = f"{crossings[0]:.3g} {unit}" if len(crossings) == 1 else "by surface"
     return [Line2D([], [], ms=9, label=f"computed transition, {text}", **look)]
-
-
-def _limits(axes: Axes, ds: xr.Dataset, measured: Sequence[dict[str, Any]], log: bool) -> None:
-    for values, key, set_limits in (
-        (ds["velocity"].values, "velocity", axes.set_xlim),
-        (ds["load"].values, "normal_load", axes.set_ylim),
-    ):
-        shown = np.append(values, [point[key] for point in measured])
-        if log:
-            shown = np.log(shown[shown > 0])
-        margin = 0.04 * (np.ptp(shown) or abs(shown[0]) or 1.0)
-        ends = np.array([shown.min() - margin, shown.max() + margin])
-        set_limits(*(np.exp(ends) if log else ends))

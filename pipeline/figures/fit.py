@@ -73,15 +73,19 @@ def _resize(artist: Artist, text: float, line: float) -> None:
 
 
 def _wrap_titles(figure: Figure) -> None:
-    """Break titles into lines that are as long as the figure is wide."""
-    titles = [axes.title for axes in figure.axes]
-    titles += [legend.get_title() for legend in figure.findobj(Legend)]
-    titles += [figure._suptitle] if getattr(figure, "_suptitle", None) else []  # type: ignore[attr-defined]
-    room = 72 * figure.get_size_inches()[0]  # [pt]
-    for title in titles:
-        letters = int(0.92 * room / (_LETTER * float(title.get_fontsize())))
+    """Break titles into lines that are as long as the figure is wide about their middle."""
+    figure.draw_without_rendering()
+    whole = figure.bbox.width
+    rooms = dict.fromkeys([legend.get_title() for legend in figure.findobj(Legend)], whole)
+    for axes in figure.axes:
+        middle = axes.bbox.x0 + axes.bbox.width / 2
+        rooms[axes.title] = 2 * min(middle, whole - middle)
+    if title := getattr(figure, "_suptitle", None):
+        rooms[title] = whole
+    for title, room in rooms.items():
+        letter = _LETTER * float(title.get_fontsize()) * figure.dpi / 72
         lines = title.get_text().replace(SOFT_BREAK, " ").splitlines()
-        title.set_text("\n".join(textwrap.fill(line, letters) for line in lines))
+        title.set_text("\n".join(textwrap.fill(line, int(0.92 * room / letter)) for line in lines))
 
 
 def _wrap_labels(figure: Figure) -> None:

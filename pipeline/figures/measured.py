@@ -35,18 +35,9 @@ def measured_transitions(axes: Axes, measured: Sequence[Mapping[str, Any]]) -> l
 def at_own_friction(
     axes: Axes, plane: xr.DataArray, measured: Sequence[Mapping[str, Any]], conditions: Conditions
 ) -> list[Artist]:
-    """Mark where the transition is computed at the friction of each measured one, and join both.
+    """Mark the transition computed at the friction of each measured one, and join both.
 
-    Parameters
-    ----------
-    axes : Axes
-        Axes of the diagram.
-    plane : DataArray, dims (load, velocity)
-        Decisive rise at friction 1 [K].
-    measured : sequence of mapping
-        Measured transitions: load, velocity, and friction if that was measured too.
-    conditions : Conditions
-        Conditions of the diagram; a transition at about its friction lies beside its line anyway.
+    One at about the friction of the diagram lies beside its line anyway, and is left out.
     """
     transitions = []
     loads, velocities = plane["load"].values, plane["velocity"].values

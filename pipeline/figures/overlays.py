@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -10,6 +9,7 @@ import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
+from scipy.stats import gmean
 
 from pipeline.analysis.attributes import attributes_of
 from pipeline.figures.rivals import RIVALS, SmoothContact
@@ -26,7 +26,7 @@ _STYLES = ((0, (4, 2)), (0, (6, 2, 1, 2)), (0, (2, 1)), (0, (8, 3)))
 
 
 def film_lines(axes: Axes, ds: xr.Dataset, conditions: Conditions) -> list[Artist]:
-    """Draw where mixed lubrication and the full film begin, as far as that lies in the figure."""
+    """Draw the beginnings of mixed lubrication and of the full film, if they lie in the figure."""
     lubrication = Lubrication.stored(attributes_of(ds))
     if lubrication is None:
         return []
@@ -52,15 +52,10 @@ def film_lines(axes: Axes, ds: xr.Dataset, conditions: Conditions) -> list[Artis
 def rival_lines(
     axes: Axes, ds: xr.Dataset, conditions: Conditions, names: Sequence[str]
 ) -> list[Artist]:
-    """Draw where simpler criteria put the transition.
+    """Draw the transition by simpler criteria.
 
     The limit of Blok's flash temperature is the critical temperature; that of the others is the
     geometric mean of their values at the measured transitions.
-
-    Raises
-    ------
-    InputError
-        If a name is unknown, or a limit is to be had from measured transitions and there are none.
     """
     if not names:
         return []
@@ -99,18 +94,13 @@ def _calibrated(ds: xr.Dataset, name: str, contact: SmoothContact, friction: flo
             f"rival is {name!r}, whose limit comes from measured transitions; the scene has none: "
             "give it a [[measured]] with load and velocity, or take blok"
         )
-    logarithms = [
-        math.log(
-            RIVALS[name].value(
-                contact,
-                transition["normal_load"],
-                transition["velocity"],
-                transition["friction"] or friction,
-            )
+    values = [
+        RIVALS[name].value(
+            contact, test["normal_load"], test["velocity"], test["friction"] or friction
         )
-        for transition in measured
+        for test in measured
     ]
-    return math.exp(sum(logarithms) / len(logarithms))
+    return float(gmean(values))
 
 
 def _plane(ds: xr.Dataset) -> tuple[Array, Array]:

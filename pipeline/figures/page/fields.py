@@ -21,22 +21,12 @@ _LEVELS = 255
 def packed_fields(
     surfaces: list[xr.Dataset], chosen: Iterable[tuple[int, int, int]]
 ) -> dict[str, Any]:
-    """Pack pressure, rise and wear depth of the chosen points.
+    """Pack pressure, rise and wear depth of points chosen by surface, load and velocity.
 
-    Parameters
-    ----------
-    surfaces : list of Dataset
-        The sweep on each surface.
-    chosen : iterable of tuple of int
-        Indices of surface, load and velocity.
-
-    Returns
-    -------
-    dict
-        ``shape`` after averaging, ``block`` the elements averaged along each axis, ``extent`` of
-        the window [m], and by place the ``points``: highest pressure [Pa], lowest and highest rise
-        [K], greatest depth [m], lowest and highest response to unequal bulk temperatures, and the
-        base64 of the compressed levels of the fields.
+    Gives ``shape`` after averaging, ``block`` the elements averaged along each axis, ``extent`` of
+    the window [m], and by place the ``points``: highest pressure [Pa], lowest and highest rise [K],
+    greatest depth [m], lowest and highest response to unequal bulk temperatures, and the base64 of
+    the compressed levels of the fields.
     """
     points: dict[str, Any] = {}
     content: dict[str, Any] = {"points": points}
@@ -92,14 +82,7 @@ def _block(elements: int) -> int:
 
 
 def _summed(field: Array, block: tuple[int, int]) -> Array:
-    """Sum over blocks, the last of which may be cut short.
-
-    Examples
-    --------
-    >>> _summed(np.arange(6.0).reshape(3, 2), (2, 2))
-    array([[6.],
-           [9.]])
-    """
+    """Sum over blocks, the last of which may be cut short."""
     starts = [np.arange(0, n, b) for n, b in zip(field.shape, block, strict=True)]
     return np.add.reduceat(np.add.reduceat(field, starts[0], axis=0), starts[1], axis=1)
 

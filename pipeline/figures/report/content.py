@@ -10,6 +10,7 @@ from datetime import UTC, datetime
 from typing import Any
 
 import xarray as xr
+from matplotlib.figure import Figure
 
 from pipeline.analysis.attributes import attributes_of
 from pipeline.analysis.boundary import boundary
@@ -31,6 +32,9 @@ from pipeline.sweep.selection import PRESET_BOUNDS, Selection
 from pipeline.sweep.shown import on_plane
 from tribo import InputError
 
+Part = str | Table | Figure
+"""A paragraph, a table or a picture of a section."""
+
 _DPI = 200
 _LONG = {
     "certain", "critical_velocity", "critical_load", "velocity_outcome", "load_outcome",
@@ -40,30 +44,22 @@ _LONG = {
 
 
 def content(ds: xr.Dataset, points: OperatingPoints | None, conditions: Mapping[str, Any]) -> str:
-    """Body of a report as HTML: headings, paragraphs, tables and pictures.
-
-    Parameters
-    ----------
-    ds : Dataset
-        Dataset of `pipeline.open_sweep`.
-    points : OperatingPoints or None
-        Operating points whose margins to tell.
-    conditions : mapping
-        Conditions in place of the sweep's own; see `pipeline.boundary`.
-    """
+    """Body of a report as HTML: headings, paragraphs, tables and a picture."""
     attributes = attributes_of(ds)
     title = attributes.get("title") or attributes.get("name") or "Transition diagram"
-    sections: dict[str, Callable[[], Iterator[str]]] = {
+    sections: dict[str, Callable[[], Iterator[Part]]] = {
         "Question and answer": lambda: _question(ds, conditions),
         "Transition diagram": lambda: _diagram(ds, conditions),
         "Boundary in numbers": lambda: _numbers(ds, conditions),
         "Operating points": lambda: _operating_points(ds, points, conditions),
         "Warnings": lambda: _warnings(ds, conditions),
         "Inputs": lambda: _inputs(attributes),
+        "Measured transitions": lambda: _measured(attributes, "measured"),
+        "Tests": lambda: _measured(attributes, "tested"),
         "Numerical choices and their error": lambda: _fidelity(attributes),
         "Model": _model,
         "Versions": lambda: _versions(attributes),
-        "Citation": _cite,
+        "Citation": citation,
     }
     if variant_of(ds) == "sample":
         from pipeline.figures.report.samples import sections as of_samples  # with its libraries
@@ -71,47 +67,57 @@ def content(ds: xr.Dataset, points: OperatingPoints | None, conditions: Mapping[
         sections |= of_samples(ds, points, conditions)
     parts = [f"<h1>{html.escape(str(title))}</h1>"]
     for heading, write in sections.items():
-        if body := "\n".join(_or_reason(write)):
-            parts.append(f"<h2>{heading}</h2>\n{body}")
+        if body := [_html(part) for part in _or_reason(write)]:
+            parts += [f"<h2>{heading}</h2>", *body]
     return "\n".join(parts)
 
 
-def _or_reason(write: Callable[[], Iterator[str]]) -> list[str]:
+def _or_reason(write: Callable[[], Iterator[Part]]) -> list[Part]:
     """Parts of a section, and the reason for which the sweep has no more."""
-    parts: list[str] = []
+    parts: list[Part] = []
     try:
         parts.extend(write())
     except InputError as error:
-        parts.append(_paragraph(f"Not in this report: {error}."))
+        parts.append(f"Not in this report: {error}.")
     return parts
 
 
-def _paragraph(text: str) -> str:
-    return f"<p>{html.escape(text)}</p>"
+def _html(part: Part) -> str:
+    """A table, a paragraph or a figure as HTML."""
+    if isinstance(part, Table):
+        return part.html()
+    if isinstance(part, str):
+        return f"<p>{html.escape(part)}</p>"
+    picture = io.BytesIO()
+    part.savefig(picture, format="png", dpi=_DPI)
+    encoded = base64.b64encode(picture.getvalue()).decode()
+    return (
+        f'<p><img src="data:image/png;base64,{encoded}" width="490" alt="Transition diagram"></p>'
+    )
 
 
-def _question(ds: xr.Dataset, changed: Mapping[str, Any]) -> Iterator[str]:
+def _question(ds: xr.Dataset, changed: Mapping[str, Any]) -> Iterator[Part]:
     """Question that the sweep answers, its answer in a sentence, and the state of the sweep."""
     attributes = attributes_of(ds)
     loads, velocities = (attributes.get(name) or [] for name in ("loads", "velocities"))
     plane = on_plane(loads, velocities)[1] if loads and velocities else "the points computed"
-    yield _paragraph(
+    yield (
         "At which load and sliding velocity does wear of this lubricated contact turn from mild "
         f"to severe adhesive wear (scuffing)? Examined: {plane}."
     )
     total = int(asked(ds).sum())
     done, failed = (int((asked(ds) & (ds["status"] == code)).sum()) for code in (DONE, FAILED))
     if done < total:
-        yield _paragraph(
+        yield (
             f"The sweep is not finished: {done} of {total} points are done, {failed} failed. "
             "What follows rests on those that are done."
         )
     boundaries = boundary(ds, **changed)
     for judged in dict.fromkeys(conditions_of(scene, **changed) for scene in scenes(ds)):
-        yield _paragraph(f"Wear is taken as severe with {criterion(judged)}, at {heating(judged)}.")
+        yield f"Wear is taken as severe with {criterion(judged)}, at {heating(judged)}."
     for values, part in parts_of(boundaries):
         entries = words(ds, dict(zip(entry_dims(ds), values, strict=True)))
-        yield _paragraph(f"{entries}. {_answer(part)}" if entries else _answer(part))
+        yield f"{entries}. {_answer(part)}" if entries else _answer(part)
 
 
 def _answer(boundaries: xr.Dataset) -> str:
@@ -134,26 +140,23 @@ def _answer(boundaries: xr.Dataset) -> str:
     return f"Answer: wear is severe {text}{median}."
 
 
-def _diagram(ds: xr.Dataset, conditions: Mapping[str, Any]) -> Iterator[str]:
+def _diagram(ds: xr.Dataset, conditions: Mapping[str, Any]) -> Iterator[Part]:
     """Transition diagram as a picture within the document."""
     from pipeline.figures.plot import plot
 
     figure: Any = plot(ds, "diagram", width="17 cm", with_title=False, **conditions)
-    picture = io.BytesIO()
-    figure.savefig(picture, format="png", dpi=_DPI)
-    encoded = base64.b64encode(picture.getvalue()).decode()
-    yield f'<p><img src="data:image/png;base64,{encoded}" width="490" alt="Transition diagram"></p>'
+    yield figure
 
 
-def _numbers(ds: xr.Dataset, conditions: Mapping[str, Any]) -> Iterator[str]:
+def _numbers(ds: xr.Dataset, conditions: Mapping[str, Any]) -> Iterator[Part]:
     """Tables of the boundary."""
     boundaries = boundary(ds, **conditions)
     for table in readable(boundaries):
-        yield table.without_empty().html()
+        yield table.without_empty()
     if missing := sum(part.attrs["missing_points"] for _, part in parts_of(boundaries)):
-        yield _paragraph(f"{missing} points are pending or failed and were left out.")
+        yield f"{missing} points are pending or failed and were left out."
     if "film_parameter_at_load" in boundaries:
-        yield _paragraph(
+        yield (
             "Film Λ is the minimum film over Rq at the bulk temperature: below 1 boundary "
             "lubrication, below 3 mixed, above it a full film, which the model does not have."
         )
@@ -161,55 +164,57 @@ def _numbers(ds: xr.Dataset, conditions: Mapping[str, Any]) -> Iterator[str]:
 
 def _operating_points(
     ds: xr.Dataset, points: OperatingPoints | None, conditions: Mapping[str, Any]
-) -> Iterator[str]:
+) -> Iterator[Part]:
     """Margins of operating points."""
     if points is None:
         return
     table = margin_table(ds, points, **conditions)
-    yield table.without(_LONG).without_empty().html()
+    yield table.without(_LONG).without_empty()
     notes = enumerate(table.as_dict()["note"], 1)
-    yield from (_paragraph(f"Row {number}: {note}.") for number, note in notes if note)
-    yield _paragraph(
+    yield from (f"Row {number}: {note}." for number, note in notes if note)
+    yield (
         "A factor is the critical velocity or load over that of the point: wear turns severe at so "
         "many times its velocity, or its load. Where there is none, the sweep has no transition."
     )
 
 
-def _warnings(ds: xr.Dataset, conditions: Mapping[str, Any]) -> Iterator[str]:
+def _warnings(ds: xr.Dataset, conditions: Mapping[str, Any]) -> Iterator[Part]:
     """Warnings by kind, with counts."""
     warnings = warned(ds, **conditions)
     if not warnings.points:
-        yield _paragraph("No computed point carries a warning.")
+        yield "No computed point carries a warning."
         return
     columns = Column("kind", "kind"), Column("points", "points")
-    yield Table(columns, tuple(warnings.kinds.items())).html()
+    yield Table(columns, tuple(warnings.kinds.items()))
     total = int((ds["status"] == DONE).sum())
     beside = (
         "" if warnings.at_boundary is None else f", {warnings.at_boundary} of them at the boundary"
     )
-    yield _paragraph(f"{warnings.points} of {total} points carry a warning{beside}.")
-    yield _paragraph(f"For example {warnings.example}")
+    yield f"{warnings.points} of {total} points carry a warning{beside}."
+    yield f"For example {warnings.example}"
 
 
-def _inputs(attributes: Mapping[str, Any]) -> Iterator[str]:
+def _inputs(attributes: Mapping[str, Any]) -> Iterator[Part]:
     """Entries of the scene with their units, and the sources of those of the library."""
     rows = tuple(
         (path, text, _meaning(path))
         for path, text in entries_of(attributes).items()
         if not path.startswith(("fidelity", "measured", "tested"))
     )
-    yield Table(_ENTRY, rows).html()
+    yield Table(_ENTRY, rows)
     library = attributes.get("library") or []
     origin = "other values" if library else "all values"
     if library:
         rows = tuple((entry["key"], entry["value"], entry["source"]) for entry in library)
-        yield Table(_LIBRARY, rows).html()
-    yield _paragraph(f"Source: {origin} from the scene {attributes.get('name')}.toml.")
-    for heading, name in (("Measured transitions", "measured"), ("Tests", "tested")):
-        if entries := attributes.get(name):
-            yield f"<h3>{heading}</h3>"
-            rows = tuple(tuple(test.get(column.name) for column in _TESTS) for test in entries)
-            yield Table(_TESTS, rows).without_empty().html()
+        yield Table(_LIBRARY, rows)
+    yield f"Source: {origin} from the scene {attributes.get('name')}.toml."
+
+
+def _measured(attributes: Mapping[str, Any], name: str) -> Iterator[Part]:
+    """Measured transitions, or tests, of the scene."""
+    if entries := attributes.get(name):
+        rows = tuple(tuple(test.get(column.name) for column in _TESTS) for test in entries)
+        yield Table(_TESTS, rows).without_empty()
 
 
 _ENTRY = Column("entry", "entry"), Column("value", "value"), Column("meaning", "meaning")
@@ -231,43 +236,36 @@ def _meaning(path: str) -> str:
     return meanings().get(path, "").split(";")[0].split(". ")[0].rstrip(".").replace("`", "")
 
 
-def _fidelity(attributes: Mapping[str, Any]) -> Iterator[str]:
+def _fidelity(attributes: Mapping[str, Any]) -> Iterator[Part]:
     """Numerical choices, and the error of the boundary that they bring."""
     preset, selection = attributes.get("preset"), attributes.get("selection")
     if selection:
-        yield _paragraph(
-            f"Picked for its accuracy on this scene: {Selection.from_dict(selection)}."
-        )
+        yield f"Picked for its accuracy on this scene: {Selection.from_dict(selection)}."
     elif bound := PRESET_BOUNDS.get(str(preset)):
-        yield _paragraph(
+        yield (
             f"Preset {preset}: its boundary velocity may err by up to {100 * bound:g} %, against "
             "nearly exact steps. On this scene the error was not measured: irg run with --accuracy "
             "does so."
         )
     else:
-        yield _paragraph(f"Preset {preset or 'of its own'}: its error was not measured.")
+        yield f"Preset {preset or 'of its own'}: its error was not measured."
     columns = Column("entry", "choice"), Column("value", "value")
     choices = entries_of({"scene": {"fidelity": (attributes.get("scene") or {}).get("fidelity")}})
     rows = ((path.removeprefix("fidelity."), text) for path, text in choices.items())
-    yield Table(columns, tuple(rows)).html()
+    yield Table(columns, tuple(rows))
 
 
-def _model() -> Iterator[str]:
+def _model() -> Iterator[Part]:
     """Physics of the model, and its limits."""
-    yield _paragraph(
+    yield (
         "A rough, elastic-plastic contact under boundary lubrication is worn by Archard's law "
         "while the load grows, and heated by friction; after Bosman and de Rooij. A lubricating "
         "film that carries load, and the wear after the transition, are not part of it."
     )
 
 
-def _versions(attributes: Mapping[str, Any]) -> Iterator[str]:
+def _versions(attributes: Mapping[str, Any]) -> Iterator[Part]:
     """Programs that computed the store, and the identity of its scene."""
-    yield from (_paragraph(line) for line in str(attributes.get("history") or "").splitlines())
-    yield _paragraph(f"Scene {attributes.get('scene_hash')} (SHA-256 of its inputs).")
-    yield _paragraph(f"This report was written at {datetime.now(UTC):%Y-%m-%d %H:%M} UTC.")
-
-
-def _cite() -> Iterator[str]:
-    """References to the program and to the paper of its model."""
-    yield from (_paragraph(reference) for reference in citation())
+    yield from str(attributes.get("history") or "").splitlines()
+    yield f"Scene {attributes.get('scene_hash')} (SHA-256 of its inputs)."
+    yield f"This report was written at {datetime.now(UTC):%Y-%m-%d %H:%M} UTC."

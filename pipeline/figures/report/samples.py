@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import html
 import math
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any
@@ -20,53 +19,45 @@ from tribo import InputError
 
 def sections(
     ds: xr.Dataset, points: OperatingPoints | None, changed: Mapping[str, Any]
-) -> dict[str, Callable[[], Iterator[str]]]:
-    """Writers of the sections that a sweep of samples has in place of the usual ones.
-
-    Parameters
-    ----------
-    ds : Dataset
-        Dataset of `pipeline.open_sweep`, with samples.
-    points : OperatingPoints or None
-        Operating points whose risk to tell.
-    changed : mapping
-        Conditions in place of the sweep's own.
-    """
+) -> dict[str, Callable[[], Iterator[str | Table]]]:
+    """Writers of the sections that a sweep of samples has in place of the usual ones."""
     judged = conditions_of(ds, **changed)
-    given = {name: getattr(judged, name) for name in CONDITIONS if name in changed}
+    conditions = {name: getattr(judged, name) for name in CONDITIONS if name in changed}
     ensemble = Ensemble.of(ds, changed.get("share"), changed.get("criterion"))
     velocities = np.geomspace(*ensemble.velocities, 4 * STEPS)
-    plane = probabilities(ensemble, loads=ensemble.loads, velocities=velocities, conditions=given)
+    plane = probabilities(
+        ensemble, loads=ensemble.loads, velocities=velocities, conditions=conditions
+    )
     shares, lines = risk_lines(plane)
     of_load = list(zip(ensemble.loads.tolist(), lines.tolist(), strict=True))
 
-    def question() -> Iterator[str]:
-        yield _paragraph(
+    def question() -> Iterator[str | Table]:
+        yield (
             "At which load and sliding velocity does wear of this lubricated contact turn from "
             "mild to severe adhesive wear (scuffing), with inputs that are not known exactly? "
             f"{len(ensemble.inputs)} samples of them were simulated."
         )
-        yield _paragraph(f"Not known exactly: {'; '.join(map(str, ensemble.unknown))}.")
+        yield f"Not known exactly: {'; '.join(map(str, ensemble.unknown))}."
         words = []
         for load, row in dict([of_load[0], of_load[-1]]).items():
             low, middle, high = (_velocity(velocity, ensemble) for velocity in row)
             words.append(f"from {middle} on at {load:g} N ({low} to {high} with 90 % probability)")
-        yield _paragraph(f"Answer: wear is as likely severe as mild {' and '.join(words)}.")
+        yield f"Answer: wear is as likely severe as mild {' and '.join(words)}."
 
-    def numbers() -> Iterator[str]:
+    def numbers() -> Iterator[str | Table]:
         heads = (Column(f"{share:g}", f"{100 * share:g} %", "m/s") for share in shares)
         columns = (Column("load", "load", "N"), *heads)
         rows = tuple(
             (load, *(v if 0 < v < math.inf else None for v in row)) for load, row in of_load
         )
-        yield Table(columns, rows).html()
-        yield _paragraph(
+        yield Table(columns, rows)
+        yield (
             "Velocities at which wear is severe with these probabilities. A dash stands for one "
             f"outside the {_velocity(ensemble.velocities[0], ensemble)} to "
             f"{_velocity(ensemble.velocities[1], ensemble)} that were simulated."
         )
 
-    def operating_points() -> Iterator[str]:
+    def operating_points() -> Iterator[str | Table]:
         if points is None:
             return
         columns = (
@@ -77,13 +68,13 @@ def sections(
         rows, notes = [], []
         for place in points.places:
             try:
-                at = risk(ensemble, place.load, place.velocity, conditions=given)
+                answer = risk(ensemble, place.load, place.velocity, conditions=conditions)
             except InputError as error:
                 notes.append(f"{place.load:g} N at {place.velocity:g} m/s: {error}.")
                 continue
-            rows.append((at.load, at.velocity, at.probability, at.error))
-        yield Table(columns, tuple(rows)).html()
-        yield from map(_paragraph, notes)
+            rows.append((answer.load, answer.velocity, answer.probability, answer.error))
+        yield Table(columns, tuple(rows))
+        yield from notes
 
     return {
         "Question and answer": question,
@@ -98,7 +89,3 @@ def _velocity(velocity: float, ensemble: Ensemble) -> str:
     if not velocity:
         return f"below {low:.3g} m/s"
     return f"beyond {high:.3g} m/s" if math.isinf(velocity) else f"{velocity:.3g} m/s"
-
-
-def _paragraph(text: str) -> str:
-    return f"<p>{html.escape(text)}</p>"

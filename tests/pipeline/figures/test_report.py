@@ -14,7 +14,8 @@ from tribo import InputError
 POINTS = {"load": ["300 N", "500 N"], "velocity": ["1.5 m/s", "2 m/s"], "gear": ["first", "second"]}
 HEADINGS = (
     "Question and answer", "Transition diagram", "Boundary in numbers", "Operating points",
-    "Warnings", "Inputs", "Numerical choices and their error", "Model", "Versions", "Citation",
+    "Warnings", "Inputs", "Measured transitions", "Numerical choices and their error", "Model",
+    "Versions", "Citation",
 )  # fmt: skip
 
 
@@ -67,11 +68,11 @@ def test_a_sweep_of_samples_is_answered_by_probabilities():
     ensemble = samples.ensemble()
     points = OperatingPoints.read({"load [N]": [400.0, 5000.0], "velocity [m/s]": [2.2, 1.0]})
     written = sections(samples.dataset(ensemble), points, {})
-    question, numbers, places = ("\n".join(write()) for write in written.values())
+    (_, _, question), (table, _), (risks, places) = (list(write()) for write in written.values())
     (critical,) = samples.critical_velocity(np.array([[418.15, 1.2e-15, 0.1, 4.5e-6]]), 200.0)
     middle = float(re.search(r"from ([\d.]+) m/s on at 200 N", question)[1])
     assert middle == pytest.approx(critical, rel=0.03)
-    assert numbers.count("<tr>") == 1 + len(ensemble.loads)
+    assert len(table.rows) == len(ensemble.loads)
     at = pipeline.risk(ensemble, 400.0, 2.2)
-    assert f"{at.probability:.2g}" in places
+    assert risks.rows == ((400.0, 2.2, at.probability, at.error),)
     assert "load is 5000 N; the samples have 200 to 750 N" in places

@@ -8,7 +8,6 @@ import zlib
 
 import numpy as np
 import pytest
-import xarray as xr
 
 import pipeline
 from pipeline.analysis.decisive import decisive_rise
@@ -79,13 +78,6 @@ def test_points_are_asked_for_on_their_own_surface():
     asked = unpacked(found["asked"], "u1").reshape(5, ds.sizes["load"], ds.sizes["velocity"])
     assert np.argwhere(asked).tolist() == [[1, 1, 4]]
     assert found["surfaces"] == [0, 1, 2, 3, 4]
-
-
-def test_points_are_asked_for_on_the_surfaces_of_the_last_run():
-    ds = sweeps.over_surfaces()
-    ds["asked"] = xr.ones_like(ds["status"]).where(ds["realization"].isin([0, 3]), 0)
-    asked = unpacked(content(ds)["asked"], "u1").reshape(5, -1)
-    assert asked.all(axis=1).tolist() == asked.any(axis=1).tolist() == [1, 0, 0, 1, 0]
 
 
 def test_fields_count_what_is_in_contact_alone():
