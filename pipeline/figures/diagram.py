@@ -100,8 +100,6 @@ def diagram(
     if log:
         ds = ds.sel(velocity=ds["velocity"] > 0)
     figure, axes = canvas(ax, (8.0, 6.4))
-    if log:
-        axes.set(xscale="log", yscale="log")
     legend: list[Artist] = []
     sizes = ds.sizes["load"], ds.sizes["velocity"]
     is_plane = min(sizes) > 1
@@ -124,20 +122,26 @@ def diagram(
     legend += measured_transitions(axes, measured)
     if is_plane:
         legend += at_own_friction(axes, plane, measured, conditions)
+    _frame(axes, ds, realization, log)
+    if is_plane:
+        name_regions(axes, plane, rise_limit(conditions), ds["load"].values, measured)
+    severe = f"severe wear: {criterion(conditions)}; {heating(conditions)}"
+    legend_below(figure, ax, handles=legend, ncols=3, title=severe, title_fontsize=9.5)
+    return figure
+
+
+def _frame(axes: Axes, ds: xr.Dataset, realization: int | None, log: bool) -> None:
+    """Set the scales, margins, labels and title of a diagram."""
+    if log:
+        axes.set(xscale="log", yscale="log")
     axes.use_sticky_edges = False  # those of the regions would leave no margin
     axes.margins(0.04)
     if log:
         plain_numbers(axes)
-    if is_plane:
-        name_regions(axes, plane, rise_limit(conditions), ds["load"].values, measured)
-
     surface = "" if realization is None else f", surface {realization}"
     axes.set_title(title_of(ds) + surface, pad=10)
     axes.set_xlabel("sliding velocity [m/s]")
     axes.set_ylabel("normal load [N]")
-    severe = f"severe wear: {criterion(conditions)}; {heating(conditions)}"
-    legend_below(figure, ax, handles=legend, ncols=3, title=severe, title_fontsize=9.5)
-    return figure
 
 
 def _of_scenes(
@@ -170,11 +174,7 @@ def _of_scenes(
         legend.append(Line2D([], [], lw=width, color=colour, label=name + outside))
     measured = attributes_of(ds).get("measured") or []
     legend += measured_transitions(axes, measured)
-    _scale(axes, ds, measured, log)
-    surface = "" if realization is None else f", surface {realization}"
-    axes.set_title(title_of(ds) + surface, pad=10)
-    axes.set_xlabel("sliding velocity [m/s]")
-    axes.set_ylabel("normal load [N]")
+    _frame(axes, ds, realization, log)
     title = f"transition to severe wear, by {' and '.join(entry_dims(ds))}"
     legend_below(figure, ax, handles=legend, ncols=3, title=title, title_fontsize=9.5)
     return figure
