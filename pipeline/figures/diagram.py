@@ -146,7 +146,7 @@ def _frame(axes: Axes, ds: xr.Dataset, realization: int | None, log: bool) -> No
 
 def _of_scenes(
     ds: xr.Dataset,
-    given: Mapping[str, Any],
+    changed: Mapping[str, Any],
     realization: int | None,
     log: bool,
     ax: Axes | None,
@@ -161,7 +161,7 @@ def _of_scenes(
     legend: list[Artist] = []
     several = list(scenes(ds))
     for number, scene in enumerate(several):
-        judged = conditions_of(scene, **given)
+        judged = conditions_of(scene, **changed)
         one = scene if realization is None else on_surface(scene, realization)
         plane = _quantile(_planes(one.sel(velocity=one["velocity"] > 0), judged), 0.5)
         name = ", ".join(value_text(ds[path], scene[path].item()) for path in entry_dims(ds))

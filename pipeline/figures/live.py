@@ -86,24 +86,17 @@ def watch(
         screen.wait(max(interval, _SHARE * (time.monotonic() - began)))
 
 
-class _Screen:
-    """A place for the figure, which nobody can close."""
+class _File:
+    """A file that holds the figure, and is replaced whole."""
 
-    def show(self, draw: Callable[[Any], Any]) -> None:
-        raise NotImplementedError
+    def __init__(self, path: Path) -> None:
+        self._path = path
 
     def wait(self, seconds: float) -> None:
         time.sleep(seconds)
 
     def end(self) -> None:
         pass
-
-
-class _File(_Screen):
-    """A file that holds the figure, and is replaced whole."""
-
-    def __init__(self, path: Path) -> None:
-        self._path = path
 
     def show(self, draw: Callable[[Path], Any]) -> None:
         beside = self._path.with_name(f".{self._path.stem}.{os.getpid()}{self._path.suffix}")
@@ -114,7 +107,7 @@ class _File(_Screen):
             beside.unlink(missing_ok=True)
 
 
-class _Notebook(_Screen):
+class _Notebook(_File):
     """A picture below the cell of a notebook."""
 
     def __init__(self) -> None:
@@ -126,7 +119,7 @@ class _Notebook(_Screen):
         self._display.update(draw(None))
 
 
-class _Window(_Screen):
+class _Window(_File):
     """A window of matplotlib."""
 
     def __init__(self) -> None:
@@ -163,7 +156,7 @@ def require_window() -> None:
         raise InputError("no window can be opened here; give a file, such as diagram.png")
 
 
-def _screen(out: str | Path | None) -> _Screen:
+def _screen(out: str | Path | None) -> _File:
     """The file, the notebook or the window to draw on."""
     if out is not None:
         return _File(figure_path(out))

@@ -12,6 +12,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
 from typing import Any, NamedTuple, Self
 
+import numpy as np
+
 from tribo import (
     Crowned,
     Cylinder,
@@ -122,10 +124,7 @@ def load_speed_exponent(loads: list[float], velocities: list[float]) -> float:
     >>> f"{load_speed_exponent([750.0, 600.0, 400.0, 200.0], [1.25, 1.5, 2.25, 3.75]):.2f}"
     '1.19'
     """
-    x, y = [math.log(v) for v in velocities], [math.log(f) for f in loads]
-    mx, my = sum(x) / len(x), sum(y) / len(y)
-    covariance = sum((a - mx) * (b - my) for a, b in zip(x, y, strict=True))
-    return -covariance / sum((a - mx) ** 2 for a in x)
+    return -float(np.polyfit(np.log(velocities), np.log(loads), 1)[0])
 
 
 def _of_plain(kind: type[Any], plain: Mapping[str, Any]) -> Any:

@@ -201,8 +201,9 @@ def _tables(
     names = ("rise_quantile", "mean_rise", "bulk_rise_quantile", "mean_bulk_response")
     columns = {name: ds[name].values for name in names if name in ds}
     at_ratios = [above_colder(columns, ratio) for ratio in ratios]
-    decisive = [_decisive(at, ds, criterion, shares) for at in at_ratios]
-    return np.stack(decisive, axis=-2), np.stack([at["rise_quantile"] for at in at_ratios], axis=-2)
+    decisive = [_decisive(rises, ds, criterion, shares) for rises in at_ratios]
+    quantiles = [rises["rise_quantile"] for rises in at_ratios]
+    return np.stack(decisive, axis=-2), np.stack(quantiles, axis=-2)
 
 
 def _decisive(columns: Any, ds: xr.Dataset, criterion: str, shares: list[float]) -> Array:

@@ -112,7 +112,7 @@ function drawFields(place, levels) {
   const size = y === null ? `${shown(1e6 * x)} µm along sliding` : `${shown(1e6 * x)} × ${shown(1e6 * y)} µm`;
   element("fields-note").textContent =
     `At the end of the point${surface}: ${size}; sliding to the right${averaged}. ` +
-    "The temperature is that of what is in contact.";
+    "The temperature is that of the parts in contact.";
 }
 
 /**

@@ -81,7 +81,7 @@ function marginRows() {
   const margins = surfaces()
     .map((surface) => sweep.margin(surface, load, velocity, conditions))
     .filter(({ rise }) => Number.isFinite(rise));
-  if (!margins.length) return "Too few points about this place are done to tell.";
+  if (!margins.length) return "Too few points about this place are done.";
   const temperatures = margins.map(({ rise }) => temperature(rise));
   /** @type {[string, string][]} */
   const rows = [["deciding temperature", banded(temperatures.map((kelvin) => kelvin - ZERO_CELSIUS), "°C")]];

@@ -20,8 +20,8 @@
  *   surfaces: number[] | null, status: string, asked: string, moments: string,
  *   moment_times: string, rises: string, decisive: string, numbers: Numbers[], deciding: string,
  *   outcomes: string[], range: {velocity: Ends, load: Ends}, messages: Object<string, string>,
- *   fields: Fields, friction_band: Ends | null, film: Film | null}} Content what
- *   pipeline.figures.page.content gives
+ *   fields: Fields, friction_band: Ends | null, film: Film | null}} Content result of
+ *   pipeline.figures.page.content
  * @typedef {{rises: number[][][], along: Line[][], across: Line[][], fine: number[],
  *   columns: Line[][]}} Decisive decisive rises, and lines through them by surface
  */
