@@ -31,9 +31,8 @@ class Fidelity:
     history_coarsening : int
         Until a point's last step, elements are up to so many times larger along each axis; the
         last step is then repeated on the scene's own grid. The past acts through the wear alone,
-        which a coarse grid knows well where it is swept and many elements touch. Where fewer than
-        `fewest_elements` do, the point is computed on its own grid from the start. Local wear
-        keeps the roughness, and the grid with it.
+        which a coarse grid knows well where it is swept and many elements touch. Local wear keeps
+        the roughness, and the grid with it.
     fewest_elements : int
         Elements that have to touch at least where a temperature is asked for. A point at which
         fewer do is computed from its start on smaller elements, down to the pixels, and on one
@@ -48,25 +47,23 @@ class Fidelity:
     contact_criterion : {"gap", "pressure-change"}
         Measure of the contact's error; see `tribo.solve_contact`.
     precision : {"double", "single"}
-        Precision of the contact's transforms. Single precision is faster on large grids and allows
-        contact tolerances down to about 1e-3; a contact that it cannot solve to its tolerance is an
-        error. From a tolerance of 1e-2 on contacts are solved in it anyway, where it holds them.
+        Precision of the contact's transforms. Single precision is faster on large grids, and an
+        error where it does not reach the tolerance, mostly below 1e-3. From a tolerance of 1e-2 on
+        contacts are solved in it anyway, where it holds them.
     wear_scheme : {"implicit", "explicit", "sdirk2"}
         Scheme by which wear advances over a step; see `tribo.WEAR_SCHEMES`.
     heat_model : {"elapsed", "history"}
         ``"elapsed"``: the present friction heat is taken to have acted since time 0 (Bosman & de
         Rooij). ``"history"``: all heat since then acts at its own time, linear between the steps;
-        every step then needs its temperature, and has it in the result if `fewest_elements` is 0.
-        A contact that grows makes the former too warm: in the paper's system at 600 N by 0.2, 0.8,
-        1.5 and 2.4 % of the rise at 1.25, 0.1, 0.01 and 0.001 m/s, and by 0.6, 2.1, 4.2 and 8.3 %
-        with the heat kernel ``"endless"``.
+        every step then needs its temperature. A contact that grows makes the former too warm: in
+        the paper's system at 600 N by 0.2, 0.8, 1.5 and 2.4 % of the rise at 1.25, 0.1, 0.01 and
+        0.001 m/s.
     heat_kernel : {"pin", "endless", "nearest-image"}
         Length of the heated contact along a periodic y, for the heat in both bodies.
         ``"pin"``: as far as the pin, the patch in its middle, where it is hottest; the mean over
         the paper's pin rises 0.8 to 1.4 % less. ``"endless"``: without ends, which is 1.4 to 2.8 %
-        too warm there, and more where a slower or shorter pin lets heat past its ends.
-        ``"nearest-image"``: the patch and the nearer image of each element, as Bosman & de Rooij
-        compensate for leakage.
+        too warm there. ``"nearest-image"``: the patch and the nearer image of each element, as
+        Bosman & de Rooij compensate for leakage.
     partition : {"local", "uniform", "direct"}
         Division of friction heat between the bodies; see `tribo.partition_heat`.
     heat_tolerance : float
@@ -74,11 +71,6 @@ class Fidelity:
     temperature_interval : int
         A point's temperature is computed at its end, and on its way at every so many stations of
         the ramp; 0 for at the end only.
-
-    Raises
-    ------
-    InputError
-        If a value lies outside its range.
 
     Examples
     --------

@@ -147,8 +147,7 @@ class Scene:
     def wear_of_contact(self) -> Wear | None:
         """Wear of the pin at rest by one contact; None if it does not wear.
 
-        Along a free y each position of the disk wears the pin by its own pressure; see
-        `tribo.simulation.disk_positions`.
+        Along a free y each position of the disk wears the pin by its own pressure.
         """
         if self.wear is None or self.pixels.periodic[1]:
             return self.wear
@@ -161,14 +160,9 @@ class Scene:
         return wear is not None and wear.pattern == "local" and not self.sweeps_over
 
     def wear_at(self, sliding: float, way: tuple[float, float] = (0.0, 1.0)) -> Wear | None:
-        """Wear of the pin by one contact; None if it does not wear.
+        """Wear of the pin by one contact at a sliding velocity [m/s]; None if it does not wear.
 
-        Parameters
-        ----------
-        sliding : float
-            Sliding velocity [m/s].
-        way : tuple of float
-            Distances slid at both ends of the step [m], on which a law of one's own may depend.
+        A law of one's own may depend on the way, the distances slid at both ends of the step [m].
         """
         wear = self.wear_of_contact
         if isinstance(wear, OwnWear) and wear.law:
@@ -263,10 +257,7 @@ class Scene:
     def separation(self, heights: Array | None) -> Array:
         """Distance of the unworn, undeformed surfaces [m], shape ``grid.shape``.
 
-        Parameters
-        ----------
-        heights : ndarray, shape ``pixels.shape``, or None
-            Those of `heights`, which are the same for all fidelities.
+        The heights are those of `heights`, which are the same for all fidelities.
         """
         profile = self.pin.profile(self.grid)
         if heights is None:
@@ -275,18 +266,10 @@ class Scene:
         return profile - coarsened(heights, self.fidelity.pixels_per_element)
 
     def stations(self, normal_load: float, after: float = 0.0) -> Iterator[Station]:
-        """Steps that lead to a load and through its hold, as many as the physics needs.
+        """Steps that lead to a load [N] and through its hold, as many as the physics needs.
 
-        What wears depends on its past, as temperature does by the heat model "history", and needs
-        every step of the loading. Else nothing remembers the way, and only the steps are left at
+        All steps beyond a station on the trunk if a state depends on those before, else only those at
         which a temperature is asked for.
-
-        Parameters
-        ----------
-        normal_load : float
-            Load on the whole pin at the end [N].
-        after : float
-            Load of a station on the trunk [N], or 0.
         """
         fidelity = self.fidelity
         stations = self.loading.stations(normal_load, fidelity.increments, after)

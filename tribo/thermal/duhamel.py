@@ -126,9 +126,8 @@ def partition_with_history(
     heat_flux, contact, method, tolerance, bulk_difference
         Those of `tribo.partition_heat`.
     spectrum_of : callable, optional
-        Spectrum of the rise due to a flux [K m²/W], from the grid, the conductor, and the ages and
-        strengths of `flux_history_spectrum`. Each is computed anew if not given; steps of equal
-        length ask for the same ones again, which ``functools.cache`` may keep.
+        Spectrum of the rise due to a flux [K m²/W], which may be kept: steps of equal length ask
+        for the same ones again.
 
     Returns
     -------

@@ -106,8 +106,7 @@ def partition_heat(
     tolerance : float, optional
         Largest `HeatPartition.residual` that the local method accepts, from 1e-14 to below 1.
     bulk_difference : float or ndarray, shape ``grid.shape``, optional
-        Disk's temperature minus the pin's before this heat acts, ΔT_b [K]: positive where the
-        disk is the hotter body.
+        Disk's temperature minus the pin's before this heat acts, ΔT_b [K].
     max_iterations : int, optional
         Iterations after which the local method gives up.
 
@@ -119,8 +118,8 @@ def partition_heat(
     Raises
     ------
     InputError
-        If fields do not fit the grid or are not finite, heat is given outside the contact,
-        "direct" would need more than `DIRECT_MEMORY`, or "uniform" has no heat to divide.
+        If "direct" would need more than `DIRECT_MEMORY`, "uniform" has no heat to divide, or
+        fields do not fit each other.
     ConvergenceError
         If the local method does not reach `tolerance`; it carries the `HeatPartition` found.
 
