@@ -3,14 +3,7 @@
 Along a periodic y swept wear averages over y, which is exact. Where y is free, as under a ball, the
 pin's shape varies along both axes, and the roughness that is swept past must be moved itself: the
 pin wears by the pressure averaged over positions of the disk. A step is cut into parts, and in each
-stage of each part the disk lies elsewhere, by numbers that fill the patch evenly (Roberts'
-sequence), so that no position comes twice. Each wears the pin by its own pressure, implicitly. So
-the average is taken along the way, and all that is left of a single position is what one part has
-worn: the imprint of its waves, which makes the contact rougher and too hot. `parts` has few of them
-where the wear is mild.
-
-What is looked at, pressure and temperature, is the contact at the scene's own position of the disk,
-which has worn nothing yet. The patch is taken to repeat itself along both axes.
+stage of each part the disk lies elsewhere. The patch is taken to repeat itself along both axes.
 """
 
 from __future__ import annotations
@@ -90,6 +83,8 @@ def passes(
         stages = list(runge_kutta.stages((begin, end), mean, distance / count))
         for place, stage in enumerate(stages, len(stages) * (_MOST_PARTS * station.index + part)):
             yield Pass(stage, _position(scene, place))
+    # Pressure and temperature are looked at where the disk has worn nothing yet: any other position
+    # has left the imprint of its waves, which would make the contact rougher and too hot.
     if observed:
         yield Pass(Stage(station.normal_load, 0.0, 0.0))
 
@@ -103,5 +98,6 @@ def separation_at(scene: Scene, shift: tuple[int, int] | None) -> Array:
 
 
 def _position(scene: Scene, number: int) -> tuple[int, int]:
+    # Roberts' sequence fills the patch evenly, so that no position comes twice.
     x, y = (int(n * (number * step % 1)) for n, step in zip(scene.grid.shape, _STEPS, strict=True))
     return x, y

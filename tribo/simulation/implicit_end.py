@@ -1,11 +1,7 @@
 """A step once more with a short implicit end, where its own stages do not know its last pressure.
 
-Heavy wear makes the pressure follow the shape at once: an element that has touched all along
-carries what wears it as fast as its neighbours. One that comes into contact between the stages of
-a step of second order, though, has to lose in the last stage what it did not lose in the first:
-there it carries up to (1 − γ)/γ = 2.4 times as much, whatever the number of steps. The worn shape
-is right all the same, since the next stages make up for it; but where whole rows of elements come
-into contact at a time, the rise at the end of a point was off by up to 4 %.
+Where whole rows of elements come into contact at a time, as under heavy wear of smooth bodies, the
+rise at the end of a point would be off by up to 4 %, however many steps there are.
 """
 
 from __future__ import annotations
@@ -49,15 +45,16 @@ def ended(scene: Scene, before: State, after: State, station: Station, velocity:
 
 
 def _comes_into_contact(scene: Scene, before: State, after: State, velocity: float) -> bool:
-    """True if a step of several stages ends with much of its load where nothing was worn.
-
-    A pin that rolls wears alike all around, so its shape does not follow the pressure.
-    """
+    """True if a step of several stages ends with much of its load where nothing was worn."""
     stages = len(WEAR_SCHEMES[scene.fidelity.wear_scheme].weights)
+    # Not a pin that rolls: it wears alike all around, and its shape does not follow the pressure.
     if not scene.wears or stages == 1 or scene.sweeps_over or scene.windows_worn(velocity) > 1:
         return False
     worn = _worn(scene, after)
     new = worn & ~_worn(scene, before)
+    # An element that comes into contact between the stages has to lose in the last one what it did
+    # not lose in the first, and there carries up to (1 − γ)/γ = 2.4 times its share. The worn shape
+    # is right all the same, since the next stages make up for it.
     load = float(after.pressure[new].sum() / after.pressure.sum())
     return load > max(_NEW, _RIM * np.count_nonzero(new) / np.count_nonzero(worn))
 

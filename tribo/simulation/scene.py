@@ -268,8 +268,8 @@ class Scene:
     def stations(self, normal_load: float, after: float = 0.0) -> Iterator[Station]:
         """Steps that lead to a load [N] and through its hold, as many as the physics needs.
 
-        All steps beyond a station on the trunk if a state depends on those before, else only those at
-        which a temperature is asked for.
+        All steps beyond a station on the trunk if a state depends on those before, else only those
+        at which a temperature is asked for.
         """
         fidelity = self.fidelity
         stations = self.loading.stations(normal_load, fidelity.increments, after)
