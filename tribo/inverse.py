@@ -109,8 +109,8 @@ def critical_temperature(
     --------
     >>> import tribo
     >>> scene = tribo.critical_temperature_rig()
-    >>> found = tribo.critical_temperature(scene, [(10.0, 0.065, 0.1)], bulk_temperature=298.15)
-    >>> f"{found.mean:.0f} K"
+    >>> oil = tribo.critical_temperature(scene, [(10.0, 0.065, 0.1)], bulk_temperature=298.15)
+    >>> f"{oil.mean:.0f} K"
     '305 K'
     """
     if not transitions:
@@ -184,8 +184,8 @@ def specific_wear_rate(
     --------
     >>> import tribo
     >>> scene = tribo.critical_temperature_rig()
-    >>> found = tribo.specific_wear_rate(scene, 185e-6, normal_load=10.0, velocity=0.065)
-    >>> f"{found.lowest:.1e} to {found.highest:.1e} m²/N"
+    >>> rate = tribo.specific_wear_rate(scene, 185e-6, normal_load=10.0, velocity=0.065)
+    >>> f"{rate.lowest:.1e} to {rate.highest:.1e} m²/N"
     '1.4e-17 to 3.2e-17 m²/N'
     """
     grid = scene.grid

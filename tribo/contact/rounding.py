@@ -69,7 +69,7 @@ class Progress(NamedTuple):
     """The lowest residual so far."""
 
     lowest: float = math.inf
-    at: float = 0.0  # convolutions
+    convolutions: float = 0.0  # after which it was reached
 
     def after(self, residual: float, convolutions: float) -> Progress:
         """The progress after another residual."""
@@ -77,7 +77,7 @@ class Progress(NamedTuple):
 
     def has_stalled(self, problem: Problem, iterate: Iterate, judged: Judgement, idle: int) -> bool:
         """True if the residual has stopped falling, mostly because of rounding."""
-        waited = iterate.convolutions - self.at
+        waited = iterate.convolutions - self.convolutions
         if waited <= _STALLED:
             return False
         size = largest(iterate.displacement) + abs(judged.level)

@@ -48,8 +48,8 @@ def measures(scene: Scene, state: State) -> dict[str, float]:
     >>> import tribo
     >>> scene = tribo.critical_temperature_rig()
     >>> *_, state = tribo.simulate(scene, normal_load=10.0, velocity=0.065)
-    >>> found = tribo.measures(scene, state)
-    >>> f"{1e6 * found['contact_width']:.0f} µm, {found['sliding_distance']:g} m"
+    >>> record = tribo.measures(scene, state)
+    >>> f"{1e6 * record['contact_width']:.0f} µm, {record['sliding_distance']:g} m"
     '171 µm, 3.965 m'
     """
     pressure, mean_depth = state.pressure, float(state.wear_depth.mean())

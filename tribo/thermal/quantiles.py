@@ -73,8 +73,8 @@ def at_bulk_ratio(rise_quantiles: Array, bulk_rise_quantiles: Array, ratio: floa
 
     >>> rise, everywhere = np.arange(101.0)[None, :], np.ones((1, 101), bool)
     >>> kept = bulk_ratio_quantiles(rise, np.full(rise.shape, 0.8), everywhere)
-    >>> at = at_bulk_ratio(contact_quantiles(rise, everywhere), kept, ratio=300.0)
-    >>> f"{at[QUANTILES.index(0.9)]:.3f}"
+    >>> quantiles = at_bulk_ratio(contact_quantiles(rise, everywhere), kept, ratio=300.0)
+    >>> f"{quantiles[QUANTILES.index(0.9)]:.3f}"
     '330.000'
     """
     if ratio == 0:

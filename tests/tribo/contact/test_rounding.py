@@ -140,7 +140,7 @@ def test_an_iteration_stalls_sooner_at_rounding_than_above_it(
     judged = judge(PROBLEM, solved)
     size = rounding.largest(solved.displacement) + abs(judged.level)
     lowest = times_rounding * EPSILON * size / judged.unit
-    progress = Progress(lowest, at=solved.convolutions - waited)
+    progress = Progress(lowest, convolutions=solved.convolutions - waited)
     assert progress.has_stalled(PROBLEM, solved, judged, idle) is stalled
 
 
