@@ -85,6 +85,8 @@ def test_a_record_is_read_with_its_units(tmp_path, text):
         (b"time [s];load [N]\n0;0\n1;5\n", "1 columns.*in place of semicolons"),
         (b"time [s],load [N]\n0,0,0,0\n", "4 columns.*write decimals with a point"),
         (b"time [s],load [N]\n0,0\n1,\xff\n", "UTF-8"),
+        ("time [s], load [N]\n0,0\n".encode("utf-16"), "UTF-8"),
+        (b"time [s], load [N]\n0," + b"9" * 200_000, "field larger than"),
         (b"time [s],load [N]\n0,7\n1,5\n", "begins at 7 N"),
     ],
 )

@@ -5,7 +5,6 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
 import numpy as np
-import pytest
 
 from tests.helpers.scenes import small_scene
 from tribo import SelfAffineRoughness, forget_kernels, simulate
@@ -29,23 +28,6 @@ def test_values_used_last_are_kept_up_to_a_size():
     assert ask(kept, 5, 3, 4) == [4]
     assert ask(kept, 3, 4) == []
     assert ask(kept, 5) == [5]
-
-
-def test_the_last_value_is_kept_whatever_its_size():
-    kept = Kept(size_of=int, limit=10)
-    assert ask(kept, 1, 20, 20) == [1, 20]
-    assert ask(kept, 1, 1) == [1]
-    assert ask(kept, 2, 3, 1) == [2, 3]
-
-
-def test_nothing_is_kept_of_what_fails_or_is_forgotten():
-    kept = Kept(size_of=int, limit=10)
-    with pytest.raises(ZeroDivisionError):
-        kept.get(1, lambda: 1 // 0)
-    assert ask(kept, 1, 1) == [1]
-    kept.clear()
-    assert ask(kept, 1, 9) == [1, 9]
-    assert ask(kept, 1, 9) == []
 
 
 def test_threads_that_ask_at_the_same_time_compute_a_value_once():

@@ -39,7 +39,6 @@ from tribo import (
     warnings,
 )
 from tribo.analytic import uniform_flux_rise
-from tribo.files import read_load
 from tribo.loading import MeasuredLoad
 from tribo.thermal import conduction
 from tribo.thermal.quadrature import panels
@@ -684,9 +683,6 @@ SURFACES = {
     "shorter than it says": ("a.npy", header("(3, 3)") + b"12345678", "not a plain array"),
     "broken header": ("a.npy", header("(3, "), "not a plain array"),
     "no row": ("a.npy", header("(0, 5)"), r"shape \(0, 5\)"),
-    "empty text": ("a.csv", b"", "two-dimensional"),
-    "header line": ("a.csv", b"x,y\n1,2\n", "line 1: .*'x'"),
-    "semicolons": ("a.csv", b"1,2\n3;4\n", "line 2: .*'3;4'"),
     "long field": ("a.csv", b"1," + b"9" * 200_000, "field larger than"),
     "NUL": ("a.csv", b"1,2\n3,\x00\n", "line 2"),
     "another encoding": ("a.csv", "1,2\n3,4\n".encode("utf-16"), "utf-8"),
@@ -723,28 +719,6 @@ def test_a_measured_surface_is_read_with_a_byte_order_mark_and_refused_beyond_a_
     for unit in (math.nan, 0.0, -1.0):
         with pytest.raises(InputError, match="unit is"):
             read_heights(text, unit)
-
-
-RECORDS = {
-    "empty": (b"", "0 rows"),
-    "no unit": (b"time,load\n0,0\n1,9\n", "line 1: .*unit"),
-    "one column": (b"time [s], load [N]\n0\n", "line 2: 1 columns"),
-    "text": (b"time [s], load [N]\n0,0\n1,high\n", "line 3: .*'high'"),
-    "NaN": (b"time [s], load [N]\n0,0\n1,nan\n", "line 3: .*finite"),
-    "time backwards": (b"time [s], load [N]\n0,0\n2,9\n1,10\n", "line 4: .*must increase"),
-    "another encoding": ("time [s], load [N]\n0,0\n".encode("utf-16"), "UTF-8"),
-    "long field": (b"time [s], load [N]\n0," + b"9" * 200_000, "field larger than"),
-}
-
-
-@pytest.mark.parametrize("fault", RECORDS)
-def test_a_load_record_that_is_none_is_refused_with_the_place(fault, tmp_path):
-    content, said = RECORDS[fault]
-    path = tmp_path / "load.csv"
-    path.write_bytes(content)
-    with pytest.raises(InputError, match=said) as caught:
-        read_load(path)
-    assert str(path) in str(caught.value)
 
 
 @pytest.mark.parametrize(
