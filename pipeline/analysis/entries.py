@@ -15,6 +15,7 @@ _ATTRIBUTES = (
 )  # fmt: skip
 _NOT_SHOWN = ("friction_heat", "unequal_bulks", "lubrication.", "sweep.samples.")
 """Paths of values that follow from other entries."""
+_TESTS = ("measured.", "tested.")
 _TYPES = tuple(
     f"{name}.type"
     for name in ("material", "disk", "pixels", "loading", "roughness", "wear", "motion", "fidelity")
@@ -121,7 +122,7 @@ def _in_scene(path: str) -> str:
     for name, other in _PATHS.items():
         if path == name or path.startswith(f"{name}."):
             return other + path[len(name) :]
-    return path
+    return path.replace("normal_load", "load") if path.startswith(_TESTS) else path
 
 
 def _text(value: Any, unit: str) -> str:

@@ -150,7 +150,8 @@ def _quantity(cells: _Cells, name: str, faults: list[str]) -> tuple[str, list[fl
         if not fault and not 0 < value < np.inf:
             fault = f'"{text}" is not above 0'
         if fault:
-            faults.append(f'row {row}, column "{head}": {fault}')
+            heading = "" if unit else f', or the heading "{name} [{usual}]"'
+            faults.append(f'row {row}, column "{head}": {fault}{heading}')
         values.append(value)
     return head, values
 

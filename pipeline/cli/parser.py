@@ -9,6 +9,7 @@ import re
 import sys
 import textwrap
 from collections.abc import Callable, Sequence
+from difflib import get_close_matches
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any, NamedTuple
 
@@ -186,11 +187,11 @@ def parse(arguments: Sequence[str] | None) -> argparse.Namespace:
     options, unknown = parser.parse_known_args(
         _joined(sys.argv[1:] if arguments is None else arguments)
     )
-    if unknown:  # told by the command, whose usage shows what it takes
-        named = " ".join(unknown)
-        options.parser.error(
-            f"unknown option or argument: {named}; options stand after the command"
-        )
+    if unknown:  # an error of the command, whose usage shows its options
+        known = re.findall(r"--[a-z-]+", options.parser.format_usage())
+        near = get_close_matches(unknown[0].partition("=")[0], known, 1)
+        hint = f'did you mean "{near[0]}"?' if near else "options stand after the command"
+        options.parser.error(f"unknown option or argument: {' '.join(unknown)}; {hint}")
     if options.parser is parser:
         parser.print_help(sys.stderr)
         parser.exit(2, "irg: give a command\n")

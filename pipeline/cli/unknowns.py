@@ -307,10 +307,9 @@ def samples_of(options: argparse.Namespace, ds: xr.Dataset) -> tuple[Ensemble, P
 
 def judged_by(ds: xr.Dataset, conditions: dict[str, Any]) -> tuple[Ensemble, dict[str, float]]:
     """Samples of a sweep, judged by conditions that are given, and those of them by number."""
-    judged = conditions_of(ds, **conditions)
-    frictions = conditions.get("friction")
-    if isinstance(frictions, list | tuple) and len(frictions) > 1:
+    if isinstance(conditions.get("friction"), tuple):
         raise InputError("samples are judged at one --friction at a time; give one")
+    judged = conditions_of(ds, **conditions)
     ensemble = pipeline.Ensemble.of(
         ds,
         share=judged.failing_share if "share" in conditions else None,

@@ -266,9 +266,8 @@ def posterior_if_given(
     if not given_measured:
         if scatter is not None:
             raise InputError(
-                f"scatter is {scatter:g}, that of measured velocities, which count only if the "
-                "result is given by the measured transitions: ask for that, too "
-                "(--given-measured, in Python given_measured=True), or leave it out"
+                f"scatter is {scatter:g}, of measured velocities that do not count here; add "
+                "--given-measured (in Python given_measured=True), or leave it out"
             )
         return None
     if not (ensemble.measured or ensemble.tested):

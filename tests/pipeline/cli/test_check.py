@@ -12,6 +12,18 @@ from pipeline.tradeoff import forecast
 SCENE = str(Path(__file__).parents[3] / "workflows" / "first_try.toml")
 
 
+@pytest.fixture
+def check(capsys):
+    """Check a scene: what it printed, or with --json its document, if it exits as expected."""
+
+    def run(*options, scene=SCENE, code=0):
+        assert main(["check", str(scene), *options]) == code
+        printed = capsys.readouterr()
+        return json.loads(printed.out) if "--json" in options else printed.out + printed.err
+
+    return run
+
+
 def test_meaning_comes_before_cost(capsys, monkeypatch):
     def stopped(*_, **__):
         raise KeyboardInterrupt
@@ -32,9 +44,8 @@ def test_meaning_comes_before_cost(capsys, monkeypatch):
         assert words in said
 
 
-def test_the_document_holds_the_same(capsys):
-    assert main(["check", SCENE, "--json"]) == 0
-    document = json.loads(capsys.readouterr().out)
+def test_the_document_holds_the_same(check):
+    document = check("--json")
     meaning = document["meaning"]
     pressure, ra = meaning["hertz_pressure"], meaning["surface"]["ra"]
     assert pressure.pop("unit") == "Pa"
@@ -46,19 +57,16 @@ def test_the_document_holds_the_same(capsys):
     assert document["seconds"] > 0
 
 
-def test_a_check_takes_what_a_run_takes(capsys):
-    assert main(["check", SCENE, "--preset", "draft", "--boundary-only"]) == 0
-    assert "the boundary is sought between" in capsys.readouterr().out
+def test_a_check_takes_what_a_run_takes(check):
+    assert "the boundary is sought between" in check("--preset", "draft", "--boundary-only")
     small = ["--set", "window.pixels=[288, 60]", "--set", 'sweep.loads=["200 N"]']
-    assert main(["check", SCENE, *small, "--accuracy", "5%", "--json"]) == 0
-    document = json.loads(capsys.readouterr().out)
+    document = check(*small, "--accuracy", "5%", "--json")
     assert document["selection"]["accuracy"] == 0.05
     assert document["seconds"] > 0
 
 
-def test_a_window_that_the_contact_outgrows_is_foreseen(capsys):
-    assert main(["check", SCENE, "--json", "--set", "window.pixels=[480, 480]"]) == 0
-    (warning,) = json.loads(capsys.readouterr().out)["warnings"]
+def test_a_window_that_the_contact_outgrows_is_foreseen(check):
+    (warning,) = check("--json", "--set", "window.pixels=[480, 480]")["warnings"]
     assert "up to 424 µm wide, the window is 392 µm" in warning
 
 
@@ -69,20 +77,18 @@ def test_a_window_that_the_contact_outgrows_is_foreseen(capsys):
         ("wear.specific_wear_rate=1.2e-15 m^3", "wear.specific_wear_rate"),
     ],
 )
-def test_what_cannot_be_run_fails_here(capsys, setting, said):
-    assert main(["check", SCENE, "--set", setting]) == 2
-    assert said in capsys.readouterr().err
+def test_what_cannot_be_run_fails_here(check, setting, said):
+    assert said in check("--set", setting, code=2)
 
 
-def test_a_scene_larger_than_the_machine_is_not_tried(capsys):
+def test_a_scene_larger_than_the_machine_is_not_tried(check):
     size = ["--preset", "fine", "--set", "window.pixels=[80000, 80000]"]
-    assert main(["check", SCENE, *size, "--set", "pin.length=80 mm"]) == 0
-    said = capsys.readouterr().out
+    said = check(*size, "--set", "pin.length=80 mm")
     assert "MB a worker" in said
     assert "less than a worker needs" in said
 
 
-def test_what_comes_from_the_library_is_printed_with_its_source(tmp_path, capsys):
+def test_what_comes_from_the_library_is_printed_with_its_source(tmp_path, check):
     scene = tmp_path / "scene.toml"
     scene.write_text(
         f'extends = "{SCENE}"\nwithout = ["materials"]\noil = "medicinal white oil"\n'
@@ -90,8 +96,7 @@ def test_what_comes_from_the_library_is_printed_with_its_source(tmp_path, capsys
         '[sweep]\nloads = ["200 N"]\nvelocities = ["1 m/s"]\n',
         encoding="utf-8",
     )
-    assert main(["check", str(scene)]) == 0
-    said = capsys.readouterr().out
+    said = check(scene=scene)
     for words in (
         'materials."AISI 52100": elastic modulus 210 GPa',
         "from Bosman & de Rooij, Table 3",
@@ -104,18 +109,17 @@ def test_what_comes_from_the_library_is_printed_with_its_source(tmp_path, capsys
         assert words in said
 
 
-def test_a_measured_surface_says_how_it_lies_unless_it_is_level(tmp_path, capsys, monkeypatch):
+def test_a_measured_surface_says_how_it_lies_unless_it_is_level(tmp_path, check, monkeypatch):
     monkeypatch.setattr("pipeline.cli.check.machine_bytes", lambda: 1)  # nothing is timed
     heights = np.random.default_rng(0).normal(size=(64, 48)) + 0.1 * np.arange(64)[:, None]
     np.save(tmp_path / "disk.npy", heights)
-    (tmp_path / "scene.toml").write_text(
+    scene = tmp_path / "scene.toml"
+    scene.write_text(
         f'extends = "{SCENE}"\nwithout = ["disk.roughness"]\n'
         '[disk.roughness]\nfile = "disk.npy"\nheight_unit = "um"\n[window]\npixels = [64, 48]\n'
     )
-    scene = [str(tmp_path / "scene.toml"), "--set", 'sweep.loads=["20 N"]']
-    assert main(["check", *scene]) == 0
-    assert "rising by 6" in capsys.readouterr().out
-    assert main(["check", *scene, "--set", "disk.roughness.level=true"]) == 0
-    out = capsys.readouterr().out
-    assert "no lay; level\n" in out
-    assert "mean plane" not in out
+    light = ["--set", 'sweep.loads=["20 N"]']
+    assert "rising by 6" in check(*light, scene=scene)
+    said = check(*light, "--set", "disk.roughness.level=true", scene=scene)
+    assert "no lay; level\n" in said
+    assert "mean plane" not in said

@@ -66,7 +66,10 @@ def test_all_faults_of_a_table_are_named_with_row_and_column(store, tmp_path, ca
     [
         ("force [N],velocity [m/s]", 'no column "load [N]" in "force [N]", "velocity [m/s]"'),
         ("load [kg],velocity [m/s]", '"1 kg" cannot be converted to N'),
-        ("load,velocity [m/s]", '"400" has no unit'),
+        (
+            "load,velocity [m/s]",
+            '"500 N", or the heading "load [N]"',
+        ),
     ],
 )
 def test_a_heading_that_cannot_be_read_is_named(store, tmp_path, capsys, heads, said):

@@ -448,7 +448,7 @@ def test_options_that_do_not_go_with_samples_are_refused(unknown, sweep):
     for option in ({"friction": 0.09}, {"rivals": ["blok"]}):
         with pytest.raises(InputError, match="leave out conditions, surface, rivals and ax"):
             diagram(unknown, given_measured=True, **option)
-    with pytest.raises(InputError, match=r"scatter is 0\.03, that of measured velocities"):
+    with pytest.raises(InputError, match=r"scatter is 0\.03, of measured velocities"):
         diagram(unknown, scatter=0.03)
     with pytest.raises(InputError, match="the sweep has no samples"):
         diagram(sweep, given_measured=True)
