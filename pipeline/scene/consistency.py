@@ -146,8 +146,8 @@ def _not_one_given(table: dict[str, Any] | None, *keys: str) -> str | None:
 
 @_rule("motion", "motion")
 def _motion(motion: dict[str, Any] | None) -> str | None:
-    given = _not_one_given(motion, "slide_roll_ratio", "entrainment_velocity")
-    return given and f"{given}; give either slide_roll_ratio or entrainment_velocity"
+    fault = _not_one_given(motion, "slide_roll_ratio", "entrainment_velocity")
+    return fault and f"{fault}; give either slide_roll_ratio or entrainment_velocity"
 
 
 @_rule("motion.slide_roll_ratio", "motion.slide_roll_ratio", "motion.entrainment_velocity")
@@ -221,9 +221,9 @@ def _passes(track: float | None, motion: Any) -> str | None:
 
 @_rule("oil", "oil")
 def _viscosity(oil: dict[str, Any] | None) -> str | None:
-    given = _not_one_given(oil, "kinematic_viscosity", "dynamic_viscosity")
-    return given and (
-        f"kinematic_viscosity, dynamic_viscosity: {given}; give kinematic_viscosity with a "
+    fault = _not_one_given(oil, "kinematic_viscosity", "dynamic_viscosity")
+    return fault and (
+        f"kinematic_viscosity, dynamic_viscosity: {fault}; give kinematic_viscosity with a "
         "density, or dynamic_viscosity"
     )
 

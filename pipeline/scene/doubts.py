@@ -115,7 +115,7 @@ def _of_motion(sweep: Sweep, facts: Facts) -> Iterator[str]:
         for velocity in sweep.velocities
         if velocity
     ]
-    few = sum(each < FEWEST_TURNS for each in turns)
+    few = sum(turn < FEWEST_TURNS for turn in turns)
     if sweep.wears and few and any(turns):
         yield (
             f"the pin turns only {min(turns):.2g} times until the end at the lowest load, fewer "

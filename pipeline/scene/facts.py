@@ -65,10 +65,10 @@ class Facts:
 
     def as_dict(self) -> dict[str, Any]:
         """Return the facts by name, each with its unit; what is not there or infinite left out."""
-        found = {name: _with_unit(getattr(self, name), unit) for name, unit in _UNITS.items()}
+        facts = {name: _with_unit(getattr(self, name), unit) for name, unit in _UNITS.items()}
         if self.surface:
-            found["surface"] = self.surface.as_dict()
-        return {name: entry for name, entry in found.items() if entry is not None}
+            facts["surface"] = self.surface.as_dict()
+        return {name: entry for name, entry in facts.items() if entry is not None}
 
 
 _UNITS = {

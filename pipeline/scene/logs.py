@@ -11,7 +11,7 @@ from typing import Any
 
 from pipeline.scene.document import Document
 from pipeline.scene.faults import Faults
-from pipeline.scene.kinds import Kind
+from pipeline.scene.kinds import Kind, Number
 from pipeline.scene.rows import quantity_and_unit, read_rows
 from pipeline.scene.schema import Table
 
@@ -36,59 +36,57 @@ def with_rows(
         if not isinstance(entry, dict) or not isinstance(entry.get("file"), str):
             rows.append(entry)
             continue
-        at = f"{key}[{number}].file"
+        place = f"{key}[{number}].file"
         if others := [f'"{name}"' for name in entry if name != "file"]:
             problem = f"stands beside {', '.join(others)}; give these as columns of the file"
-            faults.note(at, problem)
+            faults.note(place, problem)
         path = document.file_of(key).parent / entry["file"]
         try:
-            rows += _rows(path, at, row_of, faults, notes)
+            rows += _rows(path, place, row_of, faults, notes)
         except (OSError, UnicodeDecodeError) as error:
             reason = getattr(error, "strerror", None) or "not in UTF-8"
-            faults.note(at, f"{path} cannot be read: {reason}; give a CSV file in UTF-8")
+            faults.note(place, f"{path} cannot be read: {reason}; give a CSV file in UTF-8")
     if listed and not rows:  # all are faulty, which is said already
         return {name: value for name, value in entries.items() if name != key}
     return entries | {key: rows}
 
 
 def _rows(
-    path: Path, at: str, row_of: Table, faults: Faults, notes: list[str]
+    path: Path, place: str, row_of: Table, faults: Faults, notes: list[str]
 ) -> list[dict[str, Any]]:
     """Rows of a file as tables of a scene; faults are named by row and column."""
     heads, numbered, wrong_rows = read_rows(path)
     if not numbered:
         problem = f'{path} has no rows; begin it with a line such as "load [N],velocity [m/s]"'
-        faults.note(at, problem)
+        faults.note(place, problem)
     for problem in wrong_rows:
-        faults.note(at, f"{path.name}, {problem}")
+        faults.note(place, f"{path.name}, {problem}")
     columns = [quantity_and_unit(head) for head in heads]
     if unused := [name for name, _ in columns if name not in row_of.keys]:
-        notes.append(f"{at}: columns not used: {', '.join(unused)}")
+        notes.append(f"{place}: columns not used: {', '.join(unused)}")
     rows = []
     for number, cells in numbered:
         if len(cells) != len(columns):
             continue
         row = {
-            name: _value(cell, unit, row_of.keys[name])
+            name: _value(cell, unit, row_of.keys[name].kind)
             for (name, unit), cell in zip(columns, cells, strict=True)
             if name in row_of.keys and cell
         }
         wrong = Faults()
         row_of.read(row, "", wrong)
-        place = f"{path.name}, row {number}"
         for key, problem, _ in wrong:
             if "has no unit" in problem:
                 problem += f"; or the unit of the column in its heading, such as {key} [...]"
-            faults.note(at, f"{place}, {key or 'row'}: {problem}")
+            faults.note(place, f"{path.name}, row {number}, {key or 'row'}: {problem}")
         if not wrong:
             rows.append(row)
     return rows
 
 
-def _value(cell: str, unit: str, kind: Kind | Any) -> Any:
+def _value(cell: str, unit: str, kind: Kind) -> Any:
     """A cell as a scene file has it: a number, or text with a unit."""
-    wants_number = "a number" in str(getattr(kind, "kind", kind))
-    if unit in ("", "1", "-") and wants_number:
+    if unit in ("", "1", "-") and isinstance(kind, Number):
         try:
             return float(cell)
         except ValueError:

@@ -57,9 +57,9 @@ def roughness_of(
     tables: dict[str, Any], document: Document, faults: Faults, notes: list[str]
 ) -> tribo.SelfAffineRoughness | tribo.MeasuredRoughness | tribo.Surface | None:
     """The disk's roughness; None if there is none, or a faulty one."""
-    table, own = entry_at(tables, "disk.roughness"), entry_at(tables, "disk.surface")
-    if own:
-        return _own_surface(own, table, faults)
+    table, law = entry_at(tables, "disk.roughness"), entry_at(tables, "disk.surface")
+    if law:
+        return _own_surface(law, table, faults)
     if table is None or faults.touch("disk.roughness"):
         return None
     if "file" in table:
@@ -80,10 +80,10 @@ def _own_surface(table: dict[str, Any], roughness: Any, faults: Faults) -> tribo
         problem = "there is a [disk.roughness], too; leave out one of them"
         faults.note("disk.surface", problem)
         return None
-    own = own_of("disk.surface", table, faults)
-    if own is None or hasattr(own, "heights"):
-        return cast(tribo.Surface, own)
-    faults.note("disk.surface.law", f"{own!r} has no heights; see tribo.Surface")
+    surface = own_of("disk.surface", table, faults)
+    if surface is None or hasattr(surface, "heights"):
+        return cast(tribo.Surface, surface)
+    faults.note("disk.surface.law", f"{surface!r} has no heights; see tribo.Surface")
     return None
 
 

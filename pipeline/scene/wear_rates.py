@@ -22,10 +22,10 @@ def with_velocities_for_rates(sweep: Sweep, notes: list[str]) -> Sweep:
     moving = [velocity for velocity in sweep.velocities if velocity > 0]
     if sweep.wear is None or sweep.wear_rates is None or not moving:
         return sweep
-    own, (low, high) = sweep.wear.specific_wear_rate, sweep.wear_rates
+    rate, (low, high) = sweep.wear.specific_wear_rate, sweep.wear_rates
     further = [
-        *_beyond(moving[0], low / own),
-        *_beyond(moving[-1], high / own),
+        *_beyond(moving[0], low / rate),
+        *_beyond(moving[-1], high / rate),
     ]
     if further:
         ends = " and ".join(display(end, "m/s", 4) for end in (min(further), max(further)))
