@@ -5,18 +5,12 @@ from __future__ import annotations
 import functools
 import json
 from collections.abc import Mapping
-from typing import Any, Protocol
+from typing import Any
+
+import xarray as xr
 
 _ENCODED = "json_attributes"
 _INTERNAL = ("axes", "root_hash", "points_per_chunk", "steps_per_chunk")
-
-
-class Described(Protocol):
-    """Anything with attributes: a dataset, or an array of a store."""
-
-    @property
-    def attrs(self) -> Mapping[Any, Any]:
-        """The attributes."""
 
 
 def portable(attributes: Mapping[Any, Any]) -> dict[str, Any]:
@@ -35,7 +29,7 @@ def portable(attributes: Mapping[Any, Any]) -> dict[str, Any]:
     )
 
 
-def attributes_of(ds: Described) -> dict[Any, Any]:
+def attributes_of(ds: xr.Dataset | xr.DataArray) -> dict[Any, Any]:
     """Attributes of a sweep as plain data, those that are JSON text as what they say.
 
     What they say is kept for the next call, and not to be changed.

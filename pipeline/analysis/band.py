@@ -24,70 +24,57 @@ BAND = (0.1, 0.5, 0.9)
 def with_band(boundaries: xr.Dataset, variant: str) -> xr.Dataset:
     """Add quantiles, mean, spread and counts to the boundaries of several surfaces or samples.
 
-    Parameters
-    ----------
-    boundaries : Dataset
-        Boundaries with ``critical_velocity(realization, load)``,
-        ``critical_load(realization, velocity)`` and the outcomes of each.
-    variant : str
-        Dimension of the surfaces or samples.
+    The variant is their dimension.
     """
-    with_quantiles = boundaries.assign_coords(
-        quantile=("quantile", list(BAND), {"long_name": "share of the surfaces that lie lower"})
-    )
+    shares = ("quantile", list(BAND), {"long_name": "share of the surfaces that lie lower"})
+    with_quantiles = boundaries.assign_coords(quantile=shares)
     for name, axis in (("critical_velocity", "load"), ("critical_load", "velocity")):
-        outcome = boundaries[f"outcome_at_{axis}"].transpose(variant, axis).values
-        values = boundaries[name].transpose(variant, axis).values
-        unit, count = {"units": boundaries[name].attrs["units"]}, {"units": "1"}
-        computed = [
-            boundaries[f"computed_{end}_at_{axis}"].transpose(variant, axis).values
-            for end in ("from", "to")
-        ]
-        crossing = (outcome == CROSSES).sum(axis=0)
-        counts = np.isin(outcome, (CROSSES, MILD, SEVERE)).sum(axis=0)
-        rows = zip(values.T, outcome.T, *(bound.T for bound in computed), strict=True)
-        ends = [_ends(*row) for row in rows]
-        all_cross = [np.isfinite(low).all() and (low == high).all() for low, high in ends]
-        several = list(zip(ends, all_cross, strict=True))
-        of_all = [np.mean(low) if crosses else math.nan for (low, _), crosses in several]
-        spread = [
-            np.std(low, ddof=1) if crosses and len(low) > 1 else math.nan
-            for (low, _), crosses in several
-        ]
-        quantiles = [[quantile(*bounds, share) for bounds in ends] for share in BAND]
-        with_quantiles = with_quantiles.assign(
-            {
-                f"{name}_mean": (axis, of_all, unit | {"long_name": "mean over the surfaces"}),
-                f"{name}_spread": (axis, spread, unit | {"long_name": "their standard deviation"}),
-                f"{name}_quantile": (
-                    ("quantile", axis),
-                    quantiles,
-                    unit | {"long_name": "that a share of the surfaces stays below"},
-                ),
-                f"crossing_at_{axis}": (
-                    axis,
-                    crossing,
-                    count | {"long_name": "surfaces that cross"},
-                ),
-                f"known_at_{axis}": (
-                    axis,
-                    counts,
-                    count | {"long_name": "surfaces whose outcome is known"},
-                ),
-            }
+        outcome, unit = boundaries[f"outcome_at_{axis}"], boundaries[name].attrs["units"]
+        mean, spread, quantiles = xr.apply_ufunc(
+            _band_of,
+            boundaries[name],
+            outcome,
+            boundaries[f"computed_from_at_{axis}"],
+            boundaries[f"computed_to_at_{axis}"],
+            input_core_dims=[[variant]] * 4,
+            output_core_dims=[[], [], ["quantile"]],
+            vectorize=True,
         )
+        crossing = (outcome == CROSSES).sum(variant)
+        certain = outcome.isin((CROSSES, MILD, SEVERE)).sum(variant)
+        columns = {
+            f"{name}_mean": (mean, unit, "mean over the surfaces"),
+            f"{name}_spread": (spread, unit, "their standard deviation"),
+            f"{name}_quantile": (quantiles.T, unit, "that a share of the surfaces stays below"),
+            f"crossing_at_{axis}": (crossing, "1", "surfaces that cross"),
+            f"known_at_{axis}": (certain, "1", "surfaces whose outcome is known"),
+        }
+        for column, (values, units, words) in columns.items():
+            attrs = {"units": units, "long_name": words}
+            with_quantiles[column] = values.dims, values.values, attrs
     return with_quantiles
 
 
-def _ends(at: Array, outcome: Array, first: Array, last: Array) -> tuple[Array, Array]:
+def _band_of(
+    places: Array, outcomes: Array, first: Array, last: Array
+) -> tuple[float, float, Array]:
+    """Mean, spread and quantiles of the transitions of several surfaces along one line."""
+    low, high = _ends(places, outcomes, first, last)
+    all_cross = np.isfinite(low).all() and (low == high).all()
+    mean = float(np.mean(low)) if all_cross else math.nan
+    spread = float(np.std(low, ddof=1)) if all_cross and len(low) > 1 else math.nan
+    return mean, spread, np.array([quantile(low, high, share) for share in BAND])
+
+
+def _ends(places: Array, outcomes: Array, first: Array, last: Array) -> tuple[Array, Array]:
     """Least and greatest place that each transition may have, of those of which any is known.
 
     One above what was computed may lie anywhere there, and one below likewise.
     """
-    infinite = np.full(at.shape, np.inf)
-    why = [outcome == kind for kind in (CROSSES, MILD, SEVERE, ABOVE, BELOW)]
-    low = np.select(why, [at, infinite, -infinite, last, -infinite], math.nan)
-    high = np.select(why, [at, infinite, -infinite, infinite, first], math.nan)
+    infinite = np.full(places.shape, np.inf)
+    is_kind = [outcomes == kind for kind in (CROSSES, MILD, SEVERE, ABOVE, BELOW)]
+    low = np.select(is_kind, [places, infinite, -infinite, last, -infinite], math.nan)
+    high = np.select(is_kind, [places, infinite, -infinite, infinite, first], math.nan)
     is_finite = ~np.isnan(low)
     return (low[is_finite], high[is_finite]) if is_finite.any() else (np.array([math.nan]),) * 2
 
@@ -95,18 +82,8 @@ def _ends(at: Array, outcome: Array, first: Array, last: Array) -> tuple[Array, 
 def quantile(low: Array, high: Array, share: float) -> float:
     """Value that a share of all stays below, linear between them.
 
-    Parameters
-    ----------
-    low, high : ndarray
-        Least and greatest that each value may be, infinite where beyond the rest.
-    share : float
-        Share of the values that lie lower, from 0 to 1.
-
-    Returns
-    -------
-    float
-        The quantile; NaN where it does not lie between finite values, or is not the same whatever
-        the values are.
+    Each lies between its least and its greatest, infinite where beyond the rest. NaN where the
+    quantile does not lie between finite values, or is not the same whatever the values are.
 
     Examples
     --------

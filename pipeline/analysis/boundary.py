@@ -6,8 +6,7 @@ Friction, bulk temperature, critical temperature and failing share enter only he
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from typing import Any
+from collections.abc import Iterable
 
 import numpy as np
 import xarray as xr
@@ -15,8 +14,8 @@ import xarray as xr
 from pipeline.analysis.attributes import attributes_of
 from pipeline.analysis.band import with_band
 from pipeline.analysis.conditions import Bulk, attributes_by, conditions_of
-from pipeline.analysis.dataset import asked, plane_of, variant_of, variants
-from pipeline.analysis.decisive import decisive_rise, with_rises
+from pipeline.analysis.dataset import asked, plane_of, variant_of
+from pipeline.analysis.decisive import decisive_rise
 from pipeline.analysis.interpolation import exponent
 from pipeline.analysis.scenes import by_scene
 from pipeline.analysis.transition import OUTCOMES, UNITS, Transition, range_of
@@ -79,8 +78,9 @@ def boundary(
         ``computed_from_at_velocity``. ``rise_exponent_at_load`` is d ln(rise) over
         d ln(velocity) at the crossing: an error of the rise, divided by it, is that of the critical
         velocity. ``missing_at_load`` and
-        ``missing_at_velocity`` count the points that are pending or failed. The conditions are
-        attributes, and ``missing_points`` their total. Where the scene gives an oil,
+        ``missing_at_velocity`` count the points that are pending or failed, ``bridged_at_load``
+        and ``bridged_at_velocity`` those of them that a crossing is interpolated across. The
+        conditions are attributes, and ``missing_points`` their total. Where the scene gives an oil,
         ``film_parameter_at_load`` and ``film_parameter_at_velocity`` are the film parameters at
         the crossings (see `pipeline.sweep.lubrication`).
 
@@ -116,21 +116,18 @@ def boundary(
         raise InputError(f'friction: "{friction}" is text; give a number such as 0.1, or several')
     ds = plane_of(ds)
     others = (bulk_temperature, critical_temperature, share, criterion)
-    frictions = list(friction) if isinstance(friction, Iterable) else [friction]
-    several = [conditions_of(ds, value, *others) for value in frictions]
-    by_variant = [[conditions] * len(variants(ds)) for conditions in several]
-    ds = with_rises(ds, [conditions for part in by_variant for conditions in part])
-    boundaries = [
-        _boundary(ds, conditions, judged)
-        for conditions, judged in zip(several, by_variant, strict=True)
-    ]
     if not isinstance(friction, Iterable):
-        return boundaries[0]
-    attrs = {"units": "1", "long_name": "friction coefficient"}
-    axis = xr.DataArray([judged.friction for judged in several], dims="friction", attrs=attrs)
+        return boundary_under(ds, conditions_of(ds, friction, *others))
+    several = [conditions_of(ds, value, *others) for value in friction]
+    axis = xr.DataArray(
+        [conditions.friction for conditions in several],
+        dims="friction",
+        name="friction",
+        attrs={"units": "1", "long_name": "friction coefficient"},
+    )
     stacked: xr.Dataset = xr.concat(
-        boundaries,
-        axis.rename("friction"),
+        [boundary_under(ds, conditions) for conditions in several],
+        axis,
         data_vars="all",
         coords="minimal",
         compat="override",
@@ -140,105 +137,69 @@ def boundary(
     return stacked
 
 
-def _boundary(
-    ds: xr.Dataset, conditions: Conditions, by_variant: Sequence[Conditions]
-) -> xr.Dataset:
-    """The boundary under some conditions, and those of each surface or sample."""
-    axis = variant_of(ds)
-    rise = decisive_rise(ds, by_variant)
-    rises = rise.values.reshape(len(by_variant), *rise.shape[-2:])
-    is_asked = asked(ds).transpose(..., "load", "velocity").values.reshape(rises.shape)
-    missing = is_asked & ~np.isfinite(rises)
-    columns = _along("velocity", ds, rises, missing, by_variant) | _along(
-        "load", ds, rises.swapaxes(1, 2), missing.swapaxes(1, 2), by_variant
-    )
-    kept = ("load", "velocity", "realization", "sample")
-    boundaries = xr.Dataset(
-        {
-            name: ((axis, dim), values, attrs) if axis else ((dim,), values[0], attrs)
-            for name, (dim, values, attrs) in columns.items()
-        },
-        {name: ds[name].variable for name in kept if name in ds.coords},
-        attributes_by(conditions if axis else by_variant[0])
-        | {"missing_points": int(np.count_nonzero(missing))}
-        | {name: ds.attrs[name] for name in ("wear_rate",) if name in ds.attrs},
-    )
-    return with_band(boundaries, axis) if axis else boundaries
+def boundary_under(ds: xr.Dataset, conditions: Conditions) -> xr.Dataset:
+    """The boundary under some conditions, with a band over several surfaces."""
+    rise = decisive_rise(ds, conditions)
+    is_missing = rise.isnull() & asked(ds)
+    attributes = attributes_by(conditions) | {"missing_points": int(is_missing.sum())}
+    if "wear_rate" in ds.attrs:
+        attributes["wear_rate"] = ds.attrs["wear_rate"]
+    boundaries = xr.Dataset(coords=rise.coords, attrs=attributes)
+    for axis in ("velocity", "load"):
+        boundaries = boundaries.assign(_transitions(axis, ds, rise, is_missing, conditions))
+    variant = variant_of(ds)
+    return with_band(boundaries, variant) if variant else boundaries
 
 
-_Columns = dict[str, tuple[str, Any, dict[str, Any]]]
-"""Dimension, values by surface or sample, and attributes of each variable."""
-
-
-def _along(
-    axis: str, ds: xr.Dataset, rises: Array, missing: Mask, by_variant: Sequence[Conditions]
-) -> _Columns:
-    """Transitions along the velocity or the load.
-
-    Parameters
-    ----------
-    axis : str
-        ``"velocity"`` or ``"load"``; the other one is the lines' dimension.
-    ds : Dataset
-        Dataset of the sweep.
-    rises : ndarray, shape (n_variant, n_line, n)
-        Decisive rise along each line [K].
-    missing : ndarray of bool, shape (n_variant, n_line, n)
-        Points that were asked for and are not done.
-    by_variant : sequence of Conditions
-        Conditions of each surface or sample.
-    """
+def _transitions(
+    axis: str, ds: xr.Dataset, rise: xr.DataArray, is_missing: xr.DataArray, conditions: Conditions
+) -> dict[str, xr.DataArray]:
+    """Transitions along the velocity at each load, or along the load at each velocity."""
     line = "load" if axis == "velocity" else "velocity"
-    x, ends = ds[axis].values, range_of(ds, axis)
-    transitions = [
-        [Transition.along(x, row, rise_limit(judged), ends) for row in plane]
-        for plane, judged in zip(rises, by_variant, strict=True)
-    ]
-    places = np.array([[transition.place for transition in row] for row in transitions])
-    outcomes = np.array([[transition.outcome for transition in row] for row in transitions])
-    computed = np.array([[transition.computed for transition in row] for row in transitions])
-    noun = {"velocity": "velocity", "load": "normal load"}[axis]
-    columns: _Columns = {
-        f"critical_{axis}": (
-            line,
-            places,
-            {"units": UNITS[axis], "long_name": f"{noun} at the transition to severe wear"},
+    noun = "velocity" if axis == "velocity" else "normal load"
+    x, limit, ends = rise[axis].values, rise_limit(conditions), range_of(ds, axis)
+
+    def along(row: Array, missing: Mask) -> tuple[float, ...]:
+        transition = Transition.along(x, row, limit, ends, missing)
+        slope = exponent(x, row, transition.place)
+        return transition.place, transition.outcome, *transition.computed, transition.bridged, slope
+
+    place, outcome, low, high, bridged, slope = xr.apply_ufunc(
+        along,
+        rise,
+        is_missing,
+        input_core_dims=[[axis]] * 2,
+        output_core_dims=[[]] * 6,
+        output_dtypes=[float, np.int8, float, float, int, float],
+        vectorize=True,
+    )
+    unit = UNITS[axis]
+    columns = {
+        f"critical_{axis}": (place, unit, f"{noun} at the transition to severe wear"),
+        f"computed_from_at_{line}": (low, unit, f"{axis} computed from at this {line}"),
+        f"computed_to_at_{line}": (high, unit, f"{axis} computed to at this {line}"),
+        f"missing_at_{line}": (
+            is_missing.sum(axis), "1", f"pending or failed points at this {line}"
         ),
-        f"outcome_at_{line}": (line, outcomes.astype(np.int8), _OUTCOMES),
-    }
-    for number, end in enumerate(("from", "to")):
-        attrs = {"units": UNITS[axis], "long_name": f"{axis} computed {end} at this {line}"}
-        columns[f"computed_{end}_at_{line}"] = line, computed[..., number], attrs
-    columns[f"missing_at_{line}"] = (
-        line,
-        np.count_nonzero(missing, axis=-1),
-        {"units": "1", "long_name": f"pending or failed points at this {line}"},
-    )
+        f"bridged_at_{line}": (
+            bridged, "1", "pending or failed points that the crossing is interpolated across"
+        ),
+    }  # fmt: skip
     if axis == "velocity":
-        columns["rise_exponent_at_load"] = (
-            line,
-            np.array(
-                [
-                    [exponent(x, row, place) for row, place in zip(*plane, strict=True)]
-                    for plane in zip(rises, places, strict=True)
-                ]
-            ),
-            {"units": "1", "long_name": "d ln(rise) / d ln(velocity) at the crossing"},
-        )
-    return columns | _film(axis, ds, places, by_variant)
-
-
-def _film(axis: str, ds: xr.Dataset, places: Array, by_variant: Sequence[Conditions]) -> _Columns:
-    """Film parameter at the transitions along an axis, where the scene gives an oil."""
+        words = "d ln(rise) / d ln(velocity) at the crossing"
+        columns["rise_exponent_at_load"] = slope, "1", words
     lubrication = Lubrication.stored(attributes_of(ds))
-    if lubrication is None:
-        return {}
-    line = "load" if axis == "velocity" else "velocity"
-    films = [
-        lubrication.film_parameter(
-            temperature=judged.mean_bulk_temperature, **{line: ds[line].values, axis: row}
+    if lubrication is not None:
+        film = lubrication.film_parameter(
+            temperature=conditions.mean_bulk_temperature,
+            **{line: rise[line].values, axis: place.values},
         )
-        for row, judged in zip(places, by_variant, strict=True)
-    ]
-    attrs = {"units": "1", "long_name": "film parameter at the crossing"}
-    return {f"film_parameter_at_{line}": (line, np.array(films), attrs)}
+        columns[f"film_parameter_at_{line}"] = (
+            place.copy(data=film), "1", "film parameter at the crossing"
+        )  # fmt: skip
+    transitions = {
+        name: values.drop_attrs(deep=False).assign_attrs(units=units, long_name=words)
+        for name, (values, units, words) in columns.items()
+    }
+    outcome = outcome.drop_attrs(deep=False).assign_attrs(_OUTCOMES)
+    return transitions | {f"outcome_at_{line}": outcome}

@@ -44,6 +44,7 @@ def _crossings(boundaries: xr.Dataset, name: str, axis: str) -> Table:
         Column(f"outcome_at_{axis}", "outcome"),
         Column(f"computed_from_at_{axis}", "computed from", unit),
         Column(f"computed_to_at_{axis}", "computed to", unit),
+        Column(f"bridged_at_{axis}", "across points not done"),
     )
 
     def values(place: xr.Dataset) -> tuple[Any, ...]:
@@ -70,12 +71,16 @@ def _band(boundaries: xr.Dataset, name: str, axis: str) -> Table:
         Column("crosses", "cross"),
         *(Column(words, words) for words in outcomes.values()),
     )
+    if has_bridged := bool((boundaries[f"bridged_at_{axis}"] > 0).any()):
+        columns += (Column("bridged", "of them across points not done"),)
 
     def values(place: xr.Dataset) -> tuple[Any, ...]:
         low, middle, high = place[f"{name}_quantile"].values.tolist()
         moments = (place[f"{name}_{moment}"].item() for moment in ("mean", "spread"))
         all_outcomes = place[f"outcome_at_{axis}"].values.tolist()
-        counts = (all_outcomes.count(code) for code in (CROSSES, *outcomes))
+        counts = [all_outcomes.count(code) for code in (CROSSES, *outcomes)]
+        if has_bridged:
+            counts.append(int((place[f"bridged_at_{axis}"] > 0).sum()))
         return middle, low, high, *moments, len(all_outcomes), *counts
 
     return _by_place(boundaries, axis, columns, values)
@@ -116,13 +121,10 @@ def _middle(film: Array) -> float | None:
 def readable(boundaries: xr.Dataset) -> list[Table]:
     """The tables of `pipeline.boundary` without its conditions, outcomes in words."""
     is_one = variant_of(boundaries) is None
-    table_of, shorten = (_crossings, _side_by_side) if is_one else (_band, _without_conditions)
+    table_of = _side_by_side if is_one else _band_in_short
     columns, parts = columns_of(boundaries["critical_velocity"]), [*parts_of(boundaries)]
     return [
-        joined(
-            columns,
-            ((values, shorten(table_of(part, *ends), *ends)) for values, part in parts),
-        )
+        joined(columns, ((values, table_of(part, *ends)) for values, part in parts))
         for ends in BOUNDARIES
     ]
 
@@ -143,29 +145,39 @@ def by_friction(boundaries: xr.Dataset) -> Iterator[tuple[float, xr.Dataset]]:
         yield value, boundaries.isel(friction=place)
 
 
-def _side_by_side(table: Table, name: str, axis: str) -> Table:
+def _side_by_side(boundaries: xr.Dataset, name: str, axis: str) -> Table:
     """Crossings of one surface, or outcomes in words, with a column for each friction."""
-    values, other = table.as_dict(), name.removeprefix("critical_")
-    frictions = list(dict.fromkeys(values["friction"]))
-    crossing = next(column for column in table.columns if column.name == name)
-    rows: dict[float, dict[float, str]] = {}
-    for row in range(len(table.rows)):
-        entry = {key: column[row] for key, column in values.items()}
-        computed = entry[f"computed_from_at_{axis}"], entry[f"computed_to_at_{axis}"]
-        cell = f"{crossing.text(entry[name])}{_film(entry[f'film_parameter_at_{axis}'])}"
-        if not math.isfinite(entry[name]):
-            cell = in_words(entry[f"outcome_at_{axis}"], computed, other)
-        rows.setdefault(entry[axis], {})[entry["friction"]] = cell
+    parts = dict(by_friction(boundaries))
+    other = name.removeprefix("critical_")
+    crossing = Column(name, f"critical {other}", _AXES[other].unit)
     heads = [Column(name, crossing.head)]
-    if len(frictions) > 1:
-        heads = [Column(str(value), f"at friction {value:g}") for value in frictions]
+    if len(parts) > 1:
+        heads = [Column(str(friction), f"at friction {friction:g}") for friction in parts]
         heads[0] = heads[0]._replace(title=f"{crossing.head} {heads[0].title}")
-    shown = ((place, *cells.values()) for place, cells in rows.items())
-    return Table((_AXES[axis], *heads), tuple(shown))
+
+    def cell(place: xr.Dataset) -> str:
+        value = place[name].item()
+        if not math.isfinite(value):
+            ends = (place[f"computed_{end}_at_{axis}"].item() for end in ("from", "to"))
+            return in_words(OUTCOMES[place[f"outcome_at_{axis}"].item()], tuple(ends), other)
+        film, bridged = f"film_parameter_at_{axis}", place[f"bridged_at_{axis}"].item()
+        text = crossing.text(value)
+        if film in place:
+            text += f"  film Λ {place[film].item():.2f}"
+        if bridged:
+            text += f"  across {bridged} point{'s' if bridged > 1 else ''} not done"
+        return text
+
+    rows = (
+        (place, *(cell(part.isel({axis: number})) for part in parts.values()))
+        for number, place in enumerate(boundaries[axis].values.tolist())
+    )
+    return Table((_AXES[axis], *heads), tuple(rows))
 
 
-def _without_conditions(table: Table, name: str, axis: str) -> Table:
+def _band_in_short(boundaries: xr.Dataset, name: str, axis: str) -> Table:
     """The band of several surfaces, with the friction only where there are several."""
+    table = _band(boundaries, name, axis)
     left_out = {"bulk_temperature", "disk_temperature", "critical_temperature", "failing_share"}
     left_out |= {"criterion"}
     if len(set(table.as_dict()["friction"])) == 1:
@@ -177,8 +189,3 @@ def _without_conditions(table: Table, name: str, axis: str) -> Table:
         for column in shown.columns
     )
     return Table(columns, shown.rows)
-
-
-def _film(parameter: float | None) -> str:
-    """Film parameter at a crossing; empty without an oil."""
-    return "" if parameter is None else f"  film Λ {parameter:.2f}"

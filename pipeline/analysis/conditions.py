@@ -50,12 +50,11 @@ def conditions_of(
     if changes["criterion"]:
         values.pop("criterion_hash", None)
     if bulk_temperature is not None:
-        each = (
-            {body: _kelvin("bulk_temperature", own) for body, own in bulk_temperature.items()}
-            if isinstance(bulk_temperature, Mapping)
-            else _kelvin("bulk_temperature", bulk_temperature)
-        )
-        values |= of_bulks(each)
+        if isinstance(bulk_temperature, Mapping):
+            bulks = bulk_temperature.items()
+            values |= of_bulks({body: _kelvin("bulk_temperature", bulk) for body, bulk in bulks})
+        else:
+            values |= of_bulks(_kelvin("bulk_temperature", bulk_temperature))
     for name in ("friction", "failing_share", "bulk_temperature"):
         if values.get(name) is None:
             raise InputError(f"the sweep has no {name} of its own; give one")

@@ -95,13 +95,7 @@ def _of_one_scene(ds: xr.Dataset) -> xr.Dataset:
 
 
 def plane_of(source: xr.Dataset | PathLike) -> xr.Dataset:
-    """Dataset of a sweep with loads and velocities, of one surface or several.
-
-    Raises
-    ------
-    InputError
-        If it has samples, each with one velocity.
-    """
+    """Dataset of a sweep with loads and velocities; one of samples is refused."""
     ds = dataset_of(source)
     require_one_scene(ds)
     if "sample" in ds.dims:
@@ -137,32 +131,13 @@ def variant_of(ds: xr.Dataset | xr.DataArray) -> str | None:
     return next((name for name in LEADING if name in ds.dims), None)
 
 
-def variants(ds: xr.Dataset) -> list[dict[str, Any]]:
-    """Seed or number of each surface or sample, and its inputs by their paths.
-
-    A sweep without several has a single entry.
-    """
-    axis = variant_of(ds)
-    labels = {str(key): ds[key].values for key in ds.coords if ds[key].dims in ((axis,), ())}
-    return [
-        {key: values[row if values.ndim else ()].item() for key, values in labels.items()}
-        for row in range(ds.sizes[axis] if axis else 1)
-    ]
-
-
 def values_of(ds: xr.Dataset, name: str) -> Any:
     """Values of a variable, its dimensions in the usual order, surfaces or samples first."""
     return ds[name].transpose(variant_of(ds) or ..., *_ORDER, missing_dims="ignore").values
 
 
 def on_surface(ds: xr.Dataset, realization: int | None = None) -> xr.Dataset:
-    """Take the sweep on one of its surfaces, the first if not given.
-
-    Raises
-    ------
-    InputError
-        If the sweep does not hold that surface.
-    """
+    """Take the sweep on one of its surfaces by its seed, the first if not given."""
     ds = plane_of(ds)
     seeds = ds["realization"].values.tolist() if "realization" in ds.dims else []
     if realization is None:
@@ -184,23 +159,8 @@ def asked(ds: xr.Dataset) -> xr.DataArray:
 def at_bulks(ds: xr.Dataset, conditions: Conditions) -> xr.Dataset:
     """Take the rises of a sweep at the bulk temperatures of some conditions.
 
-    Parameters
-    ----------
-    ds : Dataset
-        Dataset of `open_sweep`.
-    conditions : Conditions
-        Conditions to judge by.
-
-    Returns
-    -------
-    Dataset
-        The same where the bulk temperatures are equal and nothing is corrected; else with rises
-        above the colder body for each unit of `Conditions.rise_factor`, but for the fields.
-
-    Raises
-    ------
-    InputError
-        If they are not, and the sweep was computed for equal ones.
+    They count from the colder body, for each unit of `Conditions.rise_factor`; fields stay as they
+    are. Bulk temperatures that differ are refused where the sweep was computed for equal ones.
     """
     if conditions.bulk_ratio == 0 and not conditions.corrections:
         return ds

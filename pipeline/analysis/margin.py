@@ -10,8 +10,8 @@ rise was within it at 54 of 60 random places of `workflows/first_try.toml`.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import asdict, dataclass, field, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass, field
 from typing import Any
 
 import numpy as np
@@ -19,17 +19,17 @@ import xarray as xr
 
 from pipeline.analysis.attributes import attributes_of
 from pipeline.analysis.conditions import Bulk, conditions_of
-from pipeline.analysis.dataset import plane_of, variants
+from pipeline.analysis.dataset import asked, plane_of
 from pipeline.analysis.decisive import decisive_rise
 from pipeline.analysis.interpolation import certain, interpolated
 from pipeline.analysis.scenes import scenes
-from pipeline.analysis.transition import CROSSES, OUTCOMES, Transition, range_of
+from pipeline.analysis.transition import OUTCOMES, Transition, range_of
 from pipeline.scene.quantities import in_si
 from pipeline.store.place import PathLike
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.criterion import contact_temperature, rise_limit
 from tribo import InputError
-from tribo.types import Array
+from tribo.types import Array, Mask
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,8 +47,6 @@ class Margin:
         Sliding velocity [m/s].
     realization : int or None
         Seed of the random surface, in a sweep over several.
-    sample : int or None
-        Number of the sample of unknown inputs, in a sweep over several.
     entries : mapping
         Values of entries with several, by their paths [SI].
     decisive_temperature : float
@@ -67,6 +65,8 @@ class Margin:
         One of `pipeline.analysis.transition.OUTCOMES`, along the velocity and along the load.
     velocity_range, load_range : tuple of float
         Lowest and highest velocity [m/s] and load [N] computed there.
+    velocity_bridged, load_bridged : int
+        Pending or failed points that the critical velocity and load are interpolated across.
 
     Examples
     --------
@@ -80,7 +80,6 @@ class Margin:
     load: float
     velocity: float
     realization: int | None
-    sample: int | None
     decisive_temperature: float
     temperature_error: float | None
     is_continued: bool
@@ -91,6 +90,8 @@ class Margin:
     load_outcome: str
     velocity_range: tuple[float, float]
     load_range: tuple[float, float]
+    velocity_bridged: int
+    load_bridged: int
     entries: Mapping[str, float | str] = field(default_factory=dict)
 
     @property
@@ -201,20 +202,26 @@ def judge_of(
         raise InputError(
             "friction is 0; without friction there is no heat and no boundary; give one above 0"
         )
-    conditions.known_critical_temperature()
-    places, entries = variants(ds), attributes_of(ds).get("entries", {})
-    several = [conditions] * len(places)
-    rise = decisive_rise(ds, several)
-    loads, velocities = rise["load"].values, rise["velocity"].values
-    planes = rise.values.reshape(len(several), *rise.shape[-2:])
+    limit, rise = rise_limit(conditions), decisive_rise(ds, conditions)
+    entries = {path: ds[path].item() for path in attributes_of(ds).get("entries", {})}
     ends = {name: range_of(ds, name) for name in ("load", "velocity")}
+    axes = {name: rise[name].values for name in ends}
+    seeds = rise["realization"].values.tolist() if "realization" in rise.dims else [None]
+    is_missing = rise.isnull() & asked(ds)
+    shape = len(seeds), *rise.shape[-2:]
+    planes = [
+        _Plane(axes["load"], axes["velocity"], values, missing, limit, ends)
+        for values, missing in zip(
+            rise.values.reshape(shape), is_missing.values.reshape(shape), strict=True
+        )
+    ]
 
     def judge(load: float, velocity: float) -> tuple[Margin, ...]:
-        _require_within("load", load, loads, ends["load"], "N")
-        _require_within("velocity", velocity, velocities, ends["velocity"], "m/s")
+        _require_within("load", load, axes["load"], ends["load"], "N")
+        _require_within("velocity", velocity, axes["velocity"], ends["velocity"], "m/s")
         return tuple(
-            _margin(loads, velocities, plane, load, velocity, judged, place, ends, entries)
-            for plane, judged, place in zip(planes, several, places, strict=True)
+            _margin(plane, load, velocity, conditions, seed, entries)
+            for plane, seed in zip(planes, seeds, strict=True)
         )
 
     return judge
@@ -232,61 +239,74 @@ def _require_within(
         )
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _Plane:
+    """Decisive rises by load and velocity on one surface, and the limit of mild wear [K]."""
+
+    loads: Array
+    velocities: Array
+    rises: Array
+    is_missing: Mask
+    limit: float
+    ends: Mapping[str, tuple[float, float]]
+
+    def at_velocity(self, velocity: float, continued: bool = False) -> Array:
+        """Rise by load at one velocity [K]."""
+        return np.array([_at(self.velocities, row, velocity, continued) for row in self.rises])
+
+    def along_velocity(self, load: float, point: tuple[float, float]) -> Transition:
+        """Transition at a load, through a point's velocity and rise if that is finite.
+
+        At a load of the sweep it is that of `boundary`. Between loads, rows go on where they are
+        certainly mild or severe, and pass through the point.
+        """
+        x, limit, ends = self.velocities, self.limit, self.ends["velocity"]
+        missing = np.logical_or.reduce(self.is_missing[_beside(self.loads, load)])
+        if load in self.loads:
+            return Transition.along(x, self.rises[self.loads == load][0], limit, ends, missing)
+        certainly = [certain(x, row, x, limit) for row in self.rises]
+        rows = np.where(np.isfinite(self.rises), self.rises, certainly)
+        computed, beyond = (
+            [_at(self.loads, column, load) for column in rises.T] for rises in (self.rises, rows)
+        )
+        return _between_lines(x, computed, beyond, missing, point, limit, ends)
+
+    def along_load(self, velocity: float, point: tuple[float, float]) -> Transition:
+        """Transition at a velocity, through a point's load and rise, likewise."""
+        x, limit, ends = self.loads, self.limit, self.ends["load"]
+        missing = np.logical_or.reduce(self.is_missing.T[_beside(self.velocities, velocity)])
+        if velocity in self.velocities:
+            column = self.rises[:, self.velocities == velocity][:, 0]
+            return Transition.along(x, column, limit, ends, missing)
+        computed, here = self.at_velocity(velocity), np.array([velocity])
+        beyond = [certain(self.velocities, row, here, limit)[0] for row in self.rises]
+        return _between_lines(x, computed, beyond, missing, point, limit, ends)
+
+
 def _margin(
-    loads: Array,
-    velocities: Array,
-    r: Array,
+    plane: _Plane,
     load: float,
     velocity: float,
     conditions: Conditions,
-    place: Mapping[str, Any],
-    ends: Mapping[str, tuple[float, float]],
-    entries: Iterable[str],
+    seed: int | None,
+    entries: Mapping[str, float | str],
 ) -> Margin:
     """The margin on one surface."""
-    column = np.array([_along(velocities, line, velocity, continued=True) for line in r])
-    rise = _along(loads, column, load)
+    rise = _at(plane.loads, plane.at_velocity(velocity, continued=True), load)
     if not math.isfinite(rise):
         raise InputError(
             f"too few points about {load:g} N and {velocity:g} m/s are done to tell; run the sweep "
             "to its end, or add points there"
         )
-    within = np.array([_along(velocities, line, velocity) for line in r])
-    is_within = math.isfinite(_along(loads, within, load))
-    error = (
-        _error(loads, velocities, r, load, velocity)
-        if is_within
-        else _error_beyond(velocities, r, velocity)
-    )
-    limit = rise_limit(conditions)
-    # Along a line of the sweep's own points the boundary is that of `boundary`. Between such lines
-    # rows go on where they are certainly mild or severe, and pass through the operating point.
-    at_point = rise if is_within else math.nan
-    if load in loads:
-        along_velocity = Transition.along(velocities, r[loads == load][0], limit, ends["velocity"])
-    else:
-        rows = np.array([certain(velocities, row, velocities, limit) for row in r])
-        rows = np.where(np.isfinite(r), r, rows)
-        computed, going_on = (
-            _with_point(velocities, [_along(loads, y, load) for y in lines.T], velocity, at_point)
-            for lines in (r, rows)
-        )
-        along_velocity = _transition(computed, going_on, limit, ends["velocity"])
-    if velocity in velocities:
-        column = r[:, velocities == velocity][:, 0]
-        along_load = Transition.along(loads, column, limit, ends["load"])
-    else:
-        here = np.array([velocity])
-        computed, going_on = (
-            _with_point(loads, y, load, at_point)
-            for y in (within, [certain(velocities, row, here, limit)[0] for row in r])
-        )
-        along_load = _transition(computed, going_on, limit, ends["load"])
+    is_within = math.isfinite(_at(plane.loads, plane.at_velocity(velocity), load))
+    error = _error(plane, load, velocity) if is_within else _error_beyond(plane, velocity)
+    point = rise if is_within else math.nan
+    along_velocity = plane.along_velocity(load, (velocity, point))
+    along_load = plane.along_load(velocity, (load, point))
     return Margin(
         load=load,
         velocity=velocity,
-        realization=place.get("realization"),
-        sample=place.get("sample"),
+        realization=seed,
         decisive_temperature=contact_temperature(rise, conditions),
         temperature_error=None if error is None else conditions.rise_factor * rise * error,
         is_continued=not is_within,
@@ -297,47 +317,56 @@ def _margin(
         load_outcome=OUTCOMES[along_load.outcome],
         velocity_range=along_velocity.computed,
         load_range=along_load.computed,
-        entries={path: place[path] for path in entries},
+        velocity_bridged=along_velocity.bridged,
+        load_bridged=along_load.bridged,
+        entries=entries,
     )
 
 
-_Line = tuple[Array, Array]
-
-
-def _transition(
-    computed: _Line, going_on: _Line, limit: float, ends: tuple[float, float]
-) -> Transition:
-    """The transition along a line that goes on where it is certain, else along computed points."""
-    inside, beyond = (Transition.along(*line, limit, ends) for line in (computed, going_on))
-    return replace(beyond, computed=inside.computed) if beyond.outcome == CROSSES else inside
-
-
-def _with_point(x: Array, y: Array | list[float], at: float, rise: float) -> _Line:
-    """The line through one more point, if that is known."""
-    rises = np.asarray(y)
-    if not math.isfinite(rise):
-        return x, rises
-    x, rises = x[x != at], rises[x != at]
-    place = int(np.searchsorted(x, at))
-    return np.insert(x, place, at), np.insert(rises, place, rise)
-
-
-def _along(x: Array, y: Array, at: float, continued: bool = False) -> float:
+def _at(x: Array, y: Array, place: float, continued: bool = False) -> float:
     """Value at one abscissa; that of a point itself where there is one."""
-    (same,) = np.nonzero((x == at) & np.isfinite(y))
+    (same,) = np.nonzero((x == place) & np.isfinite(y))
     if same.size:
         return float(y[same[0]])
-    return float(interpolated(x, y, np.array([at]), continued)[0])
+    return float(interpolated(x, y, np.array([place]), continued)[0])
 
 
-def _error(loads: Array, velocities: Array, r: Array, load: float, velocity: float) -> float | None:
+def _beside(x: Array, place: float) -> slice:
+    """The abscissa of a place, or the two that it lies between."""
+    above = int(np.searchsorted(x, place))
+    return slice(above - (above < len(x) and x[above] != place), above + 1)
+
+
+def _between_lines(
+    x: Array,
+    computed: Sequence[float] | Array,
+    going_on: Sequence[float] | Array,
+    is_missing: Mask,
+    point: tuple[float, float],
+    limit: float,
+    ends: tuple[float, float],
+) -> Transition:
+    """The transition along a line that goes on beyond computed rises, and through a point."""
+    rises, is_done = np.array(going_on), np.isfinite(computed)
+    place, rise = point
+    if math.isfinite(rise):
+        number = int(np.searchsorted(x, place))
+        if place not in x:
+            x, rises = np.insert(x, number, place), np.insert(rises, number, rise)
+            is_done, is_missing = (np.insert(mask, number, False) for mask in (is_done, is_missing))
+        rises[number] = rise
+    return Transition.along(x, rises, limit, ends, is_missing, is_done)
+
+
+def _error(plane: _Plane, load: float, velocity: float) -> float | None:
     """Relative error of a rise between the points; None if that is unknown."""
-    across = 0.0 if load in loads else _left_out(loads, r.T, load)
-    along = 0.0 if velocity in velocities else _left_out(velocities, r, velocity)
+    loads, velocities, rises = plane.loads, plane.velocities, plane.rises
+    across = 0.0 if load in loads else _left_out(loads, rises.T, load)
+    along = 0.0 if velocity in velocities else _left_out(velocities, rises, velocity)
     return None if across is None or along is None else across + along
 
 
-def _error_beyond(velocities: Array, r: Array, velocity: float) -> float | None:
+def _error_beyond(plane: _Plane, velocity: float) -> float | None:
     """Relative error of a rise that is continued to a velocity; None if that is unknown.
 
     The exponent of the power law beyond the points is taken to differ from that of the last two by
@@ -345,23 +374,22 @@ def _error_beyond(velocities: Array, r: Array, velocity: float) -> float | None:
     and of one warmer than its disk it was exceeded at none of 14 and at 36 % of 201 points.
     """
     exponents, ways = [], [0.0]
-    for row in r:
-        is_known = np.isfinite(row) & (row > 0) & (velocities > 0)
-        x, y = np.log(velocities[is_known]), np.log(row[is_known])
+    for row in plane.rises:
+        counts = np.isfinite(row) & (row > 0) & (plane.velocities > 0)
+        x, y = np.log(plane.velocities[counts]), np.log(row[counts])
         if len(x) >= 2:
             exponents += list(np.diff(y) / np.diff(x))
             ways += [x[0] - math.log(velocity), math.log(velocity) - x[-1]]
     return float(np.std(exponents, ddof=1)) * max(ways) if len(exponents) >= 2 else None
 
 
-def _left_out(x: Array, rows: Array, at: float) -> float | None:
-    """Relative error of interpolation that leaves out the lines next to a value, at these."""
-    above = int(np.searchsorted(x, at))
+def _left_out(x: Array, rows: Array, place: float) -> float | None:
+    """Relative error of interpolation without the lines next to a place, at these lines."""
+    above = int(np.searchsorted(x, place))
     missed = []
     for line in (line for line in (above - 1, above) if 0 < line < len(x) - 1):
         for row in rows[rows[:, line] > 0]:
-            without = np.delete(x, line), np.delete(row, line)
-            (value,) = interpolated(*without, x[[line]])
+            (value,) = interpolated(np.delete(x, line), np.delete(row, line), x[[line]])
             missed.append(value / row[line] - 1)
     errors = np.array(missed)[np.isfinite(missed)]
     return float(np.sqrt(np.mean(errors**2))) if errors.size else None

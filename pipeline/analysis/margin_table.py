@@ -84,13 +84,14 @@ def table_of_margins(points: OperatingPoints, answers: Sequence[tuple[Margin, ..
     columns = _COLUMNS if surfaces == 1 else _COLUMNS_OF_SEVERAL
     nothing = (None,) * (len(columns) - 1)
     rows = []
-    for number, (place, found) in enumerate(zip(points.places, answers, strict=True)):
+    for number, (place, answer) in enumerate(zip(points.places, answers, strict=True)):
         passed = [cells[number] for cells in points.others.values()]
-        if isinstance(found, str):
+        if isinstance(answer, str):
             values: tuple[Any, ...] = ("not known", *nothing)
+            note: str | None = answer
         else:
-            values = _of_one(found[0]) if surfaces == 1 else _of_several(found)
-        note = found if isinstance(found, str) else None
+            values = _of_one(answer[0]) if surfaces == 1 else _of_several(answer)
+            note = _note(answer)
         rows.append((*passed, *place, *values, note))
     others = (Column(head, head) for head in points.others)
     return Table((*others, *_PLACE, *columns, Column("note", "note")), tuple(rows))
@@ -121,6 +122,16 @@ _COLUMNS_OF_SEVERAL = (
     Column("velocity_factor", "velocity factor", digits=3),
     Column("load_factor", "load factor", digits=3),
 )
+
+
+def _note(margins: Sequence[Margin]) -> str | None:
+    """Note on critical values that are interpolated across points that are not done."""
+    names = ("velocity", "load")
+    bridged = {name: max(getattr(one, f"{name}_bridged") for one in margins) for name in names}
+    if not any(bridged.values()):
+        return None
+    listed = " and ".join(f"{name} across {count}" for name, count in bridged.items() if count)
+    return f"critical {listed} points that are not done"
 
 
 def _of_one(margin: Margin) -> tuple[Any, ...]:

@@ -188,47 +188,22 @@ class Table:
         return self.html()
 
     def write(self, out: str | Path) -> Path:
-        """Write the table to a file, .csv or .md.
-
-        Raises
-        ------
-        InputError
-            If the suffix is another one, or the file cannot be written.
-
-        Examples
-        --------
-        >>> import tempfile
-        >>> out = Path(tempfile.mkdtemp()) / "table.md"
-        >>> table = Table((Column("load", "load", "N"),), ((400.0,), (None,)))
-        >>> print(table.write(out).read_text(), end="")
-        | load [N] |
-        |---|
-        | 400 |
-        |  |
-        """
+        """Write the table to a file, .csv or .md."""
         return write_tables([self], writable_path(out, TABLES))
 
 
 def write_tables(tables: Sequence[Table], out: Path) -> Path:
-    """Write the rows of tables below each other; a column that a table lacks stays empty there.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be written.
-    """
+    """Write the rows of tables below each other; a column that a table lacks stays empty there."""
     rows = [record for table in tables for record in table.records()]
     heads = list(dict.fromkeys(column.head for table in tables for column in table.columns))
-    cells = [[_written(row.get(head)) for head in heads] for row in rows]
+    cells = [heads, *([_written(row.get(head)) for head in heads] for row in rows)]
     if out.suffix.lower() == ".md":
-        lines = [heads, *cells]
-        shown = [f"| {' | '.join(cell.replace('|', '/') for cell in line)} |" for line in lines]
-        text = "\n".join([shown[0], "|---" * len(heads) + "|", *shown[1:], ""])
-    else:
-        file = io.StringIO()
-        csv.writer(file, lineterminator="\n").writerows([heads, *cells])
-        text = file.getvalue()
-    return write_text(text, out)
+        lines = [f"| {' | '.join(cell.replace('|', '/') for cell in line)} |" for line in cells]
+        lines.insert(1, "|---" * len(heads) + "|")
+        return write_text("\n".join([*lines, ""]), out)
+    file = io.StringIO()
+    csv.writer(file, lineterminator="\n").writerows(cells)
+    return write_text(file.getvalue(), out)
 
 
 def write_text(text: str, out: Path) -> Path:
@@ -241,13 +216,7 @@ def write_text(text: str, out: Path) -> Path:
 
 
 def writable_path(out: str | Path, suffixes: Sequence[str]) -> Path:
-    """Path of a file to be written, examined before the work that it is to hold.
-
-    Raises
-    ------
-    InputError
-        If its suffix is none of those that are known, or it cannot be written.
-    """
+    """Path of a file with one of some suffixes, examined before the work that it is to hold."""
     path = Path(out)
     if path.suffix.lower() not in suffixes:
         allowed = suffixes[0] if len(suffixes) == 1 else f"one of {', '.join(suffixes)}"
@@ -265,13 +234,7 @@ def is_table(out: str | Path | None) -> bool:
 
 
 def table_of(records: Sequence[Mapping[str, Any]]) -> Table:
-    """Table of records by heading, whose values are already in the units of their headings.
-
-    Examples
-    --------
-    >>> table_of([{"load [N]": 400.0}, {"load [N]": 600.0, "change": 0.1}]).rows
-    ((400.0, None), (600.0, 0.1))
-    """
+    """Table of records by heading, whose values are already in the units of their headings."""
     heads = list(dict.fromkeys(key for record in records for key in record))
     rows = tuple(tuple(record.get(head) for head in heads) for record in records)
     return Table(tuple(Column(head, head) for head in heads), rows)

@@ -14,7 +14,7 @@ import xarray as xr
 
 from pipeline.analysis.attributes import attributes_of
 from pipeline.analysis.interpolation import crossing
-from tribo.types import Array
+from tribo.types import Array, Mask
 
 CROSSES, MILD, SEVERE, UNKNOWN, ABOVE, BELOW = range(6)
 """Values of the variables ``outcome_at_load`` and ``outcome_at_velocity``."""
@@ -47,6 +47,8 @@ class Transition:
         One of `OUTCOMES`.
     computed : tuple of float
         Lowest and highest velocity [m/s] or load [N] computed; NaN where no point is done.
+    bridged : int
+        Points that were asked for and are not done, between the two next to the crossing that are.
 
     Examples
     --------
@@ -62,31 +64,35 @@ class Transition:
     place: float
     outcome: int
     computed: tuple[float, float]
+    bridged: int = 0
 
     @classmethod
-    def along(cls, x: Array, rise: Array, limit: float, ends: tuple[float, float]) -> Transition:
-        """Find the transition along a line.
+    def along(
+        cls,
+        x: Array,
+        rise: Array,
+        limit: float,
+        ends: tuple[float, float],
+        is_missing: Mask | None = None,
+        is_done: Mask | None = None,
+    ) -> Transition:
+        """Find the transition along velocities [m/s] or loads [N], which ascend.
 
-        Parameters
-        ----------
-        x : ndarray, shape (n,)
-            Velocities [m/s] or loads [N], ascending.
-        rise : ndarray, shape (n,)
-            Decisive rise [K]; NaN where it was not computed.
-        limit : float
-            Rise above which wear is severe [K].
-        ends : tuple of float
-            Lowest and highest velocity or load of the sweep's own range.
+        Rises [K] are NaN where they are not known; they are done there, or go on where that leaves
+        wear as it is. Points that are missing were asked for, and are not done. Wear is severe
+        above the limit [K]. The ends are those of the sweep's own range.
         """
-        is_done = np.isfinite(rise)
-        if not is_done.any():
-            return cls(math.nan, UNKNOWN, (math.nan, math.nan))
-        x, rise = x[is_done], rise[is_done]
-        computed = float(x[0]), float(x[-1])
+        is_done = np.isfinite(rise) if is_done is None else is_done
+        done = x[is_done]
+        computed = (float(done[0]), float(done[-1])) if done.size else (math.nan, math.nan)
         place = crossing(x, rise, limit)
         if math.isfinite(place):
-            outcome = CROSSES
-        elif rise[0] > limit:
+            is_missing = np.zeros_like(is_done) if is_missing is None else is_missing
+            across = _bridged(x[is_done & ~is_missing], x[is_missing], place)
+            return cls(place, CROSSES, computed, across)
+        if not done.size:
+            outcome = UNKNOWN
+        elif rise[is_done][0] > limit:
             outcome = SEVERE if computed[0] <= ends[0] else BELOW
         else:
             outcome = MILD if computed[1] >= ends[1] else ABOVE
@@ -95,6 +101,20 @@ class Transition:
     def worded(self, along: str) -> str:
         """The outcome along ``"velocity"`` or ``"load"`` in words."""
         return in_words(OUTCOMES[self.outcome], self.computed, along)
+
+
+def _bridged(done: Array, missing: Array, place: float) -> int:
+    """Number of missing points between the two done ones next to a place.
+
+    Examples
+    --------
+    >>> _bridged(np.array([1.0, 2.0, 4.0]), np.array([1.5, 2.5, 3.0]), 3.7)
+    2
+    """
+    below, above = done[done <= place], done[done >= place]
+    if not (below.size and above.size):
+        return 0
+    return int(np.sum((missing > below[-1]) & (missing < above[0])))
 
 
 def in_words(outcome: str, computed: tuple[float, float], along: str) -> str:

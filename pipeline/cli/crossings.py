@@ -92,12 +92,12 @@ def _regime(film_parameter: float) -> str:
 
 
 def _command(crossings: xr.Dataset, store: Path | str, ds: xr.Dataset) -> str | None:
-    """The command that computes transitions beyond the computed points; None if there are none."""
+    """The command that computes points of the boundary that are missing; None if none are."""
     beyond = [
         scene.attrs | {"friction": friction}
         for _, scene in parts_of(crossings)
         for friction, part in by_friction(scene)
-        if part["outcome_at_load"].isin((*BEYOND, UNKNOWN)).any()
+        if part["outcome_at_load"].isin((*BEYOND, UNKNOWN)).any() or part["bridged_at_load"].any()
     ]
     if not beyond:
         return None

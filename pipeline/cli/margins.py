@@ -145,7 +145,11 @@ def _command(
 ) -> str | None:
     """The command that computes transitions beyond the computed points; None if there are none."""
     beyond = {OUTCOMES[outcome] for outcome in BEYOND}
-    if not any(beyond & {one.velocity_outcome, one.load_outcome} for one in margins):
+    is_incomplete = any(
+        beyond & {one.velocity_outcome, one.load_outcome} or one.velocity_bridged + one.load_bridged
+        for one in margins
+    )
+    if not is_incomplete:
         return None
     return more_of_boundary(ds, options.store, conditions_of(ds, **conditions).as_dict())
 
@@ -160,19 +164,21 @@ def _on_one(here: Margin) -> Iterator[str]:
     side = "above" if here.is_severe else "below"
     critical = pipeline.display(here.critical_temperature, "°C", 4)
     yield f"  distance              {abs(here.distance):.1f} K {side} {critical}"
-    for name, unit, factor, critical_value, outcome, ends in (
+    for name, unit, factor, critical_value, outcome, ends, bridged in (
         (
             "velocity", "m/s", here.velocity_factor, here.critical_velocity,
-            here.velocity_outcome, here.velocity_range,
+            here.velocity_outcome, here.velocity_range, here.velocity_bridged,
         ),
         (
             "load", "N", here.load_factor, here.critical_load,
-            here.load_outcome, here.load_range,
+            here.load_outcome, here.load_range, here.load_bridged,
         ),
     ):  # fmt: skip
         way = in_words(outcome, ends, name)
         if outcome == OUTCOMES[CROSSES]:
             way = f"{factor:.3g} times, severe from {critical_value:.4g} {unit} on"
+            if bridged:
+                way += f", interpolated across {counted(bridged, 'point', 'points')} not done"
         yield f"  in {name:<19}{way}"
 
 

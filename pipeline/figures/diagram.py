@@ -17,6 +17,7 @@ from matplotlib.patches import Patch
 
 from pipeline.analysis.attributes import attributes_of
 from pipeline.analysis.band import BAND
+from pipeline.analysis.boundary import boundary_under
 from pipeline.analysis.conditions import conditions_of
 from pipeline.analysis.dataset import asked, entry_dims, on_surface, variant_of
 from pipeline.analysis.decisive import decisive_rise, refined
@@ -234,28 +235,29 @@ def _boundary(axes: Axes, plane: xr.DataArray, conditions: Conditions) -> list[A
 
 
 def _beyond(ds: xr.Dataset, conditions: Conditions) -> list[Artist]:
-    """Say at which loads transitions lie beyond what was computed."""
-    beyond = _loads_beyond(ds, conditions)
-    if not beyond:
-        return []
-    span = " to ".join(f"{load:g}" for load in dict.fromkeys((beyond[0], beyond[-1])))
-    text = f"beyond what was computed: at {len(beyond)} of {ds.sizes['load']} loads, {span} N"
-    return [Line2D([], [], ls="none", label=text)]
+    """Say at which loads transitions lie beyond, or between, points that are not done."""
+    boundaries = boundary_under(ds, conditions)
+    labels = []
+    for words, holds in (
+        ("beyond what was computed", boundaries["outcome_at_load"].isin(BEYOND)),
+        ("across points not done", boundaries["bridged_at_load"] > 0),
+    ):
+        if loads := _loads_where(holds):
+            span = " to ".join(f"{load:g}" for load in dict.fromkeys((loads[0], loads[-1])))
+            labels.append(f"{words}: at {len(loads)} of {holds.sizes['load']} loads, {span} N")
+    return [Line2D([], [], ls="none", label=label) for label in labels]
 
 
 def _loads_beyond(ds: xr.Dataset, conditions: Conditions) -> list[float]:
     """Loads at which a transition lies beyond what was computed."""
-    rises = decisive_rise(ds, conditions).transpose("load", ..., "velocity")
-    velocities, ends = rises["velocity"].values, range_of(ds, "velocity")
-    limit = rise_limit(conditions)
-    return [
-        load
-        for load, rows in zip(rises["load"].values.tolist(), rises.values, strict=True)
-        if any(
-            Transition.along(velocities, row, limit, ends).outcome in BEYOND
-            for row in rows.reshape(-1, len(velocities))
-        )
-    ]
+    return _loads_where(boundary_under(ds, conditions)["outcome_at_load"].isin(BEYOND))
+
+
+def _loads_where(holds: xr.DataArray) -> list[float]:
+    """Loads at which something holds on any surface."""
+    axis = variant_of(holds)
+    loads: list[float] = holds["load"].values[(holds.any(axis) if axis else holds).values].tolist()
+    return loads
 
 
 def _band(

@@ -9,13 +9,13 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, ParamSpec, TypeVar
 
+import xarray as xr
 from cycler import cycler
 from matplotlib import rc_context, rcParams, rcParamsDefault
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
-from pipeline.analysis.attributes import Described
 from pipeline.analysis.tables import writable_path
 from pipeline.sweep.conditions import Conditions
 from tribo import InputError
@@ -181,7 +181,7 @@ def plain_numbers(axes: Axes) -> None:
         axis.set_minor_locator(NullLocator())
 
 
-def title_of(ds: Described) -> str:
+def title_of(ds: xr.Dataset) -> str:
     """Title of a sweep, in a few lines that fit a figure."""
     return as_title(str(ds.attrs.get("title") or ds.attrs.get("name") or ""))
 

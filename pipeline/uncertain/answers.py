@@ -198,14 +198,9 @@ def risk_lines(plane: xr.DataArray) -> tuple[tuple[float, ...], Array]:
 
 
 def log_crossings(axis: Array, excess: Array) -> Array:
-    """Logarithm of the first place along an axis where an excess rises through 0.
+    """Logarithm of the first place along an axis where an excess (..., m) rises through 0.
 
-    Parameters
-    ----------
-    axis : ndarray, shape (m,)
-        Velocities [m/s] or loads [N], ascending.
-    excess : ndarray, shape (..., m)
-        Excess at them. Beyond them it goes on as a power.
+    The axis (m,) are velocities [m/s] or loads [N], beyond which the excess goes on as a power.
 
     Examples
     --------

@@ -33,21 +33,12 @@ Groups = NDArray[np.intp]
 class Emulator:
     """A Gaussian process through rows of outputs.
 
-    Attributes
-    ----------
-    features : ndarray, shape (n, n_feature)
-        Features of the rows, each with a spread of about 1.
-    dimensions : ndarray of int, shape (n_feature,)
-        Number of the input that a feature belongs to; those of one share a length.
-    mean, weights : ndarray, shape (n_output,) and (n, n_output)
-        Mean of each output, and the solution of the kernel's equations for what departs from it.
-    constants : ndarray
-        Logarithms of a, b, c, s, n and the lengths ℓ.
-    factor : tuple
-        Cholesky factor of the kernel between the rows.
-    calibration : float
-        Root mean square of what contacts miss that are left out, over the error foretold; at
-        least 1.
+    ``features`` (n, n_feature) have a spread of about 1; ``dimensions`` are the numbers of the
+    inputs that they belong to, of which each has one length. ``mean`` (n_output,) is that of each
+    output, ``weights`` (n, n_output) solve the kernel's equations for what departs from it,
+    ``constants`` are the logarithms of a, b, c, s, n and the lengths ℓ, and ``factor`` is the
+    Cholesky factor of the kernel between the rows. The ``calibration`` is the root mean square of
+    what contacts miss that are left out, over the error foretold, and at least 1.
     """
 
     features: Array
@@ -58,44 +49,27 @@ class Emulator:
     factor: tuple[Array, bool]
     calibration: float = 1.0
 
-    def __call__(self, features: Array) -> tuple[Array, Array, Array]:
+    def __call__(self, features: Array, with_error: bool = True) -> tuple[Array, Array, Array]:
         """Outputs, shape (n, n_output), their standard error, and that of their smooth part, (n,).
 
         The first error is that against a simulation, which has something of its own; the second
-        one neighbours share.
+        one neighbours share. Both are 0 if not asked for.
         """
-        smooth = self._smooth(features)
+        smooth, _ = _kernel(features, self.features, self.dimensions, self.constants)
+        outputs = self.mean + smooth @ self.weights
+        if not with_error:
+            return outputs, *np.zeros((2, len(features)))
         a, b, c, s, n = np.exp(2 * self.constants[:5])
         square = np.sum(features**2, axis=1)
         prior = a * (1 + square) + b * square**2 + c
         explained = np.sum(solve_triangular(self.factor[0], smooth.T, lower=True) ** 2, axis=0)
         shared = np.maximum(prior - explained, 0.0)
-        return (
-            self.mean + smooth @ self.weights,
-            self.calibration * np.sqrt(shared + s + n),
-            self.calibration * np.sqrt(shared),
-        )
-
-    def values(self, features: Array) -> Array:
-        """Outputs alone, shape (n, n_output)."""
-        means: Array = self.mean + self._smooth(features) @ self.weights
-        return means
-
-    def _smooth(self, features: Array) -> Array:
-        return _kernel(features, self.features, self.dimensions, self.constants)[0]
+        error, shared = (self.calibration * np.sqrt(part) for part in (shared + s + n, shared))
+        return outputs, error, shared
 
 
 def fitted(features: Array, dimensions: Groups, contacts: Groups, outputs: Array) -> Emulator:
-    """Fit a Gaussian process to rows of outputs.
-
-    Parameters
-    ----------
-    features, dimensions
-        See `Emulator`.
-    contacts : ndarray of int, shape (n,)
-        Number of the contact that a row shares with others.
-    outputs : ndarray, shape (n, n_output)
-        Outputs of each row.
+    """Fit a Gaussian process to outputs (n, n_output) of rows, some of which share a contact.
 
     Examples
     --------
@@ -174,7 +148,7 @@ def _constants(features: Array, dimensions: Groups, contacts: Groups, outputs: A
 
 
 def _calibration(factor: tuple[Array, bool], contacts: Groups, weights: Array) -> float:
-    """Root mean square of what contacts miss that are left out, over the error foretold.
+    """Calibration of an `Emulator`.
 
     With the inverse C of the kernel, rows I that are left out miss by C_II⁻¹ (C y)_I, with the
     covariance C_II⁻¹ (Rasmussen & Williams, Sec. 5.4.2, for several rows).

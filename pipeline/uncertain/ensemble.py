@@ -14,7 +14,7 @@ from __future__ import annotations
 import functools
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -30,7 +30,7 @@ from pipeline.sweep.samples import WEAR_RATE, Design
 from pipeline.sweep.unknown import Unknown
 from pipeline.uncertain.emulator import Emulator, Groups, fitted
 from tribo import InputError
-from tribo.types import Array
+from tribo.types import Array, Mask
 
 FRICTION, BULK, CRITICAL, SHARE = (
     "friction.coefficient", "temperature.bulk", "temperature.critical", "temperature.failing_share",
@@ -51,24 +51,24 @@ _COLUMNS_OF_WIDTH = ("time", "contact_width")
 
 
 class Excess(NamedTuple):
-    """Logarithm of the rise over its limit, by draw and velocity; above 0 wear is severe.
+    """Logarithm of the rise over its limit, shape (n, n_load, n_velocity); above 0 wear is severe.
 
-    Attributes
-    ----------
-    values : ndarray, shape (n, n_velocity)
-    error : ndarray, shape (n, n_velocity)
-        Standard error against a simulation with the same inputs.
-    shared : ndarray, shape (n, n_velocity)
-        Part of the error that draws near each other share, and more samples make smaller.
+    ``error`` is the standard error against a simulation with the same inputs; ``shared`` the part
+    of it that draws near each other share, and more samples make smaller. At a single load their
+    shape is (n, n_velocity).
     """
 
     values: Array
     error: Array
     shared: Array
 
+    def at_load(self, number: int) -> Excess:
+        """Excess at one of several loads."""
+        return Excess(*(part[:, number] for part in self))
+
     @property
     def probability(self) -> Array:
-        """Probability of severe wear, shape (n, n_velocity)."""
+        """Probability of severe wear."""
         severe: Array = ndtr(self.values / self.error)
         return severe
 
@@ -101,6 +101,8 @@ class Ensemble:
         Transitions that were measured, and tests that stayed mild or turned severe.
     hold : float
         Duration at the full load [s].
+    rises_by_hold : mapping of float to ndarray
+        Rises of shorter holds, of those that tests have, where the samples tell them.
     missing : int
         Samples left out, since some of their loads are not done.
 
@@ -125,6 +127,7 @@ class Ensemble:
     measured: tuple[dict[str, Any], ...]
     tested: tuple[dict[str, Any], ...] = ()
     hold: float = 0.0
+    rises_by_hold: Mapping[float, Array] = field(default_factory=dict)
     missing: int = 0
 
     @classmethod
@@ -158,13 +161,22 @@ class Ensemble:
         inputs = np.array([ds[quantity.path].values for quantity in design.inputs]).T
         paths = [quantity.path for quantity in design.inputs]
         shares = inputs[:, paths.index(SHARE)] if SHARE in paths and share is None else None
-        rises, widths = _rises(ds, conditions, shares), _widths(ds)
-        done = np.isfinite(rises).all(axis=1)
+        columns = _columns(ds)
+        rises = _rises(columns, ds["load"].values, conditions, shares)
+        done = np.isfinite(rises.sum(axis=1))
         if np.count_nonzero(done) < min(_FEWEST, about["samples"]) or not done.any():
             raise InputError(
                 f"{np.count_nonzero(done)} of {about['samples']} samples are done at every load, "
                 "too few to judge by; run the sweep to its end"
             )
+        hold = float(about["scene"]["loading"].get("hold", 0.0))
+        tests = (*about["measured"], *about["tested"])
+        by_hold = {
+            other: _rises(until, ds["load"].values, conditions, shares)[done]
+            for other in {float(test.get("hold", hold)) for test in tests}
+            if other < hold
+            and (until := _until(columns, ds["load"].values, other, done)) is not None
+        }
         return cls(
             title=str(about["title"]),
             unknown=tuple(Unknown.from_dict(quantity) for quantity in about["unknown"]),
@@ -175,12 +187,18 @@ class Ensemble:
             contacts=(numbers // design.per_contact)[done],
             loads=ds["load"].values,
             rises=rises[done],
-            widths=widths[done],
+            widths=_widths(ds)[done],
             measured=tuple(about["measured"]),
             tested=tuple(about["tested"]),
-            hold=float(about["scene"]["loading"].get("hold", 0.0)),
+            hold=hold,
+            rises_by_hold=by_hold,
             missing=int(np.count_nonzero(~done)),
         )
+
+    @property
+    def tests(self) -> tuple[dict[str, Any], ...]:
+        """Transitions and tests."""
+        return self.measured + self.tested
 
     @property
     def velocities(self) -> tuple[float, float]:
@@ -212,8 +230,7 @@ class Ensemble:
         InputError
             If the load or a velocity lies outside the sweep, or no critical temperature is known.
         """
-        excesses = self.excesses(draws, [load], np.atleast_1d(velocity), conditions)
-        return Excess(*(part[:, 0] for part in excesses))
+        return self.excesses(draws, [load], np.atleast_1d(velocity), conditions).at_load(0)
 
     def excesses(
         self,
@@ -223,10 +240,7 @@ class Ensemble:
         conditions: Mapping[str, float] | None = None,
         with_error: bool = True,
     ) -> Excess:
-        """Excess at several loads, each of its arrays of shape (n, n_load, n_velocity).
-
-        Other parameters are those of `excess`; without errors it is found faster.
-        """
+        """Excess at several loads, found faster without errors; see `excess`."""
         parts = self._emulated(self._rise, draws, loads, velocities, conditions, with_error)
         limit = self.log_limit(draws, conditions)
         return parts._replace(values=parts.values - limit[:, None, None])
@@ -238,25 +252,21 @@ class Ensemble:
         velocities: Sequence[float] | Array,
         conditions: Mapping[str, float] | None = None,
     ) -> Iterator[Excess]:
-        """Excess at one load after the other, each of its arrays of shape (n, n_velocity).
-
-        Parameters are those of `excesses`, which takes the memory of all loads at once.
-        """
+        """Excess at one load after the other, without the memory of all; see `excess`."""
         wanted = np.asarray(velocities, float)
         nodes = _nodes(wanted)
         at_nodes = self.excesses(draws, loads, nodes, conditions)
         for number in range(len(loads)):
-            yield _at(wanted, nodes, Excess(*(part[:, number] for part in at_nodes)))
+            yield _between(wanted, nodes, at_nodes.at_load(number))
 
     def width(self, draws: Array, load: float, velocity: float) -> Excess:
         """Logarithm of the contact's width [m] in place of the excess, likewise."""
-        parts = self._emulated(self._width, draws, [load], [velocity], None)
-        return Excess(*(part[:, 0] for part in parts))
+        return self._emulated(self._width, draws, [load], [velocity]).at_load(0)
 
     def values(
         self, path: str, draws: Array, conditions: Mapping[str, float] | None = None
     ) -> Array:
-        """Values of an input by draw, shape (n,): given, drawn, or those of the scene [SI]."""
+        """Values of an input by draw, shape (n,): of conditions, drawn, or the scene's [SI]."""
         fixed = {CONDITIONS[name]: value for name, value in (conditions or {}).items()}
         if path in fixed:
             return np.full(len(draws), fixed[path])
@@ -284,6 +294,14 @@ class Ensemble:
         return np.asarray(np.log(limit))
 
     @functools.cached_property
+    def by_hold(self) -> dict[float, Ensemble]:
+        """The ensemble at its own hold, and at each shorter one of tests that samples tell."""
+        return {self.hold: self} | {
+            hold: replace(self, rises=rises, hold=hold, rises_by_hold={})
+            for hold, rises in self.rises_by_hold.items()
+        }
+
+    @functools.cached_property
     def _rise(self) -> Emulator:
         return self._fitted(self.rises)
 
@@ -301,43 +319,38 @@ class Ensemble:
         draws: Array,
         loads: Sequence[float] | Array,
         velocities: Sequence[float] | Array,
-        conditions: Mapping[str, float] | None,
+        conditions: Mapping[str, float] | None = None,
         with_error: bool = True,
     ) -> Excess:
+        """Outputs of an emulator by draw, load and velocity in place of the excess."""
         wanted = np.asarray(velocities, float)
         self.require_within(loads, wanted)
         nodes = _nodes(wanted)
         columns = [self.values(quantity.path, draws, conditions) for quantity in self.design.inputs]
         weights, bends = map(np.array, zip(*map(self._between_loads, loads), strict=True))
-        values, errors = [], []
+        at_nodes = []
         for velocity in nodes:
             features, _ = _features(self.design, columns, np.full(len(draws), velocity))
-            if not with_error:
-                values.append(emulator.values(features) @ weights.T)
-                continue
-            outputs, *both = emulator(features)
-            values.append(outputs @ weights.T)
-            errors.append([np.hypot(part[:, None], bends) for part in both])
-        parts = [np.stack(values, axis=-1)]
-        parts += [np.stack(part, axis=-1) for part in zip(*errors, strict=True)]
-        errors_of_all = parts[1:] or [np.zeros_like(parts[0])] * 2
-        return _at(wanted, nodes, Excess(parts[0], *errors_of_all))
+            values, *errors = emulator(features, with_error)
+            by_load = [np.hypot(error[:, None], bends) for error in errors]
+            at_nodes.append([values @ weights.T, *by_load])
+        parts = (np.stack(part, axis=-1) for part in zip(*at_nodes, strict=True))
+        return _between(wanted, nodes, Excess(*parts))
 
     def _between_loads(self, load: float) -> tuple[Array, float]:
         """Weights of the outputs at each load by which to interpolate, and its error."""
         (same,) = np.nonzero(self.loads == load)
         if same.size:
             return np.eye(len(self.loads))[same[0]], 0.0
-        x, log_load, degree = np.log(self.loads), math.log(load), min(3, len(self.loads) - 1)
-        if degree == 1:
-            weights = make_interp_spline(x, np.eye(2), k=1)(log_load)
+        x, place = np.log(self.loads), math.log(load)
+        if len(x) == 2:
+            weights = _spline(x, place, 1)
             return weights, _BEND * 4 * float(weights[0] * weights[1])
-        weights, rough = (make_interp_spline(x, np.eye(len(x)), k=k)(log_load) for k in (degree, 1))
-        if degree == 3:
-            rough = make_interp_spline(x[_around(x, log_load)], np.eye(3), k=2)(log_load)
-            full = np.zeros(len(x))
-            full[_around(x, log_load)] = rough
-            rough = full
+        weights, rough = _spline(x, place, min(3, len(x) - 1)), _spline(x, place, 1)
+        if len(x) > 3:
+            near = _around(x, place)
+            rough = np.zeros(len(x))
+            rough[near] = _spline(x[near], place, 2)
         off = np.log(self.rises) @ (weights - rough)
         return weights, float(np.sqrt(np.mean(off**2)))
 
@@ -360,17 +373,6 @@ class Ensemble:
                     "add to the sweep"
                 )
 
-    def part(self, kept: Array) -> Ensemble:
-        """The ensemble of some of the samples, by a mask."""
-        return replace(
-            self,
-            inputs=self.inputs[kept],
-            sample_velocities=self.sample_velocities[kept],
-            contacts=self.contacts[kept],
-            rises=self.rises[kept],
-            widths=self.widths[kept],
-        )
-
 
 def _nodes(velocities: Array) -> Array:
     """Velocities at which to emulate, where many are wanted."""
@@ -379,13 +381,19 @@ def _nodes(velocities: Array) -> Array:
     return np.geomspace(velocities.min(), velocities.max(), _NODES)
 
 
-def _at(velocities: Array, nodes: Array, excess: Excess) -> Excess:
+def _between(velocities: Array, nodes: Array, excess: Excess) -> Excess:
     """Excess at velocities, from that at nodes."""
     if nodes is velocities:
         return excess
     x, wanted = np.log(nodes), np.log(velocities)
     values, *errors = (CubicSpline(x, part, axis=-1)(wanted) for part in excess)
     return Excess(values, *map(np.abs, errors))
+
+
+def _spline(x: Array, place: float, degree: int) -> Array:
+    """Weights of values at nodes by which a spline through them is found at a place."""
+    weights: Array = make_interp_spline(x, np.eye(len(x)), k=degree)(place)
+    return weights
 
 
 def _around(x: Array, position: float) -> slice:
@@ -423,21 +431,40 @@ def _features(
     return np.stack(features, axis=1), np.array(dimensions)
 
 
-def _rises(ds: xr.Dataset, conditions: Conditions, shares: Array | None) -> Array:
-    """Decisive rise by sample and load [K]."""
+def _columns(ds: xr.Dataset) -> dict[str, Array]:
+    """Columns by sample, load and step."""
     order = ("sample", "load", "step", "quantile")
-    columns = {
+    return {
         str(name): ds[name].transpose(*order, missing_dims="ignore").values
         for name in ds.data_vars
         if "step" in ds[name].dims
     }
-    loads = ds["load"].values[:, None]
+
+
+def _until(
+    columns: Mapping[str, Array], loads: Array, hold: float, done: Mask
+) -> dict[str, Array] | None:
+    """Columns without steps after a hold; None if it ends at no step with a temperature."""
+    time, normal_load = columns["time"], columns["normal_load"]
+    reached = np.where(normal_load >= loads[:, None], time, np.inf).min(axis=-1, keepdims=True)
+    since = time - reached
+    is_end = np.isclose(since, hold, rtol=1e-6, atol=1e-9) & np.isfinite(columns["mean_rise"])
+    if not is_end.any(axis=-1)[done].all():
+        return None
+    is_later = since > hold * (1 + 1e-6) + 1e-9
+    return {**columns, "normal_load": np.where(is_later, np.nan, normal_load)}
+
+
+def _rises(
+    columns: Mapping[str, Array], loads: Array, conditions: Conditions, shares: Array | None
+) -> Array:
+    """Decisive rise by sample and load [K]."""
     if shares is None:
-        return decisive_rises(columns, loads, conditions)
+        return decisive_rises(columns, loads[:, None], conditions)
     rows = [
         decisive_rises(
             {name: values[i] for name, values in columns.items()},
-            loads,
+            loads[:, None],
             replace(conditions, failing_share=share),
         )
         for i, share in enumerate(shares.tolist())

@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -22,109 +21,98 @@ from pipeline.uncertain.ensemble import Ensemble
 from tribo import InputError
 from tribo.types import Array
 
+Test = Mapping[str, Any]
+"""Entries of a test, as `pipeline.Measurement.as_dict` gives them."""
+
 _NODES = 9  # velocities at which rises are emulated
 _SPAN = 1.05  # ratio of loads between which a slope is taken
 _LEAST_SLOPE = 0.05  # of ln(rise) over ln(velocity)
 
 
 class Distances(NamedTuple):
-    """Distances of draws from tests.
+    """Distances of draws from tests, shape (n_test, n).
 
-    Attributes
-    ----------
-    values : ndarray, shape (n_test, n)
-        Logarithm of a test's velocity over the critical one of each draw.
-    variance : ndarray, shape (n_test, n)
-        Its variance, without the scatter of the velocity.
+    ``values`` are the logarithm of a test's velocity over the critical one of each draw, and
+    ``variance`` that of it without the scatter of the velocity.
     """
 
     values: Array
     variance: Array
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Evidence:
-    """Tests of one sweep.
-
-    Attributes
-    ----------
-    ensemble : Ensemble
-        Samples of the sweep.
-    columns : ndarray of int
-        Columns of the draws that are its unknown inputs.
-    tests : tuple of mapping
-        Tests, as `Measurement.as_dict` gives them.
-    """
-
-    ensemble: Ensemble
-    columns: Any
-    tests: tuple[Mapping[str, Any], ...]
-
-    def __post_init__(self) -> None:
-        for test in self.tests:
-            place = f"the test at {test['normal_load']:g} N and {test['velocity']:g} m/s"
-            try:
-                self.ensemble.require_within([test["normal_load"]], [test["velocity"]])
-            except InputError as error:
-                raise InputError(f"{place}: {error}") from error
-            hold = test.get("hold", self.ensemble.hold)
-            if hold != self.ensemble.hold:
-                raise InputError(
-                    f"{place} held the load for {hold:g} s, the samples for "
-                    f"{self.ensemble.hold:g} s: run them with loading.hold as in the tests"
-                )
-            if "load_scatter" in test and len(self.ensemble.loads) < 2:
-                raise InputError(
-                    f"{place} has a load_scatter, and the samples one load alone: give more "
-                    "sweep.loads, or leave out the scatter"
-                )
-
-    def distances(self, draws: Array) -> Distances:
-        """Distances of draws, shape (n, n_unknown of all sweeps), from the tests."""
-        ensemble, inputs = self.ensemble, draws[:, self.columns]
-        nodes = np.geomspace(*ensemble.velocities, _NODES)
-        ends = ensemble.loads[[0, -1]]
-        loads = sorted({
-            load
-            for test in self.tests
-            for load in (test["normal_load"], *_around(test, ends))
-        })  # fmt: skip
-        excess = ensemble.excesses(inputs, loads, nodes)
-        rises = excess.values + ensemble.log_limit(inputs)[:, None, None]
-        x = np.log(nodes)
-        conditions = ensemble.conditions
-        # A friction that was measured stands in place of the scene's friction by velocity.
-        table = np.log([conditions.friction_at(v) / conditions.friction for v in nodes.tolist()])
-        values, variances = [], []
-        for test in self.tests:
-            rise = rises[:, loads.index(test["normal_load"])]
-            if test.get("friction") is not None:
-                rise = rise - table
-            limit = ensemble.log_limit(inputs, conditions_of(test))
-            log_velocity = math.log(test["velocity"])
-            place = int(np.clip(np.searchsorted(x, log_velocity) - 1, 0, _NODES - 2))
-            slope = (rise[:, place + 1] - rise[:, place]) / (x[place + 1] - x[place])
-            slope = np.maximum(slope, _LEAST_SLOPE)
-            error = excess.error[:, loads.index(test["normal_load"]), place]
-            variance = error**2
-            if around := _around(test, ends):
-                low, high = (rises[:, loads.index(load), place] for load in around)
-                steepness = (high - low) / math.log(around[1] / around[0])
-                variance = variance + (steepness * test["load_scatter"] / test["normal_load"]) ** 2
-            if "friction_scatter" in test:
-                variance = variance + (test["friction_scatter"] / test["friction"]) ** 2
-            values.append(log_velocity - log_crossings(nodes, rise - limit[:, None]))
-            variances.append(variance / slope**2)
-        return Distances(np.array(values), np.array(variances))
+def require_possible(ensemble: Ensemble, tests: Sequence[Test]) -> None:
+    """Raise an `InputError` at a test that the samples say nothing about."""
+    for test in tests:
+        place = f"the test at {test['normal_load']:g} N and {test['velocity']:g} m/s"
+        try:
+            ensemble.require_within([test["normal_load"]], [test["velocity"]])
+        except InputError as error:
+            raise InputError(f"{place}: {error}") from error
+        hold = test.get("hold", ensemble.hold)
+        if hold not in ensemble.by_hold:
+            raise InputError(
+                f"{place} held the load for {hold:g} s, the samples for {ensemble.hold:g} s: run "
+                "them with loading.hold of the longest test, and for shorter ones with "
+                "loading.hold_steps that end with these and fidelity.temperature_interval = 1"
+            )
+        if "load_scatter" in test and len(ensemble.loads) < 2:
+            raise InputError(
+                f"{place} has a load_scatter, and the samples one load alone: give more "
+                "sweep.loads, or leave out the scatter"
+            )
 
 
-def conditions_of(test: Mapping[str, Any]) -> dict[str, float]:
+def distances_of(ensemble: Ensemble, tests: Sequence[Test], inputs: Array) -> Distances:
+    """Distances of draws of an ensemble's inputs, shape (n, n_unknown), from tests."""
+    holds = [test.get("hold", ensemble.hold) for test in tests]
+    values, variance = np.empty((2, len(tests), len(inputs)))
+    for hold in set(holds):
+        numbers = [number for number, other in enumerate(holds) if other == hold]
+        part = [tests[number] for number in numbers]
+        values[numbers], variance[numbers] = _of_one_hold(ensemble.by_hold[hold], part, inputs)
+    return Distances(values, variance)
+
+
+def _of_one_hold(ensemble: Ensemble, tests: Sequence[Test], inputs: Array) -> Distances:
+    """Distances of draws from tests that held the load as the ensemble does."""
+    nodes = np.geomspace(*ensemble.velocities, _NODES)
+    ends = ensemble.loads[[0, -1]]
+    loads = sorted({load for test in tests for load in (test["normal_load"], *_around(test, ends))})
+    excess = ensemble.excesses(inputs, loads, nodes)
+    rises = excess.values + ensemble.log_limit(inputs)[:, None, None]
+    x = np.log(nodes)
+    conditions = ensemble.conditions
+    # A friction that was measured stands in place of the scene's friction by velocity.
+    table = np.log([conditions.friction_at(v) / conditions.friction for v in nodes.tolist()])
+    values, variances = [], []
+    for test in tests:
+        number = loads.index(test["normal_load"])
+        rise = rises[:, number]
+        if test.get("friction") is not None:
+            rise = rise - table
+        log_velocity = math.log(test["velocity"])
+        place = int(np.clip(np.searchsorted(x, log_velocity) - 1, 0, _NODES - 2))
+        slope = (rise[:, place + 1] - rise[:, place]) / (x[place + 1] - x[place])
+        variance = excess.error[:, number, place] ** 2
+        if around := _around(test, ends):
+            low, high = (rises[:, loads.index(load), place] for load in around)
+            steepness = (high - low) / math.log(around[1] / around[0])
+            variance = variance + (steepness * test["load_scatter"] / test["normal_load"]) ** 2
+        if "friction_scatter" in test:
+            variance = variance + (test["friction_scatter"] / test["friction"]) ** 2
+        limit = ensemble.log_limit(inputs, conditions_of(test))
+        values.append(log_velocity - log_crossings(nodes, rise - limit[:, None]))
+        variances.append(variance / np.maximum(slope, _LEAST_SLOPE) ** 2)
+    return Distances(np.array(values), np.array(variances))
+
+
+def conditions_of(test: Test) -> dict[str, float]:
     """Conditions that a test gives itself."""
     names = ("friction", "bulk_temperature")
     return {name: test[name] for name in names if test.get(name) is not None}
 
 
-def _around(test: Mapping[str, Any], ends: Array) -> tuple[float, ...]:
+def _around(test: Test, ends: Array) -> tuple[float, ...]:
     """Loads between which the slope over the load is taken, if the load scatters."""
     if "load_scatter" not in test:
         return ()
@@ -133,18 +121,11 @@ def _around(test: Mapping[str, Any], ends: Array) -> tuple[float, ...]:
 
 
 def log_likelihoods(
-    tests: Sequence[Mapping[str, Any]], distances: Distances, scatters: Sequence[float] | Array
+    tests: Sequence[Test], distances: Distances, scatters: Sequence[float] | Array
 ) -> Array:
     """Logarithm of the likelihood of each test by draw and scatter, shape (n_test, n, n_scatter).
 
-    Parameters
-    ----------
-    tests : sequence of mapping
-        Tests, an ``outcome`` among their entries where they are no transitions.
-    distances : Distances
-        Distances of the draws.
-    scatters : sequence of float
-        Relative standard deviations of velocities that do not give their own.
+    Scatters are the relative standard deviations of velocities of tests that do not give their own.
 
     Examples
     --------
@@ -155,7 +136,7 @@ def log_likelihoods(
     """
     rows = []
     for test, d, variance in zip(tests, *distances, strict=True):
-        deviation = np.sqrt(variance[:, None] + scatters_of(test, scatters) ** 2)
+        deviation = deviations(test, variance, scatters)
         z = d[:, None] / deviation
         match test.get("outcome"):
             case "severe":
@@ -167,8 +148,10 @@ def log_likelihoods(
     return np.array(rows)
 
 
-def scatters_of(test: Mapping[str, Any], scatters: Sequence[float] | Array) -> Array:
-    """Relative scatter of a test's velocity for each that others may have."""
+def deviations(test: Test, variance: Array, scatters: Sequence[float] | Array) -> Array:
+    """Standard deviation of a test's distances by draw and scatter, shape (n, n_scatter)."""
+    scatter = np.asarray(scatters)
     if "velocity_scatter" in test:
-        return np.full(len(scatters), test["velocity_scatter"] / test["velocity"])
-    return np.asarray(scatters)
+        scatter = np.full(len(scatters), test["velocity_scatter"] / test["velocity"])
+    deviation: Array = np.sqrt(variance[:, None] + scatter**2)
+    return deviation

@@ -7,10 +7,11 @@ is left is averaged. So what is promised is what is had where the samples are ri
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.special import ndtr
@@ -19,7 +20,7 @@ from pipeline.scene.quantities import in_si
 from pipeline.scene.units import UnitError, to_si
 from pipeline.uncertain.answers import STEPS, log_crossings
 from pipeline.uncertain.ensemble import BULK, CRITICAL, FRICTION
-from pipeline.uncertain.evidence import Evidence, scatters_of
+from pipeline.uncertain.evidence import distances_of
 from pipeline.uncertain.weigh import Posterior
 from tribo import InputError
 from tribo.types import Array
@@ -98,11 +99,7 @@ def candidates(
     True
     """
     plan = _Plan(posterior, target, bulk_temperatures)
-    none = np.zeros((_TRUTHS, len(plan.values)))
-    ranked = [
-        Candidate(one.what, plan.spread(none + one.log_likelihood), plan.before, one.test)
-        for one in plan.measurements()
-    ]
+    ranked = (plan.candidate(one, one.log_likelihood) for one in plan.measurements())
     return tuple(sorted(ranked, key=lambda candidate: candidate.spread))
 
 
@@ -131,20 +128,18 @@ def batch(
     """
     if count < 1:
         raise InputError(f"count is {count}; plan at least 1 test")
-    plan = _Plan(posterior, target, bulk_temperatures)
+    plan, planned = _Plan(posterior, target, bulk_temperatures), []
     likelihood = np.zeros((_TRUTHS, len(plan.values)))
-    planned = []
     for _ in range(count):
         tests = [one for one in plan.measurements() if one.test is not None]
-        spreads = [plan.spread(likelihood + one.log_likelihood) for one in tests]
-        best = tests[int(np.argmin(spreads))]
-        likelihood += best.log_likelihood
-        planned.append(Candidate(best.what, min(spreads), plan.before, best.test))
+        ranked = [plan.candidate(one, likelihood + one.log_likelihood) for one in tests]
+        best = min(range(len(tests)), key=lambda number: ranked[number].spread)
+        likelihood += tests[best].log_likelihood
+        planned.append(ranked[best])
     return tuple(planned)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Measurement:
+class _Measurement(NamedTuple):
     """A measurement, and the likelihood of its results for each truth, shape (n_truth, n)."""
 
     what: str
@@ -160,20 +155,21 @@ class _Plan:
     ) -> None:
         self._posterior, self._ensemble = posterior, posterior.ensemble
         # Of equal weight, so that truths are the first of them.
-        rng = np.random.default_rng(self._ensemble.design.seed)
+        self._chance = np.random.default_rng(self._ensemble.design.seed)
         draws = posterior.draws
-        kept = rng.choice(len(draws.weights), _DRAWS, p=draws.weights)
+        kept = self._chance.choice(len(draws.weights), _DRAWS, p=draws.weights)
         self._all = draws.inputs[kept]
         self._inputs = self._all[:, posterior.columns[0]]
-        self._chance = rng
         self._bulks = [in_si("bulk_temperature", bulk, "60 degC") for bulk in bulks]
-        velocities = np.geomspace(*self._ensemble.velocities, STEPS)
-        excess = self._ensemble.excesses(
-            self._inputs, self._ensemble.loads, velocities, with_error=False
-        )
-        self._boundary = log_crossings(velocities, excess.values)
+        self._boundary = self._log_velocities(self._ensemble.loads)
         self.values = self._target(target)
         self.before = math.sqrt(float(self.values.var(axis=0).mean()))
+
+    def _log_velocities(self, loads: Sequence[float] | Array) -> Array:
+        """Logarithm of the critical velocity by draw and load."""
+        velocities = np.geomspace(*self._ensemble.velocities, STEPS)
+        excess = self._ensemble.excesses(self._inputs, loads, velocities, with_error=False)
+        return log_crossings(velocities, excess.values)
 
     def _target(self, target: str | None) -> Array:
         """Values of the target by draw, shape (n, n_target)."""
@@ -193,9 +189,12 @@ class _Plan:
                 f'target is "{target}"; give one of {paths}, or a load from {loads[0]:g} to '
                 f'{loads[-1]:g} N for the boundary there, such as "{loads[0]:g} N"'
             )
-        velocities = np.geomspace(*self._ensemble.velocities, STEPS)
-        excess = self._ensemble.excesses(self._inputs, [load], velocities, with_error=False)
-        return log_crossings(velocities, excess.values)
+        return self._log_velocities([load])
+
+    def candidate(self, measurement: _Measurement, log_likelihood: Array) -> Candidate:
+        """A measurement with the spread that a likelihood of truths and draws leaves."""
+        spread = self.spread(log_likelihood)
+        return Candidate(measurement.what, spread, self.before, measurement.test)
 
     def spread(self, log_likelihood: Array) -> float:
         """Standard deviation of the target that is left, averaged over the truths."""
@@ -233,35 +232,32 @@ class _Plan:
             bulk = float(np.median(ensemble.values(BULK, self._inputs)))
             critical = float(np.median(ensemble.values(CRITICAL, self._inputs)))
             bulks = [bulk, *(bulk + share * (critical - bulk) for share in _WARMER)]
-        scatters = self._posterior.inferred_scatter[1:2]
+        _, scatter, _ = self._posterior.inferred_scatter
         friction = float(np.median(ensemble.values(FRICTION, self._inputs)))
         about = {"friction": friction, "friction_scatter": self._friction_scatter(friction)}
-        velocities = np.geomspace(*ensemble.velocities, _VELOCITIES)
-        for load in ensemble.loads.tolist():
-            for bulk in bulks:
-                entries = {} if bulk == conditions.bulk_temperature else {"bulk_temperature": bulk}
-                place: dict[str, Any] = {"normal_load": load, **entries, **about}
-                middle = float(velocities[len(velocities) // 2])
-                evidence = Evidence(
-                    ensemble, self._posterior.columns[0], ({**place, "velocity": middle},)
+        velocities = np.geomspace(*ensemble.velocities, _VELOCITIES).tolist()
+        middle = velocities[len(velocities) // 2]
+        for load, bulk in itertools.product(ensemble.loads.tolist(), bulks):
+            test = {"normal_load": load, "velocity": middle, "bulk_temperature": bulk}
+            entries = {} if bulk == conditions.bulk_temperature else {"bulk_temperature": bulk}
+            judged: dict[str, Any] = {"normal_load": load, "velocity": middle, **entries, **about}
+            distances = distances_of(ensemble, [judged], self._inputs)
+            log_velocity = math.log(middle) - distances.values[0]
+            deviation = np.sqrt(distances.variance[0] + scatter**2)
+            where = f"{load:g} N, bulk {bulk - 273.15:.3g} °C"
+            likely = math.exp(float(np.median(log_velocity)))
+            if velocities[0] <= likely <= velocities[-1]:
+                yield _Measurement(
+                    f"the transition at {where}, about {likely:.3g} m/s",
+                    self._gaussian(log_velocity, deviation),
+                    test | {"velocity": likely},
                 )
-                distances = evidence.distances(self._all)
-                log_velocity = math.log(middle) - distances.values[0]
-                deviation = np.sqrt(distances.variance[0] + scatters_of({}, scatters) ** 2)
-                where = f"{load:g} N, bulk {bulk - 273.15:.3g} °C"
-                likely = math.exp(float(np.median(log_velocity)))
-                test = {"normal_load": load, "velocity": likely, "bulk_temperature": bulk}
-                if velocities[0] <= likely <= velocities[-1]:
-                    yield _Measurement(
-                        f"the transition at {where}, about {likely:.3g} m/s",
-                        self._gaussian(log_velocity, deviation), test,
-                    )  # fmt: skip
-                for velocity in velocities.tolist():
-                    yield _Measurement(
-                        f"a test at {where}, {velocity:.3g} m/s",
-                        self._outcome((math.log(velocity) - log_velocity) / deviation),
-                        test | {"velocity": velocity},
-                    )
+            for velocity in velocities:
+                yield _Measurement(
+                    f"a test at {where}, {velocity:.3g} m/s",
+                    self._outcome((math.log(velocity) - log_velocity) / deviation),
+                    test | {"velocity": velocity},
+                )
 
     def _friction_scatter(self, friction: float) -> float:
         """Standard deviation with which the friction of a test is known."""

@@ -145,24 +145,10 @@ def sensitivity(ensemble: Ensemble, posterior: Draws | None = None) -> Sensitivi
 def indices(
     function: Callable[[Array], Array], unknown: Sequence[Unknown], count: int, seed: int
 ) -> tuple[Array, Array, Array]:
-    """First and total Sobol' indices of functions of unknown inputs (`scipy.stats`).
+    """First and total Sobol' indices of functions of independent inputs, (n_output, n_unknown).
 
-    Parameters
-    ----------
-    function : callable
-        Takes values of shape (n, n_unknown), gives those of the functions, (n, n_output).
-    unknown : sequence of Unknown
-        The inputs, which are independent.
-    count : int
-        Number of points, a power of 2; the function is called at n_unknown + 2 times as many.
-    seed : int
-        Seed of the points.
-
-    Returns
-    -------
-    tuple of ndarray, shape (n_output, n_unknown)
-        First and total indices; and by how much they may be off for want of points with 90 %
-        probability, shape (2, n_output, n_unknown).
+    The functions take values (n, n_unknown) and give (n, n_output). The third array is the error of
+    both with 90 % probability for want of points, of which ``count`` is a power of 2.
     """
     from scipy.stats import sobol_indices, uniform  # takes 0.5 s
 

@@ -26,23 +26,9 @@ def tempered(
     seed: int,
     count: int,
 ) -> Array:
-    """Draw from prior times likelihood.
+    """Draws of equal weight from prior times likelihood, shape (count, n_unknown) [SI].
 
-    Parameters
-    ----------
-    unknown : sequence of Unknown
-        Inputs, with their distributions.
-    log_likelihood : callable
-        Logarithm of the likelihood of draws [SI], shape (n, n_unknown) to (n,).
-    seed : int
-        Seed of the draws.
-    count : int
-        Number of draws.
-
-    Returns
-    -------
-    ndarray, shape (count, n_unknown)
-        Draws of equal weight [SI].
+    The logarithm of the likelihood is called with draws (n, n_unknown) [SI], and gives (n,).
 
     Examples
     --------

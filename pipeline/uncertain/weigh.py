@@ -8,7 +8,7 @@ named.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
@@ -16,8 +16,16 @@ import numpy as np
 from scipy.special import logsumexp, ndtr
 
 from pipeline.sweep.unknown import Unknown, correlations
+from pipeline.uncertain.answers import QUANTILES
 from pipeline.uncertain.ensemble import Ensemble
-from pipeline.uncertain.evidence import Distances, Evidence, log_likelihoods, scatters_of
+from pipeline.uncertain.evidence import (
+    Distances,
+    Test,
+    deviations,
+    distances_of,
+    log_likelihoods,
+    require_possible,
+)
 from pipeline.uncertain.inputs import Draws, prior
 from pipeline.uncertain.tempering import tempered
 from tribo import InputError
@@ -58,7 +66,7 @@ class Judged(NamedTuple):
     True
     """
 
-    test: Mapping[str, Any]
+    test: Test
     sweep: int
     critical_velocity: tuple[float, float, float]
     probability: float
@@ -170,22 +178,22 @@ class Posterior:
                 dict(judged.test)
                 | {
                     "sweep": self.ensembles[judged.sweep].title,
-                    "critical_velocity": dict(
-                        zip(("5 %", "50 %", "95 %"), judged.critical_velocity, strict=True)
-                    ),
+                    "critical_velocity": _by_share(judged.critical_velocity),
                     "probability_by_others": judged.probability,
                     "contradicts_others": judged.contradicts,
                 }
                 for judged in self.judged
             ],
             "scatter": self.scatter,
-            "inferred_scatter": dict(
-                zip(("5 %", "50 %", "95 %"), self.inferred_scatter, strict=True)
-            ),
+            "inferred_scatter": _by_share(self.inferred_scatter),
             "samples": [len(ensemble.inputs) for ensemble in self.ensembles],
             "draws": len(self.draws.weights),
             "effective_draws": self.draws.effective,
         }
+
+
+def _by_share(values: tuple[float, float, float]) -> dict[str, float]:
+    return dict(zip(("5 %", "50 %", "95 %"), values, strict=True))
 
 
 def posterior(ensemble: Ensemble | Sequence[Ensemble], scatter: float = SCATTER) -> Posterior:
@@ -221,48 +229,56 @@ def posterior(ensemble: Ensemble | Sequence[Ensemble], scatter: float = SCATTER)
         raise InputError(f"scatter is {scatter:g}; give a share between 0 and 1, such as 0.05")
     ensembles = (ensemble,) if isinstance(ensemble, Ensemble) else tuple(ensemble)
     unknown, columns = _joined(ensembles)
-    evidence = [
-        Evidence(each, at, (*each.measured, *each.tested))
-        for each, at in zip(ensembles, columns, strict=True)
-    ]
-    tests = [test for each in evidence for test in each.tests]
-    scatters = scatter * _FACTORS
-    seed = ensembles[0].design.seed + 1
+    for one in ensembles:
+        require_possible(one, one.tests)
+    tests = [test for one in ensembles for test in one.tests]
+    scatters, seed = scatter * _FACTORS, ensembles[0].design.seed + 1
     before = prior(unknown, seed, _FIRST)
     if not tests:
         middle = tuple(scatter * 2.0**score for score in (-1.645, 0.0, 1.645))
         return Posterior(ensembles, unknown, columns, before, before, (), scatter, middle)
 
     def judge(inputs: Array) -> tuple[Distances, Array]:
-        parts = [item.distances(inputs) for item in evidence if item.tests]
+        parts = [
+            distances_of(one, one.tests, inputs[:, own])
+            for one, own in zip(ensembles, columns, strict=True)
+            if one.tests
+        ]
         distances = Distances(*(np.concatenate(part) for part in zip(*parts, strict=True)))
         return distances, log_likelihoods(tests, distances, scatters)
 
-    distances, each = judge(before.inputs)
+    distances, likelihoods = judge(before.inputs)
     _require_near(tests, distances, float(scatters[-1]))
-    total = _over_factors(each.sum(axis=0))
-    weights = np.exp(total - logsumexp(total))
-    draws, base = Draws(before.inputs, weights), np.zeros(len(weights))
+    total = _over_factors(likelihoods.sum(axis=0))
+    draws, base = Draws(before.inputs, np.exp(total - logsumexp(total))), np.zeros(_FIRST)
     if draws.effective < _ENOUGH:
         after = tempered(unknown, lambda x: _over_factors(judge(x)[1].sum(axis=0)), seed, _TEMPERED)
-        distances, each = judge(after)
-        base = -_over_factors(each.sum(axis=0))
+        distances, likelihoods = judge(after)
         draws = Draws(after, np.full(_TEMPERED, 1 / _TEMPERED))
-    judged = _judged(tests, evidence, distances, each, base, draws, scatters)
-    inferred = _inferred(each, base, scatters)
+        base = -_over_factors(likelihoods.sum(axis=0))
+    sweeps = [number for number, one in enumerate(ensembles) for _ in one.tests]
+    judged = tuple(
+        Judged(
+            test,
+            sweep,
+            _interval(draws, test["velocity"] * np.exp(-distances.values[number])),
+            _probability(
+                test,
+                distances.values[number],
+                deviations(test, distances.variance[number], scatters),
+                _weights(likelihoods, base, without=number),
+            ),
+        )
+        for number, (test, sweep) in enumerate(zip(tests, sweeps, strict=True))
+    )
+    inferred = _inferred(likelihoods, base, scatters)
     return Posterior(ensembles, unknown, columns, before, draws, judged, scatter, inferred)
 
 
 def posterior_if_given(
     ensemble: Ensemble, given_measured: bool, scatter: float | None = None
 ) -> Posterior | None:
-    """Inputs weighed by the tests, if they are to count; None if not.
-
-    Raises
-    ------
-    InputError
-        As `posterior` does, or if they are to count and there are none.
-    """
+    """Inputs weighed by the tests, if they are to count, of which there has to be one then."""
     if not given_measured:
         if scatter is not None:
             raise InputError(
@@ -270,7 +286,7 @@ def posterior_if_given(
                 "--given-measured (in Python given_measured=True), or leave it out"
             )
         return None
-    if not (ensemble.measured or ensemble.tested):
+    if not ensemble.tests:
         raise InputError(
             "the scene has no measured transition and no test; give it a [[measured]] with load "
             "and velocity, or a [[tested]] with an outcome besides"
@@ -329,32 +345,24 @@ def _inferred(likelihoods: Array, base: Array, scatters: Array) -> tuple[float, 
     return float(low), float(middle), float(high)
 
 
-def _judged(
-    tests: Sequence[Mapping[str, Any]],
-    evidence: Sequence[Evidence],
-    distances: Distances,
-    likelihoods: Array,
-    base: Array,
-    draws: Draws,
-    scatters: Array,
-) -> tuple[Judged, ...]:
-    """Each test beside what all others, and all together, say."""
-    sweeps = [number for number, one in enumerate(evidence) for _ in one.tests]
-    judged = []
-    for number, (test, d, variance) in enumerate(zip(tests, *distances, strict=True)):
-        weights = _weights(likelihoods, base, without=number)
-        deviation = np.sqrt(variance[:, None] + scatters_of(test, scatters) ** 2)
-        severe = float(np.sum(weights * ndtr(d[:, None] / deviation)))
-        probability = {"severe": severe, "mild": 1 - severe}.get(
-            test.get("outcome", ""), 2 * min(severe, 1 - severe)
-        )
-        critical = test["velocity"] * np.exp(-d)
-        low, middle, high = (draws.quantile(critical, share) for share in (0.05, 0.5, 0.95))
-        judged.append(Judged(test, sweeps[number], (low, middle, high), probability))
-    return tuple(judged)
+def _interval(draws: Draws, values: Array) -> tuple[float, float, float]:
+    low, middle, high = (draws.quantile(values, share) for share in QUANTILES)
+    return low, middle, high
 
 
-def _require_near(tests: Sequence[Mapping[str, Any]], distances: Distances, scatter: float) -> None:
+def _probability(test: Test, distance: Array, deviation: Array, weights: Array) -> float:
+    """Probability of a test's outcome, or of a transition as far off, by weights of draws."""
+    severe = float(np.sum(weights * ndtr(distance[:, None] / deviation)))
+    match test.get("outcome"):
+        case "severe":
+            return severe
+        case "mild":
+            return 1 - severe
+        case _:
+            return 2 * min(severe, 1 - severe)
+
+
+def _require_near(tests: Sequence[Test], distances: Distances, scatter: float) -> None:
     """Raise an `InputError` where even the best draws of the prior are far from the tests."""
     squares = []
     for test, d, variance in zip(tests, *distances, strict=True):

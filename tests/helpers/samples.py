@@ -79,9 +79,13 @@ def distribution_of(unknown):
     return stats.uniform(first, second - first)
 
 
-def dataset(samples):
-    """A dataset as `pipeline.open_sweep` gives it, whose ensemble is the one of these samples."""
-    rise = samples.rises[..., None, None]
+def dataset(samples, growth=((0.0, 1.0),)):
+    """A dataset as `pipeline.open_sweep` gives it, whose ensemble is the one of these samples.
+
+    Factors by which rises grow after some holds are pairs of them.
+    """
+    holds, factors = np.array(growth).T
+    rise = (samples.rises[..., None] * factors)[..., None]
     quantiles = np.array(QUANTILES)
     at = ("sample", "load", "step")
     loads = np.broadcast_to(samples.loads[:, None], rise.shape[:3])
@@ -98,8 +102,8 @@ def dataset(samples):
     return xr.Dataset(
         {
             "normal_load": (at, loads),
-            "time": (at, np.ones(rise.shape[:3])),
-            "contact_width": (at, samples.widths[..., None]),
+            "time": (at, np.broadcast_to(1.0 + holds, rise.shape[:3])),
+            "contact_width": (at, np.broadcast_to(samples.widths[..., None], rise.shape[:3])),
             "mean_rise": (at, 0.6 * rise[..., 0]),
             "rise_quantile": ((*at, "quantile"), rise * (1 + 0.5 * (quantiles - 0.9))),
         },
@@ -107,7 +111,7 @@ def dataset(samples):
             "sample": np.arange(len(samples.rises)),
             "load": samples.loads,
             "quantile": quantiles,
-            "step": [1],
+            "step": np.arange(len(holds)),
             "velocity": ("sample", samples.sample_velocities),
             **{each.path: ("sample", column) for each, column in inputs},
         },

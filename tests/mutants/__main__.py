@@ -60,6 +60,7 @@ ROOMS = {
             "tests/pipeline/analysis/test_many_surfaces.py",
         ],
     ),
+    "uncertain": (["pipeline/uncertain"], ["pipeline/uncertain", "tests/pipeline/uncertain"]),
     "inverse": (
         [f"tribo/{name}.py" for name in ("criterion", "inverse", "lubricant")],
         [

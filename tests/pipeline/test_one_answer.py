@@ -228,6 +228,8 @@ def test_margins_say_what_the_boundary_says(case, given):
             assert margin.is_severe == true[k, i, j]
             assert margin.velocity_outcome == OUTCOMES[int(at["outcome_at_load"][i])]
             assert margin.load_outcome == OUTCOMES[int(at["outcome_at_velocity"][j])]
+            assert margin.velocity_bridged == at["bridged_at_load"][i]
+            assert margin.load_bridged == at["bridged_at_velocity"][j]
             np.testing.assert_equal(margin.critical_velocity, float(at["critical_velocity"][i]))
             np.testing.assert_equal(margin.critical_load, float(at["critical_load"][j]))
 
@@ -255,6 +257,8 @@ def test_a_diagram_draws_no_boundary_that_was_not_found(case, given):
     if not single:
         expected = bool(found["outcome_at_load"].isin(BEYOND).any())
         assert any("beyond what was computed" in text for text in texts) == expected
+        expected = bool(found["bridged_at_load"].any())
+        assert any("across points not done" in text for text in texts) == expected
     elif not is_drawn:
         words = OUTCOMES[found[f"outcome_at_{single[0]}"].item()].removesuffix(" throughout")
         assert any(f"no transition: {words}" in text for text in texts)

@@ -17,7 +17,6 @@ from pipeline.analysis.decisive import decisive_rise
 from pipeline.analysis.temperatures import decisive_temperature, temperatures
 from pipeline.figures.ramp import ramp
 from pipeline.store.create import writing
-from pipeline.store.place import StoreError
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import points, run_point, step_count
@@ -93,13 +92,6 @@ def test_units_are_such_as_other_programs_read(ds):
         assert not re.search(r"[a-z]\d", units), name  # "m3" is not read by pint
 
 
-def test_the_last_step_of_a_point_is_found_by_its_count(ds):
-    counts = ds["time"].sel(velocity=1.5).notnull().sum("step")
-    assert counts.values.tolist() == [step_count(tiny.full(), load) for load in tiny.LOADS]
-    last = end_of_point(ds)["normal_load"].sel(velocity=1.5)
-    assert last.values.tolist() == list(tiny.LOADS)
-
-
 def test_temperatures_are_bulk_plus_friction_times_rise(ds):
     last = temperatures(end_of_point(ds).sel(load=600, velocity=1.5))
     np.testing.assert_allclose(
@@ -121,13 +113,6 @@ def held(tmp_path_factory):
     with np.errstate(all="raise", under="ignore"):
         commit_all(path, tiny.sweep(loading=loading, temperature_interval=1))
     return open_sweep(path)
-
-
-def test_the_steps_of_a_hold_are_in_the_dataset(held):
-    point = held.sel(load=600.0, velocity=1.0).dropna("step", subset=["time"])
-    np.testing.assert_allclose(point["time"][-5:], [4.0, 4.75, 5.5, 6.25, 7.0])
-    np.testing.assert_array_equal(point["normal_load"][-5:], [600.0] * 5)
-    assert np.isfinite(temperatures(point)["max_temperature"]).all()
 
 
 def test_a_point_is_as_severe_as_it_is_at_any_time_of_its_hold(held):
@@ -197,8 +182,3 @@ def test_a_store_without_a_point_opens(tmp_path):
     commit(tmp_path / "tiny.zarr", tiny.sweep(), ())
     with open_sweep(tmp_path / "tiny.zarr") as ds:
         assert np.isnan(temperatures(ds)["max_temperature"]).all()
-
-
-def test_what_is_no_store_is_refused(tmp_path):
-    with pytest.raises(StoreError, match="is not a store"):
-        open_sweep(tmp_path)

@@ -68,6 +68,6 @@ def test_the_command_finds_temperature_and_wear_rate(tmp_path, capsys):
     assert main(arguments) == 0
     assert "mm³/(N m)" in capsys.readouterr().out
     assert main(arguments[:4]) == 2
-    assert "needs --load and --velocity" in capsys.readouterr().err
+    assert "give --load and --velocity" in capsys.readouterr().err
     assert main(["infer", str(scene), *place]) == 2
     assert "--contact-width" in capsys.readouterr().err

@@ -1,11 +1,12 @@
-"""Crossings beside those of SciPy's monotone cubic (pipeline/analysis/interpolation.py)."""
+"""Interpolation close to power laws, and crossings (pipeline/analysis/interpolation.py)."""
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.interpolate import PchipInterpolator
 
-from pipeline.analysis.interpolation import crossing
+from pipeline.analysis.interpolation import crossing, exponent, interpolated
 
 
 @given(seed=st.integers(0, 2**32 - 1), size=st.integers(2, 12))
@@ -18,3 +19,51 @@ def test_a_crossing_is_where_the_logarithms_of_scipy_reach_the_limit(seed, size)
     scipys = PchipInterpolator(np.log(x), np.log(y))
     slope = scipys(np.log(found), nu=1)
     assert abs(scipys(np.log(found)) - np.log(limit)) <= 1e-14 * (10 + np.log(limit) + slope)
+
+
+def test_first_crossing_from_mild_to_severe_counts():
+    x = np.array([1.0, 2.0, 3.0, 4.0, 5.0])
+    assert 2 < crossing(x, np.array([1.0, 2.0, 6.0, 2.0, 9.0]), 4.0) < 3
+    assert np.isnan(crossing(x, np.array([5.0, 2.0, 6.0, 2.0, 9.0]), 4.0))
+    assert np.isnan(crossing(x, np.array([5.0, 3.0, 2.0, 1.0, 0.5]), 4.0))
+
+
+def test_a_point_on_the_limit_is_the_boundary():
+    x, y = np.array([1.0, 2.0, 3.0]), np.array([1.0, 2.0, 3.0])
+    assert [crossing(x, y, limit) for limit in y] == x.tolist()
+
+
+@given(
+    steps=st.lists(
+        st.tuples(st.floats(0.05, 2.0), st.just(0.0) | st.floats(1e-3, 300.0)),
+        min_size=2,
+        max_size=12,
+    ),
+    start=st.tuples(st.sampled_from([0.0, 0.25]), st.sampled_from([0.0, 40.0])),
+    part=st.floats(0.05, 1.0),
+)
+def test_interpolation_passes_through_the_points_and_the_crossing(steps, start, part):
+    x, y = np.cumsum([start, *steps], axis=0).T
+    np.testing.assert_allclose(interpolated(x, y, x), y, rtol=1e-12, atol=1e-9)
+    limit = y[0] + part * (y[-1] - y[0])
+    found = crossing(x, y, limit)
+    if y[0] < limit <= y[-1]:
+        at, fine = np.array([found]), np.linspace(x[0], x[-1], 200)
+        np.testing.assert_allclose(interpolated(x, y, at), limit, rtol=1e-9, atol=1e-9)
+        assert (np.diff(interpolated(x, y, fine)) >= -1e-9).all()  # as the points do
+
+
+@pytest.mark.parametrize(
+    ("x", "y", "at", "expected"),
+    [
+        ([1.0, 2.0, 4.0], [10.0, 20.0, 40.0], 1.0, 1.0),  # at either end
+        ([1.0, 2.0, 4.0], [10.0, 20.0, 40.0], 4.0, 1.0),
+        ([1.0, 2.0, np.nan, 4.0], [10.0, 20.0, np.nan, 40.0], 2.0, 1.0),
+        ([0.0, 1.0, 2.0], [0.0, 10.0, 20.0], 0.0, np.nan),
+        ([0.0, 1.0], [-1.0, 1.0], 0.501, np.nan),  # whose logarithm is not known below
+        ([1.0, 2.0], [10.0, 20.0], np.nan, np.nan),
+        ([1.0], [10.0], 1.0, np.nan),
+    ],
+)
+def test_exponents_at_the_ends_of_what_is_known(x, y, at, expected):
+    assert exponent(np.array(x), np.array(y), at) == pytest.approx(expected, nan_ok=True)

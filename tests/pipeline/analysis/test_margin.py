@@ -19,7 +19,7 @@ def margin(ds, load, velocity, **conditions):
     return found
 
 
-@pytest.mark.parametrize(("load", "velocity"), [(320.0, 1.1), (400.0, 3.1), (480.0, 2.25)])
+@pytest.mark.parametrize(("load", "velocity"), [(320.0, 2.1), (400.0, 3.1), (480.0, 2.25)])
 def test_a_power_law_is_found_between_the_points_of_a_sweep(load, velocity):
     found = margin(synthetic.sweep(), load, velocity)
     warm = 298.15 + 0.1 * synthetic.rise(load, velocity, 0.9)
@@ -29,11 +29,9 @@ def test_a_power_law_is_found_between_the_points_of_a_sweep(load, velocity):
     assert found.is_severe == (warm > 418.15)
     critical = synthetic.critical_velocity(load, LIMIT)
     assert found.velocity_factor == pytest.approx(critical / velocity, rel=1e-9)
-
-
-def test_the_factor_of_load_is_that_of_the_closed_form():
-    found = margin(synthetic.sweep(), 320.0, 2.1)
-    assert found.load_factor == pytest.approx(synthetic.critical_load(2.1, LIMIT) / 320.0, rel=1e-9)
+    if found.load_outcome == "crosses":
+        critical = synthetic.critical_load(velocity, LIMIT)
+        assert found.load_factor == pytest.approx(critical / load, rel=1e-9)
 
 
 def test_other_conditions_need_no_other_sweep():
@@ -59,18 +57,14 @@ def test_the_error_of_interpolating_covers_most_places_of_a_bent_rise():
     assert np.mean(covered) > 0.85
 
 
-def test_a_point_of_the_sweep_has_no_error_of_interpolating():
-    found = margin(synthetic.sweep(rise=wavy), 400.0, 2.25)
-    assert found.temperature_error == 0.0
-    assert found.is_certain
-
-
 def test_a_verdict_within_the_error_is_not_certain():
-    near = synthetic.critical_velocity(425.0, LIMIT) * 1.0001
-    assert margin(synthetic.sweep(rise=wavy), 425.0, near).is_certain is not None
-    tight = margin(synthetic.sweep(rise=wavy), 425.0, 2.1)
+    ds = synthetic.sweep(rise=wavy)
+    at_a_point = margin(ds, 400.0, 2.25)
+    assert at_a_point.temperature_error == 0.0
+    assert at_a_point.is_certain
+    tight = margin(ds, 425.0, 2.1)
     limit = {"critical_temperature": tight.decisive_temperature + 0.5 * tight.temperature_error}
-    assert margin(synthetic.sweep(rise=wavy), 425.0, 2.1, **limit).is_certain is False
+    assert margin(ds, 425.0, 2.1, **limit).is_certain is False
 
 
 def test_where_the_sweep_does_not_cross_it_says_how_far_it_looked():

@@ -8,7 +8,7 @@ import pytest
 import pipeline
 from pipeline.sweep.unknown import drawn
 from pipeline.uncertain.answers import Interval
-from pipeline.uncertain.inputs import Draws, prior
+from pipeline.uncertain.inputs import Draws
 from tests.helpers.samples import ALL, CRITICAL, critical_velocity, ensemble, limit, rise
 from tribo import InputError
 
@@ -62,18 +62,6 @@ def test_a_boundary_beyond_the_sweep_is_said_to_lie_there():
     assert slow.critical_load.low == slow.critical_load.high == np.inf
     fast = pipeline.margin_intervals(ensemble(), 750.0, 5.9)
     assert fast.critical_load.low == 0.0
-
-
-def test_measurements_narrow_the_interval():
-    samples = ensemble()
-    draws = prior(samples.unknown, 1)
-    warm = np.exp(-0.5 * ((draws.inputs[:, 0] - 418.15) / 2.0) ** 2)
-    known = Draws(draws.inputs, warm / warm.sum())
-    before, after = (
-        np.ptp(values(pipeline.margin_intervals(samples, 400.0, 2.0, each).distance))
-        for each in (draws, known)
-    )
-    assert after < 0.8 * before
 
 
 def test_a_single_load_has_no_critical_load():

@@ -19,10 +19,11 @@ from tests.helpers.samples import (
     LOADS,
     RATE,
     critical_velocity,
+    dataset,
     ensemble,
     rise,
 )
-from tribo import InputError
+from tribo import Corrections, InputError
 
 JOINT = (CRITICAL, RATE, dataclasses.replace(FRICTION, correlated=((CRITICAL.path, 0.8),)), LENGTH)
 
@@ -39,14 +40,13 @@ def transitions(truth, scatter=0.05, seed=0, friction=None):
     ]
 
 
-@pytest.mark.parametrize("unknown", [ALL, JOINT], ids=["alone", "correlated"])
-def test_without_data_what_is_assumed_comes_back(unknown):
-    found = pipeline.posterior(ensemble(unknown))
+def test_without_data_what_is_assumed_comes_back():
+    found = pipeline.posterior(ensemble(JOINT))
     for row in found.summary():
         assert row["posterior"] == row["prior"]
     assert not list(found.hidden())
     # Values of a uniform input are correlated a little less than their normal scores.
-    assert found.correlations == pytest.approx(correlations(unknown), abs=0.02)
+    assert found.correlations == pytest.approx(correlations(JOINT), abs=0.02)
 
 
 def test_what_is_learnt_of_an_input_tells_of_those_correlated_with_it():
@@ -258,10 +258,43 @@ def test_sweeps_share_their_steel_and_have_each_a_lubricant_of_its_own():
         pipeline.posterior([other, ensemble((CRITICAL, longer))])
 
 
-def test_a_test_of_another_hold_than_the_samples_is_refused():
-    held = [{"normal_load": 400.0, "velocity": 2.0, "friction": 0.1, "hold": 10.0}]
-    with pytest.raises(InputError, match=r"held the load for 10 s, the samples for 0 s"):
-        pipeline.posterior(ensemble(measured=held))
+def test_a_shorter_hold_is_that_of_the_steps_of_the_samples():
+    entry = {"normal_load": 400.0, "velocity": 2.0, "friction": 0.1, "hold": 2.0}
+    tests = [entry, dict(entry, hold=5.0, velocity=1.9)]
+    longest = dataclasses.replace(ensemble((CRITICAL, LENGTH), measured=tests), hold=5.0)
+    # Without steps after 2 s, as every 2.5 s, nothing is known of such a hold.
+    coarse = dataset(longest, growth=((0.0, 1.0), (2.5, 1.06), (5.0, 1.1)))
+    with pytest.raises(InputError, match=r"held the load for 2 s, the samples for 5 s: .*steps"):
+        pipeline.posterior(pipeline.Ensemble.of(coarse))
+    ds = dataset(longest, growth=((0.0, 1.0), (1.0, 0.9), (2.0, 1.05), (5.0, 1.1)))
+    found = pipeline.posterior(pipeline.Ensemble.of(ds))
+    one, other = (judged.critical_velocity[1] for judged in found.judged)
+    assert other / one == pytest.approx((1.05 / 1.1) ** (1 / EXPONENT), rel=1e-3)
+    longer = dataclasses.replace(longest, measured=(dict(entry, hold=10.0),))
+    with pytest.raises(InputError, match=r"held the load for 10 s, the samples for 5 s"):
+        pipeline.posterior(pipeline.Ensemble.of(dataset(longer)))
+
+
+def test_a_friction_that_was_measured_takes_the_place_of_friction_by_velocity():
+    falling = Corrections(friction=((1.0, 1.2), (4.0, 0.8)))
+    entry = {"normal_load": 400.0, "velocity": 1.2, "outcome": "mild"}  # which tells nothing new
+    limit = (CRITICAL.parameters[0] - 298.15) / 0.1
+    steady = (limit / rise(np.zeros((1, 0)), 400.0, 1.0, ())[0]) ** (1 / EXPONENT)
+    critical = {}
+    for friction in (None, 0.1):
+        plain = ensemble((CRITICAL,), measured=[entry | {"friction": friction}])
+        conditions = dataclasses.replace(plain.conditions, corrections=falling)
+        # Rises of samples have the correction in; so those of this closed form are given it.
+        factor = np.array([conditions.friction_at(v) / 0.1 for v in plain.sample_velocities])
+        corrected = dataclasses.replace(
+            plain, conditions=conditions, rises=plain.rises * factor[:, None]
+        )
+        (judged,) = pipeline.posterior(corrected).judged
+        critical[friction] = judged.critical_velocity[1]
+    assert critical[0.1] == pytest.approx(steady, rel=0.02)
+    at = critical[None]
+    assert at == pytest.approx(steady * (0.1 / conditions.friction_at(at)) ** (1 / EXPONENT), 0.02)
+    assert abs(math.log(critical[None] / critical[0.1])) > 0.03
 
 
 # The next test
