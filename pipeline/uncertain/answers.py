@@ -218,6 +218,19 @@ def log_crossings(axis: Array, excess: Array) -> Array:
     return log_velocities
 
 
+def log_boundary(
+    ensemble: Ensemble, inputs: Array, loads: Sequence[float] | Array, with_error: bool = True
+) -> tuple[Array, Array]:
+    """Logarithm of the critical velocity by draw and load, and its standard error."""
+    velocities = np.geomspace(*ensemble.velocities, STEPS)
+    excess = ensemble.excesses(inputs, loads, velocities, with_error=with_error)
+    log_velocities, x = log_crossings(velocities, excess.values), np.log(velocities)
+    right = np.clip(np.searchsorted(x, log_velocities), 1, len(x) - 1)[..., None]
+    low, high = (np.take_along_axis(excess.values, right - 1 + i, axis=-1)[..., 0] for i in (0, 1))
+    slope = np.maximum((high - low) / (x[1] - x[0]), _LEAST_SLOPE)
+    return log_velocities, np.take_along_axis(excess.error, right, axis=-1)[..., 0] / slope
+
+
 def crossings(axis: Array, excess: Array) -> Array:
     """First place along an axis where an excess rises through 0; 0 below it, infinite beyond."""
     velocities = np.exp(log_crossings(axis, excess))

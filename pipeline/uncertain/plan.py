@@ -18,7 +18,7 @@ from scipy.special import ndtr
 
 from pipeline.scene.quantities import in_si
 from pipeline.scene.units import UnitError, to_si
-from pipeline.uncertain.answers import STEPS, log_crossings
+from pipeline.uncertain.answers import log_boundary
 from pipeline.uncertain.ensemble import BULK, CRITICAL, FRICTION
 from pipeline.uncertain.evidence import distances_of
 from pipeline.uncertain.weigh import Posterior
@@ -161,15 +161,11 @@ class _Plan:
         self._all = draws.inputs[kept]
         self._inputs = self._all[:, posterior.columns[0]]
         self._bulks = [in_si("bulk_temperature", bulk, "60 degC") for bulk in bulks]
-        self._boundary = self._log_velocities(self._ensemble.loads)
+        self._boundary = log_boundary(
+            self._ensemble, self._inputs, self._ensemble.loads, with_error=False
+        )[0]
         self.values = self._target(target)
         self.before = math.sqrt(float(self.values.var(axis=0).mean()))
-
-    def _log_velocities(self, loads: Sequence[float] | Array) -> Array:
-        """Logarithm of the critical velocity by draw and load."""
-        velocities = np.geomspace(*self._ensemble.velocities, STEPS)
-        excess = self._ensemble.excesses(self._inputs, loads, velocities, with_error=False)
-        return log_crossings(velocities, excess.values)
 
     def _target(self, target: str | None) -> Array:
         """Values of the target by draw, shape (n, n_target)."""
@@ -189,7 +185,7 @@ class _Plan:
                 f'target is "{target}"; give one of {paths}, or a load from {loads[0]:g} to '
                 f'{loads[-1]:g} N for the boundary there, such as "{loads[0]:g} N"'
             )
-        return self._log_velocities([load])
+        return log_boundary(self._ensemble, self._inputs, [load], with_error=False)[0]
 
     def candidate(self, measurement: _Measurement, log_likelihood: Array) -> Candidate:
         """A measurement with the spread that a likelihood of truths and draws leaves."""

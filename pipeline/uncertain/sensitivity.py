@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from pipeline.sweep.correlation import OUTERMOST
 from pipeline.sweep.unknown import Unknown
-from pipeline.uncertain.answers import STEPS, draws_of, log_crossings
+from pipeline.uncertain.answers import draws_of, log_boundary
 from pipeline.uncertain.ensemble import Ensemble
 from pipeline.uncertain.inputs import Draws
 from tribo.types import Array
@@ -108,7 +108,7 @@ def sensitivity(ensemble: Ensemble, posterior: Draws | None = None) -> Sensitivi
     (4, 2)
     """
     draws = draws_of(ensemble, posterior)
-    values, error = _boundary(ensemble, draws.inputs)
+    values, error = log_boundary(ensemble, draws.inputs, ensemble.loads)
     variance = draws.mean((values - draws.mean(values)) ** 2)
     missed = np.sqrt(draws.mean(error**2))
     is_dependent = posterior is not None or any(
@@ -120,7 +120,7 @@ def sensitivity(ensemble: Ensemble, posterior: Draws | None = None) -> Sensitivi
         by_points = np.zeros((2, *first.shape))
     else:
         first, total, by_points = indices(
-            lambda inputs: _boundary(ensemble, inputs, with_error=False)[0],
+            lambda inputs: log_boundary(ensemble, inputs, ensemble.loads, with_error=False)[0],
             ensemble.unknown, _POINTS, ensemble.design.seed,
         )  # fmt: skip
     # An error of the share e of the spread moves an index S by 2e√S + e² at most.
@@ -173,18 +173,6 @@ def indices(
     both_orders = both_orders.reshape(_SCRAMBLES, 2, -1, len(unknown))
     first, total = both_orders.mean(axis=0)
     return first, total, _SCORE * both_orders.std(axis=0, ddof=1) / math.sqrt(_SCRAMBLES)
-
-
-def _boundary(ensemble: Ensemble, inputs: Array, with_error: bool = True) -> tuple[Array, Array]:
-    """Logarithm of the critical velocity by draw and load, and its standard error."""
-    velocities = np.geomspace(*ensemble.velocities, STEPS)
-    excess = ensemble.excesses(inputs, ensemble.loads, velocities, with_error=with_error)
-    log_velocities = log_crossings(velocities, excess.values)
-    x = np.log(velocities)
-    right = np.clip(np.searchsorted(x, log_velocities), 1, len(x) - 1)[..., None]
-    low, high = (np.take_along_axis(excess.values, right - 1 + i, axis=-1)[..., 0] for i in (0, 1))
-    slope = np.maximum((high - low) / (x[1] - x[0]), 0.05)
-    return log_velocities, np.take_along_axis(excess.error, right, axis=-1)[..., 0] / slope
 
 
 def _first_of(draws: Draws, values: Array) -> Array:

@@ -10,7 +10,7 @@ from pipeline.analysis.decisive import decisive_rise, refined
 from pipeline.analysis.interpolation import crossing
 from pipeline.analysis.temperatures import decisive_temperature
 from pipeline.cli.crossings import document_of, text_of
-from pipeline.store.schema import FAILED, PENDING
+from pipeline.store.schema import DONE, FAILED, PENDING
 from pipeline.sweep.lubrication import Lubrication
 from tests.helpers import synthetic
 from tests.helpers.synthetic import LOADS, VELOCITIES
@@ -147,7 +147,7 @@ def test_a_crossing_says_how_many_missing_points_it_is_interpolated_across():
     assert line.startswith("450 ")
     (margin,) = pipeline.margins(ds, 430.0, 1.9)  # between lines of the sweep
     assert (margin.velocity_bridged, margin.load_bridged) == (2, 1)
-    never_asked = ds.assign(asked=ds["status"])
+    never_asked = ds.assign(asked=ds["status"] == DONE)
     assert not boundary(never_asked)["bridged_at_load"].any()
 
 
