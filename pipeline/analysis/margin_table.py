@@ -130,8 +130,8 @@ def _note(margins: Sequence[Margin]) -> str | None:
     bridged = {name: max(getattr(one, f"{name}_bridged") for one in margins) for name in names}
     if not any(bridged.values()):
         return None
-    listed = " and ".join(f"{name} across {count}" for name, count in bridged.items() if count)
-    return f"critical {listed} points that are not done"
+    listed = ", ".join(f"{count} along the {name}" for name, count in bridged.items() if count)
+    return f"points not done next to the transition: {listed}"
 
 
 def _of_one(margin: Margin) -> tuple[Any, ...]:
