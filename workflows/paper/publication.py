@@ -7,8 +7,6 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-PAPER = "Bosman & de Rooij, On the transition from mild to severe wear of lubricated contacts"
-
 CYLINDER_PEAK_PRESSURE = 1.01e9
 """Peak pressure in the example of Fig. 4 [Pa]."""
 CYLINDER_HALF_WIDTH = 0.14e-3
