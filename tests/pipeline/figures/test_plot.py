@@ -117,15 +117,6 @@ def test_every_point_is_marked_as_what_it_is(sweep, drawn):
     assert sum(len(found[name]) for name in marked) == sweep["status"].size + len(MEASURED)
 
 
-def test_measured_points_are_shown_where_there_are_any(sweep, drawn):
-    expected = [[point["velocity"], point["normal_load"]] for point in MEASURED]
-    assert lines(drawn)["measured"].tolist() == expected
-    bare = diagram(sweep.assign_attrs(measured=[], friction_band=None))
-    assert "measured" not in lines(bare.axes[0])
-    assert not contour(bare.axes[0], "friction band")
-    assert len(labels(bare.legends[0])) == 5
-
-
 def test_several_frictions_make_the_band_and_their_middle_the_boundary(sweep):
     figure = diagram(sweep, friction=(0.1, 0.08, 0.12))
     assert "transition at friction 0.08–0.12" in labels(figure.legends[0])
@@ -304,11 +295,6 @@ def test_fields_outline_what_is_above_the_critical_temperature(sweep):
     panel = fields(sweep, velocity=2.0, critical_temperature=373.15).axes[1]
     assert panel.child_axes[0].get_xlabel() == "contact temperature, outlined at 100 [°C]"
     assert len(panel.collections) == 2
-
-
-def test_fields_that_were_not_stored_say_how_to_store_them():
-    with pytest.raises(InputError, match=r"holds no fields; .*'fields = true' under \[sweep\]"):
-        fields(synthetic.sweep())
 
 
 @pytest.mark.parametrize("draw", [ramp, fields])
