@@ -143,6 +143,9 @@ def _mismatches(root: Root, sweep: Sweep) -> Iterator[str]:
             "has no fields, since its scene did not ask for them when it was created; leave out "
             "sweep.store_fields, or write to another store"
         )
+    names = variables_of(sweep, "pressure" in root.arrays).keys()
+    if differing := ", ".join(sorted(names ^ root.arrays.keys())):
+        yield f"was made by a version with other variables ({differing}); write to another store"
 
 
 def _over(sweep: Sweep) -> list[str]:

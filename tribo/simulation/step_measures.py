@@ -10,14 +10,6 @@ from tribo.simulation.scene import Scene
 from tribo.simulation.state import State
 from tribo.types import Array
 
-_OF_CONTACT = (
-    "contact_fraction",
-    "contact_width",
-    "max_pressure",
-    "mean_pressure",
-    "saturated_fraction",
-)
-
 
 def measures(scene: Scene, state: State) -> dict[str, float]:
     """Values kept of a state at every step, by the name of their variable in the dataset.
@@ -53,10 +45,9 @@ def measures(scene: Scene, state: State) -> dict[str, float]:
     '171 µm, 3.965 m'
     """
     pressure, mean_depth = state.pressure, float(state.wear_depth.mean())
+    of_contact = _contact_measures(scene, pressure)
     if pressure.size < math.prod(scene.grid.shape):
-        of_contact = dict.fromkeys(_OF_CONTACT, np.nan)
-    else:
-        of_contact = dict(zip(_OF_CONTACT, _contact_measures(scene, pressure), strict=True))
+        of_contact = dict.fromkeys(of_contact, np.nan)
     response = state.heat.mean_bulk_response if state.heat else np.nan
     return {
         "time": state.time,
@@ -80,19 +71,19 @@ def _windows_worn(scene: Scene, state: State) -> float:
     return scene.windows_worn(state.sliding_distance / state.time) if moves else 1.0
 
 
-def _contact_measures(scene: Scene, pressure: Array) -> tuple[float, ...]:
-    """Values of the measures that `_OF_CONTACT` names."""
+def _contact_measures(scene: Scene, pressure: Array) -> dict[str, float]:
+    """Values that the size of the elements decides."""
     contact = pressure > 0
     nodes = int(np.count_nonzero(contact))
     rows = np.flatnonzero(contact.any(axis=1))
     width = int(rows[-1] - rows[0]) + 1 if nodes else 0
-    return (
-        nodes / pressure.size,
-        width / len(pressure) * scene.grid.size[0],
-        float(pressure.max()),
-        float(pressure.sum()) / max(nodes, 1),
-        np.count_nonzero(pressure >= scene.hardness) / max(nodes, 1),
-    )
+    return {
+        "contact_fraction": nodes / pressure.size,
+        "contact_width": width / len(pressure) * scene.grid.size[0],
+        "max_pressure": float(pressure.max()),
+        "mean_pressure": float(pressure.sum()) / max(nodes, 1),
+        "saturated_fraction": np.count_nonzero(pressure >= scene.hardness) / max(nodes, 1),
+    }
 
 
 def touching_elements(scene: Scene, state: State) -> int:

@@ -18,6 +18,7 @@ from hypothesis import strategies as st
 import tribo
 from pipeline.analysis.dataset import open_sweep
 from pipeline.cli import main
+from pipeline.store import schema
 from pipeline.store.create import writing
 from pipeline.store.files import PARTIAL
 from pipeline.store.place import StoreError, StoreMismatchError
@@ -271,6 +272,14 @@ def test_a_sweep_that_does_not_fit_the_store_is_refused(path, made, asked, compl
     with pytest.raises(StoreMismatchError, match=complaint):
         commit(path, asked, ())
     assert contents(path) == before
+
+
+def test_a_store_of_other_variables_is_refused(path, monkeypatch):
+    with monkeypatch.context() as patch:
+        patch.delitem(schema.VARIABLES, "mean_pressure")
+        commit(path, SWEEP, ())
+    with pytest.raises(StoreMismatchError, match=r"version with other variables \(mean_pressure\)"):
+        commit(path, SWEEP, ())
 
 
 def test_a_whole_number_is_the_same_as_its_float(path):
