@@ -21,7 +21,7 @@ _BREAK = 20.0  # times the usual time between points, after which a run was inte
 
 @dataclass(frozen=True, slots=True)
 class FailedPoint:
-    """A point that could not be computed: load [N], velocity [m/s], why, and which variant.
+    """A point that could not be computed: load [N], velocity [m/s], reason, and variant.
 
     Examples
     --------

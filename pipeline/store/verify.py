@@ -35,7 +35,7 @@ _LOST_REASON = "the reason why it failed was damaged; try again with irg run --r
 
 @dataclass(frozen=True, slots=True)
 class Damage:
-    """A damaged point: load [N], velocity [m/s], reason, and which variant.
+    """A damaged point: load [N], velocity [m/s], reason, and variant.
 
     Examples
     --------
@@ -147,17 +147,11 @@ def examined(
     faults: list[_Fault] = []
     complete: list[Point] = []
     for block in store.blocks(is_there | _on_disk(store, "message", keys)):
-        shared_chunks = {name: _read(store, name, block, missing) for name in _together(store)}
-        lost += [(name, block) for name, values in shared_chunks.items() if values is None]
+        values = {name: _read(store, name, block, missing) for name in _together(store)}
+        lost += [(name, block) for name, of_block in values.items() if of_block is None]
         indices = np.argwhere(is_there[block]) + [part.start for part in block]
         for point, index in zip(store.points_at(indices.T), map(tuple, indices), strict=True):
-            within = tuple(i - part.start for i, part in zip(index, block, strict=True))
-            entries = {
-                name: None if values is None else values[within]
-                for name, values in shared_chunks.items()
-            }
-            for name in store.arrays.keys() & AT_END.keys():
-                entries[name] = _read(store, name, index, missing)
+            entries = _entries(store, index, block, values, missing)
             fault = _fault(point, entries, bool(unknown[index] or store.flags[index] == DONE))
             if fault and not unknown[index]:
                 faults.append(fault)
@@ -214,6 +208,22 @@ def _read(store: Store, name: str, points: Any, missing: Mapping[str, Mask]) -> 
         return store.read(name, points)
     except StoreError:
         return None
+
+
+def _entries(
+    store: Store,
+    index: tuple[int, ...],
+    block: Slices,
+    values: Mapping[str, Any],
+    missing: Mapping[str, Mask],
+) -> dict[str, Any]:
+    """Values of one point, of which those of its block are read already; None where lost."""
+    within = tuple(i - part.start for i, part in zip(index, block, strict=True))
+    of_block = {
+        name: None if entries is None else entries[within] for name, entries in values.items()
+    }
+    fields = store.arrays.keys() & AT_END.keys()
+    return of_block | {name: _read(store, name, index, missing) for name in fields}
 
 
 def _fault(point: Point, entries: Mapping[str, Any], is_done: bool) -> _Fault | None:

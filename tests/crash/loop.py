@@ -290,11 +290,11 @@ class Trial:
         """Add what is wrong with the store to the report."""
         acknowledged = self.acknowledged
         self.run.report.counts["looks"] += 1
-        if read_attributes(self.path) is None:
-            if acknowledged:
-                self.fault(f"{len(acknowledged)} points were told as done, and there is no store")
-            return
         try:
+            if read_attributes(self.path) is None:
+                if acknowledged:
+                    self.fault(f"{len(acknowledged)} were told as done, and there is no store")
+                return
             for fault in faults_of_files(verify_store(self.path)):
                 self.fault(fault)
             with pipeline.open_sweep(self.path) as ds:
