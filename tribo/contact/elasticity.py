@@ -109,11 +109,6 @@ def elastic_influence(
         axes the sum over all images, up to a constant: positive throughout if one axis is periodic,
         of mean 0 if both are.
 
-    Raises
-    ------
-    InputError
-        If the kernel is unknown, or takes one image and not just one axis is periodic.
-
     Examples
     --------
     Halfway along the period both images are equally near:

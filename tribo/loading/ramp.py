@@ -74,11 +74,6 @@ class Ramp:
     hold_steps : int, optional
         Steps of the hold; if not given, as few as are no longer than those of the trunk.
 
-    Raises
-    ------
-    InputError
-        If a value lies outside its range.
-
     Examples
     --------
     >>> ramp = Ramp(rate=150.0, reference_load=750.0, hold=4.0, hold_steps=2)
@@ -133,11 +128,6 @@ class Ramp:
             Steps of the trunk up to the reference load.
         after : float
             Load of a station on the same trunk [N], or 0.
-
-        Raises
-        ------
-        InputError
-            If the load is not positive, or would take more than `MOST_STEPS`.
         """
         require_positive(normal_load=normal_load)
         require_integer(1, increments=increments)

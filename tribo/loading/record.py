@@ -113,13 +113,7 @@ class MeasuredLoad:
     def stations(
         self, normal_load: float, increments: int, after: float = 0.0
     ) -> Iterator[Station]:
-        """Every station of a point; times count from the record's first row.
-
-        Raises
-        ------
-        InputError
-            If the load is not positive, or `after` is not 0: no station is shared.
-        """
+        """Every station of a point; times count from the record's first row."""
         require_positive(normal_load=normal_load)
         if after != 0:
             raise InputError(f"cannot go on from {after:g} N: points of a record share no trunk")

@@ -59,11 +59,6 @@ class Motion:
         Length of the track around the pin [m]; 2π times its radius if not given. To be given where
         the pin's radius is the reduced one of two discs.
 
-    Raises
-    ------
-    InputError
-        If not exactly one of the two is given, or a value lies outside its range.
-
     Examples
     --------
     >>> Motion(slide_roll_ratio=0.5).velocities(1.0)

@@ -57,11 +57,6 @@ class Scene:
     fidelity : Fidelity
         Numerical choices.
 
-    Raises
-    ------
-    InputError
-        If the parts do not fit together.
-
     Examples
     --------
     >>> import tribo

@@ -67,12 +67,6 @@ class ConductingHalfSpace(Convolution):
         patch is taken. Endless if not given. ``"nearest-image"``: the patch and, of its images,
         the nearer one of each element, as the leakage of Bosman & de Rooij adds it.
 
-    Raises
-    ------
-    InputError
-        If `velocity` is not finite, `time` is negative or not finite, there is no node, or
-        `length` is not positive.
-
     Examples
     --------
     A square at rest in its steady state is 4a ln(1 + √2)/(πK) warm at its centre, a being half
