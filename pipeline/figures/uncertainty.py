@@ -102,7 +102,7 @@ def draw_risk(
         if posterior
         else "inputs as assumed, before any measurement"
     )
-    axes.set_title(f"{as_title(ensemble.title, 70)}\n{basis}")
+    axes.set_title(f"{as_title(ensemble.title, 74)}\n{basis}")
     if axes.get_legend_handles_labels()[0]:
         figure.legend(loc="outside lower center", ncols=2)
     return figure
