@@ -29,6 +29,14 @@ def portable(attributes: Mapping[Any, Any]) -> dict[str, Any]:
     )
 
 
+def with_changes(attributes: Mapping[Any, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
+    """Portable attributes with some in place of others, or without those that are None."""
+    new = portable(changes)
+    names = {*str(attributes.get(_ENCODED, "")).split(), *new[_ENCODED].split()}
+    kept = {name: value for name, value in attributes.items() if name not in changes}
+    return kept | new | {_ENCODED: " ".join(sorted(names & {*kept, *new}))}
+
+
 def attributes_of(ds: xr.Dataset | xr.DataArray) -> dict[Any, Any]:
     """Attributes of a sweep as plain data, those that are JSON text as what they say.
 

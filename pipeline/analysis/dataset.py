@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from pipeline.analysis.attributes import attributes_of, portable
+from pipeline.analysis.attributes import attributes_of, portable, with_changes
 from pipeline.store.place import PathLike
 from pipeline.store.read import open_store
 from pipeline.store.schema import COORDINATES, LEADING
@@ -83,15 +83,16 @@ def _of_one_scene(ds: xr.Dataset) -> xr.Dataset:
     if not paths or any(path in ds.dims or path not in ds.coords for path in paths):
         return ds
     values = [ds[path].item() for path in paths]
-    here = next(scene for scene in attributes.pop("scenes") if scene["values"] == values)
+    here = next(scene for scene in attributes["scenes"] if scene["values"] == values)
     shown = ", ".join(f"{path} {text}" for path, text in zip(paths, here["written"], strict=True))
-    attributes |= here["attributes"] | {
+    changes = here["attributes"] | {
+        "over": None,
+        "scenes": None,
         "scene": attributes["scene"] | here["scene"],
         "title": f"{attributes['title']}, {shown}",
         "entries": dict(zip(paths, here["written"], strict=True)),
     }
-    del attributes["over"]
-    return ds.drop_attrs(deep=False).assign_attrs(portable(attributes))
+    return ds.drop_attrs(deep=False).assign_attrs(with_changes(ds.attrs, changes))
 
 
 def plane_of(source: xr.Dataset | PathLike) -> xr.Dataset:

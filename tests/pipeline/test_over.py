@@ -4,6 +4,7 @@ import json
 
 import numpy as np
 import pytest
+import xarray as xr
 
 import pipeline
 from pipeline.cli import main
@@ -63,6 +64,9 @@ def test_each_value_gives_the_numbers_of_a_scene_that_has_it_bit_for_bit(swept, 
         same(one, other)
         same(boundaries.isel({"pin.radius": number}), pipeline.boundary(other))
         assert json.loads(one.attrs["scene"]) == json.loads(other.attrs["scene"])
+    ds.to_netcdf(folder / "out.nc")
+    with xr.open_dataset(folder / "out.nc") as copied:
+        same(pipeline.boundary(copied), boundaries)
     assert not np.array_equal(*boundaries["critical_velocity"].values, equal_nan=True)
     assert verify_store(swept).is_clean
 

@@ -51,12 +51,6 @@ def test_width_and_depth_are_those_of_a_smooth_crowned_pin(rate):
         assert facts.hertz_pressure.low == pytest.approx(columns["max_pressure"][-1], rel=0.01)
 
 
-def test_a_crowned_contact_that_outgrows_the_window_along_y_is_doubted():
-    assert not any("window" in doubt for doubt in doubts(CROWNED, facts_of(CROWNED)))
-    short = replace(CROWNED, pixels=tribo.Grid((120, 40), (1.5e-6, 4e-6), (False, False)))
-    assert any("give more window.pixels" in doubt for doubt in doubts(short, facts_of(short)))
-
-
 def rough(array, **changes):
     """A sweep on a measured surface."""
     grid = tribo.Grid(array.shape, (1e-6, 2e-6))
@@ -160,14 +154,9 @@ def test_a_usual_scene_raises_no_doubts():
 @pytest.mark.parametrize(
     ("changes", "said"),
     [
-        ({"disk": replace(STEEL, elastic_modulus=210e6)}, ["disk's elastic modulus", "0.21 GPa"]),
-        ({"disk": replace(STEEL, hardness=60e9)}, ["0.29 times the elastic modulus"]),
-        ({"disk": replace(STEEL, density=7.8)}, ["density is 7.8 kg/m³"]),
-        ({"pin": tribo.Cylinder(2e-6, 3.4e-3, STEEL)}, ["pin's radius is 0.002 mm"]),
         ({"wear": None}, ["no [wear]"]),
         ({"wear": tribo.Wear(1.2e-6)}, ["wear rate is 1.2e+03 mm³/(N m)"]),
         ({"friction_band": (0.1, 1.2)}, ["friction is 1.2"]),
-        ({"velocities": (1.0, 300.0)}, ["velocity is 300 m/s"]),
         ({"pixels": tribo.Grid((60, 8), (2e-6, 50e-6))}, ["contact of Hertz is 125 µm", "120 µm"]),
         ({"pixels": tribo.Grid((100, 8), (2e-6, 50e-6))}, ["up to 258 µm", "2 of 9 points"]),
     ],
@@ -191,11 +180,6 @@ def test_a_surface_that_is_hardly_meant_is_doubted(heights, wear, said):
     assert any(all(text in doubt for text in said) for doubt in doubts(sweep, facts_of(sweep)))
 
 
-def test_grooves_across_sliding_raise_no_doubt():
-    sweep = rough(np.tile(waves(), (6, 1)))
-    assert not any("grooves" in doubt for doubt in doubts(sweep, facts_of(sweep)))
-
-
 def test_of_two_moving_bodies_the_velocities_and_turns_are_told():
     motion = tribo.Motion(slide_roll_ratio=0.5, track_length=0.1)
     sweep = replace(SMOOTH, motion=motion, loads=(300.0, 750.0), velocities=(1.0, 4.0))
@@ -208,11 +192,3 @@ def test_of_two_moving_bodies_the_velocities_and_turns_are_told():
     assert facts.wear_depth.high == pytest.approx(columns["wear_depth_max"][-1], rel=1e-9)
     assert unmoved.pin_velocity is None
     assert "pin_velocity" not in unmoved.as_dict()
-
-
-def test_a_pin_that_hardly_turns_is_doubted():
-    motion = tribo.Motion(slide_roll_ratio=1.0, track_length=1.0)
-    slow = replace(SMOOTH, motion=motion)
-    assert any("the pin turns only" in doubt for doubt in doubts(slow, facts_of(slow)))
-    fast = replace(slow, motion=replace(motion, track_length=1e-2))
-    assert not any("the pin turns only" in doubt for doubt in doubts(fast, facts_of(fast)))
