@@ -235,6 +235,6 @@ def _cost(sweep: Sweep, cost: Estimate, searched: bool) -> Iterator[str]:
 
 
 def _several(sweep: Sweep) -> Iterator[str]:
-    """Say how many surfaces there are, or values of entries."""
+    """Number of the surfaces, or of the values of entries."""
     for name, values in sweep.axes.items():
         yield f", {len(values)} {'surfaces' if name == 'realization' else f'values of {name}'}"

@@ -146,8 +146,9 @@ def infer(options: argparse.Namespace) -> Result:
         return _wear_rate(options, sweep)
     if options.load is not None or options.velocity is not None:
         raise InputError("--load and --velocity belong to --contact-width, which is not given")
-    found = pipeline.critical_temperatures(sweep, progress=tell)
-    return Result(found.as_dict(), _on_temperatures(found), tables=[_transitions(found)])
+    inferred = pipeline.critical_temperatures(sweep, progress=tell)
+    tables = [_transitions(inferred)]
+    return Result(inferred.as_dict(), _on_temperatures(inferred), tables=tables)
 
 
 def _of_stores(options: argparse.Namespace) -> Result:
@@ -165,22 +166,23 @@ def _of_stores(options: argparse.Namespace) -> Result:
     return posterior(options, options.scene)
 
 
-def _on_temperatures(found: CriticalTemperatures) -> Iterator[str]:
+def _on_temperatures(inferred: CriticalTemperatures) -> Iterator[str]:
     """Lines on critical temperatures, a line for each measured transition."""
-    measured = counted(len(found.transitions), "measured transition", "measured transitions")
-    several = f" on {len(found.surfaces)} surfaces" if len(found.surfaces) > 1 else ""
-    yield f"critical temperature from {measured}{several}: {found.criterion.temperature}"
-    for at, mean, spread in zip(found.transitions, found.means, found.spreads, strict=True):
+    measured = counted(len(inferred.transitions), "measured transition", "measured transitions")
+    several = f" on {len(inferred.surfaces)} surfaces" if len(inferred.surfaces) > 1 else ""
+    yield f"critical temperature from {measured}{several}: {inferred.criterion.temperature}"
+    rows = zip(inferred.transitions, inferred.means, inferred.spreads, strict=True)
+    for test, mean, spread in rows:
         temperature = pipeline.display(mean, "°C", 4) + (f" ± {spread:.1f} K" if spread else "")
-        place = f"{at.normal_load:g} N, {at.velocity:g} m/s, friction {at.friction:g}"
+        place = f"{test.normal_load:g} N, {test.velocity:g} m/s, friction {test.friction:g}"
         yield f"  {place}: {temperature}"
-    apart = f", {found.spread:.1f} K apart (standard deviation)" if found.spread else ""
-    yield f"on average {pipeline.display(found.mean, '°C', 4)}{apart}"
+    apart = f", {inferred.spread:.1f} K apart (standard deviation)" if inferred.spread else ""
+    yield f"on average {pipeline.display(inferred.mean, '°C', 4)}{apart}"
 
 
-def _transitions(found: CriticalTemperatures) -> Table:
+def _transitions(inferred: CriticalTemperatures) -> Table:
     """Table with a row for each measured transition."""
-    seeds = found.surfaces if found.spreads[0] else ()
+    seeds = inferred.surfaces if inferred.spreads[0] else ()
     columns = (
         Column("load", "load", "N"),
         Column("velocity", "velocity", "m/s"),
@@ -189,12 +191,14 @@ def _transitions(found: CriticalTemperatures) -> Table:
         Column("spread", "spread", "K"),
         *(Column(f"surface_{seed}", f"surface {seed}", "°C") for seed in seeds),
     )
-    rows = zip(found.transitions, found.temperatures, found.means, found.spreads, strict=True)
+    rows = zip(
+        inferred.transitions, inferred.temperatures, inferred.means, inferred.spreads, strict=True
+    )
     return Table(
         columns,
         tuple(
-            (at.normal_load, at.velocity, at.friction, mean, spread, *(seeds and temperatures))
-            for at, temperatures, mean, spread in rows
+            (test.normal_load, test.velocity, test.friction, mean, spread, *(seeds and values))
+            for test, values, mean, spread in rows
         ),
     )
 
@@ -206,8 +210,8 @@ def _wear_rate(options: argparse.Namespace, sweep: Sweep) -> Result:
     sweep = _slid_for(sweep, options.load, options.duration)
     *_, end = sweep.loading.stations(options.load, sweep.fidelity.increments)
     with working("seeking the wear rate, one simulation after the other"):
-        found = specific_wear_rate(sweep, options.contact_width, options.load, options.velocity)
-    value, lowest, highest = (1e9 * rate for rate in (found.value, found.lowest, found.highest))
+        rate = specific_wear_rate(sweep, options.contact_width, options.load, options.velocity)
+    value, lowest, highest = (1e9 * end for end in (rate.value, rate.lowest, rate.highest))
     longer = end.normal_load / (end.impulse + end.normal_load)  # as wear goes with load times time
     basis = (
         f"for {end.time:.3g} s of sliding until the width was measured; each second more at full "
@@ -220,8 +224,8 @@ def _wear_rate(options: argparse.Namespace, sweep: Sweep) -> Result:
         "an element of the width",
         basis,
     ]
-    document = asdict(found) | {"duration": end.time}
-    columns = [Column(name, name, "mm³/(N m)") for name in asdict(found)]
+    document = asdict(rate) | {"duration": end.time}
+    columns = [Column(name, name, "mm³/(N m)") for name in asdict(rate)]
     columns.append(Column("duration", "duration", "s"))
     return Result(document, text, tables=[Table(tuple(columns), (tuple(document.values()),))])
 

@@ -21,7 +21,7 @@ from pipeline.analysis.transition import BEYOND, CROSSES, OUTCOMES, in_words
 from pipeline.cli.next_steps import after_margin, more_of_boundary
 from pipeline.cli.output import Result, counted, to_table
 from pipeline.cli.scenes import conditions_in, flags_of, given, opened
-from pipeline.cli.unknowns import judged_by, notes, samples_of, table_of_intervals
+from pipeline.cli.unknowns import judged_by, notes, on_risk, samples_of, table_of_intervals
 from tribo import InputError
 
 if TYPE_CHECKING:
@@ -107,13 +107,8 @@ def _of_samples(
     answer = pipeline.margin_intervals(
         ensemble, options.load, options.velocity, measured.draws if measured else None, here
     )
-    at, table = answer.risk, table_of_intervals(answer)
-    text = [
-        f"{at.load:g} N at {at.velocity:g} m/s: severe wear with a probability of "
-        f"{at.probability:.3g} ± {at.error:.2g}",
-        *table.lines(),
-        *notes(ensemble, measured),
-    ]
+    table = table_of_intervals(answer)
+    text = [on_risk(answer.risk), *table.lines(), *notes(ensemble, measured)]
     document = {"given_measured": measured is not None, "intervals": answer.as_dict()}
     return Result(document, text, pipeline.warned(ds), [table])
 

@@ -188,8 +188,8 @@ def parse(arguments: Sequence[str] | None) -> argparse.Namespace:
         _joined(sys.argv[1:] if arguments is None else arguments)
     )
     if unknown:  # an error of the command, whose usage shows its options
-        known = re.findall(r"--[a-z-]+", options.parser.format_usage())
-        near = get_close_matches(unknown[0].partition("=")[0], known, 1)
+        flags = re.findall(r"--[a-z-]+", options.parser.format_usage())
+        near = get_close_matches(unknown[0].partition("=")[0], flags, 1)
         hint = f'did you mean "{near[0]}"?' if near else "options stand after the command"
         options.parser.error(f"unknown option or argument: {' '.join(unknown)}; {hint}")
     if options.parser is parser:

@@ -51,15 +51,14 @@ def risk(options: argparse.Namespace) -> Result:
     text = list(notes(ensemble, weighed))
     if place:
         with working("finding the probability"):
-            at = pipeline.risk(ensemble, options.load, options.velocity, draws)
-        document |= at.as_dict()
+            here = pipeline.risk(ensemble, options.load, options.velocity, draws)
+        document |= here.as_dict()
         text = [
-            f"{at.load:g} N at {at.velocity:g} m/s: severe wear with a probability of "
-            f"{at.probability:.3g} ± {at.error:.2g}",
+            on_risk(here),
             *text,
-            f"  emulated by {at.samples} samples, whose rise errs by {100 * at.rise_error:.2g} %; "
-            "the error of the probability has it in",
-            *_if_given(ensemble, at, weighed),
+            f"  emulated by {here.samples} samples, whose rise errs by "
+            f"{100 * here.rise_error:.2g} %; the error of the probability has it in",
+            *_if_given(ensemble, here, weighed),
         ]
     warned = pipeline.warned(ds)
     if place and options.output is None:
@@ -77,13 +76,21 @@ def risk(options: argparse.Namespace) -> Result:
     )
 
 
-def _if_given(ensemble: Ensemble, at: Risk, weighed: Posterior | None) -> Iterator[str]:
+def on_risk(here: Risk) -> str:
+    """Probability of severe wear at an operating point, in words."""
+    return (
+        f"{here.load:g} N at {here.velocity:g} m/s: severe wear with a probability of "
+        f"{here.probability:.3g} ± {here.error:.2g}"
+    )
+
+
+def _if_given(ensemble: Ensemble, here: Risk, weighed: Posterior | None) -> Iterator[str]:
     """Line on the probability that the scene's own tests would give."""
     if weighed is not None or not (ensemble.measured or ensemble.tested):
         return
     with suppress(InputError), working("weighing the inputs by the tests"):
         after = pipeline.posterior(ensemble)
-        probability = pipeline.risk(ensemble, at.load, at.velocity, after.draws).probability
+        probability = pipeline.risk(ensemble, here.load, here.velocity, after.draws).probability
         given_tests = f"given the scene's {_tests(after)} it is {probability:.2g}"
         yield f"next: {given_tests}: add --given-measured"
 

@@ -1,4 +1,4 @@
-"""What examples in docstrings find beside them: the shipped scenes, and the results of one.
+"""Folder in which examples of docstrings run: the shipped scenes, and the results of one.
 
 A plugin of pytest, so that it reaches the packages: their folders hold no tests of their own.
 """

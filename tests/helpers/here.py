@@ -1,4 +1,4 @@
-"""A Dask client without a cluster: what it is given is done here and at once."""
+"""A Dask client without a cluster, which does its tasks here and at once."""
 
 from collections import deque
 from concurrent.futures import Future
@@ -9,23 +9,11 @@ from pipeline.run.work import compute_points
 
 
 class Here:
-    """What a sweep needs of a client.
+    """The part of a client that a sweep needs, with a number of workers of one thread each.
 
-    Parameters
-    ----------
-    workers : int
-        Number of workers, each with one thread.
-    is_deadly : callable, optional
-        Whether a worker dies of computing a point.
-    is_hit : callable, optional
-        Whether a worker is killed from outside before it begins with the task of a number.
-
-    Attributes
-    ----------
-    tasks : list of tuple
-        The arguments of each function that was submitted.
-    pinned : list of str or None
-        The worker to which each of them was pinned.
+    `is_deadly` tells if a worker dies of computing a point, `is_hit` if one is killed from outside
+    before it begins with the task of a number. `tasks` has the arguments of each function that was
+    submitted, `pinned` the worker to which it was pinned.
     """
 
     def __init__(self, workers=1, is_deadly=lambda _: False, is_hit=lambda _: False):

@@ -52,7 +52,7 @@ def full(**changes):
 
 
 def _on_a_worker():
-    """Whether this process was started by Dask, from here or by the command of a worker."""
+    """True if Dask started this process, from here or by the command of a worker."""
     return multiprocessing.parent_process() is not None or "dask_worker" in sys.argv[0]
 
 
