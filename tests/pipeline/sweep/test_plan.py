@@ -31,7 +31,7 @@ def same(first, second):
 
 
 def same_trunks(first, second):
-    records = [trunk.records.get(None, ()) for trunk in (first, second)]
+    records = [trunk.records.get((), ()) for trunk in (first, second)]
     for one, other in zip(*records, strict=True):
         assert all(np.array_equal(one[name], other[name], equal_nan=True) for name in one)
     return first.state.pressure.tobytes() == second.state.pressure.tobytes()
