@@ -264,7 +264,7 @@ class Trial:
             word = "it hangs" if code is None else f"it ends with {code}"
             self.fault(f"resumed, {word}: {self.last_words()}")
         self.look()
-        if pending := pipeline.summary(self.path).pending:
+        if code == 0 and (pending := pipeline.summary(self.path).pending):
             self.fault(f"resumed, {pending} points are not done")
         if isinstance(self.path, Path):
             left = [*self.path.rglob("*.partial"), *self.path.parent.glob("*.partial")]
