@@ -91,18 +91,16 @@ def by_scene(
     return cast("Callable[Concatenate[xr.Dataset | PathLike, Given], Result]", of_all)
 
 
-def parts_of(
-    results: xr.Dataset, like: str = "critical_velocity"
-) -> Iterator[tuple[tuple[Any, ...], xr.Dataset]]:
-    """Results of `by_scene` again one by one, each with the values of its entries."""
-    names = entry_dims(results[like])
-    for places in np.ndindex(*(results.sizes[name] for name in names)):
-        part = results.isel(dict(zip(names, places, strict=True)))
+def parts_of(boundaries: xr.Dataset) -> Iterator[tuple[tuple[Any, ...], xr.Dataset]]:
+    """Boundaries of all scenes one by one, each with the values of its entries."""
+    names = entry_dims(boundaries["critical_velocity"])
+    for places in np.ndindex(*(boundaries.sizes[name] for name in names)):
+        part = boundaries.isel(dict(zip(names, places, strict=True)))
         values = tuple(part[name].item() for name in names)
         own = {
             str(name): coord.item()
             for name, coord in part.coords.items()
-            if name not in names and set(names) & set(results[name].dims)
+            if name not in names and set(names) & set(boundaries[name].dims)
         }
         yield values, part.drop_vars([*names, *own]).assign_attrs(own)
 
