@@ -60,9 +60,10 @@ promises: .venv/test  ## judge --accuracy and the presets on random scenes, for 
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises --minutes 30
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises --minutes 30 --family wide
 
-samples: .venv/test   ## judge irg risk by 2000 simulations, and irg infer by 40 truths
+samples: .venv/test   ## judge irg risk by 2000 simulations, irg infer and its next tests by truths
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.risk
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.coverage
+	OMP_NUM_THREADS=1 $(BIN)/python -m tests.promises.plans
 
 mutants: .venv/test   ## change the code at random, and see whether a test notices, for an hour
 	OMP_NUM_THREADS=1 $(BIN)/python -m tests.mutants

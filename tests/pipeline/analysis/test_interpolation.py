@@ -67,3 +67,10 @@ def test_interpolation_passes_through_the_points_and_the_crossing(steps, start, 
 )
 def test_exponents_at_the_ends_of_what_is_known(x, y, at, expected):
     assert exponent(np.array(x), np.array(y), at) == pytest.approx(expected, nan_ok=True)
+
+
+def test_from_rest_values_rise_by_the_power_law_with_which_the_first_points_begin():
+    x, y = np.array([0.0, 0.5, 1.0, 2.0]), np.array([0.0, 10.0, 18.0, 26.0])
+    slope = PchipInterpolator(np.log(x[1:]), np.log(y[1:]))(np.log(0.5), nu=1)
+    assert interpolated(x, y, np.array([0.25])) == pytest.approx([10.0 * 0.5**slope], rel=1e-12)
+    assert crossing(x, y, 10.0 * 0.5**slope) == pytest.approx(0.25, rel=1e-12)
