@@ -31,23 +31,23 @@ def scene():
 
 
 class CountedPoints:
-    """In a worker: `run_point`, and the CPU time that it takes [s]."""
+    """In a worker: `run_points`, and the CPU time that it takes [s]."""
 
     def __init__(self):
         self.seconds = 0.0
-        self._run_point, work.run_point = work.run_point, self
+        self._run_points, work.run_points = work.run_points, self
 
     def __call__(self, *arguments, **options):
         began = time.thread_time()
         try:
-            return self._run_point(*arguments, **options)
+            return self._run_points(*arguments, **options)
         finally:
             self.seconds += time.thread_time() - began
 
 
 def used():
     """CPU time of a worker so far, and what of it its points took [s]."""
-    return time.process_time(), work.run_point.seconds
+    return time.process_time(), work.run_points.seconds
 
 
 def time_of_bare_files(store, folder):
