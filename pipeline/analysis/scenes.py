@@ -21,6 +21,7 @@ Given = ParamSpec("Given")
 Result = TypeVar("Result", xr.Dataset, xr.DataArray)
 
 _SHOWN = {"m": "mm", "K": "°C", "kg m-1 s-2": "GPa", "m s2 kg-1": "mm³/(N m)"}
+_SHORT = 1e-4  # m: lengths of an entry that are all shorter are shown in µm
 
 
 def at_entries(ds: xr.Dataset | PathLike, values: Mapping[str, float | str]) -> xr.Dataset:
@@ -108,12 +109,20 @@ def parts_of(boundaries: xr.Dataset) -> Iterator[tuple[tuple[Any, ...], xr.Datas
 def columns_of(ds: xr.Dataset | xr.DataArray) -> tuple[Column, ...]:
     """Columns of a table for the entries that have several values."""
     names = entry_dims(ds)
-    units = [str(ds[name].attrs.get("units", "")) for name in names]
-    return tuple(
-        Column(name, f"{name} [{unit}]" if unit not in ("", "1", *_SHOWN) else name, shown)
-        for name, unit in zip(names, units, strict=True)
-        for shown in [_SHOWN.get(unit, "")]
-    )
+    columns = []
+    for name in names:
+        unit, shown = str(ds[name].attrs.get("units", "")), _shown_unit(ds[name])
+        plain = bool(shown) or unit in ("", "1")
+        columns.append(Column(name, name if plain else f"{name} [{unit}]", shown))
+    return tuple(columns)
+
+
+def _shown_unit(axis: xr.DataArray) -> str:
+    """Unit in which the values of an entry are shown; empty if it is that of SI."""
+    unit = str(axis.attrs.get("units", ""))
+    if unit == "m" and abs(axis).max() < _SHORT:
+        return "µm"
+    return _SHOWN.get(unit, "")
 
 
 def joined(columns: tuple[Column, ...], parts: Iterable[tuple[Sequence[Any], Table]]) -> Table:
@@ -160,8 +169,8 @@ def value_text(axis: xr.DataArray, value: float | str) -> str:
     unit = str(axis.attrs.get("units", ""))
     if isinstance(value, str):
         return value
-    if unit in _SHOWN:
-        return display(value, _SHOWN[unit])
+    if shown := _shown_unit(axis):
+        return display(value, shown)
     return f"{value:.6g} {unit}".removesuffix(" 1").strip()
 
 

@@ -11,7 +11,7 @@ import xarray as xr
 from pipeline.analysis.conditions import conditions_of
 from pipeline.analysis.dataset import dataset_of, entry_dims
 from pipeline.analysis.decisive import decisive_rise
-from pipeline.analysis.scenes import scenes, stacked
+from pipeline.analysis.scenes import scenes, stacked, value_text
 from pipeline.store.place import PathLike
 from pipeline.store.schema import DONE
 from pipeline.sweep.criterion import rise_limit
@@ -98,8 +98,8 @@ def _first(ds: xr.Dataset, chosen: xr.DataArray) -> str:
         point = ds[["message"]].isel(dict(zip(chosen.dims, place.tolist(), strict=True)))
         if message := str(point["message"].item()):
             names = [str(dim) for dim in chosen.dims if dim not in ("load", "velocity")]
-            variant = tuple((name, point[name].item()) for name in names)
-            return f"{Point(point['load'].item(), point['velocity'].item(), variant)}: {message}"
+            values = tuple((name, value_text(ds[name], point[name].item())) for name in names)
+            return f"{Point(point['load'].item(), point['velocity'].item(), values)}: {message}"
     return ""
 
 
