@@ -27,9 +27,9 @@ _LOGGING = {
         "distributed.comm.tcp": {"level": "ERROR"},
     },
 }
-os.environ["DASK_LOGGING"] = repr(_LOGGING)  # also for the worker that the nanny starts
 
 if __name__ == "__main__":
+    os.environ["DASK_LOGGING"] = repr(_LOGGING)  # also for the worker that the nanny starts
     import dask
     from distributed.cli.dask_worker import main
 

@@ -250,6 +250,7 @@ def test_a_diagram_draws_no_boundary_that_was_not_found(case, given):
     found = pipeline.boundary(ds, **given)
     figure = diagram(ds, **given)
     axes, texts = figure.axes[0], [text.get_text() for text in figure.legends[0].texts]
+    texts = [text for text in texts if not text.startswith("transition at friction")]  # the band
     is_drawn = any(each.get_gid() == "boundary" for each in [*axes.collections, *axes.lines])
     crosses = [(found[f"outcome_at_{axis}"] == CROSSES).any() for axis in ("load", "velocity")]
     assert is_drawn <= bool(any(crosses))
