@@ -275,14 +275,17 @@ def test_a_page_says_what_the_boundary_says(case):
     return argument.map((given) => {
       chosen.conditions = { ...content.conditions, ...given };
       const { velocity, load } = summary();
-      return [velocity, load].map((rows) => ({
+      const sides = [velocity, load].map((rows) => ({
         outcome: rows.map(({ transitions }) => transitions.map(({ outcome }) => outcome)),
         middle: rows.map(({ middle }) => middle),
       }));
+      return [sides, loadsBeyond([chosen.conditions.friction])];
     });
     """
-    for given, sides in zip(asked, javascript.run(ds, script, judged), strict=True):
+    for given, (sides, cut) in zip(asked, javascript.run(ds, script, judged), strict=True):
         found = pipeline.boundary(ds, **given)
+        beyond = found["outcome_at_load"].isin(BEYOND).transpose("load", ...).values
+        assert cut == beyond.reshape(len(beyond), -1).any(axis=1).sum()
         for side, name, axis in zip(
             sides, ("critical_velocity", "critical_load"), ("load", "velocity"), strict=True
         ):

@@ -207,7 +207,9 @@ function showLegend() {
     [isJudged() && count > 1, `${100 * BAND[0]} to ${100 * BAND[2]} % of ${count}`, box("band")],
   ];
   const frictions = band ? band.map((end) => shown(end)).join(" to ") : "";
-  signs.push([frictions && isJudged(), `transition at friction ${frictions}`, box("friction")]);
+  const cut = isJudged() ? loadsBeyond(band ?? []) : 0;
+  const beyond = cut ? `, beyond what was computed at ${cut} of ${sweep.loads.length} loads` : "";
+  signs.push([frictions && isJudged(), `transition at friction ${frictions}${beyond}`, box("friction")]);
   for (const [kind, words] of KINDS) signs.push([kinds.has(kind), words, mark(kind, 13, 7, 4)]);
   signs.push(
     [isWarned, "carries a warning", svg("circle", { class: "ring", cx: 13, cy: 7, r: 6 })],

@@ -12,6 +12,19 @@ function summary() {
   return sweep.boundary(surfaces(), chosen.conditions);
 }
 
+/**
+ * Number of loads at which a transition at any of these frictions lies beyond what was computed.
+ * @param {number[]} frictions
+ */
+function loadsBeyond(frictions) {
+  const rows = frictions.map(
+    (friction) => sweep.boundary(surfaces(), { ...chosen.conditions, friction }).velocity,
+  );
+  return sweep.loads.filter((_, i) =>
+    rows.some((row) => row[i].transitions.some(({ outcome }) => [ABOVE, BELOW].includes(outcome))),
+  ).length;
+}
+
 /** Both sides of the boundary as they are shown. @returns {Side[]} */
 function sides() {
   const { loads, velocities } = sweep;
