@@ -6,6 +6,7 @@ import csv
 import re
 import tokenize
 from contextlib import suppress
+from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
@@ -62,7 +63,7 @@ def read_heights(path: str | Path, unit: float = 1.0, *, allow_missing: bool = F
             case suffix:
                 raise InputError(f"{path}: format {suffix!r} is not known; use .npy or .csv")
     except OSError as error:
-        raise InputError(f"{path}: cannot be read: {error.strerror or error}") from error
+        raise InputError(f"{path}: cannot be read: {reason_of(error, path)}") from error
     except (ValueError, EOFError, csv.Error, tokenize.TokenError) as error:
         if isinstance(error, InputError):
             raise
@@ -89,6 +90,24 @@ def require_file(path: Path) -> None:
     with suppress(OSError):  # which opening it says better
         if path.exists() and not path.is_file():
             raise InputError(f"{path}: cannot be read: not a file")
+
+
+def reason_of(error: OSError, path: Path) -> str:
+    """Reason why a file cannot be read; for a missing one with a path that may be meant."""
+    reason = error.strerror or str(error)
+    return f"{reason}{near_path(path)}" if isinstance(error, FileNotFoundError) else reason
+
+
+def near_path(path: Path) -> str:
+    """Ask whether a path with a like name was meant; empty if there is none."""
+    wrong = next((part for part in (path, *path.parents) if part.parent.is_dir()), path)
+    with suppress(OSError):
+        names = sorted(entry.name for entry in wrong.parent.iterdir())
+        longer = [name for name in names if name.startswith(f"{wrong.name}.")]
+        for name in longer or get_close_matches(wrong.name, names, 1, 0.8):
+            near = wrong.with_name(name) / path.relative_to(wrong)
+            return f' (did you mean "{near}"?)' if near.exists() else ""
+    return ""
 
 
 def _read_npy(path: Path) -> NDArray[Any]:
@@ -208,7 +227,7 @@ def read_load(path: str | Path, reference_load: float | None = None) -> Measured
                 lines.append(reader.line_num)
                 rows.append(_numbers(cells, where))
     except OSError as error:
-        raise InputError(f"{path}: cannot be read: {error.strerror or error}") from error
+        raise InputError(f"{path}: cannot be read: {reason_of(error, path)}") from error
     except (UnicodeDecodeError, csv.Error) as error:
         raise InputError(f"{path}: not comma-separated text in UTF-8: {error}") from error
     if factors is None or len(rows) < 2:

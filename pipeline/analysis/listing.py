@@ -16,6 +16,7 @@ from pipeline.store.progress import summary
 from pipeline.store.root import read_attributes
 from pipeline.sweep.stages import duration
 from tribo import InputError, TriboError
+from tribo.files import near_path
 
 _COLUMNS = (
     Column("name", "name"),
@@ -59,7 +60,8 @@ def listing(folder: str | Path) -> Table:
     """
     path = Path(folder)
     if not path.is_dir():
-        raise InputError(f"{folder} is not a folder; give one with stores or scenes")
+        near = near_path(path)
+        raise InputError(f"{folder} is not a folder{near}; give one with stores or scenes")
     rows = [row for entry in _stores_and_scenes(path) if (row := _row(entry, path))]
     names = [column.name for column in _COLUMNS]
     return Table(_COLUMNS, tuple(tuple(row.get(name) for name in names) for row in rows))

@@ -14,6 +14,7 @@ from pipeline.scene.rows import quantity_and_unit, read_rows
 from pipeline.scene.units import UnitError, to_si
 from pipeline.store.place import PathLike
 from tribo import InputError
+from tribo.files import reason_of
 
 _LIKE = {"load": "500 N", "velocity": "2 m/s"}
 _MOST_FAULTS = 20  # that are written out
@@ -104,7 +105,7 @@ def _read_csv(path: Path, faults: list[str]) -> _Cells:
     try:
         heads, rows, wrong_rows = read_rows(path)
     except OSError as error:
-        raise InputError(f"cannot read {path}: {error.strerror or error}") from error
+        raise InputError(f"cannot read {path}: {reason_of(error, path)}") from error
     except UnicodeDecodeError:
         raise InputError(f"cannot read {path}: it is not in UTF-8; save it as such") from None
     if not heads:

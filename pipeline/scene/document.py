@@ -17,6 +17,7 @@ from typing import Any, NamedTuple
 from pipeline.scene.faults import Fault, Faults, SceneFileError, did_you_mean, quoted
 from pipeline.scene.format import EXTENDS, WITHOUT
 from pipeline.scene.shipped import scene_path, shipped_scenes
+from tribo.files import reason_of
 
 _LARGEST_FILE = 10_000_000
 _LEVELS = 10  # of tables in tables, more than the format has
@@ -183,10 +184,10 @@ def _toml(path: Path) -> dict[str, Any]:
         with path.open("rb") as file:
             content = file.read(_LARGEST_FILE + 1)
     except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or error
-        missing = isinstance(error, FileNotFoundError)
-        meant = did_you_mean(path.stem, shipped_scenes()) if missing else ""
-        raise SceneFileError(path, [f"cannot be read: {reason}{meant}"]) from error
+        reason = reason_of(error, path) if isinstance(error, OSError) else str(error)
+        if isinstance(error, FileNotFoundError) and not reason.endswith(")"):
+            reason += did_you_mean(path.stem, shipped_scenes())
+        raise SceneFileError(path, [f"cannot be read: {reason}"]) from error
     if len(content) > _LARGEST_FILE:
         raise SceneFileError(
             path, [f"is larger than {_LARGEST_FILE // 10**6} MB; give a scene file, which is text"]

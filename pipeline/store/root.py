@@ -20,6 +20,7 @@ from pipeline.store.place import (
     place_of,
 )
 from pipeline.store.schema import FORMAT
+from tribo.files import near_path
 
 _HASH = "root_hash"
 _CONSOLIDATED = "consolidated_metadata"
@@ -48,7 +49,8 @@ def read_root(place: Place) -> Root:
     if root is None and isinstance(place, Folder) and place.path.is_dir():
         raise _no_store(place)
     if root is None:
-        raise StoreError(f"{place} does not exist; give a store that irg run made")
+        near = near_path(place.path) if isinstance(place, Folder) else ""
+        raise StoreError(f"{place} does not exist{near}; give a store that irg run made")
     return root
 
 

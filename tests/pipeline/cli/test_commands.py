@@ -370,6 +370,33 @@ def test_wrong_use_exits_with_2_and_says_why(arguments, said, capsys):
     assert said in capsys.readouterr().err
 
 
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["check", "scen.toml"], 'scene.toml"?)'),
+        (["check", "scene.tml"], 'scene.toml"?)'),
+        (["check", "first_tri"], 'did you mean "first_try"?'),
+        (["check", "nothing.toml"], "No such file or directory"),
+        (["boundary", "result/scene.zarr"], 'results/scene.zarr"?)'),
+        (["boundary", "results/scene"], 'results/scene.zarr"?)'),
+        (["list", "result"], 'results"?)'),
+        (["margin", "results/scene.zarr", "--points", "dutty.csv"], 'duty.csv"?)'),
+    ],
+)
+def test_a_misspelt_path_is_answered_with_one_that_may_be_meant(
+    store, tmp_path, monkeypatch, capsys, arguments, said
+):
+    (tmp_path / "results").mkdir()
+    (tmp_path / "results/scene.zarr").symlink_to(store)
+    for name in ("scene.toml", "duty.csv"):
+        (tmp_path / name).touch()
+    monkeypatch.chdir(tmp_path)
+    assert main(arguments) == 2
+    words = capsys.readouterr().err
+    assert said in words
+    assert ("did you mean" in words) == ("?" in said)
+
+
 def test_margin_says_how_far_an_operating_point_is_from_severe_wear(store, irg):
     place = ("--load", "300 N", "--velocity", "1.5 m/s")
     document = irg("margin", store, *place, "--json")

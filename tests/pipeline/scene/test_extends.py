@@ -172,6 +172,7 @@ def test_leaving_out_what_is_not_there_is_a_fault(write, tmp_path):
     [
         ('"missing.toml"', "missing.toml: cannot be read: No such file"),
         ('"workflows/first_try.toml"', 'No such file or directory (did you mean "first_try"?)'),
+        ('"brken.toml"', 'broken.toml"?)'),
         ('"broken.toml"', "broken.toml: is not valid TOML"),
         ("3", "3 is not text"),
         ('""', "is empty"),
