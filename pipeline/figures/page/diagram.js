@@ -200,10 +200,11 @@ function showLegend() {
   const kinds = new Set(everyPoint().map(({ i, j }) => kindOf(i, j)));
   const isWarned = everyPoint().some(({ i, j }) => hasWarning(i, j));
   const count = surfaces().length;
+  const drawn = line("boundary", "M0,7H26");
   const { friction_band: band, measured } = content;
   /** @type {[boolean | number | string, string, SVGElement][]} */
   const signs = [
-    [isJudged(), count > 1 ? "transition, median" : "computed transition", line("boundary", "M0,7H26")],
+    [isJudged(), `${count > 1 ? "transition, median" : "computed transition"}${bridgedLoads()}`, drawn],
     [isJudged() && count > 1, `${100 * BAND[0]} to ${100 * BAND[2]} % of ${count}`, box("band")],
   ];
   const frictions = band ? band.map((end) => shown(end)).join(" to ") : "";

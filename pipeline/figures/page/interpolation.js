@@ -72,6 +72,15 @@ function above(x, value) {
 }
 
 /**
+ * Index of a place on an axis, or of the two that it lies between.
+ * @param {number[]} x ascending @param {number} place
+ */
+function beside(x, place) {
+  const next = above(x, place);
+  return x[next - 1] === place ? [next - 1] : [next - 1, next];
+}
+
+/**
  * Value by straight lines, that of the nearer end beyond them.
  * @param {ArrayLike<number>} x ascending @param {ArrayLike<number>} y @param {number} place
  */

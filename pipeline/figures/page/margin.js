@@ -87,8 +87,8 @@ function marginRows() {
   const rows = [["deciding temperature", banded(temperatures.map((kelvin) => kelvin - ZERO_CELSIUS), "°C")]];
   if (isJudged()) {
     const critical = conditions.critical_temperature ?? NaN;
-    const velocities = margins.map((margin) => margin.velocity.ends);
-    const loads = margins.map((margin) => margin.load.ends);
+    const velocities = margins.map((margin) => margin.velocity);
+    const loads = margins.map((margin) => margin.load);
     rows.unshift(["wear", wearOf(margins.map(({ rise }) => rise > riseLimit(conditions)))]);
     rows.push(["distance to critical", banded(temperatures.map((kelvin) => critical - kelvin), "K", 3)]);
     rows.push(["severe at this load", wayText(velocities, velocity, "velocity", "m/s")]);
@@ -121,9 +121,10 @@ function bandedText(quantiles, unit, digits = 4) {
 
 /**
  * Transitions in words, and their ratio to the present value.
- * @param {Ends[]} ends @param {number} now @param {string} along @param {string} unit
+ * @param {Transition[]} transitions @param {number} now @param {string} along @param {string} unit
  */
-function wayText(ends, now, along, unit) {
+function wayText(transitions, now, along, unit) {
+  const ends = transitions.map((transition) => transition.ends);
   const areAll = (/** @type {(pair: Ends) => boolean} */ holds) => ends.every(holds);
   if (areAll(([low]) => low === Infinity)) return `at no ${along} computed`;
   if (areAll(([, high]) => high === -Infinity)) return `at every ${along} computed`;
@@ -132,7 +133,7 @@ function wayText(ends, now, along, unit) {
   if (areAll(([low, high]) => low === -Infinity && low < high)) return "below what was computed";
   const quantiles = BAND.map((share) => quantileOfEnds(ends, share));
   const times = Number.isFinite(quantiles[1]) ? `, ${shown(quantiles[1] / now, 3)} times` : "";
-  return `${bandedText(quantiles, unit)}${times}`;
+  return `${bandedText(quantiles, unit)}${times}${bridgedText(transitions)}`;
 }
 
 /** Names and texts as a table without heads. @param {[string, string][]} rows */

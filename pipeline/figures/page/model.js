@@ -22,8 +22,9 @@
  *   outcomes: string[], range: {velocity: Ends, load: Ends}, messages: Object<string, string>,
  *   fields: Fields, friction_band: Ends | null, film: Film | null}} Content result of
  *   pipeline.figures.page.content
- * @typedef {{rises: number[][][], along: Line[][], across: Line[][], fine: number[],
- *   columns: Line[][]}} Decisive decisive rises, and lines through them by surface
+ * @typedef {{rises: number[][][], isMissing: boolean[][][], along: Line[][], across: Line[][],
+ *   fine: number[], columns: Line[][]}} Decisive decisive rises, points that were asked for and
+ *   have none, and lines through them by surface
  */
 
 const POINT_DONE = 1;
@@ -148,6 +149,11 @@ class Sweep {
         velocities.map((_velocity, j) => this.worst(this.place(surface, i, j), conditions).rise),
       ),
     );
+    const isMissing = rises.map((rows, surface) =>
+      rows.map((row, i) =>
+        row.map((rise, j) => Number.isNaN(rise) && this.asked[this.place(surface, i, j)] !== 0),
+      ),
+    );
     const along = rises.map((rows) => rows.map((row) => lineOf(velocities, row)));
     const across = rises.map((rows) =>
       velocities.map((_, j) => lineOf(loads, rows.map((row) => row[j]))),
@@ -156,10 +162,25 @@ class Sweep {
     const columns = along.map((lines) =>
       fine.map((velocity) => lineOf(loads, lines.map((line) => valueAt(line, velocity)))),
     );
-    const decisive = { rises, along, across, fine, columns };
+    const decisive = { rises, isMissing, along, across, fine, columns };
     if (this.kept.size > 10) this.kept.clear();
     this.kept.set(key, decisive);
     return decisive;
+  }
+
+  /**
+   * Velocities at which points of some loads are missing, and loads at which points of some
+   * velocities are, given by their indices.
+   * @param {number} surface @param {Conditions} conditions
+   */
+  gaps(surface, conditions) {
+    const isMissing = this.decisive(conditions).isMissing[surface];
+    return {
+      velocity: (/** @type {number[]} */ rows) =>
+        this.velocities.filter((_, j) => rows.some((i) => isMissing[i]?.[j])),
+      load: (/** @type {number[]} */ columns) =>
+        this.loads.filter((_, i) => columns.some((j) => isMissing[i][j])),
+    };
   }
 
   /** Velocities at which to draw the boundary: those of the sweep, and some between them. */
@@ -182,16 +203,19 @@ class Sweep {
    */
   boundary(surfaces, conditions) {
     const limit = riseLimit(conditions);
-    const { along, across, rises } = this.decisive(conditions);
-    const over = (/** @type {Line[][]} */ lines, /** @type {Ends} */ range) =>
-      lines[0].map((_, k) => summaryOf(surfaces.map((s) => transitionAlong(lines[s][k], limit, range))));
-    const missing = surfaces.flatMap((surface) =>
-      rises[surface].flat().filter((rise, k) => Number.isNaN(rise) && this.asked[surface * this.plane + k]),
-    );
+    const { along, across, isMissing } = this.decisive(conditions);
+    const over = (/** @type {Line[][]} */ lines, /** @type {"velocity" | "load"} */ axis) =>
+      lines[0].map((_, k) =>
+        summaryOf(
+          surfaces.map((s) =>
+            transitionAlong(lines[s][k], limit, this.range[axis], this.gaps(s, conditions)[axis]([k])),
+          ),
+        ),
+      );
     return {
-      velocity: over(along, this.range.velocity),
-      load: over(across, this.range.load),
-      missing: missing.length,
+      velocity: over(along, "velocity"),
+      load: over(across, "load"),
+      missing: surfaces.flatMap((surface) => isMissing[surface].flat()).filter(Boolean).length,
     };
   }
 
@@ -243,20 +267,21 @@ class Sweep {
     }
     let alongLoad = [across[surface][j]];
     if (j < 0) alongLoad = [within, certain(velocity)].map((row) => through(loads, row, load));
+    const gaps = this.gaps(surface, conditions);
     return {
       rise,
       isWithin,
-      velocity: this.surest(alongVelocity, limit, range.velocity),
-      load: this.surest(alongLoad, limit, range.load),
+      velocity: this.surest(alongVelocity, limit, range.velocity, gaps.velocity(beside(loads, load))),
+      load: this.surest(alongLoad, limit, range.load, gaps.load(beside(velocities, velocity))),
     };
   }
 
   /**
    * Transition along the last line if it crosses, else along the first, that of computed points.
-   * @param {Line[]} lines @param {number} limit @param {Ends} range
+   * @param {Line[]} lines @param {number} limit @param {Ends} range @param {number[]} gaps
    */
-  surest(lines, limit, range) {
-    const going = transitionAlong(lines[lines.length - 1], limit, range);
+  surest(lines, limit, range, gaps) {
+    const going = transitionAlong(lines[lines.length - 1], limit, range, gaps, lines[0].x);
     return going.outcome === CROSSES ? going : transitionAlong(lines[0], limit, range);
   }
 }

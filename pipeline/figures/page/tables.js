@@ -25,6 +25,12 @@ function loadsBeyond(frictions) {
   ).length;
 }
 
+/** Loads at which a crossing is interpolated across points that are not done, in words. */
+function bridgedLoads() {
+  const rows = summary().velocity.filter(({ transitions }) => transitions.some(({ bridged }) => bridged));
+  return rows.length ? `, across points not done at ${rows.length} of ${sweep.loads.length} loads` : "";
+}
+
 /** Both sides of the boundary as they are shown. @returns {Side[]} */
 function sides() {
   const { loads, velocities } = sweep;
@@ -59,13 +65,13 @@ function outcomeText({ transitions }, unit) {
   if (transitions.length === 1) {
     const [{ outcome, computed }] = transitions;
     const range = [...new Set(computed)].map((end) => shown(end)).join(" to ");
-    return words[outcome] + (outcome > UNKNOWN ? `: ${range} ${unit}` : "");
+    return words[outcome] + (outcome > UNKNOWN ? `: ${range} ${unit}` : "") + bridgedText(transitions);
   }
   const counts = words.map((_, code) => transitions.filter(({ outcome }) => outcome === code).length);
   const texts = counts.map((count, code) =>
     code === CROSSES ? `${count} of ${transitions.length} cross` : `${count} ${words[code]}`,
   );
-  return texts.filter((_, code) => counts[code]).join(", ");
+  return texts.filter((_, code) => counts[code]).join(", ") + bridgedText(transitions);
 }
 
 /**
@@ -139,13 +145,17 @@ function csv({ places, rows, head, title, unit }) {
   const heads = isBand
     ? [head, `${name} median`, `${name} 10 %`, `${name} 90 %`, "mean", "spread", "crossing", "known"]
     : [head, name, "outcome"];
+  heads.push("across points not done");
   const lines = rows.map(({ middle, low, high, mean, spread, transitions }, k) => {
     const outcomes = transitions.map(({ outcome }) => outcome);
     const counts = [CROSSES + 1, UNKNOWN].map((end) => outcomes.filter((outcome) => outcome < end).length);
     const values = (isBand ? [middle, low, high, mean, spread] : [middle]).map((value) =>
       Number.isFinite(value) ? value : "",
     );
-    const last = isBand ? counts : [content.outcomes[outcomes[0]]];
+    const bridged = transitions.map((transition) => transition.bridged);
+    const last = isBand
+      ? [...counts, bridged.filter(Boolean).length]
+      : [content.outcomes[outcomes[0]], bridged[0]];
     return [places[k], ...values, ...last, ...conditions];
   });
   const bulks = ["bulk temperature [K]", "bulk temperature of the disk [K]"];

@@ -4,7 +4,8 @@
 
 /**
  * @typedef {[number, number]} Ends least and greatest place that a transition may have
- * @typedef {{place: number, outcome: number, ends: Ends, computed: Ends}} Transition
+ * @typedef {{place: number, outcome: number, ends: Ends, computed: Ends, bridged: number}} Transition
+ *   bridged are the points not done that it is interpolated across
  * @typedef {{low: number, middle: number, high: number, mean: number, spread: number,
  *   transitions: Transition[]}} Summary transitions on several surfaces, and their quantiles
  */
@@ -37,20 +38,43 @@ function quantileOfEnds(ends, share) {
 /**
  * Transition along a line.
  * @param {Line} line @param {number} limit @param {Ends} range of the sweep itself
+ * @param {number[]} gaps places of points that were asked for and are not done
+ * @param {number[]} done places of points that are done
  * @returns {Transition}
  */
-function transitionAlong(line, limit, range) {
+function transitionAlong(line, limit, range, gaps = [], done = line.x) {
   const { x, y } = line;
   const [low, high] = x.length ? [x[0], x[x.length - 1]] : [NaN, NaN];
   const place = crossing(line, limit);
   const result = (/** @type {number} */ outcome, /** @type {number} */ least, /** @type {number} */ most) =>
-    /** @type {Transition} */ ({ place, outcome, ends: [least, most], computed: [low, high] });
-  if (Number.isFinite(place)) return result(CROSSES, place, place);
+    /** @type {Transition} */ ({ place, outcome, ends: [least, most], computed: [low, high], bridged: 0 });
+  if (Number.isFinite(place)) {
+    return { ...result(CROSSES, place, place), bridged: bridgedAt(place, gaps, done) };
+  }
   if (!x.length || Number.isNaN(limit)) return result(UNKNOWN, NaN, NaN);
   if (y[0] > limit) {
     return low <= range[0] ? result(SEVERE, -Infinity, -Infinity) : result(BELOW, -Infinity, low);
   }
   return high >= range[1] ? result(MILD, Infinity, Infinity) : result(ABOVE, high, Infinity);
+}
+
+/**
+ * Number of gaps between the two points done next to a place.
+ * @param {number} place @param {number[]} gaps @param {number[]} done ascending
+ */
+function bridgedAt(place, gaps, done) {
+  const whole = done.filter((other) => !gaps.includes(other));
+  const next = whole.find((other) => other >= place) ?? -Infinity;
+  const last = whole[above(whole, place) - 1] ?? Infinity;
+  return gaps.filter((gap) => gap > last && gap < next).length;
+}
+
+/** Points that crossings are interpolated across, in words. @param {Transition[]} transitions */
+function bridgedText(transitions) {
+  const counts = transitions.map(({ bridged }) => bridged).filter(Boolean);
+  if (!counts.length) return "";
+  if (transitions.length > 1) return `, ${counts.length} of them across points not done`;
+  return `, across ${counts[0]} point${counts[0] > 1 ? "s" : ""} not done`;
 }
 
 /** Quantiles, mean and spread of transitions on several surfaces. @param {Transition[]} transitions */

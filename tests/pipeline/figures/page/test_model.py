@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import pipeline
+from pipeline.analysis.dataset import variant_of
 from pipeline.analysis.decisive import decisive_rise
 from pipeline.analysis.interpolation import crossing, interpolated
 from pipeline.analysis.transition import OUTCOMES
@@ -86,6 +87,10 @@ def test_the_boundary_is_that_of_the_command(kind):
                 outcomes = expected[f"outcome_at_{axis}"].values.tolist()
                 assert [row["outcome"] for row in table] == [OUTCOMES[each] for each in outcomes]
                 crossings += int(np.isfinite(expected[name]).sum())
+            bridged = expected[f"bridged_at_{axis}"]
+            if "crossing_at_load" in expected:
+                bridged = (bridged > 0).sum(variant_of(bridged))
+            same(column(table, "across points not done"), bridged)
             if "bulk_temperature" in given:
                 same(column(table, "bulk temperature [K]"), given["bulk_temperature"], rtol=0)
     assert crossings > 40
@@ -100,7 +105,7 @@ def test_the_margin_is_that_of_the_command(kind):
     return argument.map(([load, velocity]) => {
       const { rise, ...ways } = sweep.margin(0, load, velocity, chosen.conditions);
       const along = [ways.velocity, ways.load].flatMap(({ place, outcome }) => [place, outcome]);
-      return [temperature(rise), ...along];
+      return [temperature(rise), ...along, ways.velocity.bridged, ways.load.bridged];
     });
     """
     draw = np.random.default_rng(3)
@@ -108,12 +113,13 @@ def test_the_margin_is_that_of_the_command(kind):
     places += [[450.0, 1.55], [333.0, 1.8]]
     for place, found in zip(places, run(ds, margin, places), strict=True):
         (expected,) = pipeline.margins(ds, *place)
-        temperature, velocity, along, load, up = found
+        temperature, velocity, along, load, up, *bridged = found
         same(
             [temperature, velocity, load],
             [expected.decisive_temperature, expected.critical_velocity, expected.critical_load],
         )
         assert (OUTCOMES[along], OUTCOMES[up]) == (expected.velocity_outcome, expected.load_outcome)
+        assert bridged == [expected.velocity_bridged, expected.load_bridged]
 
 
 def test_the_line_that_is_drawn_lies_on_the_plane_of_the_diagram():
