@@ -1,6 +1,16 @@
 """Small scenes of the paper's system for tests."""
 
-from tribo import Cylinder, Fidelity, Grid, Material, Ramp, Scene, SelfAffineRoughness, Wear
+from tribo import (
+    Cylinder,
+    Fidelity,
+    Grid,
+    Material,
+    Ramp,
+    Scene,
+    SelfAffineRoughness,
+    Wear,
+    simulate,
+)
 
 STEEL = Material(
     elastic_modulus=210e9,
@@ -24,3 +34,9 @@ def small_scene(pattern="swept", roughness=True, wear=True, periodic=(False, Tru
         wear=Wear(1.2e-15, pattern) if wear else None,
         fidelity=Fidelity(**choices),
     )
+
+
+def last(scene, load, velocity):
+    """State at the end of a point."""
+    *_, state = simulate(scene, load, velocity)
+    return state

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from tests.helpers.scenes import small_scene
+from tests.helpers.scenes import last, small_scene
 from tribo import (
     AISI_316,
     QUANTILES,
@@ -20,7 +20,6 @@ from tribo import (
     critical_temperature_rig,
     measures,
     rig_heating,
-    simulate,
     specific_wear_rate,
 )
 from tribo.analytic import hertz_point_peak_pressure, hertz_point_radius
@@ -29,14 +28,9 @@ BULK, CRITICAL = 25.0, 145.0
 DECISIVE = QUANTILES.index(0.9)
 
 
-def last(states):
-    *_, state = states
-    return state
-
-
 def transition(scene, load, friction, velocities):
     """Where the model puts the transition, by interpolation between a few velocities."""
-    rises = [last(simulate(scene, load, v)).heat.rise_quantile[DECISIVE] for v in velocities]
+    rises = [last(scene, load, v).heat.rise_quantile[DECISIVE] for v in velocities]
     wanted = (CRITICAL - BULK) / friction
     assert rises[0] < wanted < rises[-1]
     return Transition(load, float(np.interp(wanted, rises, velocities)), friction)
@@ -64,7 +58,7 @@ def test_critical_temperature_comes_back_from_the_model_s_own_transitions(transi
 
 def test_a_smaller_share_is_a_hotter_part_and_none_the_maximum(transitions):
     load, velocity, friction = transitions[0]
-    state = last(simulate(small_scene(), load, velocity))
+    state = last(small_scene(), load, velocity)
     tenth, twentieth, hottest = (
         critical_temperature(small_scene(), transitions[:1], BULK, share).mean
         for share in (0.1, 0.05, 0.0)
@@ -94,7 +88,7 @@ def test_wear_rate_comes_back_from_the_width_that_it_makes(rate, rough):
     if not rough:
         scene = replace(scene, pixels=Grid((192, 1), (2e-6, 128e-6)))
     worn = replace(scene, wear=Wear(rate, "swept"))
-    width = measures(worn, last(simulate(worn, 750.0, 1.25)))["contact_width"]
+    width = measures(worn, last(worn, 750.0, 1.25))["contact_width"]
     found = specific_wear_rate(scene, width, 750.0, 1.25)
     assert found.lowest <= rate <= found.highest
     assert found.lowest < found.value < found.highest
@@ -141,7 +135,7 @@ def test_a_width_must_differ_from_both_ends_by_half_an_element():
     scene = small_scene()
     side = scene.grid.spacing[0]
     plain = replace(scene, wear=None)
-    unworn = measures(plain, last(simulate(plain, 750.0, 1.25)))["contact_width"]
+    unworn = measures(plain, last(plain, 750.0, 1.25))["contact_width"]
     for width in (unworn + 0.4 * side, scene.grid.size[0] - 0.4 * side):
         with pytest.raises(InputError, match="must lie between"):
             specific_wear_rate(scene, width, 750.0, 1.25)
@@ -170,7 +164,7 @@ def test_rig_heats_by_less_than_the_15_degrees_of_the_paper():
 
 def test_rig_is_in_its_steady_state_whatever_the_duration():
     short, long = (
-        last(simulate(critical_temperature_rig(duration=t), 10.0, 0.065)).heat.max_rise
+        last(critical_temperature_rig(duration=t), 10.0, 0.065).heat.max_rise
         for t in (30.0, 3000.0)
     )
     # What is left falls like a/√(πκt): 0.4 % at 30 s.

@@ -214,29 +214,6 @@ def test_a_spike_is_a_contact_of_one_element():
     assert contact.approach == pytest.approx(solid.self_influence * 1e-3 / grid.element_area)
 
 
-def figure_4(periodic, kernel="periodic"):
-    """Peak and ends of the pressure under the cylinder of Fig. 4, over Hertz' peak."""
-    grid = Grid((128, 64), (3e-6, 456e-6 / 64), periodic)
-    z = np.broadcast_to(grid.coordinates(0)[:, None] ** 2 / (2 * 8e-3), grid.shape)
-    solid = ElasticHalfSpace(grid, E_STAR, kernel)
-    pressure = solve_contact(solid, z, 222.2e3 * grid.size[1]).pressure
-    return pressure.max(axis=0) / hertz_line_peak_pressure(222.2e3, 8e-3, E_STAR)
-
-
-def test_one_image_alone_overestimates_the_peak_of_figure_4_by_a_hundredth():
-    # 1.1 %; with all images, the grid alone errs by less than 0.1 %.
-    assert figure_4((False, True), "nearest-image").max() == pytest.approx(1.011, abs=5e-4)
-    assert figure_4((False, True)).max() == pytest.approx(1.0, abs=1e-3)
-
-
-def test_without_a_period_the_ends_of_figure_4_are_those_of_a_punch():
-    ridge = figure_4((False, False))
-    assert ridge.argmax() in (0, 63)
-    assert ridge[[0, 63]].min() > 3  # singular: the finer the grid, the higher
-    assert 0.85 < ridge[24:40].min() < 0.9  # the middle carries less for it
-    assert (np.diff(ridge[:32]) < 0).all()
-
-
 def rough_line(n, tolerance, criterion="gap", guess=None, load=80.0):
     """The paper's patch on n × n elements."""
     grid = Grid((n, n), (391.68e-6 / n, 456e-6 / n))

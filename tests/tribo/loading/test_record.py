@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.helpers.scenes import small_scene
+from tests.helpers.scenes import last, small_scene
 from tribo import InputError, MeasuredLoad, Ramp, simulate, warnings
 
 TIMES = np.linspace(0.0, 8.0, 81)
@@ -16,11 +16,6 @@ def smooth_record(noise=0.0):
     loads = np.clip(150.0 * (TIMES - 0.5), 0.0, 750.0)
     loads = loads + noise * np.random.default_rng(0).standard_normal(TIMES.size)
     return MeasuredLoad(TIMES, loads, reference_load=740.0)
-
-
-def last(states):
-    *_, state = states
-    return state
 
 
 def test_a_jump_has_half_of_the_steps_and_the_rest_are_equal_in_time():
@@ -91,8 +86,7 @@ def test_a_straight_record_is_a_ramp():
     scene = small_scene()
     straight = MeasuredLoad(np.array([0.0, 5.0]), np.array([0.0, 750.0]))
     ramp, record = (
-        last(simulate(replace(scene, loading=loading), 750.0, 1.25))
-        for loading in (scene.loading, straight)
+        last(replace(scene, loading=loading), 750.0, 1.25) for loading in (scene.loading, straight)
     )
     # The same steps to rounding, and a contact solved to 1e-6.
     assert record.time == pytest.approx(ramp.time)
@@ -102,7 +96,7 @@ def test_a_straight_record_is_a_ramp():
 
 def test_points_of_a_record_share_no_trunk():
     scene = replace(small_scene(), loading=smooth_record())
-    state = last(simulate(scene, 300.0, 1.25))
+    state = last(scene, 300.0, 1.25)
     with pytest.raises(InputError, match="trunk"):
         list(simulate(scene, 600.0, 1.25, trunk=state))
     with pytest.raises(InputError, match="share no trunk"):

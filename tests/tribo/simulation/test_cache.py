@@ -8,7 +8,6 @@ import numpy as np
 
 from tests.helpers.scenes import small_scene
 from tribo import SelfAffineRoughness, forget_kernels, simulate
-from tribo.simulation import cache
 from tribo.simulation.cache import Kept
 
 
@@ -59,15 +58,6 @@ def test_threads_simulate_points_of_one_scene_at_the_same_time_bit_for_bit():
     forget_kernels()
     with ThreadPoolExecutor(4) as threads:
         assert np.array_equal(list(threads.map(rise, velocities)), alone)
-
-
-def test_a_scene_on_the_same_grid_has_its_bodies_made_once():
-    forget_kernels()
-    first, same = (cache.elastic_bodies(small_scene()) for _ in range(2))
-    assert same is first
-    assert cache.elastic_bodies(small_scene(roughness=False)) is not first
-    forget_kernels()
-    assert cache.elastic_bodies(small_scene()) is not first
 
 
 def test_the_grids_of_a_scene_have_its_surface_made_once(monkeypatch):

@@ -176,17 +176,6 @@ def test_the_imprint_of_a_wave_is_its_wear_by_the_pressure_that_flattens_it(monk
     assert found == pytest.approx(expected, rel=0.02)  # elements of an eighth of the wave
 
 
-@pytest.mark.parametrize("coarsening", [1, 4])
-def test_going_on_from_the_trunk_is_the_same_bit_for_bit(coarsening):
-    scene = ball(history_coarsening=coarsening, increments=8)
-    alone = end(scene, 175.0)
-    trunk = [state for state in simulate(scene, 110.0, 1.0) if state.on_trunk][-1]
-    *_, gone_on = simulate(scene, 175.0, 1.0, trunk=trunk)
-    assert np.array_equal(gone_on.pressure, alone.pressure)
-    assert np.array_equal(gone_on.heat.rise, alone.heat.rise)
-    assert np.array_equal(gone_on.wear_depth, alone.wear_depth)
-
-
 def test_explicit_wear_counts_each_part_of_a_step():
     stiffness = []
     for pattern in ("swept", "local"):

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.helpers.scenes import STEEL, small_scene
+from tests.helpers.scenes import STEEL, last, small_scene
 from tribo import (
     QUANTILES,
     Cylinder,
@@ -23,11 +23,6 @@ from tribo.simulation import point, temperature
 from tribo.thermal import duhamel
 
 DECISIVE = QUANTILES.index(0.9)
-
-
-def last(states):
-    *_, state = states
-    return state
 
 
 def rough_scene(**fidelity):
@@ -65,18 +60,6 @@ def test_a_coarse_history_saves_work_and_hardly_moves_the_temperature():
 
 
 @pytest.mark.parametrize("interval", [0, 2])
-def test_going_on_from_a_coarse_trunk_is_the_same_bit_for_bit(interval):
-    scene = rough_scene(history_coarsening=4, temperature_interval=interval)
-    alone = list(simulate(scene, 600.0, 1.25))
-    for lower in (200.0, 300.0, 525.0):
-        passed = [s for s in simulate(scene, lower, 1.25) if s.on_trunk][-1]
-        trunk = passed.history or passed
-        rest = list(simulate(scene, 600.0, 1.25, trunk=trunk))
-        assert np.array_equal(rest[-1].heat.rise, alone[-1].heat.rise)
-        assert [s.pressure.shape for s in rest] == [s.pressure.shape for s in alone[-len(rest) :]]
-
-
-@pytest.mark.parametrize("interval", [0, 2])
 def test_where_few_elements_touch_the_history_is_on_their_own_grid(interval):
     scene = rough_scene(temperature_interval=interval)
     heavily_worn = replace(scene, wear=Wear(1e-13, "swept"), pixels=Grid((96, 24), (4e-6, 4e-6)))
@@ -90,9 +73,6 @@ def test_where_few_elements_touch_the_history_is_on_their_own_grid(interval):
             assert np.array_equal(state.heat.rise, exact.heat.rise)
             assert np.array_equal(state.wear_depth, exact.wear_depth)
     assert total_work(alone) > total_work(on_own_grid)
-    passed = [state for state in simulate(coarse, 200.0, 1.25) if state.on_trunk][-1]
-    rest = list(simulate(coarse, 300.0, 1.25, trunk=passed.history or passed))
-    assert np.array_equal(rest[-1].heat.rise, alone[-1].heat.rise)
 
 
 @pytest.mark.parametrize("heat_model", ["elapsed", "history"])
@@ -106,14 +86,11 @@ def test_where_few_elements_touch_they_are_smaller(heat_model):
     assert [state.heat is None for state in alone] == [True] * (len(alone) - 1) + [False]
     assert measures(scene, alone[-1]) == measures(pixels, exact[-1])
     assert warnings(scene, alone[-1]) == []
-    passed = [state for state in simulate(scene, 200.0, 1.25) if state.on_trunk][-1]
-    rest = list(simulate(scene, 300.0, 1.25, trunk=passed.history or passed))
-    assert np.array_equal(rest[-1].heat.rise, alone[-1].heat.rise)
 
 
 def test_elements_are_no_smaller_than_is_needed_for_enough_to_touch():
     scene = rough_scene(pixels_per_element=4, fewest_elements=60, increments=8)
-    shapes = {load: last(simulate(scene, load, 1.25)).pressure.shape for load in (50.0, 600.0)}
+    shapes = {load: last(scene, load, 1.25).pressure.shape for load in (50.0, 600.0)}
     assert shapes == {50.0: (96, 48), 600.0: (48, 24)}
 
 
@@ -181,7 +158,7 @@ def test_without_wear_the_steps_are_those_that_are_asked_for():
 @pytest.mark.parametrize("interval", [1, 3])
 def test_without_wear_a_temperature_on_the_way_changes_no_other(interval):
     alone, on_the_way = (
-        last(simulate(small_scene(wear=False, contact_tolerance=0.1, **asked), 600.0, 1.25))
+        last(small_scene(wear=False, contact_tolerance=0.1, **asked), 600.0, 1.25)
         for asked in ({}, {"temperature_interval": interval})
     )
     assert np.array_equal(alone.pressure, on_the_way.pressure)
@@ -246,7 +223,7 @@ def kernels(monkeypatch):
 
 
 def test_no_motion_needs_no_kernel(kernels):
-    state = last(simulate(small_scene(), 300.0, 0.0))
+    state = last(small_scene(), 300.0, 0.0)
     assert not kernels
     assert state.heat.iterations == 0
 
@@ -259,7 +236,7 @@ def test_no_friction_needs_no_heat(kernels, heat_model):
     assert state.heat.iterations == 0
     assert not state.heat.rise.any()
     assert state.heat_history is None
-    warm = last(simulate(small_scene(heat_model=heat_model), 300.0, 1.25))
+    warm = last(small_scene(heat_model=heat_model), 300.0, 1.25)
     assert np.array_equal(state.pressure, warm.pressure)
 
 
@@ -285,7 +262,7 @@ def test_temperature_is_computed_at_the_steps_that_are_asked_for(monkeypatch):
 
 def test_without_hardness_the_pressure_is_bounded_below_only():
     soft, hard = (with_hardness(small_scene(), hardness) for hardness in (3e9, np.inf))
-    bounded, free = (last(simulate(scene, 600.0, 1.25)) for scene in (soft, hard))
+    bounded, free = (last(scene, 600.0, 1.25) for scene in (soft, hard))
     assert bounded.pressure.max() == pytest.approx(3e9)
     assert free.pressure.max() > 3e9
     assert measures(soft, bounded)["saturated_fraction"] > 0

@@ -406,16 +406,6 @@ def test_a_spike_of_a_metre_leaves_the_rest_of_the_surface_its_digits():
     assert np.ptp(gap[free]) < 2.1e-11 * solid.self_influence * contact.pressure.max()
 
 
-def test_contact_at_the_window_s_edge_is_told():
-    (scene, state), (_, inside) = (
-        next(case for case in EXTREMES if case.what == what).run()
-        for what in ("contact at the window's edges", "1 m/s")
-    )
-    assert "x edge and y edge" in warnings(scene, state)[0].text
-    told = {each.kind for each in warnings(small_scene(), inside)}
-    assert WarningKind.CONTACT_AT_EDGE not in told
-
-
 # The solver alone, on every kind of window.
 
 

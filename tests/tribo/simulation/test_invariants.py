@@ -1,12 +1,13 @@
 """Laws that every result obeys (tribo/simulation/invariants.py), each seen to fail."""
 
 import pickle
+from contextlib import nullcontext
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from tests.helpers.scenes import small_scene
+from tests.helpers.scenes import last, small_scene
 from tribo import (
     InvariantError,
     RangeError,
@@ -37,11 +38,6 @@ def spoiled(field, place, value):
     return field
 
 
-def last(states):
-    *_, state = states
-    return state
-
-
 def a_split():
     flux = 1e9 * PRESSURE
     share = 0.3
@@ -67,10 +63,7 @@ def a_split():
     ],
 )
 def test_a_contact_carries_its_load_within_the_bounds(change, said):
-    if said is None:
-        check_contact(**CONTACT | change)
-        return
-    with pytest.raises(InvariantError, match=said):
+    with nullcontext() if said is None else pytest.raises(InvariantError, match=said):
         check_contact(**CONTACT | change)
 
 
@@ -85,10 +78,7 @@ def test_a_contact_carries_its_load_within_the_bounds(change, said):
     ],
 )
 def test_the_pin_loses_what_the_load_wears_off(change, said):
-    if said is None:
-        check_wear(**WEAR | change)
-        return
-    with pytest.raises(InvariantError, match=said):
+    with nullcontext() if said is None else pytest.raises(InvariantError, match=said):
         check_wear(**WEAR | change)
 
 
@@ -108,10 +98,7 @@ def test_the_pin_loses_what_the_load_wears_off(change, said):
 def test_heat_goes_into_both_bodies_and_nowhere_else(change, said):
     given = a_split()
     given["split"] = replace(given["split"], **change)
-    if said is None:
-        check_heat(**given)
-        return
-    with pytest.raises(InvariantError, match=said):
+    with nullcontext() if said is None else pytest.raises(InvariantError, match=said):
         check_heat(**given)
 
 
@@ -141,7 +128,7 @@ def test_wear_and_heat_that_are_wrong_are_found_out_in_a_simulation(monkeypatch)
     with monkeypatch.context() as patch:
         patch.setattr(Wear, "depth", lambda *given: 1.0001 * depth(*given))
         with pytest.raises(InvariantError, match="wear balance"):
-            last(simulate(small_scene(), 300.0, 1.25))
+            last(small_scene(), 300.0, 1.25)
     divide = temperature.partition_heat
 
     def leaking(*arguments, **options):

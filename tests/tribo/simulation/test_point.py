@@ -1,10 +1,9 @@
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-from tests.helpers.scenes import STEEL, small_scene
+from tests.helpers.scenes import STEEL, last, small_scene
 from tribo import (
     QUANTILES,
     Ball,
@@ -21,15 +20,7 @@ from tribo import (
     measures,
     simulate,
 )
-from tribo.analytic import hertz_line_half_width, hertz_line_peak_pressure
 from tribo.simulation import heat
-
-ROOT = Path(__file__).parents[3]
-
-
-def last(states):
-    *_, state = states
-    return state
 
 
 def assert_same(first, second):
@@ -52,26 +43,12 @@ def test_every_state_carries_its_load_and_the_time_of_the_ramp():
     assert loads == [75.0, 150.0, 225.0, 300.0, 375.0, 430.0]
 
 
-def test_smooth_unworn_cylinder_is_hertz():
-    scene = replace(small_scene(roughness=False, wear=False), pixels=Grid((128, 2), (2e-6, 8e-6)))
-    scene = replace(
-        scene,
-        pin=Cylinder(2e-3, 3.4e-3, replace(STEEL, hardness=np.inf)),
-        disk=replace(STEEL, hardness=np.inf),
-    )
-    found = measures(scene, last(simulate(scene, 200.0, 1.25)))
-    line = (200.0 / 3.4e-3, 2e-3, 115.385e9)
-    assert found["max_pressure"] == pytest.approx(hertz_line_peak_pressure(*line), rel=1e-3)
-    # The width is a whole number of elements.
-    assert found["contact_width"] == pytest.approx(2 * hertz_line_half_width(*line), abs=4e-6)
-
-
 def test_direction_of_sliding_is_a_mirror():
     scene = small_scene()
     mirrored = replace(
         scene, roughness=MeasuredRoughness(scene.roughness.heights(scene.pixels)[::-1])
     )
-    forth, back = last(simulate(scene, 300.0, 1.5)), last(simulate(mirrored, 300.0, -1.5))
+    forth, back = last(scene, 300.0, 1.5), last(mirrored, 300.0, -1.5)
     # To the solvers' tolerance of 1e-6, since the numbers are summed in another order.
     assert back.pressure[::-1] == pytest.approx(forth.pressure, abs=1e-4 * forth.pressure.max())
     assert back.heat.rise[::-1] == pytest.approx(forth.heat.rise, rel=1e-3)
@@ -79,7 +56,7 @@ def test_direction_of_sliding_is_a_mirror():
 
 def test_wear_widens_and_cools_the_contact():
     worn, unworn = (
-        measures(scene, last(simulate(scene, 600.0, 1.25)))
+        measures(scene, last(scene, 600.0, 1.25))
         for scene in (small_scene(), small_scene(wear=False))
     )
     assert worn["contact_width"] > unworn["contact_width"]
@@ -89,7 +66,7 @@ def test_wear_widens_and_cools_the_contact():
 
 def test_only_the_trunk_can_be_gone_on_from():
     scene = small_scene()
-    off_trunk = last(simulate(scene, 100.0, 1.0))
+    off_trunk = last(scene, 100.0, 1.0)
     with pytest.raises(InputError, match="trunk"):
         list(simulate(scene, 300.0, 1.0, trunk=off_trunk))
 
@@ -111,9 +88,7 @@ def test_parts_that_do_not_fit_make_no_scene(change, said):
 @pytest.mark.parametrize("pattern", ["local", "swept"])
 def test_single_precision_agrees_within_the_tolerance_that_it_allows(pattern):
     double, single = (
-        last(
-            simulate(small_scene(pattern, contact_tolerance=1e-3, precision=name), 600.0, 1.25)
-        ).heat
+        last(small_scene(pattern, contact_tolerance=1e-3, precision=name), 600.0, 1.25).heat
         for name in ("double", "single")
     )
     # Both pressures are within 1e-3 of the exact one; temperatures average over many elements.
@@ -148,7 +123,7 @@ def test_temperatures_of_the_paper_s_system_are_those_of_the_trial():
         roughness=replace(small_scene().roughness, correlation_length=(4e-6, 4e-6)),
         wear=Wear(1.2e-15, "swept"),
     )
-    state = last(simulate(scene, 200.0, 3.75))
+    state = last(scene, 200.0, 3.75)
     endless = replace(scene, fidelity=replace(scene.fidelity, heat_kernel="endless"))
     as_tried = heat(endless, state, 3.75)
     ninth = QUANTILES.index(0.9)
@@ -159,49 +134,15 @@ def test_temperatures_of_the_paper_s_system_are_those_of_the_trial():
     assert cooler == pytest.approx(1.4, abs=0.25)
 
 
-@pytest.mark.parametrize(
-    "options",
-    [
-        {},
-        {"temperature_interval": 2},
-        {"wear_scheme": "explicit", "increments": 40},
-        {"wear_scheme": "sdirk2"},
-        {"heat_model": "history"},
-        {"heat_model": "history", "wear_scheme": "sdirk2", "partition": "uniform"},
-        {"kernel": "nearest-image"},
-        {"contact_criterion": "pressure-change"},
-        {"hold": 1.0},
-        {"hold": 1.0, "heat_model": "history"},
-    ],
-    ids=lambda options: "-".join(map(str, options.values())),
-)
-def test_going_on_from_the_trunk_is_the_same_bit_for_bit_with_every_option(options):
-    hold = options.get("hold", 0.0)
-    scene = small_scene(**{name: value for name, value in options.items() if name != "hold"})
-    scene = replace(scene, loading=replace(scene.loading, hold=hold))
-    alone = list(simulate(scene, 600.0, 1.25))
-    for lower in (200.0, 300.0, 525.0):
-        trunk = [s for s in simulate(scene, lower, 1.25) if s.on_trunk][-1]
-        rest = list(simulate(scene, 600.0, 1.25, trunk=replace(trunk, heat=None)))
-        assert_same(rest[-1], alone[-1])
-        assert [s.time for s in rest] == [s.time for s in alone[-len(rest) :]]
-        assert [s.heat is None for s in rest] == [s.heat is None for s in alone[-len(rest) :]]
-        if "heat_model" in options:
-            ours, theirs = rest[-1].heat_history, alone[-1].heat_history
-            assert ours.times == theirs.times
-            for mine, other in zip(ours.pin_flux, theirs.pin_flux, strict=True):
-                assert np.array_equal(mine, other)
-
-
 def test_options_change_the_result_as_much_as_they_should():
-    plain = last(simulate(small_scene(increments=20), 600.0, 1.25))
+    plain = last(small_scene(increments=20), 600.0, 1.25)
     for option, low, high in (
         ({"kernel": "nearest-image"}, 1e-4, 0.1),
         ({"wear_scheme": "sdirk2"}, 1e-4, 0.1),
         ({"heat_model": "history"}, 1e-3, 0.02),
         ({"contact_criterion": "pressure-change"}, 0.0, 1e-4),
     ):
-        other = last(simulate(small_scene(increments=20, **option), 600.0, 1.25))
+        other = last(small_scene(increments=20, **option), 600.0, 1.25)
         assert low <= abs(other.heat.mean_rise / plain.heat.mean_rise - 1) < high
 
 
@@ -228,7 +169,7 @@ def test_the_end_of_the_ramp_has_its_temperature_besides_the_end_of_the_hold():
     held = replace(scene, loading=replace(scene.loading, hold=1.0))
     ramp, *_, end = [state for state in simulate(held, 600.0, 1.25) if state.heat]
     assert (ramp.time, end.time) == (4.0, 5.0)
-    assert_same(ramp, last(simulate(scene, 600.0, 1.25)))
+    assert_same(ramp, last(scene, 600.0, 1.25))
 
 
 def test_options_that_do_not_fit_are_refused():
@@ -241,6 +182,6 @@ def test_options_that_do_not_fit_are_refused():
 
 def test_local_wear_is_solved_tightly_enough_to_add_up():
     loose, tighter = (small_scene("local", contact_tolerance=each) for each in (0.1, 0.03))
-    one, other = (last(simulate(scene, 600.0, 1.25)) for scene in (loose, tighter))
+    one, other = (last(scene, 600.0, 1.25) for scene in (loose, tighter))
     assert np.array_equal(one.heat.rise, other.heat.rise)
     assert small_scene("swept", contact_tolerance=0.1).contact_tolerance == 0.1

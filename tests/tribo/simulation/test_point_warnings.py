@@ -1,20 +1,15 @@
 """Warnings that a point carries (tribo/simulation/point_warnings.py)."""
 
-from collections import deque
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from tests.helpers.scenes import STEEL, small_scene
-from tribo import Ball, Grid, Motion, Ramp, WarningKind, Wear, simulate, start, warnings
+from tests.helpers.scenes import STEEL, last, small_scene
+from tribo import Ball, Grid, Motion, Ramp, WarningKind, Wear, start, warnings
 from tribo.simulation.step_measures import touching_elements
 
 BALL = Ball(8e-3, STEEL)
-
-
-def last(states):
-    return deque(states, maxlen=1).pop()
 
 
 def texts(scene, state, kind):
@@ -22,17 +17,24 @@ def texts(scene, state, kind):
     return [each.text for each in warnings(scene, state) if each.kind == kind]
 
 
+def assert_told(told, scene, state, kind):
+    """Let a state have one warning of a kind, with these words, or none."""
+    found = texts(scene, state, kind)
+    assert len(found) == bool(told)
+    assert not told or told in found[0]
+
+
 def test_contact_at_the_window_s_edge_warns():
     scene = replace(small_scene(), pixels=Grid((12, 16), (8e-6, 8e-6)))
     kind = WarningKind.CONTACT_AT_EDGE
-    assert "x edge" in texts(scene, last(simulate(scene, 750.0, 1.25)), kind)[0]
-    assert not texts(small_scene(), last(simulate(small_scene(), 400.0, 1.25)), kind)
+    assert "x edge" in texts(scene, last(scene, 750.0, 1.25), kind)[0]
+    assert not texts(small_scene(), last(small_scene(), 400.0, 1.25), kind)
 
 
 def test_enough_of_everything_warns_of_nothing():
     scene = replace(small_scene(), pixels=Grid((120, 64), (4e-6, 4e-6)))
     scene = replace(scene, loading=Ramp(150.0, 400.0, hold=20.0, hold_steps=5))
-    assert warnings(scene, last(simulate(scene, 400.0, 1.25))) == []
+    assert warnings(scene, last(scene, 400.0, 1.25)) == []
 
 
 def test_kinds_keep_the_bits_that_stores_have():
@@ -80,14 +82,14 @@ def test_an_edge_beyond_which_the_patch_goes_on_is_none():
     assert not texts(scene, touching(scene, (5, 0)), WarningKind.CONTACT_AT_EDGE)
 
 
-@pytest.mark.parametrize(("nodes", "told"), [(0, False), (1, True), (399, True), (400, False)])
+@pytest.mark.parametrize(
+    ("nodes", "told"), [(0, None), (1, "only 1 elements"), (399, "only 399"), (400, None)]
+)
 def test_from_400_elements_on_there_are_enough(nodes, told):
     scene = replace(small_scene(pixels_per_element=2), pixels=Grid((96, 64), (4e-6, 4e-6)))
     state = touching(scene, np.unravel_index(np.arange(nodes) + 48, scene.grid.shape))
     assert touching_elements(scene, state) == nodes
-    found = texts(scene, state, WarningKind.FEW_NODES)
-    assert len(found) == told
-    assert not told or f"only {nodes} elements" in found[0]
+    assert_told(told, scene, state, WarningKind.FEW_NODES)
 
 
 def test_in_a_plane_elements_count_as_many_times():
@@ -110,9 +112,7 @@ def test_in_a_plane_elements_count_as_many_times():
 def test_wear_in_few_steps_warns(scheme, steps, told):
     scene = small_scene(wear_scheme=scheme)
     state = replace(touching(scene, np.s_[5:40]), index=steps)
-    found = texts(scene, state, WarningKind.FEW_STEPS)
-    assert len(found) == bool(told)
-    assert not told or told in found[0]
+    assert_told(told, scene, state, WarningKind.FEW_STEPS)
     for unworn in (replace(scene, wear=None), replace(scene, wear=Wear(0.0))):
         assert not texts(unworn, state, WarningKind.FEW_STEPS)
 
@@ -129,16 +129,14 @@ def test_wear_in_few_steps_warns(scheme, steps, told):
 )
 def test_few_nodes_warn_of_larger_elements_and_of_few_summits(changes, told):
     scene = replace(small_scene(**changes), pixels=Grid((96, 64), (4e-6, 4e-6)))
-    found = texts(scene, last(simulate(scene, 50.0, 1.25)), WarningKind.FEW_NODES)
-    assert len(found) == bool(told)
-    assert not told or told in found[0]
+    assert_told(told, scene, last(scene, 50.0, 1.25), WarningKind.FEW_NODES)
 
 
 @pytest.mark.parametrize(
     ("pin", "places", "told"),
     [
         (BALL, np.s_[10:21, 1:15], "11 elements across"),
-        (BALL, np.s_[10:40, 2:13], "11 elements across"),
+        (BALL, np.s_[10:40, 2:13], "window.pixel_size"),
         (BALL, np.s_[10:22, 2:14], None),
         (None, np.s_[10:15], "5 elements across"),
         (None, np.s_[10:16], None),
@@ -148,23 +146,19 @@ def test_few_nodes_warn_of_larger_elements_and_of_few_summits(changes, told):
 def test_a_contact_of_few_elements_across_warns_in_every_fidelity(pin, places, told):
     scene = small_scene(periodic=(False, not pin))
     scene = replace(scene, pin=pin or scene.pin)
-    found = texts(scene, touching(scene, places), WarningKind.COARSE_PIXELS)
-    assert len(found) == bool(told)
-    assert not told or (told in found[0] and "window.pixel_size" in found[0])
+    assert_told(told, scene, touching(scene, places), WarningKind.COARSE_PIXELS)
     coarser = replace(scene, fidelity=replace(scene.fidelity, pixels_per_element=2))
     small = texts(coarser, touching(coarser, np.s_[4:7, 3:6]), WarningKind.COARSE_PIXELS)
     assert "fidelity.pixels_per_element" in small[0]
 
 
 @pytest.mark.parametrize(
-    ("length", "told"), [(15e-6, ["1.9 pixels along x and 1.9 pixels along y"]), (16e-6, [])]
+    ("length", "told"), [(15e-6, "1.9 pixels along x and 1.9 pixels along y"), (16e-6, None)]
 )
 def test_a_roughness_that_the_pixels_do_not_resolve_warns(length, told):
     scene = small_scene()
     scene = replace(scene, roughness=replace(scene.roughness, correlation_length=(length, length)))
-    found = texts(scene, touching(scene, np.s_[5:40]), WarningKind.COARSE_PIXELS)
-    assert len(found) == len(told)
-    assert all(part in text for part, text in zip(told, found, strict=True))
+    assert_told(told, scene, touching(scene, np.s_[5:40]), WarningKind.COARSE_PIXELS)
 
 
 @pytest.mark.parametrize(
@@ -182,9 +176,7 @@ def test_a_contact_beyond_the_pin_s_shape_warns(radius, depth, told):
     scene = replace(scene, pin=replace(scene.pin, radius=radius))
     state = touching(scene, np.s_[5:40])
     state = replace(state, wear_depth=np.full_like(state.wear_depth, depth))
-    found = texts(scene, state, WarningKind.BEYOND_SHAPE)
-    assert len(found) == bool(told)
-    assert not told or told in found[0]
+    assert_told(told, scene, state, WarningKind.BEYOND_SHAPE)
 
 
 @pytest.mark.parametrize(
@@ -202,9 +194,7 @@ def test_a_contact_beyond_the_pin_s_shape_warns(radius, depth, told):
 def test_a_pin_that_hardly_turns_warns(motion, velocity, told):
     scene = replace(small_scene(), motion=motion)
     state = replace(touching(scene, np.s_[5:40]), sliding_distance=velocity, time=1.0)
-    found = texts(scene, state, WarningKind.FEW_TURNS)
-    assert len(found) == bool(told)
-    assert not told or told in found[0]
+    assert_told(told, scene, state, WarningKind.FEW_TURNS)
     assert not texts(replace(scene, wear=None), state, WarningKind.FEW_TURNS)
 
 
@@ -221,12 +211,10 @@ def test_a_pin_that_hardly_turns_warns(motion, velocity, told):
 )
 def test_the_present_heat_warns_where_a_contact_has_grown_slowly(changes, velocity, told):
     scene = replace(small_scene(**changes), pixels=Grid((96, 64), (4e-6, 4e-6)))
-    found = texts(scene, last(simulate(scene, 600.0, velocity)), WarningKind.PRESENT_HEAT)
-    assert len(found) == bool(told)
-    assert not told or told in found[0]
+    assert_told(told, scene, last(scene, 600.0, velocity), WarningKind.PRESENT_HEAT)
 
 
 def test_the_present_heat_does_not_warn_long_after_a_contact_has_grown():
     loading = Ramp(rate=150.0, reference_load=600.0, hold=50.0, hold_steps=1)
     scene = replace(small_scene(), loading=loading)
-    assert not texts(scene, last(simulate(scene, 600.0, 0.05)), WarningKind.PRESENT_HEAT)
+    assert not texts(scene, last(scene, 600.0, 0.05), WarningKind.PRESENT_HEAT)

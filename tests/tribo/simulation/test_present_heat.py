@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from tests.helpers.kept import ALUMINA
-from tests.helpers.scenes import STEEL, small_scene
-from tribo import Ball, Grid, MeasuredLoad, Motion, Ramp, Wear, heat, simulate, start
+from tests.helpers.scenes import STEEL, last, small_scene
+from tribo import Ball, Grid, MeasuredLoad, Motion, Ramp, Wear, heat, start
 from tribo.simulation.present_heat import _late_warming, excess_of_present_heat
 from tribo.thermal import rise_exceeded
 
@@ -21,11 +21,6 @@ BALL = replace(
     loading=Ramp(10.0, 20.0),
     wear=None,
 )
-
-
-def last(scene, load, velocity):
-    *_, state = simulate(scene, load, velocity)
-    return state
 
 
 def with_(scene, **choices):

@@ -10,6 +10,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from tests.helpers.random_scenes import outcome, random_point
+from tests.helpers.scenes import last
 from tribo import (
     Cylinder,
     Fidelity,
@@ -71,11 +72,6 @@ def scenes(draw, wear=True):
     )  # fmt: skip
 
 
-def last(states):
-    *_, state = states
-    return state
-
-
 def assert_alike(first, second, tolerance=1e-5):
     """Equal pressures and rises; the pressure is as sure as 1e-9 times the condition of the map."""
     p = first.pressure
@@ -118,8 +114,8 @@ def test_units_scale(drawn, velocity, length_power, force_power):
         ),
         wear=replace(scene.wear, specific_wear_rate=scene.wear.specific_wear_rate / stress),
     )
-    here = last(simulate(scene, load, velocity))
-    there = last(simulate(other, load * newton, velocity * metre))
+    here = last(scene, load, velocity)
+    there = last(other, load * newton, velocity * metre)
     assert_alike(here, replace(there, pressure=there.pressure / stress))
     assert there.wear_depth / metre == pytest.approx(
         here.wear_depth, abs=1e-5 * max(here.wear_depth.max(), 1e-300)
@@ -133,7 +129,7 @@ def test_at_rest_a_mirrored_scene_has_the_mirrored_pressure(drawn):
     heights = scene.roughness.heights(scene.pixels)
     for axis in (0, 1):
         mirrored = replace(scene, roughness=MeasuredRoughness(np.flip(heights, axis)))
-        here, there = (last(simulate(s, load, 0.0)) for s in (scene, mirrored))
+        here, there = (last(s, load, 0.0) for s in (scene, mirrored))
         assert_alike(here, replace(there, pressure=np.flip(there.pressure, axis)))
 
 
@@ -143,7 +139,7 @@ def test_translation_along_the_period_translates_everything(drawn, velocity, pla
     load, scene = drawn
     heights = scene.roughness.heights(scene.pixels)
     moved = replace(scene, roughness=MeasuredRoughness(np.roll(heights, places, 1)))
-    here, there = (last(simulate(s, load, velocity)) for s in (scene, moved))
+    here, there = (last(s, load, velocity) for s in (scene, moved))
     back = replace(
         there,
         pressure=np.roll(there.pressure, -places, 1),
@@ -175,7 +171,7 @@ def test_the_order_of_a_sweep_changes_no_bit(drawn, velocity, shares):
         scene.fidelity, contact_tolerance=1e-4
     ))  # fmt: skip
     loads = sorted({share * full for share in shares})
-    alone = {load: last(simulate(scene, load, velocity)) for load in reversed(loads)}
+    alone = {load: last(scene, load, velocity) for load in reversed(loads)}
     trunk = None
     for load in loads:
         if trunk and not leads_to(scene, trunk, load):

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.helpers.scenes import STEEL, small_scene
+from tests.helpers.scenes import STEEL, last, small_scene
 from tribo import (
     Conductor,
     Convolution,
@@ -40,11 +40,6 @@ def run(grid, fluxes, times, pin_velocity=0.0, disk_velocity=1.25, spectrum_of=c
             grid, pin, disk, past, time, flux, flux != 0, "local", spectrum_of=spectrum_of
         )
     return split, past
-
-
-def last(states):
-    *_, state = states
-    return state
 
 
 @pytest.mark.parametrize("times", [[5.0], np.arange(1, 21) / 4, [0.01, 0.3, 0.31, 2.0, 4.9, 5.0]])
@@ -144,13 +139,13 @@ def test_elapsed_time_is_nearly_right_when_fast_and_too_warm_when_slow(
         small_scene(increments=20, heat_model=model, heat_kernel=heat_kernel)
         for model in ("elapsed", "history")
     ]
-    rises = [last(simulate(scene, 600.0, velocity)).heat.mean_rise for scene in scenes]
+    rises = [last(scene, 600.0, velocity).heat.mean_rise for scene in scenes]
     assert lowest < rises[0] / rises[1] < highest
 
 
 def test_temperature_with_history_depends_little_on_the_steps():
     rises = [
-        last(simulate(small_scene(increments=n, heat_model="history", wear=False), 600.0, 0.01))
+        last(small_scene(increments=n, heat_model="history", wear=False), 600.0, 0.01)
         for n in (5, 10, 20)
     ]
     coarse, middle, fine = (state.heat.max_rise for state in rises)
@@ -279,7 +274,7 @@ def test_no_contact_has_no_temperature_but_goes_on():
     states = list(simulate(scene, 500.0, 1.25))
     assert [state.heat is None for state in states] == [False, True, True, False]
     fresh = small_scene(increments=1, heat_model="history", wear=False)
-    alone = last(simulate(replace(fresh, loading=Ramp(500.0, 500.0)), 500.0, 1.25))
+    alone = last(replace(fresh, loading=Ramp(500.0, 500.0)), 500.0, 1.25)
     # What the first pulse has left warms the second, by less than its own rise.
     assert 1 < states[-1].heat.mean_rise / alone.heat.mean_rise < 1.2
     assert math.isfinite(states[-1].heat.max_rise)
