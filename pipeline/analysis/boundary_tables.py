@@ -130,10 +130,10 @@ def readable(boundaries: xr.Dataset) -> list[Table]:
 
 
 def frictions_of(boundaries: xr.Dataset) -> list[float]:
-    """Frictions that a boundary was found at."""
+    """Frictions that a boundary was found at, in the order in which they were given."""
     if "friction" in boundaries.attrs:
         return [boundaries.attrs["friction"]]
-    return [float(value) for value in np.unique(boundaries["friction"])]
+    return list(dict.fromkeys(boundaries["friction"].values.ravel().tolist()))
 
 
 def by_friction(boundaries: xr.Dataset) -> Iterator[tuple[float, xr.Dataset]]:
@@ -141,7 +141,7 @@ def by_friction(boundaries: xr.Dataset) -> Iterator[tuple[float, xr.Dataset]]:
     if "friction" not in boundaries.sizes:
         yield boundaries.attrs["friction"], boundaries
         return
-    for place, value in enumerate(frictions_of(boundaries)):
+    for place, value in enumerate(boundaries["friction"].values.tolist()):
         yield value, boundaries.isel(friction=place)
 
 

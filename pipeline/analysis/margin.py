@@ -380,7 +380,7 @@ def _error_beyond(plane: _Plane, velocity: float) -> float | None:
         if len(x) >= 2:
             exponents += list(np.diff(y) / np.diff(x))
             ways += [x[0] - math.log(velocity), math.log(velocity) - x[-1]]
-    return float(np.std(exponents, ddof=1)) * max(ways) if len(exponents) >= 2 else None
+    return float(np.std(exponents, ddof=1) * max(ways)) if len(exponents) >= 2 else None
 
 
 def _left_out(x: Array, rows: Array, place: float) -> float | None:

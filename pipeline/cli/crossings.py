@@ -54,7 +54,7 @@ def document_of(crossings: xr.Dataset) -> dict[str, Any]:
     )  # fmt: skip
     conditions = {name: _values(crossings, name) for name in names if _has(crossings, name)}
     frictions = frictions_of(crossings)
-    conditions["criterion"] = crossings.attrs["criterion"]
+    conditions["criterion"] = _values(crossings, "criterion")
     conditions["friction"] = frictions[0] if "friction" in crossings.attrs else frictions
     document = {str(name): values.values.tolist() for name, values in crossings.variables.items()}
     for _, axis in BOUNDARIES:

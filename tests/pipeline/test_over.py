@@ -185,6 +185,14 @@ def test_commands_answer_for_each_value(swept, folder, capsys):
     assert printed(capsys, "status", swept)[0] == 0
 
 
+def test_scenes_may_differ_in_their_criterion(tmp_path, capsys):
+    sweep = load(tmp_path, '{ "temperature.criterion" = ["share", "mean"] }')
+    commit_all(tmp_path / "out.zarr", sweep)
+    code, out, _ = printed(capsys, "boundary", tmp_path / "out.zarr", "--json")
+    assert (code, json.loads(out)["conditions"]["criterion"]) == (0, ["share", "mean"])
+    assert "criterion mean, share" in printed(capsys, "boundary", tmp_path / "out.zarr")[1]
+
+
 def test_figures_and_reports_show_each_value_or_ask_for_one(swept, folder, capsys):
     figure = pipeline.plot(swept, "diagram")
     labels = [text.get_text() for text in figure.legends[0].get_texts()]

@@ -1,6 +1,7 @@
 """Margins of operating points, on a rise that is known in closed form."""
 
 import itertools
+import json
 
 import numpy as np
 import pytest
@@ -84,6 +85,7 @@ def test_a_sweep_about_its_boundary_alone_is_continued_as_a_power_of_the_velocit
     warm = 298.15 + 0.1 * synthetic.rise(425.0, 1.0, 0.9)
     assert found.decisive_temperature == pytest.approx(warm, rel=1e-9)
     assert found.temperature_error == pytest.approx(0.0, abs=1e-6)
+    assert json.loads(json.dumps(found.as_dict()))["certain"] is True
 
 
 def test_what_is_continued_tells_its_error():

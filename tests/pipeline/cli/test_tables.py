@@ -1,6 +1,7 @@
 """Tables as files, for a report or another program."""
 
 import csv
+import json
 
 import numpy as np
 import pytest
@@ -40,6 +41,26 @@ def test_a_boundary_is_written_as_numbers_with_its_conditions(store, tmp_path, c
     assert len(rows) == 2 * (found.sizes["load"] + found.sizes["velocity"])
     assert {row["bulk [°C]"] for row in rows} == {"60"}
     assert all(row["outcome"] == "crosses" for row in at_load)
+
+
+def test_frictions_keep_their_columns_in_any_order(store, capsys):
+    document, said = {}, {}
+    for order in (("0.12", "0.09"), ("0.09", "0.12")):
+        options = [word for friction in order for word in ("--friction", friction)]
+        assert main(["boundary", store, *options, "-q"]) == 0
+        rows = capsys.readouterr().out.splitlines()
+        start = next(i for i, row in enumerate(rows) if row.startswith("load [N]"))
+        cells = [row.split("   ") for row in rows[start + 1 : start + 1 + len(synthetic.LOADS)]]
+        cells = [[cell.strip() for cell in row if cell.strip()] for row in cells]
+        said[order] = [dict(zip(order, row[1:], strict=True)) for row in cells]
+        assert main(["boundary", store, *options, "--json"]) == 0
+        document = json.loads(capsys.readouterr().out)
+        assert document["conditions"]["friction"] == document["friction"] == list(map(float, order))
+    one, other = said.values()
+    assert one == other
+    cool = boundary(synthetic.sweep(), 0.09)["critical_velocity"].sel(load=400.0).item()
+    row = synthetic.LOADS.tolist().index(400.0)
+    assert one[row]["0.09"].split()[0] == f"{cool:.4g}"
 
 
 def test_a_band_is_written_with_how_many_surfaces_cross():
