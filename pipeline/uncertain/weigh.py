@@ -340,7 +340,8 @@ def _weights(likelihoods: Array, base: Array, without: int | None = None) -> Arr
 
 def _inferred(likelihoods: Array, base: Array, scatters: Array) -> tuple[float, float, float]:
     """Scatter that 5, 50 and 95 % stay below."""
-    below = np.cumsum(_weights(likelihoods, base).sum(axis=0))
+    weights = _weights(likelihoods, base).sum(axis=0)
+    below = np.cumsum(weights) - 0.5 * weights
     low, middle, high = np.exp(np.interp((0.05, 0.5, 0.95), below, np.log(scatters)))
     return float(low), float(middle), float(high)
 

@@ -231,6 +231,14 @@ def test_the_scatter_is_that_of_the_tests_not_that_which_is_said():
     assert middle == pytest.approx(0.14, rel=0.3)
 
 
+def test_a_test_that_tells_nothing_leaves_the_scatter_that_is_said():
+    obvious = {"normal_load": 750.0, "velocity": 6.0, "outcome": "severe", "friction": 0.1}
+    told = pipeline.posterior(dataclasses.replace(ensemble(), tested=(obvious,)))
+    said = pipeline.posterior(ensemble())
+    # Factors are half a standard deviation apart.
+    assert told.inferred_scatter == pytest.approx(said.inferred_scatter, rel=0.06)
+
+
 def test_a_test_that_all_others_contradict_is_named():
     truth = np.array([418.15, 1.2e-15, 0.1, 4.5e-6])
     sound = pipeline.posterior(ensemble(measured=series(truth, 0.03, seed=1)))
