@@ -36,9 +36,10 @@ class Emulator:
     ``features`` (n, n_feature) have a spread of about 1; ``dimensions`` are the numbers of the
     inputs that they belong to, of which each has one length. ``mean`` (n_output,) is that of each
     output, ``weights`` (n, n_output) solve the kernel's equations for what departs from it,
-    ``constants`` are the logarithms of a, b, c, s, n and the lengths ℓ, and ``factor`` is the
-    Cholesky factor of the kernel between the rows. The ``calibration`` is the root mean square of
-    what contacts miss that are left out, over the error foretold, and at least 1.
+    ``constants`` are the logarithms of a, b, c, s, n and the lengths ℓ, and ``whitener`` (n, n) is
+    the inverse of the Cholesky factor of the kernel between the rows. The ``calibration`` is the
+    root mean square of what contacts miss that are left out, over the error foretold, and at
+    least 1.
     """
 
     features: Array
@@ -46,7 +47,7 @@ class Emulator:
     mean: Array
     weights: Array
     constants: Array
-    factor: tuple[Array, bool]
+    whitener: Array
     calibration: float = 1.0
 
     def __call__(self, features: Array, with_error: bool = True) -> tuple[Array, Array, Array]:
@@ -62,7 +63,7 @@ class Emulator:
         a, b, c, s, n = np.exp(2 * self.constants[:5])
         square = np.sum(features**2, axis=1)
         prior = a * (1 + square) + b * square**2 + c
-        explained = np.sum(solve_triangular(self.factor[0], smooth.T, lower=True) ** 2, axis=0)
+        explained = np.sum((smooth @ self.whitener.T) ** 2, axis=1)
         shared = np.maximum(prior - explained, 0.0)
         error, shared = (self.calibration * np.sqrt(part) for part in (shared + s + n, shared))
         return outputs, error, shared
@@ -88,8 +89,9 @@ def fitted(features: Array, dimensions: Groups, contacts: Groups, outputs: Array
     smooth, _ = _kernel(features, features, dimensions, constants)
     factor = cho_factor(_with_own(smooth, contacts, constants), lower=True)
     weights = cho_solve(factor, outputs - mean)
-    calibration = _calibration(factor, contacts, weights)
-    return Emulator(features, dimensions, mean, weights, constants, factor, calibration)
+    whitener = solve_triangular(factor[0], np.eye(len(outputs)), lower=True)
+    calibration = _calibration(whitener.T @ whitener, contacts, weights)
+    return Emulator(features, dimensions, mean, weights, constants, whitener, calibration)
 
 
 def _kernel(
@@ -147,13 +149,12 @@ def _constants(features: Array, dimensions: Groups, contacts: Groups, outputs: A
     return best
 
 
-def _calibration(factor: tuple[Array, bool], contacts: Groups, weights: Array) -> float:
+def _calibration(inverse: Array, contacts: Groups, weights: Array) -> float:
     """Calibration of an `Emulator`.
 
     With the inverse C of the kernel, rows I that are left out miss by C_II⁻¹ (C y)_I, with the
     covariance C_II⁻¹ (Rasmussen & Williams, Sec. 5.4.2, for several rows).
     """
-    inverse = cho_solve(factor, np.eye(len(weights)))
     squares = 0.0
     for contact in np.unique(contacts):
         (rows,) = np.nonzero(contacts == contact)
