@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -229,8 +229,7 @@ class _Plan:
             critical = float(np.median(ensemble.values(CRITICAL, self._inputs)))
             bulks = [bulk, *(bulk + share * (critical - bulk) for share in _WARMER)]
         _, scatter, _ = self._posterior.inferred_scatter
-        friction = float(np.median(ensemble.values(FRICTION, self._inputs)))
-        about = {"friction": friction, "friction_scatter": self._friction_scatter(friction)}
+        about = self._friction_of_tests()
         velocities = np.geomspace(*ensemble.velocities, _VELOCITIES).tolist()
         middle = velocities[len(velocities) // 2]
         for load, bulk in itertools.product(ensemble.loads.tolist(), bulks):
@@ -255,14 +254,21 @@ class _Plan:
                     test | {"velocity": velocity},
                 )
 
-    def _friction_scatter(self, friction: float) -> float:
-        """Standard deviation with which the friction of a test is known."""
-        tests: list[Mapping[str, Any]] = [judged.test for judged in self._posterior.judged]
-        said = [test["friction_scatter"] for test in tests if "friction_scatter" in test]
-        if said:
-            return float(np.mean(said))
-        spread = float(np.std(self._ensemble.values(FRICTION, self._inputs)))
-        return spread or 1e-9 * friction
+    def _friction_of_tests(self) -> dict[str, float]:
+        """Friction of a test and its scatter, as the log has them; neither if it has no friction.
+
+        Before the first test friction is taken to be measured, only as well as it is known today.
+        """
+        values = self._ensemble.values(FRICTION, self._inputs)
+        tests = [judged.test for judged in self._posterior.judged]
+        measured = [test for test in tests if test.get("friction") is not None]
+        if tests and not measured:
+            return {}
+        scatters = [test.get("friction_scatter", 0.0) for test in measured] or [np.std(values)]
+        return {
+            "friction": float(np.median(values)),
+            "friction_scatter": float(np.mean(scatters)),
+        }
 
     def _gaussian(self, values: Array, deviation: Array | float) -> Array:
         """Likelihood of a number that is measured with an error."""

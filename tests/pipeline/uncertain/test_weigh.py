@@ -347,3 +347,16 @@ def test_warmer_tests_tell_more_of_a_critical_temperature_and_can_be_chosen_from
     assert best.spread < 0.8 * cold.spread
     with pytest.raises(InputError, match=r'target is "pin"; give one of temperature\.critical, or'):
         pipeline.candidates(found, "pin")
+
+
+def test_a_friction_that_the_log_does_not_have_is_not_averaged_out_by_planned_tests():
+    told = {"normal_load": 200.0, "velocity": 0.5, "outcome": "mild"}  # which tells nothing
+    promised = {}
+    for friction in (None, 0.1):
+        log = (told | {"friction": friction},)
+        found = pipeline.posterior(dataclasses.replace(ensemble((CRITICAL, FRICTION)), tested=log))
+        *_, last = pipeline.batch(found, 6, CRITICAL.path, ["25 degC"])
+        promised[friction] = last.spread
+    spread, of_friction = CRITICAL.parameters[1], 0.05 * (CRITICAL.parameters[0] - 298.15)
+    assert promised[None] > 0.95 * math.hypot(1 / spread, 1 / of_friction) ** -1
+    assert promised[0.1] < 0.7 * promised[None]
