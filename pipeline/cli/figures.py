@@ -41,6 +41,7 @@ def _watched(options: argparse.Namespace, shown: dict[str, Any]) -> Result:
         options.output,
         options.kind,
         progress=lambda state: tell(f"{state.done} of {state.total} points drawn"),
+        read=lambda: opened(options),
         **shown,
     )
     document = {

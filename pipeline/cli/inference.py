@@ -132,6 +132,7 @@ def infer(options: argparse.Namespace) -> Result:
                 f"the samples of {scene} are computed first: irg run {scene}; then irg infer "
                 "OUT.zarr with what that wrote"
             )
+        _require_as_stored(options, store)
         options.bulk_temperature = [bulk for bulk in bulks if bulk is not None]
         return posterior(options, [store])
     if options.next is not None or options.target or options.scatter is not None:
@@ -144,8 +145,8 @@ def infer(options: argparse.Namespace) -> Result:
     sweep = sweep.on_surface(options.realization)
     if options.contact_width is not None:
         return _wear_rate(options, sweep)
-    if options.load is not None or options.velocity is not None:
-        raise InputError("--load and --velocity belong to --contact-width, which is not given")
+    if ignored := given(options, "load", "velocity", "duration"):
+        raise InputError(f"{flags_of([*ignored])} belongs to --contact-width, which is not given")
     inferred = pipeline.critical_temperatures(sweep, progress=tell)
     tables = [_transitions(inferred)]
     return Result(inferred.as_dict(), _on_temperatures(inferred), tables=tables)
@@ -158,12 +159,16 @@ def _of_stores(options: argparse.Namespace) -> Result:
             f"{others[0]} is no store, and stores do not go with others; give stores of samples "
             "alone, or one scene"
         )
-    if names := [*given(options, "contact_width", "duration", "preset", *PLACE)]:
-        raise InputError(
-            f"{options.scene[0]} is a store, to which {flags_of(names)} does not belong; give the "
-            "scene"
-        )
+    _require_as_stored(options, options.scene[0])
     return posterior(options, options.scene)
+
+
+def _require_as_stored(options: argparse.Namespace, store: Path) -> None:
+    """Refuse options of a scene, where its samples are read from a store."""
+    if names := given(options, "contact_width", "duration", "preset", "set", *PLACE):
+        raise InputError(
+            f"the samples of {store} stay as they were computed; leave out {flags_of([*names])}"
+        )
 
 
 def _on_temperatures(inferred: CriticalTemperatures) -> Iterator[str]:

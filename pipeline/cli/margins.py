@@ -211,8 +211,11 @@ def _on_surfaces(margins: Sequence[Margin]) -> Iterator[str]:
     yield f"  deciding temperature  {middle:.4g} °C, on 80 % of them {low:.4g} to {high:.4g} °C"
     critical = pipeline.display(margins[0].critical_temperature, "°C", 4)
     low, middle, high = np.quantile([one.distance for one in margins], BAND)
+    side = "below"
+    if middle < 0:
+        side, low, middle, high = "above", -high, -middle, -low
     yield (
-        f"  distance              {middle:.1f} K below {critical}, on 80 % of them {low:.1f} to "
+        f"  distance              {middle:.1f} K {side} {critical}, on 80 % of them {low:.1f} to "
         f"{high:.1f} K"
     )
     for name in ("velocity", "load"):

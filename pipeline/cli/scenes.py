@@ -99,7 +99,7 @@ def conditions_in(options: argparse.Namespace) -> dict[str, Any]:
 def given(options: argparse.Namespace, *names: str) -> dict[str, Any]:
     """Options of these names that the command has and the user gave."""
     values = {name: getattr(options, name, None) for name in names}
-    return {name: value for name, value in values.items() if value is not None}
+    return {name: value for name, value in values.items() if value not in (None, [])}
 
 
 def flags_of(names: Sequence[str]) -> str:

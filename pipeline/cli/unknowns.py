@@ -91,7 +91,7 @@ def _if_given(ensemble: Ensemble, here: Risk, weighed: Posterior | None) -> Iter
     with suppress(InputError), working("weighing the inputs by the tests"):
         after = pipeline.posterior(ensemble)
         probability = pipeline.risk(ensemble, here.load, here.velocity, after.draws).probability
-        given_tests = f"given the scene's {_tests(after)} it is {probability:.2g}"
+        given_tests = f"given the scene's {after.evidence} it is {probability:.2g}"
         yield f"next: {given_tests}: add --given-measured"
 
 
@@ -338,7 +338,7 @@ def notes(ensemble: Ensemble, weighed: Posterior | None) -> Iterator[str]:
     """Basis of the numbers."""
     basis = "as the scene assumes them"
     if weighed:
-        basis = f"given {_tests(weighed)}, {_scatter(weighed)}"
+        basis = f"given {weighed.evidence}, {_scatter(weighed)}"
     yield f"  {counted(len(ensemble.unknown), 'unknown input', 'unknown inputs')}, {basis}"
     if weighed:
         yield _draws(weighed)
@@ -350,18 +350,6 @@ def _draws(weighed: Posterior) -> str:
     """Number of draws that the numbers rest on, in words."""
     effective, count = weighed.draws.effective, len(weighed.draws.weights)
     return f"  effective sample size {effective:.0f} of {count}"
-
-
-def _tests(weighed: Posterior) -> str:
-    """Numbers of transitions and of tests, in words."""
-    outcomes = sum("outcome" in judged.test for judged in weighed.judged)
-    transitions = len(weighed.judged) - outcomes
-    words = []
-    if transitions or not outcomes:
-        words.append(counted(transitions, "measured transition", "measured transitions"))
-    if outcomes:
-        words.append(counted(outcomes, "test", "tests"))
-    return " and ".join(words)
 
 
 def _scatter(weighed: Posterior) -> str:
@@ -376,7 +364,7 @@ def _scatter(weighed: Posterior) -> str:
 def _on_inputs(weighed: Posterior) -> Iterator[str]:
     """Lines on each input, before and after, and on each test."""
     samples = " and ".join(str(len(sweep.inputs)) for sweep in weighed.ensembles)
-    yield f"{_tests(weighed)}, {_scatter(weighed)}; {samples} samples"
+    yield f"{weighed.evidence}, {_scatter(weighed)}; {samples} samples"
     if len(weighed.ensembles) > 1:
         yield from (f"  {n}: {sweep.title}" for n, sweep in enumerate(weighed.ensembles, 1))
     yield _draws(weighed)

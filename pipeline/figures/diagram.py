@@ -160,9 +160,8 @@ def _of_scenes(
         )
     figure, axes = canvas(ax, (8.0, 6.4))
     legend: list[Artist] = []
-    several = list(scenes(ds))
-    for number, scene in enumerate(several):
-        judged = conditions_of(scene, **changed)
+    several = [(scene, conditions_of(scene, **changed)) for scene in scenes(ds)]
+    for number, (scene, judged) in enumerate(several):
         one = scene if realization is None else on_surface(scene, realization)
         plane = _quantile(_planes(one.sel(velocity=one["velocity"] > 0), judged), 0.5)
         name = ", ".join(value_text(ds[path], scene[path].item()) for path in entry_dims(ds))
@@ -177,6 +176,8 @@ def _of_scenes(
     legend += measured_transitions(axes, measured)
     _frame(axes, ds, realization, log)
     title = f"transition to severe wear, by {' and '.join(entry_dims(ds))}"
+    if len({judged for _, judged in several}) == 1:
+        title += f"; severe: {criterion(judged)}; {heating(judged)}"
     legend_below(figure, ax, handles=legend, ncols=3, title=title, title_fontsize=9.5)
     return figure
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import textwrap
 from typing import Any
 
@@ -20,6 +21,7 @@ _INCH = 0.0254  # [m]
 _NARROWEST, _WIDEST = 0.04, 1.0  # [m]
 _SMALLEST_TEXT, _THINNEST = 0.66, 0.6  # shares of a figure's own sizes that stay readable
 _LETTER = 0.55  # width of a letter, of the size of its font
+_BEFORE_UNIT = re.compile(r"(?<=\d) (?=(?:°C|%|N|K|m/s)(?!\w))")
 
 
 def fitted(figure: Figure, width: float | None = None, with_title: bool = True) -> Figure:
@@ -84,7 +86,8 @@ def _wrap_titles(figure: Figure) -> None:
         rooms[title] = whole
     for title, room in rooms.items():
         letter = _LETTER * float(title.get_fontsize()) * figure.dpi / 72
-        lines = title.get_text().replace(SOFT_BREAK, " ").splitlines()
+        text = title.get_text().replace(SOFT_BREAK, " ")
+        lines = _BEFORE_UNIT.sub("\N{NO-BREAK SPACE}", text).splitlines()
         title.set_text("\n".join(textwrap.fill(line, int(0.92 * room / letter)) for line in lines))
 
 

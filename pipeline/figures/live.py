@@ -10,6 +10,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import xarray as xr
+
 from pipeline.analysis.dataset import dataset_of
 from pipeline.figures.plot import plot
 from pipeline.figures.style import figure_path
@@ -26,6 +28,7 @@ def watch(
     kind: str = "diagram",
     interval: float = 1.0,
     progress: Callable[[Summary], None] | None = None,
+    read: Callable[[], xr.Dataset] | None = None,
     **options: Any,
 ) -> Summary:
     """Draw a figure of a sweep as its points come, until its run ends.
@@ -46,6 +49,9 @@ def watch(
         Shortest time between two drawings [s].
     progress : callable, optional
         Called with the state of the sweep after each drawing.
+    read : callable, optional
+        Reads the dataset to draw, such as that at one value of an entry; the whole store if not
+        given.
     **options
         Options of `pipeline.plot`.
 
@@ -77,7 +83,9 @@ def watch(
         began = time.monotonic()
         if state.done + len(state.failed) != shown:
             shown = state.done + len(state.failed)
-            screen.show(lambda path: plot(dataset_of(store), kind, path, **options))
+            screen.show(
+                lambda path: plot(read() if read else dataset_of(store), kind, path, **options)
+            )
             if progress:
                 progress(state)
         if state.running is None and summary(store).done == state.done:

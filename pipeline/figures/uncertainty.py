@@ -96,12 +96,9 @@ def draw_risk(
         axes.set_xscale("log")
         axes.set_yscale("log")
         plain_numbers(axes)
-    number = len(posterior.judged) if posterior else 0
-    basis = (
-        f"given {number} measured transition{'s' if number > 1 else ''}"
-        if posterior
-        else "inputs as assumed, before any measurement"
-    )
+    basis = "inputs as assumed, before any measurement"
+    if posterior:
+        basis = f"given {posterior.evidence}"
     axes.set_title(f"{as_title(ensemble.title, 74)}\n{basis}")
     if axes.get_legend_handles_labels()[0]:
         figure.legend(loc="outside lower center", ncols=2)
@@ -155,7 +152,7 @@ def draw_sensitivity(sensitivity: Sensitivity, title: str) -> Figure:
     axes.grid(visible=False, axis="y")
     axes.set_xlim(left=0.0)
     label = "share of the variance\nof the critical velocity"
-    label += ",\ngiven the measured transitions" if sensitivity.given_measured else ""
+    label += ",\ngiven the measurements" if sensitivity.given_measured else ""
     bars = "bar: first index, 90 % interval" + ("\ntick: total index" if has_total else "")
     axes.set_xlabel(f"{label}\n{bars}")
     figure.suptitle(as_title(title, 70))

@@ -7,6 +7,7 @@ leaves entries of the other out. A preset replaces the other's whole table ``[fi
 
 from __future__ import annotations
 
+import json
 import re
 import tomllib
 from collections.abc import Mapping
@@ -22,6 +23,7 @@ from tribo.files import reason_of
 _LARGEST_FILE = 10_000_000
 _LEVELS = 10  # of tables in tables, more than the format has
 _KEY_PART = r"""(?:[A-Za-z0-9_-]++|"[^"\n]*+"|'[^'\n]*+')"""
+_BARE_KEY = re.compile("[A-Za-z0-9_-]+")
 _LONG_KEY = re.compile(
     rf"(?<![A-Za-z0-9_-]){_KEY_PART}(?:[ \t]*+\.[ \t]*+{_KEY_PART}){{{_LEVELS},}}+"
     r"[ \t]*+(?P<end>[=\]])?"
@@ -173,6 +175,30 @@ def _merged(lower: dict[str, Any], upper: dict[str, Any], levels: int = _LEVELS)
         both = levels and isinstance(value, dict) and isinstance(lower.get(key), dict)
         merged[key] = _merged(lower[key], value, levels - 1) if both else value
     return merged
+
+
+def as_toml(value: Any) -> str:
+    """Write a value as it stands in a scene file.
+
+    Examples
+    --------
+    >>> as_toml({"from": "1 m/s", "pin.radius": [0.1, True]})
+    '{ from = "1 m/s", "pin.radius" = [0.1, true] }'
+    """
+    match value:
+        case dict():
+            items = (f"{_key(key)} = {as_toml(item)}" for key, item in value.items())
+            return f"{{ {', '.join(items)} }}"
+        case list():
+            return f"[{', '.join(map(as_toml, value))}]"
+        case float():
+            return short if float(short := f"{value:g}") == value else repr(value)
+    return json.dumps(value, ensure_ascii=False, default=str)
+
+
+def _key(name: str) -> str:
+    """A key, in quotes where TOML needs them."""
+    return name if _BARE_KEY.fullmatch(name) else json.dumps(name, ensure_ascii=False)
 
 
 def _toml(path: Path) -> dict[str, Any]:

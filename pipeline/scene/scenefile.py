@@ -6,7 +6,6 @@ within a table while it is read, those between tables afterwards.
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from os import PathLike, fspath
@@ -14,7 +13,7 @@ from typing import Any
 
 import tribo
 from pipeline.scene.consistency import check_tables
-from pipeline.scene.document import Document, read_document, with_entries
+from pipeline.scene.document import Document, as_toml, read_document, with_entries
 from pipeline.scene.faults import Faults, SceneFileError, did_you_mean, entry_at, with_value
 from pipeline.scene.format import FIDELITY, FORMAT, TEST, TRANSITION, USUAL_PRESET
 from pipeline.scene.library import with_library, without_consequences
@@ -150,7 +149,7 @@ def _arguments(
 ) -> tuple[str, ...]:
     """Arguments of a command that reads the scene so."""
     settings = [
-        f"--set={key}={value if isinstance(value, str) else json.dumps(value, default=str)}"
+        f"--set={key}={value if isinstance(value, str) else as_toml(value)}"
         for key, value in overrides.items()
     ]
     return (fspath(path), *([f"--preset={preset}"] if preset else []), *settings)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import json
 import re
 import shutil
 import textwrap
@@ -12,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import tribo
-from pipeline.scene.document import read_document
+from pipeline.scene.document import as_toml, read_document
 from pipeline.scene.faults import Faults, did_you_mean, entry_at, unwritable
 from pipeline.scene.format import UNKNOWN, USUAL_PRESET
 from pipeline.scene.kinds import Choice, Flag, Kind, Number, Quantity, Unit, Whole
@@ -153,9 +152,9 @@ def _key(
     mark = "" if key in entries else "#"
     if entry.kind is UNKNOWN:  # a line for each, since they are long
         for name, distribution in value.items():
-            yield f"{mark}{key}.{name} = {_toml(distribution)}"
+            yield f"{mark}{key}.{name} = {as_toml(distribution)}"
     else:
-        yield f"{mark}{key} = {_toml(value)}"
+        yield f"{mark}{key} = {as_toml(value)}"
 
 
 def example(entry: Entry, default: Any = None) -> Any:
@@ -180,18 +179,6 @@ def _allowed(kind: Kind, default: Any) -> Any:
         case Number():
             return default if default is not None else 0.1
     return "text" if default is None else default
-
-
-def _toml(value: Any) -> str:
-    """Write a value as TOML does."""
-    match value:
-        case dict():
-            return f"{{ {', '.join(f'{key} = {_toml(item)}' for key, item in value.items())} }}"
-        case list():
-            return f"[{', '.join(map(_toml, value))}]"
-        case float():
-            return f"{value:g}"
-    return json.dumps(value, ensure_ascii=False)
 
 
 def _plain(text: str) -> str:

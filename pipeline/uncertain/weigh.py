@@ -121,6 +121,18 @@ class Posterior:
         """The first sweep."""
         return self.ensembles[0]
 
+    @property
+    def evidence(self) -> str:
+        """Numbers of measured transitions and of tests, in words."""
+        tests = sum("outcome" in judged.test for judged in self.judged)
+        transitions = len(self.judged) - tests
+        words = [
+            f"{number} {name}{'' if number == 1 else 's'}"
+            for number, name in ((transitions, "measured transition"), (tests, "test"))
+            if number
+        ]
+        return " and ".join(words) or "0 measured transitions"
+
     def of_sweep(self, number: int) -> Draws:
         """Draws of the inputs of one sweep."""
         return Draws(self.draws.inputs[:, self.columns[number]], self.draws.weights)

@@ -197,6 +197,8 @@ def test_figures_and_reports_show_each_value_or_ask_for_one(swept, folder, capsy
     figure = pipeline.plot(swept, "diagram")
     labels = [text.get_text() for text in figure.legends[0].get_texts()]
     assert labels[:2] == list(RADII)
+    title = pipeline.plot(swept, "diagram", friction=0.12).legends[0].get_title().get_text()
+    assert "friction 0.12, bulk 25" in title
     assert printed(capsys, "report", swept, "-o", folder / "r.html")[0] == 0
     assert "pin.radius 4 mm. Answer: " in (folder / "r.html").read_text()
     for words in (
@@ -208,10 +210,8 @@ def test_figures_and_reports_show_each_value_or_ask_for_one(swept, folder, capsy
         assert (code, 'take one of each: --at "pin.radius=..."' in err) == (2, True)
     at = ("--at", "pin.radius=2 mm")
     assert printed(capsys, "explore", swept, *at, "-o", folder / "p.html")[0] == 0
-    code, _, err = printed(capsys, "boundary", swept, "--at", "pin.radius=3 mm")
-    assert (
-        code,
-        "which the sweep does not have; it has 2 mm, 4 mm" in err,
-    ) == (2, True)
+    for words in (("boundary",), ("plot", "--watch", "-o", folder / "d.png")):
+        code, _, err = printed(capsys, *words, swept, "--at", "pin.radius=3 mm")
+        assert (code, "which the sweep does not have; it has 2 mm, 4 mm" in err) == (2, True)
     with pytest.raises(InputError, match="pattern has one value alone in this sweep"):
         pipeline.at_entries(swept, {"wear.pattern": "local"})

@@ -337,6 +337,8 @@ def test_every_fault_of_a_scene_is_named_with_its_key(tmp_path, irg):
         ),
         (["list", "missing"], ["missing"]),
         (["diff", "missing.zarr", "small.zarr"], ["missing.zarr"]),
+        (["infer", "small.toml", "--duration", "8 s"], ["--duration belongs to --contact-width"]),
+        (["infer", "small.zarr", "--set", "increments=5"], ["as they were computed", "--set"]),
     ],
 )  # fmt: skip
 def test_what_cannot_be_is_refused_with_its_name(swept, irg, monkeypatch, arguments, words):

@@ -7,6 +7,7 @@ import pytest
 from pipeline.analysis.margin import margins
 from pipeline.cli.next_steps import after_boundary, after_margin, more_of_boundary
 from pipeline.cli.parser import parse
+from pipeline.scene.scenefile import load_scene
 from pipeline.store.schema import DONE, FAILED, PENDING
 from tests.helpers import synthetic
 
@@ -29,6 +30,16 @@ def test_a_boundary_at_draft_is_followed_by_one_of_known_accuracy():
     assert str(options.output) == "out/look_accurate.zarr"
     assert not list(after_boundary({"preset": "standard"}, "look.zarr"))
     assert not list(after_boundary(DRAFT | {"selection": {"accuracy": 0.02}}, "look.zarr"))
+
+
+def test_the_settings_of_a_scene_can_be_typed_again():
+    settings = {
+        "sweep.velocities": {"from": "1 m/s", "to": "2 m/s", "step": "0.5 m/s"},
+        "sweep.over": {"pin.radius": ["2 mm", "4 mm"]},
+        "increments": 40,
+    }
+    sweep = load_scene("first_try", overrides=settings)
+    assert dict(parse(["run", *sweep.arguments]).set) == settings
 
 
 @pytest.mark.parametrize(("velocity", "count"), [(1.2, 1), (0.9, 0)])

@@ -50,6 +50,14 @@ def test_a_long_legend_leaves_the_diagram_its_room():
     assert shapes[1] > 0.9 * shapes[0]
 
 
+def test_a_title_is_not_broken_before_a_unit(sweep):
+    widths = np.linspace(0.08, 0.12, 9)
+    titles = (plot(sweep, "fields", width=width)._suptitle.get_text() for width in widths)
+    lines = (line for text in titles for line in text.splitlines())
+    assert not any(line.startswith(("°C", "N", "m/s")) for line in lines)
+    assert plot(sweep, "fields", width=0.1)._suptitle.get_text().endswith("25\N{NO-BREAK SPACE}°C")
+
+
 def test_labels_of_rows_do_not_meet_at_the_width_of_a_column(sweep):
     figure = plot(sweep, "ramp", width=0.085)
     figure.draw_without_rendering()

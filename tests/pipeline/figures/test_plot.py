@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from dataclasses import replace
 
 import matplotlib
 import numpy as np
@@ -14,6 +15,7 @@ from pipeline.figures.fields import fields
 from pipeline.figures.plot import plot
 from pipeline.figures.ramp import ramp
 from pipeline.figures.rivals import SmoothContact
+from pipeline.figures.uncertainty import draw_risk
 from pipeline.store.schema import FAILED, PENDING
 from pipeline.sweep.lubrication import Lubrication
 from pipeline.uncertain.answers import probabilities, risk_lines
@@ -424,6 +426,14 @@ def test_given_the_measurements_the_diagram_is_that_of_their_probability(unknown
     passed = [path.vertices for path in drawn.get_paths()]
     found = [np.interp(-400.0, -line[:, 1], line[:, 0]) for line in map(_upwards, passed)]
     assert sorted(found) == pytest.approx(expected[0], rel=0.01)
+
+
+def test_tests_are_not_called_measured_transitions():
+    severe = {"normal_load": 400.0, "velocity": 2.0, "friction": None, "outcome": "severe"}
+    one = {"normal_load": 750.0, "velocity": 1.0, "friction": None}
+    ensemble = replace(samples.ensemble(measured=[one]), tested=(severe,))
+    figure = draw_risk(ensemble, probabilities(ensemble), posterior=posterior(ensemble))
+    assert figure.axes[0].get_title().endswith("given 1 measured transition and 1 test")
 
 
 def _upwards(line):
