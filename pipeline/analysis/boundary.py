@@ -17,7 +17,7 @@ from pipeline.analysis.conditions import Bulk, attributes_by, conditions_of
 from pipeline.analysis.dataset import asked, plane_of, variant_of
 from pipeline.analysis.decisive import decisive_rise
 from pipeline.analysis.interpolation import exponent
-from pipeline.analysis.scenes import by_scene
+from pipeline.analysis.scenes import by_scene, stacked
 from pipeline.analysis.transition import OUTCOMES, UNITS, Transition, range_of
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.criterion import rise_limit
@@ -116,25 +116,20 @@ def boundary(
         raise InputError(f'friction: "{friction}" is text; give a number such as 0.1, or several')
     ds = plane_of(ds)
     others = (bulk_temperature, critical_temperature, share, criterion)
+    if hasattr(friction, "ndim"):  # an array, which may be of no dimension
+        friction = np.asarray(friction).tolist()
     if not isinstance(friction, Iterable):
         return boundary_under(ds, conditions_of(ds, friction, *others))
     several = [conditions_of(ds, value, *others) for value in friction]
+    if not several:
+        raise InputError("friction is an empty list; give one at least, or leave it out")
     axis = xr.DataArray(
         [conditions.friction for conditions in several],
         dims="friction",
         name="friction",
         attrs={"units": "1", "long_name": "friction coefficient"},
     )
-    stacked: xr.Dataset = xr.concat(
-        [boundary_under(ds, conditions) for conditions in several],
-        axis,
-        data_vars="all",
-        coords="minimal",
-        compat="override",
-        join="override",
-        combine_attrs="drop_conflicts",
-    )
-    return stacked
+    return stacked([boundary_under(ds, conditions) for conditions in several], [axis])
 
 
 def boundary_under(ds: xr.Dataset, conditions: Conditions) -> xr.Dataset:

@@ -162,7 +162,7 @@ def _side_by_side(boundaries: xr.Dataset, name: str, axis: str) -> Table:
             return in_words(OUTCOMES[place[f"outcome_at_{axis}"].item()], tuple(ends), other)
         film, bridged = f"film_parameter_at_{axis}", place[f"bridged_at_{axis}"].item()
         text = crossing.text(value)
-        if film in place:
+        if film in place and math.isfinite(place[film].item()):
             text += f"  film Λ {place[film].item():.2f}"
         if bridged:
             text += f"  across {bridged} point{'s' if bridged > 1 else ''} not done"

@@ -11,6 +11,7 @@ from pipeline.store.schema import DONE
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.criterion import decisive_rises
 from pipeline.sweep.rises import columns_needed
+from tribo import InputError
 from tribo.types import Array
 
 
@@ -22,6 +23,12 @@ def decisive_rise(ds: xr.Dataset, conditions: Conditions) -> xr.DataArray:
     are (load, velocity), after ``realization`` over several surfaces, all ascending.
     """
     ds = _about_quantile(dataset_of(ds), conditions.decisive.quantile)
+    for name in ("load", "velocity"):
+        if name not in ds.dims:
+            raise InputError(
+                f"the sweep is one at a single {name}, and not a plane: take a list of one, such "
+                f"as ds.sel({name}=[{ds[name].item():g}])"
+            )
     names = ["normal_load", conditions.decisive.column, *columns_needed(conditions)]
     columns = {name: values_of(ds, name) for name in dict.fromkeys(names) if name in ds}
     columns["quantile"] = ds["quantile"].values

@@ -160,7 +160,10 @@ def _points(a: xr.Dataset, b: xr.Dataset) -> tuple[Table, int]:
     has_seeds = any("realization" in ds.dims for ds in (a, b))
     states = [dict(_states(ds, has_seeds)) for ds in (a, b)]
     rows, alike = [], 0
-    for place in sorted({**states[0], **states[1]}, key=lambda place: tuple(map(str, place))):
+    order = {None: -1}  # before all seeds
+    for place in sorted(
+        {**states[0], **states[1]}, key=lambda place: (*place[:2], order.get(place[2], place[2]))
+    ):
         (of_a, rise_a), (of_b, rise_b) = (state.get(place, ("absent", np.nan)) for state in states)
         if of_a == of_b == "done" and rise_a == rise_b:
             alike += 1

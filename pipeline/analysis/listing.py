@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 import tomllib
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -83,8 +84,11 @@ def _row(path: Path, folder: Path) -> dict[str, Any] | None:
     row = _of_store(path) if path.is_dir() else _of_scene(path)
     if row is None:
         return None
-    files = [path] if path.is_file() else [file for file in path.rglob("*") if file.is_file()]
-    stats = [file.stat() for file in files]
+    stats = []
+    for file in [path] if path.is_file() else path.rglob("*"):
+        with suppress(FileNotFoundError):  # of a store that is being written
+            if not file.is_dir():
+                stats.append(file.stat())
     changed = max((stat.st_mtime for stat in stats), default=time.time())
     about = {"name": str(path.relative_to(folder)), "age": max(0.0, time.time() - changed)}
     return row | about | {"bytes": sum(stat.st_size for stat in stats)}

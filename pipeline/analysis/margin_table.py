@@ -93,8 +93,10 @@ def table_of_margins(points: OperatingPoints, answers: Sequence[tuple[Margin, ..
             values = _of_one(answer[0]) if surfaces == 1 else _of_several(answer)
             note = _note(answer)
         rows.append((*passed, *place, *values, note))
-    others = (Column(head, head) for head in points.others)
-    return Table((*others, *_PLACE, *columns, Column("note", "note")), tuple(rows))
+    results = (*_PLACE, *columns, Column("note", "note"))
+    taken = {word for column in results for word in (column.name, column.head)}
+    others = (f"{head} (given)" if head in taken else head for head in points.others)
+    return Table((*(Column(head, head) for head in others), *results), tuple(rows))
 
 
 _PLACE = Column("load", "load", "N", 6), Column("velocity", "velocity", "m/s", 6)

@@ -120,6 +120,11 @@ def _read_csv(path: Path, faults: list[str]) -> _Cells:
 
 def _cells_of(columns: Any) -> _Cells:
     """Cells of a mapping or a data frame."""
+    if not hasattr(columns, "keys"):
+        raise InputError(
+            f"points are of type {type(columns).__name__}; give a .csv file, or columns by heading "
+            'such as {"load": ["500 N"], "velocity": ["2 m/s"]}'
+        )
     listed = {str(head): list(np.atleast_1d(columns[head]).tolist()) for head in columns}
     lengths = {head: len(cells) for head, cells in listed.items()}
     if len(set(lengths.values())) > 1:

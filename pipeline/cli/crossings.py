@@ -21,7 +21,7 @@ from pipeline.analysis.boundary_tables import (
     tables_of,
 )
 from pipeline.analysis.scenes import parts_of
-from pipeline.analysis.transition import BEYOND, OUTCOMES, UNKNOWN
+from pipeline.analysis.transition import BEYOND, CROSSES, OUTCOMES, UNKNOWN
 from pipeline.cli.next_steps import after_boundary, more_of_boundary
 from pipeline.cli.output import Result, to_table
 from pipeline.cli.scenes import conditions_in, opened
@@ -61,7 +61,8 @@ def document_of(crossings: xr.Dataset) -> dict[str, Any]:
         outcome, film = f"outcome_at_{axis}", f"film_parameter_at_{axis}"
         document[outcome] = _nested(OUTCOMES.__getitem__, document[outcome])
         if film in document:
-            document[f"regime_at_{axis}"] = _nested(_regime, document[film])
+            regimes = np.vectorize(_regime, otypes=[object])(crossings[film], crossings[outcome])
+            document[f"regime_at_{axis}"] = regimes.tolist()
     document.pop("missing_points", None)
     return {"conditions": conditions, "missing_points": _missing(crossings), **document}
 
@@ -87,8 +88,10 @@ def _nested(write: Callable[[Any], str], values: Any) -> Any:
     return write(values)
 
 
-def _regime(film_parameter: float) -> str:
-    return lubrication_regime(film_parameter) if math.isfinite(film_parameter) else "no crossing"
+def _regime(film_parameter: float, outcome: int) -> str:
+    if math.isfinite(film_parameter):
+        return lubrication_regime(film_parameter)
+    return "not known" if outcome == CROSSES else "no crossing"
 
 
 def _command(crossings: xr.Dataset, store: Path | str, ds: xr.Dataset) -> str | None:

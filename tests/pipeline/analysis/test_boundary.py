@@ -8,6 +8,7 @@ import pipeline
 from pipeline.analysis.boundary import boundary
 from pipeline.analysis.decisive import decisive_rise, refined
 from pipeline.analysis.interpolation import crossing
+from pipeline.analysis.scenes import stacked
 from pipeline.analysis.temperatures import decisive_temperature
 from pipeline.cli.crossings import document_of, text_of
 from pipeline.store.schema import DONE, FAILED, PENDING
@@ -257,6 +258,26 @@ def test_several_frictions_are_a_dimension_and_each_is_as_alone(sweep):
         decisive_temperature(sweep, friction=(0.09, 0.103))
 
 
+def test_frictions_may_be_arrays_and_are_not_none(sweep):
+    for array in (np.array(0.1), xr.DataArray(0.1)):
+        alone = boundary(sweep, friction=array)
+        assert alone.identical(boundary(sweep, friction=0.1))
+    assert boundary(sweep, friction=np.array([0.1, 0.09]))["friction"].values.tolist() == [
+        0.1,
+        0.09,
+    ]
+    with pytest.raises(InputError, match="empty list"):
+        boundary(sweep, friction=[])
+
+
+@pytest.mark.parametrize("name", ["load", "velocity"])
+def test_a_single_line_of_a_sweep_asks_for_a_list(sweep, name):
+    value = sweep[name].values[3]
+    assert boundary(sweep.sel({name: [value]})).sizes[name] == 1
+    with pytest.raises(InputError, match=rf"ds\.sel\({name}=\[{value:g}\]\)"):
+        boundary(sweep.sel({name: value}))
+
+
 @pytest.mark.parametrize("text", ["0.1", "0,1", "0.09,0.103"])
 def test_friction_as_text_is_refused_and_not_read_letter_by_letter(text):
     with pytest.raises(InputError, match=r"is text; give a number such as 0\.1"):
@@ -301,6 +322,10 @@ def test_the_regime_of_each_crossing_is_told_in_words_and_in_the_document():
     assert "no crossing" in document["regime_at_velocity"]
     dry = boundary(synthetic.sweep())
     assert "Λ" not in "".join(text_of(dry))
+    oils = xr.DataArray(["known", "unknown"], dims="oil", name="oil")
+    both = stacked([found, dry], [oils])  # of the other oil no film is known
+    assert document_of(both)["regime_at_load"][1][0] == "not known"
+    assert "nan" not in "".join(text_of(both))
 
 
 def test_the_exponent_of_the_rise_is_known_at_each_crossing():

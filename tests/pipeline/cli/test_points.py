@@ -7,6 +7,7 @@ import pytest
 import pipeline
 from pipeline.cli import main
 from tests.helpers import synthetic
+from tribo import InputError
 
 DUTY = "gear;load [kN];velocity [m/min];remark\n1;0.3;90;cold start\n2;0.5;120;\n3;9;120;\n"
 
@@ -16,6 +17,15 @@ def store(monkeypatch):
     ds = synthetic.sweep()
     monkeypatch.setattr(pipeline, "open_sweep", lambda path: ds)
     return ds
+
+
+def test_a_further_column_of_a_name_of_the_results_is_kept(store):
+    points = {"load": [400.0], "velocity": [1.6], "note": ["gear 3"], "verdict": ["it held"]}
+    table = pipeline.margin_table(store, points).as_dict()
+    assert (table["note (given)"], table["verdict (given)"]) == (["gear 3"], ["it held"])
+    assert table["verdict"] == ["mild"]
+    with pytest.raises(InputError, match="or columns by heading"):
+        pipeline.margin_table(store, [(400.0, 1.6)])
 
 
 def test_each_row_gets_the_margin_of_its_point_and_keeps_its_further_columns(store, tmp_path):
