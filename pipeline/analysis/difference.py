@@ -160,9 +160,9 @@ def _points(a: xr.Dataset, b: xr.Dataset) -> tuple[Table, int]:
     has_seeds = any("realization" in ds.dims for ds in (a, b))
     states = [dict(_states(ds, has_seeds)) for ds in (a, b)]
     rows, alike = [], 0
-    order = {None: -1}  # before all seeds
     for place in sorted(
-        {**states[0], **states[1]}, key=lambda place: (*place[:2], order.get(place[2], place[2]))
+        {**states[0], **states[1]},
+        key=lambda place: (*place[:2], -1 if place[2] is None else place[2]),
     ):
         (of_a, rise_a), (of_b, rise_b) = (state.get(place, ("absent", np.nan)) for state in states)
         if of_a == of_b == "done" and rise_a == rise_b:
