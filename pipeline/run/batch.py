@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+import os
 import re
 import shlex
 import sys
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from pipeline.run.site import Site, site_of
 from pipeline.run.source import THREADS
-from pipeline.scene.units import UnitError, to_si
+from pipeline.scene.quantities import in_si
 from tribo import InputError
 
 SYSTEMS = ("slurm",)
@@ -23,7 +24,7 @@ _UNREACHED = 120  # [s] after which a job ends whose driver does not answer
 _SAFE = re.compile(r"[\w@+=:,./-]+")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, init=False)
 class Batch:
     """Jobs of a batch system that compute a sweep.
 
@@ -50,25 +51,34 @@ class Batch:
     (7200.0, 6180.0, 720.0)
     """
 
-    system: str = "slurm"
-    jobs: int = 10
-    walltime: float = 3600.0
-    site: Site = field(default_factory=Site)
+    system: str
+    jobs: int
+    walltime: float
+    site: Site
 
-    def __post_init__(self) -> None:
-        if self.system not in SYSTEMS:
-            raise InputError(f"the batch system is {self.system!r}; give {', '.join(SYSTEMS)}")
-        if self.jobs < 1:
-            raise InputError(f"jobs is {self.jobs}; it must be at least 1")
-        if isinstance(self.walltime, str):
-            try:
-                object.__setattr__(self, "walltime", to_si(self.walltime, "2 h"))
-            except UnitError as error:
-                raise InputError(f'walltime: {error}; give one like "2 h"') from None
-        if not _SHORTEST <= self.walltime < float("inf"):
-            raise InputError(f"walltime is {self.walltime:g} s; it must be at least 1 min")
-        if not isinstance(self.site, Site):
-            object.__setattr__(self, "site", site_of(Path(self.site)))
+    def __init__(
+        self,
+        system: str = "slurm",
+        jobs: int = 10,
+        walltime: float | str = 3600.0,
+        site: Site | str | os.PathLike[str] | None = None,
+    ) -> None:
+        if system not in SYSTEMS:
+            raise InputError(f"the batch system is {system!r}; give {', '.join(SYSTEMS)}")
+        if jobs < 1:
+            raise InputError(f"jobs is {jobs}; it must be at least 1")
+        seconds = in_si("walltime", walltime, "2 h")
+        if not _SHORTEST <= seconds < float("inf"):
+            raise InputError(f"walltime is {seconds:g} s; it must be at least 1 min")
+        site = Site() if site is None else site
+        fields = {
+            "system": system,
+            "jobs": jobs,
+            "walltime": seconds,
+            "site": site if isinstance(site, Site) else site_of(Path(site)),
+        }
+        for name, value in fields.items():
+            object.__setattr__(self, name, value)
 
     @property
     def stagger(self) -> float:

@@ -10,6 +10,7 @@ import json
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
+from pipeline.store.lock import holder_of
 from pipeline.store.place import (
     ROOT,
     Folder,
@@ -47,7 +48,7 @@ def read_root(place: Place) -> Root:
     """
     root = find_root(place)
     if root is None and isinstance(place, Folder) and place.path.is_dir():
-        raise _no_store(place)
+        raise _unfinished(place) if place.keys() else _no_store(place)
     if root is None:
         near = near_path(place.path) if isinstance(place, Folder) else ""
         raise StoreError(f"{place} does not exist{near}; give a store that irg run made")
@@ -117,6 +118,13 @@ def _parsed(place: Place, content: bytes) -> Root:
 
 def _hash(document: Mapping[str, Any]) -> str:
     return hashlib.sha256(json.dumps(document, sort_keys=True).encode()).hexdigest()
+
+
+def _unfinished(place: Place) -> StoreError:
+    """Error for a store whose creation goes on, or was cut short."""
+    if holder := holder_of(place):
+        return StoreError(f"{place} is being made by {holder}; try again in a few seconds")
+    return StoreError(f"{place} was left unfinished as it was made; run its scene again")
 
 
 def _no_store(place: Place) -> StoreError:

@@ -117,6 +117,16 @@ def test_what_jobs_cannot_have_is_told(scene, capsys, options, words):
     assert words in capsys.readouterr().err
 
 
+def test_the_walltime_of_jobs_is_a_time_in_seconds_or_with_its_unit(tmp_path):
+    (tmp_path / "site.toml").write_text("cores = 4\n")
+    for walltime in ("2 h", 7200, 7200.0):
+        batch = pipeline.Batch(jobs=3, walltime=walltime, site=tmp_path / "site.toml")
+        assert repr(batch) == repr(pipeline.Batch("slurm", 3, 7200.0, Site(cores=4)))
+    for walltime, words in (("2 kg", 'give one such as "2 h"'), (59.0, "at least 1 min")):
+        with pytest.raises(InputError, match=words):
+            pipeline.Batch(walltime=walltime)
+
+
 def test_the_sample_names_every_option_of_a_site(tmp_path):
     file = tmp_path / "site.toml"
     assert main(["new", "--site", str(file)]) == 0

@@ -21,7 +21,8 @@ from pipeline.cli import main
 from pipeline.store import schema
 from pipeline.store.create import writing
 from pipeline.store.files import PARTIAL
-from pipeline.store.place import StoreError, StoreMismatchError
+from pipeline.store.lock import held
+from pipeline.store.place import StoreError, StoreMismatchError, place_of
 from pipeline.store.progress import summary
 from pipeline.store.verify import verify_store
 from pipeline.sweep.conditions import Conditions
@@ -95,7 +96,12 @@ def test_a_creation_cut_short_leaves_no_store_or_a_whole_one(path, monkeypatch, 
         assert (summary(path).done, summary(path).pending) in ((0, 0), (0, 9))  # asked for or not
         assert open_sweep(path).load()["time"].isnull().all()
     else:
-        with pytest.raises(StoreError, match="is not a store"):
+        with pytest.raises(StoreError, match="was left unfinished as it was made"):
+            summary(path)
+        with (
+            held(place_of(path)),
+            pytest.raises(StoreError, match=f"being made by process {os.getpid()}"),
+        ):
             summary(path)
     commit(path, SWEEP, [POINT])
     assert_is_as_computed(path, [POINT])
