@@ -201,9 +201,10 @@ def _on_unknown(sweep: Sweep) -> Iterator[str]:
         free = "" if one.path in simulated else "; applied afterwards, at no cost"
         yield f"  unknown  {one}{free}"
     low, high = design.velocities
+    are_all = len(sweep.samples) == design.sufficient
     yield (
         f"  samples  {len(sweep.samples)} of a scrambled Sobol' sequence, seed {design.seed}, from "
-        f"{low:g} to {high:g} m/s; more of them go on from these"
+        f"{low:g} to {high:g} m/s; " + ("they suffice" if are_all else "more go on from these")
     )
     if design.per_contact > 1:
         yield f"           {design.per_contact} share each contact, and have heat of their own"

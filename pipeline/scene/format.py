@@ -320,7 +320,8 @@ SWEEP = Table({
         "Random surfaces to compute it all on: a number of them from the seed on, or a list of "
         "seeds."),
     "samples": Optional(Whole(at_least=1, at_most=MOST_SAMPLES),
-        "Number of samples drawn of the `unknown` inputs, each at a velocity of its own."),
+        "Number of samples drawn of the `unknown` inputs, each at a velocity of its own; fewer are "
+        "drawn where they suffice, as `irg check` says."),
     "sample_seed": Optional(SEED, "Seed of the samples.", default=0),
     "wear_rates": Optional(Table({
         "from": Entry(WEAR_RATE, "Lowest of them."),

@@ -103,7 +103,12 @@ def samples_of(
         notes.append(f"unknown: {number} not known exactly; give sweep.samples to draw them")
         return None
     design = _design(inputs, layers, tables["sweep"]["sample_seed"], sweep, faults)
-    return _drawn(inputs, design, count, sweep, make, faults) if design else None
+    if design is None:
+        return None
+    if design.sufficient and count > design.sufficient:
+        count = design.sufficient
+        notes.append(f"sweep.samples: {count} are computed, which suffice for these unknown inputs")
+    return _drawn(inputs, design, count, sweep, make, faults)
 
 
 def _design(

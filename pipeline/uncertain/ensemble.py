@@ -46,7 +46,7 @@ CONDITIONS = {
 _LEAST_RISE, _LEAST = 1.0, 1e-3  # [K], friction
 _NODES = 9  # velocities between which the logarithm of the rise is a cubic
 _BEND = 0.02  # of ln(rise), unknown between two loads alone: ten times that of the shipped scenes
-_FEWEST = 16  # samples of which an emulator is made
+_FEWEST = 12  # samples of which an emulator is made
 _COLUMNS_OF_WIDTH = ("time", "contact_width")
 
 
@@ -417,14 +417,16 @@ def _features(
     along = (np.log(velocities) - (low + high) / 2) / spread
     features, dimensions = [along], [0]
     for number, (quantity, column) in enumerate(zip(design.inputs, columns, strict=True), 1):
-        if quantity.kind == "list":
+        is_rate = quantity.path == WEAR_RATE
+        if quantity.kind == "list" and not is_rate:
             features += [np.where(column == value, 1.0, 0.0) for value in quantity.parameters]
             dimensions += [number] * len(quantity.parameters)
             continue
-        ends = quantity.at(ndtr(np.array([-1.0, 1.0])))
-        values, ends = (np.log(column), np.log(ends)) if quantity.is_relative else (column, ends)
+        values, ends = column, quantity.at(ndtr(np.array([-1.0, 1.0])))
+        if quantity.is_relative or is_rate:
+            values, ends = np.log(np.maximum(values, _LEAST * ends.max())), np.log(ends)
         scaled, width = values - ends.mean(), float(ends[1] - ends[0]) / 2
-        if quantity.path == WEAR_RATE:
+        if is_rate:
             scaled, width = scaled + spread * along, math.hypot(width, spread)
         features.append(scaled / width)
         dimensions.append(number)

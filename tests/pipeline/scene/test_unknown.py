@@ -1,6 +1,7 @@
 """The table [unknown] of a scene file: what it means, and every way to get it wrong."""
 
 import json
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -56,7 +57,7 @@ def test_friction_and_temperatures_are_not_simulated(tmp_path):
     only = '[unknown]\n"temperature.critical" = { mean = "145 degC", sd = "8 K" }\n'
     judged = pipeline.load_scene(scene(tmp_path, only)).samples.design
     # Samples that share a contact differ in the wear rate, though it is known.
-    assert (judged.layers, judged.per_contact) == (("wear rate",), 16)
+    assert (judged.layers, judged.per_contact) == (("wear rate",), 2)
 
 
 def test_thermal_constants_enter_heat_alone(tmp_path):
@@ -64,7 +65,47 @@ def test_thermal_constants_enter_heat_alone(tmp_path):
     text += '{ from = "21 W/(m K)", to = "46 W/(m K)" }\n'
     design = pipeline.load_scene(scene(tmp_path, "", text=text)).samples.design
     assert design.layers == ("heat", "wear rate")
-    assert design.per_contact == 16
+    assert design.per_contact == 2
+
+
+KNOWN_CONTACT = """
+[unknown]
+"wear.specific_wear_rate" = { median = "1.2e-6 mm^3/(N m)", factor = 1.5 }
+"temperature.critical" = { mean = "145 degC", sd = "8 K" }
+"""
+
+
+def test_no_more_samples_are_drawn_than_suffice(tmp_path):
+    sweep = pipeline.load_scene(scene(tmp_path, KNOWN_CONTACT, samples=500))
+    assert len(sweep.samples) == sweep.samples.design.sufficient == 16
+    assert any(note.startswith("sweep.samples: 16 are computed") for note in sweep.notes)
+    heat = '"materials.steel.thermal_conductivity" = { mean = "45 W/(m K)", sd = "3 W/(m K)" }\n'
+    assert len(pipeline.load_scene(scene(tmp_path, KNOWN_CONTACT + heat, 500)).samples) == 32
+    lists = '"disk.roughness.seed" = [0, 1, 2, 3, 4, 5, 6, 7]\n'
+    assert len(pipeline.load_scene(scene(tmp_path, KNOWN_CONTACT + lists, 500)).samples) == 64
+    drawn = '"disk.roughness.correlation_length" = { from = "12 um", to = "24 um" }\n'
+    assert len(pipeline.load_scene(scene(tmp_path, KNOWN_CONTACT + drawn, 100)).samples) == 100
+
+
+def test_planned_wear_numbers_are_evenly_spread(tmp_path):
+    samples = pipeline.load_scene(scene(tmp_path, KNOWN_CONTACT, samples=16)).samples
+    rates, velocities = np.array(samples.values)[:, 0], np.array(samples.velocities)
+    number = (rates * velocities).reshape(8, 2)
+    assert number[:, 1] == pytest.approx(number[:, 0], rel=1e-12)
+    assert np.all(velocities[::2] < velocities[1::2])
+    # Each eighth of the sums of two even numbers has one contact.
+    low, high = samples.design.velocities
+    spread = math.log(1.5) * 2.6
+    log_number = np.sort(np.log(number[:, 0] / 1.2e-15 / math.sqrt(low * high)))
+    ends = _quantile(np.arange(9) / 8, math.log(high / low), 2 * spread)
+    assert np.all((log_number > ends[:-1] - 0.01) & (log_number < ends[1:] + 0.01))
+    assert np.all(np.abs(np.log(rates / 1.2e-15)) < spread * 1.0001)
+
+
+def _quantile(shares, one, other):
+    """Quantiles of the sum of two numbers, each even about 0, by brute force."""
+    middles = (np.arange(500) + 0.5) / 500 - 0.5
+    return np.quantile(np.add.outer(one * middles, other * middles), shares)
 
 
 def test_samples_of_a_contact_have_its_inputs_and_its_wear_number(tmp_path):
