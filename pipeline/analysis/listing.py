@@ -60,8 +60,10 @@ def listing(folder: str | Path) -> Table:
     ('first_try.zarr', 'done', 24)
     """
     path = Path(folder)
+    if (path / ROOT).exists():
+        raise InputError(f"{folder} is a store: irg status tells of it; give the folder it lies in")
     if not path.is_dir():
-        near = near_path(path)
+        near = "" if path.exists() else near_path(path)
         raise InputError(f"{folder} is not a folder{near}; give one with stores or scenes")
     rows = [row for entry in _stores_and_scenes(path) if (row := _row(entry, path))]
     names = [column.name for column in _COLUMNS]

@@ -252,6 +252,10 @@ def posterior(options: argparse.Namespace, stores: Sequence[Path]) -> Result:
     if options.next is None and (options.target or options.bulk_temperature):
         name = "--for" if options.target else "--bulk-temperature"
         raise InputError(f"{name} belongs to --next, which is not given")
+    if any(isinstance(bulk, dict) for bulk in options.bulk_temperature or ()):
+        raise InputError(
+            "--bulk-temperature of a test to plan is that of both bodies; give one such as 60 degC"
+        )
     with working("reading samples"):
         datasets = [pipeline.open_sweep(store) for store in stores]
         ensembles = [_ensemble(*pair) for pair in zip(stores, datasets, strict=True)]

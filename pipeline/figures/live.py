@@ -14,6 +14,7 @@ import xarray as xr
 
 from pipeline.analysis.dataset import dataset_of
 from pipeline.figures.plot import plot
+from pipeline.figures.points import PendingError
 from pipeline.figures.style import figure_path
 from pipeline.store.place import PathLike
 from pipeline.store.progress import Summary, summary
@@ -82,12 +83,17 @@ def watch(
         state = summary(store)
         began = time.monotonic()
         if state.done + len(state.failed) != shown:
-            shown = state.done + len(state.failed)
-            screen.show(
-                lambda path: plot(read() if read else dataset_of(store), kind, path, **options)
-            )
-            if progress:
-                progress(state)
+            try:
+                screen.show(
+                    lambda path: plot(read() if read else dataset_of(store), kind, path, **options)
+                )
+            except PendingError:
+                if state.running is None:
+                    raise
+            else:
+                shown = state.done + len(state.failed)
+                if progress:
+                    progress(state)
         if state.running is None and summary(store).done == state.done:
             screen.end()
             return state

@@ -16,6 +16,10 @@ from pipeline.sweep.model import Point
 from tribo import InputError
 
 
+class PendingError(InputError):
+    """A point that a figure shows is not done."""
+
+
 def chosen_points(
     ds: xr.Dataset,
     load: float | str | Iterable[float | str] | None,
@@ -26,7 +30,7 @@ def chosen_points(
     r = decisive_rise(ds, conditions).values
     is_finite = np.isfinite(r)
     if not is_finite.any():
-        raise InputError(
+        raise PendingError(
             "no point of the sweep is done yet; run the scene on, "
             "with --retry-failed if points failed"
         )
@@ -37,7 +41,7 @@ def chosen_points(
     points = []
     for i in loads or [int(np.flatnonzero(is_finite.any(axis=1))[-1])]:
         if not is_finite[i].any():
-            raise InputError(
+            raise PendingError(
                 f"no point at {ds['load'].values[i]:g} N is done; "
                 "give another load, or run the scene on"
             )
@@ -48,7 +52,7 @@ def chosen_points(
     for point in points:
         if not is_finite[point]:
             reason = str(ds["message"].transpose("load", "velocity").values[point])
-            raise InputError(
+            raise PendingError(
                 f"the point {name_of(ds, point)} is not done{reason and ': '}{reason}; "
                 "give another load or velocity, or run the scene on"
             )

@@ -14,7 +14,7 @@ from pipeline.analysis.conditions import conditions_of
 from pipeline.analysis.dataset import at_bulks, end_of_point, on_surface
 from pipeline.analysis.decisive import decisive_rise
 from pipeline.analysis.interpolation import crossing, interpolated
-from pipeline.figures.points import index_of_load
+from pipeline.figures.points import PendingError, index_of_load
 from pipeline.figures.style import (
     BLUE,
     GREY,
@@ -56,7 +56,7 @@ def temperature(
         rises = decisive_rise(row, judged).values[0]
         computed = velocities[np.isfinite(rises)]
         if not computed.size:
-            raise InputError(
+            raise PendingError(
                 f"no point at {float(row['load'][0]):g} N is done; "
                 "give another load, or run the scene on"
             )
@@ -110,6 +110,11 @@ def histogram(
             f"{ends[1]:g} m/s at most"
         )
     temperatures = celsius(contact_temperature(quantiles, conditions))
+    if temperatures[0] == temperatures[-1]:
+        raise InputError(
+            f"friction is {conditions.friction:g}; without heat the whole contact has the bulk "
+            "temperature, of which there is no histogram"
+        )
     edges = np.linspace(temperatures[0], temperatures[-1], _BINS + 1)
     below = np.interp(edges, temperatures, row["quantile"].values)
     figure, axes = canvas(ax, (7.2, 5.0))

@@ -180,7 +180,8 @@ class _Plan:
         except UnitError:
             load = math.nan
         if not loads[0] <= load <= loads[-1]:
-            paths = ", ".join(quantity.path for quantity in self._posterior.unknown)
+            unknown = self._posterior.unknown
+            paths = ", ".join(quantity.path for quantity in unknown if quantity.kind != "list")
             raise InputError(
                 f'target is "{target}"; give one of {paths}, or a load from {loads[0]:g} to '
                 f'{loads[-1]:g} N for the boundary there, such as "{loads[0]:g} N"'

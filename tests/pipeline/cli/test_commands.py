@@ -337,6 +337,12 @@ def test_every_fault_of_a_scene_is_named_with_its_key(tmp_path, irg):
         ),
         (["list", "missing"], ["missing"]),
         (["diff", "missing.zarr", "small.zarr"], ["missing.zarr"]),
+        (["list", "small.zarr"], ["small.zarr is a store"]),
+        (["list", "small.toml"], ["small.toml is not a folder; give one"]),
+        (
+            ["plot", "small.zarr", "--kind", "histogram", "--velocity", "1 m/s", "--friction", "0"],
+            ["friction is 0", "no histogram"],
+        ),
         (["infer", "small.toml", "--duration", "8 s"], ["--duration belongs to --contact-width"]),
         (["infer", "small.zarr", "--set", "increments=5"], ["as they were computed", "--set"]),
     ],

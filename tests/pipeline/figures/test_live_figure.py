@@ -7,6 +7,7 @@ import pytest
 from pipeline.cli import main
 from pipeline.figures import live
 from pipeline.store.progress import Summary
+from pipeline.store.schema import PENDING
 from tests.helpers import synthetic
 from tribo import InputError
 
@@ -29,6 +30,23 @@ def test_the_file_is_drawn_whole_each_time_more_points_are_done(monkeypatch, tmp
     assert live.watch("out.zarr", out, interval=0.0, log=True) == over
     assert drawn == [{"log": True}] * 3
     assert [path.name for path in tmp_path.iterdir()] == ["live.png"]
+
+
+def test_a_figure_of_a_point_waits_until_it_is_done(monkeypatch, tmp_path):
+    begun = Summary("s", "A sweep", total=2, done=1, pending=1, failed=(), running="process 1")
+    over = replace(begun, done=2, pending=0, running=None)
+    states = iter([begun, over, over])
+    monkeypatch.setattr(live, "summary", lambda store: next(states))
+    status = iter([{(750.0, 4.0): PENDING}, {}])
+    watched = {"read": lambda: synthetic.sweep(status=next(status)), "interval": 0.0}
+    point = {"load": 750.0, "velocity": 4.0}
+    assert live.watch("out.zarr", tmp_path / "r.png", "ramp", **watched, **point) == over
+    assert (tmp_path / "r.png").exists()
+
+    monkeypatch.setattr(live, "summary", lambda store: over)
+    status = iter([{(750.0, 4.0): PENDING}])
+    with pytest.raises(InputError, match="750 N, 4 m/s is not done"):
+        live.watch("out.zarr", tmp_path / "s.png", "ramp", **watched, **point)
 
 
 def test_a_window_is_refused_where_there_is_no_display(monkeypatch, capsys):

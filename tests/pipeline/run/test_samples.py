@@ -144,6 +144,10 @@ def test_the_commands_say_risk_causes_and_the_next_test(sampled, tmp_path, capsy
         (("plot", "--kind", "ramp"), "no plane of velocities and loads"),
         (("explore",), "no plane of velocities and loads"),
         (("margin", "--points", "duty.csv"), "give each operating point alone"),
+        (
+            ("infer", "--next", "--bulk-temperature", "pin=60 degC, disk=25 degC"),
+            "of a test to plan is that of both bodies",
+        ),
     ],
 )
 def test_wrong_use_is_answered_in_a_line(sampled, capsys, arguments, words):
