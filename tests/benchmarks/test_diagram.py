@@ -12,9 +12,7 @@ import numpy as np
 import pytest
 
 import pipeline
-from pipeline.sweep.plan import run_point
-from tests.benchmarks.bare import bare_time, counted_transforms, plain_time, shortest
-from tests.benchmarks.scene import PAPER, SCENE, paper_scene
+from tests.benchmarks.scene import PAPER, SCENE
 
 VELOCITIES = [f"{velocity:.3f} m/s" for velocity in np.linspace(0.5, 5.0, 30)]
 WORKERS = os.cpu_count()
@@ -58,22 +56,3 @@ def test_whole_diagram(benchmark, scene, tmp_path, mode):
     line += f"of which points {points_take / WORKERS:.1f} s"
     print(line)
     assert done == ds["status"].size or "--boundary-only" in MODES[mode]
-
-
-@pytest.mark.parametrize("velocity", [0.5, 1.25, 5.0])
-def test_points_against_their_transforms(benchmark, velocity):
-    """All loads at one velocity, in this process."""
-    sweep = paper_scene()
-
-    def chain():
-        trunk = None
-        for load in sweep.loads:
-            trunk = run_point(sweep, load, velocity, trunk=trunk).trunk
-
-    with counted_transforms() as transforms:
-        chain()  # makes kernels and roughness, too, which are kept
-    seconds = benchmark.pedantic(lambda: shortest(chain), rounds=1)
-    print(
-        f"\n{velocity} m/s: {seconds / bare_time(transforms):.2f} × its transforms, "
-        f"{seconds / plain_time(transforms):.2f} × plain ones for each convolution"
-    )

@@ -1,7 +1,5 @@
 """The presets on the shipped scene, and what its boundary costs in each way."""
 
-from dataclasses import replace
-
 import pytest
 
 import pipeline
@@ -31,15 +29,3 @@ def test_choice_of_a_fidelity(benchmark, sweep, accuracy):
     selection = benchmark.pedantic(choose_fidelity, (sweep, accuracy), rounds=1)
     print(f"\n{selection}")
     assert selection.error <= accuracy
-
-
-@pytest.mark.parametrize("mode", ["grid", "boundary"])
-def test_whole_boundary(benchmark, sweep, tmp_path, mode):
-    sweep = replace(sweep, store_fields=False)
-    out = tmp_path / "out.zarr"
-    if mode == "grid":
-        benchmark.pedantic(pipeline.run_sweep, (sweep, out), rounds=1)
-    else:
-        benchmark.pedantic(pipeline.follow_boundary, (sweep, out, 0.01), rounds=1)
-    found = pipeline.boundary(pipeline.open_sweep(out))
-    print(f"\n{found['critical_velocity'].values}")

@@ -25,103 +25,76 @@ from cosmic_ray.plugins import get_operator, operator_names
 
 ROOT = Path(__file__).parents[2]
 HARMLESS = Path(__file__).parent / "harmless.txt"
+PIPELINE, TRIBO = "tests/pipeline", "tests/tribo"
+
+
+def each(pattern, names):
+    """Files of a pattern, by names in place of its asterisk."""
+    return [pattern.replace("*", name) for name in names.split()]
+
+
+_JUDGED = each(
+    "pipeline/analysis/*.py",
+    "band boundary conditions dataset decisive interpolation margin temperatures transition warned",
+)
+_ANALYSIS = "band interpolation boundary margin dataset warned many_surfaces"
+_INVERSE = each("tribo/*.py", "criterion inverse lubricant")
+_WEAR = each("tribo/*.py", "grid stencil topography wear")
+_SCENE = "consistency correlation document kinds schema unknown"
+_WARNINGS = each("tribo/simulation/*.py", "point_warnings present_heat")
+# Modules to change, and what is run then: tests, and modules with examples.
 ROOMS = {
-    "solver": (["tribo/contact"], ["tests/tribo/contact", "tests/tribo/simulation/test_point.py"]),
+    "solver": (["tribo/contact"], each(f"{TRIBO}/*", "contact simulation/test_point.py")),
     "heat": (
         ["tribo/thermal", "tribo/simulation/temperature.py"],
-        ["tests/tribo/thermal", "tests/tribo/simulation/test_point.py"],
+        each(f"{TRIBO}/*", "thermal simulation/test_point.py"),
     ),
     "criterion": (
-        [f"pipeline/sweep/{name}.py" for name in ("conditions", "criterion", "rises")],
-        ["pipeline/sweep", "tests/pipeline/sweep", "tests/pipeline/analysis"],
+        each("pipeline/sweep/*.py", "conditions criterion rises"),
+        ["pipeline/sweep", *each(f"{PIPELINE}/*", "sweep analysis")],
     ),
     "analysis": (
+        _JUDGED,
         [
-            f"pipeline/analysis/{name}.py"
-            for name in (
-                "band",
-                "boundary",
-                "conditions",
-                "dataset",
-                "decisive",
-                "interpolation",
-                "margin",
-                "temperatures",
-                "transition",
-                "warned",
-            )
-        ],
-        [
-            *(f"pipeline/analysis/{name}.py" for name in ("band", "interpolation", "transition")),
-            *(
-                f"tests/pipeline/analysis/test_{name}.py"
-                for name in ("band", "interpolation", "boundary", "margin", "dataset", "warned")
-            ),
-            "tests/pipeline/analysis/test_many_surfaces.py",
+            *each("pipeline/analysis/*.py", "band interpolation transition"),
+            *each(f"{PIPELINE}/analysis/test_*.py", _ANALYSIS),
         ],
     ),
-    "uncertain": (["pipeline/uncertain"], ["pipeline/uncertain", "tests/pipeline/uncertain"]),
+    "uncertain": (["pipeline/uncertain"], ["pipeline/uncertain", f"{PIPELINE}/uncertain"]),
     "inverse": (
-        [f"tribo/{name}.py" for name in ("criterion", "inverse", "lubricant")],
-        [
-            *(f"tribo/{name}.py" for name in ("criterion", "inverse", "lubricant")),
-            "tests/tribo/test_criterion.py",
-            "tests/tribo/test_inverse.py",
-            "tests/tribo/test_lubricant.py",
-        ],
+        _INVERSE,
+        [*_INVERSE, *each(f"{TRIBO}/test_*.py", "criterion inverse lubricant")],
     ),
     "wear": (
-        [f"tribo/{name}.py" for name in ("grid", "stencil", "topography", "wear")],
-        [
-            *(f"tribo/{name}.py" for name in ("grid", "stencil", "topography", "wear")),
-            *(
-                f"tests/tribo/test_{name}.py"
-                for name in ("grid", "stencil", "topography", "wear", "wear_schemes")
-            ),
-        ],
+        _WEAR,
+        [*_WEAR, *each(f"{TRIBO}/test_*.py", "grid stencil topography wear wear_schemes")],
     ),
-    "loading": (["tribo/loading"], ["tribo/loading", "tests/tribo/loading"]),
+    "loading": (["tribo/loading"], ["tribo/loading", f"{TRIBO}/loading"]),
     "scene": (
-        [
-            f"pipeline/scene/{name}.py"
-            for name in ("consistency", "correlation", "document", "kinds", "schema", "unknown")
-        ],
-        ["tests/pipeline/scene", "tests/pipeline/test_corrections.py"],
+        each("pipeline/scene/*.py", _SCENE),
+        each(f"{PIPELINE}/*", "scene test_corrections.py"),
     ),
-    "store": (["pipeline/store"], ["pipeline/store", "tests/pipeline/store"]),
+    "store": (["pipeline/store"], ["pipeline/store", f"{PIPELINE}/store"]),
     "schedule": (
-        [f"pipeline/run/{name}.py" for name in ("schedule", "work", "writer")],
-        [
-            "tests/pipeline/run/test_schedule.py",
-            "tests/pipeline/run/test_writer.py",
-        ],
+        each("pipeline/run/*.py", "schedule work writer"),
+        each(f"{PIPELINE}/run/test_*.py", "schedule writer"),
     ),
     "implicit_end": (
         ["tribo/simulation/implicit_end.py"],
-        ["tests/tribo/simulation/test_implicit_end.py"],
+        [f"{TRIBO}/simulation/test_implicit_end.py"],
     ),
     "warnings": (
-        ["tribo/simulation/point_warnings.py", "tribo/simulation/present_heat.py"],
+        _WARNINGS,
         [
-            "tribo/simulation/point_warnings.py",
-            "tribo/simulation/present_heat.py",
-            "tests/tribo/simulation/test_point_warnings.py",
-            "tests/tribo/simulation/test_present_heat.py",
-            "tests/tribo/test_wear_schemes.py",
+            *_WARNINGS,
+            *each(f"{TRIBO}/simulation/test_*.py", "point_warnings present_heat"),
+            f"{TRIBO}/test_wear_schemes.py",
         ],
     ),
-    "doubts": (
-        ["pipeline/scene/doubts.py"],
-        ["tests/pipeline/scene/test_doubts.py", "tests/pipeline/scene/test_facts.py"],
-    ),
+    "doubts": (["pipeline/scene/doubts.py"], each(f"{PIPELINE}/scene/test_*.py", "doubts facts")),
     "accuracy": (
-        [f"pipeline/tradeoff/{name}.py" for name in ("choose", "probe", "yardstick")],
-        [
-            "tests/pipeline/tradeoff/test_probe.py",
-            "tests/pipeline/tradeoff/test_yardstick.py",
-            "pipeline/tradeoff",
-            "tests/pipeline/tradeoff/test_choose.py",
-        ],
+        each("pipeline/tradeoff/*.py", "choose probe yardstick"),
+        ["pipeline/tradeoff", *each(f"{PIPELINE}/tradeoff/test_*.py", "probe yardstick choose")],
     ),
 }
 # Annotations are the only place where most modules write `|`; decorators and the like keep results.

@@ -656,41 +656,6 @@ def test_temperature_of_a_state_at_any_peclet_number_grows_with_the_velocity():
 # Bad input: each says where it is.
 
 
-def archive(path):
-    np.savez(path.with_suffix(".npz"), heights=np.ones((2, 2)))
-    path.write_bytes(path.with_suffix(".npz").read_bytes())
-
-
-def header(shape):
-    text = f"{{'descr': '<f8', 'fortran_order': False, 'shape': {shape}, }}"
-    return b"\x93NUMPY\x01\x00" + (118).to_bytes(2, "little") + text.ljust(117).encode() + b"\n"
-
-
-SURFACES = {
-    "empty": ("a.npy", b"", "does not begin as NumPy"),
-    "archive": ("a.npy", archive, "does not begin as NumPy"),
-    "more than memory": ("a.npy", header("(10000000, 10000000)"), "more than there is memory"),
-    "shorter than it says": ("a.npy", header("(3, 3)") + b"12345678", "not a plain array"),
-    "broken header": ("a.npy", header("(3, "), "not a plain array"),
-    "no row": ("a.npy", header("(0, 5)"), r"shape \(0, 5\)"),
-    "long field": ("a.csv", b"1," + b"9" * 200_000, "field larger than"),
-    "NUL": ("a.csv", b"1,2\n3,\x00\n", "line 2"),
-    "another encoding": ("a.csv", "1,2\n3,4\n".encode("utf-16"), "utf-8"),
-    "beyond doubles": ("a.csv", b"1,2\n3,1e999\n", "row 1, column 1"),
-    "a gap": ("a.csv", b"1,2\n3,\n", "line 2"),
-}
-
-
-@pytest.mark.parametrize("fault", SURFACES)
-def test_a_measured_surface_that_is_none_is_refused_with_the_place(fault, tmp_path):
-    name, content, said = SURFACES[fault]
-    path = tmp_path / name
-    content(path) if callable(content) else path.write_bytes(content)
-    with pytest.raises(InputError, match=said) as caught:
-        read_heights(path)
-    assert str(path) in str(caught.value)
-
-
 def test_a_measured_surface_is_read_with_a_byte_order_mark_and_refused_beyond_a_size(
     tmp_path, monkeypatch
 ):
