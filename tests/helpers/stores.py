@@ -52,12 +52,6 @@ def done_points(path):
     return store.points_at(np.nonzero(store.flags == DONE))
 
 
-def asked_points(path):
-    """Points that the last run asked for."""
-    store = opened(path)
-    return store.points_at(np.nonzero(store.asked == 1))
-
-
 def at(path, point, name):
     """Values of a variable at a point."""
     store = opened(path)

@@ -20,6 +20,20 @@ MEASURED = [
     {"normal_load": 400.0, "velocity": 2.25, "friction": 0.091},
     {"normal_load": 200.0, "velocity": 3.75, "friction": None},
 ]
+OILED = {
+    "oil": {
+        "temperatures": [313.15, 373.15],
+        "viscosities": [32e-6, 5e-6],
+        "density": 866.0,
+        "pressure_coefficients": [20e-9, 20e-9],
+    },
+    "radius": 2e-3,
+    "length": 3.4e-3,
+    "contact_modulus": 115.385e9,
+    "rms_height": 0.338e-6,
+    "motion": None,
+}
+"""An attribute `lubrication`."""
 LOADS = np.arange(200.0, 751.0, 50.0)
 VELOCITIES = np.arange(0.5, 4.01, 0.25)
 RATE, INCREMENT = 150.0, 37.5

@@ -17,7 +17,6 @@ import tribo
 from pipeline import load_scene
 from pipeline.analysis.dataset import open_sweep
 from pipeline.cli import main
-from pipeline.figures.style import as_text
 from pipeline.scene import surfaces
 from pipeline.scene.surfaces import read_surface
 from pipeline.store.place import StoreError
@@ -82,7 +81,7 @@ TITLES = {"formula": r"$\frac$ and $x", "escapes": "\x1b[31mred\x9b0m", "endless
 
 
 @pytest.mark.parametrize("title", TITLES.values(), ids=TITLES.keys())
-def test_any_title_is_shown_and_drawn(tmp_path, alone, capsys, title):
+def test_any_title_is_shown_and_drawn(tmp_path, capsys, title):
     path = tmp_path / "a.zarr"
     commit(path, tiny.sweep(title=title, store_fields=False), ())
     assert main(["status", str(path)]) == 0
@@ -179,11 +178,6 @@ def test_a_folder_that_was_deleted_under_a_process_is_named_as_that(tmp_path, mo
     gone.rmdir()
     assert main(["status", "a.zarr"]) == 2
     assert "works in was deleted; go to another" in capsys.readouterr().err
-
-
-def test_words_of_a_title_are_no_formula():
-    assert as_text(r"$\frac$") == r"\$\frac\$"
-    assert len(as_text("a " * 10**6)) <= 240
 
 
 def test_an_ascii_terminal_gets_what_it_can_show(alone, monkeypatch):

@@ -60,15 +60,10 @@ def test_a_named_law_runs_on_workers_that_have_no_file(folder, capsys):
     stored = json.loads(ds.attrs["scene"])["wear"]
     assert stored["law"] == "laws:RunningIn"
     assert stored["parameters"] == RATES
-    law = tribo.RunningIn(**RATES)
     scene = pipeline.load_scene("own.toml")
     end = pipeline.end_of_point(ds).sel(load=400, velocity=2)
     *_, state = tribo.simulate(scene, 400.0, 2.0)
     assert end["wear_volume"].item() == tribo.measures(scene, state)["wear_volume"]
-    slid, L = 2.0 * 400 / 150, law.distance
-    faded = L**2 - L * (L + slid) * np.exp(-slid / L)
-    closed = 150 / 2.0 * (1e-15 * slid**2 / 2 + 5e-15 * faded)
-    assert end["wear_volume"].item() == pytest.approx(closed, rel=0.05)  # of ten steps
     (folder / "laws.py").write_text(LAWS + "# changed\n")
     capsys.readouterr()
     assert main(["run", "own.toml", "-q", "-o", "own.zarr"]) == 3
@@ -82,7 +77,7 @@ def test_a_law_that_breaks_its_word_fails_its_points_by_name(folder, capsys):
     assert "400 N, 2 m/s: InvariantError: wear balance" in told.out + told.err
 
 
-def test_a_criterion_of_one_s_own_judges_a_store(folder, capsys):
+def test_a_criterion_of_one_s_own_judges_a_store(folder):
     pipeline.run_sweep("small.toml", "small.zarr", workers=1)
     own = pipeline.boundary("small.zarr", criterion="laws:median")
     half = pipeline.boundary("small.zarr", share=0.5)

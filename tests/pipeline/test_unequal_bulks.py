@@ -131,7 +131,7 @@ def test_a_sweep_of_equal_ones_cannot_tell_what_unequal_ones_would_do(stores, eq
     assert "bulk = { pin = ..., disk = ... }" in error
 
 
-def test_every_figure_takes_both(stores, unequal, tmp_path):
+def test_every_figure_takes_both(unequal, tmp_path):
     conditions = {"bulk_temperature": {"pin": "60 degC", "disk": "30 degC"}}
     for kind in ("diagram", "ramp", "fields"):
         out = tmp_path / f"{kind}.png"

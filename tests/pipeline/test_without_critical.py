@@ -78,15 +78,6 @@ def test_warnings_are_counted_without_a_boundary(store):
     assert "it is not known which of them lie beside" in next(iter(found.lines()))
 
 
-def test_temperatures_may_be_text_with_a_unit(store):
-    ds = pipeline.open_sweep(store)
-    text = pipeline.boundary(ds, bulk_temperature="80 degC", critical_temperature="145 degC")
-    number = pipeline.boundary(ds, bulk_temperature=353.15, critical_temperature=418.15)
-    assert text.identical(number)
-    with pytest.raises(InputError, match='bulk_temperature: "80" has no unit; give one such as'):
-        pipeline.boundary(ds, bulk_temperature="80", critical_temperature=418.15)
-
-
 @pytest.mark.parametrize(
     ("given", "said"),
     [

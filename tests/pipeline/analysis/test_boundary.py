@@ -14,7 +14,7 @@ from pipeline.cli.crossings import document_of, text_of
 from pipeline.store.schema import DONE, FAILED, PENDING
 from pipeline.sweep.lubrication import Lubrication
 from tests.helpers import synthetic
-from tests.helpers.synthetic import LOADS, VELOCITIES
+from tests.helpers.synthetic import LOADS, OILED, VELOCITIES
 from tribo import InputError, failed_share
 
 CROSSES, MILD, SEVERE, UNKNOWN = range(4)
@@ -210,26 +210,6 @@ def test_result_says_its_conditions_and_units(sweep):
     assert found["critical_load"].dims == ("velocity",)
 
 
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        ({"friction": -0.1}, r"friction is -0.1; it must be at least 0"),
-        ({"friction": np.nan}, r"friction is nan; it must be finite"),
-        ({"bulk_temperature": -1.0}, r"bulk_temperature is -274.1 °C .-1 K"),
-        (
-            {"critical_temperature": 298.15},
-            r"critical_temperature is 25 °C .298.15 K.*; .* 25 °C .298.15 K",
-        ),
-        ({"bulk_temperature": 500.0}, r"critical_temperature is 145 °C .*; .* 226.85 °C .500 K"),
-        ({"share": 1.0}, r"share is 1.0; it must be at least 0"),
-        ({"share": -0.1}, r"share is -0.1"),
-    ],
-)
-def test_conditions_outside_their_range_are_refused(sweep, options, message):
-    with pytest.raises(InputError, match=message):
-        boundary(sweep, **options)
-
-
 def test_conditions_that_the_sweep_lacks_must_be_given():
     ds = synthetic.sweep(conditions=None)
     with pytest.raises(InputError, match="no friction of its own"):
@@ -282,21 +262,6 @@ def test_a_single_line_of_a_sweep_asks_for_a_list(sweep, name):
 def test_friction_as_text_is_refused_and_not_read_letter_by_letter(text):
     with pytest.raises(InputError, match=r"is text; give a number such as 0\.1"):
         boundary(synthetic.sweep(), friction=text)
-
-
-OILED = {
-    "oil": {
-        "temperatures": [313.15, 373.15],
-        "viscosities": [32e-6, 5e-6],
-        "density": 866.0,
-        "pressure_coefficients": [20e-9, 20e-9],
-    },
-    "radius": 2e-3,
-    "length": 3.4e-3,
-    "contact_modulus": 115.385e9,
-    "rms_height": 0.338e-6,
-    "motion": None,
-}
 
 
 def test_each_crossing_has_its_film_parameter_where_the_scene_has_an_oil():

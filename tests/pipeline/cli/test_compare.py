@@ -10,7 +10,7 @@ from tests.helpers import synthetic
 from tests.pipeline.cli.test_commands import SCENE
 
 
-def test_a_difference_names_the_entry_the_move_of_the_boundary_and_the_points(monkeypatch, capsys):
+def test_a_difference_names_the_entry_the_move_of_the_boundary_and_the_points(monkeypatch):
     def hotter(*at):
         return 1.1 * synthetic.rise(*at)
 

@@ -33,17 +33,6 @@ def test_without_a_command_there_is_help(capsys):
     assert said.endswith("irg: give a command\n")
 
 
-def test_the_package_runs_as_a_module():
-    done = subprocess.run(
-        [sys.executable, "-m", "pipeline", "status", "nothing.zarr"],
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert done.returncode == 2
-    assert "nothing.zarr does not exist" in done.stderr
-
-
 def test_files_beside_a_scene_are_not_taken_for_packages(tmp_path):
     """Workers, too, import what the command does, not what lies in the folder of a user."""
     (tmp_path / "scene.toml").write_text(SCENE)

@@ -73,7 +73,7 @@ def test_a_stored_scene_is_the_same_contact(sweep, contact):
     assert SmoothContact.stored({"scene": describe(sweep)}) == contact
 
 
-def test_rolling_bodies_share_the_heat(sweep, contact):
+def test_rolling_bodies_share_the_heat(contact):
     rolling = SmoothContact(contact.radius, contact.length, contact.pin, contact.disk,
                             Motion(slide_roll_ratio=0.1))  # fmt: skip
     assert rolling.flash_rise(600, 1.5, 0.1) < 0.3 * contact.flash_rise(600, 1.5, 0.1)

@@ -39,13 +39,6 @@ def boundary_of(known, load):
     return crossing(*np.array(row).T, LIMIT)
 
 
-def steps(points, increment=7.5):
-    """Steps of the ramps: at each velocity a trunk up to the highest load, and a step for each."""
-    velocities = {at.velocity for at in points}
-    tops = {v: max(at.load for at in points if at.velocity == v) for v in velocities}
-    return sum(math.ceil(top / increment) for top in tops.values()) + len(points)
-
-
 @pytest.mark.parametrize("tolerance", [0.05, 0.01, 0.002, 0.0005])
 @pytest.mark.parametrize("bend", [-0.05, 0.0, 0.1, 0.4])
 def test_the_boundary_is_found_within_the_tolerance_at_every_load(tolerance, bend):
@@ -55,16 +48,6 @@ def test_the_boundary_is_found_within_the_tolerance_at_every_load(tolerance, ben
                         np.array([bent(load, v, bend) for v in np.geomspace(0.5, 5, 2000)]),
                         LIMIT)  # fmt: skip
         assert boundary_of(known, load) == pytest.approx(true, rel=tolerance)
-
-
-def test_it_takes_a_third_of_the_steps_of_the_grid():
-    known, rounds = searched(bent)
-    grid = [
-        Point(load, float(v)) for load, v in itertools.product(LOADS, np.arange(0.5, 5.1, 0.25))
-    ]
-    asked = sum(steps(points) for points in rounds)  # trunks of later rounds are made anew
-    assert asked <= steps(grid) / 3
-    assert len(known) <= len(grid) / 5
 
 
 def test_loads_share_their_velocities():
@@ -83,17 +66,6 @@ def test_a_search_that_was_cut_short_goes_on_to_the_same_end():
     again, _ = searched(bent, 0.001, known=half)
     for load in LOADS:
         assert boundary_of(again, load) == pytest.approx(boundary_of(whole, load), rel=1e-3)
-
-
-def test_points_of_a_grid_that_are_there_are_used():
-    grid = {
-        Point(load, float(v)): bent(load, v)
-        for load, v in itertools.product(LOADS, np.arange(0.5, 5.1, 0.25))
-    }
-    _, rounds = searched(bent, known=grid)
-    assert not rounds
-    _, rounds = searched(bent, 0.001, known=grid)
-    assert sum(map(len, rounds)) < len(LOADS) * 3
 
 
 @pytest.mark.parametrize(("factor", "end"), [(0.1, 5.0), (10.0, 0.5)])

@@ -7,12 +7,7 @@ import pytest
 
 import pipeline
 from pipeline.cli import main
-from pipeline.run.sharing import SharedContacts, SharedPoint
-from pipeline.run.vary import _beside, _Plane, _warned
-from pipeline.sweep.model import Point
-from pipeline.sweep.warned import NO_WARNING, Warned
 from tests.pipeline.cli.test_commands import SCENE
-from tribo import PointWarning, WarningKind
 
 SMALL = SCENE.replace("coefficient = 0.1", "coefficient = 0.13").replace(
     '"200 N", "400 N", ', '"200 N", '
@@ -49,27 +44,6 @@ def test_the_boundary_is_that_of_the_whole_sweep(found, folder):
     results = [pipeline.run_point(sweep, 200.0, v).verdict(sweep.conditions) for v in grid]
     critical = np.interp(418.15, [each.decisive_temperature for each in results], grid)
     assert found.own.critical_velocities[0] == pytest.approx(critical, rel=0.02)
-
-
-def test_points_that_carry_a_warning_are_told_and_whether_the_boundary_rests_on_them(found):
-    rises = {Point(200.0, 1.0): 9.0, Point(200.0, 2.0): 11.0, Point(300.0, 0.5): 12.0}
-    assert list(_beside(rises | {Point(200.0, 4.0): 12.0}, 10.0)) == [*rises][:2]
-    edge, heat = (PointWarning(WarningKind(kind), f"told {kind}") for kind in (2, 16))
-    planes = [_Plane(None, SharedContacts()), _Plane(None, SharedContacts())]
-    for plane, warned in zip(
-        planes,
-        (
-            {Point(200.0, 1.0): (heat, edge), Point(200.0, 2.0): ()},
-            {Point(300.0, 4.0): (heat,), Point(200.0, 1.0): (heat,)},
-        ),
-        strict=True,
-    ):
-        plane.known = {point: SharedPoint({}, kinds) for point, kinds in warned.items()}
-    planes[1].beside = {Point(300.0, 4.0), Point(300.0, 5.0)}
-    kinds = {"contact at edge": 1, "present heat": 3}
-    assert _warned(planes) == Warned(3, kinds, 1, "300 N, 4 m/s: told 16")
-    assert _warned([_Plane(None, SharedContacts())]) == NO_WARNING
-    assert found.as_dict()["warnings"] == found.warned.as_dict()
 
 
 def test_the_command_tells_of_a_window_that_is_too_narrow(folder, capsys):

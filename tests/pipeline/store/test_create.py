@@ -245,7 +245,7 @@ def test_surfaces_and_samples_are_added_to_those_that_are_there(
 # Refusals
 
 
-def test_the_store_of_another_scene_is_refused_key_by_key(path, alone):
+def test_the_store_of_another_scene_is_refused_key_by_key(alone):
     other = tiny.full(increments=7, pin=tribo.Cylinder(9e-3, 3.375e-3, STEEL), wear=None)
     before = contents(alone)
     with pytest.raises(StoreMismatchError) as refused:

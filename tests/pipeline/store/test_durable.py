@@ -2,7 +2,6 @@
 
 import errno
 import os
-from pathlib import Path
 
 import pytest
 from zarr.core.buffer import cpu
@@ -36,23 +35,6 @@ class TestDurable(StoreTests[Durable, cpu.Buffer]):
 
     def test_store_supports_listing(self, store):
         assert store.supports_listing
-
-
-def test_content_and_names_are_on_the_disk_before_the_next_is_written(tmp_path, monkeypatch):
-    log, replace = [], Path.replace
-
-    def synced(descriptor):
-        log.append(Path(f"/proc/self/fd/{descriptor}").readlink().name)
-
-    def renamed(source, target):
-        log.append(f"rename to {target.name}")
-        replace(source, target)
-
-    monkeypatch.setattr(os, "fsync", synced)
-    monkeypatch.setattr(Path, "replace", renamed)
-    replace_file(tmp_path / "new" / "file", b"content")
-    # The folder is new, so its name is synced too.
-    assert log == [tmp_path.name, "file.partial", "rename to file", "new"]
 
 
 @pytest.mark.parametrize("fault", [errno.ENOSPC, errno.EIO])

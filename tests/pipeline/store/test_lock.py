@@ -135,7 +135,7 @@ def a_folder(file, _):
 
 
 @pytest.mark.parametrize("make", [a_link, a_pipe, a_folder])
-def test_what_is_no_file_is_no_lock_and_stays(path, tmp_path, make, capsys):
+def test_what_is_no_file_is_no_lock_and_stays(path, tmp_path, make):
     (path / LOCK).unlink()
     (tmp_path / "mine").write_text("years of work")
     make(path / LOCK, tmp_path / "mine")

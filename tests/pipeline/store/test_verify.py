@@ -7,7 +7,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import xarray as xr
 import zarr
 
 import tribo
@@ -17,7 +16,7 @@ from pipeline.run.sweep import run_sweep
 from pipeline.store.create import writing
 from pipeline.store.place import StoreError
 from pipeline.store.progress import summary
-from pipeline.store.schema import COLUMNS, FIELDS, FORMAT
+from pipeline.store.schema import COLUMNS, FIELDS
 from pipeline.store.verify import verify_store
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import points
@@ -251,24 +250,6 @@ def test_statuses_that_cannot_be_read_are_no_clean_store(copy, name):
         open_sweep(copy)
     with pytest.raises(StoreError, match="irg verify"):
         summary(copy)
-
-
-@pytest.mark.parametrize("seed", range(3))
-def test_random_damage_is_found_and_nothing_else_is_computed_again(copy, alone, seed):
-    rng = np.random.default_rng(seed)
-    files = [file for file in copy.rglob("c.*") if file.is_file()]
-    for file in rng.permutation(files)[:4]:
-        (file.unlink if rng.integers(2) else lambda file=file: cut(file))()
-    verification = verify_store(copy, repair=True)
-    harmed = {Point(each.load, each.velocity) for each in verification.damaged}
-    assert verify_store(copy).is_clean
-    assert set(done_points(copy)) == ALL - harmed
-    outcome = run_sweep(SWEEP, copy, workers=1)
-    assert (outcome.done, outcome.computed) == (9, len(harmed))
-    names = [*COLUMNS, *FIELDS, "status", "asked", "load", "velocity", "quantile", "x"]
-    with xr.open_zarr(copy, chunks=None) as ds, xr.open_zarr(alone, chunks=None) as expected:
-        xr.testing.assert_equal(ds[names], expected[names])
-    assert expected.attrs["format"] == FORMAT
 
 
 def test_a_run_computes_damaged_points_again_and_no_others(copy):

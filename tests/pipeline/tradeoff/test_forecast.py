@@ -152,13 +152,3 @@ def test_work_that_is_saved_is_named_with_its_reason(changes, said):
     if said.startswith("fields"):
         kept = replace(kept, store_fields=False)
     assert any(said in work for work in savings(replace(kept, **changes)))
-
-
-def test_heated_steps_at_low_loads_are_timed_as_they_are():
-    sweep = replace(SWEEP, roughness=None, fidelity=Fidelity(increments=40))
-    assert forecast._timed_early(sweep, 1.0) == {}
-    heated = replace(sweep, fidelity=Fidelity(increments=40, temperature_interval=1))
-    (early, mean), (next_to, last) = forecast._timed_early(heated, 1.0).items()
-    assert 0.25 * sweep.loads[0] < early < next_to < 0.5 * sweep.loads[0]
-    assert mean.end > 0
-    assert last.end > 0

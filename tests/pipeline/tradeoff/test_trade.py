@@ -166,15 +166,6 @@ def test_whole_diagrams_are_compared_by_their_crossings():
     assert draft.velocity_errors == pytest.approx(at_points.velocity_errors, abs=0.02)
 
 
-def test_points_at_one_velocity_share_their_ramp():
-    points = [Point(load, 2.0) for load in (200.0, 400.0, 750.0)]
-    together = probe(PAPER, PRESETS["draft"], points)
-    alone = [probe(PAPER, PRESETS["draft"], [point]) for point in points]
-    assert together.readings == tuple(found.readings[0] for found in alone)
-    assert together.work < sum(found.work for found in alone)
-    assert together.work > alone[-1].work
-
-
 def test_memory_is_counted_whatever_was_computed_before():
     points, coarse = (Point(500.0, 1.5),), replace(PRESETS["standard"], fewest_elements=0)
     first, again = (probe(PAPER, coarse, points, with_memory=True).peak_bytes for _ in range(2))

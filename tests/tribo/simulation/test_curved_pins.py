@@ -34,7 +34,6 @@ from tribo import (
 from tribo.analytic import hertz_ellipse, moving_ellipse_rise, resting_ellipse_rise
 from tribo.simulation import disk_positions
 from tribo.simulation.disk_positions import parts
-from tribo.simulation.finer_grids import _spread
 
 E_STAR = contact_modulus(STEEL, STEEL)
 K, KAPPA = STEEL.thermal_conductivity, STEEL.thermal_diffusivity
@@ -202,14 +201,6 @@ def test_all_heat_so_far_is_remembered_under_a_ball_too():
     elapsed = replace(scene, fidelity=replace(scene.fidelity, heat_model="elapsed"))
     # A contact this short has its steady temperature soon, so that its past is nearly forgotten.
     assert 0.995 < hot(end(scene)) / hot(end(elapsed)) < 0.999
-
-
-def test_spread_wear_keeps_its_volume_and_planes():
-    depth = np.add.outer(np.arange(6.0), 2 * np.arange(4.0))
-    finer = _spread(depth, (24, 16))
-    assert finer.mean() == pytest.approx(depth.mean(), rel=1e-14)
-    assert np.allclose(np.diff(finer[2:-2], axis=0), 0.25)
-    assert np.allclose(np.diff(finer[:, 2:-2], axis=1), 0.5)
 
 
 def test_pins_that_cannot_be_are_refused():

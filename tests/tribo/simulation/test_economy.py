@@ -19,7 +19,6 @@ from tribo import (
     simulate,
     warnings,
 )
-from tribo.simulation import point, temperature
 from tribo.thermal import duhamel
 
 DECISIVE = QUANTILES.index(0.9)
@@ -150,9 +149,6 @@ def test_without_wear_the_steps_are_those_that_are_asked_for():
     alone = list(simulate(scene, 600.0, 1.25))
     assert [state.normal_load for state in alone] == [225.0, 450.0, 600.0]
     assert all(state.heat is not None for state in alone)
-    trunk = [state for state in simulate(scene, 300.0, 1.25) if state.on_trunk][-1]
-    rest = list(simulate(scene, 600.0, 1.25, trunk=replace(trunk, heat=None)))
-    assert np.array_equal(rest[-1].pressure, alone[-1].pressure)
 
 
 @pytest.mark.parametrize("interval", [1, 3])
@@ -243,21 +239,6 @@ def test_no_friction_needs_no_heat(kernels, heat_model):
 def test_without_friction_no_step_is_there_for_the_heat_of_the_next():
     scene = replace(small_scene(wear=False, heat_model="history"), friction_heat=False)
     assert len(list(simulate(scene, 600.0, 1.25))) == 1
-
-
-def test_temperature_is_computed_at_the_steps_that_are_asked_for(monkeypatch):
-    times = []
-
-    def counted(scene, state, velocity):
-        times.append(state.normal_load)
-        return temperature.heat(scene, state, velocity)
-
-    monkeypatch.setattr(point, "heat", counted)
-    list(simulate(small_scene(), 600.0, 1.25))
-    assert times == [600.0]
-    times.clear()
-    list(simulate(small_scene(temperature_interval=3), 600.0, 1.25))
-    assert times == [225.0, 450.0, 600.0]
 
 
 def test_without_hardness_the_pressure_is_bounded_below_only():

@@ -52,7 +52,7 @@ def true_excess(scene, load, velocity):
     ],
     ids=["smooth", "worn", "endless", "nearest image", "alumina", "ball"],
 )
-@pytest.mark.parametrize("velocity", [0.001, 0.1, 1.0])
+@pytest.mark.parametrize("velocity", [0.001, 1.0])
 def test_the_error_of_the_present_heat_is_foretold(scene, load, velocity):
     foretold = excess_of_present_heat(scene, last(scene, load, velocity))
     assert foretold / true_excess(scene, load, velocity) == WITHIN

@@ -1,6 +1,5 @@
 """Heat partition with all earlier heat (tribo/thermal/duhamel.py), against closed forms."""
 
-import functools
 import math
 from dataclasses import replace
 
@@ -23,7 +22,7 @@ from tribo import (
     start,
 )
 from tribo.analytic import ramped_flux_rise, uniform_flux_rise
-from tribo.thermal import ConductingHalfSpace, conducted_spectrum
+from tribo.thermal import ConductingHalfSpace
 from tribo.thermal.conduction import flux_history_spectrum
 
 EFFUSIVITY = STEEL.thermal_effusivity
@@ -33,12 +32,10 @@ AXES = [(False, False), (False, True), (True, False), (True, True)]
 TEN_NODES = 7e-7  # documented error of the quadrature, relative to the self term
 
 
-def run(grid, fluxes, times, pin_velocity=0.0, disk_velocity=1.25, spectrum_of=conducted_spectrum):
+def run(grid, fluxes, times, pin_velocity=0.0, disk_velocity=1.25):
     pin, disk, past = Conductor(STEEL, pin_velocity), Conductor(STEEL, disk_velocity), HeatHistory()
     for time, flux in zip(times, fluxes, strict=True):
-        split, past = partition_with_history(
-            grid, pin, disk, past, time, flux, flux != 0, "local", spectrum_of=spectrum_of
-        )
+        split, past = partition_with_history(grid, pin, disk, past, time, flux, flux != 0, "local")
     return split, past
 
 
@@ -51,13 +48,6 @@ def test_linear_ramp_in_one_dimension_is_the_closed_form_whatever_the_steps(time
     # both bodies are one half-space each, and so the solver's 1e-8 is not needed either.
     np.testing.assert_allclose(split.rise, exact, rtol=1e-9)  # ages are rounded to 9 digits
     assert split.pin_share == pytest.approx(0.5, rel=1e-9)
-
-
-def test_elapsed_time_is_three_halves_too_warm_in_one_dimension():
-    times = np.arange(1, 11) / 2
-    split, _ = run(PLANE, [np.full(PLANE.shape, 1e6 * time) for time in times], times)
-    elapsed = ConductingHalfSpace(PLANE, STEEL, 0.0, times[-1])(np.full(PLANE.shape, 2.5e6))
-    np.testing.assert_allclose(elapsed / split.rise, 1.5, rtol=1e-9)  # rounding of ages, as above
 
 
 def test_any_broken_line_of_flux_is_the_sum_of_its_ramps():
@@ -214,28 +204,6 @@ def test_a_constant_flux_in_many_steps_is_one_that_acted_all_the_time_whatever_t
         # Of either flux the split differs a little between the steps, being older or younger.
         assert split.rise.max() == pytest.approx(elapsed.rise.max(), rel=2e-3)
         assert split.pin_share == pytest.approx(elapsed.pin_share, rel=5e-3)
-
-
-def test_equal_steps_need_one_new_spectrum_for_each_lag_and_body():
-    asked = []
-
-    @functools.cache
-    def spectrum_of(*arguments):
-        asked.append(arguments)
-        return conducted_spectrum(*arguments)
-
-    grid, n = Grid((16, 8), (20e-6, 20e-6)), 12
-    flux = np.zeros(grid.shape)
-    flux[6:9, 2:6] = 1e8
-    fluxes, times = [flux * (k + 1) for k in range(n)], [0.05 * (k + 1) for k in range(n)]
-    once, _ = run(grid, fluxes, times, spectrum_of=spectrum_of)
-    # For each body: now, and lags 1 to n − 1. What has left the window needs none.
-    assert n < len(asked) <= 2 * n
-    again, _ = run(grid, fluxes, times, spectrum_of=spectrum_of)
-    assert len(asked) <= 2 * n
-    anew, _ = run(grid, fluxes, times)
-    assert np.array_equal(once.rise, again.rise)
-    assert np.array_equal(once.rise, anew.rise)
 
 
 def test_bulk_difference_is_felt_with_history_as_without():

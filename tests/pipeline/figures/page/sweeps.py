@@ -136,3 +136,12 @@ KINDS = {
     "mean temperature": by_mean,
     "a warm pin": of_a_warm_pin,
 }
+
+
+def column(table, name):
+    """Numbers of a column of a table; NaN where it is empty."""
+    return np.array([float(row[name] or "nan") for row in table])
+
+
+def same(found, expected, rtol=1e-9):
+    np.testing.assert_allclose(found, expected, rtol=rtol, atol=0)

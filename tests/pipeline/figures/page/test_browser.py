@@ -15,6 +15,7 @@ from pipeline.analysis.transition import ABOVE, MILD
 from tests.helpers import synthetic
 from tests.helpers.browser import chromium
 from tests.pipeline.figures.page import sweeps
+from tests.pipeline.figures.page.sweeps import column, same
 
 
 @pytest.fixture(scope="module")
@@ -47,14 +48,6 @@ def page(browser, tmp_path):
 def rows(link):
     text = unquote(link.removeprefix("data:text/csv;charset=utf-8,"))
     return list(csv.DictReader(io.StringIO(text)))
-
-
-def column(table, name):
-    return np.array([float(row[name] or "nan") for row in table])
-
-
-def same(found, expected, rtol=1e-9):
-    np.testing.assert_allclose(found, expected, rtol=rtol, atol=0)
 
 
 def test_the_median_goes_on_where_one_surface_has_no_boundary(page):

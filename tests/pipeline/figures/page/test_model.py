@@ -16,6 +16,7 @@ from pipeline.sweep.lubrication import Lubrication
 from tests.helpers import synthetic
 from tests.helpers.javascript import run
 from tests.pipeline.figures.page import sweeps
+from tests.pipeline.figures.page.sweeps import column, same
 from tribo import Oil
 
 BOUNDARY = """
@@ -55,14 +56,6 @@ def boundary(ds, given):
     if "failing_share" in given:
         given["share"] = given.pop("failing_share")
     return pipeline.boundary(ds, **given)
-
-
-def column(table, name):
-    return np.array([float(row[name] or "nan") for row in table])
-
-
-def same(found, expected, rtol=1e-9):
-    np.testing.assert_allclose(found, expected, rtol=rtol, atol=0)
 
 
 @pytest.mark.parametrize("kind", sweeps.KINDS)
