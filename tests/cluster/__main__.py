@@ -23,7 +23,7 @@ from pipeline.run.sweep import run_sweep
 from tests.cluster.daemons import missing, slurm
 from tests.crash.sweeps import keep_one_thread
 from tests.helpers import tiny
-from tests.pipeline.cli.test_commands import SCENE
+from tests.helpers.scenes import SCENE
 from tests.pipeline.run.test_sweep import content
 
 ROOT = Path(__file__).parents[2]

@@ -16,7 +16,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from contextlib import closing
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
@@ -74,30 +74,28 @@ def drive(path, points, increments):
     path.with_suffix(".json").write_text(json.dumps({"cost": cost, "told": told}))
 
 
+@contextmanager
 def started(path, points, increments=3):
+    """A run in another process, which ends with the block."""
     command = [sys.executable, "-m", "tests.crash.many", "--drive", path, "--points", str(points)]
     command += ["--increments", str(increments)]
-    return subprocess.Popen(command, cwd=Path(__file__).parents[2], stdout=subprocess.DEVNULL)
+    options = {"cwd": Path(__file__).parents[2], "stdout": subprocess.DEVNULL}
+    with subprocess.Popen(command, **options) as process:
+        try:
+            yield process
+        finally:
+            process.kill()
 
 
 def driven(path, points):
     """Run or resume the sweep in another process; what it cost."""
     began = time.monotonic()
-    with closing(_Ended(started(path, points))) as run:
-        code = code_of(run.process, _PATIENCE)
+    with started(path, points) as process:
+        code = code_of(process, _PATIENCE)
     if code != 0:
         raise SystemExit(f"a run of {points} points ends with {code}")
     cost = json.loads(path.with_suffix(".json").read_text())["cost"]
     return cost | {"with_its_start": round(time.monotonic() - began, 2)}
-
-
-class _Ended:
-    def __init__(self, process):
-        self.process = process
-
-    def close(self):
-        self.process.kill()
-        self.process.wait()
 
 
 def copied(path, to):
@@ -116,9 +114,9 @@ def copied(path, to):
 def early(folder, points):
     """See what is shown at a tenth of the time of a run; the faults of that, too."""
     path, copies = folder / "early.zarr", []
-    with closing(_Ended(started(path, points, _STEPS))) as run:
+    with started(path, points, _STEPS) as process:
         following = 0.0
-        while run.process.poll() is None:
+        while process.poll() is None:
             time.sleep(0.2)
             if (path / ROOT).exists() and time.monotonic() > following:
                 copies.append(folder / f"{len(copies)}.zarr")

@@ -20,15 +20,17 @@ _OPTIONS = (
 )
 
 
+def absent(reason):
+    """Skip a test for what is not installed, or fail it where CI says that it must be there."""
+    (pytest.fail if os.environ.get("WITH_BROWSER") else pytest.skip)(reason)
+
+
 @contextmanager
 def chromium():
     """A driver of Chromium; skips where there is none, or fails where CI says there must be one."""
-    browser, driver = shutil.which("chromium"), shutil.which("chromedriver")
-    if not (browser and driver):
-        reason = "no chromium and chromedriver: apt-get install chromium chromium-driver"
-        if os.environ.get("WITH_BROWSER"):
-            pytest.fail(reason)
-        pytest.skip(reason)
+    browser, program = shutil.which("chromium"), shutil.which("chromedriver")
+    if not (browser and program):
+        absent("no chromium and chromedriver: apt-get install chromium chromium-driver")
     from selenium import webdriver
 
     options = webdriver.ChromeOptions()
@@ -38,9 +40,6 @@ def chromium():
         options.add_argument(option)
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
         options.add_argument(f"--user-data-dir={folder}")
-        service = webdriver.ChromeService(driver)
-        found = webdriver.Chrome(options=options, service=service)
-        try:
-            yield found
-        finally:
-            found.quit()
+        service = webdriver.ChromeService(program)
+        with webdriver.Chrome(options=options, service=service) as driver:
+            yield driver

@@ -2,15 +2,13 @@
 
 import json
 import math
-import os
 import shutil
 import subprocess
 from pathlib import Path
 
-import pytest
-
 import pipeline.figures.page
 from pipeline.figures.page.content import content
+from tests.helpers.browser import absent
 
 _FOLDER = Path(pipeline.figures.page.__file__).parent
 _SCRIPTS = (
@@ -27,9 +25,7 @@ def run(ds, script, argument=None):
     """Result of a script that sees the page's functions and its argument; NaN where null."""
     node = shutil.which("node")
     if node is None:
-        if os.environ.get("WITH_BROWSER"):
-            pytest.fail("no node")
-        pytest.skip("no node")
+        absent("no node")
     sources = [(_FOLDER / f"{name}.js").read_text("utf-8") for name in _SCRIPTS]
     ask = f"const result = ((argument) => {{ {script} }})(held.argument);"
     code = "\n".join([_STUB, *sources, ask, "console.log(JSON.stringify(result));"])

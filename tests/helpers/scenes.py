@@ -21,6 +21,68 @@ STEEL = Material(
     specific_heat=470.0,
 )
 
+SCENE = """
+title = "A small sweep"
+
+[materials.steel]
+elastic_modulus = "210 GPa"
+poisson_ratio = 0.3
+hardness = "6.6 GPa"
+thermal_conductivity = "45 W/(m K)"
+density = "7800 kg/m^3"
+specific_heat = "470 J/(kg K)"
+
+[pin]
+shape = "cylinder"
+radius = "2 mm"
+length = "3.4 mm"
+material = "steel"
+
+[disk]
+material = "steel"
+
+[disk.roughness]
+ra = "0.27 um"
+hurst_exponent = 0.8
+correlation_length = "16 um"
+seed = 0
+
+[window]
+pixels = [48, 16]
+pixel_size = ["8 um", "8 um"]
+
+[loading]
+rate = "150 N/s"
+reference_load = "750 N"
+
+[wear]
+specific_wear_rate = "1.2e-6 mm^3/(N m)"
+pattern = "swept"
+
+[friction]
+coefficient = 0.1
+
+[temperature]
+bulk = "25 degC"
+critical = "145 degC"
+failing_share = 0.1
+
+[fidelity]
+pixels_per_element = 1
+increments = 10
+
+[sweep]
+loads = ["200 N", "400 N", "600 N"]
+velocities = ["1 m/s", "2 m/s", "4 m/s"]
+fields = true
+"""
+
+MEASURED = """
+[[measured]]
+load = "400 N"
+velocity = "2 m/s"
+"""
+
 
 def small_scene(pattern="swept", roughness=True, wear=True, periodic=(False, True), **fidelity):
     """48 × 16 elements under the paper's pin, its ramp in 10 increments."""

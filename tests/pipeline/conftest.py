@@ -1,6 +1,10 @@
+import json
+import shutil
+
 import numpy as np
 import pytest
 
+from pipeline.cli import main
 from pipeline.store.create import writing
 from pipeline.sweep.plan import points, run_point
 from tests.helpers import tiny
@@ -20,3 +24,26 @@ def alone(tmp_path_factory):
     with np.errstate(all="raise", under="ignore"):
         commit_all(path, tiny.full())
     return path
+
+
+@pytest.fixture
+def copy(alone, tmp_path):
+    """A copy of this store, to be changed."""
+    return shutil.copytree(alone, tmp_path / "tiny.zarr")
+
+
+@pytest.fixture
+def irg(capsys):
+    """Run a command: what it printed, or with --json its document, if it exits as expected."""
+
+    def run_command(*arguments, code=0):
+        capsys.readouterr()
+        try:
+            ended = main([str(argument) for argument in arguments])
+        except SystemExit as error:
+            ended = error.code
+        assert ended == code
+        printed = capsys.readouterr()
+        return json.loads(printed.out) if "--json" in arguments else printed.out + printed.err
+
+    return run_command

@@ -7,10 +7,9 @@ import pytest
 
 import pipeline
 import tribo
-from pipeline.cli import main
 from pipeline.sweep.conditions import Conditions
 from tests.helpers import javascript, tiny
-from tests.pipeline.cli.test_commands import SCENE
+from tests.helpers.scenes import SCENE
 
 STEEL = tiny.sweep().disk
 ALL = tribo.Corrections(
@@ -126,22 +125,19 @@ def test_entries_of_a_scene_become_corrections(tmp_path):
         ("disk.track_length=0 m", "above 0"),
     ],
 )  # fmt: skip
-def test_bad_entries_are_named(tmp_path, capsys, setting, problem):
+def test_bad_entries_are_named(tmp_path, irg, setting, problem):
     (tmp_path / "plain.toml").write_text(SCENE)
-    assert main(["check", str(tmp_path / "plain.toml"), "--set", setting]) == 2
-    told = capsys.readouterr().err
+    told = irg("check", tmp_path / "plain.toml", "--set", setting, code=2)
     assert setting.partition("=")[0] in told
     assert problem in told
     assert "Traceback" not in told
 
 
-def test_the_budget_sizes_what_a_scene_leaves_out(tmp_path, capsys):
+def test_the_budget_sizes_what_a_scene_leaves_out(tmp_path, irg):
     (tmp_path / "plain.toml").write_text(SCENE)
     command = ["vary", str(tmp_path / "plain.toml"), "--physics", "-q"]
     command += ["--set", 'pin.stem={resistance="8 K/W"}', "--set", 'sweep.loads=["400 N"]']
-    assert main(command) == 0
-    told = capsys.readouterr().out
+    told = irg(*command)
     assert "earlier passes in the track" in told
     assert "stem and holder" not in told
-    assert main([*command[:2], "-q"]) == 2
-    assert "--physics" in capsys.readouterr().err
+    assert "--physics" in irg(*command[:2], "-q", code=2)

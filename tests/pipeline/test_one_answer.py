@@ -19,7 +19,7 @@ from pipeline.figures.diagram import diagram
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.criterion import rise_limit
 from tests.helpers import javascript, synthetic, tiny
-from tests.pipeline.cli.test_commands import SCENE
+from tests.helpers.scenes import SCENE
 from tests.pipeline.figures.page import sweeps
 from tribo import CRITERIA, QUANTILES, Corrections
 from tribo.criterion import Rule

@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from tests.pipeline.cli.test_commands import SCENE
+from tests.helpers.scenes import SCENE
 
 WITHOUT_POSIX = """
 import multiprocessing, os, signal, sys

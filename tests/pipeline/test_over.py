@@ -7,12 +7,11 @@ import pytest
 import xarray as xr
 
 import pipeline
-from pipeline.cli import main
 from pipeline.run.follow import follow_boundary
 from pipeline.store.place import StoreMismatchError
 from pipeline.store.verify import verify_store
 from pipeline.sweep.plan import chains, points
-from tests.pipeline.cli.test_commands import SCENE
+from tests.helpers.scenes import SCENE
 from tests.pipeline.conftest import commit_all
 from tribo import InputError
 
@@ -159,59 +158,52 @@ def test_over_and_samples_exclude_each_other(tmp_path):
         load(tmp_path, scene=SCENE + unknown, **{"sweep.samples": 4})
 
 
-def printed(capsys, *words):
-    code = main([str(word) for word in words])
-    out, err = capsys.readouterr()
-    return code, out, err
-
-
-def test_commands_answer_for_each_value(swept, folder, capsys):
-    code, out, _ = printed(capsys, "boundary", swept, "--json")
-    document = json.loads(out)
-    assert (code, document["pin.radius"]) == (0, [0.002, 0.004])
+def test_commands_answer_for_each_value(swept, folder, irg):
+    document = irg("boundary", swept, "--json")
+    assert document["pin.radius"] == [0.002, 0.004]
     assert np.shape(document["critical_velocity"])[0] == 2
-    assert "pin.radius [mm]   load [N]" in printed(capsys, "boundary", swept)[1]
-    printed(capsys, "boundary", swept, "-o", folder / "b.csv")
+    assert "pin.radius [mm]   load [N]" in irg("boundary", swept)
+    irg("boundary", swept, "-o", folder / "b.csv")
     assert (folder / "b.csv").read_text().startswith("pin.radius [mm],friction,load [N]")
     place = ("--load", "500 N", "--velocity", "1.5 m/s")
-    assert "pin.radius 4 mm:" in printed(capsys, "margin", swept, *place)[1]
-    (one, other) = json.loads(printed(capsys, "margin", swept, *place, "--json")[1])["scenes"]
+    assert "pin.radius 4 mm:" in irg("margin", swept, *place)
+    (one, other) = irg("margin", swept, *place, "--json")["scenes"]
     assert (one["pin.radius"], other["pin.radius"]) == (0.002, 0.004)
     assert one["distance"] < other["distance"]
     (folder / "duty.csv").write_text("load [N],velocity [m/s]\n500,1.5\n")
     table = pipeline.margin_table(swept, folder / "duty.csv").as_dict()
     assert table["distance"] == [one["distance"], other["distance"]]
-    assert "2 values of pin.radius" in printed(capsys, "check", folder / "scene.toml")[1]
-    assert printed(capsys, "status", swept)[0] == 0
+    assert "2 values of pin.radius" in irg("check", folder / "scene.toml")
+    irg("status", swept)
 
 
-def test_scenes_may_differ_in_their_criterion(tmp_path, capsys):
+def test_scenes_may_differ_in_their_criterion(tmp_path, irg):
     sweep = load(tmp_path, '{ "temperature.criterion" = ["share", "mean"] }')
     commit_all(tmp_path / "out.zarr", sweep)
-    code, out, _ = printed(capsys, "boundary", tmp_path / "out.zarr", "--json")
-    assert (code, json.loads(out)["conditions"]["criterion"]) == (0, ["share", "mean"])
-    assert "criterion mean, share" in printed(capsys, "boundary", tmp_path / "out.zarr")[1]
+    document = irg("boundary", tmp_path / "out.zarr", "--json")
+    assert document["conditions"]["criterion"] == ["share", "mean"]
+    assert "criterion mean, share" in irg("boundary", tmp_path / "out.zarr")
 
 
-def test_figures_and_reports_show_each_value_or_ask_for_one(swept, folder, capsys):
+def test_figures_and_reports_show_each_value_or_ask_for_one(swept, folder, irg):
     figure = pipeline.plot(swept, "diagram")
     labels = [text.get_text() for text in figure.legends[0].get_texts()]
     assert labels[:2] == list(RADII)
     title = pipeline.plot(swept, "diagram", friction=0.12).legends[0].get_title().get_text()
     assert "friction 0.12, bulk 25" in title
-    assert printed(capsys, "report", swept, "-o", folder / "r.html")[0] == 0
+    irg("report", swept, "-o", folder / "r.html")
     assert "pin.radius 4 mm. Answer: " in (folder / "r.html").read_text()
     for words in (
         ("explore",),
         ("plot", "--kind", "temperature"),
         ("diff", swept),
     ):
-        code, _, err = printed(capsys, words[0], swept, *words[1:])
-        assert (code, 'take one of each: --at "pin.radius=..."' in err) == (2, True)
+        said = irg(words[0], swept, *words[1:], code=2)
+        assert 'take one of each: --at "pin.radius=..."' in said
     at = ("--at", "pin.radius=2 mm")
-    assert printed(capsys, "explore", swept, *at, "-o", folder / "p.html")[0] == 0
+    irg("explore", swept, *at, "-o", folder / "p.html")
     for words in (("boundary",), ("plot", "--watch", "-o", folder / "d.png")):
-        code, _, err = printed(capsys, *words, swept, "--at", "pin.radius=3 mm")
-        assert (code, "which the sweep does not have; it has 2 mm, 4 mm" in err) == (2, True)
+        said = irg(*words, swept, "--at", "pin.radius=3 mm", code=2)
+        assert "which the sweep does not have; it has 2 mm, 4 mm" in said
     with pytest.raises(InputError, match="pattern has one value alone in this sweep"):
         pipeline.at_entries(swept, {"wear.pattern": "local"})

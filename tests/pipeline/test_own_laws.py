@@ -15,7 +15,7 @@ import tribo
 from pipeline.cli import main
 from pipeline.sweep.own import Own
 from tests.helpers import tiny
-from tests.pipeline.cli.test_commands import SCENE
+from tests.helpers.scenes import SCENE
 
 PAGE = (Path(__file__).parents[2] / "workflows" / "OWN_LAWS.md").read_text(encoding="utf-8")
 LAWS = (
@@ -52,10 +52,9 @@ def folder(tmp_path, monkeypatch):
     return tmp_path
 
 
-def test_a_named_law_runs_on_workers_that_have_no_file(folder, capsys):
-    assert main(["check", "own.toml"]) == 0
-    assert "own law  wear: laws:RunningIn, distance = 1.5" in capsys.readouterr().out
-    assert main(["run", "own.toml", "-q", "--workers", "2", "-o", "own.zarr"]) == 0
+def test_a_named_law_runs_on_workers_that_have_no_file(folder, irg):
+    assert "own law  wear: laws:RunningIn, distance = 1.5" in irg("check", "own.toml")
+    irg("run", "own.toml", "-q", "--workers", "2", "-o", "own.zarr")
     ds = pipeline.open_sweep("own.zarr")
     stored = json.loads(ds.attrs["scene"])["wear"]
     assert stored["law"] == "laws:RunningIn"
@@ -65,9 +64,7 @@ def test_a_named_law_runs_on_workers_that_have_no_file(folder, capsys):
     *_, state = tribo.simulate(scene, 400.0, 2.0)
     assert end["wear_volume"].item() == tribo.measures(scene, state)["wear_volume"]
     (folder / "laws.py").write_text(LAWS + "# changed\n")
-    capsys.readouterr()
-    assert main(["run", "own.toml", "-q", "-o", "own.zarr"]) == 3
-    assert "scene.wear.hash" in capsys.readouterr().err
+    assert "scene.wear.hash" in irg("run", "own.toml", "-q", "-o", "own.zarr", code=3)
 
 
 def test_a_law_that_breaks_its_word_fails_its_points_by_name(folder, capsys):
@@ -117,16 +114,17 @@ def test_a_law_given_in_python_is_stored_with_its_hash(folder):
     assert len(stored["hash"]) == 64
 
 
-def test_the_scene_of_the_page_runs(folder, capsys):
+def test_the_scene_of_the_page_runs(folder, irg):
     scene = re.findall(r"```toml\n(.*?)```", PAGE, flags=re.DOTALL)[0]
     folder.joinpath("running_in.toml").write_text(scene.replace("workflows/first_try", "small"))
     commands = re.findall(r"^irg .*$", PAGE, flags=re.MULTILINE)
     assert len(commands) == 4
     few = ["--set", 'sweep.loads=["400 N"]', "--set", 'sweep.velocities=["1 m/s", "3 m/s"]']
-    for command in commands:
-        places = [] if " boundary " in command else few
-        assert main([*shlex.split(command)[1:], *places, "-q"]) == 0
-    assert "criterion laws:hottest" in capsys.readouterr().out
+    said = [
+        irg(*shlex.split(command)[1:], *([] if " boundary " in command else few), "-q")
+        for command in commands
+    ]
+    assert any("criterion laws:hottest" in each for each in said)
 
 
 @pytest.mark.parametrize(
@@ -142,11 +140,10 @@ def test_the_scene_of_the_page_runs(folder, capsys):
         ("disk.surface={law='laws:Dimples'}", "leave out one of them"),
     ],
 )
-def test_each_mistake_is_named(folder, capsys, setting, told):
+def test_each_mistake_is_named(folder, irg, setting, told):
     (folder / "faulty.py").write_text("x = 1\n1 / 0\n")
     before = set(sys.modules)
-    assert main(["check", "own.toml", "--set", setting]) == 2
-    error = capsys.readouterr().err
+    error = irg("check", "own.toml", "--set", setting, code=2)
     assert told in error
     assert "Traceback" not in error
     assert not {"laws", "faulty"} & (set(sys.modules) - before)

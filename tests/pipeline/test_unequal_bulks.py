@@ -1,6 +1,5 @@
 """Bodies of unequal bulk temperature, from the scene file to the figures."""
 
-import json
 import math
 from dataclasses import replace
 
@@ -8,7 +7,6 @@ import numpy as np
 import pytest
 
 import pipeline
-from pipeline.cli import main
 from pipeline.sweep.conditions import Conditions
 from tests.helpers import tiny
 from tribo import InputError
@@ -121,12 +119,11 @@ def test_bulk_temperatures_that_cannot_be_are_refused(unequal, given, said):
         pipeline.boundary(unequal, bulk_temperature=given)
 
 
-def test_a_sweep_of_equal_ones_cannot_tell_what_unequal_ones_would_do(stores, equal, capsys):
+def test_a_sweep_of_equal_ones_cannot_tell_what_unequal_ones_would_do(stores, equal, irg):
     with pytest.raises(InputError, match="for bodies of one bulk temperature"):
         pipeline.boundary(equal, bulk_temperature=BOTH)
     option = ("--bulk-temperature", "pin=60 degC,disk=25 degC")
-    assert main(["boundary", str(stores / "equal.zarr"), *option]) == 2
-    error = capsys.readouterr().err
+    error = irg("boundary", stores / "equal.zarr", *option, code=2)
     assert error.count("\n") == 1
     assert "bulk = { pin = ..., disk = ... }" in error
 
@@ -219,14 +216,13 @@ def test_two_bulk_temperatures_do_not_go_with_unknown_inputs(scene):
     assert only.startswith("temperature.bulk: two temperatures do not go with [unknown]")
 
 
-def test_an_input_is_varied_between_bodies_of_unequal_temperatures(scene, capsys):
+def test_an_input_is_varied_between_bodies_of_unequal_temperatures(scene, irg):
     """Friction moves the ratio of both parts: as in boundaries of its own."""
     wide = ("--set", 'sweep.velocities=["1 m/s", "1.5 m/s", "2 m/s", "3 m/s", "4 m/s", "6 m/s"]')
     over = ("--over", "friction.coefficient=0.08,0.12")
-    assert main(["vary", str(scene), *over, *wide, "--json"]) == 0
-    varied = json.loads(capsys.readouterr().out)
+    varied = irg("vary", scene, *over, *wide, "--json")
     out = scene.with_suffix(".zarr")
-    assert main(["run", str(scene), *wide, "-o", str(out), "--workers", "1"]) == 0
+    irg("run", scene, *wide, "-o", out, "--workers", "1")
     for friction, found in zip((0.08, 0.12), varied["variations"], strict=True):
         expected = pipeline.boundary(pipeline.open_sweep(out), friction)["critical_velocity"]
         velocities = [math.nan if at is None else at for at in found["critical_velocity"]]
@@ -234,28 +230,22 @@ def test_an_input_is_varied_between_bodies_of_unequal_temperatures(scene, capsys
         assert velocities == pytest.approx(expected.values.tolist(), rel=0.1, nan_ok=True)
 
 
-def test_the_commands_take_both(scene, capsys):
+def test_the_commands_take_both(scene, irg):
     out = scene.with_suffix(".zarr")
-    assert main(["run", str(scene), "-o", str(out), "--workers", "1"]) == 0
-    assert main(["check", str(scene)]) == 0
-    capsys.readouterr()
-    assert main(["boundary", str(out)]) == 0
-    assert "bulk 60 °C (pin) and 25 °C (disk)" in capsys.readouterr().out
+    irg("run", scene, "-o", out, "--workers", "1")
+    irg("check", scene)
+    assert "bulk 60 °C (pin) and 25 °C (disk)" in irg("boundary", out)
     option = ("--bulk-temperature", "pin=40 degC, disk=50 degC")
-    assert main(["boundary", str(out), *option, "--json"]) == 0
-    conditions = json.loads(capsys.readouterr().out)["conditions"]
+    conditions = irg("boundary", out, *option, "--json")["conditions"]
     assert (conditions["bulk_temperature"], conditions["disk_temperature"]) == (313.15, 323.15)
     place = ("--load", "600 N", "--velocity", "1 m/s")
     temperatures = []
     for given in ((), option, ("--bulk-temperature", "25 degC")):
-        assert main(["point", str(scene), *place, *given, "--json"]) == 0
-        temperatures.append(json.loads(capsys.readouterr().out)["decisive_temperature"])
+        temperatures.append(irg("point", scene, *place, *given, "--json")["decisive_temperature"])
     assert temperatures[2] < temperatures[0] < temperatures[1]
     for given, expected in zip(((), option), temperatures, strict=False):
-        assert main(["infer", str(scene), *given, "--json"]) == 0
-        inferred = json.loads(capsys.readouterr().out)["mean"]
+        inferred = irg("infer", scene, *given, "--json")["mean"]
         assert inferred == pytest.approx(expected, rel=1e-9)
-    assert main(["plot", str(out), *option, "-o", str(scene.with_suffix(".png"))]) == 0
-    with pytest.raises(SystemExit, match="2"):
-        main(["boundary", str(out), "--bulk-temperature", "pin=40 degC"])
-    assert 'give one like "25 degC", or "pin=60 degC, disk=25 degC"' in capsys.readouterr().err
+    irg("plot", out, *option, "-o", scene.with_suffix(".png"))
+    said = irg("boundary", out, "--bulk-temperature", "pin=40 degC", code=2)
+    assert 'give one like "25 degC", or "pin=60 degC, disk=25 degC"' in said

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import pipeline
-from pipeline.cli import main
 from pipeline.scene.wear_rates import with_velocities_for_rates
 from pipeline.store.create import writing
 from pipeline.store.place import StoreMismatchError
@@ -14,7 +13,7 @@ from pipeline.sweep.criterion import decisive_rises
 from pipeline.sweep.plan import points, run_point
 from tests.helpers import tiny
 from tests.helpers.javascript import run
-from tests.pipeline.cli.test_commands import SCENE
+from tests.helpers.scenes import SCENE
 from tribo import Fidelity, InputError, Motion, Ramp, Wear
 
 RATES = (0.6e-15, 2.4e-15)
@@ -78,13 +77,11 @@ def test_rises_are_known_from_when_the_load_is_reached_on():
     assert known.any(axis=1).tolist() == [False] * 4 + [True, False, True]
 
 
-def test_the_command_answers_for_rates_within_those_of_the_scene(store, capsys):
-    assert main(["boundary", str(store), "--wear-rate", "2e-6 mm^3/(N m)"]) == 0
-    assert "wear rate 2e-06 mm³/(N m)" in capsys.readouterr().out
+def test_the_command_answers_for_rates_within_those_of_the_scene(store, irg):
+    assert "wear rate 2e-06 mm³/(N m)" in irg("boundary", store, "--wear-rate", "2e-6 mm^3/(N m)")
     margin = ["margin", str(store), "--load", "400 N", "--velocity", "1 m/s", "--wear-rate"]
-    assert main([*margin, "2e-6 mm^3/(N m)"]) == 0
-    assert main([*margin, "3e-6 mm^3/(N m)"]) == 2
-    assert "6e-07 mm³/(N m) to 2.4e-06 mm³/(N m)" in capsys.readouterr().err
+    irg(*margin, "2e-6 mm^3/(N m)")
+    assert "6e-07 mm³/(N m) to 2.4e-06 mm³/(N m)" in irg(*margin, "3e-6 mm^3/(N m)", code=2)
 
 
 def test_a_store_keeps_the_wear_rates_of_its_creation(store):
@@ -120,7 +117,7 @@ def test_it_is_refused_where_contacts_are_not_shared(changes, reason):
         replace(SWEEP, **changes)
 
 
-def test_a_scene_asks_for_them_and_a_search_refuses_them(tmp_path, capsys):
+def test_a_scene_asks_for_them_and_a_search_refuses_them(tmp_path, irg):
     scene = tmp_path / "rates.toml"
     rates = 'wear_rates = { from = "1e-6 mm^3/(N m)", to = "2e-6 mm^3/(N m)" }'
     scene.write_text(SCENE.replace("[sweep]", f"[sweep]\n{rates}"))
@@ -128,8 +125,9 @@ def test_a_scene_asks_for_them_and_a_search_refuses_them(tmp_path, capsys):
     assert sweep.wear_rates == pytest.approx((1e-15, 2e-15))
     cost = pipeline.estimate(sweep, workers=1)
     assert cost.temperatures == 3 * len(sweep.loads) * len(sweep.velocities)
-    assert main(["run", str(scene), "-o", str(tmp_path / "a.zarr"), "--boundary-only"]) == 2
-    assert "own wear rate alone" in capsys.readouterr().err
+    assert "own wear rate alone" in irg(
+        "run", scene, "-o", tmp_path / "a.zarr", "--boundary-only", code=2
+    )
 
 
 def test_the_page_has_the_boundary_at_each_wear_rate(store):

@@ -1,6 +1,5 @@
 """A scene without a critical temperature can do all that needs none."""
 
-import json
 from dataclasses import replace
 
 import matplotlib as mpl
@@ -8,7 +7,6 @@ import numpy as np
 import pytest
 
 import pipeline
-from pipeline.cli import main
 from pipeline.sweep.plan import run_point
 from tests.helpers import tiny
 from tribo import InputError
@@ -53,21 +51,19 @@ def test_a_point_has_its_temperature_and_no_verdict():
     assert unjudged == replace(judged, is_severe=None, failed_fraction=None)
 
 
-def test_a_scene_file_may_leave_it_out(tmp_path, capsys):
+def test_a_scene_file_may_leave_it_out(tmp_path, irg):
     scene = tmp_path / "scene.toml"
     paper = tiny.__file__.replace("tests/helpers/tiny.py", "workflows/first_try.toml")
     scene.write_text(f'extends = "{paper}"\nwithout = ["temperature.critical"]\n', encoding="utf-8")
     assert pipeline.load_scene(scene).conditions == UNKNOWN
     place = ["--load", "200 N", "--velocity", "1 m/s"]
-    assert main(["point", str(scene), *place, "--json"]) == 0
-    assert json.loads(capsys.readouterr().out)["severe"] is None
-    assert main(["point", str(scene), *place]) == 0
-    assert "open without temperature.critical" in capsys.readouterr().out
-    assert main(["point", str(scene), *place, "--critical-temperature", "145 degC"]) == 0
-    assert "mild wear" in capsys.readouterr().out
+    assert irg("point", scene, *place, "--json")["severe"] is None
+    assert "open without temperature.critical" in irg("point", scene, *place)
+    assert "mild wear" in irg("point", scene, *place, "--critical-temperature", "145 degC")
     out = str(tmp_path / "out.zarr")
-    assert main(["run", str(scene), "--boundary-only", "-o", out, "--workers", "1"]) == 2
-    assert "temperature.critical" in capsys.readouterr().err
+    assert "temperature.critical" in irg(
+        "run", scene, "--boundary-only", "-o", out, "--workers", "1", code=2
+    )
 
 
 def test_warnings_are_counted_without_a_boundary(store):

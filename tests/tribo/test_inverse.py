@@ -117,14 +117,6 @@ def test_bounds_are_no_narrower_than_rates_are_told_apart(monkeypatch):
     assert found.lowest < 1.2e-15 < found.highest < 1.02 * found.lowest
 
 
-def test_sliding_on_at_full_load_makes_the_same_width_by_less_wear():
-    scene = small_scene()
-    held = replace(scene, loading=replace(scene.loading, hold=5.0))
-    ramped, long = (specific_wear_rate(s, 304e-6, 750.0, 1.25).value for s in (scene, held))
-    # Under the ramp the load acts over 5 s with half its size, in the hold with all of it.
-    assert 2 < ramped / long < 4
-
-
 @pytest.mark.parametrize("width", [1e-4, 4e-4])
 def test_a_width_that_no_wear_makes_is_refused(width):
     with pytest.raises(InputError, match=r"lie between 0\.000\d+ m, .* without wear, and the 0\.0"):

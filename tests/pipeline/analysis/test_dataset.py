@@ -1,7 +1,6 @@
 """The labelled view of a stored sweep (pipeline/analysis/dataset.py)."""
 
 import re
-import shutil
 from pathlib import Path
 
 import numpy as np
@@ -33,11 +32,6 @@ DERIVED = ("max_temperature", "mean_temperature", "temperature_quantile", "faile
 def ds(alone):
     with open_sweep(alone) as opened:
         yield opened
-
-
-@pytest.fixture
-def copy(alone, tmp_path):
-    return shutil.copytree(alone, tmp_path / "copy.zarr")
 
 
 @pytest.mark.parametrize("kind", [str, Path])

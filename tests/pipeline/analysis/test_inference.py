@@ -1,6 +1,5 @@
 """What measured transitions say of a lubricant (pipeline/analysis/inference.py)."""
 
-import json
 from dataclasses import replace
 
 import numpy as np
@@ -9,10 +8,9 @@ import pytest
 from pipeline.analysis.boundary import boundary
 from pipeline.analysis.dataset import open_sweep
 from pipeline.analysis.inference import critical_temperatures
-from pipeline.cli import main
 from pipeline.sweep.model import Measurement
 from tests.helpers import tiny
-from tests.pipeline.cli.test_commands import SCENE
+from tests.helpers.scenes import SCENE
 from tests.pipeline.conftest import commit_all
 from tribo import InputError
 
@@ -45,29 +43,22 @@ def test_without_a_measured_transition_there_is_nothing_to_find():
         critical_temperatures(tiny.sweep(measured=()))
 
 
-def test_the_command_finds_temperature_and_wear_rate(tmp_path, capsys):
+def test_the_command_finds_temperature_and_wear_rate(tmp_path, irg):
     scene = tmp_path / "scene.toml"
     measured = '\n[[measured]]\nload = "600 N"\nvelocity = "1.5 m/s"\nfriction = 0.12\n'
     scene.write_text(SCENE + measured)
-    assert main(["infer", str(scene), "--json", "--set", "sweep.realizations=2"]) == 0
-    document = json.loads(capsys.readouterr().out)
+    document = irg("infer", scene, "--json", "--set", "sweep.realizations=2")
     assert document["surfaces"] == [0, 1]
     (transition,) = document["transitions"]
     assert (transition["friction"], len(transition["temperatures"])) == (0.12, 2)
     assert document["spread"] is None
-    assert main(["infer", str(scene)]) == 0
-    assert "600 N, 1.5 m/s, friction 0.12: " in capsys.readouterr().out
+    assert "600 N, 1.5 m/s, friction 0.12: " in irg("infer", scene)
 
     place = ["--load", "600 N", "--velocity", "1.5 m/s"]
-    assert main(["point", str(scene), *place, "--json", "--set", "history_coarsening=1"]) == 0
-    width = json.loads(capsys.readouterr().out)["contact_width"]
+    width = irg("point", scene, *place, "--json", "--set", "history_coarsening=1")["contact_width"]
     arguments = ["infer", str(scene), "--contact-width", f"{width} m", *place]
-    assert main([*arguments, "--json"]) == 0
-    rate = json.loads(capsys.readouterr().out)
+    rate = irg(*arguments, "--json")
     assert rate["lowest"] < 1.2e-15 < rate["highest"]
-    assert main(arguments) == 0
-    assert "mm³/(N m)" in capsys.readouterr().out
-    assert main(arguments[:4]) == 2
-    assert "give --load and --velocity" in capsys.readouterr().err
-    assert main(["infer", str(scene), *place]) == 2
-    assert "--contact-width" in capsys.readouterr().err
+    assert "mm³/(N m)" in irg(*arguments)
+    assert "give --load and --velocity" in irg(*arguments[:4], code=2)
+    assert "--contact-width" in irg("infer", scene, *place, code=2)

@@ -1,6 +1,5 @@
 """``irg check`` says what a scene means before it says what it costs."""
 
-import json
 from pathlib import Path
 
 import numpy as np
@@ -13,15 +12,8 @@ SCENE = str(Path(__file__).parents[3] / "workflows" / "first_try.toml")
 
 
 @pytest.fixture
-def check(capsys):
-    """Check a scene: what it printed, or with --json its document, if it exits as expected."""
-
-    def run(*options, scene=SCENE, code=0):
-        assert main(["check", str(scene), *options]) == code
-        printed = capsys.readouterr()
-        return json.loads(printed.out) if "--json" in options else printed.out + printed.err
-
-    return run
+def check(irg):
+    return lambda *options, scene=SCENE, code=0: irg("check", scene, *options, code=code)
 
 
 def test_meaning_comes_before_cost(capsys, monkeypatch):

@@ -1,91 +1,16 @@
 """The command line, as a user types it."""
 
-import json
 import shutil
 
 import pytest
 import xarray as xr
 
 from pipeline.cli import main
-
-SCENE = """
-title = "A small sweep"
-
-[materials.steel]
-elastic_modulus = "210 GPa"
-poisson_ratio = 0.3
-hardness = "6.6 GPa"
-thermal_conductivity = "45 W/(m K)"
-density = "7800 kg/m^3"
-specific_heat = "470 J/(kg K)"
-
-[pin]
-shape = "cylinder"
-radius = "2 mm"
-length = "3.4 mm"
-material = "steel"
-
-[disk]
-material = "steel"
-
-[disk.roughness]
-ra = "0.27 um"
-hurst_exponent = 0.8
-correlation_length = "16 um"
-seed = 0
-
-[window]
-pixels = [48, 16]
-pixel_size = ["8 um", "8 um"]
-
-[loading]
-rate = "150 N/s"
-reference_load = "750 N"
-
-[wear]
-specific_wear_rate = "1.2e-6 mm^3/(N m)"
-pattern = "swept"
-
-[friction]
-coefficient = 0.1
-
-[temperature]
-bulk = "25 degC"
-critical = "145 degC"
-failing_share = 0.1
-
-[fidelity]
-pixels_per_element = 1
-increments = 10
-
-[sweep]
-loads = ["200 N", "400 N", "600 N"]
-velocities = ["1 m/s", "2 m/s", "4 m/s"]
-fields = true
-"""
-
-MEASURED = """
-[[measured]]
-load = "400 N"
-velocity = "2 m/s"
-"""
+from tests.helpers.scenes import MEASURED, SCENE
 
 
 def run(*arguments):
     return main([str(argument) for argument in arguments])
-
-
-@pytest.fixture
-def irg(capsys):
-    """Run a command: what it printed, or with --json its document, if it exits as expected."""
-
-    def run_command(*arguments, code=0):
-        capsys.readouterr()
-        assert run(*arguments) == code
-        printed = capsys.readouterr()
-        return json.loads(printed.out) if "--json" in arguments else printed.out + printed.err
-
-    return run_command
 
 
 @pytest.fixture(scope="module")
@@ -360,11 +285,8 @@ def test_what_cannot_be_is_refused_with_its_name(swept, irg, monkeypatch, argume
         (["status", "out.zarr", "--friction", "0.1"], "unknown option or argument: --friction 0.1"),
     ],
 )
-def test_wrong_use_exits_with_2_and_says_why(arguments, said, capsys):
-    with pytest.raises(SystemExit) as caught:
-        main(arguments)
-    assert caught.value.code == 2
-    assert said in capsys.readouterr().err
+def test_wrong_use_exits_with_2_and_says_why(arguments, said, irg):
+    assert said in irg(*arguments, code=2)
 
 
 @pytest.mark.parametrize(

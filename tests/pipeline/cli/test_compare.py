@@ -7,7 +7,7 @@ import numpy as np
 import pipeline
 from pipeline.cli import main
 from tests.helpers import synthetic
-from tests.pipeline.cli.test_commands import SCENE
+from tests.helpers.scenes import SCENE
 
 
 def test_a_difference_names_the_entry_the_move_of_the_boundary_and_the_points(monkeypatch):

@@ -45,26 +45,25 @@ def test_each_row_gets_the_margin_of_its_point_and_keeps_its_further_columns(sto
     assert "load is 9000 N; the sweep has" in beyond["note"]
 
 
-def test_a_note_names_the_point_and_not_a_row_of_the_table(store, tmp_path, capsys):
+def test_a_note_names_the_point_and_not_a_row_of_the_table(store, tmp_path, irg):
     duty = tmp_path / "duty.csv"
     duty.write_text(DUTY)
-    assert main(["margin", "out.zarr", "--points", str(duty)]) == 0
-    assert "9000 N at 2 m/s: load is 9000 N; the sweep has" in capsys.readouterr().out
+    assert "9000 N at 2 m/s: load is 9000 N; the sweep has" in irg(
+        "margin", "out.zarr", "--points", duty
+    )
 
 
-def test_several_stores_to_infer_from_are_named_where_one_has_no_samples(store, tmp_path, capsys):
+def test_several_stores_to_infer_from_are_named_where_one_has_no_samples(store, tmp_path, irg):
     names = [str(tmp_path / name) for name in ("a.zarr", "b.zarr")]
     for name in names:
         (tmp_path / name).mkdir()
-    assert main(["infer", *names]) == 2
-    assert "a.zarr: the sweep has no samples" in capsys.readouterr().err
+    assert "a.zarr: the sweep has no samples" in irg("infer", *names, code=2)
 
 
-def test_all_faults_of_a_table_are_named_with_row_and_column(store, tmp_path, capsys):
+def test_all_faults_of_a_table_are_named_with_row_and_column(store, tmp_path, irg):
     duty = tmp_path / "duty.csv"
     duty.write_text("load [N],velocity [m/s]\n400,2\n\n-1,2\n400,fast\n400\n")
-    assert main(["margin", "out.zarr", "--points", str(duty)]) == 2
-    said = capsys.readouterr().err
+    said = irg("margin", "out.zarr", "--points", duty, code=2)
     assert "has 4 faults" in said
     assert 'row 4, column "load [N]": "-1 N" is not above 0' in said
     assert 'row 5, column "velocity [m/s]": "fast m/s"' in said
@@ -82,8 +81,7 @@ def test_all_faults_of_a_table_are_named_with_row_and_column(store, tmp_path, ca
         ),
     ],
 )
-def test_a_heading_that_cannot_be_read_is_named(store, tmp_path, capsys, heads, said):
+def test_a_heading_that_cannot_be_read_is_named(store, tmp_path, irg, heads, said):
     duty = tmp_path / "duty.csv"
     duty.write_text(f"{heads}\n400,2\n")
-    assert main(["margin", "out.zarr", "--points", str(duty)]) == 2
-    assert said in capsys.readouterr().err
+    assert said in irg("margin", "out.zarr", "--points", duty, code=2)

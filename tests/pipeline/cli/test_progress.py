@@ -10,7 +10,7 @@ import pipeline
 from pipeline.cli import main, progress
 from pipeline.run.sweep import Progress
 from pipeline.sweep.stages import staged
-from tests.pipeline.cli.test_commands import MEASURED, SCENE
+from tests.helpers.scenes import MEASURED, SCENE
 
 
 @pytest.fixture
@@ -107,10 +107,9 @@ def test_steps_of_a_point_and_points_of_a_store_are_counted(small):
         (["infer"], ["1 of 2: two, 400 N at 2 m/s", "2 of 2: two, 200 N at 2 m/s"]),
     ],
 )
-def test_a_study_says_which_scene_begins_of_how_many(small, capsys, command, words):
+def test_a_study_says_which_scene_begins_of_how_many(small, irg, command, words):
     (small / "two.toml").write_text(SCENE + MEASURED + MEASURED.replace("400 N", "200 N"))
-    assert main([*command, str(small / "two.toml"), "--set", "increments=2"]) == 0
-    said = capsys.readouterr().err
+    said = irg(*command, small / "two.toml", "--set", "increments=2")
     assert all(word in said for word in words)
 
 
@@ -120,25 +119,24 @@ def fail(*_, **__):
 
 @pytest.mark.parametrize("command", ["trade", "reproduce"])
 @pytest.mark.parametrize("name", ["nowhere/figure.png", "figure.xyz", "taken.png"])
-def test_a_figure_that_cannot_be_written_is_refused_first(
-    command, name, small, capsys, monkeypatch
-):
+def test_a_figure_that_cannot_be_written_is_refused_first(command, name, small, irg, monkeypatch):
     (small / "taken.png").mkdir()
     monkeypatch.setattr("tribo.simulation.contact_ramp.advance", fail)
     what = str(small / "small.toml") if command == "trade" else "fig4"
-    assert main([command, what, "-o", str(small / name)]) == 2
-    assert f"cannot write {small / name}" in capsys.readouterr().err
+    assert f"cannot write {small / name}" in irg(command, what, "-o", small / name, code=2)
 
 
 def test_a_store_that_does_not_keep_an_accuracy_is_refused_before_the_probe(
-    small, capsys, monkeypatch
+    small, irg, monkeypatch
 ):
     arguments = ["run", str(small / "small.toml"), "--workers", "1"]
     fast = ["--set", "increments=1", "--set", "sweep.loads=['200 N']", "-o", str(small / "a.zarr")]
-    assert main([*arguments, *fast, "--set", "sweep.velocities=['1 m/s']"]) == 0
+    irg(*arguments, *fast, "--set", "sweep.velocities=['1 m/s']")
     monkeypatch.setattr("pipeline.tradeoff.choose.choose_fidelity", fail)
-    assert main([*arguments, "--accuracy", "5%", "-o", str(small / "a.zarr")]) == 3
-    assert "leave out --accuracy" in capsys.readouterr().err
+    assert "leave out --accuracy" in irg(
+        *arguments, "--accuracy", "5%", "-o", small / "a.zarr", code=3
+    )
     (small / "file").touch()
-    assert main([*arguments, "--accuracy", "5%", "-o", str(small / "file" / "a.zarr")]) == 2
-    assert "cannot be written" in capsys.readouterr().err
+    assert "cannot be written" in irg(
+        *arguments, "--accuracy", "5%", "-o", small / "file" / "a.zarr", code=2
+    )

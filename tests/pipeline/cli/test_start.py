@@ -14,21 +14,15 @@ import pipeline
 import tribo
 from pipeline.cli import main
 from pipeline.cli.parser import COMMANDS, function_of, parse
-from tests.pipeline.cli.test_commands import SCENE
+from tests.helpers.scenes import SCENE
 
 
-def test_the_version_is_that_of_the_package(capsys):
-    with pytest.raises(SystemExit) as caught:
-        main(["--version"])
-    assert caught.value.code == 0
-    assert capsys.readouterr().out == f"irg {version('irg-transition')}\n"
+def test_the_version_is_that_of_the_package(irg):
+    assert irg("--version") == f"irg {version('irg-transition')}\n"
 
 
-def test_without_a_command_there_is_help(capsys):
-    with pytest.raises(SystemExit) as caught:
-        main([])
-    assert caught.value.code == 2
-    said = capsys.readouterr().err
+def test_without_a_command_there_is_help(irg):
+    said = irg(code=2)
     assert "write a commented scene to start from" in said
     assert said.endswith("irg: give a command\n")
 
@@ -64,18 +58,14 @@ def test_quiet_leaves_results_and_errors_alone(tmp_path, capsys):
     assert "9 of 9 points done" in capsys.readouterr().err
 
 
-def test_help_names_every_preset(capsys):
-    with pytest.raises(SystemExit):
-        main(["run", "--help"])
-    said = "".join(capsys.readouterr().out.split())  # lines break after the hyphen of a name, too
+def test_help_names_every_preset(irg):
+    said = "".join(irg("run", "--help").split())  # lines break after the hyphen of a name, too
     assert f"fidelityinplaceofthescene'sown:{','.join(tribo.PRESETS)}--set" in said
 
 
 @pytest.mark.parametrize("command", COMMANDS, ids=[command.name for command in COMMANDS])
-def test_the_example_in_a_commands_help_can_be_typed_as_it_stands(command, capsys):
-    with pytest.raises(SystemExit):
-        main([command.name, "--help"])
-    program, *words = shlex.split(capsys.readouterr().out.splitlines()[-1])
+def test_the_example_in_a_commands_help_can_be_typed_as_it_stands(command, irg):
+    program, *words = shlex.split(irg(command.name, "--help").splitlines()[-1])
     assert program == "irg"
     options = parse(words)
     assert callable(function_of(options))

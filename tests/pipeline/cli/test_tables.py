@@ -27,11 +27,10 @@ def read(path):
         return list(csv.DictReader(file))
 
 
-def test_a_boundary_is_written_as_numbers_with_its_conditions(store, tmp_path, capsys):
+def test_a_boundary_is_written_as_numbers_with_its_conditions(store, tmp_path, irg):
     out = tmp_path / "table.csv"
     arguments = ["--friction", "0.09", "--friction", "0.1", "--bulk-temperature", "60 degC"]
-    assert main(["boundary", store, *arguments, "-o", str(out)]) == 0
-    assert f"table: {out}" in capsys.readouterr().out
+    assert f"table: {out}" in irg("boundary", store, *arguments, "-o", out)
     rows, found = read(out), boundary(synthetic.sweep(), (0.09, 0.1), "60 degC")
     assert list(rows[0])[:4] == HEADS
     at_load = [row for row in rows if row["load [N]"] and row["friction"] == "0.1"]
@@ -83,6 +82,5 @@ def test_a_table_may_be_markdown(store, tmp_path):
 
 
 @pytest.mark.parametrize("name", ["table.xlsx", "nowhere/table.csv"])
-def test_a_table_that_cannot_be_written_is_refused(store, tmp_path, capsys, name):
-    assert main(["boundary", store, "-o", str(tmp_path / name)]) == 2
-    assert "cannot write" in capsys.readouterr().err
+def test_a_table_that_cannot_be_written_is_refused(store, tmp_path, irg, name):
+    assert "cannot write" in irg("boundary", store, "-o", tmp_path / name, code=2)

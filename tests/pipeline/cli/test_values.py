@@ -6,7 +6,7 @@ import re
 import pytest
 
 import pipeline
-from pipeline.cli import main, values
+from pipeline.cli import values
 from pipeline.cli.parser import parse
 from pipeline.cli.scenes import conditions_in
 
@@ -79,21 +79,17 @@ def test_a_friction_may_be_repeated():
         (["boundary", "o.zarr", "--friction", "0,12"], "write one number as 0.12"),
     ],
 )
-def test_what_cannot_be_meant_is_refused_by_the_name_of_its_option(arguments, told, capsys):
-    with pytest.raises(SystemExit) as caught:
-        main(arguments)
-    assert caught.value.code == 2
-    assert re.search(told, capsys.readouterr().err)
+def test_what_cannot_be_meant_is_refused_by_the_name_of_its_option(arguments, told, irg):
+    assert re.search(told, irg(*arguments, code=2))
 
 
 @pytest.mark.parametrize("again", ["increments", "fidelity.increments"])
 @pytest.mark.parametrize("command", [["run"], ["check"], ["vary", "--over", "pin.radius=2 mm"]])
-def test_a_key_is_set_once(command, again, capsys):
+def test_a_key_is_set_once(command, again, irg):
     name, *others = command
     twice = ["--set", "increments=5", "--set", f"{again}=6"]
-    assert main([name, "s.toml", *others, *twice]) == 2
-    told = "--set: increments is given more than once; give it once"
-    assert told in capsys.readouterr().err
+    told = irg(name, "s.toml", *others, *twice, code=2)
+    assert "--set: increments is given more than once; give it once" in told
 
 
 def test_a_value_that_is_varied_goes_before_one_that_is_set():

@@ -29,7 +29,7 @@ from pipeline.run.source import ExecutionError
 from pipeline.run.sweep import run_sweep
 from pipeline.store.progress import summary
 from tests.helpers import tiny
-from tests.pipeline.cli.test_commands import SCENE
+from tests.helpers.scenes import SCENE
 from tests.pipeline.run.test_sweep import content
 
 ROOT = Path(__file__).parents[3]

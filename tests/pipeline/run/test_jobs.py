@@ -20,8 +20,8 @@ from pipeline.run.site import SAMPLE, Site, site_of
 from pipeline.run.source import ExecutionError
 from pipeline.run.sweep import run_sweep
 from tests.helpers import tiny
+from tests.helpers.scenes import SCENE
 from tests.helpers.slurm import running, stand_in
-from tests.pipeline.cli.test_commands import SCENE
 from tests.pipeline.run.test_sweep import content
 from tribo import InputError
 
@@ -86,13 +86,12 @@ def test_workers_that_do_not_start_are_an_error_in_their_own_words(tmp_path, mon
         )
 
 
-def test_the_script_of_a_job_is_shown_and_none_is_submitted(scene, capsys, tmp_path):
+def test_the_script_of_a_job_is_shown_and_none_is_submitted(scene, irg, tmp_path):
     (tmp_path / "site.toml").write_text(
         'queue = "long"\ncores = 4\nmemory = "8 GiB"\nprologue = ["module load python"]\n'
     )
     options = ["--cluster", "slurm", "--walltime", "90min", "--site", "site.toml", "--dry-run"]
-    assert main(["run", scene, "-o", "out.zarr", *options]) == 0
-    script = capsys.readouterr().out
+    script = irg("run", scene, "-o", "out.zarr", *options)
     for words in (
         *("#SBATCH -p long\n", "#SBATCH --cpus-per-task=4\n", "#SBATCH --mem=8G\n"),
         *("#SBATCH -t 01:30:00\n", f"#SBATCH -e {tmp_path}/out.zarr.jobs/", "module load python\n"),
@@ -112,9 +111,10 @@ def test_the_script_of_a_job_is_shown_and_none_is_submitted(scene, capsys, tmp_p
         (["--cluster", "slurm", "-o", "s3://a/b.zarr"], "has no folder beside it"),
     ],
 )
-def test_what_jobs_cannot_have_is_told(scene, capsys, options, words):
-    assert main(["run", scene, *options, *([] if "--dry-run" in options else ["--dry-run"])]) == 2
-    assert words in capsys.readouterr().err
+def test_what_jobs_cannot_have_is_told(scene, irg, options, words):
+    assert words in irg(
+        "run", scene, *options, *([] if "--dry-run" in options else ["--dry-run"]), code=2
+    )
 
 
 def test_the_walltime_of_jobs_is_a_time_in_seconds_or_with_its_unit(tmp_path):

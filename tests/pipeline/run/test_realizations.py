@@ -1,6 +1,5 @@
 """Sweeps over several random surfaces, and the band of their boundaries."""
 
-import json
 import re
 from dataclasses import replace
 
@@ -10,7 +9,6 @@ import xarray as xr
 
 import pipeline
 from pipeline.analysis.boundary import boundary
-from pipeline.cli import main
 from pipeline.run.follow import follow_boundary
 from pipeline.run.sweep import run_sweep
 from pipeline.store.create import writing
@@ -19,7 +17,7 @@ from pipeline.store.progress import summary
 from pipeline.store.schema import COLUMNS, FIELDS, RECORDS
 from pipeline.sweep.plan import points, run_point
 from tests.helpers import synthetic, tiny
-from tests.pipeline.cli.test_commands import SCENE
+from tests.helpers.scenes import SCENE
 from tests.pipeline.conftest import commit_all
 from tribo import InputError
 
@@ -199,22 +197,17 @@ def test_other_figures_draw_one_surface_and_name_it(swept, kind):
         pipeline.plot(swept, kind, realization=2)
 
 
-def test_commands_answer_for_several_surfaces(swept, tmp_path, capsys):
+def test_commands_answer_for_several_surfaces(swept, tmp_path, irg):
     scene = tmp_path / "scene.toml"
     scene.write_text(SCENE.replace("fields = true", "realizations = 2"))
-    assert main(["check", str(scene)]) == 0
-    assert "18: 3 loads, 3 velocities, 2 surfaces" in capsys.readouterr().out
-    assert main(["status", str(swept)]) == 0
-    assert "12 points: 12 done" in capsys.readouterr().out
-    assert main(["boundary", str(swept)]) == 0
-    assert re.search(r"surfaces +cross", capsys.readouterr().out)
-    assert main(["boundary", str(swept), "--json"]) == 0
-    document = json.loads(capsys.readouterr().out)
+    assert "18: 3 loads, 3 velocities, 2 surfaces" in irg("check", scene)
+    assert "12 points: 12 done" in irg("status", swept)
+    assert re.search(r"surfaces +cross", irg("boundary", swept))
+    document = irg("boundary", swept, "--json")
     assert document["realization"] == sorted(SEEDS)
     assert np.shape(document["critical_velocity"]) == (3, 2)
     assert np.shape(document["critical_velocity_quantile"]) == (3, 2)
     place = ["--load", "400 N", "--velocity", "2 m/s", "--realization", "1", "--json"]
-    assert main(["point", str(scene), *place]) == 0
-    found = json.loads(capsys.readouterr().out)
+    found = irg("point", scene, *place)
     on_surface = pipeline.load_scene(scene).on_surface(1)
     assert found["max_rise"] == run_point(on_surface, 400.0, 2.0).columns["max_rise"][-1]

@@ -1,18 +1,16 @@
 """Sweeps over samples of inputs that are not known exactly."""
 
 import dataclasses
-import json
 
 import numpy as np
 import pytest
 
 import pipeline
-from pipeline.cli import main
 from pipeline.store.place import StoreMismatchError
 from pipeline.store.verify import verify_store
 from pipeline.sweep.plan import points, run_point
+from tests.helpers.scenes import MEASURED, SCENE
 from tests.helpers.stores import at
-from tests.pipeline.cli.test_commands import MEASURED, SCENE
 from tests.promises import risk
 from tribo import InputError
 
@@ -106,16 +104,14 @@ def test_the_rise_of_a_sample_left_out_is_within_the_stated_error(sampled):
         assert abs(found.values[0, 0] - expected[0]) < 4 * found.error[0, 0]
 
 
-def test_the_commands_say_risk_causes_and_the_next_test(sampled, tmp_path, capsys):
+def test_the_commands_say_risk_causes_and_the_next_test(sampled, tmp_path, irg):
     folder, _, _ = sampled
     load(folder, unknown=UNKNOWN + MEASURED.replace("400 N", "500 N").replace("2 m/s", "1.3 m/s"))
     store = folder / "out.zarr"
-    assert main(["run", str(folder / "scene.toml"), "-o", str(store), "-q"]) == 0
-    capsys.readouterr()
+    irg("run", folder / "scene.toml", "-o", store, "-q")
 
     def said(*arguments):
-        assert main([*map(str, arguments), "--json"]) == 0
-        return json.loads(capsys.readouterr().out)
+        return irg(*arguments, "--json")
 
     place = ("--load", "500 N", "--velocity", "1.3 m/s")
     there = said("risk", store, *place)
@@ -150,16 +146,14 @@ def test_the_commands_say_risk_causes_and_the_next_test(sampled, tmp_path, capsy
         ),
     ],
 )
-def test_wrong_use_is_answered_in_a_line(sampled, capsys, arguments, words):
+def test_wrong_use_is_answered_in_a_line(sampled, irg, arguments, words):
     folder, _, _ = sampled
     command, *options = arguments
-    assert main([command, str(folder / "out.zarr"), *options]) == 2
-    assert words in capsys.readouterr().err
+    assert words in irg(command, folder / "out.zarr", *options, code=2)
 
 
-def test_a_store_without_samples_says_how_to_get_them(alone, capsys):
-    assert main(["risk", str(alone)]) == 2
-    assert "give [unknown] and sweep.samples" in capsys.readouterr().err
+def test_a_store_without_samples_says_how_to_get_them(alone, irg):
+    assert "give [unknown] and sweep.samples" in irg("risk", alone, code=2)
 
 
 def test_the_search_for_a_boundary_takes_no_samples(tmp_path):

@@ -76,57 +76,53 @@ def test_a_measured_surface_gives_the_same_on_a_worker_as_here(path):
         assert ds["max_rise"].sel(load=600, velocity=1).values.tobytes() == expected.tobytes()
 
 
-def test_a_run_resumes_where_points_are_pending_failed_damaged_or_new(alone, path):
-    shutil.copytree(alone, path)
-    with writing(path, SWEEP) as store:
+def test_a_run_resumes_where_points_are_pending_failed_damaged_or_new(alone, copy):
+    with writing(copy, SWEEP) as store:
         store.commit([PointRecord(Point(600.0, 0.5), None, "there was too little memory then")])
         store.forget([Point(150.0, 1.0)])
-    (path / "pressure/c.2.1.0.0").unlink()
+    (copy / "pressure/c.2.1.0.0").unlink()
     told = []
-    outcome = run_sweep(SWEEP, path, workers=1, retry_failed=True, tell=told.append)
+    outcome = run_sweep(SWEEP, copy, workers=1, retry_failed=True, tell=told.append)
     assert "1 damaged points" in told[0]
     assert (outcome.computed, outcome.done) == (3, 9)
-    assert content(path) == content(alone)
-    outcome = run_sweep(tiny.full(loads=(200.0, 250.0, 800.0), velocities=(1.5,)), path)
+    assert content(copy) == content(alone)
+    outcome = run_sweep(tiny.full(loads=(200.0, 250.0, 800.0), velocities=(1.5,)), copy)
     assert (outcome.total, outcome.computed, outcome.done) == (3, 2, 3)
     result = run_point(SWEEP, 800.0, 1.5)
-    with xr.open_zarr(path, chunks=None) as ds:
+    with xr.open_zarr(copy, chunks=None) as ds:
         found = ds["wear_volume"].sel(load=800, velocity=1.5).values
         assert found[: len(result.columns["time"])].tobytes() == (
             result.columns["wear_volume"].tobytes()
         )
 
 
-def test_other_versions_are_told_and_noted(path, alone, monkeypatch):
+def test_other_versions_are_told_and_noted(copy, monkeypatch):
     monkeypatch.setattr(local, "LocalCluster", None)
-    shutil.copytree(alone, path)
     other = attributes.versions() | {"numpy": "99.0"}
     for module in (attributes, execute):
         monkeypatch.setattr(module, "versions", lambda: other)
     told = []
     for _ in range(2):
-        run_sweep(SWEEP, path, tell=told.append)
+        run_sweep(SWEEP, copy, tell=told.append)
     assert f"was begun with numpy {np.__version__}, and goes on with 99.0" in told[0]
-    about = json.loads((path / "zarr.json").read_text())["attributes"]
+    about = json.loads((copy / "zarr.json").read_text())["attributes"]
     assert about["versions"]["numpy"] == np.__version__
     (later,) = about["later_versions"]
     assert later["versions"]["numpy"] == "99.0"
 
 
-def test_other_conditions_of_the_scene_are_told(path, alone):
-    shutil.copytree(alone, path)
+def test_other_conditions_of_the_scene_are_told(copy):
     told = []
     warmer = replace(SWEEP, conditions=replace(SWEEP.conditions, friction=0.12))
     for _ in range(2):
-        run_sweep(warmer, path, tell=told.append)
+        run_sweep(warmer, copy, tell=told.append)
     assert len(told) == 1  # not again, since the store has them then
     assert "conditions.friction: 0.1 in the store, 0.12 in the scene" in told[0]
 
 
-def test_nothing_to_do_starts_no_cluster(alone, path, monkeypatch):
-    shutil.copytree(alone, path)
+def test_nothing_to_do_starts_no_cluster(copy, monkeypatch):
     monkeypatch.setattr(local, "LocalCluster", None)
-    outcome = run_sweep(SWEEP, path)
+    outcome = run_sweep(SWEEP, copy)
     assert (outcome.done, outcome.computed) == (9, 0)
 
 
@@ -245,16 +241,13 @@ def test_a_folder_that_may_not_be_written_is_refused_and_can_be_read(nobody, alo
         verify_store(nobody / "tiny.zarr", repair=True)
 
 
-def test_another_scene_and_a_second_driver_are_refused_before_a_cluster_starts(
-    alone, path, monkeypatch
-):
+def test_another_scene_and_a_second_driver_are_refused_before_a_cluster_starts(copy, monkeypatch):
     monkeypatch.setattr(local, "LocalCluster", None)
-    shutil.copytree(alone, path)
     with pytest.raises(StoreMismatchError, match=r"fidelity\.increments"):
-        run_sweep(tiny.sweep(increments=5), path)
+        run_sweep(tiny.sweep(increments=5), copy)
     in_use = f"in use by process {os.getpid()}"
-    with writing(path, SWEEP), pytest.raises(StoreError, match=in_use):
-        run_sweep(SWEEP, path)
+    with writing(copy, SWEEP), pytest.raises(StoreError, match=in_use):
+        run_sweep(SWEEP, copy)
 
 
 def test_a_number_of_workers_below_one_is_refused(path):

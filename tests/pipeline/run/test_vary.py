@@ -1,13 +1,10 @@
 """The boundary of a scene, one input at a time."""
 
-import json
-
 import numpy as np
 import pytest
 
 import pipeline
-from pipeline.cli import main
-from tests.pipeline.cli.test_commands import SCENE
+from tests.helpers.scenes import SCENE
 
 SMALL = SCENE.replace("coefficient = 0.1", "coefficient = 0.13").replace(
     '"200 N", "400 N", ', '"200 N", '
@@ -46,15 +43,13 @@ def test_the_boundary_is_that_of_the_whole_sweep(found, folder):
     assert found.own.critical_velocities[0] == pytest.approx(critical, rel=0.02)
 
 
-def test_the_command_tells_of_a_window_that_is_too_narrow(folder, capsys):
+def test_the_command_tells_of_a_window_that_is_too_narrow(folder, irg):
     narrow = ["--set", 'window.pixel_size=["3 um", "16 um"]']
     over = ["--over", "friction.coefficient=0.12"]
-    arguments = ["vary", str(folder / "small.toml"), *over, *narrow]
-    main([*arguments, "--json"])
-    document = json.loads(capsys.readouterr().out)["warnings"]
+    arguments = ["vary", folder / "small.toml", *over, *narrow]
+    document = irg(*arguments, "--json")["warnings"]
     assert document["kinds"]["contact at edge"] >= document["at_boundary"] > 0
-    main(arguments)
-    text = capsys.readouterr().out
+    text = irg(*arguments)
     assert f"warning: {document['points']} points carry a warning" in text
     assert f"warning: at {document['example']}" in text
 
@@ -91,20 +86,18 @@ def test_the_entry_that_moves_the_boundary_most_comes_first(found):
     assert swings == sorted(swings, reverse=True)
 
 
-def test_the_command_takes_percent_of_the_scene_s_own(folder, capsys):
+def test_the_command_takes_percent_of_the_scene_s_own(folder, irg):
     over = ("--over", "pin.radius=-20%,+20%", "--over", "friction.coefficient=-5%")
     out = folder / "tornado.png"
-    assert main(["vary", str(folder / "small.toml"), *over, "--json", "-o", str(out)]) == 0
-    document = json.loads(capsys.readouterr().out)
+    document = irg("vary", folder / "small.toml", *over, "--json", "-o", out)
     assert [each["value"] for each in document["variations"]] == ["1.6 mm", "2.4 mm", "0.1235"]
     assert out.stat().st_size > 10_000
 
 
-def test_where_there_is_no_boundary_it_is_told_on_which_side_it_lies(folder, capsys):
+def test_where_there_is_no_boundary_it_is_told_on_which_side_it_lies(folder, irg):
     arguments = ["vary", str(folder / "small.toml"), "--over", "friction.coefficient=0.01,0.9"]
     table = folder / "none.csv"
-    assert main([*arguments, "--json", "-o", str(table)]) == 0
-    document = json.loads(capsys.readouterr().out)
+    document = irg(*arguments, "--json", "-o", table)
     count = len(document["loads"])
     rows = [line.split(",") for line in table.read_text().splitlines()]
     assert document["critical_velocity_outcome"] == ["crosses", "severe throughout"]
@@ -114,8 +107,7 @@ def test_where_there_is_no_boundary_it_is_told_on_which_side_it_lies(folder, cap
         assert found["critical_velocity"] == found["change"] == [None] * count
         assert found["critical_velocity_outcome"] == [outcome] * count
         assert [row[-1] for row in rows if row[1] == found["value"]] == [outcome] * count
-    assert main(arguments) == 0
-    text = capsys.readouterr().out
+    text = irg(*arguments)
     assert "mild throughout" in text
     assert "severe throughout" in text
 
@@ -142,10 +134,5 @@ def test_what_moves_no_boundary_is_drawn(own):
         ("friction.coefficient=0", "without friction"),
     ],
 )
-def test_bad_input_is_told_in_a_line(folder, capsys, over, told):
-    try:
-        code = main(["vary", str(folder / "small.toml"), "--over", over])
-    except SystemExit as exit_:
-        code = exit_.code
-    assert code == 2
-    assert told in capsys.readouterr().err
+def test_bad_input_is_told_in_a_line(folder, irg, over, told):
+    assert told in irg("vary", folder / "small.toml", "--over", over, code=2)

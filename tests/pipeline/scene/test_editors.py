@@ -6,7 +6,6 @@ import tomllib
 import jsonschema
 import pytest
 
-from pipeline.cli import main
 from pipeline.scene.editors import schema
 from pipeline.scene.shipped import shipped_scenes
 from pipeline.scene.template import new_scene
@@ -72,14 +71,12 @@ def test_every_entry_explains_itself():
     assert pin["radius"]["examples"] == ["2 mm"]
 
 
-def test_the_command_writes_it_once(tmp_path, capsys):
+def test_the_command_writes_it_once(tmp_path, irg):
     out = tmp_path / "scene.schema.json"
-    assert main(["new", "--schema", str(out)]) == 0
-    assert "#:schema ./scene.schema.json" in capsys.readouterr().out
+    assert "#:schema ./scene.schema.json" in irg("new", "--schema", out)
     assert json.loads(out.read_text(encoding="utf-8")) == schema()
-    assert main(["new", "--schema", str(out)]) == 2
-    assert "exists already" in capsys.readouterr().err
-    assert main(["new", "--schema", str(tmp_path / "scene.toml")]) == 2
-    assert "a schema is a JSON file" in capsys.readouterr().err
-    assert main(["new", "--schema", str(tmp_path / "no" / "scene.json")]) == 2
-    assert f"there is no folder {tmp_path / 'no'}" in capsys.readouterr().err
+    assert "exists already" in irg("new", "--schema", out, code=2)
+    assert "a schema is a JSON file" in irg("new", "--schema", tmp_path / "scene.toml", code=2)
+    assert f"there is no folder {tmp_path / 'no'}" in irg(
+        "new", "--schema", tmp_path / "no" / "scene.json", code=2
+    )

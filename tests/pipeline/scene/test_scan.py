@@ -1,6 +1,5 @@
 """A scan, and the random roughness that makes more of the same."""
 
-import json
 import tomllib
 
 import numpy as np
@@ -8,7 +7,6 @@ import pytest
 from scipy import ndimage
 
 from pipeline import load_scene, surface_statistics
-from pipeline.cli import main
 from pipeline.scene.faults import SceneFileError
 from pipeline.scene.units import to_si
 from tribo import Grid, InputError, self_affine
@@ -60,13 +58,13 @@ def test_a_scan_is_turned_and_turned_over(scan):
     assert turned.fit.lay == pytest.approx(0.0, abs=2)
 
 
-def test_the_command_prints_the_table_and_says_what_is_missing(scan, capsys):
+def test_the_command_prints_the_table_and_says_what_is_missing(scan, irg):
     sides = ["--pixel-size", "0.8 um,0.9 um"]
-    assert main(["surface", str(scan), "--height-unit", "um", *sides, "--json"]) == 0
-    document = json.loads(capsys.readouterr().out)
+    document = irg("surface", scan, "--height-unit", "um", *sides, "--json")
     assert document["toml"].startswith("[disk.roughness]")
-    assert main(["surface", str(scan), "--height-unit", "um"]) == 2
-    assert "no size of a pixel; give pixel_size" in capsys.readouterr().err
+    assert "no size of a pixel; give pixel_size" in irg(
+        "surface", scan, "--height-unit", "um", code=2
+    )
     with pytest.raises(InputError, match='"1 kg" cannot be converted'):
         surface_statistics(scan, "kg")
 
@@ -89,11 +87,10 @@ def test_a_scene_turns_its_scan_and_answers_a_narrow_one_with_mirror(scan):
     load_scene("first_try", overrides=wide | {"disk.roughness.repeat": "mirror"})
 
 
-def test_a_filtered_scan_gets_no_random_roughness_in_its_place(tmp_path, capsys):
+def test_a_filtered_scan_gets_no_random_roughness_in_its_place(tmp_path, irg):
     noise = np.random.default_rng(0).standard_normal((200, 240))
     np.save(tmp_path / "scan.npy", 1e-7 * ndimage.gaussian_filter(noise, 3, mode="wrap"))
     options = ["--height-unit", "m", "--pixel-size", "0.8 um"]
-    assert main(["surface", str(tmp_path / "scan.npy"), *options]) == 0
-    printed = capsys.readouterr().out
+    printed = irg("surface", tmp_path / "scan.npy", *options)
     assert "give the scan itself" in printed
     assert "[disk.roughness]" not in printed

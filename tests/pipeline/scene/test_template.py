@@ -5,7 +5,6 @@ import tomllib
 
 import pytest
 
-from pipeline.cli import main
 from pipeline.scene.faults import Faults
 from pipeline.scene.reference import page, sections
 from pipeline.scene.scenefile import load_scene
@@ -88,11 +87,8 @@ def test_what_cannot_be_written_is_refused(tmp_path):
     assert not (tmp_path / "other.toml").exists()
 
 
-def test_the_command_writes_and_lists(tmp_path, capsys):
-    assert main(["new", str(tmp_path / "mine.toml")]) == 0
-    assert f"irg check {tmp_path / 'mine.toml'}" in capsys.readouterr().out
+def test_the_command_writes_and_lists(tmp_path, irg):
+    assert f"irg check {tmp_path / 'mine.toml'}" in irg("new", tmp_path / "mine.toml")
     assert load_scene(tmp_path / "mine.toml").preset == "standard"
-    assert main(["new", "--list"]) == 0
-    assert set(shipped_scenes()) <= set(capsys.readouterr().out.split())
-    assert main(["new"]) == 2
-    assert "irg new scene.toml" in capsys.readouterr().err
+    assert set(shipped_scenes()) <= set(irg("new", "--list").split())
+    assert "irg new scene.toml" in irg("new", code=2)

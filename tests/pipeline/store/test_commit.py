@@ -4,7 +4,6 @@ import errno
 import itertools
 import json
 import os
-import shutil
 import subprocess
 import sys
 import threading
@@ -37,11 +36,6 @@ SWEEP, POINT, OTHER = tiny.full(), Point(250.0, 1.0), Point(600.0, 1.5)
 @pytest.fixture
 def path(tmp_path):
     return tmp_path / "tiny.zarr"
-
-
-@pytest.fixture
-def copy(alone, tmp_path):
-    return shutil.copytree(alone, tmp_path / "copy.zarr")
 
 
 def test_what_is_read_is_what_was_computed_bit_for_bit_and_its_warnings(alone):

@@ -1,7 +1,6 @@
 """Damage of stores: it is named, never read, and repaired."""
 
 import itertools
-import json
 import shutil
 from dataclasses import replace
 
@@ -11,7 +10,6 @@ import zarr
 
 import tribo
 from pipeline.analysis.dataset import open_sweep
-from pipeline.cli import main
 from pipeline.run.sweep import run_sweep
 from pipeline.store.create import writing
 from pipeline.store.place import StoreError
@@ -38,11 +36,6 @@ ALL = set(points(SWEEP))
 WARNED = {point for point in ALL if record(point).message}
 ABOUT = ("message", "warning_flags", "wall_time", "finished_at")
 OTHER = "the data are not those that were computed"
-
-
-@pytest.fixture
-def copy(alone, tmp_path):
-    return shutil.copytree(alone, tmp_path / "copy.zarr")
 
 
 def chunks(path, *names):
@@ -114,7 +107,7 @@ def test_damage_to_a_field_costs_its_point_alone(copy, name, harm):
 
 @pytest.mark.parametrize("harm", HARMS[::2], ids=IDS[::2])
 @pytest.mark.parametrize("name", [*ABOUT, "record_checksum"])
-def test_sound_data_are_not_computed_again_for_what_is_told_of_them(copy, name, harm, capsys):
+def test_sound_data_are_not_computed_again_for_what_is_told_of_them(copy, name, harm, irg):
     fail(copy, tiny.full(loads=(900.0,), velocities=(1.0,)), Point(900.0, 1.0), "why not")
     before = open_sweep(copy).load()
     for file in chunks(copy, name):
@@ -122,8 +115,9 @@ def test_sound_data_are_not_computed_again_for_what_is_told_of_them(copy, name, 
     verification = verify_store(copy)
     assert verification.damaged == ()
     assert set(reasons(verification.records)) == {*ALL, Point(900.0, 1.0)}
-    assert main(["verify", str(copy), "--repair"]) == 1
-    assert f"damaged, but not its data: 250 N, 1 m/s: {name} cannot" in capsys.readouterr().out
+    assert f"damaged, but not its data: 250 N, 1 m/s: {name} cannot" in irg(
+        "verify", copy, "--repair", code=1
+    )
     assert verify_store(copy).is_clean
     after = open_sweep(copy).load()
     assert (after["status"] == before["status"]).all()
@@ -263,18 +257,16 @@ def test_a_run_computes_damaged_points_again_and_no_others(copy):
     assert verify_store(copy).is_clean
 
 
-def test_the_command_names_what_is_damaged(copy, capsys):
+def test_the_command_names_what_is_damaged(copy, irg):
     flip_in_the_middle(copy / "rise" / "c.1.1.0.0")
-    assert main(["verify", str(copy), "--json"]) == 1
-    document = json.loads(capsys.readouterr().out)
+    document = irg("verify", copy, "--json", code=1)
     assert document["done"] == 8
     assert document["damaged"] == [
         {"load": 250.0, "velocity": 1.0, "reason": "rise cannot be read"}
     ]
-    assert main(["verify", str(copy), "--repair"]) == 1
-    assert "damaged: 250 N, 1 m/s: rise cannot be read" in capsys.readouterr().out
-    assert main(["verify", str(copy)]) == 0
-    assert main(["verify", str(copy.parent)]) == 2
+    assert "damaged: 250 N, 1 m/s: rise cannot be read" in irg("verify", copy, "--repair", code=1)
+    irg("verify", copy)
+    irg("verify", copy.parent, code=2)
 
 
 def test_damage_on_one_of_several_surfaces_is_named_and_repaired(tmp_path):

@@ -196,13 +196,6 @@ def test_a_ball_that_rolls_is_swept_over_and_wears_around():
     assert np.allclose(state.wear_depth, state.wear_depth[:1], rtol=1e-9)
 
 
-def test_all_heat_so_far_is_remembered_under_a_ball_too():
-    scene = ball(pixels=96, side=7e-6, increments=4, heat_model="history", history_coarsening=1)
-    elapsed = replace(scene, fidelity=replace(scene.fidelity, heat_model="elapsed"))
-    # A contact this short has its steady temperature soon, so that its past is nearly forgotten.
-    assert 0.995 < hot(end(scene)) / hot(end(elapsed)) < 0.999
-
-
 def test_pins_that_cannot_be_are_refused():
     with pytest.raises(InputError, match="crown_radius is -1"):
         Crowned(5e-3, -1.0, STEEL)

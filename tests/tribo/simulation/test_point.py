@@ -54,16 +54,6 @@ def test_direction_of_sliding_is_a_mirror():
     assert back.heat.rise[::-1] == pytest.approx(forth.heat.rise, rel=1e-3)
 
 
-def test_wear_widens_and_cools_the_contact():
-    worn, unworn = (
-        measures(scene, last(scene, 600.0, 1.25))
-        for scene in (small_scene(), small_scene(wear=False))
-    )
-    assert worn["contact_width"] > unworn["contact_width"]
-    assert worn["max_rise"] < unworn["max_rise"]
-    assert unworn["wear_volume"] == 0
-
-
 def test_only_the_trunk_can_be_gone_on_from():
     scene = small_scene()
     off_trunk = last(scene, 100.0, 1.0)

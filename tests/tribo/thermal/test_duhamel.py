@@ -111,28 +111,6 @@ def test_a_spectrum_keeps_only_the_columns_that_have_not_faded():
         flux_history_spectrum(grid, STEEL, 1.0, (0.1, 0.05), (1.0, 1.0))
 
 
-@pytest.mark.parametrize(
-    ("heat_kernel", "velocity", "lowest", "highest"),
-    [
-        # Without ends 0.7 % too warm, and 4 to 6 %.
-        ("endless", 1.25, 1.001, 1.01),
-        ("endless", 0.01, 1.04, 1.06),
-        # A pin of 3.4 mm forgets in 0.2 s, of the 4 s that the ramp takes.
-        ("pin", 1.25, 1.001, 1.005),
-        ("pin", 0.01, 1.01, 1.02),
-    ],
-)
-def test_elapsed_time_is_nearly_right_when_fast_and_too_warm_when_slow(
-    heat_kernel, velocity, lowest, highest
-):
-    scenes = [
-        small_scene(increments=20, heat_model=model, heat_kernel=heat_kernel)
-        for model in ("elapsed", "history")
-    ]
-    rises = [last(scene, 600.0, velocity).heat.mean_rise for scene in scenes]
-    assert lowest < rises[0] / rises[1] < highest
-
-
 def test_temperature_with_history_depends_little_on_the_steps():
     rises = [
         last(small_scene(increments=n, heat_model="history", wear=False), 600.0, 0.01)

@@ -1,10 +1,11 @@
 """The page's scripts, checked as the Python is: types by TypeScript, style by ESLint."""
 
-import os
 import subprocess
 from pathlib import Path
 
 import pytest
+
+from tests.helpers.browser import absent
 
 ROOT = Path(__file__).parents[4]
 TOOLS = ROOT / ".venv/javascript/node_modules/.bin"
@@ -18,10 +19,7 @@ CHECKS = {
 @pytest.mark.parametrize("tool", CHECKS)
 def test_the_scripts_are_clean(tool):
     if not (TOOLS / tool).exists():
-        reason = f"no {tool}: make javascript installs it, where there is npm"
-        if os.environ.get("WITH_BROWSER"):
-            pytest.fail(reason)
-        pytest.skip(reason)
+        absent(f"no {tool}: make javascript installs it, where there is npm")
     done = subprocess.run(
         [TOOLS / tool, *CHECKS[tool]], cwd=ROOT, capture_output=True, text=True, check=False
     )
