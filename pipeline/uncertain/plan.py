@@ -29,6 +29,7 @@ WIDTH_SCATTER = 0.03
 """Relative standard deviation of a measured width."""
 _KNOWN = 0.1  # of an input's spread: what a good measurement of it leaves
 _DRAWS, _TRUTHS = 1024, 96
+_SCORES_APART = 2 * 1.645  # normal scores between 5 and 95 %
 _VELOCITIES = 9  # of tests at a load and bulk temperature
 _WARMER = (1 / 3, 2 / 3)  # of the way from the bulk to the critical temperature
 
@@ -160,6 +161,7 @@ class _Plan:
         kept = self._chance.choice(len(draws.weights), _DRAWS, p=draws.weights)
         self._all = draws.inputs[kept]
         self._inputs = self._all[:, posterior.columns[0]]
+        self._scatters = self._scatters_of_draws()
         self._bulks = [in_si("bulk_temperature", bulk, "60 degC") for bulk in bulks]
         self._boundary = log_boundary(
             self._ensemble, self._inputs, self._ensemble.loads, with_error=False
@@ -187,6 +189,16 @@ class _Plan:
                 f'{loads[-1]:g} N for the boundary there, such as "{loads[0]:g} N"'
             )
         return log_boundary(self._ensemble, self._inputs, [load], with_error=False)[0]
+
+    def _scatters_of_draws(self) -> Array:
+        """Scatter of each draw, which all its tests share, unless the log gives it, shape (n,)."""
+        tests = [judged.test for judged in self._posterior.judged]
+        said = [t["velocity_scatter"] / t["velocity"] for t in tests if "velocity_scatter" in t]
+        if said:
+            return np.full(_DRAWS, np.mean(said))
+        low, middle, high = self._posterior.inferred_scatter
+        scores = self._chance.standard_normal(_DRAWS) / _SCORES_APART
+        return np.asarray(middle * (high / low) ** scores)
 
     def candidate(self, measurement: _Measurement, log_likelihood: Array) -> Candidate:
         """A measurement with the spread that a likelihood of truths and draws leaves."""
@@ -229,7 +241,6 @@ class _Plan:
             bulk = float(np.median(ensemble.values(BULK, self._inputs)))
             critical = float(np.median(ensemble.values(CRITICAL, self._inputs)))
             bulks = [bulk, *(bulk + share * (critical - bulk) for share in _WARMER)]
-        _, scatter, _ = self._posterior.inferred_scatter
         about = self._friction_of_tests()
         velocities = np.geomspace(*ensemble.velocities, _VELOCITIES).tolist()
         middle = velocities[len(velocities) // 2]
@@ -239,7 +250,7 @@ class _Plan:
             judged: dict[str, Any] = {"normal_load": load, "velocity": middle, **entries, **about}
             distances = distances_of(ensemble, [judged], self._inputs)
             log_velocity = math.log(middle) - distances.values[0]
-            deviation = np.sqrt(distances.variance[0] + scatter**2)
+            deviation = np.hypot(np.sqrt(distances.variance[0]), self._scatters)
             where = f"{load:g} N, bulk {bulk - 273.15:.3g} °C"
             likely = math.exp(float(np.median(log_velocity)))
             if velocities[0] <= likely <= velocities[-1]:

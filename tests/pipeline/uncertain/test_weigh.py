@@ -317,9 +317,13 @@ def test_candidates_are_ranked_by_the_spread_that_they_leave():
     assert by_name["temperature.critical"].spread < by_name["friction"].spread
 
 
-def test_a_planned_test_promises_the_spread_that_is_had():
+@pytest.mark.parametrize("scatter_is_said", [True, False])
+def test_a_planned_test_promises_the_spread_that_is_had(scatter_is_said):
     known = (CRITICAL,)
-    before = pipeline.posterior(ensemble(known))
+    obvious = {"normal_load": 200.0, "velocity": 0.5, "outcome": "mild", "friction": 0.1}
+    if scatter_is_said:
+        obvious["velocity_scatter"] = 0.025
+    before = pipeline.posterior(dataclasses.replace(ensemble(known), tested=(obvious,)))
     (planned,) = pipeline.batch(before, 1, CRITICAL.path)
     assert planned.test is not None
     had = []
@@ -331,8 +335,9 @@ def test_a_planned_test_promises_the_spread_that_is_had():
         entry = {
             "normal_load": load, "bulk_temperature": bulk, "friction": 0.1,
             "velocity": float(max(critical * math.exp(0.05 * rng.standard_normal()), 0.5)),
-            "velocity_scatter": 0.05 * float(critical),
         }  # fmt: skip
+        if scatter_is_said:
+            entry["velocity_scatter"] = 0.05 * float(critical)
         after = pipeline.posterior(ensemble(known, measured=[entry]))
         (row,) = after.summary()
         had.append(row["posterior"]["sd"])
