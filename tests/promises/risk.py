@@ -45,14 +45,15 @@ def excess(scene, overrides, inputs, load, velocity):
 def drawn_anew(ensemble, count):
     """Inputs by another seed: values, shape (count, n_unknown), and the entries of the scene."""
     values = drawn(ensemble.unknown, SEED, count)
-    entries = [
-        {
-            each.path: round(value) if each.kind == "list" else written(each, value)
-            for each, value in zip(ensemble.unknown, row, strict=True)
-        }
-        for row in values.tolist()
-    ]
-    return values, entries
+    return values, [entries_of(ensemble.unknown, row) for row in values]
+
+
+def entries_of(unknown, values):
+    """Values of unknown inputs [SI] as the scene would give them, by path."""
+    return {
+        each.path: round(value) if each.kind == "list" else written(each, value)
+        for each, value in zip(unknown, values.tolist(), strict=True)
+    }
 
 
 def written(unknown, value):

@@ -1,0 +1,82 @@
+"""Inputs given tests by rejection, on full simulations: no emulator, no likelihood, no slope.
+
+A draw has inputs, a factor of the scatter, and errors of each test's velocity and friction. Each
+test is simulated at the velocity that it then had. Tests of the outcome severe bound the critical
+temperature from above, mild ones from below; so of the critical temperature, which is normal, the
+part between the bounds is kept, and a draw counts by that part's probability.
+"""
+
+import math
+
+import numpy as np
+from scipy import stats
+from scipy.special import ndtri
+
+from pipeline.sweep.criterion import decisive_rises
+from pipeline.sweep.plan import run_point
+from pipeline.uncertain.ensemble import CRITICAL
+from tests.promises.risk import entries_of
+
+
+def kept(ensemble, load_scene, tests, scatter, count, seed=0):
+    """Mean and standard deviation of each input by its path, and the effective number of draws.
+
+    The logarithm counts of inputs that are log-normal. `load_scene` gives the scene with the
+    entries of a draw. Draws are even ones (Sobol').
+    """
+    others = [quantity for quantity in ensemble.unknown if quantity.path != CRITICAL]
+    (critical,) = (quantity for quantity in ensemble.unknown if quantity.path == CRITICAL)
+    middle, spread = critical.parameters
+    points = stats.qmc.Sobol(len(others) + 1 + 2 * len(tests), rng=np.random.default_rng(seed))
+    shares = np.clip(points.random(count), 1e-9, 1 - 1e-9)
+    inputs = np.stack(
+        [quantity.at(column) for quantity, column in zip(others, shares.T, strict=False)], axis=1
+    )
+    factor = 2.0 ** ndtri(shares[:, len(others)])
+    errors = ndtri(shares[:, len(others) + 1 :]).reshape(count, len(tests), 2)
+    ends = np.array(
+        [
+            _bounds(load_scene(entries_of(others, row)), tests, scatter * by, off)
+            for row, by, off in zip(inputs, factor, errors, strict=True)
+        ]
+    )
+    low, high = (ends.T - middle) / spread
+    weights = np.maximum(stats.norm.cdf(high) - stats.norm.cdf(low), 0.0)
+    weights /= weights.sum()
+    part = weights > 0
+    between = stats.truncnorm(low[part], high[part], middle, spread)
+    moments = {CRITICAL: _moments(weights[part], between.mean(), between.var())}
+    for quantity, column in zip(others, inputs.T, strict=True):
+        values = np.log(column) if quantity.is_relative else column
+        moments[quantity.path] = _moments(weights, values, 0.0)
+    return moments, 1 / np.sum(weights**2)
+
+
+def of_draws(unknown, draws):
+    """Path, mean and standard deviation of each input, as `kept` has them."""
+    for quantity, column in zip(unknown, draws.inputs.T, strict=True):
+        values = np.log(column) if quantity.is_relative else column
+        yield quantity.path, *_moments(draws.weights, values, 0.0)
+
+
+def _bounds(scene, tests, scatter, errors):
+    """Critical temperatures between which all tests come out as they did [K]."""
+    low, high = 0.0, math.inf
+    for test, (of_velocity, of_friction) in zip(tests, errors, strict=True):
+        velocity = test["velocity"] * math.exp(scatter * of_velocity)
+        friction = test["friction"] + test.get("friction_scatter", 0.0) * of_friction
+        columns = run_point(scene, test["normal_load"], velocity).columns
+        rise = float(decisive_rises(columns, test["normal_load"], scene.conditions))
+        bulk = test.get("bulk_temperature", scene.conditions.bulk_temperature)
+        if test["outcome"] == "severe":
+            high = min(high, bulk + friction * rise)
+        else:
+            low = max(low, bulk + friction * rise)
+        if low >= high:
+            return high, high
+    return low, high
+
+
+def _moments(weights, means, variances):
+    mean = np.sum(weights * means)
+    return float(mean), math.sqrt(np.sum(weights * ((means - mean) ** 2 + variances)))

@@ -1,0 +1,165 @@
+"""Hidden truths as rigs: tests of them are direct simulations, and are logged with errors."""
+
+import functools
+import math
+import os
+import tempfile
+from dataclasses import replace
+from pathlib import Path
+from unittest import mock
+
+import numpy as np
+
+import pipeline
+from pipeline.sweep.criterion import decisive_rises, rise_limit
+from pipeline.sweep.plan import run_point
+from pipeline.sweep.unknown import from_scores
+from pipeline.uncertain import weigh
+from pipeline.uncertain.answers import log_crossings
+from pipeline.uncertain.ensemble import CRITICAL, FRICTION, Ensemble
+from tests.promises.risk import entries_of
+
+SCATTER, FRICTION_SCATTER = 0.05, 0.02
+_SEED = 2718  # of the truths
+_FIRST = 2**15  # draws of the prior; with four times the usual ones few truths need others
+_CLOSE = 2e-3  # of ln(rise), to which a transition is sought
+
+# A critical temperature of which little is known; a steel and a wear rate that were measured, with
+# tests at one bulk temperature, or neither of them, with tests at three.
+CASES = {
+    "known": {
+        f"unknown.{CRITICAL}": {"mean": "145 degC", "sd": "20 K"},
+        "unknown.wear.specific_wear_rate": {"median": "1.2e-6 mm^3/(N m)", "factor": 1.1},
+    },
+    "unknown": {
+        f"unknown.{CRITICAL}": {"mean": "145 degC", "sd": "20 K"},
+        "unknown.materials.steel.thermal_conductivity": {
+            "from": "21 W/(m K)",
+            "to": "46 W/(m K)",
+        },
+        "sweep.velocities": ["0.2 m/s", "6 m/s"],
+    },
+}
+BULKS = {"known": (298.15,), "unknown": (298.15, 338.15, 378.15)}  # [K]
+
+
+def ensemble_of(scene, overrides, store=None):
+    """Samples of a scene: of its store, or simulated here."""
+    if store is not None:
+        ensemble = pipeline.Ensemble.of(pipeline.open_sweep(store))
+        return replace(ensemble, measured=(), tested=())
+    sweep = pipeline.load_scene(scene, overrides=overrides)
+    sweep = replace(sweep, store_fields=False, measured=(), tested=())
+    with tempfile.TemporaryDirectory() as folder:
+        store = Path(folder) / "samples.zarr"
+        pipeline.run_sweep(sweep, store, workers=os.cpu_count())
+        return pipeline.Ensemble.of(pipeline.open_sweep(store))
+
+
+def idle(ensemble):
+    """A test that tells nothing but how well the rig measures friction."""
+    load, velocity, friction = (
+        ensemble.loads[0],
+        ensemble.velocities[0],
+        ensemble.conditions.friction,
+    )
+    place = {"normal_load": float(load), "velocity": velocity, "outcome": "mild"}
+    return place | {"friction": friction, "friction_scatter": FRICTION_SCATTER * friction}
+
+
+def weighed(ensemble, tests, scatter=SCATTER):
+    """The posterior given tests, with the emulator of the samples fitted once."""
+    tested = replace(ensemble, tested=tuple(tests))
+    vars(tested)["_rise"] = ensemble._rise
+    with (
+        mock.patch.object(Ensemble, "excesses", _kept),
+        mock.patch.object(weigh, "_FIRST", _FIRST),
+    ):
+        return pipeline.posterior(tested, scatter)
+
+
+_excesses, _of_prior = Ensemble.excesses, {}
+
+
+def _kept(ensemble, draws, loads, velocities, conditions=None, with_error=True):
+    """`Ensemble.excesses`, kept for the draws of the prior, which are those of all truths."""
+    if len(draws) < _FIRST:
+        return _excesses(ensemble, draws, loads, velocities, conditions, with_error)
+    key = id(ensemble._rise), draws.tobytes(), tuple(loads), tuple(velocities)
+    if key not in _of_prior:
+        _of_prior[key] = _excesses(ensemble, draws, loads, velocities, conditions, with_error)
+    return _of_prior[key]
+
+
+class Rig:
+    """A hidden truth, tried by direct simulations."""
+
+    def __init__(self, ensemble, scene, overrides, number):
+        self.ensemble, self.seed = ensemble, number
+        chance = np.random.default_rng((_SEED, number))
+        scores = chance.standard_normal((1, len(ensemble.unknown)))
+        self.truth = from_scores(ensemble.unknown, scores)[0]
+        entries = entries_of(ensemble.unknown, self.truth)
+        alone = overrides | {"without": ["unknown", "sweep.samples"]} | entries
+        self._scene = replace(pipeline.load_scene(scene, overrides=alone), samples=None)
+        self._friction, self._chance = entries[FRICTION], chance
+        self.simulated = functools.cache(self._simulated)
+
+    def tried(self, load, velocity, bulk, scatter=SCATTER):
+        """A test at a place, as a log has it."""
+        is_severe = self._excess(load, math.log(velocity) + scatter * self._noise(), bulk) > 0
+        outcome = "severe" if is_severe else "mild"
+        return self._logged(load, velocity, bulk) | {"outcome": outcome}
+
+    def searched(self, load, bulk, scatter=SCATTER):
+        """A transition at a load, as a log has it; a test where it lies beyond the velocities."""
+        velocity = math.exp(self.transition(load, bulk) + scatter * self._noise())
+        low, high = self.ensemble.velocities
+        if velocity < low:
+            return self._logged(load, low, bulk) | {"outcome": "severe"}
+        if velocity > high:
+            return self._logged(load, high, bulk) | {"outcome": "mild"}
+        return self._logged(load, velocity, bulk)
+
+    @functools.lru_cache(maxsize=64)  # noqa: B019
+    def transition(self, load, bulk):
+        """Logarithm of the velocity of the transition; ± infinite beyond the sweep's."""
+        if bulk >= self._scene.conditions.critical_temperature:
+            return -math.inf
+        nodes = np.geomspace(*self.ensemble.velocities, 9)
+        conditions = {"bulk_temperature": bulk}
+        guess = self.ensemble.excesses(self.truth[None], [load], nodes, conditions, False)
+        low, high = np.log(self.ensemble.velocities)
+        place = float(np.clip(log_crossings(nodes, guess.values[0, 0]), low, high))
+        excess, slope = self._excess(load, place, bulk), 0.7
+        for _ in range(20):
+            if abs(excess) < _CLOSE:
+                return place
+            following = min(max(place - excess / slope, low), high)
+            if following == place:
+                return math.copysign(math.inf, -excess)
+            other = self._excess(load, following, bulk)
+            slope = min(max((other - excess) / (following - place), 0.2), 2.0)
+            place, excess = following, other
+        raise AssertionError(f"no transition of truth {self.seed} at {load:g} N")
+
+    def _excess(self, load, log_velocity, bulk):
+        if bulk >= self._scene.conditions.critical_temperature:
+            return math.inf
+        conditions = replace(self._scene.conditions, bulk_temperature=bulk)
+        return math.log(self.simulated(load, log_velocity) / rise_limit(conditions))
+
+    def _simulated(self, load, log_velocity):
+        """Decisive rise at friction 1 [K], from the start of the ramp on."""
+        columns = run_point(self._scene, load, math.exp(log_velocity)).columns
+        return float(decisive_rises(columns, load, self._scene.conditions))
+
+    def _noise(self):
+        return float(self._chance.standard_normal())
+
+    def _logged(self, load, velocity, bulk):
+        friction = self._friction * math.exp(FRICTION_SCATTER * self._noise())
+        place = {"normal_load": load, "velocity": velocity, "friction": friction}
+        if bulk != self.ensemble.conditions.bulk_temperature:
+            place["bulk_temperature"] = bulk
+        return place | {"friction_scatter": FRICTION_SCATTER * friction}
