@@ -93,7 +93,8 @@ def verify(options: argparse.Namespace) -> Result:
 @to_table
 def diff(options: argparse.Namespace) -> Result:
     """Print the differences between two stores."""
-    between = pipeline.diff(opened(options), opened(options, options.other))
+    stores = opened(options), opened(options, options.other)
+    between = pipeline.diff(*stores)
     text = [f"A {options.store}", f"B {options.other}", ""]
     text += between.entries.lines() if between.entries.rows else ["their scenes are equal"]
     text.append("")
@@ -117,7 +118,8 @@ def diff(options: argparse.Namespace) -> Result:
     if differing:
         text.append("rise: the highest of the contact at the end of the point, at friction 1")
     tables = [between.entries, between.boundary, between.points]
-    return Result(between.as_dict(), text, tables=tables)
+    warned = sum(map(pipeline.warned, stores), NO_WARNING)
+    return Result(between.as_dict(), text, warned, tables)
 
 
 @to_table

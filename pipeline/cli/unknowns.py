@@ -20,6 +20,7 @@ from pipeline.analysis.tables import Column, Table
 from pipeline.cli.output import Result, counted, to_figure_or_table
 from pipeline.cli.progress import working
 from pipeline.cli.scenes import beside, given
+from pipeline.sweep.warned import NO_WARNING
 from pipeline.uncertain.weigh import posterior_if_given
 from tribo import InputError
 
@@ -269,7 +270,8 @@ def posterior(options: argparse.Namespace, stores: Sequence[Path]) -> Result:
             document["next"], lines = _next(options, weighed)
         text += lines
     draw = partial(pipeline.draw_posterior, weighed)
-    return Result(document, text, pipeline.warned(datasets[0]), [_in_si(weighed)], draw)
+    warned = sum(map(pipeline.warned, datasets), NO_WARNING)
+    return Result(document, text, warned, [_in_si(weighed)], draw)
 
 
 def _ensemble(store: Path, ds: xr.Dataset) -> Ensemble:

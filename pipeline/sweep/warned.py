@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from typing import Any
@@ -37,6 +38,16 @@ class Warned:
     kinds: dict[str, int]
     at_boundary: int | None
     example: str = ""
+
+    def __add__(self, other: Warned) -> Warned:
+        """Points of two sweeps."""
+        beside = (self.at_boundary, other.at_boundary)
+        return Warned(
+            self.points + other.points,
+            dict(Counter(self.kinds) + Counter(other.kinds)),
+            None if None in beside else sum(filter(None, beside)),
+            self.example or other.example,
+        )
 
     def as_dict(self) -> dict[str, Any]:
         """Return the fields by name."""

@@ -13,6 +13,7 @@ from pipeline.analysis.warned import Warned, has_warning, warned
 from pipeline.cli import main
 from pipeline.figures.diagram import diagram
 from pipeline.sweep.model import Point
+from pipeline.sweep.warned import NO_WARNING
 from tests.helpers import synthetic, tiny
 from tests.helpers.stores import fail
 from tribo import WarningKind
@@ -127,3 +128,10 @@ def test_every_command_on_a_store_tells(command, narrow, tmp_path, capsys):
     assert "contact at edge" in kinds
     assert f"{document['points']} points carry a warning ({kinds})" in text
     assert document["example"] in text
+
+
+def test_warnings_of_several_sweeps_are_counted_together():
+    first, second = Warned(2, {"a": 2}, 1, "first"), Warned(1, {"a": 1, "b": 1}, None, "second")
+    assert sum([first, second], NO_WARNING) == Warned(3, {"a": 3, "b": 1}, None, "first")
+    assert NO_WARNING + first == first
+    assert NO_WARNING + second == second
