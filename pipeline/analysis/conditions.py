@@ -11,7 +11,7 @@ import xarray as xr
 
 from pipeline.analysis.attributes import attributes_of
 from pipeline.scene.quantities import in_si, share_of
-from pipeline.sweep.conditions import Conditions, of_bulks
+from pipeline.sweep.conditions import Conditions, changes_of
 from pipeline.sweep.rises import require_bulks
 from tribo import InputError
 
@@ -39,22 +39,16 @@ def conditions_of(
     InputError
         If one lies outside its range, or is neither given nor in the sweep.
     """
-    changes = {
-        "friction": friction,
-        "critical_temperature": _kelvin("critical_temperature", critical_temperature),
-        "failing_share": None if share is None else share_of(share),
-        "criterion": "share" if criterion is None and share is not None else criterion,
-    }
-    values = dict(attributes_of(ds).get("conditions") or {})
-    values |= {name: value for name, value in changes.items() if value is not None}
-    if changes["criterion"]:
-        values.pop("criterion_hash", None)
-    if bulk_temperature is not None:
-        if isinstance(bulk_temperature, Mapping):
-            bulks = bulk_temperature.items()
-            values |= of_bulks({body: _kelvin("bulk_temperature", bulk) for body, bulk in bulks})
-        else:
-            values |= of_bulks(_kelvin("bulk_temperature", bulk_temperature))
+    bulk: Any = bulk_temperature
+    values = dict(attributes_of(ds).get("conditions") or {}) | changes_of(
+        friction,
+        {body: _kelvin("bulk_temperature", one) for body, one in bulk.items()}
+        if isinstance(bulk, Mapping)
+        else _kelvin("bulk_temperature", bulk),
+        _kelvin("critical_temperature", critical_temperature),
+        None if share is None else share_of(share),
+        criterion,
+    )
     for name in ("friction", "failing_share", "bulk_temperature"):
         if values.get(name) is None:
             raise InputError(f"the sweep has no {name} of its own; give one")

@@ -11,7 +11,7 @@ from dataclasses import replace
 from typing import Any
 
 from pipeline.scene.document import Document, Layer
-from pipeline.scene.faults import Faults, entry_at, quoted, with_value
+from pipeline.scene.faults import Faults, quoted, with_value
 from pipeline.scene.schema import flat
 from pipeline.scene.units import UnitError, si_unit, to_si
 from pipeline.scene.unknown import Make, differing
@@ -53,21 +53,13 @@ def over_of(asked: Mapping[str, tuple[Any, ...]] | None, sweep: Sweep, make: Mak
 
 
 def with_first_values(document: Document) -> Document:
-    """The document with the first values of ``over`` where it has no such entries."""
-    entries, first = document.entries(), dict[str, Any]()
-    sweep = entries.get("sweep")
+    """The document with the first values of ``over`` below all that it has itself."""
+    sweep, first = document.entries().get("sweep"), dict[str, Any]()
     over = sweep.get("over") if isinstance(sweep, dict) else None
     for path, values in flat(over) if isinstance(over, dict) else ():
-        if isinstance(values, list) and values and _is_missing(entries, path):
+        if isinstance(values, list) and values:
             first = with_value(first, path, values[0])
     return Document((*document.layers, Layer(document.file, first)))
-
-
-def _is_missing(entries: Mapping[str, Any], path: str) -> bool:
-    try:
-        return entry_at(entries, path) is None
-    except AttributeError:  # a value stands where a table should
-        return False
 
 
 def _axis(path: str, values: tuple[Any, ...]) -> Axis:

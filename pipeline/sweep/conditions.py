@@ -167,26 +167,29 @@ class Conditions:
             )
         return self.critical_temperature
 
-    def changed(
-        self,
-        friction: float | None = None,
-        bulk_temperature: float | Mapping[str, float] | None = None,
-        critical_temperature: float | None = None,
-        share: float | None = None,
-        criterion: str | None = None,
-    ) -> Conditions:
-        """The same with others in their place; a share alone makes "share" the criterion."""
-        given: dict[str, Any] = {
-            "friction": friction,
-            "critical_temperature": critical_temperature,
-            "failing_share": share,
-            "criterion": "share" if criterion is None and share is not None else criterion,
-        }
-        changes: dict[str, Any] = {"criterion_hash": None} if given["criterion"] else {}
-        changes |= {name: value for name, value in given.items() if value is not None}
-        if bulk_temperature is not None:
-            changes |= of_bulks(bulk_temperature)
-        return replace(self, **changes)
+    def changed(self, **given: Any) -> Conditions:
+        """The same with others in their place, by the names of `changes_of`."""
+        return replace(self, **changes_of(**given))
+
+
+def changes_of(
+    friction: float | None = None,
+    bulk_temperature: float | Mapping[str, float | None] | None = None,
+    critical_temperature: float | None = None,
+    share: float | None = None,
+    criterion: str | None = None,
+) -> dict[str, Any]:
+    """Entries of `Conditions` that are given; a share alone makes "share" the criterion."""
+    given: dict[str, Any] = {
+        "friction": friction,
+        "critical_temperature": critical_temperature,
+        "failing_share": share,
+        "criterion": "share" if criterion is None and share is not None else criterion,
+    }
+    changes = {name: value for name, value in given.items() if value is not None}
+    if "criterion" in changes:
+        changes["criterion_hash"] = None
+    return changes | ({} if bulk_temperature is None else of_bulks(bulk_temperature))
 
 
 def _checked(conditions: Conditions) -> str:

@@ -13,6 +13,7 @@ import inspect
 import sys
 import traceback
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from types import FunctionType, ModuleType
 from typing import Any
@@ -23,6 +24,7 @@ from tribo.laws import OwnWear
 _PREFIX = "irg_own"
 
 
+@dataclass(frozen=True, repr=False)
 class Own:
     """An object of a module of one's own; it has the attributes of that object.
 
@@ -39,17 +41,11 @@ class Own:
     """
 
     reference: str
-    parameters: tuple[tuple[str, Any], ...]
-    source: str | None
+    parameters: tuple[tuple[str, Any], ...] = ()
+    source: str | None = None
 
-    def __init__(
-        self,
-        reference: str,
-        parameters: tuple[tuple[str, Any], ...] = (),
-        source: str | None = None,
-    ) -> None:
-        self.reference, self.parameters, self.source = reference, parameters, source
-        self._made = _made(reference, parameters, source)
+    def __post_init__(self) -> None:
+        _made(self.reference, self.parameters, self.source)
 
     @classmethod
     def named(cls, reference: str, parameters: Mapping[str, Any] | None = None) -> Own:
@@ -64,7 +60,7 @@ class Own:
     @property
     def made(self) -> Any:
         """The object itself."""
-        return self._made
+        return _made(self.reference, self.parameters, self.source)
 
     @property
     def digest(self) -> str:
@@ -81,24 +77,11 @@ class Own:
     def __getattr__(self, name: str) -> Any:
         if name.startswith("_"):
             raise AttributeError(name)
-        return getattr(self._made, name)
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, Own) and self._key == other._key
-
-    def __hash__(self) -> int:
-        return hash(self._key)
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return Own, self._key
+        return getattr(self.made, name)
 
     def __repr__(self) -> str:
         given = ", ".join(f"{name}={value!r}" for name, value in self.parameters)
         return f"{self.reference}({given})"
-
-    @property
-    def _key(self) -> tuple[str, tuple[tuple[str, Any], ...], str | None]:
-        return self.reference, self.parameters, self.source
 
 
 def identity_of(law: Any) -> dict[str, Any]:
