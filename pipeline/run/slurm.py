@@ -31,6 +31,7 @@ _END = 60.0  # [s] that the jobs may take to be cancelled
 _AT_ONCE = 8  # jobs that are submitted at the same time
 _EARLY = 3, 10  # jobs in a row that end before their workers start: before any has, and later
 _OF_SLURM, _INFO = "slurmstepd", " - INFO - "  # in lines of a log
+_CANCELLED, _TIME_LIMIT = "CANCELLED AT", "TIME LIMIT"  # in lines of Slurm
 _REFUSALS = 20  # looks at the queue in a row with jobs refused and none left
 
 
@@ -183,12 +184,16 @@ class SlurmJobs(Source):
         lines = [line for log in logs for line in log.read_text(errors="replace").splitlines()]
         if any("Registered to:" in line for line in lines):
             return
-        self._early += 1
         said = [line.strip() for line in lines if line.strip() and _INFO not in line]
         faults = [line for line in said if not line.startswith(_OF_SLURM)]
         words = (faults or said or ["it left no word"])[-1]
+        if not faults:
+            words = words.partition(" error: ")[2].strip("* ") or words
         log = f" ({logs[0]})" if logs else ""
         first, later = _EARLY
+        is_cancelled = not faults and _CANCELLED in words and _TIME_LIMIT not in words
+        if not (is_cancelled and self._joined):  # such as for urgent jobs of others
+            self._early += 1
         if self._early >= (later if self._joined else 1 if faults else first):
             self._error = f"workers do not start in the jobs: {words}{log}"
         self._notes.append(f"a job has ended before its workers started: {words}{log}")

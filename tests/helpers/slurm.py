@@ -2,7 +2,7 @@
 
 import os
 
-_COMMANDS = {
+COMMANDS = {
     "sbatch": """\
 number=$$
 cp "$1" {folder}/$number.sh
@@ -34,7 +34,7 @@ def stand_in(folder, monkeypatch, **commands):
 def write_commands(folder, **commands):
     """Write the commands into a new folder; some of them may be others."""
     folder.mkdir()
-    for name, script in (_COMMANDS | commands).items():
+    for name, script in (COMMANDS | commands).items():
         file = folder / name
         file.write_text("#!/bin/sh\n" + script.replace("{folder}", str(folder)))
         file.chmod(0o700)

@@ -4,6 +4,7 @@ With a stand-in for Slurm; `make cluster` does this with a real one.
 """
 
 import os
+import re
 import signal
 import stat
 import time
@@ -21,7 +22,7 @@ from pipeline.run.source import ExecutionError
 from pipeline.run.sweep import run_sweep
 from tests.helpers import tiny
 from tests.helpers.scenes import SCENE
-from tests.helpers.slurm import running, stand_in
+from tests.helpers.slurm import COMMANDS, running, stand_in
 from tests.pipeline.run.test_sweep import content
 from tribo import InputError
 
@@ -36,11 +37,25 @@ def scene(tmp_path, monkeypatch):
     return "small.toml"
 
 
+# Of twelve jobs that follow the first: each is cancelled before its worker starts.
+CANCELLED = """\
+echo >>{folder}/submitted
+count=$(wc -l <{folder}/submitted)
+if [ "$count" -gt 1 ] && [ "$count" -le 13 ]; then
+    log=$(sed -n 's/^#SBATCH -e //p' "$1" | sed "s/%J/$$/")
+    echo "slurmstepd-n1: error: *** JOB $$ ON n1 CANCELLED AT 2030-01-31T12:00:00 ***" >"$log"
+    echo "Submitted batch job $$"
+    exit 0
+fi
+"""
+
+
 @pytest.mark.timeout(280)
 def test_jobs_compute_the_same_and_lost_ones_are_replaced(tmp_path, monkeypatch, alone):
-    jobs, told, counts = stand_in(tmp_path / "slurm", monkeypatch), [], []
+    sbatch = CANCELLED + COMMANDS["sbatch"]
+    jobs, told, counts = stand_in(tmp_path / "slurm", monkeypatch, sbatch=sbatch), [], []
     monkeypatch.setenv("PYTHONPATH", str(ROOT))
-    monkeypatch.setattr(slurm, "_LOOK", 1.0)
+    monkeypatch.setattr(slurm, "_LOOK", 0.5)
     path, killed = tmp_path / "out.zarr", []
 
     def kill_one(report):
@@ -58,7 +73,9 @@ def test_jobs_compute_the_same_and_lost_ones_are_replaced(tmp_path, monkeypatch,
     assert (outcome.done, outcome.failed) == (9, ())
     assert content(path) == content(alone)
     logs = {file.name for file in tmp_path.glob("out.zarr.jobs/*.err")}
-    assert len(logs) == 2
+    assert len(logs) == 14
+    words = r"a job has .* before its workers started: JOB \d+ ON n1 CANCELLED AT 2030-01-31T12:00"
+    assert sum(bool(re.match(words, note)) for note in told) == 12
     assert counts[-1].running == 1
     assert not list(tmp_path.glob("out.zarr.jobs/.*"))
     end = time.monotonic() + 30.0
