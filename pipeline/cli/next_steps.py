@@ -66,6 +66,15 @@ def more_of_boundary(ds: xr.Dataset, store: Path | str, conditions: Mapping[str,
     return shlex.join(["irg", "run", *words, *settings])
 
 
+def next_tests(
+    stores: Iterable[Path | str], scatter: float | None = None, target: str | None = None
+) -> str:
+    """Command that ranks tests, of samples weighed in the same way."""
+    words = ["irg", "infer", *map(str, stores), "--next"]
+    words += ["--for", target] if target else []
+    return shlex.join(words if scatter is None else [*words, f"--scatter={scatter:g}"])
+
+
 def _settings(stored: Mapping[str, Any], conditions: Mapping[str, Any]) -> list[str]:
     """Settings of the conditions that differ from those of a store."""
     entries = ENTRIES

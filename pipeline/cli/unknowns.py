@@ -17,6 +17,7 @@ import numpy as np
 import pipeline
 from pipeline.analysis.conditions import conditions_of
 from pipeline.analysis.tables import Column, Table
+from pipeline.cli.next_steps import next_tests
 from pipeline.cli.output import Result, counted, to_figure_or_table
 from pipeline.cli.progress import working
 from pipeline.cli.scenes import beside, given
@@ -183,13 +184,13 @@ def sensitivity(options: argparse.Namespace) -> Result:
     with working("finding Sobol' indices"):
         indices = pipeline.sensitivity(ensemble, weighed.draws if weighed else None)
     most = indices.unknown[int(np.argmax(indices.first.mean(axis=0)))]
-    target = "" if most.kind == "list" else f" --for {most.path}"
+    target = None if most.kind == "list" else most.path
     table = _indices(indices)
     text = [
         *notes(ensemble, weighed),
         *_on_indices(indices, table),
-        f"next: {most.path} moves the boundary most; tests to make: irg infer {options.store} "
-        f"--next{target}",
+        f"next: {most.path} moves the boundary most; tests to make: "
+        f"{next_tests([options.store], options.scatter, target)}",
     ]
     draw = partial(pipeline.draw_sensitivity, indices, ensemble.title)
     document = _about(ensemble) | indices.as_dict()
@@ -264,7 +265,8 @@ def posterior(options: argparse.Namespace, stores: Sequence[Path]) -> Result:
         weighed = pipeline.posterior(ensembles, **given(options, "scatter"))
     document, text = weighed.as_dict(), list(_on_inputs(weighed))
     if options.next is None:
-        text.append(f"next: the test that tells most: irg infer {stores[0]} --next")
+        command = next_tests(stores, options.scatter)
+        text.append(f"next: the test that tells most: {command}")
     else:
         with working("ranking tests"):
             document["next"], lines = _next(options, weighed)

@@ -5,7 +5,7 @@ import shlex
 import pytest
 
 from pipeline.analysis.margin import margins
-from pipeline.cli.next_steps import after_boundary, after_margin, more_of_boundary
+from pipeline.cli.next_steps import after_boundary, after_margin, more_of_boundary, next_tests
 from pipeline.cli.parser import parse
 from pipeline.scene.scenefile import load_scene
 from pipeline.store.schema import DONE, FAILED, PENDING
@@ -63,3 +63,10 @@ def test_missing_points_come_before_those_of_other_conditions(status, friction, 
         *["irg", "run", "edge.toml", "--preset=draft", "-o", "edge.zarr"],
         *words,
     ]
+
+
+def test_tests_are_ranked_for_all_stores_as_they_were_weighed():
+    stores = ["my rig.zarr", "other.zarr"]
+    options = parse(shlex.split(next_tests(stores, 0.08, "temperature.critical"))[1:])
+    assert list(map(str, options.scene)) == stores
+    assert (options.next, options.target, options.scatter) == (1, "temperature.critical", 0.08)
