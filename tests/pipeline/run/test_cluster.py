@@ -55,6 +55,7 @@ class Cluster:
     ):
         self._stack, file = ExitStack(), folder / "scheduler.json"
         self._code, self._python, self._user = os.fspath(code), python, user
+        self._words = folder / "words.txt"
         self._protocol, self._settings = protocol, dict(settings)
         self.scheduler = self._start("scheduler", "--port=0", f"--scheduler-file={file}")
         self.workers = [  # one of them with threads that may not compute at the same time
@@ -63,6 +64,7 @@ class Cluster:
         ]
         end = time.monotonic() + 120.0
         while not file.exists() or not file.read_text():
+            assert self.scheduler.poll() is None, self._words.read_text()
             assert time.monotonic() < end, "the scheduler does not start"
             time.sleep(0.05)
         self.address = json.loads(file.read_text())["address"]
@@ -71,14 +73,16 @@ class Cluster:
 
     def _start(self, role, *options):
         command = [self._python, "-m", f"distributed.cli.dask_{role}", "--host=127.0.0.1"]
-        process = subprocess.Popen(
-            [*command, f"--protocol={self._protocol}", "--dashboard-address=127.0.0.1:0", *options],
-            env={**os.environ, "PYTHONPATH": self._code, **self._settings},
-            cwd=self._code if self._user is None else None,
-            user=self._user,
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
-        )
+        options = [f"--protocol={self._protocol}", "--dashboard-address=127.0.0.1:0", *options]
+        with self._words.open("a") as words:
+            process = subprocess.Popen(
+                [*command, *options],
+                env={**os.environ, "PYTHONPATH": self._code, **self._settings},
+                cwd=self._code if self._user is None else None,
+                user=self._user,
+                stdout=words,
+                stderr=words,
+            )
         self._stack.callback(process.wait)
         self._stack.callback(process.kill)
         return process
@@ -130,8 +134,12 @@ def test_workers_of_another_user_need_not_see_the_store(tmp_path, alone):
     with tempfile.TemporaryDirectory() as folder, pytest.MonkeyPatch.context() as patched:
         shutil.chown(folder, "nobody")
         patched.chdir(folder)
-        paths = {"PYTHONPATH": f"{sysconfig.get_path('purelib')}:{ROOT}"}
-        theirs = {"settings": paths, "python": python_of("nobody"), "user": "nobody"}
+        # Not by PYTHONPATH: there, a package named as a module of Python's own would hide it.
+        packages = Path(sysconfig.get_path("purelib", "posix_user", {"userbase": folder}))
+        packages.parent.mkdir(parents=True)
+        packages.symlink_to(sysconfig.get_path("purelib"))
+        settings = {"PYTHONUSERBASE": folder}
+        theirs = {"settings": settings, "python": python_of("nobody"), "user": "nobody"}
         cluster = Cluster(Path(folder), **theirs)
         try:
             outcome = run_sweep(SWEEP, hidden / "out.zarr", scheduler=cluster.address)
