@@ -10,6 +10,7 @@ import tribo
 from pipeline.sweep.conditions import Conditions
 from tests.helpers import javascript, tiny
 from tests.helpers.scenes import SCENE
+from tests.pipeline.conftest import commit_all
 
 STEEL = tiny.sweep().disk
 ALL = tribo.Corrections(
@@ -39,7 +40,7 @@ friction.by_velocity = [
 @pytest.fixture(scope="module")
 def store(tmp_path_factory):
     store = tmp_path_factory.mktemp("corrected") / "tiny.zarr"
-    pipeline.run_sweep(tiny.full(conditions=CONDITIONS), store, workers=1)
+    commit_all(store, tiny.full(conditions=CONDITIONS))
     return store
 
 

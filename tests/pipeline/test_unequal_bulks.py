@@ -9,6 +9,7 @@ import pytest
 import pipeline
 from pipeline.sweep.conditions import Conditions
 from tests.helpers import tiny
+from tests.pipeline.conftest import commit_all
 from tribo import InputError
 
 BOTH = {"pin": 333.15, "disk": 298.15}
@@ -25,7 +26,7 @@ def stores(tmp_path_factory):
     """The sweep with unequal bulk temperatures, and the same with equal ones."""
     folder = tmp_path_factory.mktemp("bulks")
     for name, sweep in (("unequal", warm()), ("equal", tiny.full())):
-        assert not pipeline.run_sweep(sweep, folder / f"{name}.zarr", workers=1).failed
+        commit_all(folder / f"{name}.zarr", sweep)
     return folder
 
 

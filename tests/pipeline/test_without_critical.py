@@ -9,6 +9,7 @@ import pytest
 import pipeline
 from pipeline.sweep.plan import run_point
 from tests.helpers import tiny
+from tests.pipeline.conftest import commit_all
 from tribo import InputError
 
 mpl.use("agg")
@@ -19,8 +20,7 @@ UNKNOWN = replace(KNOWN, critical_temperature=None)
 @pytest.fixture(scope="module")
 def store(tmp_path_factory):
     path = tmp_path_factory.mktemp("unknown") / "out.zarr"
-    outcome = pipeline.run_sweep(tiny.sweep(store_fields=True, conditions=UNKNOWN), path, workers=1)
-    assert outcome.done == outcome.total
+    commit_all(path, tiny.sweep(store_fields=True, conditions=UNKNOWN))
     return path
 
 

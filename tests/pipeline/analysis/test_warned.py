@@ -16,6 +16,7 @@ from pipeline.sweep.model import Point
 from pipeline.sweep.warned import NO_WARNING
 from tests.helpers import synthetic, tiny
 from tests.helpers.stores import fail
+from tests.pipeline.conftest import commit_all
 from tribo import WarningKind
 
 EDGE, WEAR = int(WarningKind.CONTACT_AT_EDGE), int(WarningKind.UNSTABLE_WEAR)
@@ -94,7 +95,7 @@ COOL = replace(tiny.sweep().conditions, critical_temperature=330.0)
 def narrow(tmp_path_factory):
     """A store whose window is too narrow at the highest load, and heat too old at the lower."""
     path = tmp_path_factory.mktemp("narrow") / "out.zarr"
-    pipeline.run_sweep(tiny.sweep(conditions=COOL, increments=12), path, workers=1)
+    commit_all(path, tiny.sweep(conditions=COOL, increments=12))
     return path
 
 

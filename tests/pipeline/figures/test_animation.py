@@ -46,7 +46,7 @@ def meshes(figure):
 def test_each_load_that_is_done_has_a_picture_on_the_same_scales(sweep):
     figures = plot(sweep, "animation", velocity=2.0)
     for figure, load in zip(figures, (200.0, 750.0), strict=True):
-        assert f"{load:g} N, 2 m/s" in figure.get_suptitle()
+        assert f"{load:g}\N{NO-BREAK SPACE}N, 2\N{NO-BREAK SPACE}m/s" in figure.get_suptitle()
         here = sweep.sel(load=load, velocity=2.0)
         shown = meshes(figure)[1].get_array()
         np.testing.assert_allclose(shown, (25.0 + 0.1 * here["rise"]).T)

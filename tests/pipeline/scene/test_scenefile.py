@@ -443,12 +443,9 @@ def npy(array):
         (npy(np.where(np.eye(480, k=3), np.nan, 1.0)), "row 0, column 3"),
         (npy(np.full((480, 480), np.nan)), "all heights are missing; give another file"),
         (npy(np.ones((479, 480))), "479 rows of 480 heights"),
-        (npy(np.ones(480)), "two-dimensional"),
-        (npy(np.ones((480, 480)))[:-1], "surface.npy"),
-        (npy(np.ones((4, 4))).replace(b"{", b"{{"), "disk.roughness.file"),
         (b"", "surface.npy"),
     ],
-    ids=["missing", "nan", "all-missing", "shape", "one-row", "cut-off", "broken-header", "empty"],
+    ids=["missing", "nan", "all-missing", "shape", "empty"],
 )
 def test_a_faulty_measured_surface_is_a_fault_with_its_place(faults, tmp_path, content, said):
     if content is not None:

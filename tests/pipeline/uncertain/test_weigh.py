@@ -28,16 +28,24 @@ from tribo import Corrections, InputError
 JOINT = (CRITICAL, RATE, dataclasses.replace(FRICTION, correlated=((CRITICAL.path, 0.8),)), LENGTH)
 
 
-def transitions(truth, scatter=0.05, seed=0, friction=None):
-    noise = np.exp(scatter * np.random.default_rng(seed).standard_normal(len(LOADS)))
+def transitions(truth, scatter=0.05, seed=0, friction=True, loads=LOADS, off=None):
+    """What a rig measures of a hidden truth; one of the transitions is off by 40 %."""
+    factors = np.exp(scatter * np.random.default_rng(seed).standard_normal(len(loads)))
+    if off is not None:
+        factors[off] *= 1.4
     return [
         {
             "normal_load": float(load),
             "velocity": float(critical_velocity(truth[None], load)[0] * factor),
             "friction": float(truth[2]) if friction else None,
         }
-        for load, factor in zip(LOADS, noise, strict=True)
+        for load, factor in zip(loads, factors, strict=True)
     ]
+
+
+def alone(limit, load):
+    """Critical velocity where a limit of the rise is the only input."""
+    return (limit / rise(np.zeros((1, 0)), load, 1.0, ())[0]) ** (1 / EXPONENT)
 
 
 def test_without_data_what_is_assumed_comes_back():
@@ -52,7 +60,7 @@ def test_without_data_what_is_assumed_comes_back():
 def test_what_is_learnt_of_an_input_tells_of_those_correlated_with_it():
     truth = np.array([418.15, 1.2e-15, 0.1, 4.5e-6])
     near = dataclasses.replace(FRICTION, correlated=((CRITICAL.path, 0.9),))
-    sharp = ensemble((CRITICAL, RATE, near, LENGTH), measured=transitions(truth, friction=True))
+    sharp = ensemble((CRITICAL, RATE, near, LENGTH), measured=transitions(truth))
     _, _, friction, _ = pipeline.posterior(sharp).summary()
     # Its own value was measured at each transition, and decides nothing there.
     assert friction["posterior"]["sd"] < 0.75 * friction["prior"]["sd"]
@@ -62,7 +70,7 @@ def test_90_percent_intervals_hold_most_of_40_hidden_truths():
     truths = drawn(ALL, 7, 40)
     held = []
     for number, truth in enumerate(truths):
-        measured = transitions(truth, seed=number, friction=True)
+        measured = transitions(truth, seed=number)
         found = pipeline.posterior(ensemble(measured=measured))
         inside = [
             row["posterior"]["interval"][0] <= value <= row["posterior"]["interval"][1]
@@ -75,7 +83,7 @@ def test_90_percent_intervals_hold_most_of_40_hidden_truths():
 
 def test_transitions_narrow_the_critical_temperature_and_hide_the_wear_rate_behind_it():
     truth = np.array([425.0, 1.5e-15, 0.1, 4e-6])
-    found = pipeline.posterior(ensemble(measured=transitions(truth, 0.01, friction=True)), 0.02)
+    found = pipeline.posterior(ensemble(measured=transitions(truth, 0.01)), 0.02)
     critical, *_ = found.summary()
     assert critical["posterior"]["sd"] < 0.75 * critical["prior"]["sd"]
     (pair, *_) = found.hidden()
@@ -98,7 +106,7 @@ def test_a_measurement_that_nothing_allows_is_told():
 
 def test_given_the_measurements_the_risk_is_sharper():
     found = pipeline.posterior(
-        ensemble(measured=transitions(np.array([418.0, 1.2e-15, 0.1, 4.5e-6])))
+        ensemble(measured=transitions(np.array([418.0, 1.2e-15, 0.1, 4.5e-6]), friction=None))
     )
     before, after = (
         pipeline.risk_lines(pipeline.probabilities(found.ensemble, draws, loads=LOADS))[1]
@@ -165,8 +173,7 @@ def test_tests_that_stayed_mild_or_turned_severe_bracket_as_their_likelihood_say
     density = np.exp(-0.5 * ((kelvins - 418.15) / 8.0) ** 2)
     for test in tests:
         limit = (kelvins - test.get("bulk_temperature", 298.15)) / 0.1
-        critical = (limit / rise(np.zeros((1, 0)), 400.0, 1.0, ())[0]) ** (1 / EXPONENT)
-        z = np.log(test["velocity"] / critical) / 0.05
+        z = np.log(test["velocity"] / alone(limit, 400.0)) / 0.05
         density *= ndtr(z if test["outcome"] == "severe" else -z)
     mean = np.average(kelvins, weights=density)
     spread = math.sqrt(np.average((kelvins - mean) ** 2, weights=density))
@@ -177,9 +184,7 @@ def test_tests_that_stayed_mild_or_turned_severe_bracket_as_their_likelihood_say
 
 def test_many_tests_are_weighed_in_steps_to_the_same_distribution():
     truth = np.array([420.0, 1.2e-15, 0.1, 4.5e-6])
-    measured = [
-        dict(entry, velocity_scatter=0.004) for entry in transitions(truth, 0.002, friction=True)
-    ]
+    measured = [dict(entry, velocity_scatter=0.004) for entry in transitions(truth, 0.002)]
     sharp = pipeline.posterior(ensemble((CRITICAL, LENGTH), measured=measured))
     assert len(sharp.draws.weights) < len(sharp.prior.weights)  # drawn in steps, not weighed
     assert pipeline.draw_posterior(sharp).axes
@@ -202,27 +207,16 @@ def test_many_tests_are_weighed_in_steps_to_the_same_distribution():
     assert critical["posterior"]["sd"] == pytest.approx(spread, rel=0.1)
 
 
-def series(truth, scatter, seed, off=None):
-    rng = np.random.default_rng(seed)
-    return [
-        {
-            "normal_load": load,
-            "velocity": float(
-                critical_velocity(truth[None], load)[0]
-                * math.exp(scatter * rng.standard_normal())
-                * (1.4 if number == off else 1.0)
-            ),
-            "friction": float(truth[2]),
-        }
-        for number, load in enumerate((200.0, 250.0, 300.0, 400.0, 500.0, 600.0, 700.0, 750.0))
-    ]
+EIGHT = (200.0, 250.0, 300.0, 400.0, 500.0, 600.0, 700.0, 750.0)
 
 
 def test_the_scatter_is_that_of_the_tests_not_that_which_is_said():
     truth = np.array([418.15, 1.2e-15, 0.1, 4.5e-6])
     low, middle, high = np.mean(
         [
-            pipeline.posterior(ensemble(measured=series(truth, 0.15, seed))).inferred_scatter
+            pipeline.posterior(
+                ensemble(measured=transitions(truth, 0.15, seed, loads=EIGHT))
+            ).inferred_scatter
             for seed in range(3)
         ],
         axis=0,
@@ -241,9 +235,10 @@ def test_a_test_that_tells_nothing_leaves_the_scatter_that_is_said():
 
 def test_a_test_that_all_others_contradict_is_named():
     truth = np.array([418.15, 1.2e-15, 0.1, 4.5e-6])
-    sound = pipeline.posterior(ensemble(measured=series(truth, 0.03, seed=1)))
+    sound = pipeline.posterior(ensemble(measured=transitions(truth, 0.03, seed=1, loads=EIGHT)))
     assert not any(judged.contradicts for judged in sound.judged)
-    found = pipeline.posterior(ensemble(measured=series(truth, 0.03, seed=1, off=2)))
+    measured = transitions(truth, 0.03, seed=1, loads=EIGHT, off=2)
+    found = pipeline.posterior(ensemble(measured=measured))
     assert [judged.contradicts for judged in found.judged].index(True) == 2
     assert sum(judged.contradicts for judged in found.judged) == 1
 
@@ -251,7 +246,7 @@ def test_a_test_that_all_others_contradict_is_named():
 def test_sweeps_share_their_steel_and_have_each_a_lubricant_of_its_own():
     narrow = Unknown(CRITICAL.path, "normal", (418.15, 1.0), "K")
     truth = np.array([418.15, 1.2e-15, 0.1, 5.5e-6])
-    known = ensemble((narrow, LENGTH), measured=transitions(truth, 0.005, friction=True))
+    known = ensemble((narrow, LENGTH), measured=transitions(truth, 0.005))
     other = ensemble((CRITICAL, LENGTH))
     found = pipeline.posterior([other, known], 0.005)
     paths = [each.path for each in found.unknown]
@@ -287,7 +282,7 @@ def test_a_friction_that_was_measured_takes_the_place_of_friction_by_velocity():
     falling = Corrections(friction=((1.0, 1.2), (4.0, 0.8)))
     entry = {"normal_load": 400.0, "velocity": 1.2, "outcome": "mild"}  # which tells nothing new
     limit = (CRITICAL.parameters[0] - 298.15) / 0.1
-    steady = (limit / rise(np.zeros((1, 0)), 400.0, 1.0, ())[0]) ** (1 / EXPONENT)
+    steady = alone(limit, 400.0)
     critical = {}
     for friction in (None, 0.1):
         plain = ensemble((CRITICAL,), measured=[entry | {"friction": friction}])
@@ -331,7 +326,7 @@ def test_a_planned_test_promises_the_spread_that_is_had(scatter_is_said):
         rng = np.random.default_rng(number)
         load, bulk = planned.test["normal_load"], planned.test["bulk_temperature"]
         limit = (kelvins - bulk) / 0.1
-        critical = (limit / rise(np.zeros((1, 0)), load, 1.0, ())[0]) ** (1 / EXPONENT)
+        critical = alone(limit, load)
         entry = {
             "normal_load": load, "bulk_temperature": bulk, "friction": 0.1,
             "velocity": float(max(critical * math.exp(0.05 * rng.standard_normal()), 0.5)),
