@@ -16,7 +16,7 @@ from typing import Any, Self
 import numpy as np
 import scipy  # parts of it are loaded where they are used
 
-from tribo.analytic import hertz_ellipse
+from tribo.analytic import hertz_contact
 from tribo.criterion import columns_of
 from tribo.errors import InputError, require_positive
 from tribo.material import Material
@@ -108,13 +108,9 @@ class Track:
         >>> Track.under(Crowned(10e-3, 50e-3, steel), steel, 0.34).aspect
         2.8...
         """
-        aspect = 1.0
-        if isinstance(pin, Crowned):  # of any load and modulus
-            ellipse = hertz_ellipse(1.0, pin.radius, pin.crown_radius, contact_modulus=1e11)
-            aspect = ellipse.half_y / ellipse.half_x
-        width = pin.length if isinstance(pin, Cylinder) else None
+        of_point = hertz_contact(1.0, 1e11, pin.radius, crown_radius=pin.crown_radius)
         capacity = disk.density * disk.specific_heat
-        return cls(length, width, aspect, disk.thermal_diffusivity, capacity)
+        return cls(length, pin.length, of_point.aspect, disk.thermal_diffusivity, capacity)
 
     def __post_init__(self) -> None:
         require_positive(**{k: v for k, v in asdict(self).items() if v is not None})

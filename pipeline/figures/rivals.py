@@ -15,8 +15,6 @@ from typing import Any, NamedTuple, Self
 import numpy as np
 
 from tribo import (
-    Crowned,
-    Cylinder,
     InputError,
     Material,
     Motion,
@@ -41,9 +39,7 @@ class SmoothContact:
     def of(cls, scene: Scene) -> Self:
         """Take what a scene says."""
         pin = scene.pin
-        length = pin.length if isinstance(pin, Cylinder) else None
-        crown = pin.crown_radius if isinstance(pin, Crowned) else None
-        return cls(pin.radius, length, pin.material, scene.disk, scene.motion, crown)
+        return cls(pin.radius, pin.length, pin.material, scene.disk, scene.motion, pin.crown_radius)
 
     @classmethod
     def stored(cls, attributes: Mapping[str, Any]) -> Self:
@@ -61,21 +57,18 @@ class SmoothContact:
 
     def width(self, load: float) -> float:
         """Width of the elastic, unworn contact at a load [N] [m]."""
-        modulus = contact_modulus(self.pin, self.disk)
-        if self.crown_radius is not None:
-            return 2 * analytic.hertz_ellipse(load, self.radius, self.crown_radius, modulus).half_x
-        if self.length is None:
-            return 2 * analytic.hertz_point_radius(load, self.radius, modulus)
-        return 2 * analytic.hertz_line_half_width(load / self.length, self.radius, modulus)
+        return 2 * self._hertz(load).half_width
 
     def area(self, load: float, width: float | None = None) -> float:
         """Area of the contact [m²], of another width [m] if that is given."""
         across = self.width(load) if width is None else width
-        if self.crown_radius is not None:
-            modulus = contact_modulus(self.pin, self.disk)
-            hertz = analytic.hertz_ellipse(load, self.radius, self.crown_radius, modulus)
-            return math.pi / 4 * across**2 * hertz.half_y / hertz.half_x
-        return math.pi / 4 * across**2 if self.length is None else across * self.length
+        if self.length is not None:
+            return across * self.length
+        return math.pi / 4 * across**2 * self._hertz(load).aspect
+
+    def _hertz(self, load: float) -> analytic.HertzContact:
+        shape = self.radius, self.length, self.crown_radius
+        return analytic.hertz_contact(load, contact_modulus(self.pin, self.disk), *shape)
 
     def flash_rise(
         self, load: float, velocity: float, friction: float, width: float | None = None

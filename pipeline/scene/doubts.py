@@ -9,7 +9,7 @@ from typing import NamedTuple
 from pipeline.scene.facts import Facts
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.surface import SurfaceFacts
-from tribo import Ball, Crowned, Cylinder, Material, SelfAffineRoughness, analytic
+from tribo import Crowned, Cylinder, Material, SelfAffineRoughness, analytic
 from tribo.simulation.point_warnings import (
     FEWEST_ACROSS,
     FEWEST_PIXELS,
@@ -142,7 +142,8 @@ def _of_contact(sweep: Sweep, facts: Facts) -> Iterator[str]:
         )
     side, window = facts.window[0], "window"
     if not isinstance(sweep.pin, Cylinder):
-        across = facts.window[1] / _length_over_width(sweep.pin)
+        shape = sweep.pin.radius, None, sweep.pin.crown_radius
+        across = facts.window[1] / analytic.hertz_contact(1.0, 1e11, *shape).aspect
         if across < side:
             side, window = across, "room for it in the window, by its length along y,"
     hertz = 2 * facts.hertz_half_width.high
@@ -160,14 +161,6 @@ def _of_contact(sweep: Sweep, facts: Facts) -> Iterator[str]:
             f"{len(sweep.loads) * len(sweep.velocities)} points, those of high load and velocity; "
             "give more window.pixels if these matter"
         )
-
-
-def _length_over_width(pin: Ball | Crowned) -> float:
-    """Length of the elastic contact along y over that along x, at any load."""
-    if isinstance(pin, Ball):
-        return 1.0
-    half_x, half_y, *_ = analytic.hertz_ellipse(1.0, pin.radius, pin.crown_radius, 1e11)
-    return half_y / half_x
 
 
 def _of_surface(sweep: Sweep, surface: SurfaceFacts) -> Iterator[str]:

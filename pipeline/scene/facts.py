@@ -107,7 +107,9 @@ def facts_of(sweep: Sweep) -> Facts:
     modulus = contact_modulus(sweep.pin.material, sweep.disk)
     velocities = np.array(sweep.velocities)
     pin, disk = np.transpose([sweep.velocities_at(velocity) for velocity in velocities])
-    pressures, half_widths = np.transpose([_hertz(sweep, load, modulus) for load in sweep.loads])
+    shape = sweep.pin.radius, sweep.pin.length, sweep.pin.crown_radius
+    hertz = [analytic.hertz_contact(load, modulus, *shape) for load in sweep.loads]
+    half_widths = np.array([contact.half_width for contact in hertz])
     durations, impulses = np.transpose([_duration(sweep, load) for load in sweep.loads])
     surface = surface_facts(sweep)
     worn = _rates(sweep, np.outer(durations, velocities)) * np.outer(impulses, velocities)
@@ -116,7 +118,7 @@ def facts_of(sweep: Sweep) -> Facts:
         widths = np.sqrt(widths**2 + 8 * sweep.pin.radius * _ROUGH_RISE * surface.rq)
     return Facts(
         contact_modulus=modulus,
-        hertz_pressure=Span.of(pressures),
+        hertz_pressure=Span.of(contact.peak_pressure for contact in hertz),
         hertz_half_width=Span.of(half_widths),
         contact_width=Span.of(widths),
         contact_widths=tuple(tuple(row) for row in widths.tolist()),
@@ -147,20 +149,6 @@ def require_bearable_load(sweep: Sweep, load: float, key: str) -> None:
             f"all at the hardness of the softer body, {1e-9 * sweep.hardness:g} GPa, stand for "
             f"{greatest:.4g} N on the pin; stay below that, or give more window.pixels"
         )
-
-
-def _hertz(sweep: Sweep, load: float, modulus: float) -> tuple[float, float]:
-    """Peak pressure [Pa] and half-width [m] of the smooth contact."""
-    radius = sweep.pin.radius
-    if isinstance(sweep.pin, Crowned):
-        ellipse = analytic.hertz_ellipse(load, radius, sweep.pin.crown_radius, modulus)
-        return ellipse.peak_pressure, ellipse.half_x
-    if isinstance(sweep.pin, Ball):
-        pressure = analytic.hertz_point_peak_pressure(load, radius, modulus)
-        return pressure, analytic.hertz_point_radius(load, radius, modulus)
-    line = load / sweep.pin.length
-    pressure = analytic.hertz_line_peak_pressure(line, radius, modulus)
-    return pressure, analytic.hertz_line_half_width(line, radius, modulus)
 
 
 def _duration(sweep: Sweep, load: float) -> tuple[float, float]:

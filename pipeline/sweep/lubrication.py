@@ -18,8 +18,6 @@ from numpy.typing import ArrayLike
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.surface import surface_facts
 from tribo import (
-    Crowned,
-    Cylinder,
     Motion,
     Oil,
     analytic,
@@ -54,11 +52,11 @@ class Lubrication:
         return cls(
             sweep.oil,
             pin.radius,
-            pin.length if isinstance(pin, Cylinder) else None,
+            pin.length,
             contact_modulus(pin.material, sweep.disk),
             surface.rq,
             sweep.motion,
-            pin.crown_radius if isinstance(pin, Crowned) else None,
+            pin.crown_radius,
         )
 
     @classmethod
@@ -96,11 +94,8 @@ class Lubrication:
     @property
     def ellipticity(self) -> float:
         """Width of a point contact across the motion over that along it (Hertz)."""
-        if self.crown_radius is None:
-            return 1.0
-        # Any load and modulus give the same.
-        ellipse = analytic.hertz_ellipse(1.0, self.radius, self.crown_radius, self.contact_modulus)
-        return ellipse.half_y / ellipse.half_x
+        shape = self.radius, None, self.crown_radius
+        return analytic.hertz_contact(1.0, self.contact_modulus, *shape).aspect  # at any load
 
     def film_parameter(self, load: ArrayLike, velocity: ArrayLike, temperature: float) -> Array:
         """Film parameter Λ of loads [N] and velocities [m/s], broadcast.

@@ -1,6 +1,8 @@
 """Closed forms against which the solvers are tested; none of them calls a solver."""
 
+from tribo.analytic.contact import HertzContact as HertzContact
 from tribo.analytic.contact import HertzEllipse as HertzEllipse
+from tribo.analytic.contact import hertz_contact as hertz_contact
 from tribo.analytic.contact import hertz_ellipse as hertz_ellipse
 from tribo.analytic.contact import hertz_line_half_width as hertz_line_half_width
 from tribo.analytic.contact import hertz_line_peak_pressure as hertz_line_peak_pressure

@@ -164,6 +164,40 @@ def hertz_ellipse(
     return HertzEllipse(half_x, half_y, p0, approach)
 
 
+class HertzContact(NamedTuple):
+    """Elastic contact of a smooth pin and a plane."""
+
+    half_width: float  # along x [m]
+    peak_pressure: float  # p₀ [Pa]
+    aspect: float  # of the length along y to the width; infinite under a cylinder
+
+
+def hertz_contact(
+    normal_load: float,
+    contact_modulus: float,
+    radius: float,
+    length: float | None = None,
+    crown_radius: float | None = None,
+) -> HertzContact:
+    """Contact of a pin of any shape, by its radius along x, length and crown radius [m].
+
+    Examples
+    --------
+    >>> hertz_contact(10.0, 115.385e9, 10e-3).aspect, hertz_contact(10.0, 1e11, 2e-3, 3e-3).aspect
+    (1.0, inf)
+    """
+    F, E, R = normal_load, contact_modulus, radius
+    if crown_radius is not None:
+        half_x, half_y, peak_pressure, _ = hertz_ellipse(F, R, crown_radius, E)
+        return HertzContact(half_x, peak_pressure, half_y / half_x)
+    if length is None:
+        peak_pressure = hertz_point_peak_pressure(F, R, E)
+        return HertzContact(hertz_point_radius(F, R, E), peak_pressure, 1.0)
+    P = F / length
+    half_width = hertz_line_half_width(P, R, E)
+    return HertzContact(half_width, hertz_line_peak_pressure(P, R, E), math.inf)
+
+
 def hertz_pressure(distance: ArrayLike, contact_radius: float, peak_pressure: float) -> Array:
     """Pressure of a Hertzian line or point contact [Pa], of the shape of `distance`.
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -34,6 +35,7 @@ class Cylinder:
     radius: float
     length: float
     material: Material
+    crown_radius: ClassVar[None] = None
 
     def __post_init__(self) -> None:
         require_positive(radius=self.radius, length=self.length)
@@ -69,6 +71,8 @@ class Ball:
 
     radius: float
     material: Material
+    length: ClassVar[None] = None
+    crown_radius: ClassVar[None] = None
 
     def __post_init__(self) -> None:
         require_positive(radius=self.radius)
@@ -108,6 +112,7 @@ class Crowned:
     radius: float
     crown_radius: float
     material: Material
+    length: ClassVar[None] = None
 
     def __post_init__(self) -> None:
         require_positive(radius=self.radius, crown_radius=self.crown_radius)
