@@ -7,14 +7,12 @@ from collections.abc import Mapping
 import numpy as np
 from matplotlib.figure import Figure
 
-from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION, celsius, heating, in_house_style
-from pipeline.sweep.criterion import contact_temperature
-from pipeline.sweep.model import Sweep
-from tribo import InputError, Ramp, simulate
+from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION, heating, in_house_style
+from tribo import InputError, Ramp
 from tribo.types import Array
 from workflows.paper.report import Report, Table, line
 from workflows.paper.study import Study
-from workflows.paper.transitions import worn
+from workflows.paper.transitions import HIGHEST, history, worn
 
 _LOOKS = {"no wear": (BLACK, "--"), "swept wear": (BLUE, "-"), "local wear": (VERMILION, "-")}
 _Curves = Mapping[str, tuple[Array, Array]]
@@ -32,7 +30,9 @@ def fig5(study: Study) -> Report:
         "swept wear": worn(sweep, "swept"),
         "local wear": worn(sweep, "local"),
     }
-    curves = {name: _highest(variants[name], load, velocity) for name in study.each(variants)}
+    curves = {
+        name: history(variants[name], load, velocity, HIGHEST)[:2] for name in study.each(variants)
+    }
     full = load / sweep.loading.rate
     times = (full / 2, full, float(curves["no wear"][0][-1]))
     marks = {
@@ -68,17 +68,6 @@ def fig5(study: Study) -> Report:
         },
         figure=_draw(curves, full, heating(sweep.conditions)),
     )
-
-
-def _highest(scene: Sweep, load: float, velocity: float) -> tuple[Array, Array]:
-    """Times [s] and highest temperatures [°C]."""
-    conditions = scene.conditions
-    points = [(0.0, contact_temperature(0.0, conditions))]
-    for state in simulate(scene, load, velocity):
-        if state.heat is not None:
-            points.append((state.time, contact_temperature(state.heat.max_rise, conditions)))
-    time, temperature = np.array(points).T
-    return time, celsius(temperature)
 
 
 @in_house_style

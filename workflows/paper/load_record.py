@@ -5,19 +5,17 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import NamedTuple
 
-import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from pipeline.figures.style import BLACK, BLUE, GREY, VERMILION, celsius, heating, in_house_style
-from pipeline.sweep.criterion import contact_temperature
 from pipeline.sweep.model import Sweep
-from tribo import InputError, MeasuredLoad, Ramp, simulate
+from tribo import InputError, MeasuredLoad, Ramp
 from tribo.types import Array
 from workflows.paper.publication import LOADING_RATE
 from workflows.paper.report import Report, Table
 from workflows.paper.study import Study
-from workflows.paper.transitions import HIGHEST, Ends
+from workflows.paper.transitions import HIGHEST, Ends, history
 
 _RECORD, _FIT = "record", "its linear fit"
 _SAME = 2.0  # K: within what a linear fit serves as well as the record
@@ -101,21 +99,10 @@ def _share(sweep: Sweep) -> str:
 
 
 def _run(scene: Sweep, load: float, velocity: float) -> _Run:
-    conditions = scene.conditions
-    times, temperatures = [0.0], [float(celsius(contact_temperature(0.0, conditions)))]
-    for state in simulate(scene, load, velocity):
-        if state.heat is not None:
-            end = Ends.of(scene, state)
-            times.append(state.time)
-            temperatures.append(float(end.celsius(conditions.decisive)))
-    return _Run(
-        np.array(times),
-        np.array(temperatures),
-        state.time,
-        state.sliding_distance,
-        float(end.celsius(HIGHEST)),
-        temperatures[-1],
-    )
+    times, temperatures, end = history(scene, load, velocity, scene.conditions.decisive)
+    highest = float(Ends.of(scene, end).celsius(HIGHEST))
+    exceeded = float(temperatures[-1])
+    return _Run(times, temperatures, end.time, end.sliding_distance, highest, exceeded)
 
 
 @in_house_style

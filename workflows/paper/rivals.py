@@ -20,7 +20,7 @@ from tribo.types import Array
 from workflows.paper.publication import TABLE_4
 from workflows.paper.report import Report, Table
 from workflows.paper.study import Study
-from workflows.paper.transitions import end_of, matching, name_of
+from workflows.paper.transitions import end_of, exponent_of, matching, name_of
 
 _SURFACES = 4
 _STEP = 0.05  # of the logarithm of the velocity, to find an exponent
@@ -166,13 +166,9 @@ def _simulated(study: Study, sweep: Sweep, measured: Sequence[Measurement]) -> A
         study.tell(f"surface {surface + 1} of {outcomes.shape[2]}")
         scene = replace(sweep, store_fields=False).on_surface(seed)
         for number, entry in enumerate(measured):
-            V, faster = entry.velocity, entry.velocity * math.exp(_STEP)
-            rise, higher = (
-                float(end_of(scene, entry.normal_load, velocity).rise(decisive))
-                for velocity in (V, faster)
-            )
-            exponent = math.log(higher / rise) / _STEP
-            critical = V * (1 + boundary_velocity_error(rise, limit, exponent))
+            rise = float(end_of(scene, entry.normal_load, entry.velocity).rise(decisive))
+            exponent = exponent_of(scene, entry, rise, _STEP)
+            critical = entry.velocity * (1 + boundary_velocity_error(rise, limit, exponent))
             outcomes[:, number, surface] = rise, exponent, critical
     means: Array = outcomes.mean(axis=2)
     return means

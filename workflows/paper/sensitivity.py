@@ -19,7 +19,7 @@ from tribo.types import Array
 from workflows.paper.publication import TABLE_4
 from workflows.paper.report import Report, Table, mean, spread
 from workflows.paper.study import Study
-from workflows.paper.transitions import HIGHEST, end_of, worn
+from workflows.paper.transitions import HIGHEST, end_of, exponent_of, worn
 
 _LENGTHS = (2.0, 3.0, 4.0, 5.0, 6.0, 8.0)  # µm
 _LAYS = ((1.0, 1.0), (1.0, 4.0), (4.0, 1.0))  # factors on the length along x and along y
@@ -113,12 +113,10 @@ def _outcome(study: Study, sweep: Sweep) -> _Outcome:
     for surface, seed in enumerate(seeds):
         scene = sweep.on_surface(seed)
         for number, entry in enumerate(sweep.measured):
-            F, V = entry.normal_load, entry.velocity
-            end = end_of(scene, F, V, entry.friction)
+            end = end_of(scene, entry.normal_load, entry.velocity, entry.friction)
             rise = float(end.rise(decisive))
             step = math.log(limit / rise) / _EXPONENT or 0.01
-            other = float(end_of(scene, F, V * math.exp(step)).rise(decisive))
-            off = boundary_velocity_error(rise, limit, math.log(other / rise) / step)
+            off = boundary_velocity_error(rise, limit, exponent_of(scene, entry, rise, step))
             values[:, number, surface] = end.celsius(decisive), end.celsius(HIGHEST), off
     return dict(zip(names, values, strict=True))
 

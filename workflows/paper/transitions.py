@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from typing import Literal, Self, get_args
@@ -10,6 +11,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from pipeline.figures.style import BLACK, BLUE, GREEN, VERMILION, celsius
+from pipeline.sweep.criterion import contact_temperature
 from pipeline.sweep.model import Measurement, Sweep
 from tribo import InputError, State, failed_share, measures, simulate
 from tribo.criterion import Criterion, columns_of
@@ -101,6 +103,25 @@ def end_of(scene: Sweep, load: float, velocity: float, friction: float | None = 
     """Simulate a point."""
     *_, state = simulate(scene, load, velocity)
     return Ends.of(scene, state, friction)
+
+
+def history(
+    scene: Sweep, load: float, velocity: float, criterion: Criterion
+) -> tuple[Array, Array, State]:
+    """Simulate a point: times [s] with the temperatures that decide [°C], and its last state."""
+    times, temperatures = [0.0], [float(celsius(contact_temperature(0.0, scene.conditions)))]
+    for state in simulate(scene, load, velocity):
+        if state.heat is not None:
+            times.append(state.time)
+            temperatures.append(float(Ends.of(scene, state).celsius(criterion)))
+    return np.array(times), np.array(temperatures), state
+
+
+def exponent_of(scene: Sweep, entry: Measurement, rise: float, step: float) -> float:
+    """Exponent of the deciding rise over the velocity, from a step of the latter's logarithm."""
+    faster = entry.velocity * math.exp(step)
+    other = float(end_of(scene, entry.normal_load, faster).rise(scene.conditions.decisive))
+    return math.log(other / rise) / step
 
 
 Transition = tuple[Sweep, Measurement]
