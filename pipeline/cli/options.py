@@ -106,17 +106,23 @@ OF_SCAN = (
 
 TOPIC = _option("topic", metavar="TOPIC", nargs="?", help="name of a page or of a command")
 OF_NEW = (
-    _option("file", metavar="FILE.toml", type=Path, nargs="?", help="file to write"),
+    Group(
+        "",
+        (
+            _option("file", metavar="FILE.toml", type=Path, nargs="?", help="file to write"),
+            LIST.but(help="list the shipped scenes"),
+            _option(
+                "--schema", metavar="FILE.json", type=Path,
+                help="file for a JSON schema of the format instead, by which editors complete "
+                "scenes",
+            ),
+            _option(
+                "--site", metavar="FILE.toml", type=Path,
+                help="file for sample options of a batch system instead, for irg run --cluster",
+            ),
+        ),
+    ),
     _option("--from", metavar="NAME", dest="like", help="shipped scene to begin with; see --list"),
-    LIST.but(help="list the shipped scenes"),
-    _option(
-        "--schema", metavar="FILE.json", type=Path,
-        help="file for a JSON schema of the format instead, by which editors complete scenes",
-    ),
-    _option(
-        "--site", metavar="FILE.toml", type=Path,
-        help="file for sample options of a batch system instead, for irg run --cluster",
-    ),
 )  # fmt: skip
 
 WORKERS = _option(

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pipeline
+from pipeline.cli.output import tell
 
 if TYPE_CHECKING:
     from pipeline.run.tally import Progress
@@ -58,4 +59,7 @@ def watched(
 
     yield begin_and_show
     if drawing and file:
-        drawing[0].wait(_LAST)
+        try:
+            drawing[0].wait(_LAST)
+        except subprocess.TimeoutExpired:
+            tell(f"{file} is still being drawn")
