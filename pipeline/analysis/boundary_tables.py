@@ -27,12 +27,7 @@ def tables_of(boundaries: xr.Dataset) -> list[Table]:
 
     A row is for one load or velocity at one friction, with the conditions that it was judged by.
     """
-    table_of = _crossings if variant_of(boundaries) is None else _band
-    columns, parts = columns_of(boundaries["critical_velocity"]), [*parts_of(boundaries)]
-    return [
-        joined(columns, ((values, table_of(part, *ends)) for values, part in parts))
-        for ends in BOUNDARIES
-    ]
+    return _of_both_axes(boundaries, _crossings, _band)
 
 
 def _crossings(boundaries: xr.Dataset, name: str, axis: str) -> Table:
@@ -120,8 +115,14 @@ def _middle(film: Array) -> float | None:
 
 def readable(boundaries: xr.Dataset) -> list[Table]:
     """The tables of `pipeline.boundary` without its conditions, outcomes in words."""
-    is_one = variant_of(boundaries) is None
-    table_of = _side_by_side if is_one else _band_in_short
+    return _of_both_axes(boundaries, _side_by_side, _band_in_short)
+
+
+def _of_both_axes(
+    boundaries: xr.Dataset, of_one: Callable[..., Table], of_several: Callable[..., Table]
+) -> list[Table]:
+    """Tables by load and by velocity of all scenes, made for one surface or for several."""
+    table_of = of_one if variant_of(boundaries) is None else of_several
     columns, parts = columns_of(boundaries["critical_velocity"]), [*parts_of(boundaries)]
     return [
         joined(columns, ((values, table_of(part, *ends)) for values, part in parts))

@@ -187,17 +187,10 @@ def margins(
 
 
 def judge_of(
-    ds: xr.Dataset,
-    friction: float | None = None,
-    bulk_temperature: Bulk | None = None,
-    critical_temperature: float | str | None = None,
-    share: float | str | None = None,
-    criterion: str | None = None,
+    ds: xr.Dataset, *others: Any, **conditions_given: Any
 ) -> Callable[[float, float], tuple[Margin, ...]]:
     """Function that gives `margins` at a load [N] and a velocity [m/s] under some conditions."""
-    conditions = conditions_of(
-        ds, friction, bulk_temperature, critical_temperature, share, criterion
-    )
+    conditions = conditions_of(ds, *others, **conditions_given)
     if conditions.friction == 0:
         raise InputError(
             "friction is 0; without friction there is no heat and no boundary; give one above 0"
