@@ -167,9 +167,9 @@ class Conditions:
             )
         return self.critical_temperature
 
-    def changed(self, **given: Any) -> Conditions:
+    def changed(self, **changes: Any) -> Conditions:
         """The same with others in their place, by the names of `changes_of`."""
-        return replace(self, **changes_of(**given))
+        return replace(self, **changes_of(**changes))
 
 
 def changes_of(
@@ -180,13 +180,13 @@ def changes_of(
     criterion: str | None = None,
 ) -> dict[str, Any]:
     """Entries of `Conditions` that are given; a share alone makes "share" the criterion."""
-    given: dict[str, Any] = {
+    entries: dict[str, Any] = {
         "friction": friction,
         "critical_temperature": critical_temperature,
         "failing_share": share,
         "criterion": "share" if criterion is None and share is not None else criterion,
     }
-    changes = {name: value for name, value in given.items() if value is not None}
+    changes = {name: value for name, value in entries.items() if value is not None}
     if "criterion" in changes:
         changes["criterion_hash"] = None
     return changes | ({} if bulk_temperature is None else of_bulks(bulk_temperature))
@@ -194,19 +194,19 @@ def changes_of(
 
 def _checked(conditions: Conditions) -> str:
     """Make a criterion of one's own known by its name, and return its hash."""
-    own = Own.named(conditions.criterion)
-    if not isinstance(own.made, Rule):
+    law = Own.named(conditions.criterion)
+    if not isinstance(law.made, Rule):
         raise InputError(f'criterion is "{conditions.criterion}", which is no tribo.Rule')
-    if conditions.criterion_hash not in (None, own.digest):
+    if conditions.criterion_hash not in (None, law.digest):
         raise InputError(
             f'criterion is "{conditions.criterion}", whose module has changed since the store '
             "was judged by it; run the scene into the store again, which costs no point"
         )
-    CRITERIA[conditions.criterion] = own.made
-    return own.digest
+    CRITERIA[conditions.criterion] = law.made
+    return law.digest
 
 
-def of_bulks(given: float | Mapping[str, float | None] | None) -> dict[str, Any]:
+def of_bulks(bulks: float | Mapping[str, float | None] | None) -> dict[str, Any]:
     """Entries of `Conditions` for one bulk temperature, or for one of each body [K].
 
     Examples
@@ -216,15 +216,15 @@ def of_bulks(given: float | Mapping[str, float | None] | None) -> dict[str, Any]
     >>> of_bulks(298.15)
     {'bulk_temperature': 298.15, 'disk_temperature': None}
     """
-    if not isinstance(given, Mapping):
-        return {"bulk_temperature": given, "disk_temperature": None}
-    if set(given) != {"pin", "disk"}:
+    if not isinstance(bulks, Mapping):
+        return {"bulk_temperature": bulks, "disk_temperature": None}
+    if set(bulks) != {"pin", "disk"}:
         raise InputError(
-            f"bulk_temperature names {', '.join(map(str, given)) or 'no body'}; give one "
+            f"bulk_temperature names {', '.join(map(str, bulks)) or 'no body'}; give one "
             "temperature for both bodies, or one for pin and one for disk"
         )
-    disk = given["disk"] if given["disk"] != given["pin"] else None
-    return {"bulk_temperature": given["pin"], "disk_temperature": disk}
+    disk = bulks["disk"] if bulks["disk"] != bulks["pin"] else None
+    return {"bulk_temperature": bulks["pin"], "disk_temperature": disk}
 
 
 def in_celsius(temperature: float) -> str:

@@ -46,8 +46,8 @@ def correlated(correlations: Array, shares: Array) -> list[Array]:
 def first_unfit(correlations: Array) -> int | None:
     """Number of the first input that cannot be correlated with those before it as it is said to."""
     for i in range(1, len(correlations)):
-        before, own = correlations[:i, :i], correlations[i, :i]
-        if 1 - own @ np.linalg.solve(before, own) < _LEAST:
+        before, last = correlations[:i, :i], correlations[i, :i]
+        if 1 - last @ np.linalg.solve(before, last) < _LEAST:
             return i
     return None
 

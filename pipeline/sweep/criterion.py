@@ -123,8 +123,8 @@ def worst_moment(rise: Array, normal_load: Array, load: Array | float) -> Indice
     2
     """
     counts = np.isfinite(rise) & (normal_load >= load)
-    at: Indices = np.argmax(np.where(counts, rise, -math.inf), axis=-1)
-    return np.where(counts.any(axis=-1), at, rise.shape[-1] - 1)
+    step: Indices = np.argmax(np.where(counts, rise, -math.inf), axis=-1)
+    return np.where(counts.any(axis=-1), step, rise.shape[-1] - 1)
 
 
 def decisive_rises(
@@ -138,8 +138,8 @@ def decisive_rises(
     """
     rises = conditions.decisive.rise(at_bulks(columns, conditions))
     worst = worst_moment(rises, columns["normal_load"], load)
-    found: Array = np.take_along_axis(rises, worst[..., None], axis=-1)[..., 0]
-    return found
+    decisive: Array = np.take_along_axis(rises, worst[..., None], axis=-1)[..., 0]
+    return decisive
 
 
 def verdict(columns: Mapping[str, Array], load: float, conditions: Conditions) -> Verdict:

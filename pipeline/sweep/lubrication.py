@@ -62,16 +62,16 @@ class Lubrication:
     @classmethod
     def stored(cls, attributes: Mapping[str, Any]) -> Self | None:
         """Take what the attributes of a stored sweep say; None if they say nothing of it."""
-        found = attributes.get("lubrication")
-        if not found:
+        stored = attributes.get("lubrication")
+        if not stored:
             return None
         oil: dict[str, Any] = {
             name: tuple(value) if isinstance(value, list) else value
-            for name, value in found["oil"].items()
+            for name, value in stored["oil"].items()
         }
-        motion = found.get("motion")
+        motion = stored.get("motion")
         parts = {"oil": Oil(**oil), "motion": Motion(**motion) if motion else None}
-        return cls(**{**found, **parts})
+        return cls(**{**stored, **parts})
 
     def as_dict(self) -> dict[str, Any]:
         """Return plain data, which `stored` reads."""
@@ -110,9 +110,10 @@ class Lubrication:
         [0.35 0.89]
         """
         loads, velocities = np.broadcast_arrays(load, velocity)
-        found = np.full(loads.shape, np.nan)
+        parameters = np.full(loads.shape, np.nan)
         for index in np.ndindex(loads.shape):
-            at = float(loads[index]), float(velocities[index])
-            if at[0] > 0 and math.isfinite(at[1]):
-                found[index] = self.film_thickness(*at, temperature) / self.rms_height
-        return found
+            load, velocity = float(loads[index]), float(velocities[index])
+            if load > 0 and math.isfinite(velocity):
+                film = self.film_thickness(load, velocity, temperature)
+                parameters[index] = film / self.rms_height
+        return parameters

@@ -237,11 +237,11 @@ class Sweep(Scene):
         low, high = (f"{1e9 * rate:g} mm³/(N m)" for rate in self.wear_rates)
         if self.wear is None or not self.wears:
             return "nothing wears; give [wear], or leave them out"
-        own = self.wear.specific_wear_rate
-        if not self.wear_rates[0] <= own <= self.wear_rates[1] or low == high:
+        usual = self.wear.specific_wear_rate
+        if not self.wear_rates[0] <= usual <= self.wear_rates[1] or low == high:
             return (
-                f"from {low} to {high} does not enclose the scene's own, {1e9 * own:g} mm³/(N m); "
-                "give a lower and a higher one"
+                f"from {low} to {high} does not enclose the scene's own, {1e9 * usual:g} "
+                "mm³/(N m); give a lower and a higher one"
             )
         if self.samples:
             return "samples draw what is not known themselves; leave out one or the other"
@@ -249,8 +249,8 @@ class Sweep(Scene):
             return "the bulk temperatures are unequal; give one, or leave them out"
         if not self.friction_heat:
             return "there is no friction, and so no heat; give friction.coefficient above 0"
-        rates = (own, *self.wear_rates)
-        velocities = [speed * own / rate for speed in self.velocities for rate in rates]
+        rates = (usual, *self.wear_rates)
+        velocities = [speed * usual / rate for speed in self.velocities for rate in rates]
         if reason := inseparable(self, velocities):
             return f"{reason}; change that, or leave them out"
         return None
@@ -284,8 +284,8 @@ class Sweep(Scene):
         low, high = self.wear_rates
         count = 1 + math.ceil(math.log(high / low) / math.log(_RATE_RATIO) - 1e-9)
         rates = (float(f"{rate:.12g}") for rate in np.geomspace(low, high, count))
-        own = self.wear.specific_wear_rate
-        return tuple(rate for rate in rates if not math.isclose(rate, own, rel_tol=1e-6))
+        usual = self.wear.specific_wear_rate
+        return tuple(rate for rate in rates if not math.isclose(rate, usual, rel_tol=1e-6))
 
     @property
     def axes(self) -> dict[str, tuple[Label, ...]]:

@@ -80,8 +80,8 @@ class Own:
         return getattr(self.made, name)
 
     def __repr__(self) -> str:
-        given = ", ".join(f"{name}={value!r}" for name, value in self.parameters)
-        return f"{self.reference}({given})"
+        arguments = ", ".join(f"{name}={value!r}" for name, value in self.parameters)
+        return f"{self.reference}({arguments})"
 
 
 def identity_of(law: Any) -> dict[str, Any]:
@@ -96,12 +96,12 @@ def identity_of(law: Any) -> dict[str, Any]:
             f"the source of {kind.__module__}:{kind.__qualname__} cannot be read, and a store "
             'keeps its hash; put it into a file, and name it as "module:name"'
         ) from error
-    given = {
+    fields = {
         name: value if isinstance(value, str | float | int | bool) else repr(value)
         for name, value in ((name, getattr(law, name)) for name in _fields(law))
     }
     digest = hashlib.sha256(text.encode()).hexdigest()
-    return {"law": f"{kind.__module__}:{kind.__qualname__}", "parameters": given, "hash": digest}
+    return {"law": f"{kind.__module__}:{kind.__qualname__}", "parameters": fields, "hash": digest}
 
 
 def own_laws(scene: Scene) -> dict[str, dict[str, Any]]:
@@ -127,15 +127,15 @@ def _made(reference: str, parameters: tuple[tuple[str, Any], ...], source: str |
     if not hasattr(module, name):
         public = ", ".join(sorted(_defined_in(module)))
         raise InputError(f'"{reference}": the module has no {name}; it has {public or "nothing"}')
-    found = getattr(module, name)
-    if not parameters and not isinstance(found, type):
-        return found
+    law = getattr(module, name)
+    if not parameters and not isinstance(law, type):
+        return law
     try:
-        return found(**dict(parameters))
+        return law(**dict(parameters))
     except Exception as error:
-        given = ", ".join(f"{key} = {value!r}" for key, value in parameters) or "no parameters"
+        words = ", ".join(f"{key} = {value!r}" for key, value in parameters) or "no parameters"
         raise InputError(
-            f'"{reference}" cannot be made with {given}: {type(error).__name__}: {error}'
+            f'"{reference}" cannot be made with {words}: {type(error).__name__}: {error}'
         ) from error
 
 

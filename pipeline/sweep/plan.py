@@ -258,9 +258,9 @@ def run_points(
             for variant, point in zip(variants, points, strict=True)
         ]
         rows = list(zip(variants, states, strict=True))
-        for name, row, own in zip(names, rows, at_load, strict=True):
+        for name, row, hot in zip(names, rows, at_load, strict=True):
             if row[1].heat and row[1].normal_load >= load:
-                own[len(records[name])] = row[1]
+                hot[len(records[name])] = row[1]
             records[name].append(_record(*row))
         trunk = _extended(trunk, contact, rows, load, records)
         if progress:
@@ -270,15 +270,15 @@ def run_points(
         PointResult(
             point=point,
             columns=_stacked(records[point.variant])
-            | _at_wear_rates(variant, point.velocity, own, len(records[point.variant])),
+            | _at_wear_rates(variant, point.velocity, hot, len(records[point.variant])),
             state=state,
             shape=variant.grid.shape,
             warnings=tuple(warnings(variant, state)),
             trunk=trunk,
-            at_load=tuple(own.values()),
+            at_load=tuple(hot.values()),
             wall_time=duration,
         )
-        for point, variant, state, own in zip(points, variants, states, at_load, strict=True)
+        for point, variant, state, hot in zip(points, variants, states, at_load, strict=True)
     )
 
 
@@ -300,18 +300,18 @@ def _at_wear_rates(
     """
     if sweep.wear is None or not sweep.rates:
         return {}
-    own, rates = sweep.wear.specific_wear_rate, sweep.rates
-    found = {
+    usual, rates = sweep.wear.specific_wear_rate, sweep.rates
+    columns = {
         "rise_quantile": np.full((steps, len(rates), len(QUANTILES)), np.nan),
         "mean_rise": np.full((steps, len(rates)), np.nan),
         "pin_heat_share": np.full((steps, len(rates)), np.nan),
     }
     for step, state in at_load.items():
         for place, rate in enumerate(rates):
-            temperature = heat(sweep, state, velocity * own / rate)
-            for name, values in found.items():
+            temperature = heat(sweep, state, velocity * usual / rate)
+            for name, values in columns.items():
                 values[step, place] = getattr(temperature, name)
-    return {f"{name}_at_wear_rate": values for name, values in found.items()}
+    return {f"{name}_at_wear_rate": values for name, values in columns.items()}
 
 
 def columns_of(sweep: Sweep, states: Iterable[State]) -> dict[str, Array]:
@@ -358,7 +358,8 @@ def _is_same_for_higher_loads(sweep: Sweep, state: State, load: float) -> bool:
     """True if a ramp to a higher load reports the same temperature at this state."""
     if state.normal_load < load:
         return True
-    (station,) = (at for at in sweep.stations(load) if at.on_trunk and at.normal_load == load)
+    stations = [one for one in sweep.stations(load) if one.on_trunk]
+    (station,) = (one for one in stations if one.normal_load == load)
     interval = sweep.fidelity.temperature_interval
     return interval > 0 and station.index % interval == 0
 
@@ -367,6 +368,6 @@ def _record(sweep: Sweep, state: State) -> Record:
     quantiles = state.heat.rise_quantile if state.heat else _NO_QUANTILES
     record: dict[str, float | Array] = {**measures(sweep, state), "rise_quantile": quantiles}
     if sweep.unequal_bulks:
-        found = state.heat.bulk_rise_quantile if state.heat else None
-        record["bulk_rise_quantile"] = _NO_BULK_QUANTILES if found is None else found
+        of_bulk = state.heat.bulk_rise_quantile if state.heat else None
+        record["bulk_rise_quantile"] = _NO_BULK_QUANTILES if of_bulk is None else of_bulk
     return record

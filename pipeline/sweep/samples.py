@@ -90,8 +90,8 @@ class Design:
         contacts = sequence(self.seed, -(-count // group)).repeat(group, axis=0)[:count]
         rows = sequence(self.seed + 2**31, count)
         columns = [
-            each.at(_widened(each, (rows if layer == "heat" else contacts)[:, i]))
-            for i, (each, layer) in enumerate(zip(self.inputs, self.layers, strict=True))
+            one.at(_widened(one, (rows if layer == "heat" else contacts)[:, i]))
+            for i, (one, layer) in enumerate(zip(self.inputs, self.layers, strict=True))
         ]
         place = np.arange(count) % group
         leads, stratum = place == 0, (place - 1 + rows[:, MOST]) / max(group - 1, 1)
@@ -99,28 +99,28 @@ class Design:
         first = low + (high - low) * contacts[:, MOST]
         if "wear rate" in self.layers:
             # Samples of a contact have velocities that leave their wear rate likely.
-            at = self.layers.index("wear rate")
-            rate = self.inputs[at]
+            k = self.layers.index("wear rate")
+            rate = self.inputs[k]
             least, most = np.log(rate.at(scipy.special.ndtr(np.array([-_RATES, _RATES]))))
             if "contact" in self.layers:
-                number = np.log(columns[at]) + first
+                number = np.log(columns[k]) + first
                 low = np.minimum(np.maximum(low, number - most), first)
                 high = np.maximum(np.minimum(high, number - least), first)
             else:
-                number = low + least + _sum(contacts[:, at], high - low, most - least)
+                number = low + least + _sum(contacts[:, k], high - low, most - least)
                 low, high = np.maximum(low, number - most), np.minimum(high, number - least)
                 leads, stratum = np.full(count, False), (place + rows[:, MOST]) / group
         velocities = np.exp(np.where(leads, first, low + (high - low) * stratum))
         if "wear rate" in self.layers:
-            columns[at] = np.where(leads, columns[at], np.exp(number) / velocities)
+            columns[k] = np.where(leads, columns[k], np.exp(number) / velocities)
         return np.column_stack([*columns, velocities])[:, :-1], velocities
 
     def as_dict(self) -> dict[str, Any]:
         """Return all that decides the samples as plain data."""
-        inputs = {each.path: each.as_dict() for each in self.inputs}
-        for each in inputs.values():
-            each.pop("written", None)  # the same values in another unit are the same samples
-            each.pop("correlated", None)
+        inputs = {one.path: one.as_dict() for one in self.inputs}
+        for entries in inputs.values():
+            entries.pop("written", None)  # the same values in another unit are the same samples
+            entries.pop("correlated", None)
         return {
             "inputs": inputs,
             "layers": list(self.layers),
@@ -132,7 +132,7 @@ class Design:
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> Design:
         """Make one from what `as_dict` returned."""
-        inputs = tuple(Unknown.from_dict(each) for each in data["inputs"].values())
+        inputs = tuple(Unknown.from_dict(entries) for entries in data["inputs"].values())
         low, high = data["velocities"]
         layers = tuple(data["layers"])
         return cls(inputs, layers, (low, high), data["seed"], data["per_contact"])
@@ -159,7 +159,7 @@ class Samples:
         """Inputs by their paths [SI], and ``velocity`` [m/s], of so many samples."""
         values, velocities = self.design.draw(count)
         inputs = zip(self.design.inputs, values.T, strict=True)
-        return {each.path: column.tolist() for each, column in inputs} | {
+        return {one.path: column.tolist() for one, column in inputs} | {
             "velocity": velocities.tolist()
         }
 

@@ -97,12 +97,12 @@ class Selection:
     def from_dict(cls, data: Mapping[str, Any]) -> Selection:
         """Make a selection from what `as_dict` returned."""
         trials = (trial | {"fidelity": Fidelity(**trial["fidelity"])} for trial in data["trials"])
-        given = {
+        nested = {
             "fidelity": Fidelity(**data["fidelity"]),
             "trials": tuple(Trial(**trial) for trial in trials),
             "points": tuple((place["load"], place["velocity"]) for place in data["points"]),
         }
-        return cls(**{**data, **given})
+        return cls(**{**data, **nested})
 
     def __str__(self) -> str:
         asked = f"accuracy {100 * self.accuracy:g} %"

@@ -37,8 +37,8 @@ def staged(
     for number, item in enumerate(everything):
         done, left = sum(weights[:number]), sum(weights[number:])
         elapsed = clock() - began
-        known = done > 0 and elapsed >= _SOON
-        rest = f" (about {duration(elapsed * left / done)} to go)" if known else ""
+        can_tell = done > 0 and elapsed >= _SOON
+        rest = f" (about {duration(elapsed * left / done)} to go)" if can_tell else ""
         count = f"{number + 1} of {len(everything)}: " if len(everything) > 1 else ""
         if tell:
             tell(f"{count}{name(item)}{rest}")

@@ -81,22 +81,22 @@ class Unknown:
     correlated: tuple[tuple[str, float], ...] = ()
 
     def __post_init__(self) -> None:
-        given = self.parameters
-        if self.kind not in get_args(Kind) or not all(map(math.isfinite, given)):
-            raise InputError(f"{self.kind} with {given} is not a distribution; give finite numbers")
+        terms = self.parameters
+        if self.kind not in get_args(Kind) or not all(map(math.isfinite, terms)):
+            raise InputError(f"{self.kind} with {terms} is not a distribution; give finite numbers")
         unit = self.shown
-        first, last = (f"{unit.of(value):g}{unit.suffix}" for value in (given[0], given[-1]))
+        first, last = (f"{unit.of(value):g}{unit.suffix}" for value in (terms[0], terms[-1]))
         fault = {
-            "normal": len(given) == 2 and given[1] <= 0 and f"sd is {given[-1]:g}; give above 0",
-            "log-normal": len(given) == 2
+            "normal": len(terms) == 2 and terms[1] <= 0 and f"sd is {terms[-1]:g}; give above 0",
+            "log-normal": len(terms) == 2
             and (
-                (given[0] <= 0 and f"median is {first}; give above 0")
-                or (given[1] <= 1 and f"factor is {given[1]:g}; give above 1, such as 1.5")
+                (terms[0] <= 0 and f"median is {first}; give above 0")
+                or (terms[1] <= 1 and f"factor is {terms[1]:g}; give above 1, such as 1.5")
             ),
-            "uniform": len(given) == 2
-            and given[0] >= given[1]
+            "uniform": len(terms) == 2
+            and terms[0] >= terms[1]
             and f"from {first} to {last} does not rise; give the lower one first",
-            "list": len(set(given)) < max(2, len(given)) and "give at least two different values",
+            "list": len(set(terms)) < max(2, len(terms)) and "give at least two different values",
         }[self.kind]
         if fault:
             raise InputError(fault)
@@ -153,14 +153,14 @@ class Unknown:
         values = [f"{self.shown.of(value):.6g}" for value in self.parameters]
         first, second = values[0], self.parameters[1]
         spread = f"{self.spread.of(second):.6g}{self.spread.suffix}"
-        told = {
+        words = {
             "normal": f"normal, mean {first}{unit}, sd {spread}",
             "log-normal": f"log-normal, median {first}{unit}, factor {second:.6g}",
             "uniform": f"uniform from {first} to {values[1]}{unit}",
             "list": f"one of {', '.join(values)}{unit}",
         }[self.kind]
         pairs = (f", correlated by {number:g} with {path}" for path, number in self.correlated)
-        return f"{self.path}: {told}{''.join(pairs)}"
+        return f"{self.path}: {words}{''.join(pairs)}"
 
 
 def drawn(unknown: tuple[Unknown, ...], seed: int, count: int) -> Array:
@@ -185,17 +185,17 @@ def from_scores(unknown: Sequence[Unknown], scores: Array) -> Array:
 
 def _at_shares(unknown: Sequence[Unknown], shares: Array) -> Array:
     columns = correlated(correlations(unknown), shares)
-    return np.stack([each.at(column) for each, column in zip(unknown, columns, strict=True)], 1)
+    return np.stack([one.at(column) for one, column in zip(unknown, columns, strict=True)], 1)
 
 
 def correlations(unknown: Sequence[Unknown]) -> Array:
     """Correlations of the normal scores of unknown inputs, shape (n_unknown, n_unknown)."""
-    number = {each.path: i for i, each in enumerate(unknown)}
-    found = np.eye(len(unknown))
-    for i, each in enumerate(unknown):
-        for path, correlation in each.correlated:
-            found[i, number[path]] = found[number[path], i] = correlation
-    return found
+    number = {one.path: i for i, one in enumerate(unknown)}
+    matrix = np.eye(len(unknown))
+    for i, one in enumerate(unknown):
+        for path, correlation in one.correlated:
+            matrix[i, number[path]] = matrix[number[path], i] = correlation
+    return matrix
 
 
 def sequence(seed: int, count: int) -> Array:
