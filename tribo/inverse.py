@@ -115,6 +115,11 @@ def critical_temperature(
     """
     if not transitions:
         raise InputError("there is no transition; at least one is needed")
+    if not math.isfinite(bulk_temperature + bulk_difference):
+        raise InputError(
+            f"bulk_temperature is {bulk_temperature!r} and bulk_difference {bulk_difference!r}; "
+            "both must be finite"
+        )
     decisive = Criterion.of(criterion)
     apart = replace(corrections, friction=()) if corrections else None
     for _, _, friction in transitions:

@@ -63,6 +63,7 @@ class Oil:
 
         log log(ν + 0.7) is linear in log T, with ν [mm²/s] and T [K] (ASTM D341; Walther 1931).
         """
+        require_positive(temperature=temperature)
         place = math.log(temperature / self.temperatures[0]) / math.log(
             self.temperatures[1] / self.temperatures[0]
         )
@@ -100,8 +101,9 @@ def minimum_line_film(
     >>> f"{1e6 * h:.3f} µm"
     '0.111 µm'
     """
+    require_positive(load_per_length=load_per_length, radius=radius)
     R, E = radius, 2 * contact_modulus
-    U, G, W = viscosity * speed / (E * R), pressure_coefficient * E, load_per_length / (E * R)
+    U, G, W = viscosity * abs(speed) / (E * R), pressure_coefficient * E, load_per_length / (E * R)
     return float(2.65 * U**0.7 * G**0.54 * W**-0.13 * R)
 
 
@@ -128,8 +130,9 @@ def minimum_point_film(
     >>> f"{1e6 * h:.3f} µm"
     '0.143 µm'
     """
+    require_positive(normal_load=normal_load, radius=radius)
     R, E = radius, 2 * contact_modulus
-    U, G, W = viscosity * speed / (E * R), pressure_coefficient * E, normal_load / (E * R**2)
+    U, G, W = viscosity * abs(speed) / (E * R), pressure_coefficient * E, normal_load / (E * R**2)
     return float(3.63 * U**0.68 * G**0.49 * W**-0.073 * -math.expm1(-0.68 * ellipticity) * R)
 
 
@@ -144,6 +147,8 @@ def lubrication_regime(film_parameter: float) -> str:
     >>> [lubrication_regime(value) for value in (0.33, 1.0, 3.0)]
     ['boundary lubrication', 'mixed lubrication', 'full film, outside the model']
     """
+    if math.isnan(film_parameter):
+        raise InputError("film_parameter is nan; give that of a film that is known")
     if film_parameter < BOUNDARY:
         return "boundary lubrication"
     return "mixed lubrication" if film_parameter < FULL_FILM else "full film, outside the model"

@@ -117,6 +117,14 @@ def test_bounds_are_no_narrower_than_rates_are_told_apart(monkeypatch):
     assert found.lowest < 1.2e-15 < found.highest < 1.02 * found.lowest
 
 
+@pytest.mark.parametrize("difference", [math.nan, math.inf])
+def test_no_critical_temperature_is_made_of_an_unknown_bulk(difference):
+    with pytest.raises(InputError, match="both must be finite"):
+        critical_temperature(
+            critical_temperature_rig(), [(10.0, 0.065, 0.1)], 298.15, bulk_difference=difference
+        )
+
+
 @pytest.mark.parametrize("width", [1e-4, 4e-4])
 def test_a_width_that_no_wear_makes_is_refused(width):
     with pytest.raises(InputError, match=r"lie between 0\.000\d+ m, .* without wear, and the 0\.0"):
