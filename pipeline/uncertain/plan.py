@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.special import ndtr
+from scipy.special import log_ndtr, ndtr
 
 from pipeline.scene.quantities import in_si
 from pipeline.scene.units import UnitError, to_si
@@ -256,7 +256,7 @@ class _Plan:
             if velocities[0] <= likely <= velocities[-1]:
                 yield _Measurement(
                     f"the transition at {where}, about {likely:.3g} m/s",
-                    self._gaussian(log_velocity, deviation),
+                    self._searched(log_velocity, deviation),
                     test | {"velocity": likely},
                 )
             for velocity in velocities:
@@ -282,12 +282,24 @@ class _Plan:
             "friction_scatter": float(np.mean(scatters)),
         }
 
-    def _gaussian(self, values: Array, deviation: Array | float) -> Array:
+    def _results(self, values: Array, deviation: Array) -> Array:
+        """Numbers that are measured with an error, of the truths."""
+        chance = self._chance.standard_normal(_TRUTHS)
+        return np.asarray(values[:_TRUTHS] + deviation[:_TRUTHS] * chance)
+
+    def _gaussian(self, values: Array, error: float) -> Array:
         """Likelihood of a number that is measured with an error."""
-        deviation = np.broadcast_to(deviation, values.shape)
-        truths = values[:_TRUTHS] + deviation[:_TRUTHS] * self._chance.standard_normal(_TRUTHS)
-        z = (truths[:, None] - values) / np.maximum(deviation, 1e-300)
-        log: Array = -0.5 * z**2 - np.log(np.maximum(deviation, 1e-300))
+        deviation = np.full(values.shape, max(error, 1e-300))
+        return _log_density(self._results(values, deviation), values, deviation)
+
+    def _searched(self, log_velocity: Array, deviation: Array) -> Array:
+        """Likelihood of a transition that is sought, and may lie beyond the velocities."""
+        results = self._results(log_velocity, deviation)
+        low, high = np.log(self._ensemble.velocities)
+        log = _log_density(results, log_velocity, deviation)
+        is_below, is_above = results < low, results > high
+        log[is_below] = log_ndtr((low - log_velocity) / deviation)
+        log[is_above] = log_ndtr((log_velocity - high) / deviation)
         return log
 
     def _outcome(self, z: Array) -> Array:
@@ -296,3 +308,9 @@ class _Plan:
         is_severe = self._chance.random(_TRUTHS) < severe[:_TRUTHS]
         log: Array = np.where(is_severe[:, None], np.log(severe), np.log1p(-severe))
         return log
+
+
+def _log_density(results: Array, values: Array, deviation: Array) -> Array:
+    """Logarithm of the density of results by value, each with its own deviation."""
+    log: Array = -0.5 * ((results[:, None] - values) / deviation) ** 2 - np.log(deviation)
+    return log

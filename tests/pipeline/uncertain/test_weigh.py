@@ -312,30 +312,42 @@ def test_candidates_are_ranked_by_the_spread_that_they_leave():
     assert by_name["temperature.critical"].spread < by_name["friction"].spread
 
 
-@pytest.mark.parametrize("scatter_is_said", [True, False])
-def test_a_planned_test_promises_the_spread_that_is_had(scatter_is_said):
-    known = (CRITICAL,)
-    obvious = {"normal_load": 200.0, "velocity": 0.5, "outcome": "mild", "friction": 0.1}
+OBVIOUS = {"normal_load": 200.0, "velocity": 0.5, "outcome": "mild", "friction": 0.1}
+
+
+def searched(place, kelvins, seed, scatter_is_said):
+    """A transition of a critical temperature; severe wear at 0.5 m/s where it lies below."""
+    load, bulk = place["normal_load"], place["bulk_temperature"]
+    critical = alone((kelvins - bulk) / 0.1, load)
+    noise = math.exp(0.05 * np.random.default_rng(seed).standard_normal())
+    entry = OBVIOUS | place | {"velocity": max(float(critical * noise), 0.5), "outcome": "severe"}
+    if entry["velocity"] > 0.5:
+        del entry["outcome"]
     if scatter_is_said:
-        obvious["velocity_scatter"] = 0.025
-    before = pipeline.posterior(dataclasses.replace(ensemble(known), tested=(obvious,)))
-    (planned,) = pipeline.batch(before, 1, CRITICAL.path)
-    assert planned.test is not None
-    had = []
-    for number, kelvins in enumerate(drawn(known, 3, 24)[:, 0]):
-        rng = np.random.default_rng(number)
-        load, bulk = planned.test["normal_load"], planned.test["bulk_temperature"]
-        limit = (kelvins - bulk) / 0.1
-        critical = alone(limit, load)
-        entry = {
-            "normal_load": load, "bulk_temperature": bulk, "friction": 0.1,
-            "velocity": float(max(critical * math.exp(0.05 * rng.standard_normal()), 0.5)),
-        }  # fmt: skip
-        if scatter_is_said:
-            entry["velocity_scatter"] = 0.05 * float(critical)
-        after = pipeline.posterior(ensemble(known, measured=[entry]))
-        (row,) = after.summary()
-        had.append(row["posterior"]["sd"])
+        entry["velocity_scatter"] = 0.05 * entry["velocity"]
+    return entry
+
+
+@pytest.mark.parametrize(
+    ("bulk", "most_beyond", "scatter_is_said"),
+    [("25 degC", 0, False), ("110 degC", 20, True)],
+)
+def test_a_planned_transition_promises_the_spread_that_is_had(bulk, most_beyond, scatter_is_said):
+    log = OBVIOUS | ({"velocity_scatter": 0.025} if scatter_is_said else {})
+    sweep = ensemble((CRITICAL,))
+    before = pipeline.posterior(dataclasses.replace(sweep, tested=(log,)))
+    ranked = pipeline.candidates(before, CRITICAL.path, [bulk])
+    planned = next(one for one in ranked if one.what.startswith("the transition at 200 N"))
+    place = {name: planned.test[name] for name in ("normal_load", "bulk_temperature")}
+    tests = [
+        searched(place, kelvins, seed, scatter_is_said)
+        for seed, kelvins in enumerate(drawn((CRITICAL,), 3, 24)[:, 0])
+    ]
+    after = (pipeline.posterior(dataclasses.replace(sweep, tested=(test,))) for test in tests)
+    had = [next(each.summary())["posterior"]["sd"] for each in after]
+    beyond = sum("outcome" in test for test in tests)
+    assert (beyond > 4) == (most_beyond > 0)
+    assert beyond <= most_beyond
     assert math.sqrt(np.mean(np.square(had))) == pytest.approx(planned.spread, rel=0.2)
 
 
