@@ -7,7 +7,7 @@ import pytest
 import pipeline
 from pipeline.uncertain.ensemble import CRITICAL
 from tests.helpers import rejection
-from tests.pipeline.cli.test_commands import SCENE
+from tests.helpers.scenes import SCENE
 
 RATE = "wear.specific_wear_rate"
 ENTRIES = {
