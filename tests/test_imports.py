@@ -2,11 +2,9 @@
 
 import ast
 import inspect
-import os
 import pydoc
 import re
 import rlcompleter
-import subprocess
 import sys
 from pathlib import Path
 
@@ -14,6 +12,7 @@ import pytest
 
 import pipeline
 import tribo
+from tests.helpers.processes import python
 
 ROOT = Path(__file__).parents[1]
 HEAVY = {"dask", "zarr", "xarray", "pandas", "matplotlib", "pint", "numpy", "scipy"}
@@ -22,14 +21,7 @@ HEAVY = {"dask", "zarr", "xarray", "pandas", "matplotlib", "pint", "numpy", "sci
 def loaded_by(code):
     """Heavy libraries that a fresh interpreter has loaded after `code`."""
     report = f"import sys\n{code}\nprint(*sorted({HEAVY!r} & set(sys.modules)))"
-    done = subprocess.run(
-        [sys.executable, "-c", report],
-        env=os.environ | {"PYTHONPATH": str(ROOT)},
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    return set(done.stdout.splitlines()[-1].split())
+    return set(python("-c", report, check=True).stdout.splitlines()[-1].split())
 
 
 def test_the_physics_need_numpy_and_scipy_alone():

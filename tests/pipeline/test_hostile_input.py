@@ -25,6 +25,7 @@ from pipeline.store.root import read_attributes
 from pipeline.store.verify import verify_store
 from pipeline.sweep.stages import duration
 from tests.helpers import tiny
+from tests.helpers.processes import python
 from tests.helpers.stores import commit
 
 ROOT = Path(__file__).parents[2]
@@ -158,15 +159,8 @@ def test_the_root_of_all_files_is_no_store(capsys):
 @pytest.mark.parametrize("options", [[], ["--json"]])
 def test_results_that_find_no_room_are_an_error_in_a_line(alone, options):
     with open("/dev/full", "w") as full:  # noqa: PTH123
-        done = subprocess.run(
-            [sys.executable, "-m", "pipeline", "status", alone, *options],
-            env={**os.environ, "PYTHONPATH": str(ROOT)},
-            stdout=full,
-            stderr=subprocess.PIPE,
-            text=True,
-            timeout=60,
-            check=False,
-        )
+        streams = {"stdout": full, "stderr": subprocess.PIPE, "capture_output": False}
+        done = python("-m", "pipeline", "status", alone, *options, **streams)
     assert done.returncode == 2
     assert done.stderr.startswith("irg: cannot go on: [Errno 28] No space left")
     assert done.stderr.count("\n") == 1
@@ -198,15 +192,11 @@ def test_a_time_to_go_has_an_end(seconds):
 @pytest.mark.parametrize("command", [["plot", "-o", "a.png"], ["explore", "-o", "a.html"]])
 def test_where_memory_is_short_a_line_says_so(alone, tmp_path, command, megabytes):
     """Up to 650 MB OpenBLAS or a thread that cannot start may wait for ever: refused before."""
-    done = subprocess.run(
-        [sys.executable, "-m", "pipeline", command[0], alone, *command[1:]],
+    done = python(
+        *("-m", "pipeline", command[0], alone, *command[1:]),
+        variables={"OPENBLAS_NUM_THREADS": "2"},
         cwd=tmp_path,
-        env={**os.environ, "PYTHONPATH": str(ROOT), "OPENBLAS_NUM_THREADS": "2"},
         preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (megabytes * 2**20,) * 2),
-        capture_output=True,
-        text=True,
-        timeout=60,
-        check=False,
     )
     assert "Traceback" not in done.stderr
     assert done.returncode == (0 if (tmp_path / command[-1]).exists() else 2)

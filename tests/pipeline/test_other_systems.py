@@ -1,11 +1,8 @@
 """Where there is no POSIX, as on Windows: what reads works, what writes says what it needs."""
 
-import os
-import subprocess
-import sys
-
 import pytest
 
+from tests.helpers.processes import python
 from tests.helpers.scenes import SCENE
 
 WITHOUT_POSIX = """
@@ -21,13 +18,7 @@ sys.exit(main(sys.argv[1:]))
 
 
 def run(*arguments):
-    return subprocess.run(
-        [sys.executable, "-c", WITHOUT_POSIX, *map(str, arguments)],
-        capture_output=True,
-        text=True,
-        check=False,
-        env=os.environ | {"OMP_NUM_THREADS": "1"},
-    )
+    return python("-c", WITHOUT_POSIX, *arguments, variables={"OMP_NUM_THREADS": "1"})
 
 
 PLACE = ("--load", "200 N", "--velocity", "1 m/s")

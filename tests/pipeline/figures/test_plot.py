@@ -1,7 +1,5 @@
 """Figures (pipeline/figures/plot.py and pipeline/figures/diagram.py), by what is in them."""
 
-import subprocess
-import sys
 from dataclasses import replace
 
 import matplotlib
@@ -21,6 +19,7 @@ from pipeline.sweep.lubrication import Lubrication
 from pipeline.uncertain.answers import probabilities, risk_lines
 from pipeline.uncertain.weigh import posterior
 from tests.helpers import samples, synthetic
+from tests.helpers.processes import python
 from tests.helpers.synthetic import LOADS, MEASURED, OILED, VELOCITIES
 from tribo import InputError
 
@@ -350,7 +349,7 @@ def test_wrong_use_is_refused_with_what_is_allowed(sweep, tmp_path):
 
 def test_figures_need_no_pyplot():
     code = "import sys, pipeline.figures.plot; sys.exit('matplotlib.pyplot' in sys.modules)"
-    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+    assert python("-c", code).returncode == 0
 
 
 SCENE = {

@@ -4,13 +4,12 @@ Each campaign is also made to fail, by breaking the rule that it tests.
 """
 
 import json
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
 from tests.crash.power import kinds
+from tests.helpers.processes import python
 
 ROOT = Path(__file__).parents[3]
 
@@ -18,14 +17,7 @@ needs_disks = pytest.mark.skipif(not kinds(), reason="no disk can be made and mo
 
 
 def reported(campaign, *options, trials=1):
-    done = subprocess.run(
-        [sys.executable, "-m", "tests.crash", campaign, "--trials", str(trials), *options],
-        cwd=ROOT,
-        stdout=subprocess.PIPE,
-        text=True,
-        check=False,
-        timeout=300,
-    )
+    done = python("-m", "tests.crash", campaign, "--trials", trials, *options, timeout=300)
     report = json.loads(done.stdout)[campaign]
     assert done.returncode == bool(report["faults"])
     return report

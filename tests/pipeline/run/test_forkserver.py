@@ -1,12 +1,11 @@
 """The process that workers are forked from (pipeline/run/forkserver.py)."""
 
 import os
-import subprocess
-import sys
 from pathlib import Path
 
 from pipeline.run import forkserver
 from pipeline.run.cluster import connected
+from tests.helpers.processes import python
 
 ROOT = Path(__file__).parents[3]
 
@@ -40,14 +39,7 @@ run_sweep(tiny.sweep(), sys.argv[1], workers=2)
 def test_a_script_that_calls_it_unguarded_is_told_so_once(tmp_path):
     script = tmp_path / "script.py"
     script.write_text(SCRIPT)
-    done = subprocess.run(
-        [sys.executable, script, tmp_path / "out.zarr"],
-        env={**os.environ, "PYTHONPATH": str(ROOT)},
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=200,  # a busy machine takes two minutes
-    )
+    done = python(script, tmp_path / "out.zarr")  # a busy machine takes two minutes
     assert done.returncode == 1
     assert done.stderr.count("Traceback") == done.stderr.count("ExecutionError: ") == 1
     assert 'call run_sweep under if __name__ == "__main__":' in done.stderr

@@ -4,8 +4,6 @@ import errno
 import itertools
 import json
 import os
-import subprocess
-import sys
 import threading
 
 import pytest
@@ -21,6 +19,7 @@ from pipeline.store.verify import verify_store
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import points, run_point
 from tests.helpers import tiny
+from tests.helpers.processes import python
 from tests.helpers.stores import (
     assert_is_as_computed,
     commit,
@@ -121,8 +120,7 @@ def test_few_files_may_be_open(path):
         assert pipeline.verify_store({str(path)!r}).is_clean
         assert pipeline.open_sweep({str(path)!r}).load()["time"].notnull().any()
     """
-    environment = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}
-    subprocess.run([sys.executable, "-c", program], env=environment, check=True, timeout=120)
+    python("-c", program, check=True)
 
 
 # Readers

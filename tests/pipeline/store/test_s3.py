@@ -1,8 +1,6 @@
 """Stores in an object store, on a server of this machine."""
 
 import os
-import subprocess
-import sys
 
 import boto3
 import pytest
@@ -22,6 +20,7 @@ from pipeline.store.verify import verify_store
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import points
 from tests.helpers import tiny
+from tests.helpers.processes import python
 from tests.helpers.s3 import served
 from tests.helpers.stores import Killed, assert_is_as_computed, commit, done_points, record
 
@@ -154,9 +153,7 @@ def test_a_driver_that_was_killed_does_not_count_and_one_elsewhere_does(address)
         held.__enter__()
         os._exit(1)
     """
-    environment = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}
-    command = [sys.executable, "-c", killed, address]
-    subprocess.run(command, env=environment, check=False, timeout=120)
+    python("-c", killed, address)
     assert keys(f"{address}/status/lock")
     assert summary(address).running is None
     commit(address, SWEEP, [POINT])

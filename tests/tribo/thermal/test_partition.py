@@ -2,14 +2,12 @@
 
 import hashlib
 import math
-import os
 import pickle
-import subprocess
-import sys
 
 import numpy as np
 import pytest
 
+from tests.helpers.processes import python
 from tribo.errors import ConvergenceError, InputError
 from tribo.grid import Grid
 from tribo.material import Material
@@ -298,17 +296,7 @@ def fingerprint():
 
 def test_results_do_not_depend_on_threads_to_the_last_bit():
     prints = {
-        subprocess.run(
-            [sys.executable, __file__],
-            env=os.environ
-            | {
-                "OPENBLAS_NUM_THREADS": threads,
-                "PYTHONPATH": os.pathsep.join(path or os.curdir for path in sys.path),
-            },
-            capture_output=True,
-            text=True,
-            check=True,
-        ).stdout
+        python(__file__, variables={"OPENBLAS_NUM_THREADS": threads}, check=True).stdout
         for threads in ("1", "2")
     }
     assert len(prints) == 1
