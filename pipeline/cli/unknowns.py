@@ -22,6 +22,7 @@ from pipeline.cli.output import Result, counted, to_figure_or_table
 from pipeline.cli.progress import working
 from pipeline.cli.scenes import beside, given
 from pipeline.sweep.warned import NO_WARNING
+from pipeline.uncertain.answers import probabilities_at_loads
 from pipeline.uncertain.weigh import posterior_if_given
 from tribo import InputError
 
@@ -67,7 +68,7 @@ def risk(options: argparse.Namespace) -> Result:
         return Result(document, text, warned)
     with working("finding probabilities over the plane"):
         plane = pipeline.probabilities(ensemble, draws)
-        lines = _lines(pipeline.probabilities(ensemble, draws, loads=ensemble.loads))
+        lines = _lines(probabilities_at_loads(ensemble, draws))
     return Result(
         document | _document(lines),
         text if place else [*text, *_on_lines(lines)],
@@ -139,11 +140,7 @@ def boundary_of_samples(ds: xr.Dataset, conditions: dict[str, Any]) -> Result:
     """Print the velocities at which wear is severe with some probabilities."""
     ensemble, given_here = judged_by(ds, conditions)
     with working("finding probabilities at each load"):
-        velocities = np.geomspace(*ensemble.velocities, 161)
-        plane = pipeline.probabilities(
-            ensemble, loads=ensemble.loads, velocities=velocities, conditions=given_here
-        )
-    lines = _lines(plane)
+        lines = _lines(probabilities_at_loads(ensemble, conditions=given_here))
     text = [*_on_lines(lines), *notes(ensemble, None)]
     return Result(_about(ensemble) | _document(lines), text, pipeline.warned(ds), [lines])
 

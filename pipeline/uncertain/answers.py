@@ -169,6 +169,19 @@ def probabilities(
     )
 
 
+def probabilities_at_loads(
+    ensemble: Ensemble,
+    draws: Draws | None = None,
+    conditions: Mapping[str, float] | None = None,
+) -> xr.DataArray:
+    """Probability of severe wear at the loads of the sweep, for the lines that every answer prints.
+
+    Parameters as for `probabilities`.
+    """
+    velocities = np.geomspace(*ensemble.velocities, 4 * (STEPS - 1) + 1)
+    return probabilities(ensemble, draws, ensemble.loads, velocities, conditions)
+
+
 def risk_lines(plane: xr.DataArray) -> tuple[tuple[float, ...], Array]:
     """Velocities at which wear is severe with some probabilities, by load.
 

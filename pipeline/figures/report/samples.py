@@ -6,13 +6,12 @@ import math
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
-import numpy as np
 import xarray as xr
 
 from pipeline.analysis.conditions import conditions_of
 from pipeline.analysis.operating_points import OperatingPoints
 from pipeline.analysis.tables import Column, Table
-from pipeline.uncertain.answers import STEPS, probabilities, risk, risk_lines
+from pipeline.uncertain.answers import probabilities_at_loads, risk, risk_lines
 from pipeline.uncertain.ensemble import CONDITIONS, Ensemble
 from tribo import InputError
 
@@ -24,11 +23,7 @@ def sections(
     judged = conditions_of(ds, **changed)
     conditions = {name: getattr(judged, name) for name in CONDITIONS if name in changed}
     ensemble = Ensemble.of(ds, changed.get("share"), changed.get("criterion"))
-    velocities = np.geomspace(*ensemble.velocities, 4 * STEPS)
-    plane = probabilities(
-        ensemble, loads=ensemble.loads, velocities=velocities, conditions=conditions
-    )
-    shares, lines = risk_lines(plane)
+    shares, lines = risk_lines(probabilities_at_loads(ensemble, conditions=conditions))
     of_load = list(zip(ensemble.loads.tolist(), lines.tolist(), strict=True))
 
     def question() -> Iterator[str | Table]:

@@ -117,7 +117,8 @@ def test_the_commands_say_risk_causes_and_the_next_test(sampled, tmp_path, irg):
     there = said("risk", store, *place)
     assert 0.0 < there["probability"] < 1.0
     assert 0.0 < there["error"] < 0.2
-    assert said("risk", store, "-o", tmp_path / "r.png")["samples"] == 16
+    plane = said("risk", store, "-o", tmp_path / "r.png")
+    assert plane["samples"] == 16
     assert said("sensitivity", store, "-o", tmp_path / "s.png")["inputs"][0].startswith("wear.")
     found = said("infer", store, "--next", "-o", tmp_path / "p.png")
     assert len(found["next"]) == 12  # the best of more
@@ -127,6 +128,7 @@ def test_the_commands_say_risk_causes_and_the_next_test(sampled, tmp_path, irg):
     hot = said("margin", store, *place, "--friction", "0.2")["intervals"]
     assert hot["risk"]["probability"] > there["probability"]
     lines = said("boundary", store)["velocity_of_probability"]
+    assert lines == plane["velocity_of_probability"]
     for share in ("0.05", "0.5", "0.95"):
         assert lines[share][1] is None or 0.5 < lines[share][1] < 4.0
     load(folder)
