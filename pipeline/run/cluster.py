@@ -101,24 +101,33 @@ def _client_of(scheduler: str, patience: float) -> Client:
     raise ExecutionError(reason)
 
 
-def share(client: Client, content: bytes, patience: float) -> bytes | Future:
+def share(
+    connection: Connection, content: bytes, patience: float, tell: Tell | None = None
+) -> bytes | Future:
     """Content for many tasks: itself if it is light, else a result that every worker holds.
 
     Light content goes along with each task. Heavy content is the result of a task, which Dask
     computes again if the workers that hold it die. It is copied to every worker, since Dask
-    prefers workers that hold a task's inputs and would leave the others idle.
+    prefers workers that hold a task's inputs and would leave the others idle. If all are lost
+    meanwhile, others that queue may come at any time.
 
     Raises
     ------
     ExecutionError
         If no worker is ready, or none can run this program.
     """
+    client, queues, reason = connection.client, connection.source.queues, ""
     for _ in range(_ATTEMPTS):
+        if queues:
+            threads_of(connection, patience, tell)
         try:
             shared = client.submit(same, content, pure=False)
             error = shared.exception(timeout=patience)
         except TimeoutError:
-            raise ExecutionError(f"no Dask worker is ready within {patience:g} s") from None
+            reason = f"no Dask worker is ready within {patience:g} s"
+            if queues:
+                continue
+            break
         except CancelledError:
             raise ExecutionError(LOST) from None
         if error is None:
@@ -127,9 +136,10 @@ def share(client: Client, content: bytes, patience: float) -> bytes | Future:
             with _losses_told(), suppress(TimeoutError):
                 client.replicate([shared], callback_timeout=_COPIED)
             return shared
+        reason = f"the Dask workers cannot run this program: {error}"
         if not isinstance(error, KilledWorker):  # it would be raised again
             break
-    raise ExecutionError(f"the Dask workers cannot run this program: {error}")
+    raise ExecutionError(reason)
 
 
 def same(content: bytes) -> bytes:

@@ -106,14 +106,14 @@ def compute(
         If the cluster is lost, or nothing moves any more.
     """
     workers = threads_of(connection, patience, tell)
-    run = _Run(connection, sweep, writer, patience, map(_Chain, waiting))
+    run = _Run(connection, sweep, writer, patience, map(_Chain, waiting), tell)
     while run.waiting or run.running or run.losses:
         workers = threads_of(connection, patience, tell)
         run.submit(workers)
         wait_for_any([task.records for task in run.running], _POLL)
         moved = run.look(workers)
         report(writer.written())
-        run.watch(moved, tell)
+        run.watch(moved)
     writer.flush()
     report(writer.written())
 
@@ -131,12 +131,14 @@ class _Run:
         writer: Writer,
         patience: float,
         waiting: Iterable[_Chain],
+        tell: Tell | None = None,
     ) -> None:
         self._connection, self._client = connection, connection.client
         self._writer, self._patience, self._sweep = writer, patience, sweep
+        self._tell = tell
         with_fields = "pressure" in writer.store.arrays
         self._pickled = pickle.dumps((replace(sweep, chosen=None), with_fields))
-        self._parcel = share(self._client, self._pickled, patience)
+        self._parcel = share(connection, self._pickled, patience, tell)
         self.waiting = deque(waiting)
         self.running: list[_Task] = []
         self.losses: dict[Point, int] = {}
@@ -204,7 +206,7 @@ class _Run:
     def _start(self, chain: _Chain, worker: str | None = None) -> None:
         parcel = self._parcel
         if isinstance(parcel, Future) and parcel.status in ("error", "cancelled"):  # none has it
-            self._parcel = share(self._client, self._pickled, self._patience)
+            self._parcel = share(self._connection, self._pickled, self._patience, self._tell)
         points = deque(chain.points)  # in a tuple, Dask would look for tasks point by point
         arguments = (self._parcel, points, chain.trunk, 0.0 if chain.is_wary else _STRETCH)
         stretch = self._client.submit(compute_points, *arguments, pure=False, workers=worker)
@@ -282,7 +284,7 @@ class _Run:
             self._settle([PointRecord(task.points[0], None, reason)])
             self._put_back(task.points[1:], None, task.is_wary)
 
-    def watch(self, moved: bool, tell: Tell | None) -> None:
+    def watch(self, moved: bool) -> None:
         """Tell the user if nothing has ended for long.
 
         A point may take its time: as long as a worker computes one, there is no limit. But if tasks
@@ -303,9 +305,9 @@ class _Run:
         words = f"no point has been finished for {silence:.0f} s"
         if now - self._computed > _END:
             raise ExecutionError(f"{words}, and no worker computes any; {SAFE}")
-        if tell and silence >= self._word:
+        if self._tell and silence >= self._word:
             self._word *= 2
-            tell(f"{words}; {self._at_work}")
+            self._tell(f"{words}; {self._at_work}")
 
     @property
     def _at_work(self) -> str:

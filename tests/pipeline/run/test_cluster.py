@@ -24,8 +24,8 @@ from distributed.scheduler import KilledWorker
 
 from pipeline.cli import main
 from pipeline.run import forkserver, local
-from pipeline.run.cluster import connected, share, threads_of
-from pipeline.run.source import ExecutionError
+from pipeline.run.cluster import Connection, connected, share, threads_of
+from pipeline.run.source import ExecutionError, Source
 from pipeline.run.sweep import run_sweep
 from pipeline.store.progress import summary
 from tests.helpers import tiny
@@ -203,17 +203,48 @@ class Deadly:
 
 def test_what_workers_share_outlives_those_that_die_while_they_take_it():
     client = Deadly(deaths=2)
-    assert share(client, b"light", patience=1.0) == b"light"
+    assert share(Connection(client, Source()), b"light", patience=1.0) == b"light"
     assert client.submitted == 3
     with pytest.raises(ExecutionError, match="cannot run this program"):
-        share(Deadly(deaths=100), b"", patience=1.0)
+        share(Connection(Deadly(deaths=100), Source()), b"", patience=1.0)
+
+
+class Late(Deadly):
+    """Workers that are gone before they take a task, and others that come later."""
+
+    run = None
+
+    def __init__(self, deaths):
+        super().__init__(deaths)
+        self._threads = iter([{"tcp://127.0.0.1:1": 2}, {}, {"tcp://127.0.0.1:2": 2}])
+
+    def nthreads(self, **_):
+        return next(self._threads)
+
+    def sync(self, *_, **__):
+        return {}
+
+    def exception(self, timeout):
+        if super().exception(timeout):
+            raise TimeoutError
+
+
+def test_what_workers_share_waits_for_those_that_queue():
+    source, client = Source(), Late(deaths=1)
+    with pytest.raises(ExecutionError, match="no Dask worker is ready within 1 s"):
+        share(Connection(client, source), b"light", patience=1.0)
+    source.queues, client = True, Late(deaths=1)
+    link = Connection(client, source)
+    assert share(link, b"light", patience=1.0) == b"light"
+    assert client.submitted == 2
+    assert link.absent >= 0.5
 
 
 def test_each_worker_has_what_is_too_heavy_to_go_along_with_each_task():
     """Or Dask would give every task to the one worker that has it."""
     with connected(2, None, "", 30.0) as link:
         client = link.client
-        shared = share(client, bytes(100_000), patience=30.0)
+        shared = share(link, bytes(100_000), patience=30.0)
         assert set(client.who_has([shared])[shared.key]) == set(client.nthreads())
         assert shared.result(timeout=30) == bytes(100_000)
 
