@@ -31,7 +31,8 @@ def margin_table(
         Dataset of `pipeline.open_sweep`, or the path of a store.
     points : path or mapping of str to sequence
         A .csv file with columns ``load [N]`` and ``velocity [m/s]``, or in other units; or columns
-        by heading, such as a data frame. Further columns are passed on.
+        by heading, such as a data frame. Further columns are passed on, with "(given)" after the
+        heading where a result has the same.
     **conditions
         Friction, temperatures, share and criterion; see `pipeline.boundary`.
 
