@@ -10,6 +10,7 @@ from typing import Any, Concatenate, ParamSpec, TypeVar, cast
 import numpy as np
 import xarray as xr
 
+from pipeline.analysis.attributes import attributes_of
 from pipeline.analysis.dataset import dataset_of, entry_dims
 from pipeline.analysis.tables import Column, Table
 from pipeline.scene.quantities import display
@@ -177,6 +178,12 @@ def value_text(axis: xr.DataArray, value: float | str) -> str:
 def words(ds: xr.Dataset, values: Mapping[str, float | str]) -> str:
     """Values of entries of a sweep in words."""
     return ", ".join(f"{path} {value_text(ds[path], value)}" for path, value in values.items())
+
+
+def entries_in_words(scene: xr.Dataset) -> str:
+    """Values of the entries of one of `scenes` in words, as its sweep gives them."""
+    entries = attributes_of(scene).get("entries") or {}
+    return ", ".join(f"{path} {text}" for path, text in entries.items())
 
 
 def _place(axis: xr.DataArray, value: float | str) -> int:

@@ -69,9 +69,11 @@ def explore(options: argparse.Namespace) -> Result:
     """Write a page to explore a store in a browser."""
     ds = opened(options)
     out = options.output or beside(options.store, ".html")
-    fields = {"most_fields": 0} if options.no_fields else given(options, "most_fields")
+    chosen = given(options, "most_fields", "scatter") | {"given_measured": options.given_measured}
+    if options.no_fields:
+        chosen["most_fields"] = 0
     with working("writing the page"):
-        page = pipeline.explore(ds, out, **fields)
+        page = pipeline.explore(ds, out, **chosen)
     return Result(page.as_dict(), [str(page)], pipeline.warned(ds))
 
 

@@ -136,7 +136,8 @@ COMMANDS = (
     ),
     Command(
         "explore", "figures:explore", "write a page to explore a store in a browser",
-        "results/scene.zarr -o page.html", (o.STORE, *o.OF_EXPLORE, o.AT),
+        "results/scene.zarr -o page.html",
+        (o.STORE, *o.OF_EXPLORE, o.GIVEN_MEASURED, o.SCATTER, o.AT),
     ),
     Command(
         "help", "begin:help_", "print a page of the documentation, or list them", "first-hour",

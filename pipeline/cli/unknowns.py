@@ -22,7 +22,7 @@ from pipeline.cli.output import Result, counted, to_figure_or_table
 from pipeline.cli.progress import working
 from pipeline.cli.scenes import beside, given
 from pipeline.sweep.warned import NO_WARNING
-from pipeline.uncertain.answers import probabilities_at_loads
+from pipeline.uncertain.answers import probabilities_at_loads, table_of_lines
 from pipeline.uncertain.weigh import posterior_if_given
 from tribo import InputError
 
@@ -68,7 +68,7 @@ def risk(options: argparse.Namespace) -> Result:
         return Result(document, text, warned)
     with working("finding probabilities over the plane"):
         plane = pipeline.probabilities(ensemble, draws)
-        lines = _lines(probabilities_at_loads(ensemble, draws))
+        lines = table_of_lines(probabilities_at_loads(ensemble, draws))
     return Result(
         document | _document(lines),
         text if place else [*text, *_on_lines(lines)],
@@ -105,26 +105,6 @@ def _cells(plane: xr.DataArray) -> Table:
     return Table(columns, tuple(frame.itertuples(index=False, name=None)))
 
 
-def _lines(plane: xr.DataArray) -> Table:
-    """Velocities of some probabilities by load; infinite, or below 0, where they lie beyond."""
-    shares, lines = pipeline.risk_lines(plane)
-    lowest, *_, highest = plane["velocity"].values.tolist()
-
-    def write(velocity: float) -> str:
-        if math.isfinite(velocity):
-            return f"{velocity:.3g}"
-        return f"> {highest:.3g}" if velocity > 0 else f"< {lowest:.3g}"
-
-    columns = (
-        Column(str(share), f"velocity of {100 * share:g} %", "m/s", write=write) for share in shares
-    )
-    rows = np.where(lines > 0, lines, -math.inf).tolist()
-    loads = plane["load"].values.tolist()
-    return Table(
-        (_LOAD, *columns), tuple((load, *row) for load, row in zip(loads, rows, strict=True))
-    )
-
-
 def _document(lines: Table) -> dict[str, Any]:
     """Velocities of some probabilities by load, as plain data; null where they lie beyond."""
     columns = lines.as_dict()
@@ -140,7 +120,7 @@ def boundary_of_samples(ds: xr.Dataset, conditions: dict[str, Any]) -> Result:
     """Print the velocities at which wear is severe with some probabilities."""
     ensemble, given_here = judged_by(ds, conditions)
     with working("finding probabilities at each load"):
-        lines = _lines(probabilities_at_loads(ensemble, conditions=given_here))
+        lines = table_of_lines(probabilities_at_loads(ensemble, conditions=given_here))
     text = [*_on_lines(lines), *notes(ensemble, None)]
     return Result(_about(ensemble) | _document(lines), text, pipeline.warned(ds), [lines])
 

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from pipeline.analysis.tables import Column, Table
 from pipeline.scene.quantities import in_si
 from pipeline.uncertain.ensemble import BULK, CRITICAL, FRICTION, Ensemble, Excess
 from pipeline.uncertain.inputs import Draws, prior
@@ -208,6 +209,27 @@ def risk_lines(plane: xr.DataArray) -> tuple[tuple[float, ...], Array]:
     rows = np.maximum.accumulate(plane.values, axis=1)
     lines = [np.interp(QUANTILES, row, velocities, 0.0, math.inf) for row in rows]
     return QUANTILES, np.array(lines)
+
+
+def table_of_lines(plane: xr.DataArray) -> Table:
+    """`risk_lines` as a table; below 0, or infinite, beyond the velocities of the plane."""
+    shares, lines = risk_lines(plane)
+    lowest, *_, highest = plane["velocity"].values.tolist()
+
+    def write(velocity: float) -> str:
+        if math.isfinite(velocity):
+            return f"{velocity:.3g}"
+        return f"> {highest:.3g}" if velocity > 0 else f"< {lowest:.3g}"
+
+    columns = (
+        Column(str(share), f"velocity of {100 * share:g} %", "m/s", write=write) for share in shares
+    )
+    rows = np.where(lines > 0, lines, -math.inf).tolist()
+    loads = plane["load"].values.tolist()
+    return Table(
+        (Column("load", "load", "N"), *columns),
+        tuple((load, *row) for load, row in zip(loads, rows, strict=True)),
+    )
 
 
 def log_crossings(axis: Array, excess: Array) -> Array:

@@ -194,14 +194,20 @@ def test_figures_and_reports_show_each_value_or_ask_for_one(swept, folder, irg):
     irg("report", swept, "-o", folder / "r.html")
     assert "pin.radius 4 mm. Answer: " in (folder / "r.html").read_text()
     for words in (
-        ("explore",),
         ("plot", "--kind", "temperature"),
         ("diff", swept),
     ):
         said = irg(words[0], swept, *words[1:], code=2)
         assert 'take one of each: --at "pin.radius=..."' in said
     at = ("--at", "pin.radius=2 mm")
-    irg("explore", swept, *at, "-o", folder / "p.html")
+    for options, radii in (((), RADII), (at, ())):
+        irg("explore", swept, *options, "-o", folder / "p.html")
+        page = (folder / "p.html").read_text()
+        offered = [
+            f'<option value="{k}">pin.radius {radius}</option>' for k, radius in enumerate(radii)
+        ]
+        assert page.count("<option") == len(offered)
+        assert all(option in page for option in offered)
     for words in (("boundary",), ("plot", "--watch", "-o", folder / "d.png")):
         said = irg(*words, swept, "--at", "pin.radius=3 mm", code=2)
         assert "which the sweep does not have; it has 2 mm, 4 mm" in said

@@ -107,18 +107,18 @@ def content(ds: xr.Dataset, most_fields: int = MOST_FIELDS) -> dict[str, Any]:
         "quantiles": ds["quantile"].values.tolist(),
         "surfaces": None if axis is None else ds[axis].values.tolist(),
         "done": int(done.sum()),
-        "status": _packed([part["status"] for part in parts], "i1"),
-        "asked": _packed([part["asked"] for part in parts], "u1"),
-        "moments": _packed([part["moments"] for part in parts], "<i4"),
-        "moment_times": _packed([part["times"] for part in parts], "<f4"),
+        "status": packed([part["status"] for part in parts], "i1"),
+        "asked": packed([part["asked"] for part in parts], "u1"),
+        "moments": packed([part["moments"] for part in parts], "<i4"),
+        "moment_times": packed([part["times"] for part in parts], "<f4"),
         "wear_rates": rates,
         "bulk_ratios": ratios,
         "shares": shares,
-        "decisive": _packed([part["decisive"] for part in parts], "<f8"),
-        "rises": _packed([part["rises"] for part in parts], "<f4"),
+        "decisive": packed([part["decisive"] for part in parts], "<f8"),
+        "rises": packed([part["rises"] for part in parts], "<f4"),
         "numbers": [
             {"label": label, "unit": unit, "power": power}
-            | {"values": _packed([factor * part["end"][name] for part in parts], "<f4")}
+            | {"values": packed([factor * part["end"][name] for part in parts], "<f4")}
             for name, label, unit, factor, power in _NUMBERS
             if name in ds
         ],
@@ -128,7 +128,7 @@ def content(ds: xr.Dataset, most_fields: int = MOST_FIELDS) -> dict[str, Any]:
             if message
         },
         "fields": packed_fields(surfaces, chosen) | {"stored": int(done.sum()) * _has_fields(ds)},
-        "record": _record(ds, attributes),
+        "record": record(attributes),
     }
 
 
@@ -260,7 +260,7 @@ def _film(attributes: Mapping[str, Any], ds: xr.Dataset) -> dict[str, Any] | Non
     }
 
 
-def _record(ds: xr.Dataset, attributes: Mapping[str, Any]) -> dict[str, str]:
+def record(attributes: Mapping[str, Any]) -> dict[str, str]:
     """Entries of the scene with their units, and what computed the sweep."""
     selection = attributes.get("selection")
     return (
@@ -300,7 +300,7 @@ def _nearest(
     return [(int(surface), int(load), int(velocity)) for surface, load, velocity in places]
 
 
-def _packed(parts: list[Any], dtype: str) -> str:
+def packed(parts: list[Any], dtype: str) -> str:
     """Arrays one after the other, as the base64 of their bytes."""
     joined = b"".join(np.ascontiguousarray(part, dtype=dtype).tobytes() for part in parts)
     return base64.b64encode(joined).decode()

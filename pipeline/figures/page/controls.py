@@ -96,6 +96,20 @@ def surface_choice(surfaces: Sequence[int] | None) -> str:
     )
 
 
+def scene_choice(names: Sequence[str]) -> str:
+    """Choice of a scene of a sweep over entries by their values; nothing where there is but one."""
+    if len(names) < 2:
+        return ""
+    options = (
+        f'<option value="{number}">{html.escape(name)}</option>'
+        for number, name in enumerate(names)
+    )
+    return (
+        '<p class="screen"><label>values of the entries: <select id="scene" autocomplete="off">'
+        f"{''.join(options)}</select></label></p>\n"
+    )
+
+
 def _celsius(name: str, label: str, value: float | None, high: float, **limits: Any) -> Control:
     """Control of a temperature, whose slider reaches below and above its value [K]."""
     shown = None if value is None else value - _ZERO_CELSIUS

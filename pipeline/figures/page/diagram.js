@@ -188,8 +188,7 @@ function drawnMeasured(frame) {
 /** The operating point. @param {Frame} frame */
 function drawnPlace(frame) {
   if (!isInside()) return [];
-  const [x, y] = [frame.x(chosen.velocity), frame.y(chosen.load)];
-  return [svg("path", { class: "operating", d: `M${x - 9},${y}h18M${x},${y - 9}v18` })];
+  return [cross(frame.x(chosen.velocity), frame.y(chosen.load))];
 }
 
 /** Signs of the diagram, in words. */
@@ -218,6 +217,14 @@ function showLegend() {
     [measured.length && isJudged(), "computed at its own friction", diamond(13, 7, 5, "expected")],
     [isInside(), "operating point", line("operating", "M5,7h16M13,-1v16")],
   );
+  showSigns(signs);
+}
+
+/**
+ * Show those signs that are there, in words.
+ * @param {[boolean | number | string, string, SVGElement][]} signs
+ */
+function showSigns(signs) {
   const items = signs.filter(([isThere]) => isThere).map(([, words, sign]) =>
     html("li", {}, svg("svg", { "aria-hidden": "true", viewBox: "0 0 26 14" }, sign), words),
   );

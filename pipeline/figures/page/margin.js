@@ -32,14 +32,18 @@ function showMeasured() {
   element("measured").replaceChildren(table(caption, heads, rows));
 }
 
-/** The operating point lies within the sweep. */
-function isInside() {
-  const isWithin = (/** @type {number} */ value, /** @type {number[]} */ all) =>
-    value > 0 && value >= all[0] && value <= all[all.length - 1];
-  return isWithin(chosen.load, sweep.loads) && isWithin(chosen.velocity, sweep.velocities);
+/** A positive value lies on an axis. @param {number} value @param {number[]} all */
+function isOn(value, all) {
+  return value > 0 && value >= all[0] && value <= all[all.length - 1];
 }
 
-function listenToOperatingPoint() {
+/** The operating point lies within the sweep. */
+function isInside() {
+  return isOn(chosen.load, sweep.loads) && isOn(chosen.velocity, sweep.velocities);
+}
+
+/** Read the operating point as it is typed. @param {(load: number, velocity: number) => void} take */
+function listenToOperatingPoint(take) {
   const form = element("operating");
   const read = (/** @type {string} */ id) => {
     const { value } = input(id);
@@ -48,12 +52,14 @@ function listenToOperatingPoint() {
     return typed(value);
   };
   form.addEventListener("submit", (event) => event.preventDefault());
-  form.addEventListener("input", () => {
-    chosen.load = read("at-load");
-    chosen.velocity = read("at-velocity");
-    form.classList.toggle("is-used", isInside());
-    update();
-  });
+  form.addEventListener("input", () => take(read("at-load"), read("at-velocity")));
+}
+
+/** Take an operating point over. @param {number} load @param {number} velocity */
+function takeOperatingPoint(load, velocity) {
+  Object.assign(chosen, { load, velocity });
+  element("operating").classList.toggle("is-used", isInside());
+  update();
 }
 
 /** Margin of the operating point, or the reason why there is none. */
@@ -69,15 +75,7 @@ function showMargin() {
  */
 function marginRows() {
   const { load, velocity, conditions } = chosen;
-  if (Number.isNaN(load) || Number.isNaN(velocity)) {
-    const fault = ["at-load", "at-velocity"].map((id) => commaFault(input(id).value)).find(Boolean);
-    if (fault) return `${fault[0].toUpperCase()}${fault.slice(1)}.`;
-    return "Type a load and a velocity for the margin to severe wear.";
-  }
-  if (!isInside()) {
-    const [f, v] = [sweep.loads, sweep.velocities].map((all) => [all[0], all[all.length - 1]]);
-    return `Outside the sweep, which has ${f[0]} to ${f[1]} N and ${v[0]} to ${v[1]} m/s.`;
-  }
+  if (!isInside()) return reasonAgainst(load, velocity, sweep.loads, sweep.velocities);
   const margins = surfaces()
     .map((surface) => sweep.margin(surface, load, velocity, conditions))
     .filter(({ rise }) => Number.isFinite(rise));
@@ -98,6 +96,20 @@ function marginRows() {
     rows.push(["note", "the temperature is continued beyond the computed points"]);
   }
   return rows;
+}
+
+/**
+ * Reason why an operating point cannot be judged.
+ * @param {number} load @param {number} velocity @param {number[]} loads @param {number[]} velocities
+ */
+function reasonAgainst(load, velocity, loads, velocities) {
+  if (Number.isNaN(load) || Number.isNaN(velocity)) {
+    const fault = ["at-load", "at-velocity"].map((id) => commaFault(input(id).value)).find(Boolean);
+    if (fault) return `${fault[0].toUpperCase()}${fault.slice(1)}.`;
+    return "Type a load and a velocity to see how safe they are.";
+  }
+  const [f, v] = [loads, velocities].map((all) => [all[0], all[all.length - 1]].map((end) => shown(end)));
+  return `Outside the sweep, which has ${f[0]} to ${f[1]} N and ${v[0]} to ${v[1]} m/s.`;
 }
 
 /**

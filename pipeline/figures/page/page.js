@@ -22,9 +22,17 @@ function update() {
   }, 200);
 }
 
+/** Conditions that the reader has changed. */
+function changes() {
+  const own = new Map(Object.entries(content.conditions));
+  const all = Object.entries(chosen.conditions);
+  return Object.fromEntries(all.filter(([name, value]) => value !== own.get(name)));
+}
+
 function begin() {
+  Object.assign(chosen.conditions, takeScene(changes));
   listenToConditions();
-  listenToOperatingPoint();
+  listenToOperatingPoint(takeOperatingPoint);
   makeScaleChoice();
   makeDiagram();
   update();

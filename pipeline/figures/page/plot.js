@@ -16,10 +16,10 @@ const SVG = "http://www.w3.org/2000/svg";
  * @param {(Node | string)[]} children @returns {SVGElement}
  */
 function svg(name, attributes = {}, ...children) {
-  const element = document.createElementNS(SVG, name);
-  for (const key in attributes) element.setAttribute(key, String(attributes[key]));
-  element.append(...children);
-  return /** @type {SVGElement} */ (element);
+  const made = document.createElementNS(SVG, name);
+  for (const key in attributes) made.setAttribute(key, String(attributes[key]));
+  made.append(...children);
+  return /** @type {SVGElement} */ (made);
 }
 
 /**
@@ -28,10 +28,20 @@ function svg(name, attributes = {}, ...children) {
  * @param {(Node | string)[]} children @returns {HTMLElement}
  */
 function html(name, attributes = {}, ...children) {
-  const element = document.createElement(name);
-  for (const key in attributes) element.setAttribute(key, attributes[key]);
-  element.append(...children);
-  return element;
+  const made = document.createElement(name);
+  for (const key in attributes) made.setAttribute(key, attributes[key]);
+  made.append(...children);
+  return made;
+}
+
+/** @param {string} id @returns {HTMLElement} */
+function element(id) {
+  return /** @type {HTMLElement} */ (document.getElementById(id));
+}
+
+/** @param {string} id @returns {HTMLInputElement} */
+function input(id) {
+  return /** @type {HTMLInputElement} */ (element(id));
 }
 
 /**
@@ -150,6 +160,11 @@ function mark(kind, x, y, r) {
 /** A square on its corner. @param {number} x @param {number} y @param {number} r @param {string} look */
 function diamond(x, y, r, look) {
   return svg("path", { class: look, d: `M${x - r},${y}L${x},${y - r}L${x + r},${y}L${x},${y + r}Z` });
+}
+
+/** The mark of an operating point. @param {number} x @param {number} y */
+function cross(x, y) {
+  return svg("path", { class: "operating", d: `M${x - 9},${y}h18M${x},${y - 9}v18` });
 }
 
 /** Colours from low to high, each readable in grey, too. */

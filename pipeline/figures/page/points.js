@@ -94,8 +94,12 @@ function pointTo(point) {
   const { i, j } = point;
   const rows = description(i, j, false).map(([name, text]) => html("div", {}, `${name}: ${text}`));
   tip.replaceChildren(html("b", {}, nameOf(i, j)), ...rows);
-  const { frame } = diagram;
-  const [x, y] = [frame.x(sweep.velocities[j]), frame.y(sweep.loads[i])];
+  placeTip(diagram.frame, sweep.loads[i], sweep.velocities[j]);
+}
+
+/** Put the tip beside a place. @param {Frame} frame @param {number} load @param {number} velocity */
+function placeTip(frame, load, velocity) {
+  const [x, y] = [frame.x(velocity), frame.y(load)];
   tip.style.left = `${Math.max(Math.min(x + 14, frame.right - tip.offsetWidth), 0)}px`;
   const isUnder = y + 14 + tip.offsetHeight < frame.bottom;
   tip.style.top = `${isUnder ? y + 14 : Math.max(y - 14 - tip.offsetHeight, 0)}px`;

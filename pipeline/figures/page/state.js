@@ -18,16 +18,6 @@ const chosen = {
   isLog: false,
 };
 
-/** @param {string} id @returns {HTMLElement} */
-function element(id) {
-  return /** @type {HTMLElement} */ (document.getElementById(id));
-}
-
-/** @param {string} id @returns {HTMLInputElement} */
-function input(id) {
-  return /** @type {HTMLInputElement} */ (element(id));
-}
-
 /** Surfaces that count: the one that was picked, or all. */
 function surfaces() {
   if (chosen.surface !== null) return [chosen.surface];

@@ -6,6 +6,7 @@ import base64
 import hashlib
 import html
 import json
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from importlib import resources
 from pathlib import Path
@@ -13,18 +14,22 @@ from typing import Any
 
 import xarray as xr
 
-from pipeline.analysis.dataset import open_sweep
+from pipeline.analysis.attributes import attributes_of
+from pipeline.analysis.dataset import dataset_of, variant_of
+from pipeline.analysis.scenes import entries_in_words, scenes
 from pipeline.analysis.tables import Column, Table, writable_path
 from pipeline.figures.page.content import MOST_FIELDS, content
-from pipeline.figures.page.controls import Control, surface_choice
+from pipeline.figures.page.controls import Control, scene_choice, surface_choice
 from tribo import InputError
 
 _ENTRY = Column("entry", "entry"), Column("value", "value")
 _SUFFIXES = (".html", ".htm")
 _SCRIPTS = (
-    "interpolation", "criterion", "transition", "model", "plot", "state", "conditions",
-    "verdict", "points", "diagram", "tables", "margin", "detail", "page",
+    "scene", "interpolation", "criterion", "transition", "model", "plot", "conditions",
+    "verdict", "points", "diagram", "tables", "margin", "detail",
 )  # fmt: skip
+_OF_PLANE: tuple[str, ...] = ("state", "page")
+_OF_SAMPLES: tuple[str, ...] = ("samples",)
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,12 +79,20 @@ class Page:
         return f"{self.path}: {self.points} points{fields}, {size}"
 
 
-def explore(ds: xr.Dataset | str | Path, out: str | Path, most_fields: int = MOST_FIELDS) -> Page:
+def explore(
+    ds: xr.Dataset | str | Path,
+    out: str | Path,
+    most_fields: int = MOST_FIELDS,
+    given_measured: bool = False,
+    scatter: float | None = None,
+) -> Page:
     """Write a page on which friction, temperatures and failing share can be changed.
 
     The page is one file that opens from the disk in any present browser, without a server. On it
     the boundary, its band over several surfaces and the tables follow the conditions, and each
     point shows its numbers, its fields and how its temperature is distributed over the contact.
+    Of a sweep with samples it shows the probability of severe wear at any place, and of one in
+    which entries have several values the reader chooses among them.
 
     Parameters
     ----------
@@ -90,6 +103,10 @@ def explore(ds: xr.Dataset | str | Path, out: str | Path, most_fields: int = MOS
     most_fields : int, optional
         Number of points whose fields the page may hold, if the sweep has stored any: those nearest
         to the transition. Each takes about 10 kB; 0 leaves them out.
+    given_measured : bool, optional
+        Let the scene's measured transitions and tests narrow down the unknown inputs of samples.
+    scatter : float, optional
+        Relative standard deviation of measured velocities that give none; 5 % if not given.
 
     Returns
     -------
@@ -111,39 +128,96 @@ def explore(ds: xr.Dataset | str | Path, out: str | Path, most_fields: int = MOS
     path = writable_path(out, _SUFFIXES)
     if most_fields < 0:
         raise InputError(f"most_fields is {most_fields}; it must be at least 0")
-    held = content(ds if isinstance(ds, xr.Dataset) else open_sweep(ds), most_fields)
-    written = _page(held).encode()
+    ds = dataset_of(ds)
+    parts = [*scenes(ds)]
+    if variant_of(ds) == "sample":
+        from pipeline.figures.page.samples import content_of_samples  # with its libraries
+
+        held = [content_of_samples(part, given_measured, scatter) for part in parts]
+        scripts, bodies = _OF_SAMPLES, [_of_samples(one) for one in held]
+    elif given_measured or scatter is not None:
+        raise InputError("the sweep has no samples, which given_measured and scatter belong to")
+    else:
+        held = [content(part, most_fields // len(parts)) for part in parts]
+        scripts, bodies = _OF_PLANE, [_of_plane(one) for one in held]
+    about = attributes_of(ds)
+    names = [entries_in_words(part) for part in parts]
+    written = _page(str(about.get("title") or about.get("name")), names, bodies, scripts).encode()
     try:
         path.write_bytes(written)
     except OSError as error:
         raise InputError(f"cannot write {out}: {error.strerror or error}") from error
-    return Page(
-        path, len(written), held["done"], len(held["fields"]["points"]), held["fields"]["stored"]
+    done = sum(one["done"] for one in held)
+    fields = [one["fields"] for one in held if "fields" in one]
+    counts = (sum(len(one["points"]) for one in fields), sum(one["stored"] for one in fields))
+    return Page(path, len(written), done, *counts)
+
+
+def _page(title: str, names: Sequence[str], bodies: Sequence[str], scripts: tuple[str, ...]) -> str:
+    """The page of all scenes, with its own style and scripts, which alone may run on it."""
+    style = _text("page.css")
+    script = "\n".join(_text(f"{name}.js") for name in (*_SCRIPTS, *scripts))
+    templates = "\n".join(f"<template>{body}</template>" for body in bodies)
+    return _filled(
+        "page.html",
+        {
+            "title": html.escape(title),
+            "scenes": scene_choice(names) + templates,
+            "style": style,
+            "script": script,
+            "style-hash": _hash(style),
+            "script-hash": _hash(script),
+        },
     )
 
 
-def _page(held: dict[str, Any]) -> str:
-    """Fill the page in: its own style and scripts, which alone may run on it, and the data."""
-    folder = resources.files(__package__)
-    style = folder.joinpath("page.css").read_text("utf-8")
-    script = "\n".join(folder.joinpath(f"{name}.js").read_text("utf-8") for name in _SCRIPTS)
+def _of_plane(held: dict[str, Any]) -> str:
+    """A scene of loads and velocities."""
     several = f", {len(held['surfaces'])} surfaces" if held["surfaces"] else ""
-    parts = {
+    return _filled(
+        "plane.html",
+        _of_both(held)
+        | {
+            "controls": "\n".join(Control(**control).html() for control in held["controls"]),
+            "surfaces": surface_choice(held["surfaces"]),
+            "sizes": f"{len(held['loads'])} loads, {len(held['velocities'])} velocities{several}, "
+            f"{held['done']} points done",
+        },
+    )
+
+
+def _of_samples(held: dict[str, Any]) -> str:
+    """A scene of samples."""
+    table = held.pop("table")
+    return _filled(
+        "samples.html",
+        _of_both(held)
+        | {
+            "basis": html.escape(held["basis"]),
+            "table": table.html(),
+            "sizes": f"{len(table.rows)} loads, {held['samples']} samples, "
+            f"{held['done']} points done",
+        },
+    )
+
+
+def _of_both(held: dict[str, Any]) -> dict[str, str]:
+    """Title, record and data of a scene."""
+    return {
         "title": html.escape(str(held["title"] or held["name"])),
-        "controls": "\n".join(Control(**control).html() for control in held["controls"]),
-        "surfaces": surface_choice(held["surfaces"]),
-        "sizes": f"{len(held['loads'])} loads, {len(held['velocities'])} velocities{several}, "
-        f"{held['done']} points done",
         "record": Table(_ENTRY, tuple(held["record"].items())).html(),
-        "style": style,
-        "script": script,
-        "style-hash": _hash(style),
-        "script-hash": _hash(script),
         "data": _as_json({name: value for name, value in held.items() if name != "record"}),
     }
-    page = folder.joinpath("page.html").read_text("utf-8")
-    pieces = page.split("@@")  # text and names in turn
+
+
+def _filled(name: str, parts: dict[str, str]) -> str:
+    """A file of this folder, with parts in the places of their names."""
+    pieces = _text(name).split("@@")  # text and names in turn
     return "".join(parts[piece] if place % 2 else piece for place, piece in enumerate(pieces))
+
+
+def _text(name: str) -> str:
+    return resources.files(__package__).joinpath(name).read_text("utf-8")
 
 
 def _as_json(held: dict[str, Any]) -> str:

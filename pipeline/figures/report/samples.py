@@ -11,7 +11,7 @@ import xarray as xr
 from pipeline.analysis.conditions import conditions_of
 from pipeline.analysis.operating_points import OperatingPoints
 from pipeline.analysis.tables import Column, Table
-from pipeline.uncertain.answers import probabilities_at_loads, risk, risk_lines
+from pipeline.uncertain.answers import probabilities_at_loads, risk, risk_lines, table_of_lines
 from pipeline.uncertain.ensemble import CONDITIONS, Ensemble
 from tribo import InputError
 
@@ -23,7 +23,8 @@ def sections(
     judged = conditions_of(ds, **changed)
     conditions = {name: getattr(judged, name) for name in CONDITIONS if name in changed}
     ensemble = Ensemble.of(ds, changed.get("share"), changed.get("criterion"))
-    shares, lines = risk_lines(probabilities_at_loads(ensemble, conditions=conditions))
+    plane = probabilities_at_loads(ensemble, conditions=conditions)
+    _, lines = risk_lines(plane)
     of_load = list(zip(ensemble.loads.tolist(), lines.tolist(), strict=True))
 
     def question() -> Iterator[str | Table]:
@@ -40,17 +41,8 @@ def sections(
         yield f"Answer: wear is as likely severe as mild {' and '.join(words)}."
 
     def numbers() -> Iterator[str | Table]:
-        heads = (Column(f"{share:g}", f"{100 * share:g} %", "m/s") for share in shares)
-        columns = (Column("load", "load", "N"), *heads)
-        rows = tuple(
-            (load, *(v if 0 < v < math.inf else None for v in row)) for load, row in of_load
-        )
-        yield Table(columns, rows)
-        yield (
-            "Velocities at which wear is severe with these probabilities. A dash stands for one "
-            f"outside the {_velocity(ensemble.velocities[0], ensemble)} to "
-            f"{_velocity(ensemble.velocities[1], ensemble)} that were simulated."
-        )
+        yield table_of_lines(plane)
+        yield "Velocities at which wear is severe with these probabilities."
 
     def operating_points() -> Iterator[str | Table]:
         if points is None:

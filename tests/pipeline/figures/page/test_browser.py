@@ -7,12 +7,14 @@ from urllib.parse import unquote
 
 import numpy as np
 import pytest
+import xarray as xr
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
+from selenium.webdriver.support.select import Select
 
 import pipeline
 from pipeline.analysis.transition import ABOVE, MILD
-from tests.helpers import synthetic
+from tests.helpers import samples, synthetic
 from tests.helpers.browser import chromium
 from tests.pipeline.figures.page import sweeps
 from tests.pipeline.figures.page.sweeps import column, same
@@ -164,6 +166,60 @@ def test_a_point_shows_the_fields_that_are_stored(page):
     found = driver.execute_async_script(drawn)
     assert [size[:2] for size in found[::2]] == [[48, 36]] * 3
     assert all(colours > 20 for *_, colours in found)
+
+
+def test_a_page_of_samples_tells_the_probability_at_any_place(page):
+    measured = ({"normal_load": 400.0, "velocity": 2.0, "friction": None},)
+    ds = samples.dataset(samples.ensemble(measured=measured))
+    ds = ds.assign(status=(("sample", "load"), np.ones((ds.sizes["sample"], ds.sizes["load"]))))
+    ensemble = pipeline.Ensemble.of(ds)
+    load = float(ensemble.loads.mean())
+    _, lines = pipeline.risk_lines(pipeline.probabilities(ensemble, loads=[load]))
+    driver = page(ds)
+    assert len(driver.find_elements(By.CSS_SELECTOR, "#diagram .band, #diagram .boundary")) == 2
+    for velocity in (*lines[0], float(np.mean(ensemble.velocities))):
+        expected = pipeline.risk(ensemble, load, float(velocity)).probability
+        place = f"return [probabilityAt({load}, {velocity}), judge({load}, {velocity})][0]"
+        assert driver.execute_script(place) == pytest.approx(expected, abs=0.01)
+        shown = driver.find_element(By.ID, "margin").text
+        assert "probability of severe wear" in shown
+        assert f"50 % at this load {lines[0][1]:.3g} m/s" in shown
+    driver.execute_script(
+        f"showTip(axes(400, 300, {{low: 0, high: 9}}, {{low: 0, high: 900}}).frame, {load}, 2)"
+    )
+    assert "severe with a probability of" in driver.find_element(By.ID, "tip").text
+    driver.find_element(By.ID, "at-load").send_keys("1")
+    driver.find_element(By.ID, "at-velocity").send_keys("1")
+    assert "Outside the sweep" in driver.find_element(By.ID, "margin").text
+    link = driver.find_element(By.ID, "velocities-csv").get_attribute("href")
+    assert len(rows(link)) == len(ensemble.loads)
+
+
+def test_another_value_of_an_entry_keeps_the_conditions_that_were_changed(page):
+    radii = [1e-3, 2e-3]
+    about = synthetic.sweep().attrs
+    scenes = [
+        {"values": [radius], "written": [f"{1e3 * radius:g} mm"], "attributes": {}, "scene": {}}
+        for radius in radii
+    ]
+    ds = xr.concat(
+        [synthetic.sweep(rise=sweeps.uneven(seed)) for seed in range(2)],
+        xr.DataArray(radii, dims="pin.radius", name="pin.radius", attrs={"units": "m"}),
+        combine_attrs="override",
+    ).assign_attrs(about | {"over": ["pin.radius"], "scenes": scenes, "scene": {}})
+    driver = page(ds)
+    for number, radius in enumerate(radii):
+        there = pipeline.at_entries(ds, {"pin.radius": radius})
+        if number:
+            friction = driver.find_element(By.ID, "friction")
+            friction.clear()
+            friction.send_keys("0.12")
+            Select(driver.find_element(By.ID, "scene")).select_by_visible_text("pin.radius 2 mm")
+        given = {"friction": 0.12} if number else {}
+        link = driver.find_element(By.ID, "velocities-csv").get_attribute("href")
+        expected = pipeline.boundary(there, **given)["critical_velocity"]
+        same(column(rows(link), "critical velocity [m/s]"), expected)
+        assert driver.find_element(By.ID, "title").text.endswith(f"pin.radius {1e3 * radius:g} mm")
 
 
 def test_messages_are_told_as_text(page):

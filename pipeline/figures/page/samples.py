@@ -1,0 +1,49 @@
+"""Data of a sweep of samples in a page: the probability of severe wear, as a table."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from pipeline.analysis.attributes import attributes_of
+from pipeline.figures.page.content import packed, record
+from pipeline.store.schema import DONE
+from pipeline.uncertain.answers import (
+    probabilities,
+    probabilities_at_loads,
+    risk_lines,
+    table_of_lines,
+)
+from pipeline.uncertain.ensemble import Ensemble
+from pipeline.uncertain.weigh import posterior_if_given
+
+
+def content_of_samples(
+    ds: xr.Dataset, given_measured: bool = False, scatter: float | None = None
+) -> dict[str, Any]:
+    """Collect what a page of samples shows, as plain data."""
+    attributes = attributes_of(ds)
+    ensemble = Ensemble.of(ds)
+    weighed = posterior_if_given(ensemble, given_measured, scatter)
+    draws = weighed.draws if weighed else None
+    given = f", given {len(weighed.judged)} tests of the scene" if weighed else ""
+    single = ensemble.loads if len(ensemble.loads) == 1 else None
+    plane = probabilities(ensemble, draws, loads=single)
+    shares, lines = risk_lines(plane)
+    return {
+        "title": attributes.get("title"),
+        "name": attributes.get("name"),
+        "basis": f"Not known exactly{given}: {'; '.join(map(str, ensemble.unknown))}.",
+        "measured": attributes.get("measured") or [],
+        "loads": plane["load"].values.tolist(),
+        "velocities": plane["velocity"].values.tolist(),
+        "probability": packed([plane.values], "<f4"),
+        "shares": list(shares),
+        "lines": np.clip(lines, *ensemble.velocities).tolist(),
+        "table": table_of_lines(probabilities_at_loads(ensemble, draws)),
+        "samples": ds.sizes["sample"],
+        "done": int((ds["status"] == DONE).sum()),
+        "record": record(attributes),
+    }
