@@ -43,7 +43,7 @@ class Lock:
         """True if the file that was locked still lies at its path."""
         try:
             return os.path.samestat(os.fstat(self.descriptor), self.file.stat())
-        except FileNotFoundError:
+        except OSError:  # also on a file server that no longer knows the folder
             return False
 
 
@@ -78,7 +78,7 @@ def holder_of(place: Place) -> str | None:
         name = _complete(place.read(LOCK) or b"")
     except OSError:
         return None
-    if name and not _is_here(name):
+    if name and (_may_write(name) if isinstance(place, Bucket) else not _is_here(name)):
         return name
     return (name or "another process") if _is_locked(_file(place)) else None
 
@@ -121,7 +121,7 @@ def _created(bucket: Bucket) -> Iterator[None]:
     """Hold the lock of an object store, of which this process holds the stand-in."""
     if not bucket.create(LOCK, _this_process()):
         holder = (bucket.read(LOCK) or b"").decode(errors="replace").strip()
-        if holder and not _is_here(holder):
+        if holder and _may_write(holder):
             raise _in_use(str(bucket), f"{holder} (if that has ended, delete {bucket}/{LOCK})")
         bucket.put({LOCK: _this_process()})  # left behind by a process of this machine
     try:
@@ -170,3 +170,17 @@ def _complete(content: bytes) -> str | None:
 
 def _is_here(holder: str) -> bool:
     return holder.endswith(f" on {socket.gethostname()}")
+
+
+def _may_write(holder: str) -> bool:
+    """True for a process elsewhere, and for another one here that lives, perhaps another user's."""
+    number = _HOLDER.fullmatch(f"{holder}\n")
+    if not number or not _is_here(holder):
+        return True
+    try:
+        os.kill(int(number[1]), 0)
+    except ProcessLookupError:
+        return False
+    except PermissionError:
+        return True
+    return int(number[1]) != os.getpid()

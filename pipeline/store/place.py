@@ -20,7 +20,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pipeline.store.files import PARTIAL, make_folder, replace_files
-from pipeline.store.schema import COORDINATES, VARIABLES
+from pipeline.store.schema import is_coordinate
 from tribo import TriboError
 
 if TYPE_CHECKING:
@@ -209,12 +209,10 @@ def is_beginning(key: str) -> bool:
 
     Nothing is lost if a store is made over it.
     """
+    if key in (LOCK, ROOT + PARTIAL):
+        return True
     name, _, rest = key.removesuffix(PARTIAL).partition("/")
-    if name == ROOT:
-        return key != ROOT
-    if rest == ROOT:
-        return name in VARIABLES or "." in name  # the path of an entry of the scene
-    return key == LOCK or (rest.startswith("c.") and (name in COORDINATES or "." in name))
+    return rest == ROOT or (rest.startswith("c.") and is_coordinate(name))
 
 
 def require_writable(path: PathLike) -> None:

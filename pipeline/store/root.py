@@ -57,9 +57,9 @@ def read_root(place: Place) -> Root:
 
 def find_root(place: Place) -> Root | None:
     """Read the root of a store; None if there is none, nor anything else; else as `read_root`."""
-    if isinstance(place, Folder) and place.path.is_file():
-        raise StoreError(f"{place} is a file, not a store; give a folder that irg run made")
     try:
+        if isinstance(place, Folder) and place.path.is_file():
+            raise StoreError(f"{place} is a file, not a store; give a folder that irg run made")
         content = place.read(ROOT)
         keys = place.keys() if content is None else set()
     except OSError as error:

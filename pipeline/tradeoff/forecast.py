@@ -15,7 +15,17 @@ from pipeline.scene.scenefile import SceneLike, sweep_of
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.plan import step_count
 from pipeline.sweep.stages import duration
-from tribo import BULK_RATIOS, QUANTILES, State, advance, heat, measures, simulate, start
+from tribo import (
+    BULK_RATIOS,
+    QUANTILES,
+    InputError,
+    State,
+    advance,
+    heat,
+    measures,
+    simulate,
+    start,
+)
 from tribo.simulation import forget_contacts
 from tribo.thermal import DIRECT_MEMORY
 
@@ -92,6 +102,8 @@ def estimate(sweep: SceneLike, workers: int | None = None, boundary_only: bool =
 
     Raises
     ------
+    InputError
+        If there is to be no worker.
     TriboError
         If the highest load has no solution.
 
@@ -102,6 +114,8 @@ def estimate(sweep: SceneLike, workers: int | None = None, boundary_only: bool =
     >>> cost.points
     24
     """
+    if workers is not None and workers < 1:
+        raise InputError(f"workers is {workers}; it must be at least 1")
     sweep, cores = sweep_of(sweep), os.cpu_count() or 1
     if sweep.over:
         return _of_scenes(sweep, workers, boundary_only)

@@ -16,6 +16,16 @@ from pipeline.store.write import Store
 from pipeline.sweep.plan import PointRecord, points, run_point
 from tests.helpers import tiny
 
+HOLDER = """if True:
+    import sys, time
+    from pipeline.store.create import writing
+    from tests.helpers import tiny
+    with writing(sys.argv[1], tiny.full()):
+        print("held", flush=True)
+        time.sleep(60)
+"""
+"""Program that holds the lock of a store, once it has said so."""
+
 
 class Killed(BaseException):
     """The process ends here, as far as the store can tell."""

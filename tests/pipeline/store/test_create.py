@@ -18,7 +18,8 @@ from hypothesis import strategies as st
 import tribo
 from pipeline.analysis.dataset import open_sweep
 from pipeline.cli import main
-from pipeline.store import schema
+from pipeline.scene.scenefile import load_scene
+from pipeline.store import create, schema
 from pipeline.store.create import writing
 from pipeline.store.files import PARTIAL
 from pipeline.store.lock import held
@@ -33,6 +34,7 @@ from pipeline.sweep.unknown import Unknown
 from tests.helpers import tiny
 from tests.helpers.scenes import STEEL
 from tests.helpers.stores import (
+    Killed,
     assert_is_as_computed,
     commit,
     contents,
@@ -107,6 +109,25 @@ def test_a_creation_cut_short_leaves_no_store_or_a_whole_one(path, monkeypatch, 
     assert_is_as_computed(path, [POINT])
     assert [entry.name for entry in path.parent.iterdir()] == [path.name]
     assert not list(path.rglob(f"*{PARTIAL}"))
+
+
+def test_a_creation_cut_short_goes_on_whatever_the_names_of_its_axes(path, monkeypatch):
+    sweep = over_oils()
+    with killed_after(monkeypatch, 10**6), monkeypatch.context() as patch:
+        patch.setattr(create, "root_document", lambda *_: exit_as_killed())
+        make(path, sweep)
+    assert (path / "oil" / "c.0").exists()
+    make(path, sweep)
+    assert open_sweep(path)["oil"].values.tolist() == ["oil A", "Shell Ondina 32"]
+
+
+def over_oils():
+    oils = ["oil A", "Shell Ondina 32"]
+    return load_scene("first_try", overrides={"sweep.over": {"oil": oils}})
+
+
+def exit_as_killed():
+    raise Killed
 
 
 def test_a_store_is_made_onto_an_empty_folder_and_where_a_link_leads(path):
@@ -355,6 +376,11 @@ def test_nothing_is_written_over(path, make, complaint):
         with pytest.raises(StoreError, match=complaint):
             summary(path)
     assert contents(path.parent) == before
+
+
+def test_a_path_that_cannot_be_looked_at_is_an_error_in_a_line(path):
+    with pytest.raises(StoreError, match="cannot be read: File name too long"):
+        summary(path.with_name("a" * 300))
 
 
 def test_a_store_that_is_not_there_and_a_url_are_refused(path, capsys):

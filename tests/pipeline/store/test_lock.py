@@ -17,7 +17,7 @@ from pipeline.store.verify import verify_store
 from pipeline.store.write import Store
 from pipeline.sweep.model import Point
 from tests.helpers import tiny
-from tests.helpers.stores import assert_is_as_computed, commit, contents, record
+from tests.helpers.stores import HOLDER, assert_is_as_computed, commit, contents, record
 
 SWEEP, POINT, OTHER = tiny.full(), Point(250.0, 1.0), Point(600.0, 1.5)
 HERE = f"process {os.getpid()} on {os.uname().nodename}"
@@ -78,16 +78,6 @@ def test_a_store_is_locked_through_a_mount_of_itself(path, mounted):
     with writing(mounted, SWEEP):
         refuse(path)
     assert_is_as_computed(mounted, [POINT, OTHER])
-
-
-HOLDER = """if True:
-    import sys, time
-    from pipeline.store.create import writing
-    from tests.helpers import tiny
-    with writing(sys.argv[1], tiny.full()):
-        print("held", flush=True)
-        time.sleep(60)
-"""
 
 
 @pytest.mark.parametrize("is_new", [False, True])

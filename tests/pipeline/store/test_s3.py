@@ -1,6 +1,8 @@
 """Stores in an object store, on a server of this machine."""
 
 import os
+import subprocess
+import sys
 
 import boto3
 import pytest
@@ -22,7 +24,7 @@ from pipeline.sweep.plan import points
 from tests.helpers import tiny
 from tests.helpers.processes import python
 from tests.helpers.s3 import served
-from tests.helpers.stores import Killed, assert_is_as_computed, commit, done_points, record
+from tests.helpers.stores import HOLDER, Killed, assert_is_as_computed, commit, done_points, record
 
 SWEEP = tiny.full(loads=(150.0, 600.0), velocities=(1.0,))
 POINT, OTHER = points(SWEEP)
@@ -161,6 +163,21 @@ def test_a_driver_that_was_killed_does_not_count_and_one_elsewhere_does(address)
     assert summary(address).running == "process 7 on elsewhere"
     with pytest.raises(StoreError, match=r"process 7 on elsewhere \(if that has ended, delete s3:"):
         commit(address, SWEEP, ())
+
+
+def test_a_driver_of_another_user_of_this_machine_counts(address, tmp_path):
+    """Its stand-in for the lock lies elsewhere."""
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path), "TMPDIR": str(tmp_path)}
+    command = [sys.executable, "-c", HOLDER, address]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, env=environment) as process:
+        assert process.stdout.readline() == b"held\n"
+        holder = f"process {process.pid} on {os.uname().nodename}"
+        assert summary(address).running == holder
+        with pytest.raises(StoreError, match=f"in use by {holder}"):
+            commit(address, SWEEP, ())
+        process.kill()
+    assert summary(address).running is None
+    commit(address, SWEEP, ())
 
 
 def refusal(status, code):

@@ -12,7 +12,7 @@ from pipeline.tradeoff.forecast import _Timed, estimate
 from pipeline.tradeoff.savings import savings
 from tests.helpers import tiny
 from tests.helpers.kept import PAPER
-from tribo import PRESETS, Fidelity, Grid, Ramp, Wear, start
+from tribo import PRESETS, Fidelity, Grid, InputError, Ramp, Wear, start
 
 SWEEP = replace(PAPER, loads=(250.0, 500.0, 750.0), velocities=(1.0, 2.0))
 
@@ -152,3 +152,8 @@ def test_work_that_is_saved_is_named_with_its_reason(changes, said):
     if said.startswith("fields"):
         kept = replace(kept, store_fields=False)
     assert any(said in work for work in savings(replace(kept, **changes)))
+
+
+def test_no_workers_are_refused():
+    with pytest.raises(InputError, match="workers is -1; it must be at least 1"):
+        estimate(SWEEP, workers=-1)
