@@ -11,7 +11,6 @@ own. All loads share one kernel. Its constants are those of the greatest likelih
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -37,9 +36,9 @@ class Emulator:
     inputs that they belong to, of which each has one length. ``mean`` (n_output,) is that of each
     output, ``weights`` (n, n_output) solve the kernel's equations for what departs from it,
     ``constants`` are the logarithms of a, b, c, s, n and the lengths ℓ, and ``whitener`` (n, n) is
-    the inverse of the Cholesky factor of the kernel between the rows. The ``calibration`` is the
-    root mean square of what contacts miss that are left out, over the error foretold, and at
-    least 1.
+    the inverse of the Cholesky factor of the kernel between the rows. The ``calibration``
+    (n_output,) is the root mean square of what contacts miss that are left out, over the error
+    foretold, and at least 1.
     """
 
     features: Array
@@ -48,10 +47,10 @@ class Emulator:
     weights: Array
     constants: Array
     whitener: Array
-    calibration: float = 1.0
+    calibration: Array
 
     def __call__(self, features: Array, with_error: bool = True) -> tuple[Array, Array, Array]:
-        """Outputs, shape (n, n_output), their standard error, and that of their smooth part, (n,).
+        """Outputs, their standard error, and that of their smooth part, each (n, n_output).
 
         The first error is that against a simulation, which has something of its own; the second
         one neighbours share. Both are 0 if not asked for.
@@ -59,13 +58,15 @@ class Emulator:
         smooth, _ = _kernel(features, self.features, self.dimensions, self.constants)
         outputs = self.mean + smooth @ self.weights
         if not with_error:
-            return outputs, *np.zeros((2, len(features)))
+            return outputs, *np.zeros((2, *outputs.shape))
         a, b, c, s, n = np.exp(2 * self.constants[:5])
         square = np.sum(features**2, axis=1)
         prior = a * (1 + square) + b * square**2 + c
         explained = np.sum((smooth @ self.whitener.T) ** 2, axis=1)
         shared = np.maximum(prior - explained, 0.0)
-        error, shared = (self.calibration * np.sqrt(part) for part in (shared + s + n, shared))
+        error, shared = (
+            np.sqrt(part)[:, None] * self.calibration for part in (shared + s + n, shared)
+        )
         return outputs, error, shared
 
 
@@ -149,16 +150,15 @@ def _constants(features: Array, dimensions: Groups, contacts: Groups, outputs: A
     return best
 
 
-def _calibration(inverse: Array, contacts: Groups, weights: Array) -> float:
+def _calibration(inverse: Array, contacts: Groups, weights: Array) -> Array:
     """Calibration of an `Emulator`.
 
     With the inverse C of the kernel, rows I that are left out miss by C_II⁻¹ (C y)_I, with the
     covariance C_II⁻¹ (Rasmussen & Williams, Sec. 5.4.2, for several rows).
     """
-    squares = 0.0
+    squares = np.zeros(weights.shape[1])
     for contact in np.unique(contacts):
         (rows,) = np.nonzero(contacts == contact)
-        squares += float(
-            np.sum(weights[rows] * np.linalg.solve(inverse[np.ix_(rows, rows)], weights[rows]))
-        )
-    return max(1.0, math.sqrt(squares / weights.size))
+        part = weights[rows]
+        squares += np.sum(part * np.linalg.solve(inverse[np.ix_(rows, rows)], part), axis=0)
+    return np.maximum(1.0, np.sqrt(squares / len(weights)))

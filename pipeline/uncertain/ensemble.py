@@ -332,7 +332,7 @@ class Ensemble:
         for velocity in nodes:
             features, _ = _features(self.design, columns, np.full(len(draws), velocity))
             values, *errors = emulator(features, with_error)
-            by_load = [np.hypot(error[:, None], bends) for error in errors]
+            by_load = [np.hypot(error @ np.abs(weights.T), bends) for error in errors]
             at_nodes.append([values @ weights.T, *by_load])
         parts = (np.stack(part, axis=-1) for part in zip(*at_nodes, strict=True))
         return _between(wanted, nodes, Excess(*parts))
