@@ -1,36 +1,49 @@
-"""Sweeps in jobs of a real Slurm: jobs that are lost in every way, and drivers that are killed.
+"""Sweeps in jobs of a real Slurm, and stores in a real Ceph object gateway, where there are such.
 
-    python -m tests.cluster                    # all of it, in about ten minutes
+    python -m tests.cluster                    # all of it, in about fifteen minutes
     python -m tests.cluster losses walltime    # some of it
 
-Each store is compared, bit for bit, with a run on this machine. Prints a JSON document.
+Jobs are lost in every way, and drivers are killed. Each store is compared, bit for bit, with a run
+on this machine. Prints a JSON document.
 """
 
 import argparse
 import json
 import os
+import random
 import signal
 import subprocess
 import sys
 import tempfile
 import time
+from contextlib import ExitStack, suppress
 from pathlib import Path
 
 import numpy as np
 
 import pipeline
 from pipeline.run.sweep import run_sweep
-from tests.cluster.daemons import missing, slurm
+from pipeline.store.place import StoreError
+from pipeline.store.schema import COLUMNS
+from tests.cluster import objects
+from tests.cluster.daemons import SLURM, missing, slurm
+from tests.cluster.gateway import CEPH, gateway
+from tests.crash import many
 from tests.crash.sweeps import keep_one_thread
 from tests.helpers import tiny
 from tests.helpers.scenes import SCENE
 from tests.pipeline.run.test_sweep import content
+from tribo import TriboError
 
 ROOT = Path(__file__).parents[2]
 _JOBS = 4
 _SHORT = 60.0  # [s] of a walltime, the shortest that Slurm knows
 _PATIENCE = 400.0  # [s] for a driver
+_CHEAP = 10_000  # points
+_BETWEEN = 12.0  # [s] between two jobs that are cancelled
 _INTERRUPTED, _REFUSED = 130, 2
+DRIVERS = ExitStack()
+"""Those that are killed in the end, if they go on."""
 
 
 def sweep_of(velocities):
@@ -40,11 +53,11 @@ def sweep_of(velocities):
     )
 
 
-def drive(path, velocities, walltime):
+def drive(path, velocities, walltime, is_cheap):
     """Run or resume a sweep in jobs; write what was told and what came of it beside it."""
     told, counts = [], []
     outcome = run_sweep(
-        sweep_of(velocities),
+        many.sweep_of(many.LOADS * velocities) if is_cheap else sweep_of(velocities),
         path,
         cluster=pipeline.Batch("slurm", _JOBS, walltime, pipeline.Site(interface="lo")),
         progress=lambda now: counts.append((now.elapsed, now.done, now.time_to_go, now.jobs)),
@@ -59,9 +72,10 @@ def drive(path, velocities, walltime):
 class Driver:
     """A driver in a process of its own."""
 
-    def __init__(self, path, velocities, walltime=7200.0):
+    def __init__(self, path, velocities, walltime=7200.0, is_cheap=False):
         self.path = path
         options = ["--drive", path, "--velocities", str(velocities), "--walltime", str(walltime)]
+        options += ["--cheap"] * is_cheap
         self._err = path.with_suffix(".err").open("a")
         self.process = subprocess.Popen(
             [sys.executable, "-m", "tests.cluster", *options],
@@ -70,14 +84,21 @@ class Driver:
             stderr=self._err,
             start_new_session=True,
         )
+        DRIVERS.callback(self.process.kill)
 
     def wait_for(self, points):
         """Wait until so many points are done."""
         end = time.monotonic() + _PATIENCE
-        while not self.path.exists() or pipeline.summary(self.path).done < points:
+        while self.done() < points:
             assert self.process.poll() is None, self.path.with_suffix(".err").read_text()
             assert time.monotonic() < end, f"{points} points take longer than {_PATIENCE:g} s"
             time.sleep(1.0)
+
+    def done(self):
+        """Points that are done."""
+        with suppress(StoreError):  # until it is made
+            return pipeline.summary(self.path).done
+        return 0
 
     def result(self):
         assert self.process.wait(_PATIENCE) == 0, self.path.with_suffix(".err").read_text()
@@ -148,6 +169,33 @@ def killed(batch, folder, expected):
     yield from faults_of(driver.path, 80, result, expected, with_logs=False)
 
 
+def crowd(batch, folder, expected):
+    """Ten thousand cheap points, while jobs are lost every few seconds and the driver is once."""
+    path, velocities, lost = folder / "crowd.zarr", _CHEAP // many.LOADS, 0
+    driver, generator, half = Driver(path, velocities, is_cheap=True), random.Random(0), 0
+    while driver.process.poll() is None:
+        time.sleep(_BETWEEN)
+        if not half and driver.done() > _CHEAP / 2:
+            driver.process.kill()
+            driver.process.wait()
+            half, driver = driver.done(), Driver(path, velocities, is_cheap=True)
+        elif driver.done() and (jobs := batch.jobs("running")):
+            batch.ask("scancel", generator.choice(jobs))
+            lost += 1
+    result = driver.result()
+    yield {**result, "jobs_lost": lost, "done_before": half}
+    alone = folder / "alone-crowd.zarr"
+    run_sweep(many.sweep_of(_CHEAP), alone, workers=2)
+    names = (*COLUMNS, "message", "checksum", "status")
+    if result["done"] != _CHEAP or content(path, names) != content(alone, names):
+        yield f"{result['done']} points are done, failed: {result['failed']}; or they differ"
+    if not (half and lost):
+        yield f"{lost} jobs were lost, and the driver at {half} points: too few to tell"
+    again = Driver(path, velocities, is_cheap=True).result()
+    if again["done"] != _CHEAP or batch.jobs("running"):
+        yield f"a run with nothing to do: {again}, jobs {batch.jobs('running')}"
+
+
 def command(folder, *options, wait=True, site='interface = "lo"\n'):
     """``irg run`` of a small scene in jobs: its exit code and words."""
     (folder / "small.toml").write_text(SCENE)
@@ -195,38 +243,51 @@ def commands(batch, folder, expected):
     yield report
 
 
-TRIALS = {trial.__name__: trial for trial in (commands, losses, walltime, killed)}
+TRIALS = {trial.__name__: trial for trial in (commands, losses, walltime, killed, crowd)}
+
+
+def tried(trials, server, folder, expected, document):
+    """Make trials, and note in the document what came of each."""
+    for trial in trials:
+        began, results = time.monotonic(), []
+        try:
+            results += trial(server, folder, expected)
+        except (AssertionError, OSError, TriboError, subprocess.SubprocessError) as error:
+            results += [{}, f"{type(error).__name__}: {error}"]
+        took = {"took": round(time.monotonic() - began, 1)}
+        reports = [each for each in results if isinstance(each, dict)]
+        faults = [each for each in results if isinstance(each, str)]
+        document[trial.__name__] = {**took, **reports[0], "faults": faults}
+        print(trial.__name__, took, faults, file=sys.stderr)
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("trials", nargs="*", metavar="TRIAL", help=", ".join(TRIALS))
+    names = ", ".join((*TRIALS, *objects.TRIALS))
+    parser.add_argument("trials", nargs="*", metavar="TRIAL", help=names)
     for option, kind in (("--drive", Path), ("--velocities", int), ("--walltime", float)):
         parser.add_argument(option, type=kind, help=argparse.SUPPRESS)
+    parser.add_argument("--cheap", action="store_true", help=argparse.SUPPRESS)
     options = parser.parse_args()
     keep_one_thread()
     if options.drive:
-        drive(options.drive, options.velocities, options.walltime)
-        return 0
-    if absent := missing():
-        print(f"not tried, since there is no {', '.join(absent)}: apt-get install slurm-wlm munge")
+        drive(options.drive, options.velocities, options.walltime, options.cheap)
         return 0
     document, expected = {}, {}
     with tempfile.TemporaryDirectory() as temporary:
         folder = Path(temporary)
-        (folder / "slurm").mkdir()
-        with slurm(folder / "slurm") as batch:
-            for name in options.trials or TRIALS:
-                began, results = time.monotonic(), []
-                try:
-                    results += TRIALS[name](batch, folder, expected)
-                except (AssertionError, OSError, subprocess.SubprocessError) as error:
-                    results += [{}, f"{type(error).__name__}: {error}"]
-                took = {"took": round(time.monotonic() - began, 1)}
-                reports = [each for each in results if isinstance(each, dict)]
-                faults = [each for each in results if isinstance(each, str)]
-                document[name] = {**took, **reports[0], "faults": faults}
-                print(name, took, faults, file=sys.stderr)
+        for server, trials, programs, packages in (
+            (slurm, TRIALS, SLURM, "slurm-wlm munge"),
+            (gateway, objects.TRIALS, CEPH, "radosgw ceph-mon ceph-osd ceph-common"),
+        ):
+            asked = [trials[name] for name in options.trials or trials if name in trials]
+            if absent := missing(programs):
+                said = f"there is no {', '.join(absent)}: apt-get install {packages}"
+                print(f"not tried with a {server.__name__}, since {said}", file=sys.stderr)
+            elif asked:
+                (folder / server.__name__).mkdir()
+                with server(folder / server.__name__) as running, DRIVERS:
+                    tried(asked, running, folder, expected, document)
     print(json.dumps(document, indent=1))
     return 1 if any(each["faults"] for each in document.values()) else 0
 

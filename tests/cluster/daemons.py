@@ -9,7 +9,7 @@ import time
 from contextlib import ExitStack, contextmanager
 
 NODES = ("n1", "n2")
-PROGRAMS = ("munged", "slurmctld", "slurmd", "sbatch", "squeue", "scancel", "scontrol")
+SLURM = ("munged", "slurmctld", "slurmd", "sbatch", "squeue", "scancel", "scontrol")
 _CORES = 8  # that each node claims to have
 _CONFIGURATION = """\
 ClusterName=trial
@@ -42,22 +42,47 @@ PartitionName=work Nodes=ALL Default=YES MaxTime=INFINITE OverTimeLimit=0 State=
 """
 
 
-def missing():
-    """Programs that are not installed."""
-    return [name for name in PROGRAMS if shutil.which(name) is None]
+def missing(programs):
+    """Those of the programs that are not installed."""
+    return [name for name in programs if shutil.which(name) is None]
 
 
-class Slurm:
+class Daemons:
     """Daemons that run in the foreground, as children of this process."""
 
     def __init__(self, folder):
-        self.folder, host = folder, socket.gethostname()
-        self._daemons = {}
+        self.folder, self._daemons = folder, {}
+
+    def start(self, program, *options):
+        with (self.folder / f"{program}.out").open("a") as out:
+            command = [shutil.which(program), *options]
+            self._daemons[program, options] = subprocess.Popen(command, stdout=out, stderr=out)
+
+    def kill(self, program, *options):
+        daemon = self._daemons.pop((program, options))
+        daemon.kill()
+        daemon.wait()
+
+    def close(self):
+        for daemon in reversed(self._daemons.values()):
+            daemon.terminate()
+            try:
+                daemon.wait(30)
+            except subprocess.TimeoutExpired:
+                daemon.kill()
+
+
+class Slurm(Daemons):
+    """Its controller, and a daemon for each node."""
+
+    def __init__(self, folder):
+        super().__init__(folder)
+        host = socket.gethostname()
         (folder / "state").mkdir()
         key = folder / "munge.key"
         key.touch(mode=0o600)
         key.write_bytes(secrets.token_bytes(1024))
-        ports = _free_ports(1 + len(NODES))
+        ports = free_ports(1 + len(NODES))
         nodes = "\n".join(
             f"NodeName={node} NodeHostname={host} NodeAddr=127.0.0.1 Port={port} CPUs={_CORES} "
             "RealMemory=16000"
@@ -79,16 +104,9 @@ class Slurm:
             assert time.monotonic() < end, f"Slurm does not start; its logs are in {folder}"
             time.sleep(0.5)
 
-    def start(self, program, *options):
-        with (self.folder / f"{program}.out").open("a") as out:
-            command = [shutil.which(program), *options]
-            self._daemons[program, options] = subprocess.Popen(command, stdout=out, stderr=out)
-
     def restart_controller(self, pause):
         """Kill the controller, and start it again after a time [s]."""
-        daemon = self._daemons.pop(("slurmctld", ("-D",)))
-        daemon.kill()
-        daemon.wait()
+        self.kill("slurmctld", "-D")
         time.sleep(pause)
         self.start("slurmctld", "-D")
 
@@ -107,12 +125,7 @@ class Slurm:
         end = time.monotonic() + 30.0
         while self.jobs("running") and time.monotonic() < end:
             time.sleep(0.5)
-        for daemon in reversed(self._daemons.values()):
-            daemon.terminate()
-            try:
-                daemon.wait(30)
-            except subprocess.TimeoutExpired:
-                daemon.kill()
+        super().close()
 
 
 @contextmanager
@@ -124,7 +137,8 @@ def slurm(folder):
         running.close()
 
 
-def _free_ports(number):
+def free_ports(number):
+    """Ports of this machine that nobody uses now."""
     with ExitStack() as stack:
         sockets = [
             stack.enter_context(socket.create_server(("127.0.0.1", 0))) for _ in range(number)
