@@ -112,9 +112,9 @@ def require_one_scene(ds: xr.Dataset) -> None:
     """Raise an `InputError` at a sweep in which entries have several values."""
     if names := entry_dims(ds):
         several = " and ".join(names)
-        given = " ".join(f'--at "{name}=..."' for name in names)
+        options = " ".join(f'--at "{name}=..."' for name in names)
         raise InputError(
-            f"the sweep has several values of {several}; take one of each: {given}, in Python "
+            f"the sweep has several values of {several}; take one of each: {options}, in Python "
             "pipeline.at_entries"
         )
 

@@ -99,12 +99,12 @@ def parts_of(boundaries: xr.Dataset) -> Iterator[tuple[tuple[Any, ...], xr.Datas
     for places in np.ndindex(*(boundaries.sizes[name] for name in names)):
         part = boundaries.isel(dict(zip(names, places, strict=True)))
         values = tuple(part[name].item() for name in names)
-        own = {
+        attributes = {
             str(name): coord.item()
             for name, coord in part.coords.items()
             if name not in names and set(names) & set(boundaries[name].dims)
         }
-        yield values, part.drop_vars([*names, *own]).assign_attrs(own)
+        yield values, part.drop_vars([*names, *attributes]).assign_attrs(attributes)
 
 
 def columns_of(ds: xr.Dataset | xr.DataArray) -> tuple[Column, ...]:

@@ -127,14 +127,14 @@ def boundary_of_samples(ds: xr.Dataset, conditions: dict[str, Any]) -> Result:
 
 def table_of_intervals(answer: MarginIntervals) -> Table:
     """Distance of an operating point from severe wear, a quantity a row."""
-    at, temperature = answer.risk, answer.decisive_temperature
+    place, temperature = answer.risk, answer.decisive_temperature
     rows: list[tuple[Any, ...]] = [
         ("deciding temperature [°C]", *(value - 273.15 for value in astuple(temperature))),
         ("below the critical [K]", *astuple(answer.distance)),
     ]
     for name, unit, interval, here, ends in (
-        ("velocity", "m/s", answer.critical_velocity, at.velocity, answer.velocity_range),
-        ("load", "N", answer.critical_load, at.load, answer.load_range),
+        ("velocity", "m/s", answer.critical_velocity, place.velocity, answer.velocity_range),
+        ("load", "N", answer.critical_load, place.load, answer.load_range),
     ):
         if interval is not None:
             values = astuple(interval)

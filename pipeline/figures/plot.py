@@ -134,8 +134,8 @@ def plot(
 
 def options_of(kind: str) -> list[str]:
     """Names of the options that a kind of figure has."""
-    _, *own, _ = inspect.signature(_draw(kind)).parameters  # between the dataset and **changed
-    return list(dict.fromkeys((*CONDITIONS, *own)))
+    _, *names, _ = inspect.signature(_draw(kind)).parameters  # between the dataset and **changed
+    return list(dict.fromkeys((*CONDITIONS, *names)))
 
 
 def _draw(kind: str) -> Callable[..., Figure | list[Figure]]:

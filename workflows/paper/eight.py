@@ -58,8 +58,8 @@ class Transition:
         lubrication = Lubrication.of(self.scene)
         if lubrication is None:
             return 0.0
-        at, bulk = self.measured, self.scene.conditions.bulk_temperature
-        return float(lubrication.film_parameter(at.normal_load, at.velocity, bulk))
+        place, bulk = self.measured, self.scene.conditions.bulk_temperature
+        return float(lubrication.film_parameter(place.normal_load, place.velocity, bulk))
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,7 +117,7 @@ def transitions_of(
     kinds : iterable
         Wear patterns, each with its conductivities [W/(m K)].
     """
-    kinds, found = list(kinds), []
+    kinds, transitions = list(kinds), []
     for name in SCENES:
         scene = study.scene(name)
         for measured in scene.measured:
@@ -125,12 +125,12 @@ def transitions_of(
             for pattern, conductivities in kinds:
                 for seed in study.seeds(_SURFACES):
                     surface = worn(scene.on_surface(seed), pattern)
-                    for K, at in _columns(surface, measured, conductivities):
-                        columns.setdefault((pattern, K), []).append(at)
+                    for K, column in _columns(surface, measured, conductivities):
+                        columns.setdefault((pattern, K), []).append(column)
             oil = "oil A" if "oil_a" in name else "white oil"
-            found.append(Transition(oil, scene, measured, columns))
+            transitions.append(Transition(oil, scene, measured, columns))
             study.tell(f"{oil}, {measured.normal_load:g} N at {measured.velocity:g} m/s")
-    return tuple(found)
+    return tuple(transitions)
 
 
 def _columns(
@@ -180,14 +180,14 @@ def log_evidence(
     total = np.zeros((*lowered.shape[:-1], len(sigma)))
     means = []
     for oil, temperatures, prior in _temperatures():
-        own = np.array([transition.oil == oil for transition in transitions])
-        if not own.any():
+        of_oil = np.array([transition.oil == oil for transition in transitions])
+        if not of_oil.any():
             means.append(np.full(warming.shape[:-1], np.nan))
             continue
-        bulks = np.array([t.bulk_celsius for t in transitions])[own]
+        bulks = np.array([t.bulk_celsius for t in transitions])[of_oil]
         expected = np.log(temperatures[:, None] - bulks)
-        squares = ((lowered[..., own][..., None, :] - expected) ** 2).sum(axis=-1)
-        log = prior[:, None] - squares[..., None] / (2 * sigma**2) - own.sum() * np.log(sigma)
+        squares = ((lowered[..., of_oil][..., None, :] - expected) ** 2).sum(axis=-1)
+        log = prior[:, None] - squares[..., None] / (2 * sigma**2) - of_oil.sum() * np.log(sigma)
         total = total + logsumexp(log, axis=-2)
         weight = np.exp(log - log.max(axis=(-3, -2, -1), keepdims=True)).sum(axis=(-3, -1))
         means.append((weight * temperatures).sum(axis=-1) / weight.sum(axis=-1))

@@ -44,11 +44,11 @@ def evidence(study: Study) -> Report:
     """Odds of other physics against what the scenes take, and each model on its own data."""
     transitions = transitions_of(study, [("swept", (45.0, 21.0)), ("local", (45.0,))])
     warmings = np.array([model.warming(transitions) for model in _MODELS.values()])
-    found = [
+    weighed = [
         log_evidence(transitions, warming, model.film)
         for warming, model in zip(warmings, _MODELS.values(), strict=True)
     ]
-    odds = [float(log - found[0][0]) for log, *_ in found]
+    odds = [float(log - weighed[0][0]) for log, *_ in weighed]
     confused = _confusions(transitions, warmings)
     names = list(_MODELS)
     values: dict[str, Any] = {
@@ -77,7 +77,7 @@ def evidence(study: Study) -> Report:
                     *(f"{share:.0%}" for share in row),
                 )
                 for name, odd, (_, white, oil_a), row in zip(
-                    names, odds, found, confused, strict=True
+                    names, odds, weighed, confused, strict=True
                 )
             ),
         ),
@@ -85,7 +85,7 @@ def evidence(study: Study) -> Report:
             "log_odds": dict(zip(names, odds, strict=True)),
             "critical_celsius": {
                 name: [float(white), float(oil_a)]
-                for name, (_, white, oil_a) in zip(names, found, strict=True)
+                for name, (_, white, oil_a) in zip(names, weighed, strict=True)
             },
             "chosen_on_data_of": dict(zip(names, confused, strict=True)),
         },
@@ -108,15 +108,15 @@ def _confusions(transitions: Sequence[Transition], warmings: Array) -> list[list
     films = np.array([transition.film_parameter for transition in transitions])
     bulks = np.array([transition.bulk_celsius for transition in transitions])
     shares = []
-    for number, own in enumerate(_MODELS.values()):
+    for number, model in enumerate(_MODELS.values()):
         critical = {oil: rng.normal(*its, size=_DATA) for oil, its in _CRITICAL.items()}
         limits = np.array([critical[transition.oil] for transition in transitions]).T
-        carried = np.log(1 - _SHARE * films) if own.film else 0.0
+        carried = np.log(1 - _SHARE * films) if model.film else 0.0
         noise = rng.normal(scale=_SCATTER, size=limits.shape)
         moved = np.log(limits - bulks) + noise - warmings[number] - carried
         logs = [
-            log_evidence(transitions, warming + moved, model.film)[0]
-            for warming, model in zip(warmings, _MODELS.values(), strict=True)
+            log_evidence(transitions, warming + moved, other.film)[0]
+            for warming, other in zip(warmings, _MODELS.values(), strict=True)
         ]
         chosen = np.argmax(logs, axis=0)
         shares.append((np.bincount(chosen, minlength=len(_MODELS)) / _DATA).tolist())

@@ -41,7 +41,7 @@ def steel(study: Study) -> Report:
     """Conductivity against critical temperature, by white oil, oil A and both."""
     transitions = transitions_of(study, [("swept", _NODES)])
     warmings = np.array([Physics(K).warming(transitions) for K in _NODES])
-    found = {name: _posterior(transitions, warmings, oils) for name, oils in _SETS.items()}
+    posteriors = {name: _posterior(transitions, warmings, oils) for name, oils in _SETS.items()}
     boundary = _boundary(study)
     named = [f"{t.oil}, {t.measured.normal_load:g} N, {t.bulk_celsius:g} °C" for t in transitions]
     celsius = {
@@ -49,21 +49,21 @@ def steel(study: Study) -> Report:
         for K, row in zip(_NODES, warmings, strict=True)
     }
     hard, soft = (celsius[f"{K:g}"] for K in (_HARD, _SOFT))
-    mean = {name: its["mean"] for name, its in found.items()}
+    mean = {name: its["mean"] for name, its in posteriors.items()}
     values: dict[str, Any] = {
         "soft": _SOFT,
         "hard": _HARD,
         "surfaces": len(next(iter(transitions[0].columns.values()))),
-        **{f"{name.split()[0]}_{key}": its[key] for name, its in found.items() for key in its},
+        **{f"{name.split()[0]}_{key}": its[key] for name, its in posteriors.items() for key in its},
         "changes": boundary["change"],
-        "odds": found["both oils"]["odds"],
+        "odds": posteriors["both oils"]["odds"],
     }
     return Report.of(
         "steel",
         values,
         verdicts={
             "conductivity": abs(mean["both oils"] / _SOFT - 1) < _STEADY,
-            "hardened": found["both oils"]["odds"] < 1,
+            "hardened": posteriors["both oils"]["odds"] < 1,
         },
         table=Table(
             ("", f"K {_SOFT:g} W/(m K)", f"K {_HARD:g} W/(m K)"),
@@ -81,10 +81,10 @@ def steel(study: Study) -> Report:
         ),
         data={
             "critical_celsius_by_conductivity": celsius,
-            "conductivity": found,
+            "conductivity": posteriors,
             "boundary": boundary,
         },
-        figure=_draw(transitions, warmings, found),
+        figure=_draw(transitions, warmings, posteriors),
     )
 
 
@@ -92,9 +92,9 @@ def _posterior(
     transitions: Sequence[Transition], warmings: Array, oils: Sequence[str]
 ) -> dict[str, Any]:
     """Conductivity by the transitions of some oils, evenly likely before."""
-    own = [number for number, transition in enumerate(transitions) if transition.oil in oils]
-    fine = CubicSpline(_NODES, warmings[:, own])(_FINE)
-    log, white, oil_a = log_evidence([transitions[number] for number in own], fine)
+    numbers = [number for number, transition in enumerate(transitions) if transition.oil in oils]
+    fine = CubicSpline(_NODES, warmings[:, numbers])(_FINE)
+    log, white, oil_a = log_evidence([transitions[number] for number in numbers], fine)
     probability = np.exp(log - logsumexp(log))
     mean = float(probability @ _FINE)
     below = np.cumsum(probability)
@@ -114,28 +114,30 @@ def _posterior(
 
 def _boundary(study: Study) -> dict[str, Any]:
     """Critical velocities with both conductivities, at friction 0.1."""
-    own: Mapping[str, Any] = {
+    changes: Mapping[str, Any] = {
         "sweep.loads": ["200 N", "400 N", "600 N", "750 N"],
         "sweep.velocities": {"from": "0.2 m/s", "to": "5 m/s", "step": "0.2 m/s"},
     }
     entry = "materials.steel.thermal_conductivity"
     scene = Path(study.scenes, "irg_transition.toml")
-    found = vary(scene, {entry: [f"{_HARD:g} W/(m K)"]}, study.preset, own, tell=study.tell)
-    (hard,) = found.others
+    variation = vary(scene, {entry: [f"{_HARD:g} W/(m K)"]}, study.preset, changes, tell=study.tell)
+    (hard,) = variation.others
     return {
-        "load": list(found.loads)[::-1],
-        "soft": list(found.own.critical_velocities)[::-1],
+        "load": list(variation.loads)[::-1],
+        "soft": list(variation.own.critical_velocities)[::-1],
         "hard": list(hard.critical_velocities)[::-1],
-        "change": found.changes(hard).tolist()[::-1],
+        "change": variation.changes(hard).tolist()[::-1],
     }
 
 
 @in_house_style
-def _draw(transitions: Sequence[Transition], warmings: Array, found: Mapping[str, Any]) -> Figure:
+def _draw(
+    transitions: Sequence[Transition], warmings: Array, posteriors: Mapping[str, Any]
+) -> Figure:
     figure = Figure(figsize=(7.0, 3.4))
     left, right = figure.subplots(1, 2)
     _draw_temperatures(left, transitions, warmings)
-    for name, posterior in found.items():
+    for name, posterior in posteriors.items():
         right.plot(_FINE, posterior["density"], color=_LOOKS[name], label=name)
     for K, label in ((_SOFT, "taken, as annealed"), (_HARD, "measured, hardened")):
         right.axvline(K, color=GREY, ls=":", lw=1.2)

@@ -141,8 +141,8 @@ def ensemble(
         on_surfaces = []
         for seed in study.each(study.seeds(surfaces), f"{what.format(wear)}, surface {{}}".format):
             points = [
-                end_of(worn(scene.on_surface(seed), wear), at.normal_load, at.velocity, at.friction)
-                for scene, at in transitions
+                end_of(worn(scene.on_surface(seed), wear), m.normal_load, m.velocity, m.friction)
+                for scene, m in transitions
             ]
             on_surfaces.append(Ends.stacked(points))
         ends[wear] = Ends.stacked(on_surfaces, axis=1)
