@@ -15,7 +15,7 @@ from .analysis.tables import Column as Column
 from .analysis.tables import Table as Table
 from .analysis.temperatures import decisive_temperature as decisive_temperature
 from .analysis.temperatures import temperatures as temperatures
-from .analysis.warned import warned as warned
+from .analysis.warned_points import warned as warned
 from .analysis.wear_rate import at_wear_rate as at_wear_rate
 from .figures.live import watch as watch
 from .figures.page.write import Page as Page

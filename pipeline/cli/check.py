@@ -15,7 +15,7 @@ from pipeline.scene.doubts import doubts
 from pipeline.scene.facts import Facts, Span, facts_of, require_bearable_load
 from pipeline.sweep.lubrication import Lubrication
 from pipeline.sweep.model import Sweep
-from pipeline.sweep.own import own_laws
+from pipeline.sweep.own_laws import own_laws
 from pipeline.sweep.stages import duration
 from pipeline.sweep.surface import SurfaceFacts
 from pipeline.tradeoff.forecast import Estimate, machine_bytes, worker_bytes

@@ -11,7 +11,7 @@ from typing import Any
 import tribo
 from pipeline.scene.document import Document
 from pipeline.scene.faults import Faults
-from pipeline.sweep.own import Own
+from pipeline.sweep.own_laws import Own
 
 Loading = tribo.Ramp | tribo.MeasuredLoad
 Pin = tribo.Cylinder | tribo.Ball | tribo.Crowned

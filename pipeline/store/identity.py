@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.sweep.model import Point, Sweep
-from pipeline.sweep.own import own_laws
+from pipeline.sweep.own_laws import own_laws
 from pipeline.sweep.plan import PointRecord
 from tribo import Scene
 

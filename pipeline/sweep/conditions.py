@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from pipeline.sweep.own import Own
+from pipeline.sweep.own_laws import Own
 from tribo import BULK_RATIOS, CRITERIA, Corrections, Criterion, InputError, Rule
 
 

@@ -10,10 +10,10 @@ from typing import Any, NamedTuple, Self
 import numpy as np
 
 from pipeline.sweep.conditions import Conditions
+from pipeline.sweep.description import as_html, as_lines, on_conditions, on_plane, on_scene
 from pipeline.sweep.over import Label, Over, Variant, combinations
 from pipeline.sweep.samples import Samples
 from pipeline.sweep.selection import Selection
-from pipeline.sweep.shown import as_html, as_lines, on_conditions, on_plane, on_scene
 from tribo import InputError, Oil, Ramp, Scene, SelfAffineRoughness, inseparable
 
 # Ratio of neighbouring wear rates at which heat is taken, at most. On four contacts rises between

@@ -20,9 +20,9 @@ import numpy as np
 
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.criterion import Verdict, verdict
+from pipeline.sweep.description import as_html, as_lines, on_point
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.over import Variant
-from pipeline.sweep.shown import as_html, as_lines, on_point
 from tribo import (
     BULK_RATIOS,
     QUANTILES,

@@ -35,9 +35,9 @@ def each(pattern, names):
 
 _JUDGED = each(
     "pipeline/analysis/*.py",
-    "band boundary conditions dataset decisive interpolation margin temperatures transition warned",
+    "band boundary conditions dataset decisive interpolation margin temperatures transition warned_points",
 )
-_ANALYSIS = "band interpolation boundary margin dataset warned many_surfaces"
+_ANALYSIS = "band interpolation boundary margin dataset warned_points many_surfaces"
 _INVERSE = each("tribo/*.py", "criterion inverse lubricant")
 _WEAR = each("tribo/*.py", "grid stencil topography wear")
 _SCENE = "consistency correlation document kinds schema unknown"

@@ -13,7 +13,7 @@ import pytest
 import pipeline
 import tribo
 from pipeline.cli import main
-from pipeline.sweep.own import Own
+from pipeline.sweep.own_laws import Own
 from tests.helpers import tiny
 from tests.helpers.scenes import SCENE
 

@@ -23,13 +23,13 @@ from pipeline.analysis.operating_points import OperatingPoints
 from pipeline.analysis.scenes import parts_of, scenes, words
 from pipeline.analysis.tables import Column, Table
 from pipeline.analysis.transition import CROSSES, OUTCOMES
-from pipeline.analysis.warned import warned
+from pipeline.analysis.warned_points import warned
 from pipeline.figures.report.citation import citation
 from pipeline.figures.style import criterion, heating
 from pipeline.scene.reference import meanings
 from pipeline.store.schema import DONE, FAILED
+from pipeline.sweep.description import on_plane
 from pipeline.sweep.selection import PRESET_BOUNDS, Selection
-from pipeline.sweep.shown import on_plane
 from tribo import InputError
 
 Part = str | Table | Figure

@@ -9,7 +9,7 @@ import pytest
 import xarray as xr
 
 import pipeline
-from pipeline.analysis.warned import Warned, has_warning, warned
+from pipeline.analysis.warned_points import Warned, has_warning, warned
 from pipeline.cli import main
 from pipeline.figures.diagram import diagram
 from pipeline.sweep.model import Point
