@@ -35,7 +35,8 @@ def each(pattern, names):
 
 _JUDGED = each(
     "pipeline/analysis/*.py",
-    "band boundary conditions dataset decisive interpolation margin temperatures transition warned_points",
+    "band boundary conditions dataset decisive interpolation margin temperatures transition "
+    "warned_points",
 )
 _ANALYSIS = "band interpolation boundary margin dataset warned_points many_surfaces"
 _INVERSE = each("tribo/*.py", "criterion inverse lubricant")
