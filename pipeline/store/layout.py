@@ -104,13 +104,13 @@ def documents(
 def arrays_of(place: Place, metadata: Mapping[str, Any], read_only: bool) -> dict[str, Any]:
     """Open the arrays of a store by the metadata of its root, which may have changed since."""
     store = place.zarr(read_only)
-    # An array takes this from the time when it is opened. A chunk of nothing but fill values that
-    # is not written looks like one that was lost.
-    with zarr.config.set({"array.write_empty_chunks": True}):
-        return {
-            name: zarr.Array.from_dict(StorePath(store, name), array)
-            for name, array in metadata.items()
-        }
+    # A chunk of nothing but fill values that is not written looks like one that was lost. Zarr's
+    # own setting of this belongs to all threads, and one that ends would change it for another.
+    opened = {
+        name: zarr.AsyncArray(array, StorePath(store, name), {"write_empty_chunks": True})
+        for name, array in metadata.items()
+    }
+    return {name: zarr.Array(array) for name, array in opened.items()}
 
 
 def fill_new_steps(arrays: Mapping[str, Any], steps: int) -> None:

@@ -6,6 +6,7 @@ import os
 import shutil
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -22,6 +23,7 @@ from pipeline.scene.scenefile import load_scene
 from pipeline.store import create, schema
 from pipeline.store.create import writing
 from pipeline.store.files import PARTIAL
+from pipeline.store.layout import arrays_of
 from pipeline.store.lock import held
 from pipeline.store.place import StoreError, StoreMismatchError, place_of
 from pipeline.store.progress import summary
@@ -54,6 +56,18 @@ def path(tmp_path):
 
 
 # Creation
+
+
+def test_a_store_that_threads_open_side_by_side_writes_empty_chunks(alone):
+    """Or what is done looks lost; a setting of Zarr's holds for all threads at once."""
+    store = opened(alone)
+
+    def writes_empty(_):
+        arrays = arrays_of(store.place, store.root.arrays, read_only=False)
+        return all(array.config.write_empty_chunks for array in arrays.values())
+
+    with ThreadPoolExecutor(8) as threads:
+        assert all(threads.map(writes_empty, range(100)))
 
 
 def test_a_new_store_opens_in_plain_xarray_without_a_warning(alone):
