@@ -30,7 +30,7 @@ WIDTH_SCATTER = 0.03
 _KNOWN = 0.1  # of an input's spread: what a good measurement of it leaves
 _DRAWS, _TRUTHS = 1024, 96
 _SCORES_APART = 2 * 1.645  # normal scores between 5 and 95 %
-_VELOCITIES = 9  # of tests at a load and bulk temperature
+_VELOCITIES = 9  # of tests at a load and bulk temperature, where the transition is as likely
 _WARMER = (1 / 3, 2 / 3)  # of the way from the bulk to the critical temperature
 
 
@@ -242,8 +242,8 @@ class _Plan:
             critical = float(np.median(ensemble.values(CRITICAL, self._inputs)))
             bulks = [bulk, *(bulk + share * (critical - bulk) for share in _WARMER)]
         about = self._friction_of_tests()
-        velocities = np.geomspace(*ensemble.velocities, _VELOCITIES).tolist()
-        middle = velocities[len(velocities) // 2]
+        low, high = ensemble.velocities
+        middle = math.sqrt(low * high)
         for load, bulk in itertools.product(ensemble.loads.tolist(), bulks):
             test = {"normal_load": load, "velocity": middle, "bulk_temperature": bulk}
             entries = {} if bulk == conditions.bulk_temperature else {"bulk_temperature": bulk}
@@ -253,13 +253,15 @@ class _Plan:
             deviation = np.hypot(np.sqrt(distances.variance[0]), self._scatters)
             where = f"{load:g} N, bulk {bulk - 273.15:.3g} °C"
             likely = math.exp(float(np.median(log_velocity)))
-            if velocities[0] <= likely <= velocities[-1]:
+            if low <= likely <= high:
                 yield _Measurement(
                     f"the transition at {where}, about {likely:.3g} m/s",
                     self._searched(log_velocity, deviation),
                     test | {"velocity": likely},
                 )
-            for velocity in velocities:
+            shares = (np.arange(_VELOCITIES) + 0.5) / _VELOCITIES
+            velocities = np.exp(np.quantile(log_velocity, shares)).clip(low, high)
+            for velocity in np.unique(velocities).tolist():
                 yield _Measurement(
                     f"a test at {where}, {velocity:.3g} m/s",
                     self._outcome((math.log(velocity) - log_velocity) / deviation),
@@ -267,7 +269,7 @@ class _Plan:
                 )
 
     def _friction_of_tests(self) -> dict[str, float]:
-        """Friction of a test and its scatter, as the log has them; neither if it has no friction.
+        """Friction of the next test and its scatter, by the log; neither if that has no friction.
 
         Before the first test friction is taken to be measured, only as well as it is known today.
         """
@@ -277,8 +279,9 @@ class _Plan:
         if tests and not measured:
             return {}
         scatters = [test.get("friction_scatter", 0.0) for test in measured] or [np.std(values)]
+        frictions = [test["friction"] for test in measured] or values
         return {
-            "friction": float(np.median(values)),
+            "friction": float(np.median(frictions)),
             "friction_scatter": float(np.mean(scatters)),
         }
 
@@ -303,9 +306,13 @@ class _Plan:
         return log
 
     def _outcome(self, z: Array) -> Array:
-        """Likelihood of a test that turns severe with the probability Φ(z)."""
+        """Likelihood of a test that turns severe with the probability Φ(z).
+
+        As many truths turn severe as are expected to, or chance would rank tests.
+        """
         severe = np.clip(ndtr(z), 1e-12, 1 - 1e-12)
-        is_severe = self._chance.random(_TRUTHS) < severe[:_TRUTHS]
+        count = np.cumsum(np.append(self._chance.random(), severe[:_TRUTHS]))
+        is_severe = np.diff(np.floor(count)) > 0
         log: Array = np.where(is_severe[:, None], np.log(severe), np.log1p(-severe))
         return log
 

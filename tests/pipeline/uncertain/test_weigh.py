@@ -351,6 +351,18 @@ def test_a_planned_transition_promises_the_spread_that_is_had(bulk, most_beyond,
     assert math.sqrt(np.mean(np.square(had))) == pytest.approx(planned.spread, rel=0.2)
 
 
+def test_tests_are_planned_at_the_friction_that_the_log_has():
+    """A rig's own friction, not the one that is known before, decides where its wear turns."""
+    sweep, planned = ensemble((CRITICAL, FRICTION)), {}
+    for friction in (0.1, 0.08):
+        entry = OBVIOUS | {"friction": friction, "friction_scatter": 0.001}
+        posterior = pipeline.posterior(dataclasses.replace(sweep, tested=(entry,)))
+        ranked = pipeline.candidates(posterior, CRITICAL.path, ["25 degC"])
+        next_one = next(one for one in ranked if one.what.startswith("the transition at 200 N"))
+        planned[friction] = next_one.test["velocity"]
+    assert planned[0.08] / planned[0.1] == pytest.approx(1.25 ** (1 / EXPONENT), rel=0.02)
+
+
 def test_warmer_tests_tell_more_of_a_critical_temperature_and_can_be_chosen_from():
     found = pipeline.posterior(ensemble((CRITICAL,)))
     (cold,) = pipeline.batch(found, 1, CRITICAL.path, ["25 degC"])
