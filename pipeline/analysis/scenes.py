@@ -21,7 +21,7 @@ from tribo import InputError
 Given = ParamSpec("Given")
 Result = TypeVar("Result", xr.Dataset, xr.DataArray)
 
-_SHOWN = {"m": "mm", "K": "°C", "kg m-1 s-2": "GPa", "m s2 kg-1": "mm³/(N m)"}
+_SHOWN = {"m": "mm", "K": "°C", "Pa": "GPa", "m2 N-1": "mm³/(N m)"}
 _SHORT = 1e-4  # m: lengths of an entry that are all shorter are shown in µm
 
 

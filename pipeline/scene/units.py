@@ -39,6 +39,19 @@ _USUAL = {
 }
 """Values in SI of such units as most scenes are written in, for which pint need not be loaded."""
 
+_KNOWN = {unit for units in _USUAL.values() for unit in units}
+
+_CF = {
+    "m/s": "m s-1",
+    "N/s": "N s-1",
+    "kg/m^3": "kg m-3",
+    "W/(m K)": "W m-1 K-1",
+    "J/(kg K)": "J kg-1 K-1",
+    "m^2/s": "m2 s-1",
+    "m^2/N": "m2 N-1",
+}
+"""Units in SI of these as CF writes them, where that differs."""
+
 _ZERO = {"degC": Decimal("273.15")}
 """Temperatures that these units have at 0 [K]."""
 
@@ -125,10 +138,14 @@ def si_unit(text: str) -> str:
     Examples
     --------
     >>> si_unit("145 degC"), si_unit("1.2e-6 mm^3/(N m)"), si_unit("20 W/(m K)")
-    ('K', 'm s2 kg-1', 'kg m s-3 K-1')
+    ('K', 'm2 N-1', 'W m-1 K-1')
     """
-    units: Any = _parsed(text).to_base_units().unit_items()
-    powers = [(f"{_registry().get_symbol(name)}", int(power)) for name, power in units]
+    unit = _parts(text)[1]
+    for usual, units in _USUAL.items():
+        if unit in units or (unit not in _KNOWN and _parsed(text).check(_dimensions(f"1 {usual}"))):
+            return _CF.get(usual, usual)
+    parts: Any = _parsed(text).to_base_units().unit_items()
+    powers = [(f"{_registry().get_symbol(name)}", int(power)) for name, power in parts]
     powers.sort(key=lambda power: power[1] < 0)
     return " ".join(name + ("" if power == 1 else f"{power}") for name, power in powers) or "1"
 

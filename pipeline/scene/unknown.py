@@ -40,7 +40,7 @@ _FIXED = (
     "sweep", "fidelity", "window", "measured", "tested", "unknown", "title", "extends", "without",
 )  # fmt: skip
 _SIGNS = {"degC": "°C", "degF": "°F", "um": "µm"}
-_SHARE, _OF_RATE = "temperature.failing_share", "m s2 kg-1"  # and the unit of a wear rate
+_SHARE, _OF_RATE = "temperature.failing_share", "m2 N-1"  # and the unit of a wear rate
 _EVERYWHERE = {"name", "title", "notes"}
 _SIMULATED = {field.name for field in fields(Scene)}
 _THERMAL = "thermal_conductivity", "density", "specific_heat"

@@ -16,7 +16,7 @@ from tribo import QUANTILES
 
 LOADS, VELOCITIES = np.array([200.0, 400.0, 750.0]), (0.5, 6.0)
 CRITICAL = Unknown("temperature.critical", "normal", (418.15, 8.0), "K")
-RATE = Unknown("wear.specific_wear_rate", "log-normal", (1.2e-15, 1.5), "m s2 kg-1")
+RATE = Unknown("wear.specific_wear_rate", "log-normal", (1.2e-15, 1.5), "m2 N-1")
 FRICTION = Unknown("friction.coefficient", "normal", (0.1, 0.005))
 LENGTH = Unknown("disk.roughness.correlation_length", "uniform", (3e-6, 6e-6), "m")
 ALL = (CRITICAL, RATE, FRICTION, LENGTH)

@@ -51,7 +51,7 @@ def test_a_dataset_has_the_inputs_and_the_velocity_of_each_sample(sampled):
     assert ds["velocity"].values.tolist() == list(samples.velocities)
     (rate,) = np.array(samples.values).T
     assert ds["wear.specific_wear_rate"].values.tolist() == rate.tolist()
-    assert ds["wear.specific_wear_rate"].attrs["units"] == "m s2 kg-1"
+    assert ds["wear.specific_wear_rate"].attrs["units"] == "m2 N-1"
     assert ds.attrs["coordinates"] == "wear.specific_wear_rate velocity"
 
 

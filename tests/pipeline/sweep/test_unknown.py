@@ -11,7 +11,7 @@ from tests.helpers.samples import distribution_of
 from tribo import InputError
 
 NORMAL = Unknown("temperature.critical", "normal", (418.15, 8.0), "K")
-FACTOR = Unknown("wear.specific_wear_rate", "log-normal", (1.2e-15, 1.5), "m s2 kg-1")
+FACTOR = Unknown("wear.specific_wear_rate", "log-normal", (1.2e-15, 1.5), "m2 N-1")
 EVEN = Unknown("disk.roughness.correlation_length", "uniform", (3e-6, 6e-6), "m")
 LISTED = Unknown("disk.roughness.seed", "list", (3.0, 5.0, 8.0, 9.0))
 ALL = (NORMAL, FACTOR, EVEN, LISTED)
