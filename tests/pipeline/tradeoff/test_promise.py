@@ -10,8 +10,15 @@ import pytest
 import pipeline
 from pipeline.tradeoff.choose import choose_fidelity
 from tests.helpers.kept import ALUMINA, SCENES
-from tests.promises.judge import boundaries, largest_error, true_boundary
-from tribo import Cylinder, Grid, SelfAffineRoughness
+from tests.promises.judge import (
+    boundaries,
+    boundary_velocity,
+    largest_error,
+    places,
+    true_boundary,
+)
+from tests.promises.wide import random_wide_sweep
+from tribo import Ball, Crowned, Cylinder, Grid, SelfAffineRoughness
 
 SHIPPED = pipeline.load_scene(Path(__file__).parents[3] / "workflows" / "irg_transition.toml")
 LARGE = {
@@ -59,6 +66,15 @@ def kept(name, accuracy):
 def test_what_may_err_more_costs_no_more_and_the_true_error_is_within_both():
     loose, strict = (kept("no wear", accuracy)[0] for accuracy in (0.05, 0.02))
     assert loose.saving >= strict.saving
+
+
+@pytest.mark.parametrize("seed, pin", [(124, Ball), (125, Crowned), (126, Cylinder)])
+def test_scenes_of_the_wider_family_turn_severe_amid_their_velocities(seed, pin):
+    sweep = random_wide_sweep(seed)
+    assert isinstance(sweep.pin, pin)
+    place, middle = places(sweep)[1], (sweep.velocities[0] * sweep.velocities[-1]) ** 0.5
+    velocity, _ = boundary_velocity(sweep, sweep.fidelity, place, middle)
+    assert sweep.velocities[0] < velocity < sweep.velocities[-1]
 
 
 @pytest.mark.slow
