@@ -68,7 +68,7 @@ def test_what_may_err_more_costs_no_more_and_the_true_error_is_within_both():
     assert loose.saving >= strict.saving
 
 
-@pytest.mark.parametrize("seed, pin", [(124, Ball), (125, Crowned), (126, Cylinder)])
+@pytest.mark.parametrize(("seed", "pin"), [(124, Ball), (125, Crowned), (126, Cylinder)])
 def test_scenes_of_the_wider_family_turn_severe_amid_their_velocities(seed, pin):
     sweep = random_wide_sweep(seed)
     assert isinstance(sweep.pin, pin)
