@@ -42,7 +42,7 @@ def run(ds, script, argument=None):
 
 def _with_nan(value):
     if isinstance(value, list):
-        return [_with_nan(each) for each in value]
+        return [_with_nan(item) for item in value]
     if isinstance(value, dict):
-        return {key: _with_nan(each) for key, each in value.items()}
+        return {key: _with_nan(item) for key, item in value.items()}
     return math.nan if value is None else value

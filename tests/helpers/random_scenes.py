@@ -212,8 +212,8 @@ def assert_complementary(scene, before, state):
     explicit = scene.fidelity.wear_scheme == "explicit"
     worn = state.wear_depth
     if explicit and scene.wear:
-        known = before is not None and before.wear_depth.shape == worn.shape
-        worn = before.wear_depth if known else 0 * worn
+        same_grid = before is not None and before.wear_depth.shape == worn.shape
+        worn = before.wear_depth if same_grid else 0 * worn
     p = state.pressure
     modulus = contact_modulus(scene.pin.material, scene.disk)
     solid = ElasticHalfSpace(scene.grid, modulus, scene.fidelity.kernel)

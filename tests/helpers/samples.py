@@ -26,20 +26,20 @@ _AFTERWARDS = {BULK, CRITICAL_PATH, FRICTION_PATH}
 
 def rise(inputs, load, velocity, unknown=ALL):
     """Decisive rise at friction 1 [K]."""
-    found = 24.0 * load**0.58 * velocity**EXPONENT * np.ones(len(inputs))
-    for each, column in zip(unknown, inputs.T, strict=True):
-        if each.path == RATE.path:
-            found = found * (column / 1.2e-15) ** -0.12
-        if each.path == LENGTH.path:
-            found = found * (1 + 0.02e6 * (column - 4.5e-6))
-        if each.kind == "list":
-            found = found * np.where(column == 1.0, 1.03, 1.0)
-    return found
+    rises = 24.0 * load**0.58 * velocity**EXPONENT * np.ones(len(inputs))
+    for entry, column in zip(unknown, inputs.T, strict=True):
+        if entry.path == RATE.path:
+            rises = rises * (column / 1.2e-15) ** -0.12
+        if entry.path == LENGTH.path:
+            rises = rises * (1 + 0.02e6 * (column - 4.5e-6))
+        if entry.kind == "list":
+            rises = rises * np.where(column == 1.0, 1.03, 1.0)
+    return rises
 
 
 def ensemble(unknown=ALL, count=64, measured=(), noise=0.0):
-    inputs = tuple(each for each in unknown if each.path not in _AFTERWARDS)
-    layers = tuple("wear rate" if each.path == RATE.path else "contact" for each in inputs)
+    inputs = tuple(entry for entry in unknown if entry.path not in _AFTERWARDS)
+    layers = tuple("wear rate" if entry.path == RATE.path else "contact" for entry in inputs)
     size = samples_per_contact(layers, wears=True, separable=True)
     design = Design(inputs, layers, VELOCITIES, 0, size)
     values, velocities = design.draw(count)
@@ -87,13 +87,13 @@ def dataset(samples, growth=((0.0, 1.0),)):
     holds, factors = np.array(growth).T
     rise = (samples.rises[..., None] * factors)[..., None]
     quantiles = np.array(QUANTILES)
-    at = ("sample", "load", "step")
+    dims = ("sample", "load", "step")
     loads = np.broadcast_to(samples.loads[:, None], rise.shape[:3])
     about = {
         "title": samples.title,
         "scene": {"samples": samples.design.as_dict(), "loading": {"hold": samples.hold}},
         "conditions": samples.conditions.as_dict(),
-        "unknown": [each.as_dict() for each in samples.unknown],
+        "unknown": [entry.as_dict() for entry in samples.unknown],
         "samples": len(samples.rises),
         "measured": list(samples.measured),
         "tested": list(samples.tested),
@@ -101,11 +101,11 @@ def dataset(samples, growth=((0.0, 1.0),)):
     inputs = zip(samples.design.inputs, samples.inputs.T, strict=True)
     return xr.Dataset(
         {
-            "normal_load": (at, loads),
-            "time": (at, np.broadcast_to(1.0 + holds, rise.shape[:3])),
-            "contact_width": (at, np.broadcast_to(samples.widths[..., None], rise.shape[:3])),
-            "mean_rise": (at, 0.6 * rise[..., 0]),
-            "rise_quantile": ((*at, "quantile"), rise * (1 + 0.5 * (quantiles - 0.9))),
+            "normal_load": (dims, loads),
+            "time": (dims, np.broadcast_to(1.0 + holds, rise.shape[:3])),
+            "contact_width": (dims, np.broadcast_to(samples.widths[..., None], rise.shape[:3])),
+            "mean_rise": (dims, 0.6 * rise[..., 0]),
+            "rise_quantile": ((*dims, "quantile"), rise * (1 + 0.5 * (quantiles - 0.9))),
         },
         {
             "sample": np.arange(len(samples.rises)),
@@ -113,7 +113,7 @@ def dataset(samples, growth=((0.0, 1.0),)):
             "quantile": quantiles,
             "step": np.arange(len(holds)),
             "velocity": ("sample", samples.sample_velocities),
-            **{each.path: ("sample", column) for each, column in inputs},
+            **{entry.path: ("sample", column) for entry, column in inputs},
         },
         about,
     )

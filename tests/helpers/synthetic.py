@@ -131,7 +131,7 @@ def sweep(
 
 
 def _columns(ramp, velocity):
-    """What contact and wear are at each step of a ramp."""
+    """Contact and wear at each step of a ramp."""
     time = ramp / RATE
     return {
         "time": time,
@@ -150,7 +150,7 @@ def _columns(ramp, velocity):
 
 
 def _columns_of_heat(ramp, velocity, rise, hot):
-    """What the heat is at the steps at which the temperature was asked for."""
+    """Heat at the steps at which the temperature was asked for."""
     return {
         "max_rise": np.where(hot, rise(ramp, velocity), np.nan),
         "mean_rise": np.where(hot, rise(ramp, velocity, 0.5), np.nan),

@@ -60,10 +60,10 @@ def _on_a_worker():
 class FaultyRamp(tribo.Ramp):
     """A ramp with a fault at one load; only where it is simulated, not where it is planned."""
 
-    at: float = math.nan
+    faulty_load: float = math.nan
 
     def stations(self, normal_load, increments, after=0.0):
-        if normal_load == self.at and _on_a_worker():
+        if normal_load == self.faulty_load and _on_a_worker():
             self.fault()
         return tribo.Ramp.stations(self, normal_load, increments, after)
 

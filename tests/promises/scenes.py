@@ -9,7 +9,7 @@ import tribo
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.criterion import decisive_rise
 from pipeline.sweep.model import Sweep
-from tests.helpers.kept import ALUMINA
+from tests.helpers.accuracy_scenes import ALUMINA
 from tests.helpers.scenes import STEEL
 
 BRONZE = tribo.Material(110e9, 0.34, 60.0, 8800.0, 380.0, 1.5e9)
@@ -81,8 +81,10 @@ def in_window(sweep, lengths, velocity):
             along = tuple(n * size for n, size in zip(lengths, sizes, strict=True))
             sweep = replace(sweep, roughness=replace(sweep.roughness, correlation_length=along))
         ends = (sweep.loads[-1], velocity), (sweep.loads[0], 4 * velocity)
-        told = [each for end in ends for each in tribo.warnings(sweep, state_at(sweep, *end))]
-        if tribo.WarningKind.CONTACT_AT_EDGE not in (warning.kind for warning in told):
+        warnings = [
+            warning for end in ends for warning in tribo.warnings(sweep, state_at(sweep, *end))
+        ]
+        if tribo.WarningKind.CONTACT_AT_EDGE not in (warning.kind for warning in warnings):
             break
         wider = tuple(1.4 * size for size in sizes)
         sweep = replace(sweep, pixels=replace(sweep.pixels, spacing=wider))

@@ -15,7 +15,7 @@ from pipeline.store.write import Store
 from pipeline.sweep.criterion import decisive_rise, rise_limit
 from pipeline.sweep.model import Point
 from pipeline.sweep.plan import chains, points, run_point, step_count
-from tests.helpers.kept import PAPER
+from tests.helpers.accuracy_scenes import PAPER
 from tribo import Fidelity, Grid, InputError
 
 TOLERANCE = 0.01
@@ -70,9 +70,9 @@ def followed(tmp_path_factory):
 
 def test_the_boundary_is_that_of_the_grid_for_a_third_of_its_work(grid, followed):
     ds = pipeline.open_sweep(followed)
-    found = pipeline.boundary(ds)["critical_velocity"].values
+    velocities = pipeline.boundary(ds)["critical_velocity"].values
     # The grid is interpolated too, to about 0.1 %.
-    assert found == pytest.approx(grid, rel=TOLERANCE + 0.002)
+    assert velocities == pytest.approx(grid, rel=TOLERANCE + 0.002)
     place = place_of(followed)
     store = Store(place, read_root(place))
     done = store.points_at(np.nonzero(store.flags == DONE))
@@ -82,9 +82,9 @@ def test_the_boundary_is_that_of_the_grid_for_a_third_of_its_work(grid, followed
 
 def test_the_store_is_one_like_any_other(followed):
     ds = pipeline.open_sweep(followed)
-    found = pipeline.summary(followed)
-    assert (found.total, found.pending, found.failed) == (found.done, 0, ())
-    assert found.done < ds["status"].size  # there is room for more points than were asked for
+    counts = pipeline.summary(followed)
+    assert (counts.total, counts.pending, counts.failed) == (counts.done, 0, ())
+    assert counts.done < ds["status"].size  # there is room for more points than were asked for
     result = pipeline.boundary(ds)
     assert result.attrs["missing_points"] == 0
     # It answers for other conditions too, where these leave the boundary between its points.
@@ -142,12 +142,12 @@ def test_a_grid_that_is_there_is_used(tmp_path):
 
 def test_where_nothing_can_cross_nothing_is_looked_for(tmp_path):
     without = replace(SWEEP, conditions=replace(SWEEP.conditions, friction=0.0))
-    one, rest = (replace(SWEEP, velocities=each) for each in ((1.5,), (0.0, 1.5)))
-    for sweep, told in (
+    one, rest = (replace(SWEEP, velocities=velocities) for velocities in ((1.5,), (0.0, 1.5)))
+    for sweep, reason in (
         (without, "without friction; give friction.coefficient a number above 0"),
         (one, "sweep.velocities are 1.5 m/s; give two or more above 0"),
         (rest, "sweep.velocities are 0, 1.5 m/s; give two or more above 0"),
     ):
-        with pytest.raises(InputError, match=f"no boundary to look for.*{told}"):
+        with pytest.raises(InputError, match=f"no boundary to look for.*{reason}"):
             follow_boundary(sweep, tmp_path / "none.zarr")
     assert not (tmp_path / "none.zarr").exists()

@@ -1,4 +1,4 @@
-"""What a task computes, and what becomes of lost ones (pipeline/run/schedule.py and work.py).
+"""Results of a task, and the fate of lost ones (pipeline/run/schedule.py and work.py).
 
 Workers that really die are in test_sweep.py.
 """
@@ -26,13 +26,13 @@ from pipeline.store.schema import COLUMNS, FAILED
 from pipeline.store.write import Store
 from pipeline.sweep.plan import chains, points, run_point, run_points
 from tests.helpers import tiny
-from tests.helpers.here import Ended, Here
+from tests.helpers.local_client import Ended, LocalClient
 
 SWEEP = tiny.sweep(velocities=tuple(np.linspace(0.5, 1.5, 8).tolist()))
 
 
 @pytest.fixture
-def given(tmp_path, monkeypatch):
+def compute_sweep(tmp_path, monkeypatch):
     """A function that computes a sweep in tasks of some duration, on a client without a cluster."""
 
     def compute_all(seconds=1e9, client=None, tell=None):
@@ -41,9 +41,9 @@ def given(tmp_path, monkeypatch):
         ended = []
         with writing(tmp_path / "out.zarr", SWEEP) as store, Writer(store) as writer:
             waiting = chains(points(SWEEP), SWEEP)
-            link = Connection(client or Here(), Source())
+            link = Connection(client or LocalClient(), Source())
             compute(link, SWEEP, writer, waiting, 1.0, ended.extend, tell)
-        return store, Counter("failed" if each.data is None else "done" for each in ended)
+        return store, Counter("failed" if point.data is None else "done" for point in ended)
 
     return compute_all
 
@@ -60,23 +60,25 @@ def failing_at(bad):
 def assert_is_as_computed_alone(store, place):
     expected = run_point(SWEEP, *place).columns
     with xr.open_zarr(store.place.path, chunks=None) as ds:
-        at = ds.sel(load=place.load, velocity=place.velocity)
+        point = ds.sel(load=place.load, velocity=place.velocity)
         for name in COLUMNS:
-            found = at[name].values[: len(expected[name])]
-            assert found.tobytes() == expected[name].tobytes()
+            stored = point[name].values[: len(expected[name])]
+            assert stored.tobytes() == expected[name].tobytes()
 
 
-def test_a_point_that_takes_its_time_is_a_task_of_its_own(given):
-    client = Here()
-    _, ended = given(seconds=0.0, client=client)
+def test_a_point_that_takes_its_time_is_a_task_of_its_own(compute_sweep):
+    client = LocalClient()
+    _, ended = compute_sweep(seconds=0.0, client=client)
     assert [task[1][0] for task in client.tasks] == list(points(SWEEP))
     assert ended == {"done": 24}
 
 
-def test_short_points_share_a_task_with_the_next_of_their_chain_and_with_other_chains(given):
+def test_short_points_share_a_task_with_the_next_of_their_chain_and_with_other_chains(
+    compute_sweep,
+):
     """As long as enough chains are left for other workers."""
-    client = Here(workers=2)
-    store, ended = given(client=client)
+    client = LocalClient(workers=2)
+    store, ended = compute_sweep(client=client)
     assert [len(task[1]) for task in client.tasks] == [15, 3, 3, 3]
     assert ended == {"done": 24}
     for place in points(SWEEP)[9:12]:
@@ -84,20 +86,20 @@ def test_short_points_share_a_task_with_the_next_of_their_chain_and_with_other_c
 
 
 @pytest.mark.parametrize("workers", [1, 8])
-def test_chains_are_finished_one_by_one_but_the_last_of_them_together(given, workers):
-    client = Here(workers)
-    given(seconds=0.0, client=client)
+def test_chains_are_finished_one_by_one_but_the_last_of_them_together(compute_sweep, workers):
+    client = LocalClient(workers)
+    compute_sweep(seconds=0.0, client=client)
     velocities = [task[1][0].velocity for task in client.tasks]
     in_turn = [v for v in SWEEP.velocities for _ in SWEEP.loads]
     together = [v for _ in SWEEP.loads for v in SWEEP.velocities]
     assert velocities == in_turn if workers == 1 else sorted(velocities[:8]) == together[:8]
 
 
-def test_a_point_that_fails_costs_no_other_of_its_task(given, monkeypatch):
+def test_a_point_that_fails_costs_no_other_of_its_task(compute_sweep, monkeypatch):
     bad = points(SWEEP)[10]
     monkeypatch.setattr(work, "run_points", failing_at(bad))
-    client = Here()
-    store, ended = given(client=client)
+    client = LocalClient()
+    store, ended = compute_sweep(client=client)
     assert len(client.tasks) == 2
     assert ended == {"done": 23, "failed": 1}
     (failed,) = summarized(store).failed
@@ -117,10 +119,10 @@ def test_a_trunk_from_any_task_gives_the_same_numbers(number):
         assert record.data[name].tobytes() == values.tobytes()
 
 
-def test_the_points_that_workers_die_of_fail_after_trials_alone_and_no_others(given):
+def test_the_points_that_workers_die_of_fail_after_trials_alone_and_no_others(compute_sweep):
     deadly = {place for place in points(SWEEP) if place.load == 250.0}
-    client = Here(workers=2, is_deadly=deadly.__contains__)
-    store, ended = given(client=client)
+    client = LocalClient(workers=2, is_deadly=deadly.__contains__)
+    store, ended = compute_sweep(client=client)
     assert ended == {"done": 16, "failed": 8}
     assert set(store.points_at(np.nonzero(store.flags == FAILED))) == deadly
     alone = [task[1] for task, worker in zip(client.tasks, client.pinned, strict=True) if worker]
@@ -129,16 +131,16 @@ def test_the_points_that_workers_die_of_fail_after_trials_alone_and_no_others(gi
         assert_is_as_computed_alone(store, place)
 
 
-def test_workers_that_are_killed_from_outside_cost_no_point(given):
-    client = Here(workers=2, is_hit=lambda number: number % 3 == 0)
-    _, ended = given(seconds=0.0, client=client)
+def test_workers_that_are_killed_from_outside_cost_no_point(compute_sweep):
+    client = LocalClient(workers=2, is_hit=lambda number: number % 3 == 0)
+    _, ended = compute_sweep(seconds=0.0, client=client)
     assert ended == {"done": 24}
 
 
-def test_the_packages_of_workers_that_differ_are_stored(given, monkeypatch):
+def test_the_packages_of_workers_that_differ_are_stored(compute_sweep, monkeypatch):
     other = {**work.versions(), "numpy": "1.0"}
     monkeypatch.setattr(work, "versions", lambda: other)
-    store, ended = given()
+    store, ended = compute_sweep()
     assert ended == {"done": 24}
     with pipeline.open_sweep(store.place.path) as ds:
         (noted,) = attributes_of(ds)["worker_versions"]
@@ -146,16 +148,16 @@ def test_the_packages_of_workers_that_differ_are_stored(given, monkeypatch):
         assert "some points computed by workers with python" in ds.attrs["history"]
 
 
-def test_a_store_that_cannot_be_written_ends_it_all(given, monkeypatch):
+def test_a_store_that_cannot_be_written_ends_it_all(compute_sweep, monkeypatch):
     def full(*_):
         raise StoreError("no room")
 
     monkeypatch.setattr(Store, "commit", full)
     with pytest.raises(StoreError, match="no room"):
-        given()
+        compute_sweep()
 
 
-class Lossy(Here):
+class Lossy(LocalClient):
     """A client of which finished tasks are lost with their worker, and then finished again."""
 
     class Lost(Ended):
@@ -171,13 +173,13 @@ class Lossy(Here):
         return ended
 
 
-def test_a_task_that_was_lost_after_it_had_finished_is_waited_for(given, monkeypatch):
+def test_a_task_that_was_lost_after_it_had_finished_is_waited_for(compute_sweep, monkeypatch):
     monkeypatch.setattr(schedule, "wait_for_any", lambda *_: None)
-    _, ended = given(client=Lossy())
+    _, ended = compute_sweep(client=Lossy())
     assert ended == {"done": 24}
 
 
-class Stuck(Here):
+class Stuck(LocalClient):
     """A client that never finishes a task; workers have been given the first `busy` of them."""
 
     def __init__(self, busy=0):
@@ -197,19 +199,19 @@ class Stuck(Here):
 
 
 @pytest.mark.parametrize("busy", [0, 40])
-def test_a_sweep_in_which_nothing_moves_says_so_and_ends(given, monkeypatch, busy):
+def test_a_sweep_in_which_nothing_moves_says_so_and_ends(compute_sweep, monkeypatch, busy):
     """But it does not end while a worker computes."""
     monkeypatch.setattr(schedule, "wait_for_any", lambda *_: None)
     monkeypatch.setattr(schedule, "_END", 0.2)
     monkeypatch.setattr(schedule, "_WORD", 0.1)
-    told, client = [], Stuck(busy)
+    messages, client = [], Stuck(busy)
     with pytest.raises(ExecutionError, match=r"no worker computes any; finished points are safe"):
-        given(client=client, tell=told.append)
+        compute_sweep(client=client, tell=messages.append)
     assert client._asked > busy
-    assert "no point has been finished for 0 s; waiting for 150 N, 0.5 m/s" in told[0]
+    assert "no point has been finished for 0 s; waiting for 150 N, 0.5 m/s" in messages[0]
 
 
-class Endless(Here):
+class Endless(LocalClient):
     """A client that never ends a task which begins with one point."""
 
     def __init__(self, point):

@@ -1,4 +1,4 @@
-"""How a fidelity is picked for an accuracy; whether it keeps that, is seen in `test_promise`."""
+"""Choice of a fidelity for an accuracy; that it keeps it is judged in `test_promise`."""
 
 import json
 import math
@@ -24,7 +24,7 @@ from pipeline.tradeoff.choose import (
 from pipeline.tradeoff.probe import some_places
 from pipeline.tradeoff.yardstick import OwnError
 from tests.helpers import tiny
-from tests.helpers.kept import PAPER, SCENES
+from tests.helpers.accuracy_scenes import PAPER, SCENES
 from tribo import PRESETS, Fidelity, Grid, InputError
 
 # So many velocities that it pays to look for something cheaper than the reference.
@@ -90,17 +90,17 @@ def test_every_foretold_error_is_said_to_be_against_the_pixels():
 def test_every_surface_has_its_turn():
     several = replace(UNWORN, realizations=(3, 4, 5))
     assert {place.variant[0][1] for place in some_places(several, 6)} == {3, 4, 5}
-    seen = []
+    asked = []
     kept = accuracy_module.probe
 
     def noted(sweep, fidelity, points):
-        seen.extend(points)
+        asked.extend(points)
         return kept(sweep, fidelity, points)
 
     with pytest.MonkeyPatch.context() as patched:
         patched.setattr(accuracy_module, "probe", noted)
         choose_fidelity(replace(several, velocities=(1.0, 2.0)), 0.05)
-    assert {point.variant[0][1] for point in seen} == {3, 4, 5}
+    assert {point.variant[0][1] for point in asked} == {3, 4, 5}
 
 
 def test_every_surface_and_sample_is_a_sweep_that_a_cheaper_choice_saves_on():
@@ -128,12 +128,12 @@ def test_the_heat_of_all_the_past_is_taken_where_the_present_one_errs_too_far():
 
 
 def test_steps_are_added_until_they_are_enough():
-    own = OwnError(steps=0.02, heat_model=0.0, work=0.0)
-    trials = _finest(UNWORN, 0.005, own, False, 1.0)
+    error = OwnError(steps=0.02, heat_model=0.0, work=0.0)
+    trials = _finest(UNWORN, 0.005, error, False, 1.0)
     assert [trial.fidelity.increments for trial in trials] == [100, 200]
     assert trials[-1].error == pytest.approx(0.0025 + 2e-3)
     assert [trial.work for trial in trials] == [4.0, 8.0]
-    assert len(_finest(UNWORN, 1e-9, own, False, 1.0)) == 3
+    assert len(_finest(UNWORN, 1e-9, error, False, 1.0)) == 3
 
 
 def test_the_margin_grows_with_the_scatter_between_loads():

@@ -1,4 +1,4 @@
-"""What `irg check` foretells, against what then happens."""
+"""Forecasts of `irg check`, against what then happens."""
 
 import time
 from dataclasses import replace
@@ -11,7 +11,7 @@ from pipeline.tradeoff import forecast
 from pipeline.tradeoff.forecast import _Timed, estimate
 from pipeline.tradeoff.savings import savings
 from tests.helpers import tiny
-from tests.helpers.kept import PAPER
+from tests.helpers.accuracy_scenes import PAPER
 from tribo import PRESETS, Fidelity, Grid, InputError, Ramp, Wear, start
 
 SWEEP = replace(PAPER, loads=(250.0, 500.0, 750.0), velocities=(1.0, 2.0))
@@ -48,12 +48,12 @@ def counted(sweep):
 )
 def test_steps_and_temperatures_are_foretold(changes):
     sweep = replace(SWEEP, **{"roughness": None} | changes)
-    found = estimate(sweep, workers=1)
-    assert (found.steps, found.temperatures) == counted(sweep)
+    forecast = estimate(sweep, workers=1)
+    assert (forecast.steps, forecast.temperatures) == counted(sweep)
 
 
 @pytest.fixture
-def known(monkeypatch):
+def fixed_rates(monkeypatch):
     """A quiet machine with two cores, where steps take 1 s, and 10 s with a temperature."""
     cost = _Timed(1.0, 10.0, start(SWEEP))
     timed = {min(SWEEP.loads): cost, max(SWEEP.loads): cost}
@@ -62,7 +62,7 @@ def known(monkeypatch):
     monkeypatch.setattr(forecast.os, "cpu_count", lambda: 2)
 
 
-def test_the_time_is_that_of_all_steps_shared_by_the_workers(known):
+def test_the_time_is_that_of_all_steps_shared_by_the_workers(fixed_rates):
     sweep = replace(SWEEP, fidelity=Fidelity(increments=30))
     three = replace(sweep, velocities=(1.0, 2.0, 4.0))
     # 30 steps up to 750 N at each velocity, of which 3 have a temperature.
@@ -73,7 +73,7 @@ def test_the_time_is_that_of_all_steps_shared_by_the_workers(known):
     assert estimate(three, 3).seconds == pytest.approx(1.5 * (ramp + 5), rel=0.02)
 
 
-def test_samples_on_a_shared_contact_cost_no_more_than_their_heat(known, monkeypatch):
+def test_samples_on_a_shared_contact_cost_no_more_than_their_heat(fixed_rates, monkeypatch):
     sweep = pipeline.load_scene("uncertain")
     cost = _Timed(1.0, 10.0, start(sweep), heat=2.0)
     monkeypatch.setattr(forecast, "_timed_loads", lambda _: ({400.0: cost}, 0.0))
@@ -82,7 +82,9 @@ def test_samples_on_a_shared_contact_cost_no_more_than_their_heat(known, monkeyp
     assert estimate(sweep, 1).seconds == pytest.approx(128 * ramp, rel=0.02)
 
 
-def test_where_others_take_the_cores_it_says_what_it_would_be_without_them(known, monkeypatch):
+def test_where_others_take_the_cores_it_says_what_it_would_be_without_them(
+    fixed_rates, monkeypatch
+):
     alone = estimate(SWEEP, 1)
     assert alone.basis == (
         "mostly right within a factor of 1.5, from steps at 2 loads timed just now"
@@ -93,7 +95,7 @@ def test_where_others_take_the_cores_it_says_what_it_would_be_without_them(known
     assert "other programs use 2 of 2 cores" in crowded.basis
 
 
-def test_the_boundary_alone_takes_fewer_points(known):
+def test_the_boundary_alone_takes_fewer_points(fixed_rates):
     many = replace(SWEEP, velocities=tuple(0.5 * k for k in range(1, 41)))
     whole, boundary = (estimate(many, 1, boundary_only=only) for only in (False, True))
     assert whole.points == 3 * 40

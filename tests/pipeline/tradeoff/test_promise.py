@@ -1,4 +1,4 @@
-"""What `--accuracy` promises, on every scene that we keep and on windows of full size."""
+"""Promises of `--accuracy`, on every scene that we keep and on windows of full size."""
 
 import functools
 from dataclasses import replace
@@ -9,7 +9,7 @@ import pytest
 
 import pipeline
 from pipeline.tradeoff.choose import choose_fidelity
-from tests.helpers.kept import ALUMINA, SCENES
+from tests.helpers.accuracy_scenes import ALUMINA, SCENES
 from tests.promises.judge import (
     boundaries,
     boundary_velocity,
@@ -51,12 +51,12 @@ def truth(name):
 
 @functools.cache
 def true_error(name, fidelity):
-    found, _ = boundaries(ALL[name], fidelity, truth(name))
-    return largest_error(found, truth(name))
+    velocities, _ = boundaries(ALL[name], fidelity, truth(name))
+    return largest_error(velocities, truth(name))
 
 
 def kept(name, accuracy):
-    """What was picked, and the true error, within what was asked for and what was foretold."""
+    """The choice's true error is within the accuracy asked for and the error foretold."""
     selection = choose_fidelity(ALL[name], accuracy)
     error = true_error(name, selection.fidelity)
     assert error <= selection.error <= accuracy

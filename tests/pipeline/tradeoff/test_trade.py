@@ -12,7 +12,7 @@ from pipeline.sweep.model import Point
 from pipeline.tradeoff import trade as tradeoff
 from pipeline.tradeoff.probe import probe
 from pipeline.tradeoff.trade import trade
-from tests.helpers.kept import PAPER, SCENES
+from tests.helpers.accuracy_scenes import PAPER, SCENES
 from tribo import PRESETS, InputError
 
 LOADS = (200.0, 750.0)
@@ -22,15 +22,15 @@ SCENE = SCENES["finer pixels"]
 @pytest.fixture(scope="module")
 def measured():
     said = []
-    found = trade(SCENE, loads=LOADS, progress=said.append)
-    assert said[0] == f"1 of {len(found.choices)}: reference"
-    assert len(said) == len(found.choices)
-    assert said[-1].startswith("{0} of {0}: ".format(len(found.choices)))
-    return found
+    table = trade(SCENE, loads=LOADS, progress=said.append)
+    assert said[0] == f"1 of {len(table.choices)}: reference"
+    assert len(said) == len(table.choices)
+    assert said[-1].startswith("{0} of {0}: ".format(len(table.choices)))
+    return table
 
 
-def named(found, name):
-    return next(choice for choice in found.choices if choice.name == name)
+def named(table, name):
+    return next(choice for choice in table.choices if choice.name == name)
 
 
 def test_errors_and_costs_go_opposite_ways_from_draft_to_reference(measured):
@@ -157,10 +157,10 @@ def test_no_name_in_the_figure_covers_another_or_a_point(measured):
 
 
 def test_whole_diagrams_are_compared_by_their_crossings():
-    found = trade(SCENES["no wear"], ("draft",), base=None, loads=LOADS, diagram=True)
-    assert len(found.points) == 2 * 5
-    assert "  200, 750 N, " in str(found)
-    draft = named(found, "draft")
+    table = trade(SCENES["no wear"], ("draft",), base=None, loads=LOADS, diagram=True)
+    assert len(table.points) == 2 * 5
+    assert "  200, 750 N, " in str(table)
+    draft = named(table, "draft")
     assert 0 < draft.velocity_error < 0.3
     at_points = named(trade(SCENES["no wear"], ("draft",), base=None, loads=LOADS), "draft")
     assert draft.velocity_errors == pytest.approx(at_points.velocity_errors, abs=0.02)

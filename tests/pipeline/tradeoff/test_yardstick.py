@@ -16,7 +16,7 @@ from pipeline.tradeoff.yardstick import (
     measured,
     own_error,
 )
-from tests.helpers.kept import SCENES
+from tests.helpers.accuracy_scenes import SCENES
 from tests.helpers.scenes import STEEL
 from tribo import Ball, ConvergenceError, Grid, Wear
 
@@ -28,15 +28,15 @@ LIMIT = rise_limit(SWEEP.conditions)
 class Law:
     """A probe by a power law of the velocity, with errors of the steps and of the present heat."""
 
-    def __init__(self, at=3.0, exponent=0.5, of_steps=0.0, of_heat=0.0, nodes=2000):
-        self.at, self.exponent, self.nodes = at, exponent, nodes
+    def __init__(self, reference_velocity=3.0, exponent=0.5, of_steps=0.0, of_heat=0.0, nodes=2000):
+        self.velocity, self.exponent, self.nodes = reference_velocity, exponent, nodes
         self.of_steps, self.of_heat = of_steps, of_heat
         self.asked = []
 
     def rise(self, fidelity, velocity):
         error = self.of_steps * (YARDSTICK.increments / fidelity.increments) ** 2
         error += self.of_heat * (fidelity.heat_model == "elapsed")
-        return LIMIT * (velocity / self.at) ** self.exponent * (1 + error)
+        return LIMIT * (velocity / self.velocity) ** self.exponent * (1 + error)
 
     def __call__(self, sweep, fidelity, points):
         self.asked.append((fidelity, tuple(points)))
@@ -50,17 +50,17 @@ class Law:
 def test_the_yardstick_reads_each_point_and_once_more_on_larger_elements(monkeypatch):
     law = Law(nodes=700)
     monkeypatch.setattr(yardstick, "probe", law)
-    points, told = tuple(Point(load, 3.0) for load in (100.0, 200.0)), []
-    found = measured(SWEEP, points, (0.5, 1.0), told.append)
-    assert found.points == points
-    assert found.fewest_nodes == 700
-    assert (found.work, found.own_work) == (400.0, 200.0)
-    assert found.coarser == 0.0
+    points, messages = tuple(Point(load, 3.0) for load in (100.0, 200.0)), []
+    result = measured(SWEEP, points, (0.5, 1.0), messages.append)
+    assert result.points == points
+    assert result.fewest_nodes == 700
+    assert (result.work, result.own_work) == (400.0, 200.0)
+    assert result.coarser == 0.0
     assert [fidelity.pixels_per_element for fidelity, _ in law.asked] == [1, 1, 2]
-    assert len(told) == 2
-    assert "nearly exact steps at 100 N, 3 m/s" in told[0]
+    assert len(messages) == 2
+    assert "nearly exact steps at 100 N, 3 m/s" in messages[0]
     warm = Law(of_heat=0.01)
-    errors = found.errors(warm(SWEEP, YARDSTICK, found.points))
+    errors = result.errors(warm(SWEEP, YARDSTICK, result.points))
     assert errors == pytest.approx([1.01**-2 - 1, 1.01**-1 - 1])
 
 
@@ -69,12 +69,12 @@ def test_its_own_error_is_half_of_what_half_the_steps_move_and_a_fifth_more(monk
     monkeypatch.setattr(yardstick, "probe", law)
     points, exponents = [Point(load, 3.0) for load in (100.0, 200.0, 300.0)], [0.5, 1.0, 1.0]
     readings = law(SWEEP, YARDSTICK, points).readings
-    own = own_error(SWEEP, points, exponents, readings)
+    error = own_error(SWEEP, points, exponents, readings)
     rises = (law.rise(YARDSTICK, 3.0), law.rise(replace(YARDSTICK, increments=12), 3.0))
     moved = abs(boundary_velocity_error(*rises, 0.5))
-    assert own.steps == pytest.approx(1.2 * 0.5 * moved)
-    assert own.heat_model == 0.0
-    assert own.work == 300.0 + 200.0 + 200.0
+    assert error.steps == pytest.approx(1.2 * 0.5 * moved)
+    assert error.heat_model == 0.0
+    assert error.work == 300.0 + 200.0 + 200.0
     assert own_error(replace(SWEEP, wear=None), points, exponents, readings).steps == 0.0
 
 
@@ -86,7 +86,7 @@ def test_under_a_ball_all_of_what_half_the_steps_move_is_left_to_any_number(monk
     )
     points = [Point(300.0, 3.0)]
     readings = law(ball, YARDSTICK, points).readings
-    line, point = (own_error(each, points, [1.0], readings) for each in (SWEEP, ball))
+    line, point = (own_error(sweep, points, [1.0], readings) for sweep in (SWEEP, ball))
     assert point.steps == pytest.approx(2 * line.steps)
     finer = replace(YARDSTICK, increments=100)
     assert point.of(finer) == point.of(YARDSTICK)
@@ -98,8 +98,8 @@ def test_the_error_of_the_present_heat_is_measured_at_the_lowest_and_the_highest
     monkeypatch.setattr(yardstick, "probe", law)
     points = [Point(load, 3.0) for load in (200.0, 100.0, 300.0)]
     readings = (None,) * 3
-    own = own_error(replace(SWEEP, wear=None), points, [0.1, 0.5, 1.0], readings)
-    assert own.heat_model == pytest.approx(1.2 * abs(boundary_velocity_error(1.02, 1.0, 0.5)))
+    error = own_error(replace(SWEEP, wear=None), points, [0.1, 0.5, 1.0], readings)
+    assert error.heat_model == pytest.approx(1.2 * abs(boundary_velocity_error(1.02, 1.0, 0.5)))
     assert [fidelity.heat_model for fidelity, _ in law.asked] == ["elapsed", "history"]
     for fidelity, asked in law.asked:
         assert (fidelity.increments, fidelity.pixels_per_element) == (50, 1)
@@ -114,17 +114,17 @@ def test_the_error_of_the_present_heat_is_measured_at_the_lowest_and_the_highest
 
 
 def test_of_another_fidelity_steps_count_in_proportion_and_heat_where_it_is_the_present():
-    own = OwnError(steps=0.01, heat_model=0.03, work=0.0)
+    error = OwnError(steps=0.01, heat_model=0.03, work=0.0)
     history = replace(YARDSTICK, heat_model="history")
-    assert own.of(YARDSTICK) == pytest.approx(0.01 + 2e-3 + 0.03)
-    assert own.of(history) == pytest.approx(0.01 + 2e-3)
-    assert own.of(replace(history, increments=100)) == pytest.approx(0.0025 + 2e-3)
+    assert error.of(YARDSTICK) == pytest.approx(0.01 + 2e-3 + 0.03)
+    assert error.of(history) == pytest.approx(0.01 + 2e-3)
+    assert error.of(replace(history, increments=100)) == pytest.approx(0.0025 + 2e-3)
 
 
 def judged(
     monkeypatch, accuracy, errors, heat_model=0.0, nodes=2000, loads=SWEEP.loads, steps=0.001
 ):
-    """What is picked where choices have some errors, one after the other, and a work of 50."""
+    """Choice among fidelities of some errors, one after the other, and a work of 50."""
     points = tuple(Point(load, 3.0) for load in loads for _ in range(2))
     rises = iter(errors)
 
@@ -137,44 +137,44 @@ def judged(
 
     readings = (Reading(LIMIT, 0.1, 1e-4, nodes, 0.1, 1e9, 0.0),) * len(points)
     exact = Yardstick(points, (1.0,) * len(points), readings, 1000.0, 400.0)
-    own = OwnError(steps, heat_model, 30.0)
+    error = OwnError(steps, heat_model, 30.0)
     monkeypatch.setattr(choose, "probe", probe)
-    return _first_within(SWEEP, accuracy, exact, own, True, lambda _: None)
+    return _first_within(SWEEP, accuracy, exact, error, True, lambda _: None)
 
 
 def test_the_first_choice_within_the_accuracy_is_taken_with_all_margins(monkeypatch):
-    found = judged(monkeypatch, 0.05, [0.09, None, 0.03])
-    own = 0.001 + 2e-3 + 0.1 / 2000
-    expected = [1.1 * (1 - 1 / 1.09) + own, 1.1 * (1 - 1 / 1.03) + own]
-    assert [trial.error for trial in found.trials] == pytest.approx(expected)
-    assert found.trials[0].name == "draft, solved tightly"
-    assert found.name == found.trials[-1].name == "standard, solved tightly"
-    assert (found.work, found.saving) == (1000.0 + 30.0 + 100.0, 8.0)
-    assert len(found.points) == 2 * len(SWEEP.loads)
+    choice = judged(monkeypatch, 0.05, [0.09, None, 0.03])
+    of_yardstick = 0.001 + 2e-3 + 0.1 / 2000
+    expected = [1.1 * (1 - 1 / 1.09) + of_yardstick, 1.1 * (1 - 1 / 1.03) + of_yardstick]
+    assert [trial.error for trial in choice.trials] == pytest.approx(expected)
+    assert choice.trials[0].name == "draft, solved tightly"
+    assert choice.name == choice.trials[-1].name == "standard, solved tightly"
+    assert (choice.work, choice.saving) == (1000.0 + 30.0 + 100.0, 8.0)
+    assert len(choice.points) == 2 * len(SWEEP.loads)
 
 
 def test_where_none_is_within_it_the_reference_is_taken(monkeypatch):
-    found = judged(monkeypatch, 0.01, [0.09] * 20)
-    assert found.name == "reference"
-    assert found.error == pytest.approx(0.001 / 4 + 2e-3)
-    assert found.saving == pytest.approx(0.25)
+    choice = judged(monkeypatch, 0.01, [0.09] * 20)
+    assert choice.name == "reference"
+    assert choice.error == pytest.approx(0.001 / 4 + 2e-3)
+    assert choice.saving == pytest.approx(0.25)
 
 
 def test_where_not_even_the_finest_is_within_it_the_cheapest_as_good_is_taken(monkeypatch):
-    found = judged(monkeypatch, 1e-4, [0.09, 1e-5, *[0.09] * 20], steps=0.0)
-    assert found.name == "draft, finer elements, solved tightly"
-    assert "more than asked for" in str(found)
-    assert "(draft, solved tightly may err by" in str(found)
+    choice = judged(monkeypatch, 1e-4, [0.09, 1e-5, *[0.09] * 20], steps=0.0)
+    assert choice.name == "draft, finer elements, solved tightly"
+    assert "more than asked for" in str(choice)
+    assert "(draft, solved tightly may err by" in str(choice)
 
 
 @pytest.mark.parametrize(("heat_model", "taken"), [(0.034, "elapsed"), (0.036, "history")])
 def test_all_heat_is_taken_where_the_present_errs_by_more_than_seven_tenths(
     heat_model, taken, monkeypatch
 ):
-    found = judged(monkeypatch, 0.05, [0.001] * 20, heat_model)
-    assert found.fidelity.heat_model == taken
-    assert found.error == pytest.approx(
+    choice = judged(monkeypatch, 0.05, [0.001] * 20, heat_model)
+    assert choice.fidelity.heat_model == taken
+    assert choice.error == pytest.approx(
         1.1 * (1 - 1 / 1.001) + 0.001 + 2e-3 + 0.1 / 2000 + heat_model * (taken == "elapsed")
     )
-    assert found.fidelity.increments == (50 if taken == "history" else 5)
-    assert found.fidelity.history_coarsening == (1 if taken == "history" else 4)
+    assert choice.fidelity.increments == (50 if taken == "history" else 5)
+    assert choice.fidelity.history_coarsening == (1 if taken == "history" else 4)

@@ -1,11 +1,11 @@
-"""What is foretold of the error of the present heat, beside all heat so far (past.py)."""
+"""Foretold error of the present heat, beside all heat so far (past.py)."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from tests.helpers.kept import ALUMINA
+from tests.helpers.accuracy_scenes import ALUMINA
 from tests.helpers.scenes import STEEL, last, small_scene
 from tribo import Ball, Grid, MeasuredLoad, Motion, Ramp, Wear, heat, start
 from tribo.simulation.present_heat import _late_warming, excess_of_present_heat

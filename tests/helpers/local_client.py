@@ -8,7 +8,7 @@ from distributed.scheduler import KilledWorker
 from pipeline.run.work import compute_points
 
 
-class Here:
+class LocalClient:
     """The part of a client that a sweep needs, with a number of workers of one thread each.
 
     `is_deadly` tells if a worker dies of computing a point, `is_hit` if one is killed from outside
@@ -39,12 +39,17 @@ class Here:
     def submit(self, function, *arguments, workers=None, **_):
         ended = Ended()
         ended.key = f"{function.__name__}-{len(self.tasks)}"
-        arguments = tuple(tuple(each) if isinstance(each, deque) else each for each in arguments)
+        arguments = tuple(
+            tuple(argument) if isinstance(argument, deque) else argument for argument in arguments
+        )
         if function is compute_points:
             self.tasks.append(arguments)
             self.pinned.append(workers)
         try:
-            values = [each.result() if isinstance(each, Future) else each for each in arguments]
+            values = [
+                argument.result() if isinstance(argument, Future) else argument
+                for argument in arguments
+            ]
             if function is compute_points:
                 self._kill(values, ended.key)
             ended.set_result(function(*values))
