@@ -238,8 +238,8 @@ def test_a_moving_ellipse_is_the_sum_of_its_points(half_x, half_y, peclet):
     highest = optimize.minimize_scalar(
         lambda x: -rise(x), bounds=(0, half_x), method="bounded", options={"xatol": 1e-3 * half_x}
     )
-    found = analytic.moving_ellipse_rise(1.0, half_x, half_y, velocity, K, KAPPA)
-    assert found == pytest.approx(-highest.fun, rel=1e-5)
+    exact = analytic.moving_ellipse_rise(1.0, half_x, half_y, velocity, K, KAPPA)
+    assert exact == pytest.approx(-highest.fun, rel=1e-5)
 
 
 @pytest.mark.parametrize(("half_x", "half_y"), [(1e-4, 1e-4), (1e-4, 2e-3), (2e-3, 1e-4)])

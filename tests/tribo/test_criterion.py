@@ -12,7 +12,7 @@ RISE = np.linspace(100.0, 400.0, len(QUANTILES))
 
 @pytest.mark.parametrize("ratio", [200.0, -1000.0])
 def test_a_uniform_response_moves_every_criterion_alike(ratio):
-    unequal = np.array([RISE + 0.75 * each for each in BULK_RATIOS])
+    unequal = np.array([RISE + 0.75 * kept for kept in BULK_RATIOS])
     heat = Heat(
         rise=np.zeros((1, 1)),
         rise_quantile=RISE,

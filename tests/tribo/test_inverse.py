@@ -29,7 +29,7 @@ DECISIVE = QUANTILES.index(0.9)
 
 
 def transition(scene, load, friction, velocities):
-    """Where the model puts the transition, by interpolation between a few velocities."""
+    """Velocity of the model's transition, interpolated between a few velocities."""
     rises = [last(scene, load, v).heat.rise_quantile[DECISIVE] for v in velocities]
     wanted = (CRITICAL - BULK) / friction
     assert rises[0] < wanted < rises[-1]
@@ -47,12 +47,12 @@ def transitions():
 
 
 def test_critical_temperature_comes_back_from_the_model_s_own_transitions(transitions):
-    found = critical_temperature(small_scene(), transitions, BULK)
+    estimate = critical_temperature(small_scene(), transitions, BULK)
     # Linear interpolation over steps of a fifth of the velocity leaves less than 1 °C.
-    assert found.temperatures == pytest.approx([CRITICAL] * 3, abs=1.0)
-    assert found.mean == pytest.approx(np.mean(found.temperatures))
-    assert found.spread == pytest.approx(np.std(found.temperatures, ddof=1))
-    assert found.spread < 1.0
+    assert estimate.temperatures == pytest.approx([CRITICAL] * 3, abs=1.0)
+    assert estimate.mean == pytest.approx(np.mean(estimate.temperatures))
+    assert estimate.spread == pytest.approx(np.std(estimate.temperatures, ddof=1))
+    assert estimate.spread < 1.0
     assert math.isnan(critical_temperature(small_scene(), transitions[:1], BULK).spread)
 
 
@@ -89,22 +89,22 @@ def test_wear_rate_comes_back_from_the_width_that_it_makes(rate, rough):
         scene = replace(scene, pixels=Grid((192, 1), (2e-6, 128e-6)))
     worn = replace(scene, wear=Wear(rate, "swept"))
     width = measures(worn, last(worn, 750.0, 1.25))["contact_width"]
-    found = specific_wear_rate(scene, width, 750.0, 1.25)
-    assert found.lowest <= rate <= found.highest
-    assert found.lowest < found.value < found.highest
+    estimate = specific_wear_rate(scene, width, 750.0, 1.25)
+    assert estimate.lowest <= rate <= estimate.highest
+    assert estimate.lowest < estimate.value < estimate.highest
     if not rough:  # elements of 2 µm leave little room
-        assert found.value == pytest.approx(rate, rel=0.1)
+        assert estimate.value == pytest.approx(rate, rel=0.1)
 
 
 @pytest.mark.parametrize("elements", [48.0, 48.9, 49.2, 50.0])
 def test_a_smooth_contact_tells_a_range_of_wear_rates_whatever_its_width(elements):
     rig = critical_temperature_rig()
-    found = specific_wear_rate(rig, elements * rig.grid.spacing[0], 10.0, 0.065)
-    assert found.lowest < 0.8 * found.highest  # it grows by two elements at a time
+    estimate = specific_wear_rate(rig, elements * rig.grid.spacing[0], 10.0, 0.065)
+    assert estimate.lowest < 0.8 * estimate.highest  # it grows by two elements at a time
 
 
 def test_bounds_are_no_narrower_than_rates_are_told_apart(monkeypatch):
-    """Where the width jumps over what was measured, both ends lie at the same jump."""
+    """Both ends lie at the jump of the width over the measured one."""
     jump = SimpleNamespace(calls=0)
 
     def measured(scene, state):
@@ -112,9 +112,9 @@ def test_bounds_are_no_narrower_than_rates_are_told_apart(monkeypatch):
         return {"contact_width": 340e-6 if scene.wear.specific_wear_rate < 1.2e-15 else 356e-6}
 
     monkeypatch.setattr("tribo.inverse.measures", measured)
-    found = specific_wear_rate(small_scene(), 348e-6, 20.0, 1.25)
+    estimate = specific_wear_rate(small_scene(), 348e-6, 20.0, 1.25)
     assert jump.calls > 5
-    assert found.lowest < 1.2e-15 < found.highest < 1.02 * found.lowest
+    assert estimate.lowest < 1.2e-15 < estimate.highest < 1.02 * estimate.lowest
 
 
 @pytest.mark.parametrize("difference", [math.nan, math.inf])

@@ -37,10 +37,10 @@ def test_running_in_wears_off_what_the_closed_form_says(scheme):
 
 def test_a_law_of_a_constant_rate_is_archard_s():
     scene = small_scene(increments=6)
-    *_, own = tribo.simulate(replace(scene, wear=CONSTANT), LOAD, VELOCITY)
+    *_, constant = tribo.simulate(replace(scene, wear=CONSTANT), LOAD, VELOCITY)
     *_, archard = tribo.simulate(replace(scene, wear=tribo.Wear(1.2e-15)), LOAD, VELOCITY)
-    np.testing.assert_allclose(own.wear_depth, archard.wear_depth, rtol=1e-9)
-    assert own.heat.max_rise == pytest.approx(archard.heat.max_rise, rel=1e-9)
+    np.testing.assert_allclose(constant.wear_depth, archard.wear_depth, rtol=1e-9)
+    assert constant.heat.max_rise == pytest.approx(archard.heat.max_rise, rel=1e-9)
 
 
 def test_contacts_of_a_law_by_distance_are_not_shared():

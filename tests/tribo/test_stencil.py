@@ -33,8 +33,8 @@ def test_a_stencil_is_the_map_as_far_as_it_reaches(shape, periodic):
 
     i, j = np.divmod(nodes, shape[1])
     distances = []
-    for at, n, wraps in ((i, shape[0], periodic[0]), (j, shape[1], periodic[1])):
-        apart = np.abs(at[:, None] - at)
+    for index, n, wraps in ((i, shape[0], periodic[0]), (j, shape[1], periodic[1])):
+        apart = np.abs(index[:, None] - index)
         distances.append(np.minimum(apart, n - apart) if wraps else apart)
         # Of one or two elements, none has a neighbour of its own on each side.
         distances[-1] = np.where(apart > 0, distances[-1] + (2 if n < 3 else 0), 0)

@@ -129,7 +129,7 @@ def test_a_pin_that_is_let_go_has_worn_where_it_was_pressed():
     ("scheme", "lowest", "highest"), [("implicit", 0.95, 1.05), ("sdirk2", 1.8, 2.2)]
 )
 def test_worn_depth_converges_at_the_order_of_the_scheme(scheme, lowest, highest):
-    """Where the edge of the contact passes, depth has a kink in time and the order is less.
+    """Depth has a kink in time as the contact's edge passes, and the order is less there.
 
     So the order is that of the depth in the middle, and on average.
     """

@@ -26,9 +26,9 @@ EPSILON = float(np.finfo(float).eps)
 @pytest.fixture(scope="module")
 def solved():
     """The solution, its displacement computed."""
-    found = iterate(PROBLEM, np.full(GRID.shape, TOTAL / HEIGHTS.size), Limits(1e-10, 1000))
-    assert found.converged
-    return Iterate(found.pressure, SOLID(found.pressure), 0.0, HEIGHTS, 10.0)
+    result = iterate(PROBLEM, np.full(GRID.shape, TOTAL / HEIGHTS.size), Limits(1e-10, 1000))
+    assert result.converged
+    return Iterate(result.pressure, SOLID(result.pressure), 0.0, HEIGHTS, 10.0)
 
 
 # What may be lost, against numbers worked out by hand.
@@ -129,8 +129,8 @@ def test_no_result_violates_more_than_its_residual_says(tolerance):
     random = np.random.default_rng(1)
     heights = HEIGHTS + 1e-9 * random.normal(size=GRID.shape)
     problem = Problem.of(SOLID, heights, TOTAL, math.inf)
-    found = iterate(problem, random.uniform(size=GRID.shape), Limits(tolerance, 1000))
-    gap = SOLID(found.pressure) + heights - found.approach
-    wrong = np.where(found.pressure > 0, np.abs(gap), np.maximum(-gap, 0.0)).max()
-    unit = SOLID.self_influence * found.pressure.max()
-    assert wrong / unit <= found.residual <= tolerance
+    result = iterate(problem, random.uniform(size=GRID.shape), Limits(tolerance, 1000))
+    gap = SOLID(result.pressure) + heights - result.approach
+    wrong = np.where(result.pressure > 0, np.abs(gap), np.maximum(-gap, 0.0)).max()
+    unit = SOLID.self_influence * result.pressure.max()
+    assert wrong / unit <= result.residual <= tolerance

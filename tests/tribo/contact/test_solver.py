@@ -176,14 +176,20 @@ def test_a_known_displacement_saves_iterations(hardness, tolerance):
     first, second = (solve_contact(solid, z, load, hardness, 1e-6) for load in (2.2, 2.1))
     guess = 2 * second.pressure - first.pressure  # which exceeds the bounds at 2.0 N
     assert guess.min() < 0
-    found = [
+    contacts = [
         solve_contact(
-            solid, z, 2.0, hardness, tolerance, initial_pressure=guess, initial_displacement=known
+            solid,
+            z,
+            2.0,
+            hardness,
+            tolerance,
+            initial_pressure=guess,
+            initial_displacement=displacement,
         )
-        for known in (None, solid(guess))
+        for displacement in (None, solid(guess))
     ]
-    assert found[1].iterations < found[0].iterations
-    for contact in found:
+    assert contacts[1].iterations < contacts[0].iterations
+    for contact in contacts:
         assert_certified(contact, solid, z, 2.0, hardness, tolerance)
     # What is not the displacement misleads, but no further than into more iterations.
     contact = solve_contact(
@@ -244,17 +250,17 @@ def test_a_small_change_of_pressure_is_no_convergence():
     by_change, by_gap = (rough_line(240, 0.03, c, near) for c in ("pressure-change", "gap"))
     # Near a solution already, the iteration's first change is small; the error is not.
     assert by_change.residual > 3 * 0.03
-    errors = [np.abs(found.pressure - exact).max() / 6.6e9 for found in (by_change, by_gap)]
+    errors = [np.abs(contact.pressure - exact).max() / 6.6e9 for contact in (by_change, by_gap)]
     assert errors[0] > 2 * 0.03 > 4 * errors[1]
     assert by_change.iterations < by_gap.iterations
 
 
 @pytest.mark.parametrize("tolerance", [1e-6, 1e-10, 1e-14])
 def test_a_tiny_change_of_pressure_comes_with_the_solution(tolerance):
-    found, exact = rough_line(48, tolerance, "pressure-change"), rough_line(48, 1e-11)
+    contact, exact = rough_line(48, tolerance, "pressure-change"), rough_line(48, 1e-11)
     # 1e-14 is the paper's; rounding of the pressures alone leaves about 1e-16 a node.
-    assert found.pressure == pytest.approx(exact.pressure, abs=(1e2 * tolerance + 1e-9) * 6.6e9)
-    assert found.residual < 1e2 * tolerance + 1e-9
+    assert contact.pressure == pytest.approx(exact.pressure, abs=(1e2 * tolerance + 1e-9) * 6.6e9)
+    assert contact.residual < 1e2 * tolerance + 1e-9
 
 
 def test_the_change_of_pressure_is_not_taken_for_small_when_iterations_run_out():

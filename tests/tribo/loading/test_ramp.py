@@ -24,7 +24,7 @@ def test_a_load_takes_a_quarter_of_the_increments_at_least_whatever_the_referenc
         stations = list(RAMP.stations(load, 100))
         assert 25 <= len(stations) <= max(50, math.ceil(load / 7.5))
         *trunk, last = stations
-        steps = np.diff([0.0, *(at.normal_load for at in trunk), last.normal_load])
+        steps = np.diff([0.0, *(step.normal_load for step in trunk), last.normal_load])
         increment = RAMP.increment(load, 100)
         assert steps[:-1] == pytest.approx(increment)
         assert 0 < steps[-1] <= increment * (1 + 1e-9)

@@ -1,4 +1,4 @@
-"""What simulations share (tribo/simulation/cache.py)."""
+"""Kernels that simulations share (tribo/simulation/cache.py)."""
 
 import threading
 from concurrent.futures import ThreadPoolExecutor
@@ -12,7 +12,7 @@ from tribo.simulation.cache import Kept
 
 
 def ask(kept, *keys):
-    """What is computed when these keys are asked for, one after the other."""
+    """Keys that are computed when these are asked for, one after the other."""
     computed = []
     for key in keys:
         assert kept.get(key, lambda key=key: computed.append(key) or key) == key

@@ -75,9 +75,9 @@ def test_a_crowned_contact_is_the_ellipse_of_hertz(radii):
     expected = hertz_ellipse(200.0, *radii, E_STAR)
     grid, _ = ellipse(expected.half_x, expected.half_y)
     separation = Crowned(*radii, STEEL).profile(grid)
-    found = solve_contact(ElasticHalfSpace(grid, E_STAR), separation, 200.0, tolerance=1e-7)
-    p = found.pressure
-    assert found.approach == pytest.approx(expected.approach, rel=1e-3)
+    contact = solve_contact(ElasticHalfSpace(grid, E_STAR), separation, 200.0, tolerance=1e-7)
+    p = contact.pressure
+    assert contact.approach == pytest.approx(expected.approach, rel=1e-3)
     assert p.max() == pytest.approx(expected.peak_pressure, rel=1e-3)
     # ∫x²p is Fa²/5 of the semi-ellipsoid, which knows the axes better than the elements count.
     for axis, half in ((0, expected.half_x), (1, expected.half_y)):
@@ -92,9 +92,9 @@ def test_a_crowned_contact_is_the_ellipse_of_hertz(radii):
 def test_the_flash_temperature_of_an_ellipse_is_exact(half_x, half_y, peclet_number):
     grid, shape = ellipse(half_x, half_y)
     velocity = peclet_number * 2 * KAPPA / half_x
-    found = ConductingHalfSpace(grid, STEEL, velocity, 1e4)(1e9 * shape).max()
+    rise = ConductingHalfSpace(grid, STEEL, velocity, 1e4)(1e9 * shape).max()
     expected = moving_ellipse_rise(1e9, half_x, half_y, velocity, K, KAPPA)
-    assert found == pytest.approx(expected, rel=5e-4)  # 100 elements an axis: 3e-4
+    assert rise == pytest.approx(expected, rel=5e-4)  # 100 elements an axis: 3e-4
 
 
 @pytest.mark.parametrize("radii", [(5e-3, 5e-3), (5e-3, 40e-3), (40e-3, 5e-3)])
@@ -156,10 +156,10 @@ def test_heavy_wear_is_averaged_to_a_hundredth(monkeypatch):
         wear=Wear(1.2e-14),
         roughness=SelfAffineRoughness(0.27e-6, 0.8, (16e-6, 16e-6), 3),
     )
-    found = hot(end(scene))
+    rise = hot(end(scene))
     monkeypatch.setattr(disk_positions, "_IMPRINT", 1e-9)
     monkeypatch.setattr(disk_positions, "_MOST_PARTS", 24)
-    assert found == pytest.approx(hot(end(scene)), rel=0.01)
+    assert rise == pytest.approx(hot(end(scene)), rel=0.01)
 
 
 def test_the_imprint_of_a_wave_is_its_wear_by_the_pressure_that_flattens_it(monkeypatch):
@@ -171,8 +171,8 @@ def test_the_imprint_of_a_wave_is_its_wear_by_the_pressure_that_flattens_it(monk
     monkeypatch.setattr(disk_positions, "_IMPRINT", 1e-3)
     monkeypatch.setattr(disk_positions, "_MOST_PARTS", 10**4)
     expected = 1e-15 * 0.05 * math.pi * E_STAR / length
-    found = 1e-3 * parts(scene, Wear(1e-15, "local"), 0.05)
-    assert found == pytest.approx(expected, rel=0.02)  # elements of an eighth of the wave
+    depth = 1e-3 * parts(scene, Wear(1e-15, "local"), 0.05)
+    assert depth == pytest.approx(expected, rel=0.02)  # elements of an eighth of the wave
 
 
 def test_explicit_wear_counts_each_part_of_a_step():

@@ -79,7 +79,7 @@ def test_where_few_elements_touch_they_are_smaller(heat_model):
     few = {"fewest_elements": 400, "increments": 8, "heat_model": heat_model}
     scene = rough_scene(pixels_per_element=4, **few)
     pixels = replace(scene, fidelity=replace(scene.fidelity, pixels_per_element=1))
-    alone, exact = (list(simulate(each, 300.0, 1.25)) for each in (scene, pixels))
+    alone, exact = (list(simulate(variant, 300.0, 1.25)) for variant in (scene, pixels))
     assert np.array_equal(alone[-1].heat.rise, exact[-1].heat.rise)
     assert alone[0].pressure.shape == (48, 24)
     assert [state.heat is None for state in alone] == [True] * (len(alone) - 1) + [False]
@@ -113,12 +113,12 @@ def test_what_the_elements_decide_is_measured_on_the_scene_s_own_grid_alone():
     states = list(simulate(scene, 600.0, 1.25))
     of_contact = "contact_width", "contact_fraction", "max_pressure", "saturated_fraction"
     for state in states[:-1]:
-        found = measures(scene, state)
-        assert all(np.isnan(found[name]) for name in (*of_contact, "mean_pressure"))
-    found = measures(scene, states[-1])
-    mean = found["mean_pressure"] * found["contact_fraction"] * scene.grid.area
+        values = measures(scene, state)
+        assert all(np.isnan(values[name]) for name in (*of_contact, "mean_pressure"))
+    values = measures(scene, states[-1])
+    mean = values["mean_pressure"] * values["contact_fraction"] * scene.grid.area
     assert mean == pytest.approx(600.0 / scene.pin.patches(scene.grid), rel=1e-9)
-    assert all(np.isfinite(found[name]) for name in of_contact)
+    assert all(np.isfinite(values[name]) for name in of_contact)
     volumes = [measures(scene, state)["wear_volume"] for state in states]
     assert volumes == pytest.approx(
         [measures(full, state)["wear_volume"] for full in [rough_scene()] for state in
@@ -186,9 +186,9 @@ def test_a_smooth_scene_is_a_plane_one(pattern):
         field = getattr(other, name)
         same = pytest.approx(field, abs=1e-6 * field.max())
         assert np.broadcast_to(getattr(one, name), field.shape) == same
-    found, expected = measures(plane, one), measures(full, other)
+    values, expected = measures(plane, one), measures(full, other)
     for name in ("contact_width", "mean_pressure", "wear_volume", "max_rise", "pin_heat_share"):
-        assert found[name] == pytest.approx(expected[name], rel=1e-6)
+        assert values[name] == pytest.approx(expected[name], rel=1e-6)
 
 
 def test_only_what_does_not_depend_on_y_is_plane():

@@ -548,9 +548,9 @@ def test_no_number_of_iterations_is_exceeded():
 )
 def test_impossible_arguments_of_the_solver_are_named(change, said):
     solid = ElasticHalfSpace(Grid((6, 5), (1e-6, 1e-6)), 115e9)
-    given = {"separation": np.zeros((6, 5)), "normal_load": 1e-3, "hardness": 1e9} | change
+    arguments = {"separation": np.zeros((6, 5)), "normal_load": 1e-3, "hardness": 1e9} | change
     with pytest.raises(InputError, match=said):
-        solve_contact(solid, **given)
+        solve_contact(solid, **arguments)
 
 
 @pytest.mark.parametrize("guess", [0.0, -1.0, 1e-300, 1e300])
@@ -617,7 +617,7 @@ def wavy(pressure):
 @pytest.mark.parametrize("pattern", ["local", "swept"])
 @pytest.mark.parametrize("scheme", ["implicit", "sdirk2", "explicit"])
 def test_wear_stays_smooth_or_is_warned_of_at_any_step_length(scheme, pattern):
-    found = {}
+    results = {}
     for stiffness in STIFFNESSES:
         scene = small_scene(pattern, roughness=False, wear_scheme=scheme, increments=1)
         solid = ElasticHalfSpace(scene.grid, 115.385e9)
@@ -632,17 +632,17 @@ def test_wear_stays_smooth_or_is_warned_of_at_any_step_length(scheme, pattern):
         )
         *_, state = simulate(scene, 600.0, 1.25)
         kinds = [warning.kind for warning in warnings(scene, state)]
-        found[stiffness] = wavy(state.pressure), WarningKind.UNSTABLE_WEAR in kinds
-    for stiffness, (waves, told) in found.items():
+        results[stiffness] = wavy(state.pressure), WarningKind.UNSTABLE_WEAR in kinds
+    for stiffness, (waves, is_warned) in results.items():
         if scheme == "explicit":
-            assert told == (stiffness >= 2)
+            assert is_warned == (stiffness >= 2)
             # Every row that the contact gains starts a wave, which dies slowly next to the limit.
-            assert told or waves < (1.1 if stiffness <= 1 else 1.5)
+            assert is_warned or waves < (1.1 if stiffness <= 1 else 1.5)
         else:
-            assert not told
+            assert not is_warned
             assert waves < 1.1
     if scheme == "explicit":
-        assert found[10.0][0] > 2  # it does fail where it is warned of
+        assert results[10.0][0] > 2  # it does fail where it is warned of
 
 
 def test_temperature_of_a_state_at_any_peclet_number_grows_with_the_velocity():

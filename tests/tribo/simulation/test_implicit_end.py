@@ -52,15 +52,15 @@ def test_the_rise_under_heavy_wear_is_known_in_ten_steps():
 def test_without_the_short_end_it_would_be_off_by_several_percent(monkeypatch):
     exact = [last(worn_scene(increments=400), load).heat.rise_quantile[-3] for load in LOADS]
     monkeypatch.setattr(implicit_end, "_NEW", 1.0)
-    found = [last(worn_scene(), load).heat.rise_quantile[-3] for load in LOADS]
-    assert np.max(np.abs(np.divide(found, exact) - 1)) > 0.05
+    rises = [last(worn_scene(), load).heat.rise_quantile[-3] for load in LOADS]
+    assert np.max(np.abs(np.divide(rises, exact) - 1)) > 0.05
 
 
 def test_a_pin_at_rest_is_one_whether_its_scene_has_a_motion_or_not():
     at_rest = replace(worn_scene(), motion=Motion(slide_roll_ratio=2.0))
-    found, expected = (last(scene, 300.0) for scene in (at_rest, worn_scene()))
-    assert found.history is not None
-    assert np.array_equal(found.heat.rise, expected.heat.rise)
+    state, expected = (last(scene, 300.0) for scene in (at_rest, worn_scene()))
+    assert state.history is not None
+    assert np.array_equal(state.heat.rise, expected.heat.rise)
 
 
 def test_of_a_pin_that_rolls_ten_steps_know_the_rise_without_it():
@@ -142,5 +142,5 @@ ALL = np.ones(100)
 @pytest.mark.parametrize("pattern", ["swept", "local"])
 def test_it_is_taken_where_more_than_a_hundredth_of_the_load_is_new(before, after, taken, pattern):
     scene = replace(worn_scene(), wear=Wear(2e-14, pattern))
-    states = (touching(scene, each) for each in (before, after))
+    states = (touching(scene, rows) for rows in (before, after))
     assert implicit_end._comes_into_contact(scene, *states, VELOCITY) == taken

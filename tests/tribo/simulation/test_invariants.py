@@ -96,10 +96,10 @@ def test_the_pin_loses_what_the_load_wears_off(change, said):
     ],
 )
 def test_heat_goes_into_both_bodies_and_nowhere_else(change, said):
-    given = a_split()
-    given["split"] = replace(given["split"], **change)
+    arguments = a_split()
+    arguments["split"] = replace(arguments["split"], **change)
     with nullcontext() if said is None else pytest.raises(InvariantError, match=said):
-        check_heat(**given)
+        check_heat(**arguments)
 
 
 def test_a_solver_that_is_wrong_is_found_out_in_a_simulation(monkeypatch):
@@ -126,7 +126,7 @@ def test_wear_and_heat_that_are_wrong_are_found_out_in_a_simulation(monkeypatch)
     states = list(simulate(small_scene(), 300.0, 1.25))
     depth = Wear.depth
     with monkeypatch.context() as patch:
-        patch.setattr(Wear, "depth", lambda *given: 1.0001 * depth(*given))
+        patch.setattr(Wear, "depth", lambda *args: 1.0001 * depth(*args))
         with pytest.raises(InvariantError, match="wear balance"):
             last(small_scene(), 300.0, 1.25)
     divide = temperature.partition_heat

@@ -78,9 +78,9 @@ def end(scene, velocity, load=LOAD):
     ],
 )
 def test_the_velocities_have_the_sliding_velocity_as_difference(motion, sliding, pin, disk):
-    found = motion.velocities(sliding)
-    assert found == pytest.approx((pin, disk), abs=1e-15)
-    assert (found.pin == 0) == (pin == 0)
+    velocities = motion.velocities(sliding)
+    assert velocities == pytest.approx((pin, disk), abs=1e-15)
+    assert (velocities.pin == 0) == (pin == 0)
 
 
 def test_the_coefficients_are_those_of_the_integrals():
@@ -99,9 +99,9 @@ def test_the_coefficients_are_those_of_the_integrals():
 @pytest.mark.parametrize("ratio", [0.1, 0.5, 1.5, -0.5])
 def test_the_highest_rise_of_a_twin_disc_is_blok_s(ratio):
     scene = twin_disc(Motion(slide_roll_ratio=ratio))
-    at = scene.velocities_at(40.0)
+    velocities = scene.velocities_at(40.0)
     width, load = 2 * HALF_WIDTH, LOAD / LENGTH
-    expected = rolling_sliding_rise(1.0, load, width, at, STEEL.thermal_effusivity)
+    expected = rolling_sliding_rise(1.0, load, width, velocities, STEEL.thermal_effusivity)
     assert end(scene, 40.0).heat.max_rise == pytest.approx(expected, rel=2e-4)
 
 
@@ -195,7 +195,7 @@ def test_a_ball_that_rolls_wears_a_groove_around_itself():
 
 
 @pytest.mark.parametrize(
-    ("given", "said"),
+    ("entries", "said"),
     [
         ({}, "exactly one of them"),
         ({"slide_roll_ratio": 0.5, "entrainment_velocity": 2.0}, "exactly one of them"),
@@ -205,9 +205,9 @@ def test_a_ball_that_rolls_wears_a_groove_around_itself():
         ({"slide_roll_ratio": 1.0, "track_length": 0.0}, "track_length is 0"),
     ],
 )
-def test_a_motion_that_cannot_be_is_refused(given, said):
+def test_a_motion_that_cannot_be_is_refused(entries, said):
     with pytest.raises(InputError, match=said):
-        Motion(**given)
+        Motion(**entries)
 
 
 def test_a_track_shorter_than_the_window_is_refused():

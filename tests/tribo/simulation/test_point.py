@@ -171,7 +171,9 @@ def test_options_that_do_not_fit_are_refused():
 
 
 def test_local_wear_is_solved_tightly_enough_to_add_up():
-    loose, tighter = (small_scene("local", contact_tolerance=each) for each in (0.1, 0.03))
+    loose, tighter = (
+        small_scene("local", contact_tolerance=tolerance) for tolerance in (0.1, 0.03)
+    )
     one, other = (last(scene, 600.0, 1.25) for scene in (loose, tighter))
     assert np.array_equal(one.heat.rise, other.heat.rise)
     assert small_scene("swept", contact_tolerance=0.1).contact_tolerance == 0.1

@@ -13,15 +13,15 @@ BALL = Ball(8e-3, STEEL)
 
 
 def texts(scene, state, kind):
-    """What is told of a state, of one kind."""
-    return [each.text for each in warnings(scene, state) if each.kind == kind]
+    """Texts of a state's warnings of one kind."""
+    return [warning.text for warning in warnings(scene, state) if warning.kind == kind]
 
 
-def assert_told(told, scene, state, kind):
+def assert_told(words, scene, state, kind):
     """Let a state have one warning of a kind, with these words, or none."""
-    found = texts(scene, state, kind)
-    assert len(found) == bool(told)
-    assert not told or told in found[0]
+    messages = texts(scene, state, kind)
+    assert len(messages) == bool(words)
+    assert not words or words in messages[0]
 
 
 def test_contact_at_the_window_s_edge_warns():
@@ -72,9 +72,11 @@ def touching(scene, places):
 )
 def test_each_free_edge_is_looked_at(place, named):
     scene = replace(small_scene(periodic=(False, False)), pin=BALL)
-    told = [each for each in warnings(scene, touching(scene, place)) if "edge" in each.text]
-    assert len(told) == bool(named)
-    assert not named or f"the window's {named} at 100 N" in told[0].text
+    edges = [
+        warning for warning in warnings(scene, touching(scene, place)) if "edge" in warning.text
+    ]
+    assert len(edges) == bool(named)
+    assert not named or f"the window's {named} at 100 N" in edges[0].text
 
 
 def test_an_edge_beyond_which_the_patch_goes_on_is_none():
@@ -83,13 +85,13 @@ def test_an_edge_beyond_which_the_patch_goes_on_is_none():
 
 
 @pytest.mark.parametrize(
-    ("nodes", "told"), [(0, None), (1, "only 1 elements"), (399, "only 399"), (400, None)]
+    ("nodes", "words"), [(0, None), (1, "only 1 elements"), (399, "only 399"), (400, None)]
 )
-def test_from_400_elements_on_there_are_enough(nodes, told):
+def test_from_400_elements_on_there_are_enough(nodes, words):
     scene = replace(small_scene(pixels_per_element=2), pixels=Grid((96, 64), (4e-6, 4e-6)))
     state = touching(scene, np.unravel_index(np.arange(nodes) + 48, scene.grid.shape))
     assert touching_elements(scene, state) == nodes
-    assert_told(told, scene, state, WarningKind.FEW_NODES)
+    assert_told(words, scene, state, WarningKind.FEW_NODES)
 
 
 def test_in_a_plane_elements_count_as_many_times():
@@ -99,7 +101,7 @@ def test_in_a_plane_elements_count_as_many_times():
 
 
 @pytest.mark.parametrize(
-    ("scheme", "steps", "told"),
+    ("scheme", "steps", "words"),
     [
         ("implicit", 0, None),
         ("implicit", 1, "reached in a single step"),
@@ -109,16 +111,16 @@ def test_in_a_plane_elements_count_as_many_times():
         ("sdirk2", 2, None),
     ],
 )
-def test_wear_in_few_steps_warns(scheme, steps, told):
+def test_wear_in_few_steps_warns(scheme, steps, words):
     scene = small_scene(wear_scheme=scheme)
     state = replace(touching(scene, np.s_[5:40]), index=steps)
-    assert_told(told, scene, state, WarningKind.FEW_STEPS)
+    assert_told(words, scene, state, WarningKind.FEW_STEPS)
     for unworn in (replace(scene, wear=None), replace(scene, wear=Wear(0.0))):
         assert not texts(unworn, state, WarningKind.FEW_STEPS)
 
 
 @pytest.mark.parametrize(
-    ("changes", "told"),
+    ("changes", "words"),
     [
         ({"pixels_per_element": 2}, "take smaller elements"),
         ({"history_coarsening": 2}, "compute several surfaces"),
@@ -127,13 +129,13 @@ def test_wear_in_few_steps_warns(scheme, steps, told):
         ({"roughness": False}, None),  # whose pixels are judged by how many lie across
     ],
 )
-def test_few_nodes_warn_of_larger_elements_and_of_few_summits(changes, told):
+def test_few_nodes_warn_of_larger_elements_and_of_few_summits(changes, words):
     scene = replace(small_scene(**changes), pixels=Grid((96, 64), (4e-6, 4e-6)))
-    assert_told(told, scene, last(scene, 50.0, 1.25), WarningKind.FEW_NODES)
+    assert_told(words, scene, last(scene, 50.0, 1.25), WarningKind.FEW_NODES)
 
 
 @pytest.mark.parametrize(
-    ("pin", "places", "told"),
+    ("pin", "places", "words"),
     [
         (BALL, np.s_[10:21, 1:15], "11 elements across"),
         (BALL, np.s_[10:40, 2:13], "window.pixel_size"),
@@ -143,26 +145,26 @@ def test_few_nodes_warn_of_larger_elements_and_of_few_summits(changes, told):
         (None, np.s_[0:0], None),
     ],
 )
-def test_a_contact_of_few_elements_across_warns_in_every_fidelity(pin, places, told):
+def test_a_contact_of_few_elements_across_warns_in_every_fidelity(pin, places, words):
     scene = small_scene(periodic=(False, not pin))
     scene = replace(scene, pin=pin or scene.pin)
-    assert_told(told, scene, touching(scene, places), WarningKind.COARSE_PIXELS)
+    assert_told(words, scene, touching(scene, places), WarningKind.COARSE_PIXELS)
     coarser = replace(scene, fidelity=replace(scene.fidelity, pixels_per_element=2))
     small = texts(coarser, touching(coarser, np.s_[4:7, 3:6]), WarningKind.COARSE_PIXELS)
     assert "fidelity.pixels_per_element" in small[0]
 
 
 @pytest.mark.parametrize(
-    ("length", "told"), [(15e-6, "1.9 pixels along x and 1.9 pixels along y"), (16e-6, None)]
+    ("length", "words"), [(15e-6, "1.9 pixels along x and 1.9 pixels along y"), (16e-6, None)]
 )
-def test_a_roughness_that_the_pixels_do_not_resolve_warns(length, told):
+def test_a_roughness_that_the_pixels_do_not_resolve_warns(length, words):
     scene = small_scene()
     scene = replace(scene, roughness=replace(scene.roughness, correlation_length=(length, length)))
-    assert_told(told, scene, touching(scene, np.s_[5:40]), WarningKind.COARSE_PIXELS)
+    assert_told(words, scene, touching(scene, np.s_[5:40]), WarningKind.COARSE_PIXELS)
 
 
 @pytest.mark.parametrize(
-    ("radius", "depth", "told"),
+    ("radius", "depth", "words"),
     [
         (2e-3, 0.0, None),
         (0.46e-3, 0.0, "0.28 mm wide"),  # 35 rows of 8 µm are 0.61 of it
@@ -171,16 +173,16 @@ def test_a_roughness_that_the_pixels_do_not_resolve_warns(length, told):
         (2e-3, 0.089e-3, None),
     ],
 )
-def test_a_contact_beyond_the_pin_s_shape_warns(radius, depth, told):
+def test_a_contact_beyond_the_pin_s_shape_warns(radius, depth, words):
     scene = small_scene()
     scene = replace(scene, pin=replace(scene.pin, radius=radius))
     state = touching(scene, np.s_[5:40])
     state = replace(state, wear_depth=np.full_like(state.wear_depth, depth))
-    assert_told(told, scene, state, WarningKind.BEYOND_SHAPE)
+    assert_told(words, scene, state, WarningKind.BEYOND_SHAPE)
 
 
 @pytest.mark.parametrize(
-    ("motion", "velocity", "told"),
+    ("motion", "velocity", "words"),
     [
         (Motion(slide_roll_ratio=1.9999), 1.0, "turns 0.00"),
         (Motion(slide_roll_ratio=1.0), 1.0, None),
@@ -191,15 +193,15 @@ def test_a_contact_beyond_the_pin_s_shape_warns(radius, depth, told):
         (None, 1.0, None),
     ],
 )
-def test_a_pin_that_hardly_turns_warns(motion, velocity, told):
+def test_a_pin_that_hardly_turns_warns(motion, velocity, words):
     scene = replace(small_scene(), motion=motion)
     state = replace(touching(scene, np.s_[5:40]), sliding_distance=velocity, time=1.0)
-    assert_told(told, scene, state, WarningKind.FEW_TURNS)
+    assert_told(words, scene, state, WarningKind.FEW_TURNS)
     assert not texts(replace(scene, wear=None), state, WarningKind.FEW_TURNS)
 
 
 @pytest.mark.parametrize(
-    ("changes", "velocity", "told"),
+    ("changes", "velocity", "words"),
     [
         ({"pixels_per_element": 2}, 0.05, None),  # by 0.9 %, where elements are not the pixels
         ({"pixels_per_element": 2}, 0.02, "about 1.2 % too warm"),
@@ -209,9 +211,9 @@ def test_a_pin_that_hardly_turns_warns(motion, velocity, told):
         ({"heat_model": "history"}, 0.02, None),
     ],
 )
-def test_the_present_heat_warns_where_a_contact_has_grown_slowly(changes, velocity, told):
+def test_the_present_heat_warns_where_a_contact_has_grown_slowly(changes, velocity, words):
     scene = replace(small_scene(**changes), pixels=Grid((96, 64), (4e-6, 4e-6)))
-    assert_told(told, scene, last(scene, 600.0, velocity), WarningKind.PRESENT_HEAT)
+    assert_told(words, scene, last(scene, 600.0, velocity), WarningKind.PRESENT_HEAT)
 
 
 def test_the_present_heat_does_not_warn_long_after_a_contact_has_grown():

@@ -205,5 +205,5 @@ def test_500_scenes_mild_to_absurd_end_proven_or_named(say):
         longest = max(longest, (seconds, seed))
     say(f"\n500 scenes, none hung, none was wrong; the longest took {longest[0]:.1f} s")
     for wildness in (0.0, 0.5, 1.0, 2.0, 4.0):
-        found = {kind: counts[wildness, kind] for kind in sorted(NAMED)}
-        say(f"wildness {wildness}:", ", ".join(f"{n} {kind}" for kind, n in found.items() if n))
+        failures = {kind: counts[wildness, kind] for kind in sorted(NAMED)}
+        say(f"wildness {wildness}:", ", ".join(f"{n} {kind}" for kind, n in failures.items() if n))

@@ -1,4 +1,4 @@
-"""What is kept of a state (tribo/simulation/step_measures.py)."""
+"""Measures that are kept of a state (tribo/simulation/step_measures.py)."""
 
 import numpy as np
 

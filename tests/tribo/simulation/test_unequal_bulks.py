@@ -62,9 +62,10 @@ def test_fast_bodies_meet_at_the_temperature_of_two_half_spaces(conductivity):
         fidelity=Fidelity(increments=1, pixels_per_element=1, heat_tolerance=1e-8),
     )
     state = end(scene, velocity=200.0)
-    at = scene.velocities_at(200.0)
+    velocities = scene.velocities_at(200.0)
     pin, disk = (
-        body.thermal_effusivity * math.sqrt(u) for body, u in zip((slow, STEEL), at, strict=True)
+        body.thermal_effusivity * math.sqrt(u)
+        for body, u in zip((slow, STEEL), velocities, strict=True)
     )
     inside = state.heat.bulk_response[state.pressure > 0]
     # At the leading edge some heat is conducted ahead.
@@ -168,9 +169,9 @@ def test_a_plane_counts_all_the_rows_that_it_stands_for():
 
 def test_a_critical_temperature_knows_both_bulk_temperatures(rough):
     scene, state = rough
-    found = critical_temperature(scene, [(750.0, 1.25, 0.1)], 60.0, bulk_difference=-50.0)
+    critical = critical_temperature(scene, [(750.0, 1.25, 0.1)], 60.0, bulk_difference=-50.0)
     expected = 60.0 + 0.1 * quantiles_at(state.heat, -500.0)[NINE_TENTHS]
-    assert found.mean == pytest.approx(expected, rel=1e-12)
+    assert critical.mean == pytest.approx(expected, rel=1e-12)
     with pytest.raises(InputError, match="unequal_bulks"):
         critical_temperature(
             replace(scene, unequal_bulks=False), [(750.0, 1.25, 0.1)], 60.0, bulk_difference=-50.0

@@ -33,9 +33,9 @@ def test_a_film_on_the_disk_warms_the_contact_by_what_the_circuit_says(bodies):
     with_film, _ = solved(bodies, film=film)
     area = np.count_nonzero(bodies[2]) * GRID.element_area
     heat = bodies[2].sum() * GRID.element_area
-    found = circuit_rise(mean, split.pin_share, heat, disk_resistance=film / area)
+    rise = circuit_rise(mean, split.pin_share, heat, disk_resistance=film / area)
     # The bodies' rises are not uniform, which costs some percent of the change.
-    assert found - mean == pytest.approx(with_film - mean, rel=0.1)
+    assert rise - mean == pytest.approx(with_film - mean, rel=0.1)
 
 
 def test_a_warm_pin_warms_the_contact_by_its_share(bodies):
@@ -43,11 +43,11 @@ def test_a_warm_pin_warms_the_contact_by_its_share(bodies):
     heat = bodies[2].sum() * GRID.element_area
     warm, _ = solved(bodies, difference=-10.0)
     resistance = 50.0
-    found = circuit_rise(mean, split.pin_share, heat, pin_resistance=resistance)
+    rise = circuit_rise(mean, split.pin_share, heat, pin_resistance=resistance)
     pin_share = (split.pin_share * heat * mean / (mean + resistance * split.pin_share * heat)) * (
-        found / mean
+        rise / mean
     )  # what flows through the stem
-    assert found - mean == pytest.approx((warm - mean) * resistance * pin_share / 10.0, rel=0.05)
+    assert rise - mean == pytest.approx((warm - mean) * resistance * pin_share / 10.0, rel=0.05)
 
 
 def test_insulators_send_all_heat_into_the_other_body():

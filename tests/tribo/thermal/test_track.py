@@ -23,13 +23,13 @@ def strip(age, width, load):
 
 @pytest.mark.parametrize("width", [1e-4, 3.4e-3, 1.0])
 def test_one_pass_leaves_what_kelvin_s_sources_leave(width):
-    found = track_warming(0.3, 0.2, STEADY, width, DIFFUSIVITY, CAPACITY)
-    assert found == pytest.approx(strip(0.2, width, 100.0), rel=1e-9)
+    warming = track_warming(0.3, 0.2, STEADY, width, DIFFUSIVITY, CAPACITY)
+    assert warming == pytest.approx(strip(0.2, width, 100.0), rel=1e-9)
 
 
 def test_a_wide_track_is_heated_as_a_plane():
-    found = track_warming(0.3, 0.2, STEADY, 1.0, DIFFUSIVITY, CAPACITY)
-    assert found == pytest.approx(100.0 / CAPACITY / math.sqrt(math.pi * DIFFUSIVITY * 0.2))
+    warming = track_warming(0.3, 0.2, STEADY, 1.0, DIFFUSIVITY, CAPACITY)
+    assert warming == pytest.approx(100.0 / CAPACITY / math.sqrt(math.pi * DIFFUSIVITY * 0.2))
 
 
 def test_many_passes_are_summed_as_few():
@@ -37,9 +37,9 @@ def test_many_passes_are_summed_as_few():
         return load * strip(n * 0.01, 3.4e-3, 1.0)
 
     ramp = np.array([20.0]), np.array([100.0])
-    found = track_warming(20.0, 0.01, ramp, 3.4e-3, DIFFUSIVITY, CAPACITY)
+    warming = track_warming(20.0, 0.01, ramp, 3.4e-3, DIFFUSIVITY, CAPACITY)
     one_by_one = sum(alone(n, 100.0 * (1 - n / 2000)) for n in range(1, 2001))
-    assert found == pytest.approx(one_by_one, rel=1e-5)
+    assert warming == pytest.approx(one_by_one, rel=1e-5)
 
 
 def test_before_the_first_round_the_track_is_cold():

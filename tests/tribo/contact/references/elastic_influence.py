@@ -47,8 +47,8 @@ def by_images(x, y, dx, dy, period):
         shifted = element(x, y + n * period, dx, dy) + element(x, y - n * period, dx, dy)
         return shifted - 2 * element(0, n * period, dx, dy)
 
-    own = element(x, y, dx, dy) - element(0, 0, dx, dy)
-    return own + mp.nsum(lambda n: pair(int(n)), [1, mp.inf])
+    single = element(x, y, dx, dy) - element(0, 0, dx, dy)
+    return single + mp.nsum(lambda n: pair(int(n)), [1, mp.inf])
 
 
 def by_modes(x, y, dx, dy, period):
