@@ -32,15 +32,15 @@ def curved(load, velocity, quantile=1.0):
 
 @pytest.mark.parametrize("share", [0.1, 0.0])  # 0 is the maximum temperature
 def test_boundary_of_a_power_law_is_found_to_rounding(sweep, share):
-    found = boundary(sweep, share=share)
+    crossings = boundary(sweep, share=share)
     limit = synthetic.limit()
     expected = synthetic.critical_velocity(LOADS, limit, share)
-    np.testing.assert_allclose(found["critical_velocity"], expected, rtol=1e-13)
+    np.testing.assert_allclose(crossings["critical_velocity"], expected, rtol=1e-13)
     expected = synthetic.critical_load(VELOCITIES, limit, share)
     inside = (expected >= LOADS[0]) & (expected <= LOADS[-1])
     assert inside.sum() == {0.1: 10, 0.0: 9}[share]
-    np.testing.assert_allclose(found["critical_load"][inside], expected[inside], rtol=1e-13)
-    assert np.isnan(found["critical_load"][~inside]).all()
+    np.testing.assert_allclose(crossings["critical_load"][inside], expected[inside], rtol=1e-13)
+    assert np.isnan(crossings["critical_load"][~inside]).all()
 
 
 def test_boundary_of_a_bent_rise_is_found_between_points_every_quarter_metre_per_second():
@@ -49,9 +49,9 @@ def test_boundary_of_a_bent_rise_is_found_between_points_every_quarter_metre_per
     def missed(name, **place):
         """Relative error of a boundary that lies at this place."""
         critical = 298.15 + 0.1 * curved(*place.values(), 0.9)
-        found = boundary(ds, critical_temperature=critical)[f"critical_{name}"]
-        (at,) = (axis for axis in place if axis != name)
-        return float(found.sel({at: place[at]})) / place[name] - 1
+        crossings = boundary(ds, critical_temperature=critical)[f"critical_{name}"]
+        (other,) = (axis for axis in place if axis != name)
+        return float(crossings.sel({other: place[other]})) / place[name] - 1
 
     error = [missed("velocity", load=400.0, velocity=v) for v in np.linspace(1.05, 3.6, 31)]
     assert np.abs(error).max() < 8e-6  # measured 4.1e-6; straight lines give 2.3e-3
@@ -63,8 +63,8 @@ def test_velocity_0_may_be_in_the_sweep():
     ds = synthetic.sweep(velocities=[0.0, 0.5, 1.0, 2.0, 4.0])
     for velocity in (0.1, 0.5, 0.7, 3.0):
         critical = 298.15 + 0.1 * synthetic.rise(400.0, velocity, 0.9)
-        found = boundary(ds, critical_temperature=critical)["critical_velocity"]
-        assert float(found.sel(load=400.0)) == pytest.approx(velocity, rel=1e-13)
+        crossings = boundary(ds, critical_temperature=critical)["critical_velocity"]
+        assert float(crossings.sel(load=400.0)) == pytest.approx(velocity, rel=1e-13)
 
 
 @pytest.mark.parametrize("friction", [0.05, 0.083, 0.3])
@@ -89,8 +89,8 @@ def test_at_the_boundary_just_the_failing_share_is_too_hot(share):
     # the share of that very point, computed as a simulation's own
     rise = float(decisive_rise(ds, synthetic.conditions(share)).isel(load=3, velocity=5))
     assert failed_share(stored, rise) == pytest.approx(share, abs=1e-12)
-    found = boundary(ds, critical_temperature=298.15 + 0.1 * rise, share=share)
-    assert float(found["critical_velocity"][3]) == pytest.approx(VELOCITIES[5], rel=1e-12)
+    crossings = boundary(ds, critical_temperature=298.15 + 0.1 * rise, share=share)
+    assert float(crossings["critical_velocity"][3]) == pytest.approx(VELOCITIES[5], rel=1e-12)
 
 
 def test_nan_where_the_sweep_does_not_cross(sweep):
@@ -101,9 +101,12 @@ def test_nan_where_the_sweep_does_not_cross(sweep):
     hot = boundary(sweep, critical_temperature=300.0)
     assert np.isnan(hot["critical_load"]).all()
     assert (hot["outcome_at_velocity"] == SEVERE).all()
-    own = boundary(sweep)
-    assert (own["outcome_at_load"] == CROSSES).all()
-    assert own["outcome_at_velocity"].values.tolist() == [MILD] * 3 + [CROSSES] * 10 + [SEVERE] * 2
+    crossings = boundary(sweep)
+    assert (crossings["outcome_at_load"] == CROSSES).all()
+    assert (
+        crossings["outcome_at_velocity"].values.tolist()
+        == [MILD] * 3 + [CROSSES] * 10 + [SEVERE] * 2
+    )
 
 
 def test_order_of_the_axes_does_not_matter(sweep):
@@ -117,13 +120,15 @@ def test_missing_points_elsewhere_do_not_matter_and_their_numbers_do_not_count(s
     status = {(450.0, 3.0): FAILED, (450.0, 0.5): PENDING, (250.0, 1.75): PENDING}
     ds = synthetic.sweep(status=status)
     ds["rise_quantile"].loc[{"load": 450.0, "velocity": 0.5}] = 1e5
-    found, whole = boundary(ds), boundary(sweep)
+    crossings, whole = boundary(ds), boundary(sweep)
     for name in ("critical_velocity", "critical_load"):
-        np.testing.assert_allclose(found[name], whole[name], rtol=1e-13)
-    assert found.attrs["missing_points"] == 3
-    assert int(found["missing_at_load"].sel(load=450.0)) == 2
-    assert int(found["missing_at_velocity"].sel(velocity=1.75)) == 1
-    assert int(found["missing_at_load"].sum()) == int(found["missing_at_velocity"].sum()) == 3
+        np.testing.assert_allclose(crossings[name], whole[name], rtol=1e-13)
+    assert crossings.attrs["missing_points"] == 3
+    assert int(crossings["missing_at_load"].sel(load=450.0)) == 2
+    assert int(crossings["missing_at_velocity"].sel(velocity=1.75)) == 1
+    assert (
+        int(crossings["missing_at_load"].sum()) == int(crossings["missing_at_velocity"].sum()) == 3
+    )
 
 
 def test_points_that_only_an_earlier_run_asked_for_are_not_missing():
@@ -139,11 +144,11 @@ def test_points_that_only_an_earlier_run_asked_for_are_not_missing():
 def test_a_crossing_says_how_many_missing_points_it_is_interpolated_across():
     status = {(450.0, 1.75): FAILED, (450.0, 2.0): PENDING, (450.0, 3.0): PENDING}
     ds = synthetic.sweep(status=status)
-    found = boundary(ds).sel(load=450.0)
+    crossings = boundary(ds).sel(load=450.0)
     expected = synthetic.critical_velocity(450.0, synthetic.limit())
     assert 1.75 < expected < 2.0
-    assert float(found["critical_velocity"]) == pytest.approx(expected, rel=1e-13)
-    assert found["bridged_at_load"] == 2
+    assert float(crossings["critical_velocity"]) == pytest.approx(expected, rel=1e-13)
+    assert crossings["bridged_at_load"] == 2
     (line,) = (line for line in text_of(boundary(ds)) if line.endswith("across 2 points not done"))
     assert line.startswith("450 ")
     (margin,) = pipeline.margins(ds, 430.0, 1.9)  # between lines of the sweep
@@ -153,10 +158,10 @@ def test_a_crossing_says_how_many_missing_points_it_is_interpolated_across():
 
 
 def test_a_load_without_points_is_unknown():
-    found = boundary(synthetic.sweep(status={(200.0, V): PENDING for V in VELOCITIES}))
-    assert np.isnan(found["critical_velocity"][0])
-    assert int(found["outcome_at_load"][0]) == UNKNOWN
-    assert int(found["missing_at_load"][0]) == len(VELOCITIES)
+    crossings = boundary(synthetic.sweep(status={(200.0, V): PENDING for V in VELOCITIES}))
+    assert np.isnan(crossings["critical_velocity"][0])
+    assert int(crossings["outcome_at_load"][0]) == UNKNOWN
+    assert int(crossings["missing_at_load"][0]) == len(VELOCITIES)
     alone = boundary(synthetic.sweep(loads=[400.0], velocities=[1.0]))
     assert np.isnan(alone["critical_velocity"]).all()
     assert alone["outcome_at_load"].values.tolist() == [MILD]
@@ -172,19 +177,19 @@ def test_only_the_last_step_counts():
 
 
 def test_decisive_temperature_is_that_of_the_closed_form(sweep):
-    found = decisive_temperature(sweep, friction=0.2, bulk_temperature=310.0, share=0.05)
+    crossings = decisive_temperature(sweep, friction=0.2, bulk_temperature=310.0, share=0.05)
     rise = synthetic.rise(LOADS[:, None], VELOCITIES, 0.95)
-    np.testing.assert_allclose(found, 310.0 + 0.2 * rise, rtol=1e-14)
-    assert found.dims == ("load", "velocity")
-    assert found.attrs["units"] == "K"
+    np.testing.assert_allclose(crossings, 310.0 + 0.2 * rise, rtol=1e-14)
+    assert crossings.dims == ("load", "velocity")
+    assert crossings.attrs["units"] == "K"
 
 
 def test_the_plane_passes_through_the_boundary():
     ds = synthetic.sweep(rise=curved)
     fine = decisive_temperature(ds, resolution=12 * 14 + 1)  # its velocities hold the sweep's own
-    found = boundary(ds)
+    crossings = boundary(ds)
     at_sweep = fine.sel(velocity=VELOCITIES, method="nearest", tolerance=1e-9)
-    for velocity, load in zip(VELOCITIES, found["critical_load"].values, strict=True):
+    for velocity, load in zip(VELOCITIES, crossings["critical_load"].values, strict=True):
         if np.isfinite(load):
             column = at_sweep.sel(velocity=velocity, method="nearest").values
             assert crossing(fine["load"].values, column, 418.15) == pytest.approx(load, rel=1e-6)
@@ -201,21 +206,21 @@ def test_the_plane_ends_with_the_known_points():
 
 
 def test_result_says_its_conditions_and_units(sweep):
-    found = boundary(sweep, friction=0.12, share=0.2)
+    crossings = boundary(sweep, friction=0.12, share=0.2)
     expected = synthetic.CONDITIONS | {"friction": 0.12, "failing_share": 0.2}
-    assert found.attrs == expected | {"criterion": "share", "missing_points": 0}
-    units = {name: found[name].attrs["units"] for name in ("critical_velocity", "load")}
+    assert crossings.attrs == expected | {"criterion": "share", "missing_points": 0}
+    units = {name: crossings[name].attrs["units"] for name in ("critical_velocity", "load")}
     assert units == {"critical_velocity": "m/s", "load": "N"}
-    assert found["critical_velocity"].dims == ("load",)
-    assert found["critical_load"].dims == ("velocity",)
+    assert crossings["critical_velocity"].dims == ("load",)
+    assert crossings["critical_load"].dims == ("velocity",)
 
 
 def test_conditions_that_the_sweep_lacks_must_be_given():
     ds = synthetic.sweep(conditions=None)
     with pytest.raises(InputError, match="no friction of its own"):
         boundary(ds)
-    given = {"friction": 0.1, "bulk_temperature": 298.15, "critical_temperature": 418.15}
-    assert boundary(ds, share=0.1, **given).equals(boundary(synthetic.sweep()))
+    conditions = {"friction": 0.1, "bulk_temperature": 298.15, "critical_temperature": 418.15}
+    assert boundary(ds, share=0.1, **conditions).equals(boundary(synthetic.sweep()))
 
 
 def test_a_share_beyond_the_stored_quantiles_is_refused(sweep):
@@ -225,13 +230,16 @@ def test_a_share_beyond_the_stored_quantiles_is_refused(sweep):
 
 
 def test_several_frictions_are_a_dimension_and_each_is_as_alone(sweep):
-    found = boundary(sweep, friction=(0.09, 0.103), share=0.05)
-    assert found["critical_velocity"].dims == ("friction", "load")
+    crossings = boundary(sweep, friction=(0.09, 0.103), share=0.05)
+    assert crossings["critical_velocity"].dims == ("friction", "load")
     for friction in (0.09, 0.103):
-        alone, part = boundary(sweep, friction=friction, share=0.05), found.sel(friction=friction)
+        alone, part = (
+            boundary(sweep, friction=friction, share=0.05),
+            crossings.sel(friction=friction),
+        )
         for name in alone.data_vars:
             np.testing.assert_array_equal(part[name], alone[name])
-    assert found.attrs["critical_temperature"] == 418.15
+    assert crossings.attrs["critical_temperature"] == 418.15
     with pytest.raises(InputError, match="at least 0"):
         boundary(sweep, friction=(0.1, -0.1))
     with pytest.raises(InputError, match="one number"):
@@ -267,35 +275,38 @@ def test_friction_as_text_is_refused_and_not_read_letter_by_letter(text):
 def test_each_crossing_has_its_film_parameter_where_the_scene_has_an_oil():
     plain, oiled = synthetic.sweep(), synthetic.sweep(lubrication=OILED)
     assert not [name for name in boundary(plain) if name.startswith("film")]
-    found = boundary(oiled, bulk_temperature=320.0, friction=[0.09, 0.1])
+    crossings = boundary(oiled, bulk_temperature=320.0, friction=[0.09, 0.1])
     of = Lubrication.stored(oiled.attrs).film_parameter
     for friction in (0.09, 0.1):
-        part = found.sel(friction=friction)
+        part = crossings.sel(friction=friction)
         expected = of(part["load"], part["critical_velocity"], 320.0)
         np.testing.assert_array_equal(part["film_parameter_at_load"], expected)
         expected = of(part["critical_load"], part["velocity"], 320.0)
         np.testing.assert_array_equal(part["film_parameter_at_velocity"], expected)
-    assert found["film_parameter_at_load"].notnull().any()
+    assert crossings["film_parameter_at_load"].notnull().any()
 
 
 def test_the_regime_of_each_crossing_is_told_in_words_and_in_the_document():
-    found = boundary(synthetic.sweep(lubrication=OILED))
-    assert "200        3.678  film Λ 0.87" in list(text_of(found))
-    document = document_of(found)
+    crossings = boundary(synthetic.sweep(lubrication=OILED))
+    assert "200        3.678  film Λ 0.87" in list(text_of(crossings))
+    document = document_of(crossings)
     assert document["regime_at_load"][0] == "boundary lubrication"
     assert document["film_parameter_at_load"][0] == pytest.approx(0.87, abs=0.005)
     assert "no crossing" in document["regime_at_velocity"]
     dry = boundary(synthetic.sweep())
     assert "Λ" not in "".join(text_of(dry))
     oils = xr.DataArray(["known", "unknown"], dims="oil", name="oil")
-    both = stacked([found, dry], [oils])  # of the other oil no film is known
+    both = stacked([crossings, dry], [oils])  # of the other oil no film is known
     assert document_of(both)["regime_at_load"][1][0] == "not known"
     assert "nan" not in "".join(text_of(both))
 
 
 def test_the_exponent_of_the_rise_is_known_at_each_crossing():
-    found = boundary(synthetic.sweep(), friction=[0.05, 0.1])
-    crosses, exponents = found["critical_velocity"].notnull(), found["rise_exponent_at_load"]
+    crossings = boundary(synthetic.sweep(), friction=[0.05, 0.1])
+    crosses, exponents = (
+        crossings["critical_velocity"].notnull(),
+        crossings["rise_exponent_at_load"],
+    )
     assert crosses.any()
     assert not crosses.all()
     np.testing.assert_allclose(
@@ -313,13 +324,15 @@ def test_a_rise_that_grows_slowly_with_the_velocity_is_told(exponents):
         return synthetic.limit() * part * (velocity / 2.1) ** np.interp(load, loads, exponents)
 
     sweep = synthetic.sweep(rise=rise, loads=loads)
-    found = boundary(sweep)
-    assert document_of(found)["rise_exponent_at_load"] == pytest.approx(exponents)
-    told = "".join(line for line in text_of(found) if "grows slowly" in line)
-    slow = {load: each for load, each in zip(loads, exponents, strict=True) if each < 0.4}
-    assert bool(told) == bool(slow)
+    crossings = boundary(sweep)
+    assert document_of(crossings)["rise_exponent_at_load"] == pytest.approx(exponents)
+    warning = "".join(line for line in text_of(crossings) if "grows slowly" in line)
+    slow = {
+        load: exponent for load, exponent in zip(loads, exponents, strict=True) if exponent < 0.4
+    }
+    assert bool(warning) == bool(slow)
     if slow:
-        assert told.startswith(f"at {', '.join(f'{load:g}' for load in slow)} N the rise grows")
-        assert told.endswith(f"by up to {1 / min(slow.values()):.2g} %")
+        assert warning.startswith(f"at {', '.join(f'{load:g}' for load in slow)} N the rise grows")
+        assert warning.endswith(f"by up to {1 / min(slow.values()):.2g} %")
     both = boundary(sweep, friction=[0.1, 0.1])
-    assert "".join(line for line in text_of(both) if "grows slowly" in line) == told
+    assert "".join(line for line in text_of(both) if "grows slowly" in line) == warning

@@ -49,17 +49,17 @@ def test_axes_ascend_in_whatever_order_they_were_added(tmp_path):
         assert ds["load"].values.tolist() == [150.0, 250.0, 400.0, 600.0]
         assert ds["velocity"].values.tolist() == [0.5, 1.0, 1.5]
         for point in [*points(second), Point(600.0, 1.0)]:
-            found = ds["wear_volume"].sel(load=point.load, velocity=point.velocity).values
+            volumes = ds["wear_volume"].sel(load=point.load, velocity=point.velocity).values
             expected = run_point(second, *point).columns["wear_volume"]
-            np.testing.assert_array_equal(found[: len(expected)], expected)
+            np.testing.assert_array_equal(volumes[: len(expected)], expected)
 
 
 @pytest.mark.parametrize("load", tiny.LOADS)
 def test_steps_beyond_a_loads_own_are_nan(ds, load):
     rows = ds.sel(load=load)
-    own = np.isfinite(rows["time"].values)
-    assert (own.sum(axis=-1) == step_count(tiny.full(), load)).all()
-    assert (np.isfinite(rows["contact_fraction"].values) == own).all()
+    simulated = np.isfinite(rows["time"].values)
+    assert (simulated.sum(axis=-1) == step_count(tiny.full(), load)).all()
+    assert (np.isfinite(rows["contact_fraction"].values) == simulated).all()
     assert (rows["normal_load"].max("step") == load).all()
 
 
@@ -135,13 +135,13 @@ def test_the_failed_fraction_is_the_share_hotter_than_critical(copy, critical):
     commit(copy, tiny.full(conditions=Conditions(0.1, 298.15, critical)), ())
     with open_sweep(copy) as ds:
         end = end_of_point(ds).sel(load=600, velocity=1.5)
-        found = temperatures(end)["failed_fraction"].item()
+        fraction = temperatures(end)["failed_fraction"].item()
     state = run_point(tiny.sweep(), 600.0, 1.5).state
     contact = state.pressure > 0
     counted = np.mean(298.15 + 0.1 * state.heat.rise[contact] > critical)
-    assert abs(found - counted) < 0.02  # between quantiles it is interpolated
+    assert abs(fraction - counted) < 0.02  # between quantiles it is interpolated
     share = tribo.failed_share(state.heat.rise_quantile, (critical - 298.15) / 0.1)
-    assert found == pytest.approx(share, abs=1e-12)
+    assert fraction == pytest.approx(share, abs=1e-12)
 
 
 def test_without_friction_nothing_is_hotter_than_the_bulk(copy):

@@ -1,4 +1,4 @@
-"""What measured transitions say of a lubricant (pipeline/analysis/inference.py)."""
+"""A lubricant's limit from measured transitions (pipeline/analysis/inference.py)."""
 
 from dataclasses import replace
 
@@ -20,11 +20,12 @@ def test_the_critical_temperature_comes_back_from_the_boundary_that_it_made(tmp_
     velocities = tuple(np.arange(0.5, 4.01, 0.5).tolist())
     sweep = tiny.sweep(loads=(250.0, 600.0), velocities=velocities, realizations=(1, 2))
     commit_all(tmp_path / "a.zarr", sweep)
-    found = boundary(open_sweep(tmp_path / "a.zarr"))["critical_velocity"]
-    assert found.notnull().all()
+    critical = boundary(open_sweep(tmp_path / "a.zarr"))["critical_velocity"]
+    assert critical.notnull().all()
     for seed in sweep.realizations:
         measured = tuple(
-            Measurement(load, found.sel(realization=seed, load=load).item()) for load in sweep.loads
+            Measurement(load, critical.sel(realization=seed, load=load).item())
+            for load in sweep.loads
         )
         result = critical_temperatures(replace(sweep.on_surface(seed), measured=measured))
         assert result.surfaces == (seed,)

@@ -15,10 +15,10 @@ def test_a_crossing_is_where_the_logarithms_of_scipy_reach_the_limit(seed, size)
     x = np.cumsum(rng.uniform(0.05, 2.0, size))
     y = np.exp(np.cumsum(rng.uniform(0.01, 2.0, size)))
     limit = rng.uniform(y[0], y[-1])
-    found = crossing(x, y, limit)
+    root = crossing(x, y, limit)
     scipys = PchipInterpolator(np.log(x), np.log(y))
-    slope = scipys(np.log(found), nu=1)
-    assert abs(scipys(np.log(found)) - np.log(limit)) <= 1e-14 * (10 + np.log(limit) + slope)
+    slope = scipys(np.log(root), nu=1)
+    assert abs(scipys(np.log(root)) - np.log(limit)) <= 1e-14 * (10 + np.log(limit) + slope)
 
 
 def test_first_crossing_from_mild_to_severe_counts():
@@ -46,15 +46,15 @@ def test_interpolation_passes_through_the_points_and_the_crossing(steps, start, 
     x, y = np.cumsum([start, *steps], axis=0).T
     np.testing.assert_allclose(interpolated(x, y, x), y, rtol=1e-12, atol=1e-9)
     limit = y[0] + part * (y[-1] - y[0])
-    found = crossing(x, y, limit)
+    root = crossing(x, y, limit)
     if y[0] < limit <= y[-1]:
-        at, fine = np.array([found]), np.linspace(x[0], x[-1], 200)
-        np.testing.assert_allclose(interpolated(x, y, at), limit, rtol=1e-9, atol=1e-9)
+        roots, fine = np.array([root]), np.linspace(x[0], x[-1], 200)
+        np.testing.assert_allclose(interpolated(x, y, roots), limit, rtol=1e-9, atol=1e-9)
         assert (np.diff(interpolated(x, y, fine)) >= -1e-9).all()  # as the points do
 
 
 @pytest.mark.parametrize(
-    ("x", "y", "at", "expected"),
+    ("x", "y", "place", "expected"),
     [
         ([1.0, 2.0, 4.0], [10.0, 20.0, 40.0], 1.0, 1.0),  # at either end
         ([1.0, 2.0, 4.0], [10.0, 20.0, 40.0], 4.0, 1.0),
@@ -65,8 +65,8 @@ def test_interpolation_passes_through_the_points_and_the_crossing(steps, start, 
         ([1.0], [10.0], 1.0, np.nan),
     ],
 )
-def test_exponents_at_the_ends_of_what_is_known(x, y, at, expected):
-    assert exponent(np.array(x), np.array(y), at) == pytest.approx(expected, nan_ok=True)
+def test_exponents_at_the_ends_of_what_is_known(x, y, place, expected):
+    assert exponent(np.array(x), np.array(y), place) == pytest.approx(expected, nan_ok=True)
 
 
 def test_from_rest_values_rise_by_the_power_law_with_which_the_first_points_begin():

@@ -29,15 +29,15 @@ def store(tmp_path_factory):
 
 def test_each_surface_is_as_if_it_were_alone(store):
     ds = pipeline.open_sweep(store)
-    found = pipeline.boundary(ds)
+    crossings = pipeline.boundary(ds)
     for seed in SEEDS:
         alone = pipeline.boundary(pipeline.open_sweep(store).sel(realization=seed))
-        of_all = found.sel(realization=seed)
+        of_all = crossings.sel(realization=seed)
         for name in alone.data_vars:
             assert np.array_equal(alone[name], of_all[name], equal_nan=True), name
-    missing = found["missing_at_load"].sum("load")
+    missing = crossings["missing_at_load"].sum("load")
     assert missing.sel(realization=SEEDS[-1]) == 1
-    assert missing.sum() == found.attrs["missing_points"] == 1
+    assert missing.sum() == crossings.attrs["missing_points"] == 1
 
 
 def test_points_are_asked_for_on_their_own_surface(store):

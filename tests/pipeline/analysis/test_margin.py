@@ -16,29 +16,29 @@ LIMIT = synthetic.limit()
 
 
 def margin(ds, load, velocity, **conditions):
-    (found,) = pipeline.margins(ds, load, velocity, **conditions)
-    return found
+    (result,) = pipeline.margins(ds, load, velocity, **conditions)
+    return result
 
 
 @pytest.mark.parametrize(("load", "velocity"), [(320.0, 2.1), (400.0, 3.1), (480.0, 2.25)])
 def test_a_power_law_is_found_between_the_points_of_a_sweep(load, velocity):
-    found = margin(synthetic.sweep(), load, velocity)
+    result = margin(synthetic.sweep(), load, velocity)
     warm = 298.15 + 0.1 * synthetic.rise(load, velocity, 0.9)
-    assert found.decisive_temperature == pytest.approx(warm, rel=1e-12)
-    assert found.temperature_error == pytest.approx(0.0, abs=1e-9)
-    assert found.distance == pytest.approx(418.15 - warm, abs=1e-9)
-    assert found.is_severe == (warm > 418.15)
+    assert result.decisive_temperature == pytest.approx(warm, rel=1e-12)
+    assert result.temperature_error == pytest.approx(0.0, abs=1e-9)
+    assert result.distance == pytest.approx(418.15 - warm, abs=1e-9)
+    assert result.is_severe == (warm > 418.15)
     critical = synthetic.critical_velocity(load, LIMIT)
-    assert found.velocity_factor == pytest.approx(critical / velocity, rel=1e-9)
-    if found.load_outcome == "crosses":
+    assert result.velocity_factor == pytest.approx(critical / velocity, rel=1e-9)
+    if result.load_outcome == "crosses":
         critical = synthetic.critical_load(velocity, LIMIT)
-        assert found.load_factor == pytest.approx(critical / load, rel=1e-9)
+        assert result.load_factor == pytest.approx(critical / load, rel=1e-9)
 
 
 def test_other_conditions_need_no_other_sweep():
-    found = margin(synthetic.sweep(), 320.0, 2.1, friction=0.2, critical_temperature="180 degC")
+    result = margin(synthetic.sweep(), 320.0, 2.1, friction=0.2, critical_temperature="180 degC")
     warm = 298.15 + 0.2 * synthetic.rise(320.0, 2.1, 0.9)
-    assert found.distance == pytest.approx(453.15 - warm, abs=1e-9)
+    assert result.distance == pytest.approx(453.15 - warm, abs=1e-9)
 
 
 def wavy(load, velocity, quantile=1.0):
@@ -51,10 +51,10 @@ def test_the_error_of_interpolating_covers_most_places_of_a_bent_rise():
     places = zip(rng.uniform(210, 740, 60), rng.uniform(0.6, 3.9, 60), strict=True)
     covered = []
     for load, velocity in places:
-        found = margin(ds, load, velocity)
+        result = margin(ds, load, velocity)
         true = 298.15 + 0.1 * wavy(load, velocity, 0.9)
-        assert found.temperature_error < 3.0
-        covered.append(abs(found.decisive_temperature - true) <= found.temperature_error)
+        assert result.temperature_error < 3.0
+        covered.append(abs(result.decisive_temperature - true) <= result.temperature_error)
     assert np.mean(covered) > 0.85
 
 
@@ -69,10 +69,10 @@ def test_a_verdict_within_the_error_is_not_certain():
 
 
 def test_where_the_sweep_does_not_cross_it_says_how_far_it_looked():
-    found = margin(synthetic.sweep(), 320.0, 1.1, critical_temperature="800 degC")
-    assert (found.velocity_outcome, found.load_outcome) == ("mild throughout", "mild throughout")
-    assert np.isnan(found.velocity_factor)
-    assert found.velocity_range == (0.5, 4.0)
+    result = margin(synthetic.sweep(), 320.0, 1.1, critical_temperature="800 degC")
+    assert (result.velocity_outcome, result.load_outcome) == ("mild throughout", "mild throughout")
+    assert np.isnan(result.velocity_factor)
+    assert result.velocity_range == (0.5, 4.0)
     hot = margin(synthetic.sweep(), 700.0, 3.9, friction=0.9)
     assert hot.velocity_outcome == "severe throughout"
 
@@ -80,12 +80,12 @@ def test_where_the_sweep_does_not_cross_it_says_how_far_it_looked():
 def test_a_sweep_about_its_boundary_alone_is_continued_as_a_power_of_the_velocity():
     places = {(load, v) for load in synthetic.LOADS for v in synthetic.VELOCITIES}
     critical = {load: synthetic.critical_velocity(load, LIMIT) for load in synthetic.LOADS}
-    far = {at: PENDING for at in places if abs(np.log(at[1] / critical[at[0]])) > 0.3}
-    found = margin(synthetic.sweep(status=far), 425.0, 1.0)
+    far = {place: PENDING for place in places if abs(np.log(place[1] / critical[place[0]])) > 0.3}
+    result = margin(synthetic.sweep(status=far), 425.0, 1.0)
     warm = 298.15 + 0.1 * synthetic.rise(425.0, 1.0, 0.9)
-    assert found.decisive_temperature == pytest.approx(warm, rel=1e-9)
-    assert found.temperature_error == pytest.approx(0.0, abs=1e-6)
-    assert json.loads(json.dumps(found.as_dict()))["certain"] is True
+    assert result.decisive_temperature == pytest.approx(warm, rel=1e-9)
+    assert result.temperature_error == pytest.approx(0.0, abs=1e-6)
+    assert json.loads(json.dumps(result.as_dict()))["certain"] is True
 
 
 def test_what_is_continued_tells_its_error():
@@ -103,15 +103,15 @@ def test_what_is_continued_tells_its_error():
 
 
 @pytest.mark.parametrize(
-    ("load", "velocity", "told"),
+    ("load", "velocity", "message"),
     [
         (900.0, 2.0, "load is 900 N; the sweep has 200 to 750 N"),
         (400.0, 0.1, "velocity is 0.1 m/s; the sweep has 0.5 to 4 m/s"),
         (400.0, float("nan"), "velocity is nan"),
     ],
 )
-def test_a_place_outside_the_sweep_is_refused(load, velocity, told):
-    with pytest.raises(InputError, match=told):
+def test_a_place_outside_the_sweep_is_refused(load, velocity, message):
+    with pytest.raises(InputError, match=message):
         pipeline.margins(synthetic.sweep(), load, velocity)
 
 

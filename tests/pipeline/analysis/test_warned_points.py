@@ -28,8 +28,8 @@ def with_flags(flags, **options):
     values = np.zeros((ds.sizes["load"], ds.sizes["velocity"]), np.int32)
     messages = np.full(values.shape, "", dtype=object)
     for (load, velocity), flag in flags.items():
-        at = list(ds["load"].values).index(load), list(ds["velocity"].values).index(velocity)
-        values[at], messages[at] = flag, f"flags {flag}"
+        place = list(ds["load"].values).index(load), list(ds["velocity"].values).index(velocity)
+        values[place], messages[place] = flag, f"flags {flag}"
     dims = ("load", "velocity")
     return ds.assign(warning_flags=(dims, values), message=(dims, messages))
 
@@ -39,11 +39,11 @@ def test_kinds_are_counted_and_so_are_points_beside_the_boundary():
     limit = synthetic.limit()
     assert 2.0 < synthetic.critical_velocity(400.0, limit) < 2.25
     flags = {(400.0, 2.0): EDGE | WEAR, (400.0, 2.25): EDGE, (200.0, 0.5): EDGE}
-    found = warned(with_flags(flags))
-    assert (found.points, found.at_boundary) == (3, 2)
-    assert found.kinds == {"unstable wear": 1, "contact at edge": 3}
-    assert found.example == "400 N, 2 m/s: flags 3"
-    said = "\n".join(found.lines())
+    warnings = warned(with_flags(flags))
+    assert (warnings.points, warnings.at_boundary) == (3, 2)
+    assert warnings.kinds == {"unstable wear": 1, "contact at edge": 3}
+    assert warnings.example == "400 N, 2 m/s: flags 3"
+    said = "\n".join(warnings.lines())
     assert "3 points carry a warning (unstable wear at 1, contact at edge at 3), 2 beside" in said
 
 
@@ -71,9 +71,9 @@ def test_each_surface_has_its_own_boundary():
     mild = replace_rises(with_flags({(400.0, 2.0): EDGE}), 1e-3)
     other = with_flags({(400.0, 2.0): EDGE})
     both = xr.concat([mild, other], xr.Variable("realization", [3, 8]), combine_attrs="override")
-    found = warned(both)
-    assert (found.points, found.at_boundary) == (2, 1)
-    assert found.example.startswith("400 N, 2 m/s, surface 8")
+    warnings = warned(both)
+    assert (warnings.points, warnings.at_boundary) == (2, 1)
+    assert warnings.example.startswith("400 N, 2 m/s, surface 8")
 
 
 def replace_rises(ds, factor):

@@ -96,7 +96,7 @@ def test_a_pin_that_is_meant_not_to_wear_is_not_doubted():
 
 
 @pytest.mark.parametrize(
-    ("motion", "told"),
+    ("motion", "words"),
     [
         ({"slide_roll_ratio": 1.9999}, "at 3 of 3 velocities"),
         ({"slide_roll_ratio": 1.0}, None),
@@ -104,46 +104,46 @@ def test_a_pin_that_is_meant_not_to_wear_is_not_doubted():
         ({"entrainment_velocity": 1.0, "track_length": 0.02}, "at 1 of 3 velocities"),
     ],
 )
-def test_a_pin_that_rolls_has_to_turn_often_enough_if_at_all(motion, told):
+def test_a_pin_that_rolls_has_to_turn_often_enough_if_at_all(motion, words):
     rolling = replace(SMOOTH, velocities=(0.5, 1.0, 2.0), motion=tribo.Motion(**motion))
     said = [doubt for doubt in said_of(rolling) if "the pin turns only" in doubt]
-    assert len(said) == bool(told)
-    assert not told or told in said[0]
+    assert len(said) == bool(words)
+    assert not words or words in said[0]
     assert not any("turns only" in doubt for doubt in said_of(replace(rolling, wear=None)))
 
 
-@pytest.mark.parametrize(("share", "told"), [(0.299, 0), (0.31, 1)])
-def test_a_wide_contact_is_beyond_half_spaces_and_the_pin_s_shape(share, told):
+@pytest.mark.parametrize(("share", "is_doubted"), [(0.299, 0), (0.31, 1)])
+def test_a_wide_contact_is_beyond_half_spaces_and_the_pin_s_shape(share, is_doubted):
     wide = Span(0.1 * HALF_WIDTH, 2 * share * HALF_WIDTH)
     said = said_of(SMOOTH, contact_width=wide, window=(1.0, 1.0))
-    assert sum("no half-spaces" in doubt for doubt in said) == told
-    if told:
+    assert sum("no half-spaces" in doubt for doubt in said) == is_doubted
+    if is_doubted:
         assert "0.31 of the pin's radius" in said[0]
 
 
 @pytest.mark.parametrize(
-    ("base", "across", "told"),
+    ("base", "across", "is_doubted"),
     [(SMOOTH, 5.9, True), (SMOOTH, 6.1, False), (BALL, 11.9, True), (BALL, 12.1, False)],
 )
-def test_a_contact_of_few_pixels_is_doubted(base, across, told):
+def test_a_contact_of_few_pixels_is_doubted(base, across, is_doubted):
     width = across * base.pixels.spacing[0]
     said = said_of(base, base, contact_width=Span(width, 2 * width))
-    assert any("pixels wide" in doubt for doubt in said) is told
+    assert any("pixels wide" in doubt for doubt in said) is is_doubted
 
 
 @pytest.mark.parametrize(
-    ("length", "told"),
+    ("length", "words"),
     [(1.99, "is 2 pixels; below 2"), (2.0, None), (0.33, None), (0.34, "of the window's side")],
 )
-def test_a_correlation_length_lies_between_pixels_and_window(length, told):
+def test_a_correlation_length_lies_between_pixels_and_window(length, words):
     nx, dx = SMOOTH.pixels.shape[0], SMOOTH.pixels.spacing[0]
     length *= nx * dx if length < 1 else dx
     ny, dy = SMOOTH.pixels.shape[1], SMOOTH.pixels.spacing[1]
     rough = tribo.SelfAffineRoughness(0.3e-6, 0.8, (length, 0.2 * ny * dy))
     said = said_of(replace(SMOOTH, roughness=rough), surface=surface(measured=False))
-    found = [doubt for doubt in said if "correlation length along x" in doubt]
-    assert len(found) == bool(told)
-    assert not told or told in found[0]
+    doubts = [doubt for doubt in said if "correlation length along x" in doubt]
+    assert len(doubts) == bool(words)
+    assert not words or words in doubts[0]
 
 
 @pytest.mark.parametrize(
@@ -156,14 +156,14 @@ def test_a_correlation_length_lies_between_pixels_and_window(length, told):
 )
 def test_a_contact_has_to_fit_into_the_window(half_width, expected, said):
     widths = ((90e-6, expected, 90e-6),) + ((90e-6,) * 3,) * 2
-    found = said_of(
+    doubts = said_of(
         SMOOTH,
         hertz_half_width=Span(1e-6, half_width),
         contact_widths=widths,
         window=(100e-6, 20e-6),  # which repeats along y
     )
-    assert len(found) == bool(said)
-    assert all(text in found[0] for text in said)
+    assert len(doubts) == bool(said)
+    assert all(text in doubts[0] for text in said)
 
 
 def test_under_a_ball_or_a_crowned_pin_it_has_to_fit_along_y_too():
@@ -172,30 +172,30 @@ def test_under_a_ball_or_a_crowned_pin_it_has_to_fit_along_y_too():
     assert said_of(BALL, BALL, hertz_half_width=half, window=narrow, contact_widths=()) == (
         *said_of(BALL, BALL),
     )
-    (*_, told) = said_of(BALL, BALL, hertz_half_width=half, window=wide, contact_widths=())
-    assert "the room for it in the window, by its length along y, 90 µm" in told
+    (*_, last) = said_of(BALL, BALL, hertz_half_width=half, window=wide, contact_widths=())
+    assert "the room for it in the window, by its length along y, 90 µm" in last
     ratio = tribo.analytic.hertz_ellipse(1.0, 2e-3, 8e-3, 1e11)
     longer = ratio[1] / ratio[0]
     for room, fits in ((0.97, False), (0.99, True)):  # beside a contact of 98 µm
         window = (1.0, room * 100e-6 * longer)
-        found = said_of(CROWNED, CROWNED, hertz_half_width=half, window=window, contact_widths=())
-        assert any("by its length" in doubt for doubt in found) is not fits
+        doubts = said_of(CROWNED, CROWNED, hertz_half_width=half, window=window, contact_widths=())
+        assert any("by its length" in doubt for doubt in doubts) is not fits
 
 
-@pytest.mark.parametrize(("rise", "told"), [(0.79e-6, 0), (-0.81e-6, 1), (0.81e-6, 1)])
-def test_a_measured_surface_is_tilted_beyond_twice_its_rq(rise, told):
+@pytest.mark.parametrize(("rise", "is_doubted"), [(0.79e-6, 0), (-0.81e-6, 1), (0.81e-6, 1)])
+def test_a_measured_surface_is_tilted_beyond_twice_its_rq(rise, is_doubted):
     said = said_of(SMOOTH, surface=surface(rise=(0.0, rise)))
-    assert sum("is tilted" in doubt for doubt in said) == told
-    assert not told or f"by {1e6 * rise:.3g} µm along y" in said[0]
-    assert not told or "an Rq of 0.4 µm" in said[0]
+    assert sum("is tilted" in doubt for doubt in said) == is_doubted
+    assert not is_doubted or f"by {1e6 * rise:.3g} µm along y" in said[0]
+    assert not is_doubted or "an Rq of 0.4 µm" in said[0]
     random = said_of(SMOOTH, surface=surface(rise=(rise, 0.0), measured=False))
     assert random == ()
 
 
-@pytest.mark.parametrize(("lay", "told"), [(29.0, 2), (30.0, 2), (31.0, 0), (None, 0)])
-def test_grooves_lie_along_sliding_up_to_an_angle(lay, told):
-    assert len(said_of(SMOOTH, surface=surface(lay=lay))) == told
+@pytest.mark.parametrize(("lay", "count"), [(29.0, 2), (30.0, 2), (31.0, 0), (None, 0)])
+def test_grooves_lie_along_sliding_up_to_an_angle(lay, count):
+    assert len(said_of(SMOOTH, surface=surface(lay=lay))) == count
     local = replace(SMOOTH, wear=tribo.Wear(1e-15, "local"))
-    assert len(said_of(local, surface=surface(lay=lay))) == told // 2
+    assert len(said_of(local, surface=surface(lay=lay))) == count // 2
     random = said_of(SMOOTH, surface=surface(lay=lay, measured=False))
-    assert len(random) == told // 2
+    assert len(random) == count // 2

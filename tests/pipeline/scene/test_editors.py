@@ -46,7 +46,7 @@ def test_what_a_scene_may_say_fits(text):
 
 
 @pytest.mark.parametrize(
-    ("text", "at"),
+    ("text", "place"),
     [
         ("[pin]\nradius = 2", ["pin", "radius"]),
         ('[pin]\nradius = "2"', ["pin", "radius"]),
@@ -60,9 +60,9 @@ def test_what_a_scene_may_say_fits(text):
         ('[unknown]\n"friction.coefficient" = { mean = 0.1 }', ["unknown", "friction.coefficient"]),
     ],
 )
-def test_what_it_may_not_say_is_a_fault_at_its_place(text, at):
+def test_what_it_may_not_say_is_a_fault_at_its_place(text, place):
     (fault,) = faults(text)
-    assert list(fault.absolute_path) == at
+    assert list(fault.absolute_path) == place
 
 
 def test_every_entry_explains_itself():

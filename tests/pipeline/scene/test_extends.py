@@ -36,12 +36,12 @@ def faults_of(path, **arguments):
 
 
 def test_a_scene_that_only_extends_is_the_other_under_its_own_name(write):
-    own = load_scene(write(own=EXTENDS))
-    assert own == replace(load_scene(write(base=TEXT)), name="own")
+    sweep = load_scene(write(own=EXTENDS))
+    assert sweep == replace(load_scene(write(base=TEXT)), name="own")
 
 
 def test_entries_of_its_own_stand_in_place_of_the_others(write):
-    own = """
+    entries = """
     extends = "base.toml"
     [pin]
     radius = "4 mm"
@@ -65,7 +65,7 @@ def test_entries_of_its_own_stand_in_place_of_the_others(write):
     for old, new in full:
         assert old in text
         text = text.replace(old, new)
-    extended, written = load_scene(write(own=own)), load_scene(write(full=text))
+    extended, written = load_scene(write(own=entries)), load_scene(write(full=text))
     assert extended == replace(written, name="own")
     assert describe(extended) == describe(written)
 
@@ -80,8 +80,10 @@ def test_entries_may_be_left_out(write):
 
 
 def test_what_is_left_out_may_be_given_anew(write):
-    own = f'{EXTENDS}without = ["loading"]\n[loading]\nrate = "75 N/s"\nreference_load = "600 N"'
-    assert load_scene(write(own=own)).loading == tribo.Ramp(75.0, 600.0)
+    entries = (
+        f'{EXTENDS}without = ["loading"]\n[loading]\nrate = "75 N/s"\nreference_load = "600 N"'
+    )
+    assert load_scene(write(own=entries)).loading == tribo.Ramp(75.0, 600.0)
 
 
 def test_scenes_extend_one_another_in_a_chain(write):
@@ -134,29 +136,29 @@ def test_a_fault_says_in_which_file_it_stands(write, tmp_path):
         "pin.radius",
         "wear.patern",
     ]
-    own = faults_of(path, overrides={"disk.roughness.ra": "0 um"})
-    assert any(fault.startswith("disk.roughness.ra: ") for fault in own)
+    faults = faults_of(path, overrides={"disk.roughness.ra": "0 um"})
+    assert any(fault.startswith("disk.roughness.ra: ") for fault in faults)
     write(base=TEXT)
     (fault,) = faults_of(write(own=f'{EXTENDS}without = ["wear.pattern"]'))
     assert fault.startswith(f"wear.pattern (in {base}): missing")
 
 
 def test_a_key_of_the_other_scene_that_does_not_fit_can_be_left_out(write, tmp_path):
-    own = f'{EXTENDS}[loading]\nfile = "record.csv"\n'
+    entries = f'{EXTENDS}[loading]\nfile = "record.csv"\n'
     (tmp_path / "record.csv").write_text("time [s], load [N]\n0, 0\n5, 800\n", encoding="utf-8")
-    (fault,) = faults_of(write(own=own))
+    (fault,) = faults_of(write(own=entries))
     assert fault.startswith("loading.rate (in ")
     assert fault.endswith('; or leave it out here: without = ["loading.rate"]')
-    load_scene(write(own=own.replace(EXTENDS, f'{EXTENDS}without = ["loading.rate"]\n')))
+    load_scene(write(own=entries.replace(EXTENDS, f'{EXTENDS}without = ["loading.rate"]\n')))
     (fault,) = faults_of(write(own=f"{EXTENDS}[loading]\nrat = 3"))
     assert "leave it out" not in fault
 
 
 def test_leaving_out_what_is_not_there_is_a_fault(write, tmp_path):
     path = write(own=f'{EXTENDS}without = ["waer", "wear.patern", "title.x", "measured"]')
-    found = faults_of(path)
-    assert [fault.partition(": ")[0] for fault in found] == [f"without[{i}]" for i in range(3)]
-    for fault, hint in zip(found, ("wear", "pattern", "title"), strict=True):
+    messages = faults_of(path)
+    assert [fault.partition(": ")[0] for fault in messages] == [f"without[{i}]" for i in range(3)]
+    for fault, hint in zip(messages, ("wear", "pattern", "title"), strict=True):
         assert hint in fault
         assert str(tmp_path / "base.toml") in fault
     (fault,) = faults_of(write(own=f"{EXTENDS}without = 3"))
@@ -168,7 +170,7 @@ def test_leaving_out_what_is_not_there_is_a_fault(write, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("given", "said"),
+    ("value", "said"),
     [
         ('"missing.toml"', "missing.toml: cannot be read: No such file"),
         ('"workflows/first_try.toml"', 'No such file or directory (did you mean "first_try"?)'),
@@ -183,10 +185,10 @@ def test_leaving_out_what_is_not_there_is_a_fault(write, tmp_path):
         ('"\\u0000"', '\\u0000" has a null character'),
     ],
 )
-def test_another_scene_that_cannot_be_extended_is_one_clear_fault(write, tmp_path, given, said):
+def test_another_scene_that_cannot_be_extended_is_one_clear_fault(write, tmp_path, value, said):
     (tmp_path / "folder").mkdir()
     write(broken="a = ", round='extends = "own.toml"')
-    (fault,) = faults_of(write(own=f"extends = {given}"))
+    (fault,) = faults_of(write(own=f"extends = {value}"))
     assert fault.startswith("extends: ")
     assert said in fault
     assert len(fault.splitlines()) == 1

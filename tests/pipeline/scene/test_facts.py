@@ -1,4 +1,4 @@
-"""What a scene means, in closed form, against what its simulation gives."""
+"""Facts of a scene in closed form, against its simulation."""
 
 from dataclasses import replace
 

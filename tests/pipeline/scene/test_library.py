@@ -90,10 +90,10 @@ def test_every_entry_of_the_library_is_a_sound_material_or_oil(read):
 
 
 def test_every_number_of_the_library_has_a_source():
-    known = set(library()["sources"])
+    sources = set(library()["sources"])
     entries = [*library()["materials"].values(), *library()["oils"].values()]
     used = {source for entry in entries for _, source in entry.values()}
-    assert used == known
+    assert used == sources
 
 
 def test_the_viscosity_between_its_temperatures_is_that_of_the_source(read):
@@ -106,8 +106,8 @@ def test_the_viscosity_between_its_temperatures_is_that_of_the_source(read):
 
 
 def test_own_viscosity_takes_none_of_the_library_at_other_temperatures(read):
-    own = '[oil]\nlike = "medicinal white oil"\ndensity = "866 kg/m^3"\n'
-    thin = own + 'kinematic_viscosity = ["32 mm^2/s", "5 mm^2/s"]\n'
+    table = '[oil]\nlike = "medicinal white oil"\ndensity = "866 kg/m^3"\n'
+    thin = table + 'kinematic_viscosity = ["32 mm^2/s", "5 mm^2/s"]\n'
     oil = read(text=TEXT + thin).oil
     assert oil.temperatures == (313.15, 373.15)
     assert oil.pressure_coefficients is None

@@ -83,9 +83,9 @@ def test_a_transition_counts_with_its_own_bulk_and_hold():
     sweep = tiny.sweep(wear=None)  # so that it gets warmer in the hold
     plain, warm, held = (
         pipeline.critical_temperatures(
-            replace(sweep, measured=(Measurement(300.0, 1.0, 0.1, **own),))
+            replace(sweep, measured=(Measurement(300.0, 1.0, 0.1, **conditions),))
         ).mean
-        for own in ({}, {"bulk_temperature": 333.15}, {"hold": 2.0})
+        for conditions in ({}, {"bulk_temperature": 333.15}, {"hold": 2.0})
     )
     bulk = sweep.conditions.bulk_temperature
     assert warm - 333.15 == pytest.approx(plain - bulk, rel=1e-9)

@@ -67,8 +67,8 @@ def tribo_allows(build, value):
 
 
 def roughness(**changes):
-    given = {"ra": 1e-6, "hurst_exponent": 0.8, "correlation_length": (4e-6, 4e-6)} | changes
-    return tribo.SelfAffineRoughness(**given).heights(GRID)
+    entries = {"ra": 1e-6, "hurst_exponent": 0.8, "correlation_length": (4e-6, 4e-6)} | changes
+    return tribo.SelfAffineRoughness(**entries).heights(GRID)
 
 
 PLACES = {

@@ -25,26 +25,31 @@ def scan(tmp_path_factory):
 
 
 def test_the_tilt_is_taken_off_and_the_printed_table_makes_the_same(scan):
-    found = surface_statistics(scan, "um", ("0.8 um", "0.9 um"))
-    assert found.tilt == pytest.approx((5e-2, -3e-2), abs=1e-3)
-    assert found.ra == pytest.approx(0.27e-6, rel=2 * found.fit.rms_error)
-    assert found.fit.lay == pytest.approx(90.0, abs=2) or found.fit.lay == pytest.approx(-90, abs=2)
-    table = tomllib.loads(found.toml)["disk"]["roughness"]
+    statistics = surface_statistics(scan, "um", ("0.8 um", "0.9 um"))
+    assert statistics.tilt == pytest.approx((5e-2, -3e-2), abs=1e-3)
+    assert statistics.ra == pytest.approx(0.27e-6, rel=2 * statistics.fit.rms_error)
+    assert statistics.fit.lay == pytest.approx(90.0, abs=2) or statistics.fit.lay == pytest.approx(
+        -90, abs=2
+    )
+    table = tomllib.loads(statistics.toml)["disk"]["roughness"]
     lengths = tuple(to_si(length, "1 um") for length in table["correlation_length"])
     ra = to_si(table["ra"], "1 um")
     again = self_affine(GRID, ra, table["hurst_exponent"], lengths, seed=8)
     np.save(scan.with_name("again.npy"), again)
     other = surface_statistics(scan.with_name("again.npy"), 1.0, GRID.spacing)
-    assert other.ra == pytest.approx(found.ra, rel=0.01)
-    assert other.rq == pytest.approx(found.rq, rel=2 * found.fit.rms_error)
+    assert other.ra == pytest.approx(statistics.ra, rel=0.01)
+    assert other.rq == pytest.approx(statistics.rq, rel=2 * statistics.fit.rms_error)
     for one, two, error in zip(
         other.fit.correlation_length,
-        found.fit.correlation_length,
-        found.fit.length_error,
+        statistics.fit.correlation_length,
+        statistics.fit.length_error,
         strict=True,
     ):
         assert abs(one - two) < 4 * error
-    assert abs(other.fit.hurst_exponent - found.fit.hurst_exponent) < 4 * found.fit.hurst_error
+    assert (
+        abs(other.fit.hurst_exponent - statistics.fit.hurst_exponent)
+        < 4 * statistics.fit.hurst_error
+    )
 
 
 def test_a_scan_is_turned_and_turned_over(scan):

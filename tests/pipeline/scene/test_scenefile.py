@@ -74,19 +74,19 @@ def test_every_shipped_scene_loads_and_says_what_it_shows(path):
 
 
 def test_a_range_gives_the_same_numbers_as_writing_them_out(read):
-    given = 'from = "1 m/s", to = "4 m/s", step = "0.6 m/s"'
-    sweep = read((given, 'from = "0 m/s", to = "2 m/s", step = "0.1 m/s"'))
+    written = 'from = "1 m/s", to = "4 m/s", step = "0.6 m/s"'
+    sweep = read((written, 'from = "0 m/s", to = "2 m/s", step = "0.1 m/s"'))
     assert sweep.velocities == tuple(float(f"{i // 10}.{i % 10}") for i in range(21))
     assert 0.3 in sweep.velocities
     assert 0.7 in sweep.velocities
-    sweep = read((given, 'from = "36 km/h", to = "37 km/h", step = "0.5 km/h"'))
+    sweep = read((written, 'from = "36 km/h", to = "37 km/h", step = "0.5 km/h"'))
     assert sweep.velocities == pytest.approx((10.0, 36.5 / 3.6, 37 / 3.6), rel=1e-15)
-    assert read((given, 'from = "1 m/s", to = "1 m/s", step = "1 m/s"')).velocities == (1.0,)
+    assert read((written, 'from = "1 m/s", to = "1 m/s", step = "1 m/s"')).velocities == (1.0,)
 
 
 def test_a_range_may_have_as_many_velocities_as_a_large_sweep_takes(read):
-    given = 'from = "1 m/s", to = "4 m/s", step = "0.6 m/s"'
-    sweep = read((given, 'from = "1 m/s", to = "3 m/s", step = "20 um/s"'))
+    written = 'from = "1 m/s", to = "4 m/s", step = "0.6 m/s"'
+    sweep = read((written, 'from = "1 m/s", to = "3 m/s", step = "20 um/s"'))
     assert len(sweep.velocities) == 100_001
     assert sweep.velocities[12345] == 1.2469
 
@@ -133,8 +133,8 @@ def test_a_lay_has_two_correlation_lengths(read):
 
 
 def test_realizations_are_so_many_seeds_or_a_list_of_them(read, faults, tmp_path):
-    def realized(given, *changes):
-        return read(("fields =", f"realizations = {given}\nfields ="), *changes)
+    def realized(value, *changes):
+        return read(("fields =", f"realizations = {value}\nfields ="), *changes)
 
     assert read().realizations == ()
     assert realized("3").realizations == (0, 1, 2)
@@ -178,23 +178,23 @@ def test_the_path_of_an_entry_that_is_named_alone_is_proposed(faults, key, path)
 
 
 def test_a_preset_asked_for_replaces_the_files_fidelity_and_overrides_come_last(read):
-    own = ('preset = "draft"', 'preset = "draft"\nincrements = 30\npartition = "uniform"')
+    entries = ('preset = "draft"', 'preset = "draft"\nincrements = 30\npartition = "uniform"')
     assert read().preset == "draft"
-    sweep = read(own)
+    sweep = read(entries)
     assert sweep.fidelity == replace(tribo.PRESETS["draft"], increments=30, partition="uniform")
     assert sweep.preset is None
-    sweep = read(own, preset="standard")
+    sweep = read(entries, preset="standard")
     assert (sweep.preset, sweep.fidelity) == ("standard", tribo.PRESETS["standard"])
-    sweep = read(own, overrides={"increments": 40})
+    sweep = read(entries, overrides={"increments": 40})
     expected = replace(tribo.PRESETS["draft"], increments=40, partition="uniform")
     assert (sweep.preset, sweep.fidelity) == (None, expected)
-    sweep = read(own, preset="standard", overrides={"increments": 40})
+    sweep = read(entries, preset="standard", overrides={"increments": 40})
     assert (sweep.preset, sweep.fidelity.increments) == (None, 40)
     assert read(overrides={"increments": tribo.PRESETS["draft"].increments}).preset == "draft"
 
 
 def test_any_entry_may_be_given_in_place_of_the_files(read, faults):
-    given = {
+    overrides = {
         "wear.pattern": "local",
         "loading.hold": "4 s",
         "sweep.loads": ["300 N", "500 N"],
@@ -202,7 +202,7 @@ def test_any_entry_may_be_given_in_place_of_the_files(read, faults):
         "fidelity.increments": 30,
         "partition": "uniform",
     }
-    changed = read(overrides=given)
+    changed = read(overrides=overrides)
     expected = read(
         ('"swept"', '"local"'),
         ('"150 N/s"', '"150 N/s"\nhold = "4 s"'),
@@ -212,9 +212,9 @@ def test_any_entry_may_be_given_in_place_of_the_files(read, faults):
     )
     assert changed == expected
     # What is asked for now goes before the preset that is asked for now.
-    assert read(preset="standard", overrides=given).fidelity.increments == 30
+    assert read(preset="standard", overrides=overrides).fidelity.increments == 30
     assert read(overrides={"fidelity.preset": "fine"}) == read(preset="fine")
-    found = faults(
+    messages = faults(
         overrides={
             "wear.pattern": "lcoal",
             "waer.pattern": "local",
@@ -223,14 +223,14 @@ def test_any_entry_may_be_given_in_place_of_the_files(read, faults):
             "incremnts": 3,
         }
     )
-    assert sorted(line.split(": ")[0] for line in found) == [
+    assert sorted(line.split(": ")[0] for line in messages) == [
         "incremnts",
         "realizations",
         "title.long",
         "waer",
         "wear.pattern",
     ]
-    said = "\n".join(found)
+    said = "\n".join(messages)
     for hint in ('"increments"?', '"sweep.realizations"?', '"wear"?', '"local"?', "not a table"):
         assert hint in said
 
@@ -350,9 +350,9 @@ def test_a_fault_is_one_line_with_its_key(faults, old, new, key, said):
 
 def test_a_material_that_is_nowhere_is_named_for_each_body(faults):
     start = TEXT.index("[materials.steel]")
-    found = faults((TEXT[start : TEXT.index("[pin]")], ""))
-    assert [line.split(":")[0] for line in found] == ["pin.material", "disk.material"]
-    assert all("neither a table of [materials] nor in the library" in line for line in found)
+    messages = faults((TEXT[start : TEXT.index("[pin]")], ""))
+    assert [line.split(":")[0] for line in messages] == ["pin.material", "disk.material"]
+    assert all("neither a table of [materials] nor in the library" in line for line in messages)
 
 
 def test_a_load_is_held(read):
@@ -408,8 +408,8 @@ def test_all_faults_are_named_at_once(read, faults):
         ("[480, 480]", "[481, 480]"),
         ("fields =", "realizations = -3\nfields ="),
     )
-    found = faults(*changes, preset="slow", overrides={"increment": 3, "increments": -3})
-    assert sorted(line.split(":")[0] for line in found) == [
+    messages = faults(*changes, preset="slow", overrides={"increment": 3, "increments": -3})
+    assert sorted(line.split(":")[0] for line in messages) == [
         "disk.material",
         "disk.roughness.ra",
         "fidelity.increments",

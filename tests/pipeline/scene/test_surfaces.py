@@ -17,7 +17,7 @@ FINEST = {"pixels_per_element": 1}
 
 
 class FakeTopography:
-    """What of SurfaceTopography's topographies is used, for machines without it."""
+    """Parts of SurfaceTopography's topographies that are used, for machines without it."""
 
     def __init__(self, heights, unit="m", dim=2):
         self.array, self.unit, self.dim, self.is_uniform = heights, unit, dim, True
@@ -35,13 +35,13 @@ class FakeTopography:
 @pytest.fixture
 def library(monkeypatch):
     """A library that finds one topography in any file; return where to put it."""
-    found = SimpleNamespace(topography=None)
+    stand_in = SimpleNamespace(topography=None)
 
     def open_topography(path):
         def read():
-            if isinstance(found.topography, Exception):
-                raise found.topography
-            return found.topography
+            if isinstance(stand_in.topography, Exception):
+                raise stand_in.topography
+            return stand_in.topography
 
         return SimpleNamespace(topography=read)
 
@@ -49,7 +49,7 @@ def library(monkeypatch):
     module.open_topography = open_topography
     monkeypatch.setitem(sys.modules, "SurfaceTopography", ModuleType("SurfaceTopography"))
     monkeypatch.setitem(sys.modules, "SurfaceTopography.IO", module)
-    return found
+    return stand_in
 
 
 def holed(*places):
@@ -152,8 +152,8 @@ def test_filled_holes_stay_between_their_borders():
     heights = HEIGHTS.copy()
     heights[0, 0] = heights[20:26, 10:18] = heights[30, 39] = np.nan
     whole = filled(heights)
-    known = np.isfinite(heights)
-    np.testing.assert_array_equal(whole[known], heights[known])
+    measured = np.isfinite(heights)
+    np.testing.assert_array_equal(whole[measured], heights[measured])
     border = heights[19:27, 9:19]
     assert np.nanmin(border) < whole[20:26, 10:18].min()
     assert whole[20:26, 10:18].max() < np.nanmax(border)

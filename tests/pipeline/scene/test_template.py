@@ -17,8 +17,8 @@ KEYS = [(section, key) for section in sections() for key in section.keys()]  # n
 
 
 def test_the_page_is_what_the_format_says():
-    shown = (WORKFLOWS / "SCENE.md").read_text(encoding="utf-8")
-    assert shown == page(), "write it anew with: make reference"
+    text = (WORKFLOWS / "SCENE.md").read_text(encoding="utf-8")
+    assert text == page(), "write it anew with: make reference"
 
 
 def test_every_entry_has_a_sentence():
@@ -58,8 +58,8 @@ def test_every_example_is_allowed(section, key, template):
     entry.kind.read(example(entry, default), section.path_of(key), faults)
     assert not faults
     lines = template.read_text(encoding="utf-8").splitlines()
-    shown = next(line for line in lines if re.match(rf"#?{key}[\w.]* = ", line))
-    tomllib.loads(shown.removeprefix("#"))
+    entry_line = next(line for line in lines if re.match(rf"#?{key}[\w.]* = ", line))
+    tomllib.loads(entry_line.removeprefix("#"))
 
 
 def test_an_entry_without_its_mark_takes_effect(template, tmp_path):

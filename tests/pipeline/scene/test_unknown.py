@@ -48,7 +48,7 @@ def test_quantities_are_read_in_si(tmp_path):
 def test_friction_and_temperatures_are_not_simulated(tmp_path):
     sweep = pipeline.load_scene(scene(tmp_path))
     design = sweep.samples.design
-    assert [each.path for each in design.inputs] == [
+    assert [entry.path for entry in design.inputs] == [
         "wear.specific_wear_rate",
         "disk.roughness.correlation_length",
         "disk.roughness.seed",
@@ -145,10 +145,10 @@ def test_paths_may_also_be_written_as_tables(tmp_path):
 
 def test_what_is_unknown_counts_only_with_samples(tmp_path):
     plain = pipeline.load_scene(scene(tmp_path, "", None))
-    told = pipeline.load_scene(scene(tmp_path, UNKNOWN, None))
-    assert told.notes == ("unknown: 5 inputs not known exactly; give sweep.samples to draw them",)
-    assert replace(told, notes=()) == plain
-    assert scene_hash(describe(told)) == scene_hash(describe(plain))
+    sweep = pipeline.load_scene(scene(tmp_path, UNKNOWN, None))
+    assert sweep.notes == ("unknown: 5 inputs not known exactly; give sweep.samples to draw them",)
+    assert replace(sweep, notes=()) == plain
+    assert scene_hash(describe(sweep)) == scene_hash(describe(plain))
 
 
 def test_samples_are_part_of_what_a_store_is_of_but_conditions_are_not(tmp_path):
@@ -174,7 +174,7 @@ def test_another_spelling_of_the_same_quantities_is_shown_and_is_the_same_scene(
     assert other == sweep
     assert scene_hash(describe(other)) == scene_hash(describe(sweep))
     assert '"written"' not in json.dumps(describe(sweep))
-    assert [str(each).partition(": ")[2] for each in other.samples.unknown[:4]] == [
+    assert [str(entry).partition(": ")[2] for entry in other.samples.unknown[:4]] == [
         "log-normal, median 1.2e-15 1/Pa, factor 1.5",
         "uniform from 0.012 to 0.024 mm",
         "normal, mean 0.1, sd 0.005",
@@ -183,7 +183,7 @@ def test_another_spelling_of_the_same_quantities_is_shown_and_is_the_same_scene(
 
 
 @pytest.mark.parametrize(
-    ("line", "told"),
+    ("line", "words"),
     [
         (
             '"disk.roughness.ra" = { mean = "0.27 um", sd = "0.15 um" }',
@@ -215,11 +215,11 @@ def test_another_spelling_of_the_same_quantities_is_shown_and_is_the_same_scene(
         ('"loading.reference_load" = ["750 N", "400 N"]', "number of steps"),
     ],
 )
-def test_a_fault_says_what_is_wrong_and_with_which_input(tmp_path, line, told):
-    found = faults(scene(tmp_path, f"[unknown]\n{line}\n"))
-    assert len(found) == 1
-    assert found[0].startswith(f"unknown.{line.partition(' =')[0]}")
-    assert told in found[0]
+def test_a_fault_says_what_is_wrong_and_with_which_input(tmp_path, line, words):
+    messages = faults(scene(tmp_path, f"[unknown]\n{line}\n"))
+    assert len(messages) == 1
+    assert messages[0].startswith(f"unknown.{line.partition(' =')[0]}")
+    assert words in messages[0]
 
 
 PAIR = """
@@ -252,7 +252,7 @@ def test_either_of_two_inputs_may_say_that_they_are_correlated(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("pairs", "key", "told"),
+    ("pairs", "key", "words"),
     [
         ('{ "temperature.critica" = 0.6 }', f'{WEAR}."temperature.critica"', "(did you mean"),
         ('{ "pin.radius" = 0.6 }', f'{WEAR}."pin.radius"', "not another input of [unknown]"),
@@ -268,10 +268,10 @@ def test_either_of_two_inputs_may_say_that_they_are_correlated(tmp_path):
         ),
     ],
 )
-def test_a_correlation_that_cannot_be_is_told(tmp_path, pairs, key, told):
-    (found,) = faults(scene(tmp_path, PAIR.replace("CORRELATED", pairs)))
-    assert found.startswith(key)
-    assert told in found
+def test_a_correlation_that_cannot_be_is_told(tmp_path, pairs, key, words):
+    (message,) = faults(scene(tmp_path, PAIR.replace("CORRELATED", pairs)))
+    assert message.startswith(key)
+    assert words in message
 
 
 def test_a_correlation_given_twice_is_given_alike(tmp_path):
@@ -279,28 +279,28 @@ def test_a_correlation_given_twice_is_given_alike(tmp_path):
         "sd = 0.005", 'sd = 0.005, correlated = { "temperature.critical" = NUMBER }'
     )
     assert pipeline.load_scene(scene(tmp_path, twice.replace("NUMBER", "-0.2"))).samples
-    (told,) = faults(scene(tmp_path, twice.replace("NUMBER", "0.3")))
-    assert told == f'{CRITICAL}."friction.coefficient": -0.2 is 0.3 elsewhere; give it once'
+    (message,) = faults(scene(tmp_path, twice.replace("NUMBER", "0.3")))
+    assert message == f'{CRITICAL}."friction.coefficient": -0.2 is 0.3 elsewhere; give it once'
 
 
 def test_an_input_that_changes_nothing_is_told(tmp_path):
     idle = SCENE.split("[materials.steel]")[1].split("[pin]")[0]
     text = SCENE.replace("[pin]", f"[materials.idle]{idle}[pin]")
-    (told,) = faults(
+    (message,) = faults(
         scene(
             tmp_path, '[unknown]\n"materials.idle.density" = ["1 g/cm^3", "2 g/cm^3"]\n', text=text
         )
     )
-    assert "changes nothing in this scene; leave it out" in told
+    assert "changes nothing in this scene; leave it out" in message
 
 
 def test_a_measured_transition_may_say_how_it_scatters(tmp_path):
     entry = '[[measured]]\nload = "400 N"\nvelocity = "2 m/s"\nfriction = 0.1\n'
-    own = 'load_scatter = "8 N"\nvelocity_scatter = "10 cm/s"\nfriction_scatter = 0.004\n'
+    scatter = 'load_scatter = "8 N"\nvelocity_scatter = "10 cm/s"\nfriction_scatter = 0.004\n'
     (plain,) = pipeline.load_scene(scene(tmp_path, UNKNOWN + entry)).measured
     assert plain.as_dict() == {"normal_load": 400.0, "velocity": 2.0, "friction": 0.1}
-    (known,) = pipeline.load_scene(scene(tmp_path, UNKNOWN + entry + own)).measured
-    assert known.as_dict() == plain.as_dict() | {
+    (transition,) = pipeline.load_scene(scene(tmp_path, UNKNOWN + entry + scatter)).measured
+    assert transition.as_dict() == plain.as_dict() | {
         "load_scatter": 8.0,
         "velocity_scatter": 0.1,
         "friction_scatter": 0.004,
@@ -308,7 +308,7 @@ def test_a_measured_transition_may_say_how_it_scatters(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("lines", "told"),
+    ("lines", "words"),
     [
         ("friction_scatter = 0.004", "measured[0].friction_scatter: 0.004 needs a measured"),
         ("friction = 0.1\nfriction_scatter = 0", "measured[0].friction_scatter: 0 is out of range"),
@@ -316,17 +316,17 @@ def test_a_measured_transition_may_say_how_it_scatters(tmp_path):
         ('velocity_scatter = "-1 m/s"', "measured[0].velocity_scatter"),
     ],
 )
-def test_a_scatter_that_cannot_be_is_told(tmp_path, lines, told):
+def test_a_scatter_that_cannot_be_is_told(tmp_path, lines, words):
     entry = f'[[measured]]\nload = "400 N"\nvelocity = "2 m/s"\n{lines}\n'
-    (found,) = faults(scene(tmp_path, UNKNOWN + entry))
-    assert told in found
+    (message,) = faults(scene(tmp_path, UNKNOWN + entry))
+    assert words in message
 
 
 def test_an_input_that_decides_neither_temperature_nor_wear_is_told(tmp_path):
     oil = '[oil]\ndensity = "866 kg/m^3"\nkinematic_viscosity = ["32 mm^2/s", "5.4 mm^2/s"]\n'
     line = '"oil.density" = { mean = "866 kg/m^3", sd = "10 kg/m^3" }\n'
-    (told,) = faults(scene(tmp_path, f"{oil}[unknown]\n{line}"))
-    assert told.endswith("no temperature or wear depends on it, only the oil; leave it out")
+    (message,) = faults(scene(tmp_path, f"{oil}[unknown]\n{line}"))
+    assert message.endswith("no temperature or wear depends on it, only the oil; leave it out")
 
 
 def test_samples_of_a_scene_in_which_all_is_known_are_refused(tmp_path):

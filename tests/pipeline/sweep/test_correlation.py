@@ -11,11 +11,11 @@ from pipeline.sweep.unknown import Unknown, correlations, drawn
 from tests.helpers.samples import CRITICAL, FRICTION, LENGTH, RATE, distribution_of
 
 
-def joined(each, **correlations):
+def joined(entry, **correlations):
     """An unknown input that is correlated with others, by the last parts of their paths."""
     paths = {other.path.rpartition(".")[2]: other.path for other in (CRITICAL, RATE, FRICTION)}
     pairs = tuple((paths[name], number) for name, number in correlations.items())
-    return Unknown(each.path, each.kind, each.parameters, each.unit, correlated=pairs)
+    return Unknown(entry.path, entry.kind, entry.parameters, entry.unit, correlated=pairs)
 
 
 PAIRS = (
@@ -28,9 +28,9 @@ LIST = Unknown("disk.roughness.seed", "list", (0.0, 1.0, 2.0))
 
 
 def test_ranks_are_correlated_as_normal_scores_of_that_correlation_are():
-    found = spearmanr(drawn(PAIRS, 0, 2**15)).statistic
+    correlation = spearmanr(drawn(PAIRS, 0, 2**15)).statistic
     expected = 6 / math.pi * np.arcsin(correlations(PAIRS) / 2)
-    assert found == pytest.approx(expected, abs=0.005)
+    assert correlation == pytest.approx(expected, abs=0.005)
 
 
 def test_values_are_correlated_on_the_scales_on_which_they_are_normal():
@@ -58,28 +58,28 @@ def test_what_is_correlated_with_nothing_before_it_is_drawn_as_if_it_were_alone(
 
 
 def test_a_correlation_comes_back_from_plain_data_and_is_shown():
-    for each in PAIRS:
-        assert Unknown.from_dict(each.as_dict()) == each
+    for entry in PAIRS:
+        assert Unknown.from_dict(entry.as_dict()) == entry
     assert "correlated" not in CRITICAL.as_dict()
     assert str(PAIRS[1]).endswith("factor 1.5, correlated by 0.6 with temperature.critical")
 
 
 @pytest.mark.parametrize("last", [-0.5, 0.0, 0.99])
 def test_what_is_allowed_is_what_makes_the_matrix_positive_definite(last):
-    given = np.array([[1.0, 0.8, last], [0.8, 1.0, 0.5], [last, 0.5, 1.0]])
-    low, high = allowed(given, 2, 0)
+    matrix = np.array([[1.0, 0.8, last], [0.8, 1.0, 0.5], [last, 0.5, 1.0]])
+    low, high = allowed(matrix, 2, 0)
     # By the closed form of three: the product of two, give or take that of their complements.
     half = math.sqrt((1 - 0.8**2) * (1 - 0.5**2))
     assert (low, high) == pytest.approx((0.4 - half, 0.4 + half), abs=1e-5)
     for value, is_fit in ((low - 1e-5, False), (low + 1e-5, True), (high + 1e-5, False)):
-        given[2, 0] = given[0, 2] = value
-        assert (np.linalg.eigvalsh(given).min() > 0) == is_fit
-        assert (first_unfit(given) is None) == is_fit
+        matrix[2, 0] = matrix[0, 2] = value
+        assert (np.linalg.eigvalsh(matrix).min() > 0) == is_fit
+        assert (first_unfit(matrix) is None) == is_fit
 
 
 def test_no_value_is_allowed_where_others_contradict_each_other():
-    given = np.eye(4)
+    matrix = np.eye(4)
     for i, j, value in ((1, 0, 0.9), (2, 0, 0.9), (3, 1, 0.9), (3, 2, -0.9), (2, 1, 0.8)):
-        given[i, j] = given[j, i] = value
-    assert first_unfit(given) == 3
-    assert allowed(given, 3, 0) is None
+        matrix[i, j] = matrix[j, i] = value
+    assert first_unfit(matrix) == 3
+    assert allowed(matrix, 3, 0) is None

@@ -47,9 +47,9 @@ def test_at_the_limit_just_the_failing_share_is_above_the_critical_temperature(f
         conditions.critical_temperature
     )
     for factor, is_severe in ((1.001, True), (0.999, False)):
-        found = verdict(columns(factor * rises, loads=[600.0]), 600.0, conditions)
-        assert found.is_severe is is_severe
-        assert (found.failed_fraction > share) is is_severe
+        judged = verdict(columns(factor * rises, loads=[600.0]), 600.0, conditions)
+        assert judged.is_severe is is_severe
+        assert (judged.failed_fraction > share) is is_severe
 
 
 @pytest.mark.parametrize("criterion", ["share", "highest", "mean"])
@@ -65,17 +65,19 @@ def test_each_criterion_decides_by_its_own_temperature_everywhere(criterion):
     conditions = replace(sweep.conditions, criterion=criterion)
     assert decisive_rise(sweep, result.state, conditions) == pytest.approx(expected, rel=1e-9)
     assert decisive_rises(result.columns, 600.0, conditions) == pytest.approx(expected, rel=1e-9)
-    found = result.verdict(conditions)
-    assert found.decisive_temperature == pytest.approx(298.15 + 0.1 * expected, rel=1e-9)
+    judged = result.verdict(conditions)
+    assert judged.decisive_temperature == pytest.approx(298.15 + 0.1 * expected, rel=1e-9)
     measured = critical_temperature(sweep, [(600.0, 1.5, 0.1)], 298.15, conditions.decisive)
-    assert measured.mean == pytest.approx(found.decisive_temperature, rel=1e-9)
+    assert measured.mean == pytest.approx(judged.decisive_temperature, rel=1e-9)
 
 
 @pytest.mark.parametrize(("pin", "disk"), [(403.15, 298.15), (298.15, 403.15)])
 def test_rises_count_from_the_colder_body_and_temperatures_do_not_depend_on_it(pin, disk):
     conditions = Conditions(0.1, pin, 418.15, disk_temperature=disk)
     ratio = 10 * (disk - pin)
-    kept = np.array([EVEN + 0.4 * each for each in BULK_RATIOS])  # 0.4 K for each by which it warms
+    kept = np.array(
+        [EVEN + 0.4 * warmth for warmth in BULK_RATIOS]
+    )  # 0.4 K for each by which it warms
     at_ratio = at_bulks({"rise_quantile": EVEN, "bulk_rise_quantile": kept}, conditions)
     rises = at_ratio["rise_quantile"]
     assert (rises > 0).all()
@@ -87,19 +89,19 @@ def test_rises_count_from_the_colder_body_and_temperatures_do_not_depend_on_it(p
 
 def test_without_friction_nothing_is_warm_and_nothing_severe():
     conditions = replace(OWN, friction=0.0)
-    found = verdict(columns(1e6 * EVEN, loads=[600.0]), 600.0, conditions)
+    judged = verdict(columns(1e6 * EVEN, loads=[600.0]), 600.0, conditions)
     assert rise_limit(conditions) == math.inf
-    assert not found.is_severe
-    assert found.failed_fraction == 0
-    assert found.max_temperature == found.decisive_temperature == conditions.bulk_temperature
+    assert not judged.is_severe
+    assert judged.failed_fraction == 0
+    assert judged.max_temperature == judged.decisive_temperature == conditions.bulk_temperature
 
 
 def test_a_point_counts_by_its_worst_moment_from_when_its_load_is_reached_on():
     rises = (factor * EVEN for factor in (9.0, 0.5, 0.7, 0.6))
-    found = verdict(columns(*rises, loads=[500.0, 600.0, 600.0, 600.0]), 600.0, OWN)
-    assert found.time == 3.0
-    assert found.max_temperature == pytest.approx(298.15 + 0.1 * 0.7 * 2000)
-    assert found.decisive_temperature == pytest.approx(298.15 + 0.1 * 0.7 * 1800)
+    judged = verdict(columns(*rises, loads=[500.0, 600.0, 600.0, 600.0]), 600.0, OWN)
+    assert judged.time == 3.0
+    assert judged.max_temperature == pytest.approx(298.15 + 0.1 * 0.7 * 2000)
+    assert judged.decisive_temperature == pytest.approx(298.15 + 0.1 * 0.7 * 1800)
 
 
 def test_moments_without_a_temperature_do_not_count():
@@ -116,8 +118,8 @@ def test_a_point_that_is_held_is_judged_at_its_hottest_moment_under_load():
     )
     result = run_point(sweep, 600.0, 1.5)
     hottest = result.columns["max_rise"][result.columns["normal_load"] >= 600.0]
-    found = result.verdict(sweep.conditions.changed(share=0.0))
-    assert found.max_temperature == found.decisive_temperature == 298.15 + 0.1 * hottest.max()
+    judged = result.verdict(sweep.conditions.changed(share=0.0))
+    assert judged.max_temperature == judged.decisive_temperature == 298.15 + 0.1 * hottest.max()
 
 
 def test_the_error_of_a_boundary_velocity_is_that_of_a_power_law():

@@ -32,9 +32,11 @@ def sweep():
 def test_film_parameters_of_the_papers_transitions(sweep):
     """0.33, 0.38, 0.53, 0.84 with 55 mPa s; ASTM D341 gives the oil 59.3 mPa s at 25 °C."""
     thinner = replace(WHITE, density=WHITE.density * 0.055 / WHITE.viscosity(298.15))
-    found = Lubrication.of(replace(sweep, oil=thinner))
+    lubrication = Lubrication.of(replace(sweep, oil=thinner))
     expected = [0.33, 0.38, 0.53, 0.84]
-    assert found.film_parameter(LOADS, VELOCITIES, 298.15) == pytest.approx(expected, abs=0.01)
+    assert lubrication.film_parameter(LOADS, VELOCITIES, 298.15) == pytest.approx(
+        expected, abs=0.01
+    )
 
 
 def test_the_film_grows_with_speed_and_shrinks_with_heat_and_load(sweep):
@@ -58,11 +60,11 @@ def test_rolling_draws_in_more_oil_than_sliding(sweep):
 def test_a_ball_has_the_film_of_a_point_contact(sweep):
     ball = replace(sweep, pin=Ball(5e-3, sweep.disk), pixels=replace(
         sweep.pixels, periodic=(False, False)), wear=None)  # fmt: skip
-    found = Lubrication.of(ball)
+    lubrication = Lubrication.of(ball)
     expected = minimum_point_film(
-        0.5, WHITE.viscosity(298.15), 20e-9, 50.0, 5e-3, found.contact_modulus
+        0.5, WHITE.viscosity(298.15), 20e-9, 50.0, 5e-3, lubrication.contact_modulus
     )
-    assert found.film_thickness(50.0, 1.0, 298.15) == expected
+    assert lubrication.film_thickness(50.0, 1.0, 298.15) == expected
 
 
 @pytest.mark.parametrize("ratio", [1.0, 2.0, 5.0, 20.0])
@@ -75,8 +77,10 @@ def test_a_crowned_roller_has_the_film_of_an_elliptic_contact(sweep, ratio):
     )
     assert crowned.ellipticity == pytest.approx(1.03 * ratio**0.64, rel=0.03)
     thicker = np.expm1(-0.68 * crowned.ellipticity) / np.expm1(-0.68)
-    at = 50.0, 1.0, 298.15
-    assert crowned.film_thickness(*at) == pytest.approx(thicker * ball.film_thickness(*at))
+    conditions = 50.0, 1.0, 298.15
+    assert crowned.film_thickness(*conditions) == pytest.approx(
+        thicker * ball.film_thickness(*conditions)
+    )
     assert Lubrication.stored({"lubrication": crowned.as_dict()}) == crowned
 
 
@@ -101,8 +105,8 @@ def test_nothing_is_said_without_what_it_takes(sweep, change):
 
 
 def test_a_stored_sweep_says_the_same(sweep):
-    found = Lubrication.of(replace(sweep, motion=Motion(entrainment_velocity=2.0)))
-    assert Lubrication.stored({"lubrication": found.as_dict()}) == found
+    lubrication = Lubrication.of(replace(sweep, motion=Motion(entrainment_velocity=2.0)))
+    assert Lubrication.stored({"lubrication": lubrication.as_dict()}) == lubrication
     assert Lubrication.stored({}) is None
 
 

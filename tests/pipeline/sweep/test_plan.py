@@ -17,7 +17,7 @@ SWEEP = tiny.sweep()
 
 
 def same(first, second):
-    """Whether two results agree bit for bit, and so do the trunks they hand on."""
+    """True if two results and the trunks that they hand on agree bit for bit."""
     assert first.columns.keys() == second.columns.keys()
     assert all(
         first.columns[name].tobytes() == second.columns[name].tobytes() for name in first.columns

@@ -17,7 +17,7 @@ LISTED = Unknown("disk.roughness.seed", "list", (3.0, 5.0, 8.0, 9.0))
 ALL = (NORMAL, FACTOR, EVEN, LISTED)
 
 
-@pytest.mark.parametrize("unknown", [NORMAL, FACTOR, EVEN], ids=lambda each: each.kind)
+@pytest.mark.parametrize("unknown", [NORMAL, FACTOR, EVEN], ids=lambda entry: entry.kind)
 def test_the_share_below_a_value_is_the_one_it_was_drawn_by(unknown):
     shares = np.array([1e-4, 0.2, 0.5, 0.9])
     assert distribution_of(unknown).cdf(unknown.at(shares)) == pytest.approx(shares, rel=1e-9)
@@ -57,7 +57,7 @@ def test_samples_fill_the_space_more_evenly_than_chance():
 
 
 @pytest.mark.parametrize(
-    ("kind", "parameters", "told"),
+    ("kind", "parameters", "message"),
     [
         ("normal", (0.1, 0.0), "sd is 0; give above 0"),
         ("log-normal", (-1.0, 1.5), "median is -1; give above 0"),
@@ -68,20 +68,20 @@ def test_samples_fill_the_space_more_evenly_than_chance():
         ("normal", (float("nan"), 1.0), "finite"),
     ],
 )
-def test_what_is_not_a_distribution_is_refused(kind, parameters, told):
-    with pytest.raises(InputError, match=told):
+def test_what_is_not_a_distribution_is_refused(kind, parameters, message):
+    with pytest.raises(InputError, match=message):
         Unknown("friction.coefficient", kind, parameters)
 
 
 def test_an_input_survives_being_written_as_plain_data():
-    assert [Unknown.from_dict(each.as_dict()) for each in ALL] == list(ALL)
+    assert [Unknown.from_dict(entry.as_dict()) for entry in ALL] == list(ALL)
 
 
 CELSIUS = replace(NORMAL, written=Unit("°C", zero=273.15))
 
 
 @pytest.mark.parametrize(
-    ("unknown", "told"),
+    ("unknown", "text"),
     [
         (NORMAL, "normal, mean 418.15 K, sd 8 K"),
         (CELSIUS, "normal, mean 145 °C, sd 8 K"),
@@ -101,8 +101,8 @@ CELSIUS = replace(NORMAL, written=Unit("°C", zero=273.15))
         (LISTED, "one of 3, 5, 8, 9"),
     ],
 )
-def test_values_are_told_in_the_unit_in_which_they_were_written(unknown, told):
-    assert str(unknown) == f"{unknown.path}: {told}"
+def test_values_are_told_in_the_unit_in_which_they_were_written(unknown, text):
+    assert str(unknown) == f"{unknown.path}: {text}"
     assert str(Unknown.from_dict(json.loads(json.dumps(unknown.as_dict())))) == str(unknown)
 
 
