@@ -17,76 +17,76 @@ LIMIT = 1200.0
 
 def bent(load, velocity, bend=0.1):
     """About what the shipped scene gives: its exponent grows from 0.5 to 0.65."""
-    at = math.log(velocity / 1.16)
-    return LIMIT * (load / 750) ** 0.45 * math.exp(0.5 * at + bend / 2 * at**2)
+    x = math.log(velocity / 1.16)
+    return LIMIT * (load / 750) ** 0.45 * math.exp(0.5 * x + bend / 2 * x**2)
 
 
-def searched(rise, tolerance=0.01, loads=LOADS, lowest=0.5, highest=5.0, known=None):
+def searched(rise, tolerance=0.01, loads=LOADS, lowest=0.5, highest=5.0, rises=None):
     """All that the search asks for, round by round."""
     search = BoundarySearch(loads, lowest, highest, LIMIT, tolerance)
-    known = dict(known or {})
+    rises = dict(rises or {})
     rounds = []
-    while asked := search.wanted(known):
-        assert not set(asked) & set(known)
-        known |= {at: rise(*at[:2]) for at in asked}
+    while asked := search.wanted(rises):
+        assert not set(asked) & set(rises)
+        rises |= {point: rise(*point[:2]) for point in asked}
         rounds.append(asked)
         assert len(rounds) < 30
-    return known, rounds
+    return rises, rounds
 
 
-def boundary_of(known, load):
-    row = sorted((at.velocity, rise) for at, rise in known.items() if at.load == load)
+def boundary_of(rises, load):
+    row = sorted((point.velocity, rise) for point, rise in rises.items() if point.load == load)
     return crossing(*np.array(row).T, LIMIT)
 
 
 @pytest.mark.parametrize("tolerance", [0.05, 0.01, 0.002, 0.0005])
 @pytest.mark.parametrize("bend", [-0.05, 0.0, 0.1, 0.4])
 def test_the_boundary_is_found_within_the_tolerance_at_every_load(tolerance, bend):
-    known, _ = searched(lambda load, v: bent(load, v, bend), tolerance)
+    rises, _ = searched(lambda load, v: bent(load, v, bend), tolerance)
     for load in LOADS:
         true = crossing(np.geomspace(0.5, 5, 2000),
                         np.array([bent(load, v, bend) for v in np.geomspace(0.5, 5, 2000)]),
                         LIMIT)  # fmt: skip
-        assert boundary_of(known, load) == pytest.approx(true, rel=tolerance)
+        assert boundary_of(rises, load) == pytest.approx(true, rel=tolerance)
 
 
 def test_loads_share_their_velocities():
-    known, _ = searched(bent)
-    assert len({at.velocity for at in known}) < len(LOADS)
+    rises, _ = searched(bent)
+    assert len({point.velocity for point in rises}) < len(LOADS)
 
 
 def test_a_search_that_was_cut_short_goes_on_to_the_same_end():
     whole, rounds = searched(bent, 0.001)
     for cut in range(1, len(rounds)):
-        known = {at: whole[at] for points in rounds[:cut] for at in points}
-        again, _ = searched(bent, 0.001, known=known)
+        rises = {point: whole[point] for points in rounds[:cut] for point in points}
+        again, _ = searched(bent, 0.001, rises=rises)
         assert again == whole
     # The end of a round need not have come.
     half = dict(itertools.islice(whole.items(), len(whole) // 2))
-    again, _ = searched(bent, 0.001, known=half)
+    again, _ = searched(bent, 0.001, rises=half)
     for load in LOADS:
         assert boundary_of(again, load) == pytest.approx(boundary_of(whole, load), rel=1e-3)
 
 
 @pytest.mark.parametrize(("factor", "end"), [(0.1, 5.0), (10.0, 0.5)])
 def test_without_a_crossing_it_ends_at_the_end_of_the_range(factor, end):
-    known, _ = searched(lambda load, v: factor * bent(load, v))
+    rises, _ = searched(lambda load, v: factor * bent(load, v))
     for load in LOADS:
-        assert Point(load, end) in known
-    assert len(known) < 5 * len(LOADS)
+        assert Point(load, end) in rises
+    assert len(rises) < 5 * len(LOADS)
 
 
 def test_what_has_failed_is_not_asked_for_again():
     search = BoundarySearch(LOADS, 0.5, 5.0, LIMIT, 0.01)
-    failed, known = set(), {}
-    while asked := search.wanted(known, failed):
+    failed, rises = set(), {}
+    while asked := search.wanted(rises, failed):
         assert not failed & set(asked)
-        bad = {at for at in asked if at.load == 400.0}
+        bad = {point for point in asked if point.load == 400.0}
         failed |= bad
-        known |= {at: bent(*at[:2]) for at in asked if at not in bad}
-        assert len(known) < 100
+        rises |= {point: bent(*point[:2]) for point in asked if point not in bad}
+        assert len(rises) < 100
     assert 0 < len(failed) < 10
-    assert all(boundary_of(known, load) > 0 for load in LOADS if load != 400.0)
+    assert all(boundary_of(rises, load) > 0 for load in LOADS if load != 400.0)
 
 
 def test_a_rise_that_falls_in_places_ends_too():
@@ -94,12 +94,12 @@ def test_a_rise_that_falls_in_places_ends_too():
     noise = {}
 
     def ragged(load, v):
-        at = load, v
-        noise.setdefault(at, 1 + 0.05 * rng.standard_normal())
-        return bent(load, v) * noise[at]
+        point = load, v
+        noise.setdefault(point, 1 + 0.05 * rng.standard_normal())
+        return bent(load, v) * noise[point]
 
-    known, _ = searched(ragged, 0.002)
-    assert all(0.5 < boundary_of(known, load) < 5 for load in LOADS)
+    rises, _ = searched(ragged, 0.002)
+    assert all(0.5 < boundary_of(rises, load) < 5 for load in LOADS)
 
 
 @pytest.mark.parametrize("tolerance", [0.0, 1.0])

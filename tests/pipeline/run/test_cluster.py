@@ -160,17 +160,17 @@ def test_a_scheduler_that_is_lost_and_workers_that_are_gone_are_errors(cluster, 
         return report
 
     first, second = tmp_path / "first.zarr", tmp_path / "second.zarr"
-    given = {"scheduler": cluster.address, "patience": 4.0}
+    options = {"scheduler": cluster.address, "patience": 4.0}
     with pytest.raises(ExecutionError, match="none has come within 4 s"):
-        run_sweep(SLOW, first, progress=lose(*cluster.workers), **given)
+        run_sweep(SLOW, first, progress=lose(*cluster.workers), **options)
     assert summary(first).done
     assert summary(first).failed == ()
     with pytest.raises(ExecutionError, match="none has come within 4 s"):
-        run_sweep(SLOW, second, **given)
+        run_sweep(SLOW, second, **options)
     cluster.scheduler.kill()
     cluster.scheduler.wait(60)
     with pytest.raises(ExecutionError, match=f"no Dask scheduler answers at {cluster.address}"):
-        run_sweep(SLOW, second, **given)
+        run_sweep(SLOW, second, **options)
 
 
 @pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGSTOP])

@@ -53,7 +53,7 @@ fi
 @pytest.mark.timeout(280)
 def test_jobs_compute_the_same_and_lost_ones_are_replaced(tmp_path, monkeypatch, alone):
     sbatch = CANCELLED + COMMANDS["sbatch"]
-    jobs, told, counts = stand_in(tmp_path / "slurm", monkeypatch, sbatch=sbatch), [], []
+    jobs, messages, counts = stand_in(tmp_path / "slurm", monkeypatch, sbatch=sbatch), [], []
     monkeypatch.setenv("PYTHONPATH", str(ROOT))
     monkeypatch.setattr(slurm, "_LOOK", 0.5)
     path, killed = tmp_path / "out.zarr", []
@@ -69,13 +69,13 @@ def test_jobs_compute_the_same_and_lost_ones_are_replaced(tmp_path, monkeypatch,
 
     sweep = tiny.full(loading=tiny.SlowRamp(150.0, 750.0))
     batch = pipeline.Batch("slurm", jobs=1, walltime="1 h", site=LOOPBACK)
-    outcome = run_sweep(sweep, path, cluster=batch, progress=kill_one, tell=told.append)
+    outcome = run_sweep(sweep, path, cluster=batch, progress=kill_one, tell=messages.append)
     assert (outcome.done, outcome.failed) == (9, ())
     assert content(path) == content(alone)
     logs = {file.name for file in tmp_path.glob("out.zarr.jobs/*.err")}
     assert len(logs) == 14
     words = r"a job has .* before its workers started: JOB \d+ ON n1 CANCELLED AT 2030-01-31T12:00"
-    assert sum(bool(re.match(words, note)) for note in told) == 12
+    assert sum(bool(re.match(words, note)) for note in messages) == 12
     assert counts[-1].running == 1
     assert not list(tmp_path.glob("out.zarr.jobs/.*"))
     end = time.monotonic() + 30.0

@@ -65,14 +65,14 @@ def test_only_a_sweep_over_surfaces_has_a_dimension_for_them(swept, alone):
 def test_a_point_among_others_equals_the_point_alone_bit_for_bit(swept):
     ds = pipeline.open_sweep(swept)
     assert ds["realization"].values.tolist() == sorted(SEEDS)
-    for at in points(several()):
-        seed = dict(at.variant)["realization"]
-        expected = run_point(alone_on(seed), at.load, at.velocity)
-        found = ds.sel(realization=seed, load=at.load, velocity=at.velocity)
+    for point in points(several()):
+        seed = dict(point.variant)["realization"]
+        expected = run_point(alone_on(seed), point.load, point.velocity)
+        stored = ds.sel(realization=seed, load=point.load, velocity=point.velocity)
         for name, values in expected.columns.items():
-            assert found[name].values[: len(values)].tobytes() == values.tobytes()
+            assert stored[name].values[: len(values)].tobytes() == values.tobytes()
         for name, field in expected.fields.items():
-            assert found[name].values.tobytes() == field.astype(np.float32).tobytes()
+            assert stored[name].values.tobytes() == field.astype(np.float32).tobytes()
     first, second = (ds["max_rise"].sel(realization=seed).values for seed in SEEDS[:2])
     assert not np.array_equal(first, second, equal_nan=True)
 
@@ -83,7 +83,8 @@ def test_a_sweep_that_was_stopped_goes_on_to_the_same_numbers(swept, tmp_path):
     assert (summary(path).done, summary(path).pending) == (5, 7)
     assert run_sweep(several(), path, workers=1).computed == 7
     one, other = (
-        pipeline.open_sweep(at).drop_vars(["wall_time", "finished_at"]) for at in (path, swept)
+        pipeline.open_sweep(store).drop_vars(["wall_time", "finished_at"])
+        for store in (path, swept)
     )
     xr.testing.assert_equal(one, other)
 
@@ -124,21 +125,21 @@ def velocities(load, lifts=LIFTS):
 
 
 def test_the_band_is_that_of_the_surfaces():
-    found = boundary(ensemble())
-    assert found["critical_velocity"].dims == ("realization", "load")
+    crossings = boundary(ensemble())
+    assert crossings["critical_velocity"].dims == ("realization", "load")
     for load in (300.0, 600.0):
-        at, expected = found.sel(load=load), velocities(load)
-        np.testing.assert_allclose(at["critical_velocity"], expected, rtol=1e-12)
-        assert float(at["critical_velocity_mean"]) == pytest.approx(expected.mean())
-        assert float(at["critical_velocity_spread"]) == pytest.approx(expected.std(ddof=1))
+        band, expected = crossings.sel(load=load), velocities(load)
+        np.testing.assert_allclose(band["critical_velocity"], expected, rtol=1e-12)
+        assert float(band["critical_velocity_mean"]) == pytest.approx(expected.mean())
+        assert float(band["critical_velocity_spread"]) == pytest.approx(expected.std(ddof=1))
         np.testing.assert_allclose(
-            at["critical_velocity_quantile"], np.quantile(expected, [0.1, 0.5, 0.9])
+            band["critical_velocity_quantile"], np.quantile(expected, [0.1, 0.5, 0.9])
         )
-        assert (int(at["crossing_at_load"]), int(at["known_at_load"])) == (4, 4)
+        assert (int(band["crossing_at_load"]), int(band["known_at_load"])) == (4, 4)
     one = boundary(ensemble().sel(realization=1))
     assert one["critical_velocity"].dims == ("load",)
     np.testing.assert_array_equal(
-        one["critical_velocity"], found["critical_velocity"].sel(realization=1)
+        one["critical_velocity"], crossings["critical_velocity"].sel(realization=1)
     )
 
 
@@ -146,11 +147,11 @@ def test_a_surface_without_points_counts_for_nothing():
     ds = ensemble()
     ds["status"][{"realization": 2}] = 0
     ds["time"][{"realization": 2}] = np.nan
-    found, expected = boundary(ds), np.delete(velocities(600.0), 2)
-    at = found.sel(load=600.0)
-    assert (int(at["crossing_at_load"]), int(at["known_at_load"])) == (3, 3)
-    assert float(at["critical_velocity_mean"]) == pytest.approx(expected.mean())
-    assert found.attrs["missing_points"] == ds["status"][2].size
+    crossings, expected = boundary(ds), np.delete(velocities(600.0), 2)
+    band = crossings.sel(load=600.0)
+    assert (int(band["crossing_at_load"]), int(band["known_at_load"])) == (3, 3)
+    assert float(band["critical_velocity_mean"]) == pytest.approx(expected.mean())
+    assert crossings.attrs["missing_points"] == ds["status"][2].size
     ds["status"][:] = 0
     assert np.isnan(boundary(ds)["critical_velocity_quantile"]).all()
 
@@ -166,23 +167,23 @@ def test_boundary_mode_follows_the_boundary_of_each_surface(tmp_path):
         store_fields=False,
     )
     outcome = follow_boundary(sweep, tmp_path / "a.zarr", 0.02, workers=1)
-    found = boundary(pipeline.open_sweep(tmp_path / "a.zarr"))
-    assert np.isfinite(found["critical_velocity"]).all()
-    assert found.attrs["missing_points"] == 0
+    crossings = boundary(pipeline.open_sweep(tmp_path / "a.zarr"))
+    assert np.isfinite(crossings["critical_velocity"]).all()
+    assert crossings.attrs["missing_points"] == 0
     assert outcome.total < len(points(sweep)) / 2
     alone = replace(sweep, roughness=alone_on(4).roughness, realizations=())
     follow_boundary(alone, tmp_path / "4.zarr", 0.02, workers=1)
     np.testing.assert_array_equal(
         boundary(pipeline.open_sweep(tmp_path / "4.zarr"))["critical_velocity"],
-        found["critical_velocity"].sel(realization=4),
+        crossings["critical_velocity"].sel(realization=4),
     )
 
 
 def test_the_diagram_draws_a_band_of_surfaces():
     figure = pipeline.plot(ensemble(friction_band=None), "diagram")
     (axes,) = figure.axes
-    found = {artist.get_gid() for artist in axes.collections}
-    assert {"boundary", "surface band", "surface band edge"} <= found
+    artists = {artist.get_gid() for artist in axes.collections}
+    assert {"boundary", "surface band", "surface band edge"} <= artists
     assert "severe on some surfaces" in {line.get_gid() for line in axes.lines}
     assert any("4 surfaces" in text.get_text() for text in figure.legends[0].get_texts())
 
@@ -208,6 +209,6 @@ def test_commands_answer_for_several_surfaces(swept, tmp_path, irg):
     assert np.shape(document["critical_velocity"]) == (3, 2)
     assert np.shape(document["critical_velocity_quantile"]) == (3, 2)
     place = ["--load", "400 N", "--velocity", "2 m/s", "--realization", "1", "--json"]
-    found = irg("point", scene, *place)
+    point = irg("point", scene, *place)
     on_surface = pipeline.load_scene(scene).on_surface(1)
-    assert found["max_rise"] == run_point(on_surface, 400.0, 2.0).columns["max_rise"][-1]
+    assert point["max_rise"] == run_point(on_surface, 400.0, 2.0).columns["max_rise"][-1]

@@ -66,9 +66,9 @@ def test_a_sample_on_a_shared_contact_is_the_scene_with_its_inputs_and_velocity(
     expected = run_point(alone, 600.0, velocity).columns
     point = next(p for p in points(sweep) if p[::2] == (600.0, (("sample", number),)))
     for name in ("max_rise", "wear_volume", "sliding_distance", "contact_width"):
-        found = at(folder / "out.zarr", point, name)[: len(expected[name])]
+        stored = at(folder / "out.zarr", point, name)[: len(expected[name])]
         # k and V of the others give k V to rounding alone.
-        np.testing.assert_allclose(found, expected[name], rtol=1e-9)
+        np.testing.assert_allclose(stored, expected[name], rtol=1e-9)
     again = run_point(sweep, *point).columns["max_rise"]
     assert np.array_equal(at(folder / "out.zarr", point, "max_rise"), again, equal_nan=True)
 
@@ -99,9 +99,9 @@ def test_the_rise_of_a_sample_left_out_is_within_the_stated_error(sampled):
     others = pipeline.Ensemble.of(ds.isel(sample=whole.contacts != 1))
     for row in np.flatnonzero(whole.contacts == 1):
         draws = np.array([[whole.inputs[row, 0], 0.13]])
-        found = others.excess(draws, 600.0, whole.sample_velocities[row])
+        emulated = others.excess(draws, 600.0, whole.sample_velocities[row])
         expected = np.log(whole.rises[row, 1]) - others.log_limit(draws)
-        assert abs(found.values[0, 0] - expected[0]) < 4 * found.error[0, 0]
+        assert abs(emulated.values[0, 0] - expected[0]) < 4 * emulated.error[0, 0]
 
 
 def test_the_commands_say_risk_causes_and_the_next_test(sampled, tmp_path, irg):
@@ -120,8 +120,8 @@ def test_the_commands_say_risk_causes_and_the_next_test(sampled, tmp_path, irg):
     plane = said("risk", store, "-o", tmp_path / "r.png")
     assert plane["samples"] == 16
     assert said("sensitivity", store, "-o", tmp_path / "s.png")["inputs"][0].startswith("wear.")
-    found = said("infer", store, "--next", "-o", tmp_path / "p.png")
-    assert len(found["next"]) == 12  # the best of more
+    plan = said("infer", store, "--next", "-o", tmp_path / "p.png")
+    assert len(plan["next"]) == 12  # the best of more
     assert all(path.stat().st_size > 10_000 for path in tmp_path.glob("*.png"))
     margin = said("margin", store, *place)["intervals"]
     assert margin["risk"]["probability"] == there["probability"]
@@ -166,7 +166,7 @@ def test_the_risk_is_that_of_direct_simulations(sampled):
     folder, _, _ = sampled
     ensemble = pipeline.Ensemble.of(pipeline.open_sweep(folder / "out.zarr"))
     _, lines = pipeline.risk_lines(pipeline.probabilities(ensemble, loads=[200.0]))
-    found = risk.judged(ensemble, folder / "scene.toml", 32, {}, (200.0, float(lines[0, 1])))
-    assert 0.2 < found["direct"] < 0.8  # where chance tells most
-    assert abs(found["standard_errors_apart"]) < risk.LIMIT
-    assert found["spread"] < 3 * found["rise_error"] < 0.06
+    verdict = risk.judged(ensemble, folder / "scene.toml", 32, {}, (200.0, float(lines[0, 1])))
+    assert 0.2 < verdict["direct"] < 0.8  # where chance tells most
+    assert abs(verdict["standard_errors_apart"]) < risk.LIMIT
+    assert verdict["spread"] < 3 * verdict["rise_error"] < 0.06

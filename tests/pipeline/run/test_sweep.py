@@ -53,16 +53,16 @@ def content(path, names=(*COLUMNS, *FIELDS, "message", "checksum", "status")):
 
 @pytest.mark.parametrize(("workers", "independent"), [(1, True), (2, False)])
 def test_a_sweep_has_the_points_computed_alone_bit_for_bit(path, alone, workers, independent):
-    told = []
+    reports = []
     sweep = tiny.full(independent=independent)
-    outcome = run_sweep(sweep, path, workers=workers, progress=told.append)
+    outcome = run_sweep(sweep, path, workers=workers, progress=reports.append)
     assert (outcome.total, outcome.done, outcome.computed, outcome.failed) == (9, 9, 9, ())
     assert content(path) == content(alone)
-    done = [report.done for report in told]
+    done = [report.done for report in reports]
     assert (done[0], done[-1]) == (0, 9)
     assert done == sorted(done)
-    assert told[0].time_to_go is None
-    assert told[-1].time_to_go == 0.0
+    assert reports[0].time_to_go is None
+    assert reports[-1].time_to_go == 0.0
     assert multiprocessing.active_children() == []
 
 
@@ -81,17 +81,17 @@ def test_a_run_resumes_where_points_are_pending_failed_damaged_or_new(alone, cop
         store.commit([PointRecord(Point(600.0, 0.5), None, "there was too little memory then")])
         store.forget([Point(150.0, 1.0)])
     (copy / "pressure/c.2.1.0.0").unlink()
-    told = []
-    outcome = run_sweep(SWEEP, copy, workers=1, retry_failed=True, tell=told.append)
-    assert "1 damaged points" in told[0]
+    messages = []
+    outcome = run_sweep(SWEEP, copy, workers=1, retry_failed=True, tell=messages.append)
+    assert "1 damaged points" in messages[0]
     assert (outcome.computed, outcome.done) == (3, 9)
     assert content(copy) == content(alone)
     outcome = run_sweep(tiny.full(loads=(200.0, 250.0, 800.0), velocities=(1.5,)), copy)
     assert (outcome.total, outcome.computed, outcome.done) == (3, 2, 3)
     result = run_point(SWEEP, 800.0, 1.5)
     with xr.open_zarr(copy, chunks=None) as ds:
-        found = ds["wear_volume"].sel(load=800, velocity=1.5).values
-        assert found[: len(result.columns["time"])].tobytes() == (
+        volumes = ds["wear_volume"].sel(load=800, velocity=1.5).values
+        assert volumes[: len(result.columns["time"])].tobytes() == (
             result.columns["wear_volume"].tobytes()
         )
 
@@ -101,10 +101,10 @@ def test_other_versions_are_told_and_noted(copy, monkeypatch):
     other = attributes.versions() | {"numpy": "99.0"}
     for module in (attributes, execute):
         monkeypatch.setattr(module, "versions", lambda: other)
-    told = []
+    messages = []
     for _ in range(2):
-        run_sweep(SWEEP, copy, tell=told.append)
-    assert f"was begun with numpy {np.__version__}, and goes on with 99.0" in told[0]
+        run_sweep(SWEEP, copy, tell=messages.append)
+    assert f"was begun with numpy {np.__version__}, and goes on with 99.0" in messages[0]
     about = json.loads((copy / "zarr.json").read_text())["attributes"]
     assert about["versions"]["numpy"] == np.__version__
     (later,) = about["later_versions"]
@@ -112,12 +112,12 @@ def test_other_versions_are_told_and_noted(copy, monkeypatch):
 
 
 def test_other_conditions_of_the_scene_are_told(copy):
-    told = []
+    messages = []
     warmer = replace(SWEEP, conditions=replace(SWEEP.conditions, friction=0.12))
     for _ in range(2):
-        run_sweep(warmer, copy, tell=told.append)
-    assert len(told) == 1  # not again, since the store has them then
-    assert "conditions.friction: 0.1 in the store, 0.12 in the scene" in told[0]
+        run_sweep(warmer, copy, tell=messages.append)
+    assert len(messages) == 1  # not again, since the store has them then
+    assert "conditions.friction: 0.1 in the store, 0.12 in the scene" in messages[0]
 
 
 def test_nothing_to_do_starts_no_cluster(copy, monkeypatch):
@@ -145,7 +145,7 @@ def test_a_killed_worker_costs_no_point(path, alone):
 
 
 def test_a_point_that_kills_its_workers_fails_alone(path):
-    deadly = tiny.DeadlyRamp(150.0, 750.0, at=250.0)
+    deadly = tiny.DeadlyRamp(150.0, 750.0, faulty_load=250.0)
     outcome = run_sweep(tiny.sweep(loading=deadly, velocities=(1.0,)), path, workers=2)
     assert outcome.done == 2
     (failed,) = outcome.failed
@@ -154,26 +154,26 @@ def test_a_point_that_kills_its_workers_fails_alone(path):
     assert verify_store(path).is_clean
     for point in (Point(150.0, 1.0), Point(600.0, 1.0)):
         with xr.open_zarr(path, chunks=None) as ds:
-            found = ds["max_rise"].sel(load=point.load, velocity=point.velocity).values
+            rises = ds["max_rise"].sel(load=point.load, velocity=point.velocity).values
         expected = run_point(tiny.sweep(), *point).columns["max_rise"]
-        assert found[: len(expected)].tobytes() == expected.tobytes()
+        assert rises[: len(expected)].tobytes() == expected.tobytes()
 
 
 @pytest.mark.parametrize(
-    ("velocities", "at", "workers"),
+    ("velocities", "deadly_load", "workers"),
     [(tiny.VELOCITIES, 600.0, 1), (tuple(np.linspace(0.5, 1.5, 6).tolist()), 250.0, 2)],
 )
 def test_points_that_share_a_worker_with_a_deadly_one_are_done_after_all(
-    path, velocities, at, workers
+    path, velocities, deadly_load, workers
 ):
-    deadly = tiny.DeadlyRamp(150.0, 750.0, at=at)
+    deadly = tiny.DeadlyRamp(150.0, 750.0, faulty_load=deadly_load)
     outcome = run_sweep(tiny.sweep(loading=deadly, velocities=velocities), path, workers=workers)
-    assert {failed.load for failed in outcome.failed} == {at}
+    assert {failed.load for failed in outcome.failed} == {deadly_load}
     assert (outcome.done, len(outcome.failed)) == (2 * len(velocities), len(velocities))
 
 
 def test_a_point_that_fails_says_why_and_is_tried_again_when_asked_to(path):
-    diverging = tiny.DivergingRamp(150.0, 750.0, at=250.0)
+    diverging = tiny.DivergingRamp(150.0, 750.0, faulty_load=250.0)
     sweep = tiny.sweep(loading=diverging, velocities=(1.0,))
     expected = FailedPoint(250.0, 1.0, "ConvergenceError: the contact did not converge")
     outcome = run_sweep(sweep, path, workers=1)
@@ -263,7 +263,7 @@ from pipeline.run.sweep import run_sweep
 from tests.helpers import tiny
 
 if __name__ == "__main__":
-    endless = tiny.EndlessRamp(150.0, 750.0, at=max(tiny.LOADS))
+    endless = tiny.EndlessRamp(150.0, 750.0, faulty_load=max(tiny.LOADS))
     sweep = tiny.full(loading=endless, independent=True)
     try:
         run_sweep(
@@ -302,7 +302,7 @@ def wait_until(holds):
 
 
 def group_is_gone(leader):
-    """Whether no process of a terminal's foreground is left."""
+    """True if no process of a terminal's foreground is left."""
     try:
         os.killpg(leader, 0)
     except ProcessLookupError:

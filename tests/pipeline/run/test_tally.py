@@ -22,18 +22,18 @@ def tallied(tmp_path, monkeypatch):
     """A function that tells a tally of points that end at these times; the time to go."""
 
     def run(ends, absent=0.0):
-        now, told, link = 0.0, [], Connection(None, Source())
+        now, reports, link = 0.0, [], Connection(None, Source())
         monkeypatch.setattr(time, "monotonic", lambda: now)
         sweep = tiny.sweep(loads=(150.0,), velocities=tuple(np.linspace(0.5, 1.5, COUNT).tolist()))
         with writing(tmp_path / "out.zarr", sweep) as store:
-            tally = Tally(store, told.append, now)
+            tally = Tally(store, reports.append, now)
             tally.begin(store, link)
             link.absent = absent
             for now, velocity in zip(ends, sweep.velocities, strict=False):  # noqa: B007
                 point = Point(150.0, velocity)
                 store.flags[store.index(point)] = DONE
                 tally.note([PointRecord(point, {}, wall_time=1.0)])
-        return told[-1].time_to_go
+        return reports[-1].time_to_go
 
     return run
 

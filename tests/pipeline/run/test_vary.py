@@ -19,7 +19,7 @@ def folder(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def found(folder):
+def variations(folder):
     over = {
         "friction.coefficient": [0.12],
         "temperature.critical": ["137 degC"],
@@ -28,19 +28,19 @@ def found(folder):
     return pipeline.vary(folder / "small.toml", over)
 
 
-def test_less_friction_and_more_wear_raise_the_boundary_and_a_weaker_oil_lowers_it(found):
-    friction, critical, rate = (found.changes(each)[0] for each in found.others)
+def test_less_friction_and_more_wear_raise_the_boundary_and_a_weaker_oil_lowers_it(variations):
+    friction, critical, rate = (variations.changes(variation)[0] for variation in variations.others)
     assert friction > 0.02
     assert critical < -0.02
     assert rate > 0.02
 
 
-def test_the_boundary_is_that_of_the_whole_sweep(found, folder):
+def test_the_boundary_is_that_of_the_whole_sweep(variations, folder):
     sweep = pipeline.load_scene(folder / "small.toml")
     grid = np.array([2.0, 2.4, 2.8, 3.3, 4.0])
     results = [pipeline.run_point(sweep, 200.0, v).verdict(sweep.conditions) for v in grid]
-    critical = np.interp(418.15, [each.decisive_temperature for each in results], grid)
-    assert found.own.critical_velocities[0] == pytest.approx(critical, rel=0.02)
+    critical = np.interp(418.15, [result.decisive_temperature for result in results], grid)
+    assert variations.own.critical_velocities[0] == pytest.approx(critical, rel=0.02)
 
 
 def test_the_command_tells_of_a_window_that_is_too_narrow(folder, irg):
@@ -70,18 +70,18 @@ def test_wear_rate_and_thermal_constants_take_each_contact_once(folder):
         assert alone.contacts == alone.points
 
 
-def test_friction_and_temperatures_cost_few_points(found, folder):
+def test_friction_and_temperatures_cost_few_points(variations, folder):
     scene = folder / "small.toml"
     alone = pipeline.vary(scene, {})
     rate = {"wear.specific_wear_rate": ["4e-6 mm^3/(N m)"]}
-    assert found.points <= pipeline.vary(scene, rate).points + 4
-    assert alone.points < found.points
+    assert variations.points <= pipeline.vary(scene, rate).points + 4
+    assert alone.points < variations.points
 
 
-def test_the_entry_that_moves_the_boundary_most_comes_first(found):
+def test_the_entry_that_moves_the_boundary_most_comes_first(variations):
     swings = [
-        max(np.nanmax(np.abs(found.changes(each))) for each in group)
-        for group in found.by_key().values()
+        max(np.nanmax(np.abs(variations.changes(variation))) for variation in group)
+        for group in variations.by_key().values()
     ]
     assert swings == sorted(swings, reverse=True)
 
@@ -90,7 +90,11 @@ def test_the_command_takes_percent_of_the_scene_s_own(folder, irg):
     over = ("--over", "pin.radius=-20%,+20%", "--over", "friction.coefficient=-5%")
     out = folder / "tornado.png"
     document = irg("vary", folder / "small.toml", *over, "--json", "-o", out)
-    assert [each["value"] for each in document["variations"]] == ["1.6 mm", "2.4 mm", "0.1235"]
+    assert [variation["value"] for variation in document["variations"]] == [
+        "1.6 mm",
+        "2.4 mm",
+        "0.1235",
+    ]
     assert out.stat().st_size > 10_000
 
 
@@ -101,30 +105,32 @@ def test_where_there_is_no_boundary_it_is_told_on_which_side_it_lies(folder, irg
     count = len(document["loads"])
     rows = [line.split(",") for line in table.read_text().splitlines()]
     assert document["critical_velocity_outcome"] == ["crosses", "severe throughout"]
-    for found, outcome in zip(
+    for variations, outcome in zip(
         document["variations"], ("mild throughout", "severe throughout"), strict=True
     ):
-        assert found["critical_velocity"] == found["change"] == [None] * count
-        assert found["critical_velocity_outcome"] == [outcome] * count
-        assert [row[-1] for row in rows if row[1] == found["value"]] == [outcome] * count
+        assert variations["critical_velocity"] == variations["change"] == [None] * count
+        assert variations["critical_velocity_outcome"] == [outcome] * count
+        assert [row[-1] for row in rows if row[1] == variations["value"]] == [outcome] * count
     text = irg(*arguments)
     assert "mild throughout" in text
     assert "severe throughout" in text
 
 
-@pytest.mark.parametrize("own", [2.0, np.nan])
-def test_what_moves_no_boundary_is_drawn(own):
-    one = pipeline.Variation("", "", (own,), ("crosses" if own == own else "mild throughout",))
+@pytest.mark.parametrize("velocity", [2.0, np.nan])
+def test_what_moves_no_boundary_is_drawn(velocity):
+    one = pipeline.Variation(
+        "", "", (velocity,), ("crosses" if velocity == velocity else "mild throughout",)
+    )
     other = pipeline.Variation("friction.coefficient", "0.01", (np.nan,), ("mild throughout",))
     figure = pipeline.draw_variations(
         pipeline.Variations("", (400.0,), one, (other,), points=8, contacts=8)
     )
-    (label,) = [each.get_text() for each in figure.legends[0].get_texts()]
-    assert label == f"at 400 N, {'from 2 m/s' if own == own else 'mild throughout'}"
+    (label,) = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert label == f"at 400 N, {'from 2 m/s' if velocity == velocity else 'mild throughout'}"
 
 
 @pytest.mark.parametrize(
-    ("over", "told"),
+    ("over", "message"),
     [
         ("temperature.critical=+20%", "depends on its scale"),
         ("wear.pattern=+20%", "no number there"),
@@ -134,5 +140,5 @@ def test_what_moves_no_boundary_is_drawn(own):
         ("friction.coefficient=0", "without friction"),
     ],
 )
-def test_bad_input_is_told_in_a_line(folder, irg, over, told):
-    assert told in irg("vary", folder / "small.toml", "--over", over, code=2)
+def test_bad_input_is_told_in_a_line(folder, irg, over, message):
+    assert message in irg("vary", folder / "small.toml", "--over", over, code=2)

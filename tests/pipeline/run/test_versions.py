@@ -49,14 +49,14 @@ class Answering:
 
 def test_other_packages_are_told_once_and_each_worker_is_asked_once():
     here, other = dict(versions()), {**versions(), "numpy": "1.0", "python": "3.2.1"}
-    told, client = [], Answering(a=here, b=other, c=other, d=OSError("died"))
+    messages, client = [], Answering(a=here, b=other, c=other, d=OSError("died"))
     link = Connection(client, Source())
-    threads_of(link, 30.0, told.append)
+    threads_of(link, 30.0, messages.append)
     client.answers["e"] = other
-    assert set(threads_of(link, 30.0, told.append)) == set("abcde")
-    assert len(told) == 1
-    assert "b has python 3.2.1 (here " in told[0]
-    assert "numpy 1.0 (here " in told[0]
+    assert set(threads_of(link, 30.0, messages.append)) == set("abcde")
+    assert len(messages) == 1
+    assert "b has python 3.2.1 (here " in messages[0]
+    assert "numpy 1.0 (here " in messages[0]
     assert client.asked == list("abcde")
 
 

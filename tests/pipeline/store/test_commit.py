@@ -45,7 +45,7 @@ def test_what_is_read_is_what_was_computed_bit_for_bit_and_its_warnings(alone):
             stored = ds.sel(load=point.load, velocity=point.velocity)
             assert stored["message"].item() == "; ".join(map(str, result.warnings))
             flags = stored["warning_flags"].item()
-            assert set(tribo.WarningKind(flags)) == {each.kind for each in result.warnings}
+            assert set(tribo.WarningKind(flags)) == {warning.kind for warning in result.warnings}
 
 
 def test_there_is_a_variable_for_each_measure_and_field():
@@ -207,8 +207,8 @@ def growing(path):
 
 
 def test_a_point_that_is_read_beside_a_writer_is_whole(growing):
-    seen, has_grown = 0, False
-    while seen < 60 or not has_grown:
+    reads, has_grown = 0, False
+    while reads < 60 or not has_grown:
         assert summary(growing).running  # or there is no more to wait for
         with open_sweep(growing) as ds:
             ds.load()
@@ -218,7 +218,7 @@ def test_a_point_that_is_read_beside_a_writer_is_whole(growing):
             if stored["status"] != DONE:
                 assert all(stored[name].isnull().all() for name in (*COLUMNS, *FIELDS))
                 continue
-            seen += 1
+            reads += 1
             for name, values in record(point).data.items():
                 assert stored[name].values[: len(values)].tobytes() == values.tobytes(), name
 

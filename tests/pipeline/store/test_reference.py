@@ -5,5 +5,5 @@ from pipeline.store.reference import page
 
 
 def test_the_page_of_the_dataset_is_what_the_variables_say():
-    shown = (WORKFLOWS / "DATASET.md").read_text(encoding="utf-8")
-    assert shown == page(), "write it anew with: make reference"
+    text = (WORKFLOWS / "DATASET.md").read_text(encoding="utf-8")
+    assert text == page(), "write it anew with: make reference"

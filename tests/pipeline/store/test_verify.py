@@ -57,7 +57,7 @@ IDS = ["bit", "end", "file", "content"]
 
 
 def reasons(damages):
-    return {Point(*each[:2]): each[2] for each in map(astuple, damages)}
+    return {Point(*damage[:2]): damage[2] for damage in map(astuple, damages)}
 
 
 def astuple(damage):
@@ -221,7 +221,7 @@ def test_lost_coordinates_are_not_read_and_are_restored(copy, alone, name, harm)
 @pytest.mark.parametrize("name", ["status", "asked"])
 @pytest.mark.parametrize("with_data", [True, False])
 def test_lost_statuses_cost_no_sound_point(copy, name, harm, with_data):
-    """Whether or not any point of the same chunk is sound."""
+    """Also if no point of the same chunk is sound."""
     harm(*chunks(copy, name))
     if not with_data:
         for file in chunks(copy, "time"):
