@@ -239,7 +239,7 @@ def test_another_scene_is_refused_with_what_differs(store, tmp_path, irg):
         (["boundary", "small.toml"], ["small.toml is a file, not a store"]),
         (["check", "small.zarr"], ["cannot be read: a store; give a scene file"]),
         (["check", "missing.toml"], ["missing.toml"]),
-        *((["boundary", "small.zarr", *words], told) for words, told in (
+        *((["boundary", "small.zarr", *words], message) for words, message in (
             (["--share", "-5%"], ["share is -0.05; it must be at least 0"]),
             (["--share", "1.5"], ["share"]),
             (["--critical-temperature", "10 degC"], ["critical_temperature is 10 °C"]),

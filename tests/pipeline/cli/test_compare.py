@@ -11,21 +11,21 @@ from tests.helpers.scenes import SCENE
 
 
 def test_a_difference_names_the_entry_the_move_of_the_boundary_and_the_points(monkeypatch):
-    def hotter(*at):
-        return 1.1 * synthetic.rise(*at)
+    def hotter(*place):
+        return 1.1 * synthetic.rise(*place)
 
     scene = {"scene": {"pin": {"type": "Ball", "radius": 2e-3}}}
     a = synthetic.sweep().assign_attrs(scene)
     b = synthetic.sweep(rise=hotter, loads=synthetic.LOADS[1:])
     b = b.assign_attrs({"scene": {"pin": {"type": "Ball", "radius": 3e-3}}})
     monkeypatch.setattr(pipeline, "open_sweep", lambda path: {"a": a, "b": b}[str(path)])
-    found = pipeline.diff(a, b)
-    assert ("pin.radius", "2 mm", "3 mm") in found.entries.rows
-    moved = found.boundary.as_dict()
+    difference = pipeline.diff(a, b)
+    assert ("pin.radius", "2 mm", "3 mm") in difference.entries.rows
+    moved = difference.boundary.as_dict()
     assert moved["load"] == synthetic.LOADS[1:].tolist()
     expected = 1.1 ** (-1 / synthetic.VELOCITY_EXPONENT) - 1
     np.testing.assert_allclose(moved["change"], expected, rtol=1e-3)
-    points = found.points.as_dict()
+    points = difference.points.as_dict()
     alone = [change for change in points["change"] if np.isnan(change)]
     assert len(alone) == len(synthetic.VELOCITIES)  # at the load that B lacks
     np.testing.assert_allclose([c for c in points["change"] if not np.isnan(c)], 0.1)

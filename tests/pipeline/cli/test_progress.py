@@ -88,7 +88,7 @@ def test_a_command_that_fails_stops_saying_so(capsys):
 def test_steps_of_a_point_and_points_of_a_store_are_counted(small):
     counted = []
     scene = pipeline.load_scene(small / "small.toml", overrides={"increments": 4})
-    point = pipeline.run_point(scene, 400.0, 2.0, progress=lambda *at: counted.append(at))
+    point = pipeline.run_point(scene, 400.0, 2.0, progress=lambda *counts: counted.append(counts))
     assert counted == [(1, 3), (2, 3), (3, 3)]
     assert len(point.columns["time"]) == 3
     arguments = [str(small / "small.toml"), "-o", str(small / "a.zarr"), "--workers", "1"]

@@ -1,4 +1,4 @@
-"""What the command says of itself, and what it keeps quiet about."""
+"""The command's words about itself, and its silence."""
 
 import errno
 import os
@@ -49,9 +49,9 @@ def test_quiet_leaves_results_and_errors_alone(tmp_path, capsys):
     arguments = [str(tmp_path / "small.toml"), "--set", "increments=2", "--workers", "1"]
     arguments += ["-o", str(tmp_path / "small.zarr")]
     assert main(["run", *arguments, "--quiet"]) == 0
-    shown = capsys.readouterr()
-    assert "9 of 9 points done" in shown.out
-    assert shown.err == ""
+    streams = capsys.readouterr()
+    assert "9 of 9 points done" in streams.out
+    assert streams.err == ""
     assert main(["boundary", str(tmp_path / "small.zarr"), "-q", "--share", "3"]) == 2
     assert "share is 3" in capsys.readouterr().err
     assert main(["run", *arguments]) == 0
@@ -75,12 +75,14 @@ def test_the_example_in_a_commands_help_can_be_typed_as_it_stands(command, irg):
 
 def test_the_examples_are_of_the_scenes_that_new_writes(tmp_path):
     """Their stores are told by name, as run calls them."""
-    (own, *_), (uncertain, *_) = (
+    (certain, *_), (uncertain, *_) = (
         pipeline.new_scene(tmp_path / f"{name}.toml", like)
         for name, like in (("scene", None), ("uncertain", "uncertain"))
     )
-    scene, samples = pipeline.load_scene(own), pipeline.load_scene(uncertain)
-    options = {each.name: parse([each.name, *shlex.split(each.example)]) for each in COMMANDS}
+    scene, samples = pipeline.load_scene(certain), pipeline.load_scene(uncertain)
+    options = {
+        command.name: parse([command.name, *shlex.split(command.example)]) for command in COMMANDS
+    }
     assert options["plot"].load in scene.loads
     assert pytest.approx(options["plot"].velocity) in scene.velocities
     for name, of in (("margin", scene), ("point", scene), ("risk", samples)):

@@ -31,13 +31,13 @@ def test_a_boundary_is_written_as_numbers_with_its_conditions(store, tmp_path, i
     out = tmp_path / "table.csv"
     arguments = ["--friction", "0.09", "--friction", "0.1", "--bulk-temperature", "60 degC"]
     assert f"table: {out}" in irg("boundary", store, *arguments, "-o", out)
-    rows, found = read(out), boundary(synthetic.sweep(), (0.09, 0.1), "60 degC")
+    rows, crossings = read(out), boundary(synthetic.sweep(), (0.09, 0.1), "60 degC")
     assert list(rows[0])[:4] == HEADS
     at_load = [row for row in rows if row["load [N]"] and row["friction"] == "0.1"]
-    shown = [float(row["critical velocity [m/s]"] or "nan") for row in at_load]
-    expected = found.sel(friction=0.1)["critical_velocity"].values
-    np.testing.assert_allclose(shown, expected, rtol=1e-5)
-    assert len(rows) == 2 * (found.sizes["load"] + found.sizes["velocity"])
+    velocities = [float(row["critical velocity [m/s]"] or "nan") for row in at_load]
+    expected = crossings.sel(friction=0.1)["critical_velocity"].values
+    np.testing.assert_allclose(velocities, expected, rtol=1e-5)
+    assert len(rows) == 2 * (crossings.sizes["load"] + crossings.sizes["velocity"])
     assert {row["bulk [°C]"] for row in rows} == {"60"}
     assert all(row["outcome"] == "crosses" for row in at_load)
 
@@ -63,7 +63,7 @@ def test_frictions_keep_their_columns_in_any_order(store, capsys):
 
 
 def test_a_band_is_written_with_how_many_surfaces_cross():
-    hot = synthetic.sweep(rise=lambda *at: 1.2 * synthetic.rise(*at))
+    hot = synthetic.sweep(rise=lambda *place: 1.2 * synthetic.rise(*place))
     both = xr.concat(
         [synthetic.sweep(), hot], xr.Variable("realization", [0, 1]), combine_attrs="override"
     )

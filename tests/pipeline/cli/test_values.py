@@ -12,7 +12,7 @@ from pipeline.cli.scenes import conditions_in
 
 
 @pytest.mark.parametrize(
-    ("text", "found"),
+    ("text", "numbers"),
     [
         ("0.1", (0.1,)),
         ("0", (0.0,)),
@@ -20,8 +20,8 @@ from pipeline.cli.scenes import conditions_in
         (".09,1.,1.2e-1", (0.09, 1.0, 0.12)),
     ],
 )
-def test_numbers_with_points_may_stand_between_commas(text, found):
-    assert values.frictions(text) == found
+def test_numbers_with_points_may_stand_between_commas(text, numbers):
+    assert values.frictions(text) == numbers
 
 
 @pytest.mark.parametrize("text", ["0,12", "1,0.5", "0,09,0,103", "0.1,", ",1", "0.1, 1"])
@@ -36,10 +36,10 @@ def test_a_decimal_comma_in_a_single_number_is_refused_with_the_point():
 
 
 @pytest.mark.parametrize(
-    ("text", "found"), [("10%", 0.1), ("0.1", 0.1), ("0", 0.0), ("0%", 0.0), ("0.0", 0.0)]
+    ("text", "share"), [("10%", 0.1), ("0.1", 0.1), ("0", 0.0), ("0%", 0.0), ("0.0", 0.0)]
 )
-def test_a_failing_share_may_be_in_percent_or_nothing(text, found):
-    assert values.failing_share(text) == found
+def test_a_failing_share_may_be_in_percent_or_nothing(text, share):
+    assert values.failing_share(text) == share
 
 
 @pytest.mark.parametrize("text", ["0,1", "%", "10 percent", "a tenth"])
@@ -58,7 +58,7 @@ def test_a_friction_may_be_repeated():
 
 
 @pytest.mark.parametrize(
-    ("arguments", "told"),
+    ("arguments", "message"),
     [
         (
             ["run", "s.toml", "-o", "out.toml"],
@@ -79,8 +79,8 @@ def test_a_friction_may_be_repeated():
         (["boundary", "o.zarr", "--friction", "0,12"], "write one number as 0.12"),
     ],
 )
-def test_what_cannot_be_meant_is_refused_by_the_name_of_its_option(arguments, told, irg):
-    assert re.search(told, irg(*arguments, code=2))
+def test_what_cannot_be_meant_is_refused_by_the_name_of_its_option(arguments, message, irg):
+    assert re.search(message, irg(*arguments, code=2))
 
 
 @pytest.mark.parametrize("again", ["increments", "fidelity.increments"])
@@ -88,8 +88,8 @@ def test_what_cannot_be_meant_is_refused_by_the_name_of_its_option(arguments, to
 def test_a_key_is_set_once(command, again, irg):
     name, *others = command
     twice = ["--set", "increments=5", "--set", f"{again}=6"]
-    told = irg(name, "s.toml", *others, *twice, code=2)
-    assert "--set: increments is given more than once; give it once" in told
+    error = irg(name, "s.toml", *others, *twice, code=2)
+    assert "--set: increments is given more than once; give it once" in error
 
 
 def test_a_value_that_is_varied_goes_before_one_that_is_set():
@@ -105,8 +105,8 @@ def test_a_store_may_have_any_other_name(tmp_path):
 
 
 def test_values_below_zero_reach_their_options():
-    def read(*given):
-        return parse(["boundary", "out.zarr", *given])
+    def read(*options):
+        return parse(["boundary", "out.zarr", *options])
 
     assert read("--bulk-temperature", "-5degC").bulk_temperature == pytest.approx(268.15)
     assert read("--share", "-5%").share == -0.05

@@ -48,8 +48,8 @@ def test_each_load_that_is_done_has_a_picture_on_the_same_scales(sweep):
     for figure, load in zip(figures, (200.0, 750.0), strict=True):
         assert f"{load:g}\N{NO-BREAK SPACE}N, 2\N{NO-BREAK SPACE}m/s" in figure.get_suptitle()
         here = sweep.sel(load=load, velocity=2.0)
-        shown = meshes(figure)[1].get_array()
-        np.testing.assert_allclose(shown, (25.0 + 0.1 * here["rise"]).T)
+        temperatures = meshes(figure)[1].get_array()
+        np.testing.assert_allclose(temperatures, (25.0 + 0.1 * here["rise"]).T)
     scales = [[mesh.get_clim() for mesh in meshes(figure)] for figure in figures]
     assert scales[0] == scales[1]
     rises = sweep["rise"].sel(velocity=2.0, load=[200.0, 750.0]).values
@@ -71,13 +71,13 @@ def test_panels_stay_where_they_are(film):
 
 
 def test_the_file_shows_one_picture_after_the_other_at_the_width_asked_for(film):
-    with Image.open(film[0]) as shown:
+    with Image.open(film[0]) as image:
         frames = []
-        for number in range(shown.n_frames):
-            shown.seek(number)
-            frames.append(shown.convert("RGB"))
-        assert shown.width == int(8.5 / 2.54 * 100)
-        assert shown.info["loop"] == 0
+        for number in range(image.n_frames):
+            image.seek(number)
+            frames.append(image.convert("RGB"))
+        assert image.width == int(8.5 / 2.54 * 100)
+        assert image.info["loop"] == 0
     assert len(frames) >= len(LOADS)
     for one, other in itertools.pairwise(frames[: len(LOADS)]):
         assert ImageChops.difference(one, other).getbbox() is not None

@@ -90,10 +90,10 @@ def test_a_logarithmic_diagram_has_the_same_boundary(sweep):
     assert (log.get_xscale(), log.get_yscale()) == ("log", "log")
     np.testing.assert_allclose(contour(log, "boundary")[0], contour(plain, "boundary")[0])
     low, high = log.get_xlim()
-    shown = [
+    labels = [
         text.get_text() for text in log.get_xticklabels() if low < text.get_position()[0] < high
     ]
-    assert shown == ["1", "2", "3", "4"]
+    assert labels == ["1", "2", "3", "4"]
     names = {text.get_text().split("\n")[0] for text in log.texts}
     assert names == {"I/II", "III/III*"}
 
@@ -105,15 +105,15 @@ def test_the_users_own_style_goes_before_that_of_the_house(sweep):
 
 
 def test_a_measured_transition_is_joined_with_that_at_its_own_friction(sweep):
-    at = {"normal_load": 400.0, "velocity": 2.2, "friction": 0.08}
-    found = lines(diagram(sweep.assign_attrs(measured=[at])).axes[0])["at own friction"]
-    own = contour(diagram(sweep, friction=0.08).axes[0], "boundary")[0]
+    transition = {"normal_load": 400.0, "velocity": 2.2, "friction": 0.08}
+    joint = lines(diagram(sweep.assign_attrs(measured=[transition])).axes[0])["at own friction"]
+    line = contour(diagram(sweep, friction=0.08).axes[0], "boundary")[0]
     expected = (
-        np.interp(-400.0, -own[::-1, 1], own[::-1, 0])
-        if own[0, 1] < own[-1, 1]
-        else (np.interp(-400.0, -own[:, 1], own[:, 0]))
+        np.interp(-400.0, -line[::-1, 1], line[::-1, 0])
+        if line[0, 1] < line[-1, 1]
+        else (np.interp(-400.0, -line[:, 1], line[:, 0]))
     )
-    assert found[0] == pytest.approx([expected, 400.0], rel=5e-3)
+    assert joint[0] == pytest.approx([expected, 400.0], rel=5e-3)
     usual = {"normal_load": 400.0, "velocity": 2.2, "friction": 0.1}
     assert "at own friction" not in lines(diagram(sweep.assign_attrs(measured=[usual])).axes[0])
     beyond = {"normal_load": 900.0, "velocity": 1.2, "friction": 0.08}

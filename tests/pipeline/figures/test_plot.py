@@ -114,15 +114,15 @@ def test_band_lies_between_the_boundaries_at_its_ends(drawn):
 
 
 def test_every_point_is_marked_as_what_it_is(sweep, drawn):
-    found = lines(drawn)
-    assert found["failed"].tolist() == [[1.5, 300.0]]
-    assert sorted(found["pending"].tolist()) == [[4.0, 700.0], [4.0, 750.0]]
+    marks = lines(drawn)
+    assert marks["failed"].tolist() == [[1.5, 300.0]]
+    assert sorted(marks["pending"].tolist()) == [[4.0, 700.0], [4.0, 750.0]]
     for name, sign in ((MILD, -1), (SEVERE, 1)):
-        velocity, load = found[name].T
+        velocity, load = marks[name].T
         rise = synthetic.rise(load, velocity, 0.9)
         assert (sign * (rise - synthetic.limit()) > 0).all()
-    marked = (name for name in found if "own friction" not in name)
-    assert sum(len(found[name]) for name in marked) == sweep["status"].size + len(MEASURED)
+    marked = (name for name in marks if "own friction" not in name)
+    assert sum(len(marks[name]) for name in marked) == sweep["status"].size + len(MEASURED)
 
 
 def test_several_frictions_make_the_band_and_their_middle_the_boundary(sweep):
@@ -227,7 +227,7 @@ def test_without_wear_the_ramp_has_no_frame_for_it_and_none_that_is_empty(sweep)
     ends = taken & ~taken.shift(step=-1, fill_value=False)  # the one step that a point takes then
     ds = ds.assign(time=ds["time"].where(ends), normal_load=ds["normal_load"].where(ends))
     axes = ramp(ds).axes
-    assert [at.get_ylabel().partition(" [")[0] for at in axes] == [
+    assert [frame.get_ylabel().partition(" [")[0] for frame in axes] == [
         "contact temperature",
         "contact width",
         "in contact",
@@ -372,7 +372,7 @@ def test_a_rival_is_drawn_where_its_criterion_reaches_its_limit():
     (line,) = contour(axes, "rival power")
     power = [0.103 * 750 * 1.25, 0.1 * 600 * 1.5, 0.091 * 400 * 2.25, 0.1 * 200 * 3.75]
     level = np.prod(power) ** 0.25
-    assert [0.1 * np.prod(at) for at in line] == pytest.approx([level] * len(line), rel=1e-3)
+    assert [0.1 * np.prod(place) for place in line] == pytest.approx([level] * len(line), rel=1e-3)
 
 
 def test_rivals_that_cannot_be_drawn_are_told():
@@ -390,8 +390,8 @@ def test_the_film_parameter_is_drawn_only_with_an_oil(drawn):
     ds = synthetic.sweep(lubrication=OILED | {"rms_height": 0.2e-6})
     axes = diagram(ds).axes[0]
     (line,) = contour(axes, "Λ = 1, mixed beyond")
-    found = Lubrication.stored(ds.attrs).film_parameter(line[:, 1], line[:, 0], 298.15)
-    assert found == pytest.approx(np.ones(len(line)), rel=1e-3)
+    film = Lubrication.stored(ds.attrs).film_parameter(line[:, 1], line[:, 0], 298.15)
+    assert film == pytest.approx(np.ones(len(line)), rel=1e-3)
     thick = diagram(synthetic.sweep(lubrication=OILED | {"rms_height": 2e-6}))
     said = [text for text in labels(thick.legends[0]) if text.startswith("Λ")]
     assert said[0].endswith(": boundary lubrication")
@@ -418,10 +418,10 @@ def test_given_the_measurements_the_diagram_is_that_of_their_probability(unknown
     draws = posterior(ensemble, 0.1).draws
     _, expected = risk_lines(probabilities(ensemble, draws, loads=[400.0]))
     # The three lines of 5, 50 and 95 %, where they pass 400 N.
-    drawn = next(each for each in axes.collections if len(each.get_linewidth()) == 3)
+    drawn = next(contours for contours in axes.collections if len(contours.get_linewidth()) == 3)
     passed = [path.vertices for path in drawn.get_paths()]
-    found = [np.interp(-400.0, -line[:, 1], line[:, 0]) for line in map(_upwards, passed)]
-    assert sorted(found) == pytest.approx(expected[0], rel=0.01)
+    velocities = [np.interp(-400.0, -line[:, 1], line[:, 0]) for line in map(_upwards, passed)]
+    assert sorted(velocities) == pytest.approx(expected[0], rel=0.01)
 
 
 def test_tests_are_not_called_measured_transitions():

@@ -31,7 +31,7 @@ def sweep():
 def test_a_report_has_everything_and_asks_for_no_other_file(sweep, tmp_path):
     page = pipeline.report(sweep, tmp_path / "report.html", POINTS).read_text(encoding="utf-8")
     assert re.findall("<h2>(.*)</h2>", page) == list(HEADINGS)
-    (margin, _) = (pipeline.margins(sweep, *at)[0] for at in ((300.0, 1.5), (500.0, 2.0)))
+    (margin, _) = (pipeline.margins(sweep, *place)[0] for place in ((300.0, 1.5), (500.0, 2.0)))
     for words in ("pin.radius", "5 mm", "a &lt;handbook&gt;", "first", f"{margin.distance:.3g}"):
         assert f"<td>{words}</td>" in page
     crossing = pipeline.boundary(sweep)["critical_velocity"].sel(load=600).item()
@@ -73,6 +73,6 @@ def test_a_sweep_of_samples_is_answered_by_probabilities():
     middle = float(re.search(r"from ([\d.]+) m/s on at 200 N", question)[1])
     assert middle == pytest.approx(critical, rel=0.03)
     assert len(table.rows) == len(ensemble.loads)
-    at = pipeline.risk(ensemble, 400.0, 2.2)
-    assert risks.rows == ((400.0, 2.2, at.probability, at.error),)
+    chance = pipeline.risk(ensemble, 400.0, 2.2)
+    assert risks.rows == ((400.0, 2.2, chance.probability, chance.error),)
     assert "load is 5000 N; the samples have 200 to 750 N" in places

@@ -60,8 +60,8 @@ def test_exponents_of_the_closed_forms(contact):
         return (level / rival(contact, load, 1.0, 0.1)) ** (1 / exponent)
 
     for name, n in (("blok", 2 / 3), ("power", 1.0), ("pv", 2.0), ("power-density", 2.0)):
-        found = load_speed_exponent(loads, [velocity(name, load) for load in loads])
-        assert found == pytest.approx(n)
+        slope = load_speed_exponent(loads, [velocity(name, load) for load in loads])
+        assert slope == pytest.approx(n)
 
 
 def test_pv_is_power_per_area_over_friction(contact):

@@ -19,11 +19,11 @@ def test_the_temperature_crosses_the_critical_one_at_the_transition(sweep):
     named = {line.get_label(): line for line in axes.lines}
     (label,) = (name for name in named if name.startswith("transition"))
     expected = float(boundary(sweep).sel(load=400.0)["critical_velocity"])
-    at = named[label].get_xdata()[0]
-    assert at == pytest.approx(expected)
+    time = named[label].get_xdata()[0]
+    assert time == pytest.approx(expected)
     curves = (line for line in axes.lines if len(line.get_xdata()) == 200)
     exceeded = next(line for line in curves if line.get_ls() == "-")
-    assert np.interp(at, *exceeded.get_data()) == pytest.approx(145.0, abs=0.2)
+    assert np.interp(time, *exceeded.get_data()) == pytest.approx(145.0, abs=0.2)
 
 
 def test_at_the_transition_just_the_failing_share_is_above_the_critical_temperature(sweep):

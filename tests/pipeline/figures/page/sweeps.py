@@ -82,12 +82,12 @@ def along_boundary(seed=0, left_out=()):
         for velocity in ds["velocity"].values
         if (float(load), float(velocity)) not in chosen
     } | dict.fromkeys(left_out, 0)
-    found = one(status=status, rise=uneven(seed))
+    ds = one(status=status, rise=uneven(seed))
     asked = [
-        [(float(load), float(velocity)) in chosen for velocity in found["velocity"].values]
-        for load in found["load"].values
+        [(float(load), float(velocity)) in chosen for velocity in ds["velocity"].values]
+        for load in ds["load"].values
     ]
-    return found.assign(asked=(("load", "velocity"), np.array(asked, np.int8)))
+    return ds.assign(asked=(("load", "velocity"), np.array(asked, np.int8)))
 
 
 def searched_surfaces():
@@ -143,5 +143,5 @@ def column(table, name):
     return np.array([float(row[name] or "nan") for row in table])
 
 
-def same(found, expected, rtol=1e-9):
-    np.testing.assert_allclose(found, expected, rtol=rtol, atol=0)
+def same(actual, expected, rtol=1e-9):
+    np.testing.assert_allclose(actual, expected, rtol=rtol, atol=0)

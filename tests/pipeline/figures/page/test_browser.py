@@ -22,8 +22,8 @@ from tests.pipeline.figures.page.sweeps import column, same
 
 @pytest.fixture(scope="module")
 def browser():
-    with chromium() as found:
-        yield found
+    with chromium() as driver:
+        yield driver
 
 
 @pytest.fixture
@@ -54,21 +54,23 @@ def rows(link):
 
 def test_the_median_goes_on_where_one_surface_has_no_boundary(page):
     ds = sweeps.searched_surfaces()
-    found = pipeline.boundary(ds)
-    assert np.isin(found["outcome_at_load"].sel(load=200.0), (MILD, ABOVE)).sum() == 2
-    assert found["known_at_load"].sel(load=750.0) == 4
+    crossings = pipeline.boundary(ds)
+    assert np.isin(crossings["outcome_at_load"].sel(load=200.0), (MILD, ABOVE)).sum() == 2
+    assert crossings["known_at_load"].sel(load=750.0) == 4
     drawn = """
     const { x, y, width } = document.querySelector("#diagram path.boundary").getBBox();
     const [first, last] = arguments;
     return [[x, diagram.frame.x(first)], [y, diagram.frame.y(750)],
             [x + width, diagram.frame.x(last)]];
     """
-    median = found["critical_velocity_quantile"].sel(quantile=0.5)
+    median = crossings["critical_velocity_quantile"].sel(quantile=0.5)
     first, last = float(median.sel(load=750.0)), float(median.max())
-    *ends, (right, known) = page(ds).execute_script(drawn, first, last)
+    *ends, (right, last_median) = page(ds).execute_script(drawn, first, last)
     for place, expected in ends:
         assert place == pytest.approx(expected, abs=0.1)  # the path is written in tenths of a pixel
-    assert right > known  # between the last load with a median and the next, it is known in part
+    assert (
+        right > last_median
+    )  # between the last load with a median and the next, it is known in part
 
 
 def test_a_page_begins_with_the_conditions_of_the_store(page):
@@ -80,8 +82,8 @@ def test_a_page_begins_with_the_conditions_of_the_store(page):
     }
     ds = sweeps.one(conditions=conditions)
     driver = page(ds)
-    own = driver.execute_script("return chosen.conditions")
-    assert own == conditions | {"criterion": "share"}
+    initial = driver.execute_script("return chosen.conditions")
+    assert initial == conditions | {"criterion": "share"}
     link = driver.find_element(By.ID, "velocities-csv").get_attribute("href")
     same(column(rows(link), "critical velocity [m/s]"), pipeline.boundary(ds)["critical_velocity"])
 
@@ -92,8 +94,8 @@ def test_what_is_typed_or_moved_changes_the_boundary(page):
     field.clear()
     field.send_keys("0.12")
     expected = synthetic.critical_velocity(750.0, synthetic.limit(friction=0.12))
-    shown = driver.find_elements(By.CSS_SELECTOR, "#velocities tbody tr")[-1].text
-    assert shown == f"750 {expected:.4g} crosses"
+    row = driver.find_elements(By.CSS_SELECTOR, "#velocities tbody tr")[-1].text
+    assert row == f"750 {expected:.4g} crosses"
     slider = driver.find_element(By.ID, "friction-range")
     slider.send_keys(Keys.ARROW_RIGHT)
     assert field.get_attribute("value") == "0.121"
@@ -126,14 +128,14 @@ def test_a_decimal_comma_is_refused_with_the_point(page):
     changed = {"friction": 0} | {name: before[name] for name in before if name != "friction"}
     assert driver.execute_script("return chosen.conditions") == changed  # as after "0", on the way
     driver.find_element(By.ID, "at-load").send_keys("425")
-    at = driver.find_element(By.ID, "at-velocity")
-    at.send_keys("1,1")
+    field = driver.find_element(By.ID, "at-velocity")
+    field.send_keys("1,1")
     assert driver.find_element(By.ID, "margin").text == "Write a decimal point, as in 1.1."
-    assert at.get_attribute("aria-invalid") == "true"
-    at.clear()
-    at.send_keys("1.1")
+    assert field.get_attribute("aria-invalid") == "true"
+    field.clear()
+    field.send_keys("1.1")
     assert "distance to critical" in driver.find_element(By.ID, "margin").text
-    assert at.get_attribute("aria-invalid") == "false"
+    assert field.get_attribute("aria-invalid") == "false"
 
 
 def test_points_are_reached_and_kept_by_keyboard(page):
@@ -163,9 +165,9 @@ def test_a_point_shows_the_fields_that_are_stored(page):
       return [each.width, each.height, new Set(data).size];
     })), 300);
     """
-    found = driver.execute_async_script(drawn)
-    assert [size[:2] for size in found[::2]] == [[48, 36]] * 3
-    assert all(colours > 20 for *_, colours in found)
+    canvases = driver.execute_async_script(drawn)
+    assert [size[:2] for size in canvases[::2]] == [[48, 36]] * 3
+    assert all(colours > 20 for *_, colours in canvases)
 
 
 def test_a_page_of_samples_tells_the_probability_at_any_place(page):
@@ -181,9 +183,9 @@ def test_a_page_of_samples_tells_the_probability_at_any_place(page):
         expected = pipeline.risk(ensemble, load, float(velocity)).probability
         place = f"return [probabilityAt({load}, {velocity}), judge({load}, {velocity})][0]"
         assert driver.execute_script(place) == pytest.approx(expected, abs=0.01)
-        shown = driver.find_element(By.ID, "margin").text
-        assert "probability of severe wear" in shown
-        assert f"50 % at this load {lines[0][1]:.3g} m/s" in shown
+        text = driver.find_element(By.ID, "margin").text
+        assert "probability of severe wear" in text
+        assert f"50 % at this load {lines[0][1]:.3g} m/s" in text
     driver.execute_script(
         f"showTip(axes(400, 300, {{low: 0, high: 9}}, {{low: 0, high: 900}}).frame, {load}, 2)"
     )
@@ -215,9 +217,9 @@ def test_another_value_of_an_entry_keeps_the_conditions_that_were_changed(page):
             friction.clear()
             friction.send_keys("0.12")
             Select(driver.find_element(By.ID, "scene")).select_by_visible_text("pin.radius 2 mm")
-        given = {"friction": 0.12} if number else {}
+        conditions = {"friction": 0.12} if number else {}
         link = driver.find_element(By.ID, "velocities-csv").get_attribute("href")
-        expected = pipeline.boundary(there, **given)["critical_velocity"]
+        expected = pipeline.boundary(there, **conditions)["critical_velocity"]
         same(column(rows(link), "critical velocity [m/s]"), expected)
         assert driver.find_element(By.ID, "title").text.endswith(f"pin.radius {1e3 * radius:g} mm")
 
@@ -255,10 +257,12 @@ def test_an_operating_point_gets_its_margin(page):
 def test_each_measured_transition_is_judged_at_its_own_friction(page):
     driver = page(synthetic.sweep())
     driver.execute_script("chosen.conditions.friction = 0.14; update();")
-    found = [row.text for row in driver.find_elements(By.CSS_SELECTOR, "#measured tbody tr")]
-    for text, at in zip(found, synthetic.MEASURED, strict=True):
-        limit = synthetic.limit(friction=at["friction"] or 0.14)
-        assert f" {synthetic.critical_velocity(at['normal_load'], limit):.4g} " in f" {text} "
+    rows = [row.text for row in driver.find_elements(By.CSS_SELECTOR, "#measured tbody tr")]
+    for text, transition in zip(rows, synthetic.MEASURED, strict=True):
+        limit = synthetic.limit(friction=transition["friction"] or 0.14)
+        assert (
+            f" {synthetic.critical_velocity(transition['normal_load'], limit):.4g} " in f" {text} "
+        )
 
 
 def test_axes_are_logarithmic_on_request(page):

@@ -1,4 +1,4 @@
-"""What a page holds, and that it is one file which asks for nothing."""
+"""Content of a page, one file that asks for no other."""
 
 import base64
 import hashlib
@@ -36,8 +36,8 @@ def test_the_policy_of_a_page_allows_its_own_script_and_style_alone(tmp_path):
     text = pipeline.explore(synthetic.sweep(), tmp_path / "page.html").path.read_text()
     (policy,) = re.findall(r'Content-Security-Policy" content="([^"]*)"', text)
     for name in ("script", "style"):
-        (own,) = re.findall(rf"<{name}>(.*?)</{name}>", text, re.DOTALL)
-        digest = base64.b64encode(hashlib.sha256(own.encode()).digest()).decode()
+        (source,) = re.findall(rf"<{name}>(.*?)</{name}>", text, re.DOTALL)
+        digest = base64.b64encode(hashlib.sha256(source.encode()).digest()).decode()
         assert f"{name}-src 'sha256-{digest}'" in policy
     assert policy.startswith("default-src 'none'")
 
@@ -54,15 +54,15 @@ def test_no_text_of_a_sweep_ends_the_element_that_holds_it(tmp_path):
 
 def test_moments_left_out_decide_for_no_share():
     held = sweeps.held()
-    found = content(held)
-    moments = unpacked(found["moments"], "<i4")
-    table = unpacked(found["decisive"], "<f8").reshape(-1, len(found["shares"]))
+    page = content(held)
+    moments = unpacked(page["moments"], "<i4")
+    table = unpacked(page["decisive"], "<f8").reshape(-1, len(page["shares"]))
     counts = (held["normal_load"] >= held["load"]) & held["rise_quantile"].notnull().all("quantile")
     assert 1 < moments.max() < int(counts.sum("step").max())
     done = moments > 0
     begins = (np.cumsum(moments) - moments)[done]
     for share in (0.0, 0.1, 0.37, 0.9):
-        deciding = np.array([np.interp(share, found["shares"], row) for row in table])
+        deciding = np.array([np.interp(share, page["shares"], row) for row in table])
         worst = np.maximum.reduceat(deciding, begins)
         expected = decisive_rise(held, synthetic.conditions(share)).values.ravel()
         np.testing.assert_allclose(worst, expected[done], rtol=1e-12)
@@ -74,10 +74,10 @@ def test_points_are_asked_for_on_their_own_surface():
     ds = sweeps.over_surfaces(axis)
     wanted = (ds[axis] == 1) & (ds["load"] == 200.0) & (ds["velocity"] == 1.8)
     ds = ds.assign(asked=wanted.astype(np.int8))
-    found = content(ds)
-    asked = unpacked(found["asked"], "u1").reshape(5, ds.sizes["load"], ds.sizes["velocity"])
+    page = content(ds)
+    asked = unpacked(page["asked"], "u1").reshape(5, ds.sizes["load"], ds.sizes["velocity"])
     assert np.argwhere(asked).tolist() == [[1, 1, 4]]
-    assert found["surfaces"] == [0, 1, 2, 3, 4]
+    assert page["surfaces"] == [0, 1, 2, 3, 4]
 
 
 def test_fields_count_what_is_in_contact_alone():
@@ -99,7 +99,9 @@ def test_fields_of_the_points_nearest_to_the_transition_are_held(tmp_path):
     page = pipeline.explore(ds, tmp_path / "page.html", most_fields=5)
     assert (page.points_with_fields, page.stored_fields) == (5, page.points)
     assert "fields of 5 of 180, those nearest to the transition" in str(page)
-    chosen = [divmod(int(at), ds.sizes["velocity"]) for at in content(ds, 5)["fields"]["points"]]
+    chosen = [
+        divmod(int(index), ds.sizes["velocity"]) for index in content(ds, 5)["fields"]["points"]
+    ]
     rise = decisive_rise(ds, synthetic.conditions()).values
     distance = np.abs(rise - synthetic.limit())
     assert sorted(distance[place] for place in chosen) == sorted(distance.ravel())[:5]

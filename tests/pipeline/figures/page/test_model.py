@@ -1,4 +1,4 @@
-"""What a page computes, beside `irg boundary` and `irg margin`: its scripts, run by Node."""
+"""Numbers of a page's scripts, run by Node, beside `irg boundary` and `irg margin`."""
 
 import csv
 import io
@@ -35,35 +35,35 @@ def random_conditions(ds, count=20):
     yield {"friction": 0.0}
     for _ in range(count - 2):
         bulk = draw.uniform(250.0, 400.0)
-        given = {
+        conditions = {
             "friction": round(draw.uniform(0.04, 0.25), 4),
             "bulk_temperature": bulk,
             "critical_temperature": bulk + draw.uniform(20.0, 250.0),
         }
         if "bulk_ratio" in ds.coords:
-            given["disk_temperature"] = bulk + 12.0 * math.sin(given["friction"] * 300)
+            conditions["disk_temperature"] = bulk + 12.0 * math.sin(conditions["friction"] * 300)
         if "criterion" not in ds.attrs["conditions"]:
-            given["failing_share"] = draw.choice([0.0, 0.1, draw.uniform(0.0, 0.6)])
-        yield given
+            conditions["failing_share"] = draw.choice([0.0, 0.1, draw.uniform(0.0, 0.6)])
+        yield conditions
 
 
-def boundary(ds, given):
+def boundary(ds, conditions):
     """The boundary under conditions as the page has them."""
-    given = dict(given)
-    if "disk_temperature" in given:
-        pin = given["bulk_temperature"]
-        given["bulk_temperature"] = {"pin": pin, "disk": given.pop("disk_temperature")}
-    if "failing_share" in given:
-        given["share"] = given.pop("failing_share")
-    return pipeline.boundary(ds, **given)
+    conditions = dict(conditions)
+    if "disk_temperature" in conditions:
+        pin = conditions["bulk_temperature"]
+        conditions["bulk_temperature"] = {"pin": pin, "disk": conditions.pop("disk_temperature")}
+    if "failing_share" in conditions:
+        conditions["share"] = conditions.pop("failing_share")
+    return pipeline.boundary(ds, **conditions)
 
 
 @pytest.mark.parametrize("kind", sweeps.KINDS)
 def test_the_boundary_is_that_of_the_command(kind):
     ds = sweeps.KINDS[kind]()
     asked, crossings = list(random_conditions(ds)), 0
-    for given, texts in zip(asked, run(ds, BOUNDARY, asked), strict=True):
-        expected = boundary(ds, given)
+    for conditions, texts in zip(asked, run(ds, BOUNDARY, asked), strict=True):
+        expected = boundary(ds, conditions)
         for text, (axis, name, unit) in zip(texts, SIDES, strict=True):
             table = list(csv.DictReader(io.StringIO(text)))
             words = f"{name.replace('_', ' ')} {unit}"
@@ -78,14 +78,16 @@ def test_the_boundary_is_that_of_the_command(kind):
             else:
                 same(column(table, words), expected[name])
                 outcomes = expected[f"outcome_at_{axis}"].values.tolist()
-                assert [row["outcome"] for row in table] == [OUTCOMES[each] for each in outcomes]
+                assert [row["outcome"] for row in table] == [
+                    OUTCOMES[outcome] for outcome in outcomes
+                ]
                 crossings += int(np.isfinite(expected[name]).sum())
             bridged = expected[f"bridged_at_{axis}"]
             if "crossing_at_load" in expected:
                 bridged = (bridged > 0).sum(variant_of(bridged))
             same(column(table, "across points not done"), bridged)
-            if "bulk_temperature" in given:
-                same(column(table, "bulk temperature [K]"), given["bulk_temperature"], rtol=0)
+            if "bulk_temperature" in conditions:
+                same(column(table, "bulk temperature [K]"), conditions["bulk_temperature"], rtol=0)
     assert crossings > 40
 
 
@@ -104,9 +106,9 @@ def test_the_margin_is_that_of_the_command(kind):
     draw = np.random.default_rng(3)
     places = [[float(draw.uniform(160, 740)), float(draw.uniform(0.6, 3.9))] for _ in range(10)]
     places += [[450.0, 1.55], [333.0, 1.8]]
-    for place, found in zip(places, run(ds, margin, places), strict=True):
+    for place, row in zip(places, run(ds, margin, places), strict=True):
         (expected,) = pipeline.margins(ds, *place)
-        temperature, velocity, along, load, up, *bridged = found
+        temperature, velocity, along, load, up, *bridged = row
         same(
             [temperature, velocity, load],
             [expected.decisive_temperature, expected.critical_velocity, expected.critical_load],
@@ -123,8 +125,10 @@ def test_the_line_that_is_drawn_lies_on_the_plane_of_the_diagram():
     """
     fine, loads = run(ds, drawn)
     rise = decisive_rise(ds, synthetic.conditions())
-    at = np.array(fine)
-    columns = np.array([interpolated(ds["velocity"].values, row, at) for row in rise.values]).T
+    velocities = np.array(fine)
+    columns = np.array(
+        [interpolated(ds["velocity"].values, row, velocities) for row in rise.values]
+    ).T
     expected = [crossing(ds["load"].values, column, synthetic.limit()) for column in columns]
     assert np.isfinite(expected).sum() > 50
     same(loads, expected)
