@@ -1,4 +1,4 @@
-"""How a probe is led along its points, on ramps whose states are made up."""
+"""Path of a probe along its points, on ramps whose states are made up."""
 
 import math
 from dataclasses import replace
@@ -47,7 +47,7 @@ def state(load, rise=None, iterations=3, heat_iterations=5, on_trunk=True, histo
 
 @pytest.fixture
 def ramps(monkeypatch):
-    """What is simulated; its states are those of `made`, by load, else one at the load."""
+    """Simulations asked for; their states are those of `made`, by load, else one at the load."""
     asked, made = [], {}
 
     def simulate(scene, load, velocity, trunk=None):
@@ -78,16 +78,18 @@ def test_a_probe_sums_its_runs_and_reads_its_points_in_their_order(ramps):
     asked, _ = ramps
     points = [Point(600.0, 1.0), Point(300.0, 2.0), Point(300.0, 1.0)]
     changed = replace(SWEEP.fidelity, temperature_interval=2, heat_tolerance=1e-3)
-    found = probe(SWEEP, changed, points)
+    result = probe(SWEEP, changed, points)
     assert [(load, velocity) for _, load, velocity, _ in asked] == [(300, 1), (600, 1), (300, 2)]
-    assert {each[0].fidelity for each in asked} == {replace(changed, temperature_interval=0)}
-    assert found.fidelity == changed
-    assert [reading.rise for reading in found.readings] == [600.0, 600.0, 300.0]
-    assert {reading.contact_nodes for reading in found.readings} == {NODES}
-    assert {reading.contact_fraction for reading in found.readings} == {1.0}
-    assert (found.convolutions, found.work) == (24, 24.0 * NODES)
-    assert found.peak_bytes is None
-    assert 0 <= found.seconds < 60
+    assert {arguments[0].fidelity for arguments in asked} == {
+        replace(changed, temperature_interval=0)
+    }
+    assert result.fidelity == changed
+    assert [reading.rise for reading in result.readings] == [600.0, 600.0, 300.0]
+    assert {reading.contact_nodes for reading in result.readings} == {NODES}
+    assert {reading.contact_fraction for reading in result.readings} == {1.0}
+    assert (result.convolutions, result.work) == (24, 24.0 * NODES)
+    assert result.peak_bytes is None
+    assert 0 <= result.seconds < 60
 
 
 @pytest.mark.parametrize(
@@ -96,8 +98,8 @@ def test_a_probe_sums_its_runs_and_reads_its_points_in_their_order(ramps):
 )
 def test_elements_divide_the_pixels_along_both_axes(shape, asked, taken):
     sweep = replace(SWEEP, pixels=replace(SWEEP.pixels, shape=shape))
-    found = fitted(sweep, Fidelity(pixels_per_element=asked, heat_kernel="endless"))
-    assert (found.pixels_per_element, found.heat_kernel) == (taken, "pin")
+    fidelity = fitted(sweep, Fidelity(pixels_per_element=asked, heat_kernel="endless"))
+    assert (fidelity.pixels_per_element, fidelity.heat_kernel) == (taken, "pin")
 
 
 @pytest.mark.parametrize(
@@ -105,32 +107,32 @@ def test_elements_divide_the_pixels_along_both_axes(shape, asked, taken):
 )
 def test_loads_are_some_of_the_sweep_s_with_both_ends(number, chosen):
     sweep = replace(SWEEP, loads=(200.0, 300.0, 400.0, 500.0, 600.0))
-    assert [at.load for at in some_places(sweep, number)] == [sweep.loads[k] for k in chosen]
+    assert [place.load for place in some_places(sweep, number)] == [sweep.loads[k] for k in chosen]
 
 
-def made_up(monkeypatch, exponent, at=2.0):
+def made_up(monkeypatch, exponent, reference_velocity=2.0):
     """Ramps whose rise is a power of the velocity, at the limit where it is asked for."""
     asked = []
 
     def simulate(scene, load, velocity, trunk=None):
         asked.append(scene.fidelity)
-        rise = 1200.0 * (velocity / at) ** exponent * (load / 300.0)
+        rise = 1200.0 * (velocity / reference_velocity) ** exponent * (load / 300.0)
         yield state(load, rise=rise)
 
     monkeypatch.setattr(module, "simulate", simulate)
     return asked
 
 
-@pytest.mark.parametrize(("exponent", "found"), [(0.7, 0.7), (0.31, 0.31), (0.1, 0.3)])
-def test_points_lie_at_the_boundary_with_its_exponent(monkeypatch, exponent, found):
+@pytest.mark.parametrize(("exponent", "expected"), [(0.7, 0.7), (0.31, 0.31), (0.1, 0.3)])
+def test_points_lie_at_the_boundary_with_its_exponent(monkeypatch, exponent, expected):
     asked = made_up(monkeypatch, exponent)
     (point,), exponents = near_the_boundary(SWEEP, [Place(300.0)])
     assert point.load == 300.0
     assert abs(exponent * math.log(point.velocity / 2.0)) < 0.0101
-    assert exponents == (pytest.approx(found, rel=1e-9),)
+    assert exponents == (pytest.approx(expected, rel=1e-9),)
     assert set(asked) == {fitted(SWEEP, PRESETS["standard"])}
     made_up(monkeypatch, 0.5)
-    points, _ = near_the_boundary(SWEEP, [Place(at) for at in (150.0, 300.0, 450.0)])
+    points, _ = near_the_boundary(SWEEP, [Place(load) for load in (150.0, 300.0, 450.0)])
     ratios = [point.velocity * (point.load / 300.0) ** 2 for point in points]
     assert ratios == pytest.approx([2.0] * 3, rel=0.025)
 
@@ -144,11 +146,13 @@ def test_the_exponent_is_that_beside_the_boundary(monkeypatch):
     assert near_the_boundary(SWEEP, [Place(300.0)])[1] == (pytest.approx(0.6, abs=0.005),)
 
 
-@pytest.mark.parametrize(("at", "found"), [(0.01, 0.25), (100.0, 16.0)])
-def test_beyond_half_and_twice_the_velocities_the_nearer_end_is_taken(monkeypatch, at, found):
-    made_up(monkeypatch, 0.7, at)
+@pytest.mark.parametrize(("crossing", "expected"), [(0.01, 0.25), (100.0, 16.0)])
+def test_beyond_half_and_twice_the_velocities_the_nearer_end_is_taken(
+    monkeypatch, crossing, expected
+):
+    made_up(monkeypatch, 0.7, crossing)
     (point,), _ = near_the_boundary(SWEEP, [Place(300.0)])
-    assert point.velocity == pytest.approx(found, rel=1e-6)
+    assert point.velocity == pytest.approx(expected, rel=1e-6)
 
 
 def test_without_a_velocity_there_is_no_boundary():
@@ -165,11 +169,11 @@ def test_a_crossing_of_any_power_is_found_within_its_tolerance(exponent, root):
         asked.append(velocity)
         return 200.0 * (velocity / root) ** exponent
 
-    found = critical_velocity(rise, 200.0, 0.1, 10.0, tolerance=0.01)
-    assert abs(exponent * math.log(found / root)) <= 0.01
+    critical = critical_velocity(rise, 200.0, 0.1, 10.0, tolerance=0.01)
+    assert abs(exponent * math.log(critical / root)) <= 0.01
     assert len(asked) <= 20
     assert len(set(asked)) == len(asked)
-    assert all(0.1 * (1 - 1e-9) <= each <= 10.0 * (1 + 1e-9) for each in asked)
+    assert all(0.1 * (1 - 1e-9) <= v <= 10.0 * (1 + 1e-9) for v in asked)
 
 
 def test_a_crossing_is_enclosed_where_the_rise_jumps():
@@ -185,8 +189,10 @@ def test_a_crossing_is_enclosed_where_the_rise_jumps():
 
 @pytest.mark.parametrize("tolerance", [0.3, 0.001])
 def test_what_is_near_enough_is_taken(tolerance):
-    found = critical_velocity(lambda v: 100.0 * math.exp(math.atan(v)), 250.0, 0.1, 10.0, tolerance)
-    short = abs(math.atan(found) - math.log(2.5))
+    velocity = critical_velocity(
+        lambda v: 100.0 * math.exp(math.atan(v)), 250.0, 0.1, 10.0, tolerance
+    )
+    short = abs(math.atan(velocity) - math.log(2.5))
     assert short <= tolerance
     assert (short > 0.01) is (tolerance > 0.01)
 

@@ -36,23 +36,23 @@ def samples():
 
 @pytest.mark.parametrize(("load", "velocity"), [(400.0, 1.6), (400.0, 2.0), (300.0, 2.4)])
 def test_the_probability_is_that_of_2000_direct_samples_within_its_error(load, velocity):
-    found = pipeline.risk(ensemble(noise=0.01), load, velocity)
+    risk = pipeline.risk(ensemble(noise=0.01), load, velocity)
     direct = drawn(ALL, 99, 2000)
     noise = np.exp(0.01 * np.random.default_rng(1).standard_normal(2000))
     severe = rise(direct, load, velocity) * noise > limit(direct)
-    error = math.hypot(found.error, math.sqrt(severe.mean() * (1 - severe.mean()) / 2000))
-    assert abs(found.probability - severe.mean()) < 2.5 * error
-    assert found.error < 0.02
+    error = math.hypot(risk.error, math.sqrt(severe.mean() * (1 - severe.mean()) / 2000))
+    assert abs(risk.probability - severe.mean()) < 2.5 * error
+    assert risk.error < 0.02
 
 
 def test_the_probability_counts_with_what_is_correlated(samples):
-    """What one input gains the other loses, so that less than half is rarer still."""
+    """One input gains as the other loses, so that less than half is rarer still."""
     alone = pipeline.risk(samples, 400.0, 1.6)
-    found = pipeline.risk(ensemble(JOINT), 400.0, 1.6)
+    risk = pipeline.risk(ensemble(JOINT), 400.0, 1.6)
     direct = drawn(JOINT, 99, 2**14)
     severe = rise(direct, 400.0, 1.6) > limit(direct)
-    assert found.probability == pytest.approx(severe.mean(), abs=0.006)
-    assert found.probability < alone.probability - 0.02
+    assert risk.probability == pytest.approx(severe.mean(), abs=0.006)
+    assert risk.probability < alone.probability - 0.02
 
 
 def test_the_lines_of_the_plane_are_quantiles_of_the_boundary(samples):
@@ -65,21 +65,22 @@ def test_the_lines_of_the_plane_are_quantiles_of_the_boundary(samples):
 
 def test_draws_that_no_contact_allows_do_no_harm():
     wide = Unknown("friction.coefficient", "normal", (0.1, 0.05))  # 1 of 44 draws is negative
-    found = ensemble((CRITICAL, wide), 64)
+    wider = ensemble((CRITICAL, wide), 64)
     direct = drawn((CRITICAL, wide), 99, 8192)
     friction = np.maximum(direct[:, 1], 1e-9)
     severe = rise(direct, 400.0, 2.0, (CRITICAL, wide)) > (direct[:, 0] - 298.15) / friction
-    told = pipeline.risk(found, 400.0, 2.0)
-    assert told.probability == pytest.approx(severe.mean(), abs=0.012)
-    assert np.isfinite(pipeline.posterior(found).draws.weights).all()
-    assert np.isfinite(pipeline.sensitivity(found).first).all()
+    risk = pipeline.risk(wider, 400.0, 2.0)
+    assert risk.probability == pytest.approx(severe.mean(), abs=0.012)
+    assert np.isfinite(pipeline.posterior(wider).draws.weights).all()
+    assert np.isfinite(pipeline.sensitivity(wider).first).all()
 
 
 @pytest.mark.parametrize(
-    ("load", "velocity", "told"), [(100.0, 2.0, "load is 100 N"), (400.0, 9.0, "velocity is 9 m/s")]
+    ("load", "velocity", "message"),
+    [(100.0, 2.0, "load is 100 N"), (400.0, 9.0, "velocity is 9 m/s")],
 )
-def test_a_place_outside_the_samples_is_refused(samples, load, velocity, told):
-    with pytest.raises(InputError, match=told):
+def test_a_place_outside_the_samples_is_refused(samples, load, velocity, message):
+    with pytest.raises(InputError, match=message):
         pipeline.risk(samples, load, velocity)
 
 
@@ -98,39 +99,39 @@ def test_indices_of_ishigami_s_function():
 
 
 def test_indices_of_the_boundary_are_those_of_the_closed_form(samples):
-    found = pipeline.sensitivity(samples)
+    indices = pipeline.sensitivity(samples)
     direct = drawn(ALL, 99, 2**14)
     y = np.log(critical_velocity(direct, 400.0))
-    assert found.spread[1] == pytest.approx(y.std(), rel=0.05)
+    assert indices.spread[1] == pytest.approx(y.std(), rel=0.05)
     alone = []
     for k in range(4):
         x = np.tile(np.median(direct, axis=0), (len(direct), 1))
         x[:, k] = direct[:, k]
         alone.append(np.var(np.log(critical_velocity(x, 400.0))))
-    assert found.first[1] == pytest.approx(np.array(alone) / y.var(), abs=0.02)
-    assert (found.first_interval[0] <= found.first + 0.02).all()
-    assert (found.first_interval[1] >= found.first - 0.02).all()
-    assert max(found.velocity_error) < 0.002
+    assert indices.first[1] == pytest.approx(np.array(alone) / y.var(), abs=0.02)
+    assert (indices.first_interval[0] <= indices.first + 0.02).all()
+    assert (indices.first_interval[1] >= indices.first - 0.02).all()
+    assert max(indices.velocity_error) < 0.002
 
 
 def test_correlated_inputs_have_first_indices_alone_which_count_what_they_share():
-    found = pipeline.sensitivity(ensemble(JOINT))
-    assert np.isnan(found.total).all()
-    assert not found.given_measured
+    indices = pipeline.sensitivity(ensemble(JOINT))
+    assert np.isnan(indices.total).all()
+    assert not indices.given_measured
     # To be linear and normal: the squared correlation of each input with the boundary.
     direct = drawn(JOINT, 99, 2**14)
     y = np.log(critical_velocity(direct, 400.0))
     x = np.log(direct)
     expected = [np.corrcoef(x[:, k], y)[0, 1] ** 2 for k in range(4)]
-    assert found.first[1] == pytest.approx(expected, abs=0.03)
+    assert indices.first[1] == pytest.approx(expected, abs=0.03)
 
 
 def test_intervals_of_indices_stay_narrow_where_few_samples_suffice():
     seed = Unknown("disk.roughness.seed", "list", tuple(map(float, range(6))))
-    found = pipeline.sensitivity(ensemble((*ALL, seed), 96))
-    assert (found.first_interval[1] - found.first_interval[0] < 0.15).all()
-    assert (found.first_interval[0] <= found.first).all()
-    assert (found.first <= found.first_interval[1]).all()
+    indices = pipeline.sensitivity(ensemble((*ALL, seed), 96))
+    assert (indices.first_interval[1] - indices.first_interval[0] < 0.15).all()
+    assert (indices.first_interval[0] <= indices.first).all()
+    assert (indices.first <= indices.first_interval[1]).all()
 
 
 def test_weighted_first_indices_are_the_variance_of_means_less_what_chance_gives_them():
@@ -141,16 +142,16 @@ def test_weighted_first_indices_are_the_variance_of_means_less_what_chance_gives
     weights = draw.exponential(size=40)
     weights /= weights.sum()
     y -= weights @ y
-    chance = sum((w * each) ** 2 for w, each in zip(weights, y, strict=True))
+    chance = sum((w * rise) ** 2 for w, rise in zip(weights, y, strict=True))
     explained = 0.0
     for value in set(column) - {9.0}:
-        rows = [(w, each) for w, each, x in zip(weights, y, column, strict=True) if x == value]
+        rows = [(w, rise) for w, rise, x in zip(weights, y, column, strict=True) if x == value]
         part = sum(w for w, _ in rows)
-        mean = sum(w * each for w, each in rows) / part
-        scatter = sum((w * (each - mean)) ** 2 for w, each in rows) / part**2
+        mean = sum(w * rise for w, rise in rows) / part
+        scatter = sum((w * (rise - mean)) ** 2 for w, rise in rows) / part**2
         scatter /= 1 - sum(w**2 for w, _ in rows) / part**2  # as n - 1 in place of n
         explained += part * (mean**2 - scatter)
     expected = (explained + chance) / (weights @ y**2 + chance)
-    found = _first_of(Draws(column[:, None], weights), 3.0 + y[:, None])
+    index = _first_of(Draws(column[:, None], weights), 3.0 + y[:, None])
     assert 0.1 < expected < 0.9
-    assert found == pytest.approx(np.array([[expected]]), rel=1e-9)
+    assert index == pytest.approx(np.array([[expected]]), rel=1e-9)

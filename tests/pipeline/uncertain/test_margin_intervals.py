@@ -21,43 +21,45 @@ def values(interval):
 
 
 def test_intervals_are_those_of_the_closed_form():
-    found = pipeline.margin_intervals(ensemble(), "400 N", "2 m/s")
+    intervals = pipeline.margin_intervals(ensemble(), "400 N", "2 m/s")
     hot = 298.15 + DIRECT[:, 2] * rise(DIRECT, 400.0, 2.0)
     # The ends from 8192 draws are known to 2 % of a standard deviation, of 5 to 10 K.
-    assert values(found.decisive_temperature) == pytest.approx(np.quantile(hot, SHARES), abs=0.4)
+    assert values(intervals.decisive_temperature) == pytest.approx(
+        np.quantile(hot, SHARES), abs=0.4
+    )
     # Those of a difference of two, whose standard deviation is 13 K, to twice the error of 0.4 K.
     left = np.quantile(DIRECT[:, 0] - hot, SHARES)
-    assert values(found.distance) == pytest.approx(left, abs=0.8)
+    assert values(intervals.distance) == pytest.approx(left, abs=0.8)
     at_load = np.quantile(critical_velocity(DIRECT, 400.0), SHARES)
-    assert values(found.critical_velocity) == pytest.approx(at_load, rel=0.01)
+    assert values(intervals.critical_velocity) == pytest.approx(at_load, rel=0.01)
     at_velocity = np.quantile((limit(DIRECT) / rise(DIRECT, 1.0, 2.0)) ** (1 / 0.58), SHARES)
-    assert values(found.critical_load) == pytest.approx(at_velocity, rel=0.015)
-    assert found.risk.probability == pytest.approx(np.mean(hot > DIRECT[:, 0]), abs=0.01)
+    assert values(intervals.critical_load) == pytest.approx(at_velocity, rel=0.015)
+    assert intervals.risk.probability == pytest.approx(np.mean(hot > DIRECT[:, 0]), abs=0.01)
 
 
 def test_an_interval_leaves_out_a_twentieth_at_either_end():
     draws = Draws(np.empty((1001, 0)), np.full(1001, 1 / 1001))
-    found = Interval.of(draws, np.random.default_rng(0).permutation(1001.0 * np.arange(1001)))
-    assert values(found) == pytest.approx(1001.0 * np.array([49.55, 500.0, 950.45]), rel=1e-9)
+    interval = Interval.of(draws, np.random.default_rng(0).permutation(1001.0 * np.arange(1001)))
+    assert values(interval) == pytest.approx(1001.0 * np.array([49.55, 500.0, 950.45]), rel=1e-9)
 
 
 def test_what_samples_scatter_by_widens_the_interval():
     noise = 0.1
-    found = pipeline.margin_intervals(ensemble((CRITICAL, ALL[1]), noise=noise), 400.0, 2.0)
+    intervals = pipeline.margin_intervals(ensemble((CRITICAL, ALL[1]), noise=noise), 400.0, 2.0)
     direct = drawn((CRITICAL, ALL[1]), 99, 8192)
     off = np.exp(noise * np.random.default_rng(3).standard_normal(8192))
     hot = off * 0.1 * rise(direct, 400.0, 2.0, (CRITICAL, ALL[1]))
     expected = np.ptp(np.quantile(np.log(hot), SHARES))
-    told = np.ptp(np.log(np.array(values(found.decisive_temperature)) - 298.15))
-    assert told == pytest.approx(expected, rel=0.25)  # 64 samples tell a scatter to 9 %
+    width = np.ptp(np.log(np.array(values(intervals.decisive_temperature)) - 298.15))
+    assert width == pytest.approx(expected, rel=0.25)  # 64 samples tell a scatter to 9 %
     alone = pipeline.margin_intervals(ensemble((CRITICAL, ALL[1])), 400.0, 2.0)
-    assert told > 1.5 * np.ptp(np.log(np.array(values(alone.decisive_temperature)) - 298.15))
+    assert width > 1.5 * np.ptp(np.log(np.array(values(alone.decisive_temperature)) - 298.15))
 
 
 def test_a_boundary_beyond_the_sweep_is_said_to_lie_there():
-    found = pipeline.margin_intervals(ensemble(), 200.0, 2.0)
-    assert found.critical_load.low > 200.0
-    assert found.load_range[1] == 750.0
+    intervals = pipeline.margin_intervals(ensemble(), 200.0, 2.0)
+    assert intervals.critical_load.low > 200.0
+    assert intervals.load_range[1] == 750.0
     slow = pipeline.margin_intervals(ensemble(), 750.0, 0.6)
     assert slow.critical_load.low == slow.critical_load.high == np.inf
     fast = pipeline.margin_intervals(ensemble(), 750.0, 5.9)

@@ -29,7 +29,7 @@ JOINT = (CRITICAL, RATE, dataclasses.replace(FRICTION, correlated=((CRITICAL.pat
 
 
 def transitions(truth, scatter=0.05, seed=0, friction=True, loads=LOADS, off=None):
-    """What a rig measures of a hidden truth; one of the transitions is off by 40 %."""
+    """Transitions that a rig measures of a hidden truth; one is off by 40 %."""
     factors = np.exp(scatter * np.random.default_rng(seed).standard_normal(len(loads)))
     if off is not None:
         factors[off] *= 1.4
@@ -49,12 +49,12 @@ def alone(limit, load):
 
 
 def test_without_data_what_is_assumed_comes_back():
-    found = pipeline.posterior(ensemble(JOINT))
-    for row in found.summary():
+    posterior = pipeline.posterior(ensemble(JOINT))
+    for row in posterior.summary():
         assert row["posterior"] == row["prior"]
-    assert not list(found.hidden())
+    assert not list(posterior.hidden())
     # Values of a uniform input are correlated a little less than their normal scores.
-    assert found.correlations == pytest.approx(correlations(JOINT), abs=0.02)
+    assert posterior.correlations == pytest.approx(correlations(JOINT), abs=0.02)
 
 
 def test_what_is_learnt_of_an_input_tells_of_those_correlated_with_it():
@@ -71,10 +71,10 @@ def test_90_percent_intervals_hold_most_of_40_hidden_truths():
     held = []
     for number, truth in enumerate(truths):
         measured = transitions(truth, seed=number)
-        found = pipeline.posterior(ensemble(measured=measured))
+        posterior = pipeline.posterior(ensemble(measured=measured))
         inside = [
             row["posterior"]["interval"][0] <= value <= row["posterior"]["interval"][1]
-            for row, value in zip(found.summary(), truth, strict=True)
+            for row, value in zip(posterior.summary(), truth, strict=True)
         ]
         held.append(inside)
     assert 0.8 <= np.mean(held) <= 1.0
@@ -83,18 +83,18 @@ def test_90_percent_intervals_hold_most_of_40_hidden_truths():
 
 def test_transitions_narrow_the_critical_temperature_and_hide_the_wear_rate_behind_it():
     truth = np.array([425.0, 1.5e-15, 0.1, 4e-6])
-    found = pipeline.posterior(ensemble(measured=transitions(truth, 0.01)), 0.02)
-    critical, *_ = found.summary()
+    posterior = pipeline.posterior(ensemble(measured=transitions(truth, 0.01)), 0.02)
+    critical, *_ = posterior.summary()
     assert critical["posterior"]["sd"] < 0.75 * critical["prior"]["sd"]
-    (pair, *_) = found.hidden()
+    (pair, *_) = posterior.hidden()
     assert set(pair[:2]) == {CRITICAL.path, RATE.path}
     assert pair[2] < -0.6
 
 
 def test_a_transition_measured_outside_the_samples_is_named():
     away = [{"normal_load": 900.0, "velocity": 1.1, "friction": None}]
-    told = r"test at 900 N and 1.1 m/s: load is 900 N; the samples have 200 to 750"
-    with pytest.raises(InputError, match=told):
+    message = r"test at 900 N and 1.1 m/s: load is 900 N; the samples have 200 to 750"
+    with pytest.raises(InputError, match=message):
         pipeline.posterior(ensemble(measured=away))
 
 
@@ -105,16 +105,18 @@ def test_a_measurement_that_nothing_allows_is_told():
 
 
 def test_given_the_measurements_the_risk_is_sharper():
-    found = pipeline.posterior(
+    posterior = pipeline.posterior(
         ensemble(measured=transitions(np.array([418.0, 1.2e-15, 0.1, 4.5e-6]), friction=None))
     )
     before, after = (
-        pipeline.risk_lines(pipeline.probabilities(found.ensemble, draws, loads=LOADS))[1]
-        for draws in (prior(found.ensemble.unknown, 1), found.draws)
+        pipeline.risk_lines(pipeline.probabilities(posterior.ensemble, draws, loads=LOADS))[1]
+        for draws in (prior(posterior.ensemble.unknown, 1), posterior.draws)
     )
-    assert float(pipeline.probabilities(found.ensemble, found.draws).max()) == pytest.approx(1.0)
+    assert float(
+        pipeline.probabilities(posterior.ensemble, posterior.draws).max()
+    ) == pytest.approx(1.0)
     assert (np.diff(np.log(after[1]))).sum() < 0.8 * np.diff(np.log(before[1])).sum()
-    indices = pipeline.sensitivity(found.ensemble, found.draws)
+    indices = pipeline.sensitivity(posterior.ensemble, posterior.draws)
     assert np.isnan(indices.total).all()
     assert (indices.first < 1.0).all()
 
@@ -139,18 +141,18 @@ def test_a_transition_counts_as_much_as_its_own_scatter_allows(scatters, share):
     limit_there = rise(np.zeros((1, 0)), 400.0, 2.0, ())[0] * 0.1
     critical = Unknown(CRITICAL.path, "normal", (298.15 + limit_there, 8.0), "K")
     entry = {"normal_load": 400.0, "velocity": 2.0, "friction": 0.1} | scatters
-    found = pipeline.posterior(ensemble((critical, LENGTH), measured=[entry]), 0.01)
-    (own, _) = found.summary()
+    posterior = pipeline.posterior(ensemble((critical, LENGTH), measured=[entry]), 0.01)
+    (marginal, _) = posterior.summary()
     of_length = 0.02 * 3 / math.sqrt(12)  # what the correlation length, uniform, adds
     expected = (8.0**-2 + (limit_there * math.hypot(share, of_length)) ** -2) ** -0.5
-    assert own["posterior"]["sd"] == pytest.approx(expected, rel=0.04)
+    assert marginal["posterior"]["sd"] == pytest.approx(expected, rel=0.04)
 
 
 def test_a_load_scatters_only_where_other_loads_tell_what_that_makes():
     entry = {"normal_load": 400.0, "velocity": 2.0, "friction": 0.1, "load_scatter": 5.0}
-    found = ensemble(measured=[entry])
+    samples = ensemble(measured=[entry])
     alone = dataclasses.replace(
-        found, loads=LOADS[1:2], rises=found.rises[:, 1:2], widths=found.widths[:, 1:2]
+        samples, loads=LOADS[1:2], rises=samples.rises[:, 1:2], widths=samples.widths[:, 1:2]
     )
     with pytest.raises(
         InputError, match=r"400 N and 2 m/s has a load_scatter.*give more sweep\.loads"
@@ -168,7 +170,7 @@ def test_tests_that_stayed_mild_or_turned_severe_bracket_as_their_likelihood_say
     ]  # fmt: skip
     for test in tests:
         test["velocity_scatter"] = 0.05 * test["velocity"]
-    found = pipeline.posterior(dataclasses.replace(ensemble((CRITICAL,)), tested=tuple(tests)))
+    posterior = pipeline.posterior(dataclasses.replace(ensemble((CRITICAL,)), tested=tuple(tests)))
     kelvins = np.linspace(378.0, 460.0, 4001)
     density = np.exp(-0.5 * ((kelvins - 418.15) / 8.0) ** 2)
     for test in tests:
@@ -177,7 +179,7 @@ def test_tests_that_stayed_mild_or_turned_severe_bracket_as_their_likelihood_say
         density *= ndtr(z if test["outcome"] == "severe" else -z)
     mean = np.average(kelvins, weights=density)
     spread = math.sqrt(np.average((kelvins - mean) ** 2, weights=density))
-    (critical,) = found.summary()
+    (critical,) = posterior.summary()
     assert critical["posterior"]["mean"] == pytest.approx(mean, abs=0.1)
     assert critical["posterior"]["sd"] == pytest.approx(spread, rel=0.03)
 
@@ -227,10 +229,10 @@ def test_the_scatter_is_that_of_the_tests_not_that_which_is_said():
 
 def test_a_test_that_tells_nothing_leaves_the_scatter_that_is_said():
     obvious = {"normal_load": 750.0, "velocity": 6.0, "outcome": "severe", "friction": 0.1}
-    told = pipeline.posterior(dataclasses.replace(ensemble(), tested=(obvious,)))
+    uninformed = pipeline.posterior(dataclasses.replace(ensemble(), tested=(obvious,)))
     said = pipeline.posterior(ensemble())
     # Factors are half a standard deviation apart.
-    assert told.inferred_scatter == pytest.approx(said.inferred_scatter, rel=0.06)
+    assert uninformed.inferred_scatter == pytest.approx(said.inferred_scatter, rel=0.06)
 
 
 def test_a_test_that_all_others_contradict_is_named():
@@ -238,24 +240,24 @@ def test_a_test_that_all_others_contradict_is_named():
     sound = pipeline.posterior(ensemble(measured=transitions(truth, 0.03, seed=1, loads=EIGHT)))
     assert not any(judged.contradicts for judged in sound.judged)
     measured = transitions(truth, 0.03, seed=1, loads=EIGHT, off=2)
-    found = pipeline.posterior(ensemble(measured=measured))
-    assert [judged.contradicts for judged in found.judged].index(True) == 2
-    assert sum(judged.contradicts for judged in found.judged) == 1
+    posterior = pipeline.posterior(ensemble(measured=measured))
+    assert [judged.contradicts for judged in posterior.judged].index(True) == 2
+    assert sum(judged.contradicts for judged in posterior.judged) == 1
 
 
 def test_sweeps_share_their_steel_and_have_each_a_lubricant_of_its_own():
     narrow = Unknown(CRITICAL.path, "normal", (418.15, 1.0), "K")
     truth = np.array([418.15, 1.2e-15, 0.1, 5.5e-6])
-    known = ensemble((narrow, LENGTH), measured=transitions(truth, 0.005))
+    narrowed = ensemble((narrow, LENGTH), measured=transitions(truth, 0.005))
     other = ensemble((CRITICAL, LENGTH))
-    found = pipeline.posterior([other, known], 0.005)
-    paths = [each.path for each in found.unknown]
+    posterior = pipeline.posterior([other, narrowed], 0.005)
+    paths = [entry.path for entry in posterior.unknown]
     assert paths == [f"1: {CRITICAL.path}", LENGTH.path, f"2: {CRITICAL.path}"]
-    first, length, second = found.summary()
+    first, length, second = posterior.summary()
     assert first["posterior"]["sd"] == pytest.approx(first["prior"]["sd"], rel=0.1)  # untested
     assert length["posterior"]["sd"] < 0.6 * length["prior"]["sd"]
     assert second["posterior"]["sd"] < 1.05
-    assert found.of_sweep(0).inputs.shape[1] == 2
+    assert posterior.of_sweep(0).inputs.shape[1] == 2
     longer = Unknown(LENGTH.path, "uniform", (3e-6, 7e-6), "m")
     with pytest.raises(InputError, match=r"correlation_length is shared.*differ"):
         pipeline.posterior([other, ensemble((CRITICAL, longer))])
@@ -270,8 +272,8 @@ def test_a_shorter_hold_is_that_of_the_steps_of_the_samples():
     with pytest.raises(InputError, match=r"held the load for 2 s, the samples for 5 s: .*steps"):
         pipeline.posterior(pipeline.Ensemble.of(coarse))
     ds = dataset(longest, growth=((0.0, 1.0), (1.0, 0.9), (2.0, 1.05), (5.0, 1.1)))
-    found = pipeline.posterior(pipeline.Ensemble.of(ds))
-    one, other = (judged.critical_velocity[1] for judged in found.judged)
+    posterior = pipeline.posterior(pipeline.Ensemble.of(ds))
+    one, other = (judged.critical_velocity[1] for judged in posterior.judged)
     assert other / one == pytest.approx((1.05 / 1.1) ** (1 / EXPONENT), rel=1e-3)
     longer = dataclasses.replace(longest, measured=(dict(entry, hold=10.0),))
     with pytest.raises(InputError, match=r"held the load for 10 s, the samples for 5 s"):
@@ -295,8 +297,10 @@ def test_a_friction_that_was_measured_takes_the_place_of_friction_by_velocity():
         (judged,) = pipeline.posterior(corrected).judged
         critical[friction] = judged.critical_velocity[1]
     assert critical[0.1] == pytest.approx(steady, rel=0.02)
-    at = critical[None]
-    assert at == pytest.approx(steady * (0.1 / conditions.friction_at(at)) ** (1 / EXPONENT), 0.02)
+    velocities = critical[None]
+    assert velocities == pytest.approx(
+        steady * (0.1 / conditions.friction_at(velocities)) ** (1 / EXPONENT), 0.02
+    )
     assert abs(math.log(critical[None] / critical[0.1])) > 0.03
 
 
@@ -344,7 +348,7 @@ def test_a_planned_transition_promises_the_spread_that_is_had(bulk, most_beyond,
         for seed, kelvins in enumerate(drawn((CRITICAL,), 3, 24)[:, 0])
     ]
     after = (pipeline.posterior(dataclasses.replace(sweep, tested=(test,))) for test in tests)
-    had = [next(each.summary())["posterior"]["sd"] for each in after]
+    had = [next(outcome.summary())["posterior"]["sd"] for outcome in after]
     beyond = sum("outcome" in test for test in tests)
     assert (beyond > 4) == (most_beyond > 0)
     assert beyond <= most_beyond
@@ -364,22 +368,28 @@ def test_tests_are_planned_at_the_friction_that_the_log_has():
 
 
 def test_warmer_tests_tell_more_of_a_critical_temperature_and_can_be_chosen_from():
-    found = pipeline.posterior(ensemble((CRITICAL,)))
-    (cold,) = pipeline.batch(found, 1, CRITICAL.path, ["25 degC"])
-    (best,) = pipeline.batch(found, 1, CRITICAL.path, ["25 degC", "100 degC"])
+    posterior = pipeline.posterior(ensemble((CRITICAL,)))
+    (cold,) = pipeline.batch(posterior, 1, CRITICAL.path, ["25 degC"])
+    (best,) = pipeline.batch(posterior, 1, CRITICAL.path, ["25 degC", "100 degC"])
     assert best.test["bulk_temperature"] == pytest.approx(373.15)
     assert best.spread < 0.8 * cold.spread
     with pytest.raises(InputError, match=r'target is "pin"; give one of temperature\.critical, or'):
-        pipeline.candidates(found, "pin")
+        pipeline.candidates(posterior, "pin")
 
 
 def test_a_friction_that_the_log_does_not_have_is_not_averaged_out_by_planned_tests():
-    told = {"normal_load": 200.0, "velocity": 0.5, "outcome": "mild"}  # which tells nothing
+    uninformative = {
+        "normal_load": 200.0,
+        "velocity": 0.5,
+        "outcome": "mild",
+    }  # which tells nothing
     promised = {}
     for friction in (None, 0.1):
-        log = (told | {"friction": friction},)
-        found = pipeline.posterior(dataclasses.replace(ensemble((CRITICAL, FRICTION)), tested=log))
-        *_, last = pipeline.batch(found, 6, CRITICAL.path, ["25 degC"])
+        log = (uninformative | {"friction": friction},)
+        posterior = pipeline.posterior(
+            dataclasses.replace(ensemble((CRITICAL, FRICTION)), tested=log)
+        )
+        *_, last = pipeline.batch(posterior, 6, CRITICAL.path, ["25 degC"])
         promised[friction] = last.spread
     spread, of_friction = CRITICAL.parameters[1], 0.05 * (CRITICAL.parameters[0] - 298.15)
     assert promised[None] > 0.95 * math.hypot(1 / spread, 1 / of_friction) ** -1
