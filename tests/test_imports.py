@@ -65,7 +65,7 @@ def test_types_that_public_functions_return_are_public():
 
 
 def test_help_and_completion_offer_the_public_names():
-    shown = pydoc.render_doc(pipeline, renderer=pydoc.plaintext)
-    assert all(name in shown for name in pipeline.__all__)
+    text = pydoc.render_doc(pipeline, renderer=pydoc.plaintext)
+    assert all(name in text for name in pipeline.__all__)
     completer = rlcompleter.Completer({"pipeline": pipeline})
     assert completer.complete("pipeline.open_s", 0).startswith("pipeline.open_sweep")

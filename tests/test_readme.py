@@ -1,4 +1,4 @@
-"""What the README shows is what happens."""
+"""The README shows what happens."""
 
 import re
 import shlex
@@ -42,11 +42,11 @@ def test_python_blocks_run(block, folder, monkeypatch):
 @pytest.mark.parametrize("page", PAGES)
 def test_every_command_shown_is_one_that_could_be_typed(page):
     text = (ROOT / page).read_text(encoding="utf-8")
-    shown = re.findall(r"^irg .*$", text, flags=re.MULTILINE)
-    for command in shown:
+    commands = re.findall(r"^irg .*$", text, flags=re.MULTILINE)
+    for command in commands:
         parse(shlex.split(command, comments=True)[1:])
     if page == "README.md":
-        assert len(shown) > 10
+        assert len(commands) > 10
 
 
 @pytest.mark.parametrize("scene", SCENES, ids=range(len(SCENES)))
@@ -66,8 +66,8 @@ def test_the_walk_from_a_scan_to_a_boundary_leads_there(folder, monkeypatch, cap
     holed = rng.normal(scale=0.3, size=(400, 520)) + np.linspace(0, 5, 400)[:, None]  # tilted
     holed[3, 50] = np.nan
     np.save("disk.npy", holed)
-    own, radii, measured = re.findall(r"```toml\n(.*?)```", WALK, flags=re.DOTALL)
-    (folder / "rig.toml").write_text(own, encoding="utf-8")
+    rig, radii, measured = re.findall(r"```toml\n(.*?)```", WALK, flags=re.DOTALL)
+    (folder / "rig.toml").write_text(rig, encoding="utf-8")
     sweep = pipeline.load_scene("rig.toml")
     assert isinstance(sweep.pin, tribo.Ball)
     assert doubts(sweep, facts_of(sweep)) == ()

@@ -1,4 +1,4 @@
-"""What is built for others: a wheel that works alone, and a source archive without stray files."""
+"""The wheel works alone, and the source archive has no stray files."""
 
 import os
 import re
@@ -40,8 +40,8 @@ def run(installed, tmp_path, *command):
 def test_the_shipped_scenes_come_with_the_wheel(installed, tmp_path):
     where = "from pipeline.scene.shipped import WORKFLOWS; print(WORKFLOWS)"
     assert run(installed, tmp_path, "-c", where).strip() == str(installed / "pipeline/workflows")
-    known = {path.name for path in (ROOT / "workflows").glob("*.toml")}
-    assert {path.name for path in (installed / "pipeline/workflows").glob("*.toml")} == known
+    names = {path.name for path in (ROOT / "workflows").glob("*.toml")}
+    assert {path.name for path in (installed / "pipeline/workflows").glob("*.toml")} == names
     run(installed, tmp_path, "-m", "pipeline", "new", "record.toml", "--from", "fig8")
     assert (tmp_path / "fig8_load_record.csv").exists()
     cited = "from pipeline.figures.report.citation import citation; print(*citation())"
@@ -86,7 +86,7 @@ def test_the_wheel_holds_all_of_both_packages(installed):
 
 
 def tracked():
-    """What git tracks; nothing where this is no checkout."""
+    """Files that git tracks; none where this is no checkout."""
     done = subprocess.run(
         ["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=False, timeout=60
     )

@@ -50,17 +50,17 @@ def test_all_answers_rest_on_the_same_corrected_rise(store, name):
     sweep = tiny.full(conditions=conditions)
     plain = pipeline.open_sweep(store)
     ds = plain.assign_attrs(conditions=conditions.as_dict())
-    found = pipeline.boundary(ds)
-    changed = np.abs(found["critical_velocity"] - pipeline.boundary(plain)["critical_velocity"])
+    crossings = pipeline.boundary(ds)
+    changed = np.abs(crossings["critical_velocity"] - pipeline.boundary(plain)["critical_velocity"])
     assert (changed > 1e-3).any() or name == "track"
     page = javascript.run(ds, "return summary().velocity.map(({ middle }) => middle);")
-    np.testing.assert_allclose(page, found["critical_velocity"], rtol=1e-9)
+    np.testing.assert_allclose(page, crossings["critical_velocity"], rtol=1e-9)
     point = pipeline.run_point(sweep, 600.0, 1.0).verdict(conditions)
     (margin,) = pipeline.margins(ds, 600.0, 1.0)
     assert margin.decisive_temperature == pytest.approx(point.decisive_temperature, rel=1e-12)
     temperature = pipeline.temperatures(ds)["max_temperature"].sel(load=600, velocity=1.0)
     assert temperature.dropna("step")[-1].item() == pytest.approx(point.max_temperature)
-    found.to_netcdf(store.parent / "boundary.nc")
+    crossings.to_netcdf(store.parent / "boundary.nc")
 
 
 def test_corrections_cost_no_point_and_change_no_stored_number(store):
@@ -78,9 +78,9 @@ def test_searches_go_by_the_corrected_rise(tmp_path):
     scene = tmp_path / "scene.toml"
     scene.write_text(BESIDE)
     pipeline.follow_boundary(scene, tmp_path / "edge.zarr", workers=1)
-    found = pipeline.boundary(tmp_path / "edge.zarr")["critical_velocity"]
+    velocities = pipeline.boundary(tmp_path / "edge.zarr")["critical_velocity"]
     varied = pipeline.vary(scene, {}).own.critical_velocities
-    np.testing.assert_allclose(found, varied, rtol=2e-3)
+    np.testing.assert_allclose(velocities, varied, rtol=2e-3)
 
 
 def test_friction_by_velocity_is_that_friction_at_that_velocity(store):
@@ -108,11 +108,11 @@ def test_conditions_are_read_from_what_a_store_holds():
 def test_entries_of_a_scene_become_corrections(tmp_path):
     (tmp_path / "plain.toml").write_text(SCENE)
     (tmp_path / "scene.toml").write_text(BESIDE)
-    found = pipeline.load_scene(tmp_path / "scene.toml").conditions.corrections
-    assert found.track == tribo.Track.under(tribo.Cylinder(2e-3, 3.4e-3, STEEL), STEEL, 0.34)
-    assert found.stem == ALL.stem
-    assert found.film_resistance == pytest.approx(1e-8)
-    np.testing.assert_allclose(found.friction, ALL.friction)
+    corrections = pipeline.load_scene(tmp_path / "scene.toml").conditions.corrections
+    assert corrections.track == tribo.Track.under(tribo.Cylinder(2e-3, 3.4e-3, STEEL), STEEL, 0.34)
+    assert corrections.stem == ALL.stem
+    assert corrections.film_resistance == pytest.approx(1e-8)
+    np.testing.assert_allclose(corrections.friction, ALL.friction)
     assert pipeline.load_scene(tmp_path / "plain.toml").conditions.corrections is None
 
 
@@ -128,17 +128,17 @@ def test_entries_of_a_scene_become_corrections(tmp_path):
 )  # fmt: skip
 def test_bad_entries_are_named(tmp_path, irg, setting, problem):
     (tmp_path / "plain.toml").write_text(SCENE)
-    told = irg("check", tmp_path / "plain.toml", "--set", setting, code=2)
-    assert setting.partition("=")[0] in told
-    assert problem in told
-    assert "Traceback" not in told
+    error = irg("check", tmp_path / "plain.toml", "--set", setting, code=2)
+    assert setting.partition("=")[0] in error
+    assert problem in error
+    assert "Traceback" not in error
 
 
 def test_the_budget_sizes_what_a_scene_leaves_out(tmp_path, irg):
     (tmp_path / "plain.toml").write_text(SCENE)
     command = ["vary", str(tmp_path / "plain.toml"), "--physics", "-q"]
     command += ["--set", 'pin.stem={resistance="8 K/W"}', "--set", 'sweep.loads=["400 N"]']
-    told = irg(*command)
-    assert "earlier passes in the track" in told
-    assert "stem and holder" not in told
+    budget = irg(*command)
+    assert "earlier passes in the track" in budget
+    assert "stem and holder" not in budget
     assert "--physics" in irg(*command[:2], "-q", code=2)

@@ -1,4 +1,4 @@
-"""What no reader may hang, run out of memory or end with a traceback on."""
+"""Input on which no reader may hang, run out of memory or end with a traceback."""
 
 import io
 import os
@@ -86,9 +86,9 @@ def test_any_title_is_shown_and_drawn(tmp_path, capsys, title):
     path = tmp_path / "a.zarr"
     commit(path, tiny.sweep(title=title, store_fields=False), ())
     assert main(["status", str(path)]) == 0
-    shown = capsys.readouterr().out
-    assert shown.replace("\n", "").isprintable()
-    assert len(shown) < 5000
+    output = capsys.readouterr().out
+    assert output.replace("\n", "").isprintable()
+    assert len(output) < 5000
     assert main(["status", str(path), "--json"]) == 0
     assert "\x9b" not in capsys.readouterr().out
     assert main(["plot", str(path), "--kind", "diagram", "-o", str(tmp_path / "a.png")]) in (0, 2)
@@ -100,19 +100,19 @@ def test_a_scene_is_checked_without_a_word_to_the_terminal(tmp_path, capsys):
     title = "\\u001b[31m red" + "A" * 5_000_000
     scene.write_text(f'extends = "{ROOT}/workflows/first_try.toml"\ntitle = "{title}"\n')
     assert main(["check", str(scene)]) == 0
-    shown = capsys.readouterr().out
-    assert "\x1b" not in shown
-    assert len(shown) < 10_000
+    output = capsys.readouterr().out
+    assert "\x1b" not in output
+    assert len(output) < 10_000
 
 
 def test_of_thousands_of_faults_some_are_shown(tmp_path, capsys):
     scene = tmp_path / "a.toml"
     scene.write_text("".join(f'k{number} = "1 N"\n' for number in range(10_000)))
     assert main(["check", str(scene)]) == 2
-    shown = capsys.readouterr().err
-    assert shown.startswith(f"irg: {scene}: 10")
-    assert shown.count("\n") < 200
-    assert shown.rstrip().endswith(" more")
+    output = capsys.readouterr().err
+    assert output.startswith(f"irg: {scene}: 10")
+    assert output.count("\n") < 200
+    assert output.rstrip().endswith(" more")
 
 
 @pytest.mark.parametrize(
@@ -134,9 +134,9 @@ def test_a_key_of_too_many_parts_is_an_error_that_takes_no_memory(tmp_path, caps
         assert tracemalloc.get_traced_memory()[1] < 20_000_000
     finally:
         tracemalloc.stop()
-    shown = capsys.readouterr().err
-    assert shown.count("\n") == 1
-    assert "a.toml: line 2 has a key of more than 10 parts" in shown
+    output = capsys.readouterr().err
+    assert output.count("\n") == 1
+    assert "a.toml: line 2 has a key of more than 10 parts" in output
 
 
 def test_text_and_numbers_with_many_points_are_no_key(tmp_path):

@@ -1,4 +1,4 @@
-"""What is shown where a scene, a point or a figure is looked at, as in a notebook."""
+"""Scenes, points and figures as a notebook shows them."""
 
 import io
 from dataclasses import replace
@@ -49,12 +49,12 @@ def test_a_notebook_shows_one_line_of_progress(monkeypatch):
     monkeypatch.setattr("IPython.get_ipython", lambda: SimpleNamespace(kernel=None))
     with reported(print) as report:
         assert report is print
-    shown = []
-    line = SimpleNamespace(update=lambda data, raw: shown.append(data["text/plain"]))
+    texts = []
+    line = SimpleNamespace(update=lambda data, raw: texts.append(data["text/plain"]))
     monkeypatch.setattr("IPython.display.display", lambda *data, **options: line)
     with reported(None) as report:
         report(Progress(done=3, failed=1, total=9, elapsed=65.0, time_to_go=130.0))
         report(Progress(done=9, failed=0, total=9, elapsed=65.0, time_to_go=0.0))
-    assert shown[0].startswith("3 of 9 points done, 1 failed, ")
-    assert shown[0].endswith("2 min to go")
-    assert shown[1] in ("9 of 9 points done, 65 s so far", "9 of 9 points done, 1 min so far")
+    assert texts[0].startswith("3 of 9 points done, 1 failed, ")
+    assert texts[0].endswith("2 min to go")
+    assert texts[1] in ("9 of 9 points done, 65 s so far", "9 of 9 points done, 1 min so far")

@@ -97,25 +97,28 @@ def test_a_criterion_is_one_entry_and_every_command_knows_it(monkeypatch, capsys
     """The mean of the hottest tenth, about as the 95th percentile of an even distribution."""
 
     def hottest_tenth(rises, _, quantiles):
-        at = np.linspace(0.9, 1.0, 21)
-        return np.apply_along_axis(lambda row: np.interp(at, quantiles, row).mean(), -1, rises)
+        shares = np.linspace(0.9, 1.0, 21)
+        return np.apply_along_axis(lambda row: np.interp(shares, quantiles, row).mean(), -1, rises)
 
     rule = Rule("rise_quantile", hottest_tenth, "mean of the hottest tenth", "its tenth above")
     monkeypatch.setitem(CRITERIA, "tenth", rule)
     ds = synthetic.sweep()  # whose temperatures are spread evenly
-    found, expected = pipeline.boundary(ds, criterion="tenth"), pipeline.boundary(ds, share=0.05)
-    xr.testing.assert_allclose(found["critical_velocity"], expected["critical_velocity"])
+    crossings, expected = (
+        pipeline.boundary(ds, criterion="tenth"),
+        pipeline.boundary(ds, share=0.05),
+    )
+    xr.testing.assert_allclose(crossings["critical_velocity"], expected["critical_velocity"])
     (margin,) = pipeline.margins(ds, 400.0, 2.0, criterion="tenth")
-    assert margin.critical_velocity == pytest.approx(float(found["critical_velocity"][4]))
+    assert margin.critical_velocity == pytest.approx(float(crossings["critical_velocity"][4]))
     figure = diagram(ds, criterion="tenth")
     assert "its tenth above 145 °C" in figure.legends[0].get_title().get_text()
     stored = ds.assign_attrs(conditions=ds.attrs["conditions"] | {"criterion": "tenth"})
     page = javascript.run(stored, "return summary().velocity.map(({ middle }) => middle);")
-    np.testing.assert_allclose(page, found["critical_velocity"], rtol=1e-9)
+    np.testing.assert_allclose(page, crossings["critical_velocity"], rtol=1e-9)
     monkeypatch.setattr(pipeline, "open_sweep", lambda path: ds)
     assert main(["boundary", "out.zarr", "--criterion", "tenth", "--json"]) == 0
     document = json.loads(capsys.readouterr().out)
-    np.testing.assert_allclose(document["critical_velocity"], found["critical_velocity"])
+    np.testing.assert_allclose(document["critical_velocity"], crossings["critical_velocity"])
     sweep = tiny.sweep(conditions=Conditions(0.1, 298.15, 418.15, criterion="tenth"))
     result = pipeline.run_point(sweep, 600.0, 1.5)
     rise = result.columns["rise_quantile"][-1]
@@ -129,7 +132,7 @@ def case(request):
 
 
 @pytest.fixture(params=CONDITIONS, ids=str, scope="module")
-def given(request, case):
+def changes(request, case):
     if "bulk_temperature" in request.param and "bulk_ratio" in case[0].coords:
         pytest.skip("has two")
     return request.param
@@ -156,9 +159,9 @@ def test_the_command_that_is_named_computes_what_was_beyond(
     ask = ["boundary", "small.zarr", "--json", "--friction", "0.085", "--critical-temperature"]
     ask += ["150 degC"]
     assert main(ask) == 0
-    found = json.loads(capsys.readouterr().out)
-    assert set(found["outcome_at_load"]) & {OUTCOMES[each] for each in BEYOND}
-    assert main([*shlex.split(found["command"])[1:], "-q", "--workers", "1"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert set(document["outcome_at_load"]) & {OUTCOMES[outcome] for outcome in BEYOND}
+    assert main([*shlex.split(document["command"])[1:], "-q", "--workers", "1"]) == 0
     capsys.readouterr()
     assert main(ask) == 0
     again = json.loads(capsys.readouterr().out)
@@ -178,20 +181,20 @@ def planes(rises):
     return rises.values.reshape(-1, *rises.shape[-2:])
 
 
-def test_no_outcome_is_contradicted_by_points_that_were_not_computed(case, given):
+def test_no_outcome_is_contradicted_by_points_that_were_not_computed(case, changes):
     ds, truth = case
-    conditions = conditions_of(ds, **given)
+    conditions = conditions_of(ds, **changes)
     limit = rise_limit(conditions)
-    found = pipeline.boundary(ds, **given)
+    crossings = pipeline.boundary(ds, **changes)
     for axis, along in (("load", "velocity"), ("velocity", "load")):
         x = ds[along].values
-        own, true = (
-            decisive_rise(each, conditions).transpose(..., axis, along).values.reshape(-1, len(x))
-            for each in (ds, truth)
+        partial, true = (
+            decisive_rise(sweep, conditions).transpose(..., axis, along).values.reshape(-1, len(x))
+            for sweep in (ds, truth)
         )
-        places = found[f"critical_{along}"].values.ravel()
-        outcomes = found[f"outcome_at_{axis}"].values.ravel()
-        for rises, all_rises, place, outcome in zip(own, true, places, outcomes, strict=True):
+        places = crossings[f"critical_{along}"].values.ravel()
+        outcomes = crossings[f"outcome_at_{axis}"].values.ravel()
+        for rises, all_rises, place, outcome in zip(partial, true, places, outcomes, strict=True):
             done, severe = np.isfinite(rises), all_rises > limit
             if outcome == CROSSES:  # between neighbours of which one is mild and the next severe
                 lower, upper = severe[done & (x <= place)], severe[done & (x >= place)]
@@ -212,10 +215,10 @@ def test_no_outcome_is_contradicted_by_points_that_were_not_computed(case, given
                 assert not done.any()
 
 
-def test_margins_say_what_the_boundary_says(case, given):
+def test_margins_say_what_the_boundary_says(case, changes):
     ds, truth = case
-    conditions = conditions_of(ds, **given)
-    found = pipeline.boundary(ds, **given)
+    conditions = conditions_of(ds, **changes)
+    crossings = pipeline.boundary(ds, **changes)
     true = planes(decisive_rise(truth, conditions)) > rise_limit(conditions)
     done = np.isfinite(planes(decisive_rise(ds, conditions)))
     places = list(itertools.product(range(ds.sizes["load"]), range(ds.sizes["velocity"])))
@@ -223,54 +226,58 @@ def test_margins_say_what_the_boundary_says(case, given):
         if not done[:, i, j].all():
             continue
         load, velocity = float(ds["load"][i]), float(ds["velocity"][j])
-        for k, margin in enumerate(pipeline.margins(ds, load, velocity, **given)):
-            at = found.isel({name: k for name in ("realization",) if name in found.dims})
+        for k, margin in enumerate(pipeline.margins(ds, load, velocity, **changes)):
+            surface = crossings.isel(
+                {name: k for name in ("realization",) if name in crossings.dims}
+            )
             assert margin.is_severe == true[k, i, j]
-            assert margin.velocity_outcome == OUTCOMES[int(at["outcome_at_load"][i])]
-            assert margin.load_outcome == OUTCOMES[int(at["outcome_at_velocity"][j])]
-            assert margin.velocity_bridged == at["bridged_at_load"][i]
-            assert margin.load_bridged == at["bridged_at_velocity"][j]
-            np.testing.assert_equal(margin.critical_velocity, float(at["critical_velocity"][i]))
-            np.testing.assert_equal(margin.critical_load, float(at["critical_load"][j]))
+            assert margin.velocity_outcome == OUTCOMES[int(surface["outcome_at_load"][i])]
+            assert margin.load_outcome == OUTCOMES[int(surface["outcome_at_velocity"][j])]
+            assert margin.velocity_bridged == surface["bridged_at_load"][i]
+            assert margin.load_bridged == surface["bridged_at_velocity"][j]
+            np.testing.assert_equal(
+                margin.critical_velocity, float(surface["critical_velocity"][i])
+            )
+            np.testing.assert_equal(margin.critical_load, float(surface["critical_load"][j]))
 
 
-def test_documents_and_tables_say_what_the_boundary_says(case, given):
-    found = pipeline.boundary(case[0], **given)
-    document = document_of(found)
-    for axis, table in zip(("load", "velocity"), tables_of(found), strict=True):
-        outcome = found[f"outcome_at_{axis}"].values
+def test_documents_and_tables_say_what_the_boundary_says(case, changes):
+    crossings = pipeline.boundary(case[0], **changes)
+    document = document_of(crossings)
+    for axis, table in zip(("load", "velocity"), tables_of(crossings), strict=True):
+        outcome = crossings[f"outcome_at_{axis}"].values
         worded = np.vectorize(OUTCOMES.get)(outcome).tolist()
         assert document[f"outcome_at_{axis}"] == worded
-        if "quantile" not in found:
+        if "quantile" not in crossings:
             assert table.as_dict()[f"outcome_at_{axis}"] == worded
 
 
-def test_a_diagram_draws_no_boundary_that_was_not_found(case, given):
+def test_a_diagram_draws_no_boundary_that_was_not_found(case, changes):
     ds = case[0]
-    found = pipeline.boundary(ds, **given)
-    figure = diagram(ds, **given)
+    crossings = pipeline.boundary(ds, **changes)
+    figure = diagram(ds, **changes)
     axes, texts = figure.axes[0], [text.get_text() for text in figure.legends[0].texts]
     texts = [text for text in texts if not text.startswith("transition at friction")]  # the band
-    is_drawn = any(each.get_gid() == "boundary" for each in [*axes.collections, *axes.lines])
-    crosses = [(found[f"outcome_at_{axis}"] == CROSSES).any() for axis in ("load", "velocity")]
+    is_drawn = any(artist.get_gid() == "boundary" for artist in [*axes.collections, *axes.lines])
+    crosses = [(crossings[f"outcome_at_{axis}"] == CROSSES).any() for axis in ("load", "velocity")]
     assert is_drawn <= bool(any(crosses))
     single = [axis for axis in ("load", "velocity") if ds.sizes[axis] == 1]
     if not single:
-        expected = bool(found["outcome_at_load"].isin(BEYOND).any())
+        expected = bool(crossings["outcome_at_load"].isin(BEYOND).any())
         assert any("beyond what was computed" in text for text in texts) == expected
-        expected = bool(found["bridged_at_load"].any())
+        expected = bool(crossings["bridged_at_load"].any())
         assert any("across points not done" in text for text in texts) == expected
     elif not is_drawn:
-        words = OUTCOMES[found[f"outcome_at_{single[0]}"].item()].removesuffix(" throughout")
+        words = OUTCOMES[crossings[f"outcome_at_{single[0]}"].item()].removesuffix(" throughout")
         assert any(f"no transition: {words}" in text for text in texts)
 
 
 def test_a_page_says_what_the_boundary_says(case):
     ds = case[0]
-    asked = [each for each in CONDITIONS if "criterion" not in each]
+    asked = [options for options in CONDITIONS if "criterion" not in options]
     if "bulk_ratio" in ds.coords:
-        asked = [each for each in asked if "bulk_temperature" not in each]
-    judged = [conditions_of(ds, **each).as_dict() for each in asked]
+        asked = [options for options in asked if "bulk_temperature" not in options]
+    judged = [conditions_of(ds, **options).as_dict() for options in asked]
     script = """
     return argument.map((given) => {
       chosen.conditions = { ...content.conditions, ...given };
@@ -282,17 +289,17 @@ def test_a_page_says_what_the_boundary_says(case):
       return [sides, loadsBeyond([chosen.conditions.friction])];
     });
     """
-    for given, (sides, cut) in zip(asked, javascript.run(ds, script, judged), strict=True):
-        found = pipeline.boundary(ds, **given)
-        beyond = found["outcome_at_load"].isin(BEYOND).transpose("load", ...).values
+    for changes, (sides, cut) in zip(asked, javascript.run(ds, script, judged), strict=True):
+        crossings = pipeline.boundary(ds, **changes)
+        beyond = crossings["outcome_at_load"].isin(BEYOND).transpose("load", ...).values
         assert cut == beyond.reshape(len(beyond), -1).any(axis=1).sum()
         for side, name, axis in zip(
             sides, ("critical_velocity", "critical_load"), ("load", "velocity"), strict=True
         ):
-            outcome = found[f"outcome_at_{axis}"].values.reshape(-1, ds.sizes[axis])
+            outcome = crossings[f"outcome_at_{axis}"].values.reshape(-1, ds.sizes[axis])
             assert np.array(side["outcome"]).T.tolist() == outcome.tolist()
             if len(outcome) == 1:
-                np.testing.assert_allclose(side["middle"], found[name], rtol=1e-9)
+                np.testing.assert_allclose(side["middle"], crossings[name], rtol=1e-9)
             else:
-                middle = found[f"{name}_quantile"].sel(quantile=0.5)
+                middle = crossings[f"{name}_quantile"].sel(quantile=0.5)
                 np.testing.assert_allclose(side["middle"], middle, rtol=1e-9)

@@ -1,4 +1,4 @@
-"""Where there is no POSIX, as on Windows: what reads works, what writes says what it needs."""
+"""Systems without POSIX, as Windows: reading works, writing says what it needs."""
 
 import pytest
 

@@ -199,8 +199,8 @@ def test_figures_and_reports_show_each_value_or_ask_for_one(swept, folder, irg):
     ):
         said = irg(words[0], swept, *words[1:], code=2)
         assert 'take one of each: --at "pin.radius=..."' in said
-    at = ("--at", "pin.radius=2 mm")
-    for options, radii in (((), RADII), (at, ())):
+    choice = ("--at", "pin.radius=2 mm")
+    for options, radii in (((), RADII), (choice, ())):
         irg("explore", swept, *options, "-o", folder / "p.html")
         page = (folder / "p.html").read_text()
         offered = [

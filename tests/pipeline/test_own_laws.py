@@ -70,16 +70,16 @@ def test_a_named_law_runs_on_workers_that_have_no_file(folder, irg):
 def test_a_law_that_breaks_its_word_fails_its_points_by_name(folder, capsys):
     options = ["--set", "wear.law=laws:Broken", "-q", "--workers", "1", "-o", "own.zarr"]
     assert main(["run", "own.toml", *options]) == 1
-    told = capsys.readouterr()
-    assert "400 N, 2 m/s: InvariantError: wear balance" in told.out + told.err
+    streams = capsys.readouterr()
+    assert "400 N, 2 m/s: InvariantError: wear balance" in streams.out + streams.err
 
 
 def test_a_criterion_of_one_s_own_judges_a_store(folder):
     pipeline.run_sweep("small.toml", "small.zarr", workers=1)
-    own = pipeline.boundary("small.zarr", criterion="laws:median")
+    crossings = pipeline.boundary("small.zarr", criterion="laws:median")
     half = pipeline.boundary("small.zarr", share=0.5)
-    np.testing.assert_allclose(own["critical_velocity"], half["critical_velocity"], rtol=1e-6)
-    assert own.attrs["criterion_hash"] == Own.named("laws:median").digest
+    np.testing.assert_allclose(crossings["critical_velocity"], half["critical_velocity"], rtol=1e-6)
+    assert crossings.attrs["criterion_hash"] == Own.named("laws:median").digest
     with pytest.raises(tribo.InvariantError, match="laws:beyond: a rise lies beyond"):
         pipeline.boundary("small.zarr", criterion="laws:beyond")
     judged = {"temperature.criterion": "laws:median"}
@@ -124,11 +124,11 @@ def test_the_scene_of_the_page_runs(folder, irg):
         irg(*shlex.split(command)[1:], *([] if " boundary " in command else few), "-q")
         for command in commands
     ]
-    assert any("criterion laws:hottest" in each for each in said)
+    assert any("criterion laws:hottest" in line for line in said)
 
 
 @pytest.mark.parametrize(
-    ("setting", "told"),
+    ("setting", "words"),
     [
         ("wear.law=none:X", "there is no none.py in"),
         ("wear.law=laws:Missing", "the module has no Missing; it has Broken"),
@@ -140,10 +140,10 @@ def test_the_scene_of_the_page_runs(folder, irg):
         ("disk.surface={law='laws:Dimples'}", "leave out one of them"),
     ],
 )
-def test_each_mistake_is_named(folder, irg, setting, told):
+def test_each_mistake_is_named(folder, irg, setting, words):
     (folder / "faulty.py").write_text("x = 1\n1 / 0\n")
     before = set(sys.modules)
     error = irg("check", "own.toml", "--set", setting, code=2)
-    assert told in error
+    assert words in error
     assert "Traceback" not in error
     assert not {"laws", "faulty"} & (set(sys.modules) - before)

@@ -16,8 +16,8 @@ def test_a_point_is_the_same_from_text_as_from_numbers():
 
 def test_a_boundary_and_a_margin_take_text():
     ds = synthetic.sweep()
-    found = pipeline.boundary(ds, bulk_temperature="40 degC", share="20%")
-    assert (found == pipeline.boundary(ds, bulk_temperature=313.15, share=0.2)).all()
+    crossings = pipeline.boundary(ds, bulk_temperature="40 degC", share="20%")
+    assert (crossings == pipeline.boundary(ds, bulk_temperature=313.15, share=0.2)).all()
     text, number = pipeline.margins(ds, "500 N", "100 cm/s"), pipeline.margins(ds, 500.0, 1.0)
     assert repr(text) == repr(number)  # with NaN, which is not equal to itself
 

@@ -72,16 +72,18 @@ def test_temperatures_are_those_of_the_fields(unequal):
 
 
 def test_a_point_alone_is_judged_as_in_the_sweep(unequal):
-    found = pipeline.run_point(warm(), 600.0, 1.5).verdict(CONDITIONS)
+    verdict = pipeline.run_point(warm(), 600.0, 1.5).verdict(CONDITIONS)
     swept = pipeline.decisive_temperature(unequal).sel(load=600.0, velocity=1.5)
-    assert float(swept) == pytest.approx(found.decisive_temperature, rel=1e-12)
-    assert found.is_severe == (found.decisive_temperature > 373.15)
+    assert float(swept) == pytest.approx(verdict.decisive_temperature, rel=1e-12)
+    assert verdict.is_severe == (verdict.decisive_temperature > 373.15)
 
 
 def test_the_conditions_stay_free_after_the_run(unequal, equal):
     for friction, bulk in ((0.1, 298.15), (0.07, "40 degC")):
-        given = {"friction": friction, "bulk_temperature": bulk, "critical_temperature": 400.0}
-        assert pipeline.boundary(unequal, **given).equals(pipeline.boundary(equal, **given))
+        conditions = {"friction": friction, "bulk_temperature": bulk, "critical_temperature": 400.0}
+        assert pipeline.boundary(unequal, **conditions).equals(
+            pipeline.boundary(equal, **conditions)
+        )
     colder_disk, warmer_disk = (
         pipeline.decisive_temperature(unequal, bulk_temperature={"pin": "60 degC", "disk": disk})
         for disk in ("20 degC", 353.15)
@@ -93,20 +95,20 @@ def test_the_conditions_stay_free_after_the_run(unequal, equal):
 
 
 def test_exchanging_the_temperatures_moves_the_boundary(unequal):
-    given = {"critical_temperature": 372.0, "friction": 0.07}
-    own = pipeline.boundary(unequal, bulk_temperature=BOTH, **given)
+    conditions = {"critical_temperature": 372.0, "friction": 0.07}
+    crossings = pipeline.boundary(unequal, bulk_temperature=BOTH, **conditions)
     swapped = {"pin": BOTH["disk"], "disk": BOTH["pin"]}
-    other = pipeline.boundary(unequal, bulk_temperature=swapped, **given)
+    other = pipeline.boundary(unequal, bulk_temperature=swapped, **conditions)
     # The disk, which moves, decides: with a warm one wear is severe from lower velocities on.
-    assert (own["outcome_at_load"] < 2).any()
-    assert (other["outcome_at_load"] == 2).sum() >= (own["outcome_at_load"] == 2).sum()
-    assert own.attrs["disk_temperature"] == 298.15
+    assert (crossings["outcome_at_load"] < 2).any()
+    assert (other["outcome_at_load"] == 2).sum() >= (crossings["outcome_at_load"] == 2).sum()
+    assert crossings.attrs["disk_temperature"] == 298.15
     warmer = pipeline.decisive_temperature(unequal, bulk_temperature=swapped)
     assert (warmer > pipeline.decisive_temperature(unequal, bulk_temperature=BOTH)).all()
 
 
 @pytest.mark.parametrize(
-    ("given", "said"),
+    ("bulk", "said"),
     [
         ({"pin": 300.0}, "names pin; give one temperature for both bodies"),
         ({"pin": 300.0, "disc": 300.0}, "names pin, disc"),
@@ -115,9 +117,9 @@ def test_exchanging_the_temperatures_moves_the_boundary(unequal):
         ({"pin": 300.0, "disk": 390.0}, "critical_temperature is 100 °C"),
     ],
 )
-def test_bulk_temperatures_that_cannot_be_are_refused(unequal, given, said):
+def test_bulk_temperatures_that_cannot_be_are_refused(unequal, bulk, said):
     with pytest.raises(InputError, match=said):
-        pipeline.boundary(unequal, bulk_temperature=given)
+        pipeline.boundary(unequal, bulk_temperature=bulk)
 
 
 def test_a_sweep_of_equal_ones_cannot_tell_what_unequal_ones_would_do(stores, equal, irg):
@@ -224,9 +226,12 @@ def test_an_input_is_varied_between_bodies_of_unequal_temperatures(scene, irg):
     varied = irg("vary", scene, *over, *wide, "--json")
     out = scene.with_suffix(".zarr")
     irg("run", scene, *wide, "-o", out, "--workers", "1")
-    for friction, found in zip((0.08, 0.12), varied["variations"], strict=True):
+    for friction, variation in zip((0.08, 0.12), varied["variations"], strict=True):
         expected = pipeline.boundary(pipeline.open_sweep(out), friction)["critical_velocity"]
-        velocities = [math.nan if at is None else at for at in found["critical_velocity"]]
+        velocities = [
+            math.nan if velocity is None else velocity
+            for velocity in variation["critical_velocity"]
+        ]
         # On few elements the rise is a rough function of the velocity.
         assert velocities == pytest.approx(expected.values.tolist(), rel=0.1, nan_ok=True)
 
@@ -241,11 +246,11 @@ def test_the_commands_take_both(scene, irg):
     assert (conditions["bulk_temperature"], conditions["disk_temperature"]) == (313.15, 323.15)
     place = ("--load", "600 N", "--velocity", "1 m/s")
     temperatures = []
-    for given in ((), option, ("--bulk-temperature", "25 degC")):
-        temperatures.append(irg("point", scene, *place, *given, "--json")["decisive_temperature"])
+    for options in ((), option, ("--bulk-temperature", "25 degC")):
+        temperatures.append(irg("point", scene, *place, *options, "--json")["decisive_temperature"])
     assert temperatures[2] < temperatures[0] < temperatures[1]
-    for given, expected in zip(((), option), temperatures, strict=False):
-        inferred = irg("infer", scene, *given, "--json")["mean"]
+    for options, expected in zip(((), option), temperatures, strict=False):
+        inferred = irg("infer", scene, *options, "--json")["mean"]
         assert inferred == pytest.approx(expected, rel=1e-9)
     irg("plot", out, *option, "-o", scene.with_suffix(".png"))
     said = irg("boundary", out, "--bulk-temperature", "pin=40 degC", code=2)

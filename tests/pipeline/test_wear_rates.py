@@ -49,8 +49,8 @@ def test_a_rise_at_another_rate_is_that_of_a_simulation_with_it(store, rate):
         for velocity in ds["velocity"].values[[0, -1]]:
             rises = ds.sel(load=load, velocity=velocity)
             columns = {name: rises[name].values for name in ("normal_load", "rise_quantile")}
-            found = float(decisive_rises(columns, load, SWEEP.conditions))
-            assert found == pytest.approx(direct(rate, load, velocity), rel=tolerance)
+            rise = float(decisive_rises(columns, load, SWEEP.conditions))
+            assert rise == pytest.approx(direct(rate, load, velocity), rel=tolerance)
 
 
 def test_heat_is_taken_at_rates_no_more_than_twice_as_high_as_the_next():
@@ -64,17 +64,17 @@ def test_heat_is_taken_at_rates_no_more_than_twice_as_high_as_the_next():
 
 def test_the_rate_of_the_scene_is_one_of_them(store):
     ds = pipeline.open_sweep(store)
-    own = pipeline.at_wear_rate(ds, "1.2e-6 mm^3/(N m)")
-    assert own["rise_quantile"].identical(ds["rise_quantile"])
+    unchanged = pipeline.at_wear_rate(ds, "1.2e-6 mm^3/(N m)")
+    assert unchanged["rise_quantile"].identical(ds["rise_quantile"])
     assert pipeline.at_wear_rate(ds, None).identical(ds)
 
 
 def test_rises_are_known_from_when_the_load_is_reached_on():
     held = replace(SWEEP, loading=Ramp(150.0, 750.0, hold=2.0, hold_steps=2))
-    found = run_point(held, 600.0, 1.25).columns
-    known = np.isfinite(found["mean_rise_at_wear_rate"])
-    assert known.all(axis=1).tolist() == known.any(axis=1).tolist()
-    assert known.any(axis=1).tolist() == [False] * 4 + [True, False, True]
+    columns = run_point(held, 600.0, 1.25).columns
+    finite = np.isfinite(columns["mean_rise_at_wear_rate"])
+    assert finite.all(axis=1).tolist() == finite.any(axis=1).tolist()
+    assert finite.any(axis=1).tolist() == [False] * 4 + [True, False, True]
 
 
 def test_the_command_answers_for_rates_within_those_of_the_scene(store, irg):
@@ -133,7 +133,7 @@ def test_a_scene_asks_for_them_and_a_search_refuses_them(tmp_path, irg):
 def test_the_page_has_the_boundary_at_each_wear_rate(store):
     ds = pipeline.open_sweep(store)
     rates = [0.9e-15, 1.2e-15, 1.5e-15]
-    given = [{"wear_rate": rate, "critical_temperature": 373.15} for rate in rates]
+    conditions = [{"wear_rate": rate, "critical_temperature": 373.15} for rate in rates]
     script = """
     return argument.map((given) => {
       chosen.conditions = { ...content.conditions, ...given };
@@ -141,7 +141,7 @@ def test_the_page_has_the_boundary_at_each_wear_rate(store):
       return [sweep.velocities, summary().velocity.map(({ middle }) => middle)];
     });
     """
-    for rate, (velocities, critical) in zip(rates, run(ds, script, given), strict=True):
+    for rate, (velocities, critical) in zip(rates, run(ds, script, conditions), strict=True):
         at_rate = pipeline.at_wear_rate(ds, rate)
         expected = pipeline.boundary(at_rate, critical_temperature=373.15)["critical_velocity"]
         assert velocities == pytest.approx(at_rate["velocity"].values)

@@ -25,9 +25,9 @@ def store(tmp_path_factory):
 
 
 def test_temperatures_are_known_and_the_failed_share_is_not(store):
-    found = pipeline.temperatures(store)
-    assert np.isfinite(found["max_temperature"].values).any()
-    assert "failed_fraction" not in found
+    ds = pipeline.temperatures(store)
+    assert np.isfinite(ds["max_temperature"].values).any()
+    assert "failed_fraction" not in ds
 
 
 def test_the_boundary_asks_for_it_by_its_key(store):
@@ -35,8 +35,8 @@ def test_the_boundary_asks_for_it_by_its_key(store):
     for judge in (pipeline.boundary, lambda ds: pipeline.plot(ds, "diagram", "figure.png")):
         with pytest.raises(InputError, match=r"temperature\.critical.*--critical-temperature"):
             judge(ds)
-    found = pipeline.boundary(ds, critical_temperature=330.0)
-    assert found["critical_velocity"].notnull().any()
+    crossings = pipeline.boundary(ds, critical_temperature=330.0)
+    assert crossings["critical_velocity"].notnull().any()
 
 
 @pytest.mark.parametrize("kind", ["ramp", "fields"])
@@ -69,13 +69,13 @@ def test_a_scene_file_may_leave_it_out(tmp_path, irg):
 def test_warnings_are_counted_without_a_boundary(store):
     ds = pipeline.open_sweep(store)
     flagged = ds.assign(warning_flags=ds["warning_flags"] | np.uint8(1))
-    found = pipeline.warned(flagged)
-    assert found.at_boundary is None
-    assert "it is not known which of them lie beside" in next(iter(found.lines()))
+    warnings = pipeline.warned(flagged)
+    assert warnings.at_boundary is None
+    assert "it is not known which of them lie beside" in next(iter(warnings.lines()))
 
 
 @pytest.mark.parametrize(
-    ("given", "said"),
+    ("changes", "said"),
     [
         ({"bulk_temperature": 80}, r'-193.* °C .80 K.*"80 degC"'),
         ({"bulk_temperature": 25.0}, "-248.1 °C .25 K"),
@@ -83,7 +83,7 @@ def test_warnings_are_counted_without_a_boundary(store):
         ({"critical_temperature": 145.0}, "-128.1 °C .145 K"),
     ],
 )
-def test_kelvins_at_which_no_oil_works_are_refused_with_a_hint(store, given, said):
-    conditions = {"bulk_temperature": 298.15, "critical_temperature": 418.15} | given
+def test_kelvins_at_which_no_oil_works_are_refused_with_a_hint(store, changes, said):
+    conditions = {"bulk_temperature": 298.15, "critical_temperature": 418.15} | changes
     with pytest.raises(InputError, match=said):
         pipeline.boundary(pipeline.open_sweep(store), **conditions)

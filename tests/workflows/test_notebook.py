@@ -29,14 +29,16 @@ def test_the_notebook_leads_from_transitions_to_a_map_and_the_next_test(tmp_path
     first.source = first.source.replace("SAMPLES = 128", "SAMPLES = 24")
     folder = {"metadata": {"path": str(tmp_path / "workflows")}}
     nbclient.NotebookClient(notebook, timeout=200, startup_timeout=60, resources=folder).execute()
-    shown = [output for cell in notebook.cells for output in cell.get("outputs", [])]
-    printed = "".join(each.text for each in shown if each.output_type == "stream")
-    figures = [each for each in shown if "image/png" in each.get("data", {})]
+    outputs = [output for cell in notebook.cells for output in cell.get("outputs", [])]
+    printed = "".join(output.text for output in outputs if output.output_type == "stream")
+    figures = [output for output in outputs if "image/png" in output.get("data", {})]
     assert len(figures) == 4
     ensemble = pipeline.Ensemble.of(pipeline.open_sweep(tmp_path / "results" / "uncertain.zarr"))
-    at = pipeline.risk(ensemble, 400.0, 2.0)
-    assert f"{at.probability:.2f} ± {at.error:.2f}\n" in printed
-    given = pipeline.risk(ensemble, 400.0, 2.0, pipeline.posterior(ensemble).draws)
-    told = f"{given.probability:.2f} ± {given.error:.2f} instead of {at.probability:.2f}\n"
-    assert told in printed
+    prior = pipeline.risk(ensemble, 400.0, 2.0)
+    assert f"{prior.probability:.2f} ± {prior.error:.2f}\n" in printed
+    posterior = pipeline.risk(ensemble, 400.0, 2.0, pipeline.posterior(ensemble).draws)
+    sentence = (
+        f"{posterior.probability:.2f} ± {posterior.error:.2f} instead of {prior.probability:.2f}\n"
+    )
+    assert sentence in printed
     assert printed.count("% instead of ±") == 6

@@ -32,6 +32,6 @@ def test_first_try_crosses_the_boundary_and_no_point_warns(tmp_path):
     assert (outcome.done, outcome.failed) == (outcome.total, ())
     ds = pipeline.open_sweep(tmp_path / "first.zarr")
     assert pipeline.warned(ds).as_dict()["points"] == 0
-    found = pipeline.boundary(ds)["critical_velocity"]
-    assert found.notnull().all()
-    assert (found.diff("load") < 0).all()
+    velocities = pipeline.boundary(ds)["critical_velocity"]
+    assert velocities.notnull().all()
+    assert (velocities.diff("load") < 0).all()

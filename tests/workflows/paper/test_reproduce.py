@@ -204,8 +204,8 @@ def test_the_highest_temperature_grows_with_the_patch_and_is_judged_once(small):
 def test_criteria_are_said_to_be_nearer_by_the_error_that_is_meant():
     def criterion(name, at_own, at_one):
         # Values in a ratio r to 1 lie off their mean by the root of r.
-        own, one = (np.array([(1 + off) ** 2, 1.0]) for off in (at_own, at_one))
-        return _Criterion(name, "K", own, one, 1.0, own)
+        at_friction, one = (np.array([(1 + off) ** 2, 1.0]) for off in (at_own, at_one))
+        return _Criterion(name, "K", at_friction, one, 1.0, at_friction)
 
     words = _constancy(
         {
@@ -237,15 +237,15 @@ def test_the_hot_rows_of_table_6_are_those_of_room_temperature(small):
 
 def test_oil_a_wears_at_its_own_rates_and_has_one_critical_temperature(small, scenes):
     rates = np.array(small("inverse").data["wear_rate_of_oil_a"]).reshape(2, 2)
-    own = [
+    expected_rates = [
         load_scene(scenes / f"{name}.toml").wear.specific_wear_rate
         for name in ("oil_a", "oil_a_hot")
     ]
-    assert np.sqrt(np.prod(rates, axis=1)) == pytest.approx(own, rel=0.05)
-    found = np.mean(small("inverse").data["critical_celsius"]["oil A"], axis=1)
+    assert np.sqrt(np.prod(rates, axis=1)) == pytest.approx(expected_rates, rel=0.05)
+    temperatures = np.mean(small("inverse").data["critical_celsius"]["oil A"], axis=1)
     critical = load_scene(scenes / "oil_a.toml").conditions.critical_temperature - 273.15
-    assert np.mean(found) == pytest.approx(critical, abs=4)
-    assert np.std(found, ddof=1) < 15
+    assert np.mean(temperatures) == pytest.approx(critical, abs=4)
+    assert np.std(temperatures, ddof=1) < 15
 
 
 def test_the_unworn_widths_come_nearest_with_less_roughness_than_printed(small):
