@@ -75,14 +75,14 @@ class Ours:
         self.displacement = case.solid()
 
     def solve(self, tolerance):
-        found = solve_contact(
+        contact = solve_contact(
             self.displacement,
             self.case.separation,
             self.case.normal_load,
             self.case.hardness,
             tolerance,
         )
-        return found.pressure
+        return contact.pressure
 
     @staticmethod
     def solves(case):
@@ -154,7 +154,7 @@ class ContactMechanics:
 
     def solve(self, tolerance):
         area, capped = self.case.grid.element_area, self.case.hardness < math.inf
-        found = self._solve(
+        result = self._solve(
             self._half_space,
             self._topography,
             external_force=self.case.normal_load,
@@ -163,7 +163,7 @@ class ContactMechanics:
             forcetol=tolerance * self.case.normal_load,
             thermotol=1e-12,
         )
-        return np.asarray(found.jac) / area
+        return np.asarray(result.jac) / area
 
     @staticmethod
     def solves(case):
@@ -214,7 +214,7 @@ class Aspher:
     def solve(self, tolerance):
         # Of its backends and preconditioners the fastest on these cases, each an exact kernel.
         grid = self.case.grid
-        found = self._solve(
+        result = self._solve(
             grid_size=grid.shape[0],
             gap=self._gap,
             p_nominal=self.case.normal_load / grid.area,
@@ -224,7 +224,7 @@ class Aspher:
             backend="periodic" if all(grid.periodic) else "fft",
             precond_engine="fft",
         )
-        return np.array(found.pressure).reshape(grid.shape)
+        return np.array(result.pressure).reshape(grid.shape)
 
     @staticmethod
     def solves(case):
@@ -233,7 +233,7 @@ class Aspher:
 
 
 def residual(solver, pressure):
-    """How well a pressure solves the case: the largest violation of any of its conditions.
+    """Error of a pressure: the largest violation of any condition of the case.
 
     On the gap in units of what an element under the largest pressure sinks, by the solver's own
     operator; on load and bounds, relative.

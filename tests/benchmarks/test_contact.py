@@ -52,7 +52,7 @@ def case(request):
 
 @pytest.mark.benchmark(timer=time.process_time)
 @pytest.mark.parametrize("kind", SOLVERS, ids=lambda kind: kind.name)
-def test_contact(benchmark, case, kind, found):
+def test_contact(benchmark, case, kind, times):
     if not kind.solves(case):
         pytest.skip(f"{kind.name} does not solve this")
     try:
@@ -67,12 +67,12 @@ def test_contact(benchmark, case, kind, found):
             break
     benchmark.group = case.name
     benchmark.pedantic(solver.solve, (tolerance,), rounds=ROUNDS)
-    found.setdefault(case.name, {})[kind.name] = benchmark.stats["min"]
+    times.setdefault(case.name, {})[kind.name] = benchmark.stats["min"]
     cold = shortest(lambda: kind(case).solve(tolerance), ROUNDS)
-    found[case.name][kind.name, "cold"] = cold
+    times[case.name][kind.name, "cold"] = cold
     benchmark.extra_info["residual"] = reached
     if kind is Ours:
-        found[case.name] |= shares_of_transforms(solver, benchmark.stats["min"], tolerance)
+        times[case.name] |= shares_of_transforms(solver, benchmark.stats["min"], tolerance)
     assert reached <= accuracy
     touching = np.count_nonzero(pressure) / pressure.size
     print(f"\n{case.name}, {kind.name}: residual {reached:.0e}, {touching:.1%} in contact")
@@ -95,23 +95,23 @@ def shares_of_transforms(solver, duration, tolerance):
 
 
 @pytest.fixture(scope="module")
-def found():
-    """What was measured, by case; printed as the tables of MEASURED.md when all is done."""
-    found = {}
-    yield found
-    print_peers(found)
+def times():
+    """Times by case; printed as the tables of MEASURED.md when all is done."""
+    times = {}
+    yield times
+    print_peers(times)
     print("\n| contact | × bare transforms | fields of memory |\n|---|---|---|")
-    for case, row in found.items():
+    for case, row in times.items():
         print(f"| {case} | {row['transforms']:.2f} | {row['fields']:.0f} |")
 
 
-def print_peers(found):
+def print_peers(times):
     others = [kind.name for kind in SOLVERS[1:]]
     print("\n\nTimes of others in ours: again / the first time, with all that it sets up.\n")
     print(f"| contact | convolutions | ms | first ms | {' | '.join(others)} |")
     print("|---" * (4 + len(others)) + "|")
     ratios = []
-    for case, row in found.items():
+    for case, row in times.items():
         ours, cold = row[Ours.name], row[Ours.name, "cold"]
         cells = [case, f"{row['convolutions']}", f"{1e3 * ours:.0f}", f"{1e3 * cold:.0f}"]
         for name in others:

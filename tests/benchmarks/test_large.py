@@ -1,4 +1,4 @@
-"""What a sweep of many points costs beside its simulation: planned, stored, opened, gone on with.
+"""Cost of a sweep of many points beside its simulation: planned, stored, opened, gone on with.
 
 Time and memory of the process, at 1 000 and at 10 000 points; one result stands for all of them.
 """

@@ -1,4 +1,4 @@
-"""How long a page takes to draw a boundary anew while its reader moves a slider."""
+"""Time of a page to draw a boundary anew while its reader moves a slider."""
 
 import numpy as np
 

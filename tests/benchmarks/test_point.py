@@ -63,9 +63,9 @@ def test_share_of_a_first_point_that_sets_up(benchmark, preset):
         )
         return json.loads(ran.stdout)
 
-    found = [first_and_next() for _ in range(PROCESSES - 1)]
-    found.append(benchmark.pedantic(first_and_next))
-    first, following, setting_up = (min(times) for times in zip(*found, strict=True))
+    processes = [first_and_next() for _ in range(PROCESSES - 1)]
+    processes.append(benchmark.pedantic(first_and_next))
+    first, following, setting_up = (min(times) for times in zip(*processes, strict=True))
     print(
         f"\n{preset}: {1e3 * first:.0f} ms the first time, {1e3 * following:.0f} ms the next; "
         f"surface and kernels {setting_up / first:.0%} of the first"

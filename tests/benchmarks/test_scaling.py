@@ -1,4 +1,4 @@
-"""How the time of a point grows with its grid and its increments."""
+"""Growth of a point's time with its grid and its increments."""
 
 import time
 from dataclasses import replace

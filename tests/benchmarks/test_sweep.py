@@ -1,4 +1,4 @@
-"""What a sweep of the shipped scene costs beside its simulation, and what a second worker brings.
+"""Cost of a sweep of the shipped scene beside its simulation, and the gain of a second worker.
 
 Counted in CPU time, and in how many workers compute at the same time, so that it holds on a
 machine that others use, too. Beside each the least that it could be here: files of the same sizes

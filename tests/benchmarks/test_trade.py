@@ -15,9 +15,9 @@ def sweep():
 
 def test_presets_against_the_reference(benchmark, sweep):
     options = {"base": None, "loads": sweep.loads}
-    found = benchmark.pedantic(trade, (sweep,), options, rounds=1)
-    print(f"\n{found}")
-    draft, standard, fine = found.choices[:3]
+    table = benchmark.pedantic(trade, (sweep,), options, rounds=1)
+    print(f"\n{table}")
+    draft, standard, fine = table.choices[:3]
     assert draft.velocity_error > standard.velocity_error > fine.velocity_error > 0
     for choice, error, saving in ((draft, 0.05, 100), (standard, 0.03, 20), (fine, 0.01, 3)):
         assert choice.velocity_error <= error

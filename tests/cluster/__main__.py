@@ -55,17 +55,17 @@ def sweep_of(velocities):
 
 def drive(path, velocities, walltime, is_cheap):
     """Run or resume a sweep in jobs; write what was told and what came of it beside it."""
-    told, counts = [], []
+    messages, counts = [], []
     outcome = run_sweep(
         many.sweep_of(many.LOADS * velocities) if is_cheap else sweep_of(velocities),
         path,
         cluster=pipeline.Batch("slurm", _JOBS, walltime, pipeline.Site(interface="lo")),
         progress=lambda now: counts.append((now.elapsed, now.done, now.time_to_go, now.jobs)),
-        tell=told.append,
+        tell=messages.append,
     )
     document = {"done": outcome.done, "failed": list(map(str, outcome.failed))}
     path.with_suffix(".json").write_text(
-        json.dumps({**document, "told": told, "progress": counts[:: max(1, len(counts) // 20)]})
+        json.dumps({**document, "told": messages, "progress": counts[:: max(1, len(counts) // 20)]})
     )
 
 
@@ -106,7 +106,7 @@ class Driver:
 
 
 def faults_of(path, velocities, result, expected, with_logs=True):
-    """What a run in jobs leaves to be desired."""
+    """Faults of a run in jobs."""
     if result["failed"] or result["done"] != 3 * velocities:
         yield f"{result['done']} points are done; failed: {result['failed']}"
     if velocities not in expected:
@@ -226,12 +226,12 @@ def commands(batch, folder, expected):
         ("unready", 'python = "/usr/bin/python3"\n', [], _REFUSED, "No module named"),
         ("prologue", 'prologue = ["exit 3"]\n', [], _REFUSED, "it left no word"),
     ):
-        found, out, err = command(
+        exit_code, out, err = command(
             folder, "-o", f"{name}.zarr", *options, site=f'interface = "lo"\n{site}'
         )
         report[name] = err
-        if found != code or words not in out + err or "Traceback" in err:
-            yield f"{name}: ends with {found}: {out}{err}"
+        if exit_code != code or words not in out + err or "Traceback" in err:
+            yield f"{name}: ends with {exit_code}: {out}{err}"
     irg = command(folder, "-o", "interrupted.zarr", "--jobs", "30", wait=False)
     time.sleep(6.0)
     os.killpg(irg.pid, signal.SIGINT)
@@ -255,8 +255,8 @@ def tried(trials, server, folder, expected, document):
         except (AssertionError, OSError, TriboError, subprocess.SubprocessError) as error:
             results += [{}, f"{type(error).__name__}: {error}"]
         took = {"took": round(time.monotonic() - began, 1)}
-        reports = [each for each in results if isinstance(each, dict)]
-        faults = [each for each in results if isinstance(each, str)]
+        reports = [report for report in results if isinstance(report, dict)]
+        faults = [report for report in results if isinstance(report, str)]
         document[trial.__name__] = {**took, **reports[0], "faults": faults}
         print(trial.__name__, took, faults, file=sys.stderr)
 
@@ -289,7 +289,7 @@ def main():
                 with server(folder / server.__name__) as running, DRIVERS:
                     tried(asked, running, folder, expected, document)
     print(json.dumps(document, indent=1))
-    return 1 if any(each["faults"] for each in document.values()) else 0
+    return 1 if any(report["faults"] for report in document.values()) else 0
 
 
 if __name__ == "__main__":

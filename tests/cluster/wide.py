@@ -1,4 +1,4 @@
-"""What hundreds of workers and a million points cost the driver: which wall comes first.
+"""Cost of hundreds of workers and a million points for the driver: which wall comes first.
 
     python -m tests.cluster.wide --workers 200 --points 1000000 --seconds 2 --for 120
 

@@ -74,14 +74,14 @@ class _Whole:
 
     def __init__(self, run):
         self.path, self.log = run.folder / "whole.zarr", run.folder / "acknowledged"
-        self.expected, self.known = run.expected, run.known
+        self.expected, self.records = run.expected, run.records
         self.resume(self.path)
         files = sorted(file for file in self.path.rglob("*") if file.is_file())
         self.files = [file.relative_to(self.path) for file in files]
         self.boundary = called("boundary", self.path, "--json")[1]
 
     def resume(self, path):
-        return code_of(Forked(STAGES[-1], path, self.log, self.known))
+        return code_of(Forked(STAGES[-1], path, self.log, self.records))
 
     def faults(self, path):
         """Faults of a store that should be as this one."""

@@ -25,7 +25,7 @@ _BUSY = "import os; driver = os.getppid()\nwhile os.getppid() == driver: pass"
 def sweep_of(velocities):
     """A sweep of which one load in the middle is deadly."""
     return tiny.full(
-        loading=tiny.DeadlyRamp(150.0, 750.0, at=_DEADLY),
+        loading=tiny.DeadlyRamp(150.0, 750.0, faulty_load=_DEADLY),
         velocities=tuple(np.linspace(0.5, 1.5, velocities).tolist()),
     )
 

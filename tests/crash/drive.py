@@ -30,22 +30,22 @@ GIVEN_UP = 2
 """Exit code of a driver that ends with a word."""
 
 
-def drive(sweep, path, log, known=None, mistake=None, pace=0.0, workers=2):
+def drive(sweep, path, log, records=None, mistake=None, pace=0.0, workers=2):
     """Run or resume a sweep; return the exit code that the command would have.
 
     Parameters
     ----------
-    known : dict of Point to PointRecord, optional
+    records : dict of Point to PointRecord, optional
         What workers would return: without any, all of the run but Dask.
     mistake : str, optional
         One of `MISTAKES`.
     pace : float
-        Time that each ramp takes, if its points are known [s].
+        Time that each ramp takes, if its points have records [s].
     """
     with ExitStack() as stack:
         stack.enter_context(noting(log))
         stack.enter_context(MISTAKES[mistake]())
-        stack.enter_context(computing(known, pace) if known else nullcontext())
+        stack.enter_context(computing(records, pace) if records else nullcontext())
         try:
             outcome = running.run_sweep(sweep, path, workers=workers, retry_failed=True)
         except (StoreError, ExecutionError) as error:
@@ -70,14 +70,14 @@ def noting(log):
 
 
 @contextmanager
-def computing(known, pace):
-    """Let points be computed here from what is known, and be written at once."""
+def computing(records, pace):
+    """Let points be computed here from their records, and be written at once."""
 
     link = Connection(None, Source())
 
     def compute(link, sweep, writer, waiting, patience, report, *_):
         for chain in waiting:
-            writer.add([record_of(known, sweep, point) for point in chain])
+            writer.add([record_of(records, sweep, point) for point in chain])
             writer.flush()
             report(writer.written())
             time.sleep(pace)
@@ -129,7 +129,7 @@ MISTAKES = {
     "unlocked": _unlocked,
     "all blamed": _all_blamed,
 }
-"""What the campaigns are there to notice."""
+"""Mistakes that the campaigns are there to notice."""
 
 
 def main():

@@ -35,7 +35,7 @@ _END = 60.0  # [s] that the processes of a dead driver may take to end
 
 
 class Report:
-    """What a campaign has done, and the faults that it has seen."""
+    """Counts of a campaign, and its faults."""
 
     def __init__(self):
         self.counts, self.faults = Counter(), []
@@ -50,7 +50,7 @@ class Forked:
     Parameters are those of `drive`.
     """
 
-    def __init__(self, sweep, path, log, known, mistake=None, pace=0.0):
+    def __init__(self, sweep, path, log, records, mistake=None, pace=0.0):
         self.returncode = None
         # Not by multiprocessing, whose children count as workers, which run no sweep.
         self.pid = os.fork()
@@ -58,7 +58,7 @@ class Forked:
             code = 99
             try:
                 with Path(log).with_suffix(".err").open("a") as sys.stderr:
-                    code = drive(sweep, path, log, known, mistake, pace)
+                    code = drive(sweep, path, log, records, mistake, pace)
             except BaseException:
                 with Path(log).with_suffix(".err").open("a") as stream:
                     traceback.print_exc(file=stream)
@@ -196,7 +196,7 @@ class Run:
         return Expected(STAGES[-1])
 
     @cached_property
-    def known(self):
+    def records(self):
         """Records of these points, as workers would return them."""
         return self.expected.records(STAGES[-1])
 
@@ -233,7 +233,7 @@ class Trial:
     def start(self, stage, path=None):
         """Start a driver on one of the stages."""
         run = self.run
-        return Forked(stage, path or self.path, self.log, run.known, run.mistake, self._pace)
+        return Forked(stage, path or self.path, self.log, run.records, run.mistake, self._pace)
 
     @property
     def acknowledged(self):
@@ -269,9 +269,11 @@ class Trial:
         if isinstance(self.path, Path):
             left = [*self.path.rglob("*.partial"), *self.path.parent.glob("*.partial")]
             self.run.report.faults += [f"left over: {file}" for file in left]
-        told = self.acknowledged
-        self.run.report.counts["acknowledged"] += len(told)
-        for point in (point for point, times in told.items() if times > 1 and not self.may_repeat):
+        acknowledged = self.acknowledged
+        self.run.report.counts["acknowledged"] += len(acknowledged)
+        for point in (
+            point for point, times in acknowledged.items() if times > 1 and not self.may_repeat
+        ):
             self.fault(f"{point} was told as done, and computed again")
 
     def wait(self, driver):

@@ -36,7 +36,7 @@ from tests.helpers import tiny
 LOADS = 10
 COMPARED = 40  # points
 MOST = {"files": 3000, "opened": 0.3, "resumed": 15.0}
-"""What 100 000 points may take: files, and times [s]."""
+"""Limits of 100 000 points: files, and times [s]."""
 _STEPS = 12  # of the points of the first sweep, which takes minutes
 _OFF = 1 / 3  # of the time to go
 _NEAR = 0.02  # of the boundary that is seen early, which is interpolated between few velocities
@@ -56,13 +56,13 @@ def sweep_of(points, increments=3):
 
 def drive(path, points, increments):
     """Run or resume the sweep; write what was told and what it cost beside it."""
-    told = []
+    reports = []
     began = time.monotonic()
     outcome = run_sweep(
         sweep_of(points, increments),
         path,
         workers=2,
-        progress=lambda now: told.append((now.elapsed, now.done, now.time_to_go)),
+        progress=lambda now: reports.append((now.elapsed, now.done, now.time_to_go)),
     )
     cost = {
         "computed": outcome.computed,
@@ -71,7 +71,7 @@ def drive(path, points, increments):
         "driver_cpu": round(time.process_time(), 2),
         "driver_mb": round(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e3),
     }
-    path.with_suffix(".json").write_text(json.dumps({"cost": cost, "told": told}))
+    path.with_suffix(".json").write_text(json.dumps({"cost": cost, "told": reports}))
 
 
 @contextmanager
@@ -123,16 +123,16 @@ def early(folder, points):
                 copied(path, copies[-1])
                 following = time.monotonic() + max(1.0, 0.1 * len(copies))
     document = json.loads(path.with_suffix(".json").read_text())
-    told, whole = document["told"], pipeline.boundary(pipeline.open_sweep(path))
+    reports, whole = document["told"], pipeline.boundary(pipeline.open_sweep(path))
     # Since the first points: the start takes as long, whatever the number of points.
-    began = next(elapsed for elapsed, done, _ in told if done)
-    tenth = began + (told[-1][0] - began) / 10
-    elapsed, done, to_go = min(told[1:], key=lambda each: abs(each[0] - tenth))
+    began = next(elapsed for elapsed, done, _ in reports if done)
+    tenth = began + (reports[-1][0] - began) / 10
+    elapsed, done, to_go = min(reports[1:], key=lambda report: abs(report[0] - tenth))
     copy = min(copies, key=lambda copy: abs(pipeline.summary(copy).done - done))
-    seen = pipeline.boundary(pipeline.open_sweep(copy))
-    off = np.abs(seen["critical_velocity"] / whole["critical_velocity"] - 1).values
+    coarse = pipeline.boundary(pipeline.open_sweep(copy))
+    off = np.abs(coarse["critical_velocity"] / whole["critical_velocity"] - 1).values
     plotted = irg(["plot", str(copy), "--kind", "diagram", "-o", str(folder / "a.png")])
-    real = told[-1][0] - elapsed
+    real = reports[-1][0] - elapsed
     report = {
         **document["cost"],
         "first_points_at": round(began, 2),

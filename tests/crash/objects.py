@@ -17,7 +17,7 @@ def campaign(run):
             trial.path = f"s3://irg/{os.getpid()}/{trial.place.name}.zarr"
 
             def start(sweep, trial=trial):
-                arguments = (sweep, trial.path, trial.log, run.known, run.mistake)
+                arguments = (sweep, trial.path, trial.log, run.records, run.mistake)
                 return started(trial.log, *job(trial.place, *arguments))
 
             def kill(driver, trial=trial):

@@ -38,22 +38,22 @@ def _may_have_failed(point, _):
 
 def _read(trial, driver):
     """Read a store in one of the ways, if there is one; faults of what is seen."""
-    told, chance = trial.acknowledged, trial.run.chance
+    acknowledged, chance = trial.acknowledged, trial.run.chance
     if read_attributes(trial.path) is None:
         return
     way = chance.choice(("status", "verify", "data", "data, later"))
     trial.run.report.counts[way] += 1
     if way == "status":
         summary = pipeline.summary(trial.path)
-        if summary.done + summary.earlier < len(told):
-            yield f"{len(told)} points were told as done, and summary counts {summary.done}"
+        if summary.done + summary.earlier < len(acknowledged):
+            yield f"{len(acknowledged)} points were told as done, and summary counts {summary.done}"
     elif way == "verify":
         checked = pipeline.verify_store(trial.path)
         yield from faults_of_files(checked)
-        if checked.done < len(told):
-            yield f"{len(told)} points were told as done, and verify counts {checked.done}"
+        if checked.done < len(acknowledged):
+            yield f"{len(acknowledged)} points were told as done, and verify counts {checked.done}"
     else:
         with pipeline.open_sweep(trial.path) as ds:
             if way == "data, later":
                 code_of(driver, chance.uniform(0.0, 0.3))
-            yield from faults_of(ds, trial.expected, told, _may_have_failed)
+            yield from faults_of(ds, trial.expected, acknowledged, _may_have_failed)

@@ -19,7 +19,7 @@ _WIDER = replace(_LONGER, velocities=tuple(np.linspace(0.5, 1.5, 23).tolist()))
 STAGES = (_FIRST, _LONGER, _WIDER)
 """The same sweep, asked for more and more."""
 FAILING = Point(600.0, 1.5)
-"""A point that fails as long as nothing but the first stage is asked for, if it is known."""
+"""A point that fails as long as nothing but the first stage is asked for, if it has a record."""
 REASON = "ConvergenceError: the contact did not converge"
 
 
@@ -46,11 +46,11 @@ class Expected:
         return {point: self(point).record(sweep.store_fields) for point in points(sweep)}
 
 
-def record_of(known, sweep, point):
-    """Record of a point that is known, and fails in the first stage if it is that one."""
+def record_of(records, sweep, point):
+    """Record of a point, which fails in the first stage if it is that one."""
     if point == FAILING and sweep.loads == STAGES[0].loads:
         return PointRecord(point, None, REASON)
-    return known[point]
+    return records[point]
 
 
 def keep_one_thread():

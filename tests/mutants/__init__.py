@@ -1,1 +1,1 @@
-"""Whether the tests notice a fault: they are run on code with one small change at a time."""
+"""Sensitivity of the tests: they are run on code with one small change at a time."""

@@ -111,8 +111,10 @@ def mutants(module, rng):
         if name.startswith(_LEFT_OUT) or get_operator(name).arguments():
             continue
         operator = get_operator(name)()
-        found = (at for node in ast_nodes(tree) for at in operator.mutation_positions(node))
-        for occurrence, (begin, _) in enumerate(found):
+        positions = (
+            position for node in ast_nodes(tree) for position in operator.mutation_positions(node)
+        )
+        for occurrence, (begin, _) in enumerate(positions):
             places[begin].append((name, occurrence))
     chosen = [rng.choice(changes) for _, changes in sorted(places.items())]
     rng.shuffle(chosen)
@@ -151,7 +153,7 @@ def alternating(iterables):
 
 
 def is_red(copy, tests, seconds=None):
-    """Whether a test fails on the code in the copy."""
+    """True if a test fails on the code in the copy."""
     command = [sys.executable, "-m", "pytest", "-q", "-x", "-p", "no:cacheprovider", *tests]
     quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
     environment = os.environ | {"PYTHONPATH": str(copy), "PYTHONDONTWRITEBYTECODE": "1"}
@@ -167,7 +169,7 @@ def is_red(copy, tests, seconds=None):
 
 
 def is_noticed(copy, module, changed, tests, seconds):
-    """Whether a test fails on the change; the code is put back."""
+    """True if a test fails on the change; the code is put back."""
     file = copy / module
     source = file.read_text()
     try:
@@ -184,11 +186,11 @@ def change_of(source, changed):
 
 
 def report(rows):
-    """How many were noticed, and which were not."""
+    """Print the number of changes that were noticed, and those that were not."""
     harmless = HARMLESS.read_text()
     for room in ROOMS:
-        found = Counter(row["noticed"] for row in rows if row["room"] == room)
-        print(f"{room:10} {found[True]} of {found.total()} noticed")
+        outcomes = Counter(row["noticed"] for row in rows if row["room"] == room)
+        print(f"{room:10} {outcomes[True]} of {outcomes.total()} noticed")
     for row in rows:
         if not row["noticed"] and row["change"][-1] not in harmless:
             print("", f"not noticed: {row['module']}", *row["change"], sep="\n  ")
@@ -211,14 +213,14 @@ def main():
     rows = []
     if options.file.exists():
         rows = [json.loads(line) for line in options.file.read_text().splitlines()]
-    known = {(row["module"], *row["change"]) for row in rows}
+    changes = {(row["module"], *row["change"]) for row in rows}
     for room in options.rooms:
         if is_red(copy, ROOMS[room][1]):
             sys.exit(f"the tests of the {room} fail on the code as it is")
     began = time.monotonic()
     for room, module, (source, changed) in in_turn(options.seed, options.rooms):
         change = change_of(source, changed)
-        if (str(module), *change) in known:
+        if (str(module), *change) in changes:
             continue
         if time.monotonic() - began > 60 * options.minutes:
             break

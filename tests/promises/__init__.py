@@ -1,1 +1,1 @@
-"""How often `--accuracy` and the presets keep what they promise, on scenes nobody tuned them to."""
+"""Share of promises of `--accuracy` and the presets that hold, on scenes nobody tuned them to."""

@@ -28,7 +28,7 @@ PARTS = ("truth", "presets", "accuracies")
 FAMILIES = {"cylinders": random_sweep, "wide": random_wide_sweep}
 
 
-def truth(sweep, known):
+def truth(sweep, parts):
     """True boundaries, by the present heat and by all so far, and what kind of scene it is."""
     present, by_all = true_boundary(sweep)
     return {
@@ -58,17 +58,17 @@ def described(sweep):
     )
 
 
-def presets(sweep, known):
+def presets(sweep, parts):
     """True errors of the presets, with the present heat and all so far; the kinds of warnings."""
     present, by_all = (
-        dict(zip(places(sweep), known["truth"][heat], strict=True)) for heat in ("present", "all")
+        dict(zip(places(sweep), parts["truth"][heat], strict=True)) for heat in ("present", "all")
     )
     slopes, rows = exponents(sweep, present), {}
     for name in PROMISED:
-        found, kinds = boundaries(sweep, PRESETS[name], present, slopes)
+        velocities, kinds = boundaries(sweep, PRESETS[name], present, slopes)
         rows[name] = {
-            "error": largest_error(found, present),
-            "with_past": largest_error(found, by_all),
+            "error": largest_error(velocities, present),
+            "with_past": largest_error(velocities, by_all),
             "warnings": kinds + _slow(slopes),
         }
     return rows
@@ -79,12 +79,12 @@ def _slow(slopes):
     return ["slow rise"] if min(slopes.values()) < SLOW else []
 
 
-def accuracies(sweep, known):
-    """What is picked for each accuracy, the error foretold, and the true one.
+def accuracies(sweep, parts):
+    """Choice for each accuracy, its error as foretold, and the true one.
 
     All accuracies are judged by one yardstick, as each would make the same.
     """
-    true = dict(zip(places(sweep), known["truth"]["all"], strict=True))
+    true = dict(zip(places(sweep), parts["truth"]["all"], strict=True))
     slopes = exponents(sweep, true)
 
     @functools.cache
@@ -92,14 +92,14 @@ def accuracies(sweep, known):
         velocities, kinds = boundaries(sweep, fidelity, true, slopes)
         return largest_error(velocities, true), kinds + _slow(slopes)
 
-    found = {}
+    rows = {}
     shared = "measured", "own_error", "probe", "near_the_boundary"
     once = {name: _known_by_text(getattr(choose, name)) for name in shared}
     with mock.patch.multiple(choose, **once):
         for accuracy in ACCURACIES:
             selection = choose.choose_fidelity(sweep, accuracy)
             error, kinds = judged(selection.fidelity)
-            found[f"{accuracy:g}"] = {
+            rows[f"{accuracy:g}"] = {
                 "name": selection.name,
                 "heat_model": selection.fidelity.heat_model,
                 "error": error,
@@ -107,35 +107,35 @@ def accuracies(sweep, known):
                 "foretold": selection.error,
                 "saving": selection.saving,
             }
-    return found
+    return rows
 
 
 def _known_by_text(function):
     """Give a function's results again for arguments that read the same."""
-    known = {}
+    results = {}
 
     def again(*arguments):
         key = repr(arguments)
-        if key not in known:
-            known[key] = function(*arguments)
-        return known[key]
+        if key not in results:
+            results[key] = function(*arguments)
+        return results[key]
 
     return again
 
 
 def commit():
-    """What the working tree holds, as git names it."""
+    """Name of the working tree's commit, as git gives it."""
     command = ["git", "describe", "--always", "--dirty"]
     return subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()
 
 
 def read(path):
-    """What is known of each scene, by its seed and the part; later lines count."""
-    found = {}
+    """Results of each scene, by its seed and the part; later lines count."""
+    rows_by_seed = {}
     for line in path.read_text().splitlines() if path.exists() else ():
         row = json.loads(line)
-        found.setdefault(row["seed"], {})[row["part"]] = row
-    return found
+        rows_by_seed.setdefault(row["seed"], {})[row["part"]] = row
+    return rows_by_seed
 
 
 def main():
@@ -151,10 +151,10 @@ def main():
     options = parser.parse_args()
     path = options.file or Path(f"results/promises_{options.family}.jsonl")
     path.parent.mkdir(parents=True, exist_ok=True)
-    known, began, now = read(path), time.monotonic(), commit()
+    rows_by_seed, began, now = read(path), time.monotonic(), commit()
     parts = ("truth", options.of) if options.of else PARTS
     for seed in range(options.first, options.scenes):
-        rows = known.setdefault(seed, {})
+        rows = rows_by_seed.setdefault(seed, {})
         for part in parts:
             stale = options.anew and part != "truth" and rows.get(part, {}).get("commit") != now
             if part in rows and not stale:
@@ -171,7 +171,7 @@ def main():
             rows[part] = row
             with path.open("a") as file:
                 file.write(json.dumps(row) + "\n")
-    report(known)
+    report(rows_by_seed)
 
 
 if __name__ == "__main__":

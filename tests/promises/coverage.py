@@ -60,7 +60,7 @@ def judged(posterior, truth):
 
 
 def reported(rows, promised):
-    """How ranks, z and intervals came out, by law and input."""
+    """Summary of ranks, z and intervals by law and input."""
     for law in LAWS:
         of_law = [row["inputs"] for row in rows if row["law"] == law]
         result = {"truths": len(of_law)}

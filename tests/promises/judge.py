@@ -33,7 +33,7 @@ def _rise(sweep, fidelity, place, velocity):
 
 
 def boundary_velocity(sweep, fidelity, place, velocity, ratio=1.0, exponent=None):
-    """Where the decisive rise reaches its limit, by secants from a velocity; and its warnings.
+    """Velocity at which the decisive rise reaches its limit, by secants; and its warnings.
 
     The rise is multiplied by a ratio, such as that of `heat_of_the_past`. With a known exponent
     d ln(rise)/d ln(velocity) a last small step is trusted.
@@ -41,7 +41,7 @@ def boundary_velocity(sweep, fidelity, place, velocity, ratio=1.0, exponent=None
     limit, before = rise_limit(sweep.conditions) / ratio, None
     trusted, exponent = exponent is not None, exponent or 0.6
     for _ in range(12):
-        rise, told = _rise(sweep, fidelity, place, velocity)
+        rise, warnings = _rise(sweep, fidelity, place, velocity)
         short = math.log(rise / limit)
         if before is not None and abs(math.log(velocity / before[0])) > 1e-6:
             slope = (short - before[1]) / math.log(velocity / before[0])
@@ -52,7 +52,7 @@ def boundary_velocity(sweep, fidelity, place, velocity, ratio=1.0, exponent=None
         velocity *= math.exp(-short / exponent)
         if trusted and abs(short / exponent) < _SMALL_STEP:
             break
-    return velocity, sorted({warning.kind.label for warning in told})
+    return velocity, sorted({warning.kind.label for warning in warnings})
 
 
 def exponent_at(sweep, fidelity, place, velocity, apart=0.03):
@@ -102,19 +102,20 @@ def exponents(sweep, true):
     return {place: exponent_at(sweep, PRESETS["draft"], place, true[place]) for place in true}
 
 
-def boundaries(sweep, fidelity, true, known=None):
+def boundaries(sweep, fidelity, true, starts=None):
     """Velocity at each place by a fidelity, sought from the true one; and the kinds of warnings.
 
     Fewer points are looked at where the exponents are known.
     """
-    known = known or {}
-    found = {
-        at: boundary_velocity(sweep, fidelity, at, true[at], 1.0, known.get(at)) for at in true
+    starts = starts or {}
+    results = {
+        place: boundary_velocity(sweep, fidelity, place, true[place], 1.0, starts.get(place))
+        for place in true
     }
-    kinds = {kind for _, each in found.values() for kind in each}
-    return {at: velocity for at, (velocity, _) in found.items()}, sorted(kinds)
+    kinds = {kind for _, labels in results.values() for kind in labels}
+    return {place: velocity for place, (velocity, _) in results.items()}, sorted(kinds)
 
 
-def largest_error(found, true):
+def largest_error(velocities, true):
     """Largest relative error of a boundary at any place."""
-    return max(abs(math.log(found[place] / velocity)) for place, velocity in true.items())
+    return max(abs(math.log(velocities[place] / velocity)) for place, velocity in true.items())

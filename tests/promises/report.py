@@ -1,4 +1,4 @@
-"""What a campaign has found: how many promises were kept."""
+"""Report of a campaign: number of promises kept."""
 
 import numpy as np
 
@@ -6,9 +6,9 @@ ACCURACIES = (0.05, 0.02, 0.01)
 PROMISED = {"draft": 0.08, "standard": 0.03, "fine": 0.01}
 
 
-def report(known):
+def report(rows_by_seed):
     """Print how many promises were kept, of what is known of each scene by its parts."""
-    rows = [row for parts in known.values() for row in parts.values()]
+    rows = [row for parts in rows_by_seed.values() for row in parts.values()]
     failed = {row["seed"] for row in rows if "failed" in row}
     done = [row for row in rows if "failed" not in row]
     true = [row for row in done if row["part"] == "truth"]
@@ -34,17 +34,17 @@ def _presets(rows):
 
 def _accuracies(rows):
     for accuracy in ACCURACIES if rows else ():
-        found = [row[f"{accuracy:g}"] for row in rows]
-        errors = np.array([each["error"] for each in found])
-        foretold = np.array([each["foretold"] for each in found])
+        results = [row[f"{accuracy:g}"] for row in rows]
+        errors = np.array([result["error"] for result in results])
+        foretold = np.array([result["foretold"] for result in results])
         missed = [
-            f"scene {row['seed']} {each['error']:.2%} of {each['foretold']:.2%} foretold "
-            f"({each['name']}; {', '.join(each['warnings']) or 'no warning'})"
-            for row, each in zip(rows, found, strict=True)
-            if each["error"] > max(accuracy, each["foretold"])
+            f"scene {row['seed']} {result['error']:.2%} of {result['foretold']:.2%} foretold "
+            f"({result['name']}; {', '.join(result['warnings']) or 'no warning'})"
+            for row, result in zip(rows, results, strict=True)
+            if result["error"] > max(accuracy, result["foretold"])
         ]
         print(
-            f"{accuracy:.0%}: kept {np.sum(errors <= accuracy)} of {len(found)}; as foretold or "
+            f"{accuracy:.0%}: kept {np.sum(errors <= accuracy)} of {len(results)}; as foretold or "
             f"less where the finest was said to err by more: "
             f"{np.sum((errors > accuracy) & (errors <= foretold))}; foretold error "
             f"exceeds the true one in {np.mean(foretold >= errors):.1%}; median error "

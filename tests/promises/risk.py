@@ -31,7 +31,7 @@ LIMIT = 3.0  # standard errors of the difference
 def _of_chunk(task):
     scene, overrides, place, inputs = task
     np.seterr(all="raise", under="ignore")
-    return [excess(scene, overrides, each, *place) for each in inputs]
+    return [excess(scene, overrides, entries, *place) for entries in inputs]
 
 
 def excess(scene, overrides, inputs, load, velocity):
@@ -51,8 +51,8 @@ def drawn_anew(ensemble, count):
 def entries_of(unknown, values):
     """Values of unknown inputs [SI] as the scene would give them, by path."""
     return {
-        each.path: round(value) if each.kind == "list" else written(each, value)
-        for each, value in zip(unknown, values.tolist(), strict=True)
+        entry.path: round(value) if entry.kind == "list" else written(entry, value)
+        for entry, value in zip(unknown, values.tolist(), strict=True)
     }
 
 
@@ -79,11 +79,11 @@ def judged(ensemble, scene, count, overrides, place, processes=1):
     load, velocity = place
     stated = pipeline.risk(ensemble, load, velocity)
     values, entries = drawn_anew(ensemble, count)
-    found = direct(scene, entries, overrides, place, processes)
-    share = float(np.mean(found > 0))
+    excesses = direct(scene, entries, overrides, place, processes)
+    share = float(np.mean(excesses > 0))
     by_chance = math.sqrt(share * (1 - share) / count)
     emulated = ensemble.excess(values, load, velocity)
-    missed = emulated.values[:, 0] - found
+    missed = emulated.values[:, 0] - excesses
     return {
         "load": load,
         "velocity": velocity,
@@ -119,9 +119,9 @@ def main():
             pipeline.run_sweep(sweep, store, workers=options.processes)
         ensemble = pipeline.Ensemble.of(pipeline.open_sweep(store))
     place = tuple(options.at)
-    told = judged(ensemble, options.scene, options.direct, overrides, place, options.processes)
-    print(json.dumps(told, indent=1))
-    return 1 if abs(told["standard_errors_apart"]) > LIMIT else 0
+    verdict = judged(ensemble, options.scene, options.direct, overrides, place, options.processes)
+    print(json.dumps(verdict, indent=1))
+    return 1 if abs(verdict["standard_errors_apart"]) > LIMIT else 0
 
 
 if __name__ == "__main__":
