@@ -62,7 +62,7 @@ def done_points(path):
     return store.points_at(np.nonzero(store.flags == DONE))
 
 
-def at(path, point, name):
+def stored_values(path, point, name):
     """Values of a variable at a point."""
     store = opened(path)
     return store.read(name, store.index(point))

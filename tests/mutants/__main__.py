@@ -28,57 +28,57 @@ HARMLESS = Path(__file__).parent / "harmless.txt"
 PIPELINE, TRIBO = "tests/pipeline", "tests/tribo"
 
 
-def each(pattern, names):
+def files_of(pattern, names):
     """Files of a pattern, by names in place of its asterisk."""
     return [pattern.replace("*", name) for name in names.split()]
 
 
-_JUDGED = each(
+_JUDGED = files_of(
     "pipeline/analysis/*.py",
     "band boundary conditions dataset decisive interpolation margin temperatures transition "
     "warned_points",
 )
 _ANALYSIS = "band interpolation boundary margin dataset warned_points many_surfaces"
-_INVERSE = each("tribo/*.py", "criterion inverse lubricant")
-_WEAR = each("tribo/*.py", "grid stencil topography wear")
+_INVERSE = files_of("tribo/*.py", "criterion inverse lubricant")
+_WEAR = files_of("tribo/*.py", "grid stencil topography wear")
 _SCENE = "consistency correlation document kinds schema unknown"
-_WARNINGS = each("tribo/simulation/*.py", "point_warnings present_heat")
+_WARNINGS = files_of("tribo/simulation/*.py", "point_warnings present_heat")
 # Modules to change, and what is run then: tests, and modules with examples.
 ROOMS = {
-    "solver": (["tribo/contact"], each(f"{TRIBO}/*", "contact simulation/test_point.py")),
+    "solver": (["tribo/contact"], files_of(f"{TRIBO}/*", "contact simulation/test_point.py")),
     "heat": (
         ["tribo/thermal", "tribo/simulation/temperature.py"],
-        each(f"{TRIBO}/*", "thermal simulation/test_point.py"),
+        files_of(f"{TRIBO}/*", "thermal simulation/test_point.py"),
     ),
     "criterion": (
-        each("pipeline/sweep/*.py", "conditions criterion rises"),
-        ["pipeline/sweep", *each(f"{PIPELINE}/*", "sweep analysis")],
+        files_of("pipeline/sweep/*.py", "conditions criterion rises"),
+        ["pipeline/sweep", *files_of(f"{PIPELINE}/*", "sweep analysis")],
     ),
     "analysis": (
         _JUDGED,
         [
-            *each("pipeline/analysis/*.py", "band interpolation transition"),
-            *each(f"{PIPELINE}/analysis/test_*.py", _ANALYSIS),
+            *files_of("pipeline/analysis/*.py", "band interpolation transition"),
+            *files_of(f"{PIPELINE}/analysis/test_*.py", _ANALYSIS),
         ],
     ),
     "uncertain": (["pipeline/uncertain"], ["pipeline/uncertain", f"{PIPELINE}/uncertain"]),
     "inverse": (
         _INVERSE,
-        [*_INVERSE, *each(f"{TRIBO}/test_*.py", "criterion inverse lubricant")],
+        [*_INVERSE, *files_of(f"{TRIBO}/test_*.py", "criterion inverse lubricant")],
     ),
     "wear": (
         _WEAR,
-        [*_WEAR, *each(f"{TRIBO}/test_*.py", "grid stencil topography wear wear_schemes")],
+        [*_WEAR, *files_of(f"{TRIBO}/test_*.py", "grid stencil topography wear wear_schemes")],
     ),
     "loading": (["tribo/loading"], ["tribo/loading", f"{TRIBO}/loading"]),
     "scene": (
-        each("pipeline/scene/*.py", _SCENE),
-        each(f"{PIPELINE}/*", "scene test_corrections.py"),
+        files_of("pipeline/scene/*.py", _SCENE),
+        files_of(f"{PIPELINE}/*", "scene test_corrections.py"),
     ),
     "store": (["pipeline/store"], ["pipeline/store", f"{PIPELINE}/store"]),
     "schedule": (
-        each("pipeline/run/*.py", "schedule work writer"),
-        each(f"{PIPELINE}/run/test_*.py", "schedule writer"),
+        files_of("pipeline/run/*.py", "schedule work writer"),
+        files_of(f"{PIPELINE}/run/test_*.py", "schedule writer"),
     ),
     "implicit_end": (
         ["tribo/simulation/implicit_end.py"],
@@ -88,14 +88,14 @@ ROOMS = {
         _WARNINGS,
         [
             *_WARNINGS,
-            *each(f"{TRIBO}/simulation/test_*.py", "point_warnings present_heat"),
+            *files_of(f"{TRIBO}/simulation/test_*.py", "point_warnings present_heat"),
             f"{TRIBO}/test_wear_schemes.py",
         ],
     ),
-    "doubts": (["pipeline/scene/doubts.py"], each(f"{PIPELINE}/scene/test_*.py", "doubts facts")),
+    "doubts": (["pipeline/scene/doubts.py"], files_of(f"{PIPELINE}/scene/test_*.py", "doubts facts")),
     "accuracy": (
-        each("pipeline/tradeoff/*.py", "choose probe yardstick"),
-        ["pipeline/tradeoff", *each(f"{PIPELINE}/tradeoff/test_*.py", "probe yardstick choose")],
+        files_of("pipeline/tradeoff/*.py", "choose probe yardstick"),
+        ["pipeline/tradeoff", *files_of(f"{PIPELINE}/tradeoff/test_*.py", "probe yardstick choose")],
     ),
 }
 # Annotations are the only place where most modules write `|`; decorators and the like keep results.

@@ -10,7 +10,7 @@ from pipeline.store.place import StoreMismatchError
 from pipeline.store.verify import verify_store
 from pipeline.sweep.plan import points, run_point
 from tests.helpers.scenes import MEASURED, SCENE
-from tests.helpers.stores import at
+from tests.helpers.stores import stored_values
 from tests.promises import risk
 from tribo import InputError
 
@@ -66,11 +66,11 @@ def test_a_sample_on_a_shared_contact_is_the_scene_with_its_inputs_and_velocity(
     expected = run_point(alone, 600.0, velocity).columns
     point = next(p for p in points(sweep) if p[::2] == (600.0, (("sample", number),)))
     for name in ("max_rise", "wear_volume", "sliding_distance", "contact_width"):
-        stored = at(folder / "out.zarr", point, name)[: len(expected[name])]
+        stored = stored_values(folder / "out.zarr", point, name)[: len(expected[name])]
         # k and V of the others give k V to rounding alone.
         np.testing.assert_allclose(stored, expected[name], rtol=1e-9)
     again = run_point(sweep, *point).columns["max_rise"]
-    assert np.array_equal(at(folder / "out.zarr", point, "max_rise"), again, equal_nan=True)
+    assert np.array_equal(stored_values(folder / "out.zarr", point, "max_rise"), again, equal_nan=True)
 
 
 def test_another_friction_needs_no_new_point(sampled):
