@@ -92,10 +92,16 @@ ROOMS = {
             f"{TRIBO}/test_wear_schemes.py",
         ],
     ),
-    "doubts": (["pipeline/scene/doubts.py"], files_of(f"{PIPELINE}/scene/test_*.py", "doubts facts")),
+    "doubts": (
+        ["pipeline/scene/doubts.py"],
+        files_of(f"{PIPELINE}/scene/test_*.py", "doubts facts"),
+    ),
     "accuracy": (
         files_of("pipeline/tradeoff/*.py", "choose probe yardstick"),
-        ["pipeline/tradeoff", *files_of(f"{PIPELINE}/tradeoff/test_*.py", "probe yardstick choose")],
+        [
+            "pipeline/tradeoff",
+            *files_of(f"{PIPELINE}/tradeoff/test_*.py", "probe yardstick choose"),
+        ],
     ),
 }
 # Annotations are the only place where most modules write `|`; decorators and the like keep results.

@@ -70,7 +70,9 @@ def test_a_sample_on_a_shared_contact_is_the_scene_with_its_inputs_and_velocity(
         # k and V of the others give k V to rounding alone.
         np.testing.assert_allclose(stored, expected[name], rtol=1e-9)
     again = run_point(sweep, *point).columns["max_rise"]
-    assert np.array_equal(stored_values(folder / "out.zarr", point, "max_rise"), again, equal_nan=True)
+    assert np.array_equal(
+        stored_values(folder / "out.zarr", point, "max_rise"), again, equal_nan=True
+    )
 
 
 def test_another_friction_needs_no_new_point(sampled):
