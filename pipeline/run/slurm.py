@@ -185,16 +185,19 @@ class SlurmJobs(Source):
         if any("Registered to:" in line for line in lines):
             return
         said = [line.strip() for line in lines if line.strip() and _INFO not in line]
-        faults = [line for line in said if not line.startswith(_OF_SLURM)]
-        words = (faults or said or ["it left no word"])[-1]
-        if not faults:
+        of_slurm = [line for line in said if line.startswith(_OF_SLURM)]
+        faults = [line for line in said if line not in of_slurm]
+        # Such as for urgent jobs of others: what its workers say then follows from that.
+        cancelled = [line for line in of_slurm if _CANCELLED in line and _TIME_LIMIT not in line]
+        words = (cancelled or faults or said or ["it left no word"])[-1]
+        if words in of_slurm:
             words = words.partition(" error: ")[2].strip("* ") or words
         log = f" ({logs[0]})" if logs else ""
         first, later = _EARLY
-        is_cancelled = not faults and _CANCELLED in words and _TIME_LIMIT not in words
-        if not (is_cancelled and self._joined):  # such as for urgent jobs of others
+        if not (cancelled and self._joined):
             self._early += 1
-        if self._early >= (later if self._joined else 1 if faults else first):
+        most = later if cancelled or self._joined else 1 if faults else first
+        if self._early >= most:
             self._error = f"workers do not start in the jobs: {words}{log}"
         self._notes.append(f"a job has ended before its workers started: {words}{log}")
 

@@ -37,13 +37,14 @@ def scene(tmp_path, monkeypatch):
     return "small.toml"
 
 
-# Of twelve jobs that follow the first: each is cancelled before its worker starts.
+# Of five jobs before one that starts, and twelve after it: each is cancelled as its worker starts.
 CANCELLED = """\
 echo >>{folder}/submitted
 count=$(wc -l <{folder}/submitted)
-if [ "$count" -gt 1 ] && [ "$count" -le 13 ]; then
+if [ "$count" -le 18 ] && [ "$count" -ne 6 ]; then
     log=$(sed -n 's/^#SBATCH -e //p' "$1" | sed "s/%J/$$/")
     echo "slurmstepd-n1: error: *** JOB $$ ON n1 CANCELLED AT 2030-01-31T12:00:00 ***" >"$log"
+    echo "RuntimeError: Nanny failed to start." >>"$log"
     echo "Submitted batch job $$"
     exit 0
 fi
@@ -73,9 +74,9 @@ def test_jobs_compute_the_same_and_lost_ones_are_replaced(tmp_path, monkeypatch,
     assert (outcome.done, outcome.failed) == (9, ())
     assert content(path) == content(alone)
     logs = {file.name for file in tmp_path.glob("out.zarr.jobs/*.err")}
-    assert len(logs) == 14
+    assert len(logs) == 19
     words = r"a job has .* before its workers started: JOB \d+ ON n1 CANCELLED AT 2030-01-31T12:00"
-    assert sum(bool(re.match(words, note)) for note in messages) == 12
+    assert sum(bool(re.match(words, note)) for note in messages) == 17
     assert counts[-1].running == 1
     assert not list(tmp_path.glob("out.zarr.jobs/.*"))
     end = time.monotonic() + 30.0
