@@ -17,6 +17,7 @@ TRUTH = replace(PRESETS["reference"], contact_tolerance=5e-6, heat_tolerance=5e-
 _PAST_STEPS = 50  # in which the share of the heat of the past is known
 _NEARLY = replace(TRUTH, increments=12, contact_tolerance=1e-4, heat_tolerance=1e-6)
 _CLOSE = 5e-4  # relative, of a boundary velocity
+_MUCH = 0.01  # of ln(rise), that the heat of the past takes away: it differs with the velocity
 _SMALL_STEP = 5e-3  # of the logarithm of velocity, over which its known exponent is exact enough
 
 
@@ -90,10 +91,16 @@ def true_boundary(sweep):
         start, _ = boundary_velocity(sweep, _NEARLY, place, start)
         exponent = exponent_at(sweep, _NEARLY, place, start)
         present, _ = boundary_velocity(sweep, TRUTH, place, start, exponent=exponent)
+        by_present[place] = present
         ratio = heat_of_the_past(sweep, place, present)
         lower = present * math.exp(-math.log(ratio) / exponent)
-        by_present[place] = present
+        is_much = abs(math.log(ratio)) > _MUCH
+        if is_much:
+            ratio = heat_of_the_past(sweep, place, lower)
         by_all[place], _ = boundary_velocity(sweep, TRUTH, place, lower, ratio, exponent)
+        if is_much:
+            ratio /= heat_of_the_past(sweep, place, by_all[place])
+            by_all[place] *= ratio ** (1 / exponent)
     return by_present, by_all
 
 
