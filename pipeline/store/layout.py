@@ -126,24 +126,13 @@ def fill_new_steps(arrays: Mapping[str, Any], steps: int) -> None:
 def blocks(mask: Mask, sizes: Sequence[int]) -> Iterator[tuple[tuple[int, ...], Slices]]:
     """Numbers and slices of the chunks of these sizes that hold any point of a mask."""
     for numbers in np.ndindex(*(-(-n // size) for n, size in zip(mask.shape, sizes, strict=True))):
-        block = tuple(slice(i * n, (i + 1) * n) for i, n in zip(numbers, sizes, strict=True))
-        if mask[block].any():
+        if mask[block := slices_of(numbers, sizes)].any():
             yield numbers, block
 
 
-def missing_chunks(place: Place, arrays: Mapping[str, Any], mask: Mask) -> dict[str, Mask]:
-    """Points of a mask that lack a chunk, by the names of variables that lack any."""
-    keys = place.keys()
-    missing: dict[str, Mask] = {}
-    for name, array in arrays.items():
-        if is_coordinate(name):
-            continue
-        counts = [-(-n // size) for n, size in zip(array.shape, array.chunks, strict=True)]
-        for numbers, block in blocks(mask, array.chunks[: mask.ndim]):
-            inner = np.ndindex(*counts[mask.ndim :])
-            if not keys.issuperset(chunk_key(name, (*numbers, *rest)) for rest in inner):
-                missing.setdefault(name, np.zeros_like(mask))[block] = mask[block]
-    return missing
+def slices_of(numbers: Sequence[int], sizes: Sequence[int]) -> Slices:
+    """Slices of a chunk of these sizes by its numbers."""
+    return tuple(slice(i * n, (i + 1) * n) for i, n in zip(numbers, sizes, strict=True))
 
 
 def chunk_key(name: str, numbers: Sequence[int]) -> str:

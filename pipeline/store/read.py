@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from typing import Any
 
 import numpy as np
@@ -9,7 +10,6 @@ import xarray as xr
 from xarray.backends import BackendArray, BackendEntrypoint
 from xarray.core import indexing
 
-from pipeline.store.layout import missing_chunks
 from pipeline.store.place import PathLike, StoreError, damaged, place_of, reads
 from pipeline.store.root import read_root
 from pipeline.store.schema import DONE, PENDING, RECORDS, is_coordinate
@@ -34,8 +34,9 @@ class _Backend(BackendEntrypoint):
         place = place_of(filename_or_obj)
         store = Store(place, read_root(place))  # statuses first: a point that was done stays whole
         done = store.flags == DONE
-        if missing := missing_chunks(place, store.arrays, done):
-            raise StoreError(damaged(place, ", ".join(sorted(missing))))
+        keys, of_points = place.keys(), itertools.filterfalse(is_coordinate, store.arrays)
+        if lost := [name for name in of_points if store.lacks(name, done, keys)]:
+            raise StoreError(damaged(place, ", ".join(sorted(lost))))
         present: dict[str, Any] = {"status": store.flags, "asked": store.asked}
         variables = {}
         for name, array in store.arrays.items():

@@ -7,6 +7,7 @@ checksum, a message from these kinds, and times are unknown.
 
 from __future__ import annotations
 
+import itertools
 import json
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -17,11 +18,11 @@ import numpy as np
 
 from pipeline.store.create import repairing
 from pipeline.store.identity import checksum, record_checksum
-from pipeline.store.layout import Slices, blocks, chunk_key, missing_chunks
+from pipeline.store.layout import Slices, blocks, chunk_key, slices_of
 from pipeline.store.place import ROOT, PathLike, StoreError, place_of
 from pipeline.store.root import read_root
-from pipeline.store.schema import AT_END, DONE, PENDING, STEPPED, is_coordinate
-from pipeline.store.write import ABOUT, Store, told_of
+from pipeline.store.schema import AT_END, DONE, PENDING, RECORDS, STEPPED, is_coordinate
+from pipeline.store.write import ABOUT, Store, values_of
 from pipeline.sweep.model import Point
 from pipeline.sweep.over import Variant
 from pipeline.sweep.plan import PointRecord
@@ -130,28 +131,40 @@ def examined(
     store: Store, repair: bool, progress: Callable[[int, int], None] | None = None
 ) -> Verification:
     """Read all of an open store; see `verify_store`."""
-    shared = [*_shared_faults(store, repair)]
-    keys = store.place.keys()
-    # Points that have data, but whose status was lost.
-    unknown = _on_disk(store, "checksum", keys)
-    unknown &= ~_on_disk(store, "status", keys) | store.unreadable["status"]
-    is_there = (store.flags != PENDING) | unknown
-    missing = missing_chunks(store.place, store.arrays, is_there)
-    if "asked" in missing:
-        store.unreadable["asked"] |= missing["asked"]
-    for name, kind in (("status", "statuses"), ("asked", "points that the last run asked for")):
-        if store.unreadable[name].any():
-            shared.append(f"the {kind} are damaged")
-    total, count = int(np.count_nonzero(store.flags == DONE)), 0
+    shared, keys = [*_shared_faults(store, repair)], store.place.keys()
+    begun = [
+        (numbers, block)
+        for numbers, block in blocks(np.ones(store.flags.shape, bool), store.block)
+        if any(chunk_key(name, numbers) in keys for name in RECORDS)
+    ]
     lost: list[tuple[str, Slices]] = []
+    unknown = np.zeros(store.flags.shape, bool)
+    for numbers, block in begun:
+        statuses, asked = (_read(store, name, numbers, keys) for name in ("status", "asked"))
+        store.flags[block] = PENDING if statuses is None else statuses
+        store.asked[block] = store.flags[block] != PENDING if asked is None else asked
+        present = [name for name in ("status", "checksum") if chunk_key(name, numbers) in keys]
+        unknown[block] = statuses is None and bool(present)
+        if statuses is None and "status" in present:
+            shared.append("the statuses are damaged")
+        if asked is None and (chunk_key("asked", numbers) in keys or store.asked[block].any()):
+            shared.append("the points that the last run asked for are damaged")
+            lost.append(("asked", block))
+    keys = store.place.keys()  # again: a writer may have finished points meanwhile
+    total, count = int(np.count_nonzero(store.flags == DONE)), 0
     faults: list[_Fault] = []
     complete: list[Point] = []
-    for block in store.blocks(is_there | _on_disk(store, "message", keys)):
-        values = {name: _read(store, name, block, missing) for name in _together(store)}
-        lost += [(name, block) for name, of_block in values.items() if of_block is None]
-        indices = np.argwhere(is_there[block]) + [part.start for part in block]
+    for numbers, block in begun:
+        values = {name: _read(store, name, numbers, keys) for name in _together(store)}
+        lost += [
+            (name, block)
+            for name, of_block in values.items()
+            if of_block is None and not keys.isdisjoint(store.chunk_keys(name, numbers))
+        ]
+        indices = np.argwhere((store.flags != PENDING)[block] | unknown[block])
+        indices += [part.start for part in block]
         for point, index in zip(store.points_at(indices.T), map(tuple, indices), strict=True):
-            entries = _entries(store, index, block, values, missing)
+            entries = _entries(store, index, values, keys)
             fault = _fault(point, entries, bool(unknown[index] or store.flags[index] == DONE))
             if fault and not unknown[index]:
                 faults.append(fault)
@@ -163,13 +176,13 @@ def examined(
     damaged = [fault for fault in faults if fault.record is None]
     done = total - sum(store.is_done(fault.point) for fault in damaged)
     if repair:
-        _repair(store, lost, faults, complete)
+        _repair(store, lost, faults, unknown, complete)
         done = int(np.count_nonzero(store.flags == DONE))
     return Verification(
         done=done,
         damaged=tuple(fault.as_damage() for fault in damaged),
         records=tuple(fault.as_damage() for fault in faults if fault.record),
-        shared=tuple(shared),
+        shared=tuple(dict.fromkeys(shared)),
         without_status=tuple(complete),
         repaired=repair,
     )
@@ -186,44 +199,32 @@ class _Fault(NamedTuple):
         return Damage(self.point.load, self.point.velocity, self.reason, self.point.variant)
 
 
-def _on_disk(store: Store, name: str, keys: set[str]) -> Mask:
-    """Points whose chunk of a small variable is on the disk."""
-    mask = np.zeros(store.flags.shape, bool)
-    for numbers, block in blocks(~mask, store.arrays[name].chunks):
-        mask[block] = chunk_key(name, numbers) in keys
-    return mask
-
-
 def _together(store: Store) -> list[str]:
     """Variables of which points share chunks, besides their statuses."""
     others = {*AT_END, "status", "asked"}
     return [name for name in store.arrays if not is_coordinate(name) and name not in others]
 
 
-def _read(store: Store, name: str, points: Any, missing: Mapping[str, Mask]) -> Any:
-    """Values of points; None if a chunk of theirs is lost."""
-    if name in missing and missing[name][points].any():
+def _read(store: Store, name: str, numbers: tuple[int, ...], keys: set[str]) -> Any:
+    """Values in the chunks of these numbers; None if any is lost."""
+    if not keys.issuperset(store.chunk_keys(name, numbers)):
         return None
     try:
-        return store.read(name, points)
+        return store.read(name, slices_of(numbers, store.arrays[name].chunks[: len(numbers)]))
     except StoreError:
         return None
 
 
 def _entries(
-    store: Store,
-    index: tuple[int, ...],
-    block: Slices,
-    values: Mapping[str, Any],
-    missing: Mapping[str, Mask],
+    store: Store, index: tuple[int, ...], values: Mapping[str, Any], keys: set[str]
 ) -> dict[str, Any]:
     """Values of one point, of which those of its block are read already; None where lost."""
-    within = tuple(i - part.start for i, part in zip(index, block, strict=True))
+    within = tuple(i % n for i, n in zip(index, store.block, strict=True))
     of_block = {
         name: None if entries is None else entries[within] for name, entries in values.items()
     }
     fields = store.arrays.keys() & AT_END.keys()
-    return of_block | {name: _read(store, name, index, missing) for name in fields}
+    return of_block | {name: _read(store, name, index, keys) for name in fields}
 
 
 def _fault(point: Point, entries: Mapping[str, Any], is_done: bool) -> _Fault | None:
@@ -274,19 +275,19 @@ def _repair(
     store: Store,
     lost: Iterable[tuple[str, Slices]],
     faults: Iterable[_Fault],
+    unknown: Mask,
     complete: Iterable[Point],
 ) -> None:
     """Make damaged points pending, and write anew what is told of the others."""
+    damaged = [store.index(fault.point) for fault in faults if fault.record is None]
     for name, block in lost:
-        store.arrays[name][block] = store.arrays[name].fill_value
-    damaged = [fault.point for fault in faults if fault.record is None]
-    for point in damaged:
-        for name in store.arrays.keys() & AT_END.keys():
-            store.arrays[name][store.index(point)] = store.arrays[name].fill_value
-    values = {store.index(fault.point): told_of(fault.record) for fault in faults if fault.record}
-    store.write(values, {store.index(point): DONE for point in complete})
-    store.forget(damaged)
-    store.restore_marks()
+        array = store.arrays[name]
+        array[block] = store.asked[block] if name == "asked" else array.fill_value
+    for index, name in itertools.product(damaged, store.arrays.keys() & AT_END.keys()):
+        store.arrays[name][index] = store.arrays[name].fill_value
+    values = {store.index(fault.point): values_of(fault.record) for fault in faults if fault.record}
+    pending = dict.fromkeys([*map(tuple, np.argwhere(unknown)), *damaged], PENDING)
+    store.write(values, pending | {store.index(point): DONE for point in complete})
 
 
 def _shared_faults(store: Store, repair: bool) -> Iterator[str]:

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from pipeline.store.files import THREADS
 from pipeline.store.identity import record_checksum
-from pipeline.store.layout import Slices, arrays_of, blocks, chunk_key
+from pipeline.store.layout import arrays_of, blocks, chunk_key, slices_of
 from pipeline.store.lock import Lock
 from pipeline.store.packing import packed
 from pipeline.store.place import LOCK, ROOT, Folder, Place, StoreError, reads, writes
@@ -41,7 +41,7 @@ class Store:
     """A store, and the places of its points in it.
 
     It is written by the process that holds its lock, else only read. Statuses that cannot be read
-    are an error, or taken as pending if it may be damaged.
+    are an error; of one that may be damaged they are left to `pipeline.store.verify`.
 
     Attributes
     ----------
@@ -51,8 +51,8 @@ class Store:
         Dimensions that tell points apart.
     flags, asked : ndarray of int
         Status of each point, and 1 for each that the last run asked for.
-    unreadable : dict of ndarray of bool
-        Points of which these two cannot be read, by the names ``status`` and ``asked``.
+    block : tuple of int
+        Points that share a chunk along each dimension.
     """
 
     def __init__(
@@ -63,13 +63,14 @@ class Store:
         self.arrays = arrays_of(place, root.arrays, read_only=lock is None)
         status = self.arrays["status"]
         self.dims: tuple[str, ...] = status.metadata.dimension_names
-        self._block: tuple[int, ...] = status.chunks
+        self.block: tuple[int, ...] = status.chunks
         self._numbers = [
             {value: number for number, value in enumerate(self.axes[name])} for name in self.dims
         ]
-        self.unreadable: dict[str, Mask] = {}
-        self.flags = self._whole("status", is_damaged)
-        self.asked = self._whole("asked", is_damaged)
+        self.flags, self.asked = (
+            np.zeros(status.shape, np.int8) if is_damaged else self.read(name, ...)
+            for name in ("status", "asked")
+        )
 
     # Places of points
 
@@ -116,10 +117,17 @@ class Store:
         mask[np.ix_(*rows)] = True
         return mask
 
-    def blocks(self, mask: Mask) -> Iterator[Slices]:
-        """Slices of points that share chunks, where they hold any point of a mask."""
-        for _, block in blocks(mask, self._block):
-            yield block
+    def chunk_keys(self, name: str, numbers: Sequence[int]) -> Iterator[str]:
+        """Keys of the chunks of a variable with these numbers along the dimensions of points."""
+        array = self.arrays[name]
+        counts = [-(-n // size) for n, size in zip(array.shape, array.chunks, strict=True)]
+        inner = np.ndindex(*counts[len(numbers) :])
+        return (chunk_key(name, (*numbers, *rest)) for rest in inner)
+
+    def lacks(self, name: str, mask: Mask, keys: set[str]) -> bool:
+        """True if a variable lacks a chunk of any point of a mask, by the keys that there are."""
+        chunks = blocks(mask, self.arrays[name].chunks[: mask.ndim])
+        return not all(keys.issuperset(self.chunk_keys(name, numbers)) for numbers, _ in chunks)
 
     # What is read
 
@@ -140,23 +148,6 @@ class Store:
         """Reason why a point failed, or its warnings."""
         return str(self.read("message", self.index(point)))
 
-    def _whole(self, name: str, is_damaged: bool) -> NDArray[np.int8]:
-        """All of a small variable; zeros where a chunk is damaged, if any may be."""
-        shape = self.arrays[name].shape
-        self.unreadable[name] = np.zeros(shape, bool)
-        try:
-            values: NDArray[np.int8] = self.read(name, ...)
-        except StoreError:
-            if not is_damaged:
-                raise
-            values = np.zeros(shape, np.int8)
-            for block in self.blocks(values == 0):
-                try:
-                    values[block] = self.read(name, block)
-                except StoreError:
-                    self.unreadable[name][block] = True
-        return values
-
     # What is written: all of it raises a `StoreError` if it fails, or the lock was lost
 
     def commit(self, records: Iterable[PointRecord]) -> None:
@@ -167,7 +158,7 @@ class Store:
             message = record.message[:_LONGEST].encode(errors="backslashreplace").decode()
             record = packed(replace(record, message=message))
             index = self.index(record.point)
-            values[index] = told_of(record)
+            values[index] = values_of(record)
             statuses[index] = FAILED
             if record.data is not None:
                 values[index] |= {**record.data, "checksum": record.checksum}
@@ -194,12 +185,6 @@ class Store:
         self.asked = wanted.astype(np.int8)
         self._put_marks("asked", self.asked, changed)
 
-    def restore_marks(self) -> None:
-        """Write anew where statuses and points that were asked for cannot be read."""
-        self.asked[self.unreadable["asked"] & (self.flags != PENDING)] = 1
-        self._put_marks("status", self.flags, self.unreadable["status"])
-        self._put_marks("asked", self.asked, self.unreadable["asked"])
-
     def write(
         self, values: Mapping[_Index, Mapping[str, Any]], statuses: Mapping[_Index, int]
     ) -> None:
@@ -207,7 +192,7 @@ class Store:
         encoded: dict[str, bytes] = {}
         chunks: dict[tuple[str, _Index], dict[_Index, Any]] = {}
         for index, of_point in values.items():
-            chunk = tuple(i // n for i, n in zip(index, self._block, strict=True))
+            chunk = tuple(i // n for i, n in zip(index, self.block, strict=True))
             for name, value in of_point.items():
                 if isinstance(value, bytes):
                     encoded[chunk_key(name, (*index, 0, 0))] = value
@@ -228,14 +213,10 @@ class Store:
         """Write values into points of one chunk of a variable, and leave the others as they are."""
         name, chunk = place
         array = self.arrays[name]
-        block = tuple(slice(i * n, (i + 1) * n) for i, n in zip(chunk, self._block, strict=True))
-        points = self.flags[block].shape
-        if len(values) == np.prod(points):
-            part = np.full((*points, *array.shape[len(points) :]), array.fill_value, array.dtype)
-        else:
-            part = self.read(name, block)
+        block = slices_of(chunk, self.block)
+        part = self.read(name, block)
         for index, value in values.items():
-            within = tuple(i % n for i, n in zip(index, self._block, strict=True))
+            within = tuple(i % n for i, n in zip(index, self.block, strict=True))
             if name in STEPPED:
                 part[within] = np.nan
                 part[within][: len(value)] = value
@@ -246,7 +227,7 @@ class Store:
     def _put_marks(self, name: str, values: NDArray[np.int8], changed: Mask) -> None:
         """Write all of the chunks of a small variable in which something has changed."""
         with self._writes():
-            for block in self.blocks(changed):
+            for _, block in blocks(changed, self.block):
                 self.arrays[name][block] = values[block]
 
     @contextmanager
@@ -264,7 +245,7 @@ class Store:
             )
 
 
-def told_of(record: PointRecord) -> dict[str, Any]:
+def values_of(record: PointRecord) -> dict[str, Any]:
     """Values of a record by the names of variables, besides its data."""
     about = {name: getattr(record, name) for name in ABOUT}
     return about | {"record_checksum": record_checksum(record)}
