@@ -27,10 +27,9 @@ from pipeline.run.versions import Versions, other_packages, versions
 LOST = f"the Dask scheduler is lost; {SAFE}"
 _INSTALL = f"install the same version in both places and restart the workers; {SAFE}"
 _WORD = 10.0  # [s] without a worker, after which the user is told
-_ATTEMPTS = 3  # to reach a worker, which may be killed meanwhile
+_ATTEMPTS = 3  # to share content with workers, which may be killed meanwhile
 _ANSWER = 10.0  # [s] that a worker may take to tell its versions
 _LIGHT = 8000  # bytes, of which a scheduler has room for as many as there are tasks
-_COPIED = 1.0  # [s] to wait until each worker has a copy of the shared content
 
 
 @dataclass(slots=True, eq=False)
@@ -101,45 +100,27 @@ def _client_of(scheduler: str, patience: float) -> Client:
     raise ExecutionError(reason)
 
 
-def share(
-    connection: Connection, content: bytes, patience: float, tell: Tell | None = None
-) -> bytes | Future:
+def share(client: Client, content: bytes, patience: float) -> bytes | Future:
     """Content for many tasks: itself if it is light, else a result that every worker holds.
 
     Light content goes along with each task. Heavy content is the result of a task, which Dask
     computes again if the workers that hold it die. It is copied to every worker, since Dask
-    prefers workers that hold a task's inputs and would leave the others idle. If all are lost
-    meanwhile, others that queue may come at any time.
+    prefers workers that hold a task's inputs and would leave the others idle.
 
     Raises
     ------
     ExecutionError
-        If no worker is ready, or none can run this program.
+        If workers die of it.
     """
-    client, queues, reason = connection.client, connection.source.queues, ""
+    if len(content) <= _LIGHT:
+        return content
     for _ in range(_ATTEMPTS):
-        if queues:
-            threads_of(connection, patience, tell)
-        try:
-            shared = client.submit(same, content, pure=False)
-            error = shared.exception(timeout=patience)
-        except TimeoutError:
-            reason = f"no Dask worker is ready within {patience:g} s"
-            if queues:
-                continue
-            break
-        except CancelledError:
-            raise ExecutionError(LOST) from None
-        if error is None:
-            if len(content) <= _LIGHT:
-                return content
-            with _losses_told(), suppress(TimeoutError):
-                client.replicate([shared], callback_timeout=_COPIED)
+        shared = client.submit(same, content, pure=False)
+        with _losses_told(), suppress(TimeoutError, ValueError):  # the latter without any worker
+            client.replicate([shared], callback_timeout=patience)
+        if shared.status != "error":
             return shared
-        reason = f"the Dask workers cannot run this program: {error}"
-        if not isinstance(error, KilledWorker):  # it would be raised again
-            break
-    raise ExecutionError(reason)
+    raise ExecutionError(f"the Dask workers cannot run this program: {shared.exception()}")
 
 
 def same(content: bytes) -> bytes:

@@ -15,7 +15,6 @@ from __future__ import annotations
 
 import itertools
 import pickle
-from bisect import bisect_left
 from collections import Counter, deque
 from collections.abc import Callable, Collection, Iterable
 from concurrent.futures import CancelledError
@@ -138,7 +137,7 @@ class _Run:
         self._tell = tell
         with_fields = "pressure" in writer.store.arrays
         self._pickled = pickle.dumps((replace(sweep, chosen=None), with_fields))
-        self._parcel = share(connection, self._pickled, patience, tell)
+        self._parcel = share(self._client, self._pickled, patience)
         self.waiting = deque(waiting)
         self.running: list[_Task] = []
         self.losses: dict[Point, int] = {}
@@ -176,23 +175,15 @@ class _Run:
 
     def _joined(self, chain: _Chain, threads: int) -> _Chain:
         """A chain with its neighbours of the same surface that wait behind it, if many do."""
-        first, place, points = chain, chain.points[0].variant, list(chain.points)
+        place, points = chain.points[0].variant, list(chain.points)
         while not self._sweep.independent and self._are_many(threads) and self.waiting:
             after = self.waiting[0]
             if after.trunk or after.is_wary or chain.is_wary or after.points[0].variant != place:
                 break
-            # Those of the coarse pass are far apart, and begin on all workers at once.
-            if self._rank(after) != self._rank(chain) + 1:
-                break
-            chain = after
             if len(points) + len(after.points) > _JOINED:
                 break
             points += self.waiting.popleft().points
-        return _Chain(tuple(points), first.trunk, first.is_wary)
-
-    def _rank(self, chain: _Chain) -> int:
-        """Place of a chain's velocity among those of the sweep."""
-        return bisect_left(self._sweep.velocities, chain.points[0].velocity)
+        return replace(chain, points=tuple(points))
 
     def _put_back(
         self, left: Iterable[Point], trunk: Future | None = None, is_wary: bool = False
@@ -206,7 +197,7 @@ class _Run:
     def _start(self, chain: _Chain, worker: str | None = None) -> None:
         parcel = self._parcel
         if isinstance(parcel, Future) and parcel.status in ("error", "cancelled"):  # none has it
-            self._parcel = share(self._connection, self._pickled, self._patience, self._tell)
+            self._parcel = share(self._client, self._pickled, self._patience)
         points = deque(chain.points)  # in a tuple, Dask would look for tasks point by point
         arguments = (self._parcel, points, chain.trunk, 0.0 if chain.is_wary else _STRETCH)
         stretch = self._client.submit(compute_points, *arguments, pure=False, workers=worker)
