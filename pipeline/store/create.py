@@ -5,7 +5,7 @@ A new store is no store until its root is there, which is written last.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 
 from pipeline.store.attributes import attributes_of, grown_axes
@@ -107,37 +107,24 @@ def _with_room(place: Place, before: Root | None, sweep: Sweep) -> Root:
 
 def _mismatches(root: Root, sweep: Sweep) -> Iterator[str]:
     """Reasons why a store is not that of a sweep."""
-    for name, what in (("realization", "the seeds"), ("sample", "the number")):
-        if name in root.axes and name not in sweep.axes:
-            yield (
-                f"has an axis for sweep.{name}s, which the scene does not give; give {what} that "
-                "are wanted, or write to another store"
-            )
-        if name not in root.axes and name in sweep.axes:
-            yield (
-                f"has no axis for sweep.{name}s, and the dimensions of a store stay what they were "
-                "at its creation; write to another store"
-            )
-    stored, wanted = (list(names) for names in (root.attributes.get("over", []), _over(sweep)))
+    dims = root.arrays["status"]["dimension_names"]
+    stored, wanted = dims[: dims.index("load")], [*sweep.axes]
     if stored != wanted:
         have, gives = (", ".join(names) or "none" for names in (stored, wanted))
         yield (
-            f"has axes for other entries of sweep.over: {have} in the store, {gives} in the scene; "
-            "the dimensions of a store stay what they were at its creation; write to another store"
+            f"has other axes, by sweep.over, realizations or samples: {have} in the store, {gives} "
+            "in the scene; they stay what they were at its creation: give the same ones, or write "
+            "to another store"
         )
         return
+    rates = root.axes.get("wear_rate", [])
     different = [
         *_differences_of_scenes(root, sweep),
         *differences(root.axes["quantile"], list(QUANTILES), "quantile"),
+        *differences(rates, list(sweep.rates), "sweep.wear_rates [m²/N]"),
     ]
     if different:
         yield "\n  ".join(["belongs to another scene; write to another store", *different])
-    if root.axes.get("wear_rate", []) != list(sweep.rates):
-        yield (
-            "was created for other sweep.wear_rates, and its wear rates stay what they were then: "
-            f"{_ends(root.axes.get('wear_rate', []))} in the store, {_ends(sweep.rates)} in the "
-            "scene; write to another store"
-        )
     if sweep.store_fields and "pressure" not in root.arrays:
         yield (
             "has no fields, since its scene did not ask for them when it was created; leave out "
@@ -146,11 +133,6 @@ def _mismatches(root: Root, sweep: Sweep) -> Iterator[str]:
     names = variables_of(sweep, "pressure" in root.arrays).keys()
     if differing := ", ".join(sorted(names ^ root.arrays.keys())):
         yield f"was made by a version with other variables ({differing}); write to another store"
-
-
-def _over(sweep: Sweep) -> list[str]:
-    """Paths of the entries with several values."""
-    return [axis.path for axis in sweep.over.axes] if sweep.over else []
 
 
 def _differences_of_scenes(root: Root, sweep: Sweep) -> Iterator[str]:
@@ -163,11 +145,6 @@ def _differences_of_scenes(root: Root, sweep: Sweep) -> Iterator[str]:
         if entry := stored.get(tuple(value for _, value in variant)):
             key = f"scene with {', '.join(named(variant))}: scene"
             yield from differences(scene | entry["scene"], describe(sweep.variant(variant)), key)
-
-
-def _ends(rates: Sequence[float]) -> str:
-    """Write the lowest and the highest wear rate."""
-    return f"{rates[0]:g} to {rates[-1]:g} m²/N" if rates else "none"
 
 
 def _remove_partial(place: Place) -> None:

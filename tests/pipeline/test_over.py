@@ -99,7 +99,7 @@ def test_values_are_added_to_a_store_and_an_interrupted_one_goes_on(tmp_path):
     ("over", "overrides", "fault"),
     [
         (OVER, {"pin.length": "3 mm"}, "pin.radius 0.002: scene.pin.length"),
-        ('{ "pin.length" = ["3 mm"] }', {}, "axes for other entries of sweep.over: pin.radius in"),
+        ('{ "pin.length" = ["3 mm"] }', {}, "other axes, by sweep.over, .*: pin.radius in"),
         ("{}", {}, "pin.radius in the store, none in the scene"),
     ],
 )

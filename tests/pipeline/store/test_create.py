@@ -295,9 +295,9 @@ def test_the_store_of_another_scene_is_refused_key_by_key(alone):
 
 MISMATCHES = {
     "fields later": (several(), several(store_fields=True), "has no fields"),
-    "surfaces later": (several(), several(realizations=(1,)), "has no axis for sweep.realization"),
-    "surfaces before": (several(realizations=(1,)), several(), "has an axis for sweep.realization"),
-    "samples later": (several(), several(samples=sampled()), "no axis for sweep.sampl"),
+    "surfaces later": (several(), several(realizations=(1,)), "none in the store, realization in"),
+    "surfaces before": (several(realizations=(1,)), several(), "realization in the store, none in"),
+    "samples later": (several(), several(samples=sampled()), "none in the store, sample in"),
     "another seed": (
         several(samples=sampled()),
         several(samples=sampled(seed=1)),
