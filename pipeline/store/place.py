@@ -14,7 +14,6 @@ import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import cached_property
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -122,54 +121,44 @@ class Bucket:
 
     def read(self, key: str) -> bytes | None:
         """Content of an object; None if there is none."""
-        with self._as_os_error():
-            try:
-                content: bytes = self._objects.cat_file(self._key(key))
-            except FileNotFoundError:
-                return None
+        try:
+            content: bytes = self._call("cat_file", self._key(key))
+        except FileNotFoundError:
+            return None
         return content
 
     def put(self, contents: Mapping[str, bytes]) -> None:
         """Replace objects, side by side."""
-        with self._as_os_error():
-            self._objects.pipe({self._key(key): content for key, content in contents.items()})
+        self._call("pipe", {self._key(key): content for key, content in contents.items()})
 
     def keys(self) -> set[str]:
         """Names of all objects."""
-        with self._as_os_error():
-            listed = self._objects.find(self._key(""))
-        return {address.removeprefix(self._key("")) for address in listed}
+        return {name.removeprefix(self._key("")) for name in self._call("find", self._key(""))}
 
     def create(self, key: str, content: bytes) -> bool:
         """Create an object unless there is one; return whether that was done."""
-        with self._as_os_error():
-            try:
-                self._objects.pipe_file(self._key(key), content, mode="create")
-            except Exception:
-                # Each kind of server says in its own way that there is one.
-                if self.read(key) is None:
-                    raise
-                return False
+        try:
+            self._call("pipe_file", self._key(key), content, mode="create")
+        except OSError:
+            # Each kind of server says in its own way that there is one.
+            if self.read(key) is None:
+                raise
+            return False
         return True
 
     def remove(self, key: str) -> None:
         """Remove an object."""
-        with self._as_os_error():
-            self._objects.rm_file(self._key(key))
+        self._call("rm_file", self._key(key))
 
     def _key(self, key: str) -> str:
         return f"{self.address.removeprefix(SCHEME)}/{key}"
 
-    @cached_property
-    def _objects(self) -> Any:
+    def _call(self, name: str, *arguments: Any, **options: Any) -> Any:
+        """Call a method of s3fs; what goes wrong is an `OSError`."""
         import fsspec  # which stores in folders do without
 
-        return fsspec.filesystem("s3", **_OPTIONS)
-
-    @contextmanager
-    def _as_os_error(self) -> Iterator[None]:
         try:
-            yield
+            return getattr(fsspec.filesystem("s3", **_OPTIONS), name)(*arguments, **options)
         except OSError:
             raise
         except Exception as error:
