@@ -7,7 +7,6 @@ never move, so a reader sees each point either as it was or as it is.
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
@@ -28,6 +27,7 @@ from pipeline.store.root import Root, root_document
 from pipeline.store.schema import DONE, FAILED, PENDING, STEPPED
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import PointRecord
+from pipeline.sweep.plan import points as points_of
 from tribo.types import Indices, Mask
 
 _LONGEST = 2000  # characters of a message, which somebody is to read
@@ -88,33 +88,20 @@ class Store:
 
     def points_at(self, where: Sequence[Indices]) -> list[Point]:
         """Points at places that are given by their indices along each dimension."""
-        axes = {
-            name: np.array(self.axes[name], dtype=object)[along].tolist()
-            for name, along in zip(self.dims, where, strict=True)
-        }
-        if "sample" in self.leading:  # each of which has one velocity
-            velocities = np.array(self.axes["velocity"], dtype=object)
-            axes["velocity"] = velocities[where[0]].tolist()
-        columns = [axes[name] for name in self.leading]
-        values = zip(*columns, strict=True) if columns else itertools.repeat(())
-        variants = (tuple(zip(self.leading, row, strict=True)) for row in values)
-        return list(map(Point, axes["load"], axes["velocity"], variants))
+        points = []
+        for index in zip(*(along.tolist() for along in where), strict=True):
+            values = {name: self.axes[name][i] for name, i in zip(self.dims, index, strict=True)}
+            if "sample" in values:  # each of which has one velocity
+                values["velocity"] = self.axes["velocity"][index[0]]
+            load, velocity = values.pop("load"), values.pop("velocity")
+            points.append(Point(load, velocity, tuple(values.items())))
+        return points
 
     def asked_by(self, sweep: Sweep) -> Mask:
         """Mask of the points that a sweep asks for."""
         mask = np.zeros(self.flags.shape, bool)
-        if sweep.chosen is not None:
-            for point in sweep.chosen:
-                mask[self.index(point)] = True
-            return mask
-        wanted: dict[str, Iterable[Any]] = {
-            "load": sweep.loads, "velocity": sweep.velocities, **sweep.axes
-        }  # fmt: skip
-        rows = [
-            [numbers[value] for value in wanted[name]]
-            for name, numbers in zip(self.dims, self._numbers, strict=True)
-        ]
-        mask[np.ix_(*rows)] = True
+        for point in points_of(sweep):
+            mask[self.index(point)] = True
         return mask
 
     def chunk_keys(self, name: str, numbers: Sequence[int]) -> Iterator[str]:
