@@ -57,15 +57,6 @@ def writing(path: PathLike, sweep: Sweep) -> Iterator[Store]:
         yield grown(place, sweep, lock)
 
 
-@contextmanager
-def repairing(path: PathLike) -> Iterator[Store]:
-    """Open a store to repair it, while no other process writes to it; raise as `writing` does."""
-    place = place_of(path)
-    root = read_root(place)
-    with held(place) as lock:
-        yield Store(place, root, lock, is_damaged=True)
-
-
 def grown(place: Place, sweep: Sweep, lock: Lock | None) -> Store:
     """Open a store whose lock is held, with room for what a sweep adds; raise as `writing` does."""
     root = find_root(place)

@@ -11,14 +11,15 @@ import itertools
 import json
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import nullcontext
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from pipeline.store.create import repairing
 from pipeline.store.identity import checksum, record_checksum
 from pipeline.store.layout import Slices, blocks, chunk_key, slices_of
+from pipeline.store.lock import held
 from pipeline.store.place import ROOT, PathLike, StoreError, place_of
 from pipeline.store.root import read_root
 from pipeline.store.schema import AT_END, DONE, PENDING, RECORDS, STEPPED, is_coordinate
@@ -120,11 +121,10 @@ def verify_store(
     >>> verification.done, verification.is_clean
     (24, True)
     """
-    if repair:
-        with repairing(path) as store:
-            return examined(store, True, progress)
     place = place_of(path)
-    return examined(Store(place, read_root(place), is_damaged=True), False, progress)
+    read_root(place)  # before a lock is laid in what is no store
+    with held(place) if repair else nullcontext() as lock:
+        return examined(Store(place, read_root(place), lock, is_damaged=True), repair, progress)
 
 
 def examined(
@@ -163,7 +163,7 @@ def examined(
         ]
         indices = np.argwhere((store.flags != PENDING)[block] | unknown[block])
         indices += [part.start for part in block]
-        for point, index in zip(store.points_at(indices.T), map(tuple, indices), strict=True):
+        for point, index in zip(store.points_at([*indices.T]), map(tuple, indices), strict=True):
             entries = _entries(store, index, values, keys)
             fault = _fault(point, entries, bool(unknown[index] or store.flags[index] == DONE))
             if fault and not unknown[index]:
