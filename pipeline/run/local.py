@@ -22,9 +22,6 @@ _END = 60.0  # [s] that the cluster may take to end, after which its processes a
 class Processes(Source):
     """Processes of this machine, each with a nanny that starts it again."""
 
-    def __init__(self, cluster: LocalCluster) -> None:
-        self.cluster = cluster
-
     def keep(self, tell: Tell | None) -> None:
         """Start a worker in place of each whose nanny could not start it again."""
         lost = [

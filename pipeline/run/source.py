@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from pipeline.run.forkserver import WORKER_ENVIRONMENT
@@ -100,20 +101,18 @@ class JobCounts(NamedTuple):
         return words
 
 
+@dataclass(slots=True)
 class Source:
-    """Workers that others start: nothing to do about lost ones, and no patience without any."""
+    """Workers that others start: nothing to do about lost ones, and no patience without any.
+
+    `cluster` of Dask's starts and ends them. They may wait in a queue for any time, and live for a
+    time [s], or without an end; `jobs` are those of a batch system.
+    """
 
     cluster: Any = None
-    """Cluster of Dask's that starts and ends them."""
-    queues = False
-    """True if workers wait in a queue, for any time."""
+    queues: bool = False
     life: float | None = None
-    """Time for which a worker lives [s]; None without an end."""
+    jobs: JobCounts | None = None
 
     def keep(self, tell: Tell | None) -> None:
         """Replace lost workers; raise an `ExecutionError` if none can be started."""
-
-    @property
-    def jobs(self) -> JobCounts | None:
-        """Jobs of the batch system; None without one."""
-        return None
