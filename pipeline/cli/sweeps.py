@@ -12,7 +12,6 @@ from pipeline.cli.picture import watched
 from pipeline.cli.progress import run_line
 from pipeline.cli.scenes import given, scene_of, selected
 from pipeline.run.batch import Batch
-from pipeline.run.jobs import job_script
 from pipeline.sweep.warned import NO_WARNING
 from tribo import InputError
 
@@ -23,7 +22,9 @@ def computed(options: argparse.Namespace) -> Result:
     batch = _batch(options)
     sweep = scene_of(options, store=out)
     if batch and options.dry_run:
-        script = job_script(batch, str(out))
+        from pipeline.run.cluster import slurm
+
+        script = slurm().script_of(batch, str(out))
         return Result({"script": script, "jobs": batch.jobs}, script.splitlines())
     for note in sweep.notes:
         tell(f"note: {note}")

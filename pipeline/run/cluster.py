@@ -19,7 +19,6 @@ from distributed.scheduler import KilledWorker
 from distributed.utils import silence_logging_cmgr
 
 from pipeline.run.batch import Batch
-from pipeline.run.jobs import jobs_of
 from pipeline.run.local import processes
 from pipeline.run.source import CONFIGURATION, SAFE, ExecutionError, Source, Tell
 from pipeline.run.versions import Versions, other_packages, versions
@@ -36,14 +35,14 @@ _LIGHT = 8000  # bytes, of which a scheduler has room for as many as there are t
 class Connection:
     """A client of a scheduler, and the source of its workers.
 
-    `asked` are the workers that were asked for their versions, `told` the versions that the user
+    `asked` are the workers that were asked for their versions, `noted` the versions that the user
     was told of, and `absent` the time in which there was no worker [s].
     """
 
     client: Client
     source: Source
     asked: set[str] = field(default_factory=set)
-    told: set[str] = field(default_factory=set)
+    noted: set[str] = field(default_factory=set)
     absent: float = 0.0
 
     def clock(self) -> float:
@@ -71,7 +70,7 @@ def connected(
             source, client = Source(), _client_of(where, patience)
         else:
             stack.enter_context(dask.config.set(CONFIGURATION))
-            started = jobs_of(where, out, workers) if where else processes(workers or 1)
+            started = slurm().submitted(where, out, workers) if where else processes(workers or 1)
             source = stack.enter_context(started)
             client = Client(source.cluster, set_as_default=False)
         stack.enter_context(client)
@@ -81,6 +80,23 @@ def connected(
         except KeyboardInterrupt:  # in the middle of a call to Dask
             warnings.filterwarnings("ignore", "coroutine .* was never awaited", RuntimeWarning)
             raise
+
+
+def slurm() -> Any:
+    """Module that submits jobs, by a library that not every user has.
+
+    Raises
+    ------
+    ExecutionError
+        Without that library.
+    """
+    try:
+        from pipeline.run import slurm
+    except ModuleNotFoundError as error:
+        raise ExecutionError(
+            f"{error}: jobs are submitted by dask-jobqueue; pip install 'irg-transition[cluster]'"
+        ) from None
+    return slurm
 
 
 def _client_of(scheduler: str, patience: float) -> Client:
@@ -116,7 +132,7 @@ def share(client: Client, content: bytes, patience: float) -> bytes | Future:
         return content
     for _ in range(_ATTEMPTS):
         shared = client.submit(same, content, pure=False)
-        with _losses_told(), suppress(TimeoutError, ValueError):  # the latter without any worker
+        with _losses_named(), suppress(TimeoutError, ValueError):  # the latter without any worker
             client.replicate([shared], callback_timeout=patience)
         if shared.status != "error":
             return shared
@@ -140,7 +156,7 @@ def threads_of(connection: Connection, patience: float, tell: Tell | None = None
     client, source, began = connection.client, connection.source, time.monotonic()
     word, said = min(_WORD, patience / 2), ""
     while True:
-        with _losses_told():
+        with _losses_named():
             threads = Counter(client.nthreads(callback_timeout=patience))
         source.keep(tell)
         waited = time.monotonic() - began
@@ -168,7 +184,7 @@ def _ask(connection: Connection, workers: Collection[str], tell: Tell | None) ->
         return
     connection.asked.update(workers)
     client, answers = connection.client, dict[str, Any]()
-    with _losses_told(), suppress(TimeoutError):  # of one that is frozen, results are refused
+    with _losses_named(), suppress(TimeoutError):  # of one that is frozen, results are refused
         answers = client.sync(
             client.run, versions, workers=workers, on_error="return", callback_timeout=_ANSWER
         )
@@ -181,8 +197,8 @@ def _ask(connection: Connection, workers: Collection[str], tell: Tell | None) ->
             )
         require_same_code(answer, worker)
         difference = other_packages(answer)
-        if tell and difference and difference not in connection.told:
-            connection.told.add(difference)
+        if tell and difference and difference not in connection.noted:
+            connection.noted.add(difference)
             tell(f"the Dask worker {worker} has {difference}: last digits may differ there")
 
 
@@ -204,7 +220,7 @@ def require_same_code(theirs: Versions, worker: str) -> None:
 
 def is_processed(client: Client, keys: Collection[str], patience: float) -> bool:
     """Presence of any of these tasks on a live worker."""
-    with _losses_told():
+    with _losses_named():
         # As client.processing(), which may wait for ever.
         processing = client.sync(client.scheduler.processing, callback_timeout=patience)
         return any(key in keys for tasks in processing.values() for key in tasks)
@@ -213,13 +229,13 @@ def is_processed(client: Client, keys: Collection[str], patience: float) -> bool
 def wait_for_any(futures: Collection[Future], seconds: float) -> None:
     """Wait until one of these tasks ends, or a time has passed [s]."""
     if futures and not any(future.done() for future in futures):
-        with _losses_told(), suppress(TimeoutError):
+        with _losses_named(), suppress(TimeoutError):
             wait(futures, timeout=seconds, return_when="FIRST_COMPLETED")
 
 
 def gathered(future: Future, seconds: float) -> Any:
     """Result of a task that has ended; None if it does not arrive within a time [s]."""
-    with _losses_told():
+    with _losses_named():
         try:
             return future.result(timeout=seconds)
         except (TimeoutError, KilledWorker):
@@ -227,7 +243,7 @@ def gathered(future: Future, seconds: float) -> Any:
 
 
 @contextmanager
-def _losses_told() -> Iterator[None]:
+def _losses_named() -> Iterator[None]:
     """Raise an `ExecutionError` where the scheduler is lost."""
     try:
         yield

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
+import re
 import secrets
 import signal
 import subprocess
@@ -67,23 +68,16 @@ def _words(error: Exception) -> str:
 class SlurmJobs(Source):
     """Jobs of Slurm, whose number is kept up; their workers live for a time [s]."""
 
-    queues = True
-
     def __init__(
         self, cluster: SLURMCluster, name: str, number: int, life: float, folder: Path
     ) -> None:
-        self.cluster, self.name, self.number, self.life = cluster, name, number, life
-        self._folder, self._counts = folder, JobCounts(0, number, "")
+        super().__init__(cluster, True, life, JobCounts(0, number, ""))
+        self.name, self.number, self._folder = name, number, folder
         self._joined: set[str] = set()
         self._early = self._refusals = 0
         self._notes: list[str] = []
         self._noted: set[str] = set()
         self._error = ""
-
-    @property
-    def jobs(self) -> JobCounts:
-        """Jobs by the last look at the queue."""
-        return self._counts
 
     def keep(self, tell: Tell | None) -> None:
         """Report the end of jobs; they are replaced meanwhile."""
@@ -147,7 +141,7 @@ class SlurmJobs(Source):
         states = [queue[job.job_id] for job in before.values() if job.job_id in queue]
         waiting = [reason for state, reason in states if state == "PENDING"]
         reason = next((reason for reason in waiting if reason != "None"), "")
-        self._counts = JobCounts(len(states) - len(waiting), len(waiting), reason)
+        self.jobs = JobCounts(len(states) - len(waiting), len(waiting), reason)
 
     async def _queue(self) -> dict[str, tuple[str, str]] | None:
         """State and reason of each job by its number; None if Slurm does not answer."""
@@ -203,10 +197,16 @@ class SlurmJobs(Source):
 
 
 @contextmanager
-def submitted(batch: Batch, number: int, name: str, folder: Path) -> Iterator[SlurmJobs]:
-    """Start a scheduler here and its workers in jobs, and cancel these in the end."""
+def submitted(batch: Batch, out: str, most: int | None) -> Iterator[SlurmJobs]:
+    """Start a scheduler here and the workers of a sweep in jobs, and cancel these in the end.
+
+    There are as many jobs as `most` workers fill, if it is known how many can be kept busy.
+    """
+    folder, number = batch.folder(out), batch.jobs
+    if most:
+        number = min(number, -(-most // batch.site.cores))
     folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-    name = f"{name}-{secrets.token_hex(3)}"  # jobs of other runs are none of ours
+    name = f"{_name(out)}-{secrets.token_hex(3)}"  # jobs of other runs are none of ours
     with ExitStack() as stack:
         stack.callback(_remove_if_empty, folder)
         private = TemporaryDirectory(prefix=".", dir=folder, ignore_cleanup_errors=True)
@@ -217,6 +217,20 @@ def submitted(batch: Batch, number: int, name: str, folder: Path) -> Iterator[Sl
         jobs = SlurmJobs(cluster, name, number, batch.life, folder)
         jobs.submit()
         yield jobs
+
+
+def script_of(batch: Batch, out: str) -> str:
+    """Script of a job of the sweep with this store, without its address and certificates."""
+    folder = batch.folder(out)
+    options = batch.options(_name(out), folder)
+    try:
+        return str(Job("ADDRESS", name="NAME", protocol="tls://", **options).job_script())
+    finally:
+        _remove_if_empty(folder)  # which dask-jobqueue makes
+
+
+def _name(out: str) -> str:
+    return "irg-" + re.sub(r"[^\w-]+", "-", Path(out).stem)
 
 
 def _remove_if_empty(folder: Path) -> None:
@@ -259,8 +273,3 @@ def _end(cluster: SLURMCluster, name: str) -> None:
         except (OSError, AssertionError):  # not in time
             with suppress(OSError, subprocess.TimeoutExpired):
                 subprocess.run(["scancel", f"--name={name}"], timeout=_ANSWER, check=False)
-
-
-def script_of(options: dict[str, Any]) -> str:
-    """Script of a job with these options."""
-    return str(Job("ADDRESS", name="NAME", protocol="tls://", **options).job_script())

@@ -1,4 +1,4 @@
-"""Sweeps in jobs of a batch system (pipeline/run/jobs.py, slurm.py and site.py).
+"""Sweeps in jobs of a batch system (pipeline/run/batch.py, slurm.py and site.py).
 
 With a stand-in for Slurm; `make cluster` does this with a real one.
 """
