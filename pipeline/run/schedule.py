@@ -105,7 +105,8 @@ def compute(
         If the cluster is lost, or nothing moves any more.
     """
     workers = threads_of(connection, patience, tell)
-    run = _Run(connection, sweep, writer, patience, map(_Chain, waiting), tell)
+    run = _Run(connection, sweep, writer, patience, tell)
+    run.waiting.extend(map(_Chain, waiting))
     while run.waiting or run.running or run.losses:
         workers = threads_of(connection, patience, tell)
         run.submit(workers)
@@ -129,16 +130,15 @@ class _Run:
         sweep: Sweep,
         writer: Writer,
         patience: float,
-        waiting: Iterable[_Chain],
-        tell: Tell | None = None,
+        tell: Tell | None,
     ) -> None:
         self._connection, self._client = connection, connection.client
-        self._writer, self._patience, self._sweep = writer, patience, sweep
-        self._tell = tell
+        self._writer, self._sweep = writer, sweep
+        self._patience, self._tell = patience, tell
         with_fields = "pressure" in writer.store.arrays
         self._pickled = pickle.dumps((replace(sweep, chosen=None), with_fields))
         self._parcel = share(self._client, self._pickled, patience)
-        self.waiting = deque(waiting)
+        self.waiting: deque[_Chain] = deque()
         self.running: list[_Task] = []
         self.losses: dict[Point, int] = {}
         self._ended = self._computed = connection.clock()
@@ -190,9 +190,10 @@ class _Run:
     ) -> None:
         """Let points wait again, each ramp as a chain; the first one has a trunk."""
         ramps = itertools.groupby(left, key=self._sweep.contact_of)
-        ramps_left = [tuple(points) for _, points in ramps]
-        self.waiting.extendleft(_Chain(ramp, None, is_wary) for ramp in reversed(ramps_left[1:]))
-        self.waiting.extendleft(_Chain(ramp, trunk, is_wary) for ramp in ramps_left[:1])
+        chains = [_Chain(tuple(points), None, is_wary) for _, points in ramps]
+        if chains:
+            chains[0] = replace(chains[0], trunk=trunk)
+        self.waiting.extendleft(reversed(chains))
 
     def _start(self, chain: _Chain, worker: str | None = None) -> None:
         parcel = self._parcel
@@ -209,14 +210,12 @@ class _Run:
         """See what has become of the tasks; return whether any has ended."""
         ended = [task for task in self.running if self._has_ended(task, workers)]
         self.running = [task for task in self.running if task not in ended]
-        if (life := self._connection.source.life) is not None:
-            self._give_up(life)
         return bool(ended)
 
     def _has_ended(self, task: _Task, workers: Counter[str]) -> bool:
         died = task.alone_on is not None and task.alone_on not in workers
         if not (died or task.records.done()):
-            return False
+            return self._is_given_up(task)
         error = _error(task)
         if isinstance(error, ExecutionError):
             raise error
@@ -261,19 +260,19 @@ class _Run:
             reason = _KILLED if killed else f"{type(error).__name__}: {error}"
             self._settle([PointRecord(suspect, None, reason)])
 
-    def _give_up(self, life: float) -> None:
-        """Call a point failed that the workers, which live for a time [s], are too short for."""
-        now = self._connection.clock()
-        late = [task for task in self.running if now - task.begun > _LIVES * life]
-        self.running = [task for task in self.running if task not in late]
-        for task in late:
-            self._client.cancel([task.stretch, task.records])
-            reason = (
-                f"not done in {duration(_LIVES * life)}, and a job lives for {duration(life)}: "
-                "raise --walltime, or take a coarser fidelity"
-            )
-            self._settle([PointRecord(task.points[0], None, reason)])
-            self._put_back(task.points[1:], None, task.is_wary)
+    def _is_given_up(self, task: _Task) -> bool:
+        """Call the first point of a task failed if it has taken longer than workers live."""
+        life = self._connection.source.life
+        if life is None or self._connection.clock() - task.begun <= _LIVES * life:
+            return False
+        self._client.cancel([task.stretch, task.records])
+        reason = (
+            f"not done in {duration(_LIVES * life)}, and a job lives for {duration(life)}: "
+            "raise --walltime, or take a coarser fidelity"
+        )
+        self._settle([PointRecord(task.points[0], None, reason)])
+        self._put_back(task.points[1:], None, task.is_wary)
+        return True
 
     def watch(self, moved: bool) -> None:
         """Tell the user if nothing has ended for long.
@@ -288,6 +287,7 @@ class _Run:
         """
         now = self._connection.clock()
         keys = {key for task in self.running for key in task.keys}
+        others = f" and {n} more" if (n := len(self.running) - 1) > 0 else ""
         if moved:
             self._ended, self._word = now, _WORD
         if moved or is_processed(self._client, keys, self._patience):
@@ -298,23 +298,16 @@ class _Run:
             raise ExecutionError(f"{words}, and no worker computes any; {SAFE}")
         if self._tell and silence >= self._word:
             self._word *= 2
-            self._tell(f"{words}; {self._at_work}")
-
-    @property
-    def _at_work(self) -> str:
-        """Tasks that the run waits for, in words."""
-        if not self.running:
-            return f"{len(self.waiting)} ramps wait for a worker"
-        others = f" and {n} more" if (n := len(self.running) - 1) else ""
-        return f"waiting for {self.running[0].points[0]}{others}"
+            first = next((f"{task.points[0]}{others}" for task in self.running), "a worker")
+            self._tell(f"{words}; waiting for {first}")
 
 
 def _error(task: _Task) -> BaseException | None:
     """Reason why a task did not finish, if it did not."""
     for future in (task.stretch, task.records):
-        if future.status == "cancelled":
+        error: BaseException | None = future.exception() if future.status == "error" else None
+        if future.status == "cancelled" or isinstance(error, CancelledError):
             return ExecutionError(LOST)
-        if future.status == "error":
-            error: BaseException = future.exception()
-            return ExecutionError(LOST) if isinstance(error, CancelledError) else error
+        if error:
+            return error
     return None
