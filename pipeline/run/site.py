@@ -9,7 +9,6 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
-from pipeline.scene.faults import unwritable
 from tribo import InputError
 
 SAMPLE = """\
@@ -94,18 +93,6 @@ class Site:
                 raise InputError(
                     f"{name} is {text!r}; a job script takes letters, digits and @+=:,./_- alone"
                 )
-
-
-def write_sample(file: Path) -> Path:
-    """Write a file of all options, each in a comment; it must not exist yet."""
-    try:
-        with file.open("x", encoding="utf-8") as stream:
-            stream.write(SAMPLE)
-    except FileExistsError:
-        raise InputError(f"{file} exists already; give another name, or remove it") from None
-    except OSError as error:
-        raise unwritable(file, error) from error
-    return file
 
 
 def _kind(name: str) -> type:

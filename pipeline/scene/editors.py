@@ -11,7 +11,7 @@ import math
 from pathlib import Path
 from typing import Any
 
-from pipeline.scene.faults import unwritable
+from pipeline.scene.faults import write_new
 from pipeline.scene.format import SCENE
 from pipeline.scene.kinds import Choice, Flag, Kind, Number, Quantity, Scalar, Unit, Whole
 from pipeline.scene.schema import (
@@ -42,13 +42,7 @@ def write_schema(path: str | Path) -> Path:
     path = Path(path)
     if path.suffix != ".json":
         raise InputError(f"{path}: a schema is a JSON file; give a name such as scene.schema.json")
-    try:
-        with path.open("x", encoding="utf-8") as file:
-            file.write(json.dumps(schema(), indent=2, ensure_ascii=False) + "\n")
-    except FileExistsError as error:
-        raise InputError(f"{path} exists already; give another name, or remove it") from error
-    except OSError as error:
-        raise unwritable(path, error) from error
+    write_new(path, json.dumps(schema(), indent=2, ensure_ascii=False) + "\n")
     return path
 
 
