@@ -63,7 +63,7 @@ def run_line() -> Iterator[Callable[[Progress], None]]:
     def show(progress: Progress, is_last: bool = False) -> None:
         if not is_hushed():
             latest[:] = [progress]
-            line.show(_state(progress), progress.done, progress.total, is_last)
+            line.show(str(progress), progress.done, progress.total, is_last)
 
     try:
         yield show
@@ -71,20 +71,6 @@ def run_line() -> Iterator[Callable[[Progress], None]]:
         for progress in latest[:]:
             show(progress, is_last=True)
         line.close()
-
-
-def _state(progress: Progress) -> str:
-    """State of a run, in words."""
-    parts = [
-        f"{progress.done} of {progress.total} points done",
-        f"{progress.failed} failed",
-        f"{duration(progress.elapsed)} so far",
-    ]
-    if progress.time_to_go:
-        parts.append(f"{duration(progress.time_to_go)} to go")
-    if progress.jobs:
-        parts.append(str(progress.jobs))
-    return ", ".join(parts)
 
 
 @contextmanager

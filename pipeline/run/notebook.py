@@ -7,8 +7,6 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from pipeline.sweep.stages import duration
-
 
 def in_notebook() -> bool:
     """True in a kernel of Jupyter."""
@@ -34,12 +32,6 @@ def reported(
     )
 
     def show(progress: Any) -> None:
-        words = [f"{progress.done} of {progress.total} points done"]
-        if progress.failed:
-            words.append(f"{progress.failed} failed")
-        words.append(f"{duration(progress.elapsed)} so far")
-        if progress.time_to_go is not None and progress.done < progress.total:
-            words.append(f"{duration(progress.time_to_go)} to go")
-        line.update({"text/plain": ", ".join(words)}, raw=True)
+        line.update({"text/plain": str(progress)}, raw=True)
 
     yield show

@@ -15,6 +15,7 @@ from pipeline.run.source import ExecutionError, JobCounts
 from pipeline.store.schema import DONE, FAILED
 from pipeline.store.write import Store
 from pipeline.sweep.plan import PointRecord
+from pipeline.sweep.stages import duration
 from tribo.types import Array
 
 _ENOUGH = 3.0  # [s] since the first points, which tell how fast the others go
@@ -44,6 +45,8 @@ class Progress:
     ...     print(f"{progress.done} of {progress.total}, {progress.time_to_go:.0f} s to go")
     >>> show(pipeline.Progress(done=6, failed=0, total=24, elapsed=2.0, time_to_go=6.0))
     6 of 24, 6 s to go
+    >>> print(pipeline.Progress(done=6, failed=0, total=24, elapsed=2.0, time_to_go=6.0))
+    6 of 24 points done, 0 failed, 2 s so far, 6 s to go
     """
 
     done: int
@@ -52,6 +55,16 @@ class Progress:
     elapsed: float
     time_to_go: float | None
     jobs: JobCounts | None = None
+
+    def __str__(self) -> str:
+        parts = [
+            f"{self.done} of {self.total} points done",
+            f"{self.failed} failed",
+            f"{duration(self.elapsed)} so far",
+        ]
+        if self.time_to_go:
+            parts.append(f"{duration(self.time_to_go)} to go")
+        return ", ".join(parts + [str(self.jobs)] * bool(self.jobs))
 
 
 class Tally:
