@@ -153,7 +153,8 @@ def run_sweep(
         if first := next(rounds, None):
             # Points that come later may have more chains than those that wait now.
             most = len(first[2]) if further is None else None
-            with connected(_workers(workers, most, cluster), where, str(out), patience) as link:
+            count = most if cluster else min(workers or CPU_COUNT, most or CPU_COUNT)
+            with connected(count, where, str(out), patience) as link:
                 for asked, store, waiting in itertools.chain([first], rounds):
                     tally.begin(store, link)
                     with Writer(store) as writer:
@@ -166,13 +167,6 @@ def run_sweep(
         failed=summary.failed,
         wall_time=time.monotonic() - began,
     )
-
-
-def _workers(asked: int | None, chains: int | None, cluster: Batch | None) -> int | None:
-    """Number of workers that can be kept busy, of those that may be started."""
-    if cluster is not None:
-        return chains
-    return min(asked or CPU_COUNT, chains or CPU_COUNT)
 
 
 def _refuse_in_a_worker(scheduler: str | None) -> None:
@@ -206,9 +200,7 @@ def _repaired(store: Store) -> int:
     """
     if isinstance(store.place, Bucket):
         return 0
-    keys = store.place.keys()
-    has_points = any(key.startswith("checksum/c.") for key in keys)
-    return len(examined(store, repair=True).damaged) if has_points else 0
+    return len(examined(store, repair=True).damaged)
 
 
 def _notes(store: Store, before: Mapping[str, Any], damaged: int) -> Iterator[str]:
