@@ -45,7 +45,7 @@ class BoundarySearch:
     >>> search = BoundarySearch((200.0, 750.0), 0.5, 5.0, limit=1200.0, tolerance=0.01)
     >>> rises = {}
     >>> while asked := search.wanted(rises):
-    ...     rises |= {at: 50.0 * at.load**0.45 * at.velocity**0.55 for at in asked}
+    ...     rises |= {point: 50 * point.load**0.45 * point.velocity**0.55 for point in asked}
     >>> len(rises)
     4
     """

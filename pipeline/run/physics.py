@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 
 from pipeline.sweep.model import Sweep
 from tribo import Corrections, Cylinder, Material, Stem, Track
@@ -45,12 +45,8 @@ def physics_left_out(sweep: Sweep) -> tuple[LeftOut, ...]:
     together = sweep.conditions.corrections or Corrections()
     for effect in effects:
         part = effect.scene.conditions.corrections or Corrections()
-        together = Corrections(
-            friction=together.friction or part.friction,
-            track=together.track or part.track,
-            stem=together.stem or part.stem,
-            film_resistance=together.film_resistance or part.film_resistance,
-        )
+        present = {entry.name: getattr(part, entry.name) for entry in fields(part)}
+        together = replace(together, **{name: value for name, value in present.items() if value})
     if len(effects) > 1:
         all_entries = "the effects above that are entries, at once"
         effects.append(
@@ -104,7 +100,7 @@ def _of_corrections(sweep: Sweep) -> Iterator[LeftOut]:
 def _friction(sweep: Sweep) -> tuple[tuple[tuple[float, float], ...], str, str]:
     """Friction by velocity, as measured or as is usual, in words, and how sure."""
     usual = sweep.conditions.friction
-    by_velocity = {at.velocity: at.friction for at in sweep.measured if at.friction is not None}
+    by_velocity = {row.velocity: row.friction for row in sweep.measured if row.friction is not None}
     if len(by_velocity) > 1:
         measured = sorted(by_velocity.items())
         frictions = [friction for _, friction in measured]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from os import PathLike
@@ -216,18 +215,18 @@ def vary(
 
     scenes = [("", "", sweep), *((*name, scene) for name, scene in others.items())]
     unvaried, *varied = (boundary(*variant) for variant in staged(scenes, tell, named))
-    count = sum(len(plane.known) for plane in planes.values())
+    count = sum(len(plane.results) for plane in planes.values())
     warned = _warned(planes.values())
     counts = count, contacts.computed
     return Variations(sweep.title, sweep.loads, unvaried, tuple(varied), *counts, warned, effects)
 
 
 class _Plane:
-    """The points of one scene that are known; its wear rate is in that of the first scene."""
+    """Points of one scene that were computed; its wear rate is in that of the first scene."""
 
     def __init__(self, sweep: Sweep, contacts: SharedContacts, scale: float = 1.0) -> None:
         self._sweep, self._contacts, self._scale = sweep, contacts, scale
-        self.known: dict[Point, SharedPoint] = {}
+        self.results: dict[Point, SharedPoint] = {}
         self.beside: set[Point] = set()  # a boundary that was asked for
 
     def boundary(
@@ -237,7 +236,7 @@ class _Plane:
         search = BoundarySearch.of(replace(asked, conditions=conditions), tolerance, self._scale)
         limit, ends = search.limit, (search.lowest, search.highest)
         while wanted := search.wanted(rises := self._rises(conditions)):
-            self.known |= self._contacts.points(self._sweep, wanted)
+            self.results |= self._contacts.points(self._sweep, wanted)
         self.beside.update(_beside(rises, limit))
         velocities, outcomes = zip(
             *(_crossing(rises, load, limit, ends) for load in asked.loads), strict=True
@@ -247,7 +246,7 @@ class _Plane:
     def _rises(self, conditions: Conditions) -> dict[Point, float]:
         return {
             point: float(decisive_rises(result.columns, point.load, conditions))
-            for point, result in self.known.items()
+            for point, result in self.results.items()
         }
 
 
@@ -260,24 +259,17 @@ def _beside(rises: Mapping[Point, float], limit: float) -> Iterator[Point]:
 
 def _warned(planes: Iterable[_Plane]) -> Warned:
     """Count the points that carry a warning, and show one, beside a boundary if there is any."""
-    warned = [
+    rows = [
         (point not in plane.beside, point, result.warnings)
         for plane in planes
-        for point, result in plane.known.items()
+        for point, result in plane.results.items()
         if result.warnings
     ]
-    if not warned:
-        return NO_WARNING
-    kinds = Counter(
-        kind for *_, warnings in warned for kind in {warning.kind for warning in warnings}
-    )
-    _, point, (first, *_) = min(warned, key=lambda row: row[:2])
-    return Warned(
-        points=len(warned),
-        kinds={kind.label: kinds[kind] for kind in sorted(kinds)},
-        at_boundary=sum(not away for away, *_ in warned),
-        example=f"{point}: {first}",
-    )
+    warned = NO_WARNING
+    for away, point, warnings in sorted(rows, key=lambda row: row[:2]):
+        kinds = {warning.kind.label: 1 for warning in warnings}
+        warned += Warned(1, kinds, int(not away), f"{point}: {warnings[0]}")
+    return warned
 
 
 def _crossing(
