@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import os
-import re
 import shlex
 import sys
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from pipeline.run.site import Site, site_of
+from pipeline.run.site import SAFE, Site, site_of
 from pipeline.run.source import THREADS
 from pipeline.scene.quantities import in_si
 from tribo import InputError
@@ -21,7 +20,6 @@ _SHORTEST = 60.0  # [s] of a walltime
 _STAGGER = 0.1  # of the walltime, by which jobs end sooner or later at random
 _SPARE = 0.1, 300.0  # of the walltime, and [s] at most, for the start and the end of a job
 _UNREACHED = 120  # [s] after which a job ends whose driver does not answer
-_SAFE = re.compile(r"[\w@+=:,./-]+")
 
 
 @dataclass(frozen=True, slots=True, init=False)
@@ -96,7 +94,7 @@ class Batch:
         if self.site.folder is None and "://" in out:
             raise InputError(f"{out} has no folder beside it: give one as folder in --site")
         folder = Path(self.site.folder or f"{out}.jobs").absolute()
-        if not _SAFE.fullmatch(str(folder)):
+        if not SAFE.fullmatch(str(folder)):
             raise InputError(
                 f"the logs would go to {str(folder)!r}, and a job script takes letters, digits and "
                 "@+=:,./_- alone: give another folder in --site"

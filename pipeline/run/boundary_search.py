@@ -18,6 +18,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.interpolate import make_interp_spline
 
 from pipeline.sweep.criterion import rise_limit
 from pipeline.sweep.model import Point, Sweep
@@ -151,27 +152,14 @@ class BoundarySearch:
 
     def _guesses(self, rows: Mapping[float, list[tuple[float, float]]]) -> dict[float, float]:
         """Logarithm of the critical velocity at each load, as far as can be told."""
-        by_load: dict[float, float] = {}
-        for load, row in rows.items():
-            if row:
-                by_load[load] = self._guess(row)
+        by_load = {load: self._guess(row) for load, row in rows.items() if row}
         if not by_load:
             return {}
         x, y = np.log(list(by_load)), np.array(list(by_load.values()))
-        guesses = {}
-        for load in self.loads:
-            log_load = math.log(load)
-            if load in by_load:
-                guesses[load] = by_load[load]
-            elif len(by_load) == 1:
-                guesses[load] = float(y[0] + _TREND * (log_load - x[0]))
-            elif x[0] <= log_load <= x[-1]:
-                guesses[load] = float(np.interp(log_load, x, y))
-            else:
-                k = 0 if log_load < x[0] else len(x) - 2
-                trend = (y[k + 1] - y[k]) / (x[k + 1] - x[k])
-                guesses[load] = float(y[k] + trend * (log_load - x[k]))
-        return guesses
+        if len(x) == 1:
+            x, y = np.append(x, x + 1.0), np.append(y, y + _TREND)
+        line = make_interp_spline(x, y, k=1)  # which goes on beyond its ends
+        return {load: by_load.get(load, float(line(math.log(load)))) for load in self.loads}
 
     def _guess(self, row: list[tuple[float, float]]) -> float:
         """Logarithm of the critical velocity, by the straight line through the nearest two."""

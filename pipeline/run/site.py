@@ -30,7 +30,9 @@ SAMPLE = """\
 """A file of all options, each in a comment."""
 
 _WORDS = {str: "text in quotes", int: "a whole number above 0", list: "a list of texts"}
-_SAFE = re.compile(r"[\w@+=:,./-]+")
+_KINDS = {"cores": int, "port": int, "directives": list, "prologue": list}  # others are texts
+SAFE = re.compile(r"[\w@+=:,./-]+")
+"""Words that a job script takes as they are."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -84,19 +86,16 @@ class Site:
 
     def __post_init__(self) -> None:
         for field in fields(self):
-            kind = _kind(field.name)
-            value = getattr(self, field.name)
-            if value is not field.default and not _fits(value, kind):
+            kind, value = _KINDS.get(field.name, str), getattr(self, field.name)
+            if value is field.default:
+                continue
+            if not _fits(value, kind):
                 raise InputError(f"{field.name} is {value!r}; give {_WORDS[kind]}")
-        for name in ("queue", "account", "python", "interface", "folder", "scratch"):
-            if (text := getattr(self, name)) is not None and not _SAFE.fullmatch(text):
+            if kind is str and field.name != "memory" and not SAFE.fullmatch(value):
                 raise InputError(
-                    f"{name} is {text!r}; a job script takes letters, digits and @+=:,./_- alone"
+                    f"{field.name} is {value!r}; a job script takes letters, digits and "
+                    "@+=:,./_- alone"
                 )
-
-
-def _kind(name: str) -> type:
-    return {"cores": int, "port": int, "directives": list, "prologue": list}.get(name, str)
 
 
 def _fits(value: object, kind: type) -> bool:

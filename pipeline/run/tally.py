@@ -42,10 +42,8 @@ class Progress:
     --------
     >>> import pipeline
     >>> def show(progress: pipeline.Progress) -> None:  # as run_sweep(..., progress=show)
-    ...     print(f"{progress.done} of {progress.total}, {progress.time_to_go:.0f} s to go")
+    ...     print(progress)
     >>> show(pipeline.Progress(done=6, failed=0, total=24, elapsed=2.0, time_to_go=6.0))
-    6 of 24, 6 s to go
-    >>> print(pipeline.Progress(done=6, failed=0, total=24, elapsed=2.0, time_to_go=6.0))
     6 of 24 points done, 0 failed, 2 s so far, 6 s to go
     """
 
