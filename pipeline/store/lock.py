@@ -132,17 +132,10 @@ def _created(bucket: Bucket) -> Iterator[None]:
 
 def _is_locked(file: Path) -> bool:
     try:
-        descriptor = os.open(file, os.O_RDONLY | _AS_IT_IS)
-    except OSError:
-        return False
-    try:
-        fcntl.flock(descriptor, fcntl.LOCK_SH | fcntl.LOCK_NB)
-    except BlockingIOError:
-        return True
-    except OSError:
-        return False
-    finally:
-        os.close(descriptor)
+        with open(file, "rb", opener=lambda path, mode: os.open(path, mode | _AS_IT_IS)) as stream:
+            fcntl.flock(stream, fcntl.LOCK_SH | fcntl.LOCK_NB)
+    except OSError as error:
+        return isinstance(error, BlockingIOError)
     return False
 
 
