@@ -139,7 +139,7 @@ class Tally:
         if self.computed and self._worked:
             pending = asked & (flags != DONE) & (flags != FAILED)
             durations, velocities = self._durations, self._store.axes["velocity"]
-            if "sample" in self._store.leading:  # each of which has one velocity
+            if "sample" in self._store.dims:  # each of which has one velocity
                 expected = expected_durations(durations.T, velocities).T
             else:
                 expected = expected_durations(durations, velocities)

@@ -89,7 +89,8 @@ def summarized(store: Store) -> Summary:
     """Count the points of an open store."""
     asked, flags = store.asked == 1, store.flags
     counts = {flag: int(np.count_nonzero(flags[asked] == flag)) for flag in (PENDING, DONE)}
-    failed = store.points_at(np.nonzero(asked & (flags == FAILED)))
+    failed = np.nonzero(asked & (flags == FAILED))
+    messages = store.read("message", ...)[failed] if failed[0].size else ()
     return Summary(
         name=store.attributes["name"],
         title=store.attributes["title"],
@@ -97,8 +98,8 @@ def summarized(store: Store) -> Summary:
         done=counts[DONE],
         pending=counts[PENDING],
         failed=tuple(
-            FailedPoint(point.load, point.velocity, store.message(point), point.variant)
-            for point in failed
+            FailedPoint(point.load, point.velocity, str(message), point.variant)
+            for point, message in zip(store.points_at(failed), messages, strict=True)
         ),
         earlier=int(np.count_nonzero(flags[~asked] == DONE)),
     )

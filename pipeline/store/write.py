@@ -74,11 +74,6 @@ class Store:
 
     # Places of points
 
-    @property
-    def leading(self) -> tuple[str, ...]:
-        """Dimensions in front of load and velocity."""
-        return self.dims[: self.dims.index("load")]
-
     def index(self, point: Point) -> _Index:
         """Place of a point."""
         values = dict(point.variant) | {"load": point.load, "velocity": point.velocity}
@@ -130,10 +125,6 @@ class Store:
     def pending(self) -> list[Point]:
         """Points that the last run asked for, and that are neither done nor failed."""
         return self.points_at(np.nonzero((self.asked == 1) & (self.flags == PENDING)))
-
-    def message(self, point: Point) -> str:
-        """Reason why a point failed, or its warnings."""
-        return str(self.read("message", self.index(point)))
 
     # What is written: all of it raises a `StoreError` if it fails, or the lock was lost
 
