@@ -20,7 +20,7 @@ from distributed.utils import silence_logging_cmgr
 
 from pipeline.run.batch import Batch
 from pipeline.run.local import processes
-from pipeline.run.source import CONFIGURATION, SAFE, ExecutionError, Source, Tell
+from pipeline.run.source import CONFIGURATION, PATIENCE, SAFE, ExecutionError, Source, Tell, unheard
 from pipeline.run.versions import Versions, other_packages, versions
 
 LOST = f"the Dask scheduler is lost; {SAFE}"
@@ -33,14 +33,17 @@ _LIGHT = 8000  # bytes, of which a scheduler has room for as many as there are t
 
 @dataclass(slots=True, eq=False)
 class Connection:
-    """A client of a scheduler, and the source of its workers.
+    """A client of a scheduler, the source of its workers, and the user, who is told in lines.
 
-    `asked` are the workers that were asked for their versions, `noted` the versions that the user
-    was told of, and `absent` the time in which there was no worker [s].
+    `patience` is the time to wait for answers, and for a worker if there is none [s]. `asked` are
+    the workers that were asked for their versions, `noted` the versions that the user was told of,
+    and `absent` the time in which there was no worker [s].
     """
 
     client: Client
     source: Source
+    patience: float = PATIENCE
+    tell: Tell = unheard
     asked: set[str] = field(default_factory=set)
     noted: set[str] = field(default_factory=set)
     absent: float = 0.0
@@ -52,7 +55,11 @@ class Connection:
 
 @contextmanager
 def connected(
-    workers: int | None, where: str | Batch | None, out: str, patience: float
+    workers: int | None,
+    where: str | Batch | None,
+    out: str,
+    patience: float = PATIENCE,
+    tell: Tell = unheard,
 ) -> Iterator[Connection]:
     """Connect to a scheduler, or start one with workers, and end those that were started.
 
@@ -76,7 +83,7 @@ def connected(
         stack.enter_context(client)
         stack.enter_context(client.as_current())
         try:
-            yield Connection(client, source)
+            yield Connection(client, source, patience, tell)
         except KeyboardInterrupt:  # in the middle of a call to Dask
             warnings.filterwarnings("ignore", "coroutine .* was never awaited", RuntimeWarning)
             raise
@@ -116,7 +123,7 @@ def _client_of(scheduler: str, patience: float) -> Client:
     raise ExecutionError(reason)
 
 
-def share(client: Client, content: bytes, patience: float) -> bytes | Future:
+def share(connection: Connection, content: bytes) -> bytes | Future:
     """Content for many tasks: itself if it is light, else a result that every worker holds.
 
     Light content goes along with each task. Heavy content is the result of a task, which Dask
@@ -131,9 +138,9 @@ def share(client: Client, content: bytes, patience: float) -> bytes | Future:
     if len(content) <= _LIGHT:
         return content
     for _ in range(_ATTEMPTS):
-        shared = client.submit(same, content, pure=False)
+        shared = connection.client.submit(same, content, pure=False)
         with _losses_named(), suppress(TimeoutError, ValueError):  # the latter without any worker
-            client.replicate([shared], callback_timeout=patience)
+            connection.client.replicate([shared], callback_timeout=connection.patience)
         if shared.status != "error":
             return shared
     raise ExecutionError(f"the Dask workers cannot run this program: {shared.exception()}")
@@ -144,7 +151,7 @@ def same(content: bytes) -> bytes:
     return content
 
 
-def threads_of(connection: Connection, patience: float, tell: Tell | None = None) -> Counter[str]:
+def threads_of(connection: Connection) -> Counter[str]:
     """Number of threads of each worker; if there is no worker, wait for one to come.
 
     Raises
@@ -154,15 +161,15 @@ def threads_of(connection: Connection, patience: float, tell: Tell | None = None
         joined runs other code.
     """
     client, source, began = connection.client, connection.source, time.monotonic()
-    word, said = min(_WORD, patience / 2), ""
+    patience, last = connection.patience, ""
     while True:
         with _losses_named():
             threads = Counter(client.nthreads(callback_timeout=patience))
-        source.keep(tell)
+        source.keep(connection.tell)
         waited = time.monotonic() - began
         if threads:
             connection.absent += waited
-            _ask(connection, sorted(set(threads) - connection.asked), tell)
+            _ask(connection, sorted(set(threads) - connection.asked))
             return threads
         if source.queues:
             words = f"waiting for a worker: {source.jobs}"
@@ -172,13 +179,13 @@ def threads_of(connection: Connection, patience: float, tell: Tell | None = None
             raise ExecutionError(
                 f"there is no Dask worker, and none has come within {patience:g} s; {SAFE}"
             )
-        if tell and waited >= word and words != said:
-            tell(words)
-            said = words
+        if waited >= min(_WORD, patience / 2) and words != last:
+            connection.tell(words)
+            last = words
         time.sleep(0.5 if source.queues else 0.1)
 
 
-def _ask(connection: Connection, workers: Collection[str], tell: Tell | None) -> None:
+def _ask(connection: Connection, workers: Collection[str]) -> None:
     """Ask workers that have joined for their versions; refuse those with other code."""
     if not workers:
         return
@@ -197,9 +204,11 @@ def _ask(connection: Connection, workers: Collection[str], tell: Tell | None) ->
             )
         require_same_code(answer, worker)
         difference = other_packages(answer)
-        if tell and difference and difference not in connection.noted:
+        if difference and difference not in connection.noted:
             connection.noted.add(difference)
-            tell(f"the Dask worker {worker} has {difference}: last digits may differ there")
+            connection.tell(
+                f"the Dask worker {worker} has {difference}: last digits may differ there"
+            )
 
 
 def require_same_code(theirs: Versions, worker: str) -> None:
@@ -218,8 +227,9 @@ def require_same_code(theirs: Versions, worker: str) -> None:
         )
 
 
-def is_processed(client: Client, keys: Collection[str], patience: float) -> bool:
+def is_processed(connection: Connection, keys: Collection[str]) -> bool:
     """Presence of any of these tasks on a live worker."""
+    client, patience = connection.client, connection.patience
     with _losses_named():
         # As client.processing(), which may wait for ever.
         processing = client.sync(client.scheduler.processing, callback_timeout=patience)

@@ -22,7 +22,7 @@ _END = 60.0  # [s] that the cluster may take to end, after which its processes a
 class Processes(Source):
     """Processes of this machine, each with a nanny that starts it again."""
 
-    def keep(self, tell: Tell | None) -> None:
+    def keep(self, tell: Tell) -> None:
         """Start a worker in place of each whose nanny could not start it again."""
         lost = [
             name

@@ -33,7 +33,7 @@ from pipeline.run.cluster import (
     threads_of,
     wait_for_any,
 )
-from pipeline.run.source import SAFE, ExecutionError, Tell
+from pipeline.run.source import SAFE, ExecutionError
 from pipeline.run.versions import other_packages, packages_of
 from pipeline.run.work import compute_points, records_of
 from pipeline.run.writer import Writer
@@ -88,14 +88,11 @@ def compute(
     sweep: Sweep,
     writer: Writer,
     waiting: Iterable[tuple[Point, ...]],
-    patience: float,
     report: Callable[[list[PointRecord]], None],
-    tell: Tell | None = None,
 ) -> None:
     """Compute chains of points, until the writer has written each of them as done or failed.
 
-    `report` is called now and then with the records that have been written since the last call;
-    `tell` with a line for the user if nothing has ended for long.
+    `report` is called now and then with the records that have been written since the last call.
 
     Raises
     ------
@@ -104,11 +101,10 @@ def compute(
     ExecutionError
         If the cluster is lost, or nothing moves any more.
     """
-    workers = threads_of(connection, patience, tell)
-    run = _Run(connection, sweep, writer, patience, tell)
-    run.waiting.extend(map(_Chain, waiting))
+    workers = threads_of(connection)
+    run = _Run(connection, sweep, writer, map(_Chain, waiting))
     while run.waiting or run.running or run.losses:
-        workers = threads_of(connection, patience, tell)
+        workers = threads_of(connection)
         run.submit(workers)
         wait_for_any([task.records for task in run.running], _POLL)
         moved = run.look(workers)
@@ -125,20 +121,14 @@ class _Run:
     """
 
     def __init__(
-        self,
-        connection: Connection,
-        sweep: Sweep,
-        writer: Writer,
-        patience: float,
-        tell: Tell | None,
+        self, connection: Connection, sweep: Sweep, writer: Writer, waiting: Iterable[_Chain]
     ) -> None:
         self._connection, self._client = connection, connection.client
         self._writer, self._sweep = writer, sweep
-        self._patience, self._tell = patience, tell
         with_fields = "pressure" in writer.store.arrays
         self._pickled = pickle.dumps((replace(sweep, chosen=None), with_fields))
-        self._parcel = share(self._client, self._pickled, patience)
-        self.waiting: deque[_Chain] = deque()
+        self._parcel = share(connection, self._pickled)
+        self.waiting = deque(waiting)
         self.running: list[_Task] = []
         self.losses: dict[Point, int] = {}
         self._ended = self._computed = connection.clock()
@@ -198,7 +188,7 @@ class _Run:
     def _start(self, chain: _Chain, worker: str | None = None) -> None:
         parcel = self._parcel
         if isinstance(parcel, Future) and parcel.status in ("error", "cancelled"):  # none has it
-            self._parcel = share(self._client, self._pickled, self._patience)
+            self._parcel = share(self._connection, self._pickled)
         points = deque(chain.points)  # in a tuple, Dask would look for tasks point by point
         arguments = (self._parcel, points, chain.trunk, 0.0 if chain.is_wary else _STRETCH)
         stretch = self._client.submit(compute_points, *arguments, pure=False, workers=worker)
@@ -222,7 +212,7 @@ class _Run:
         if died or error:
             self._recover(task, error)
             return True
-        result = gathered(task.records, self._patience)
+        result = gathered(task.records, self._connection.patience)
         if result is None:
             return False  # lost on the way; Dask computes it again
         theirs, content = result
@@ -290,16 +280,16 @@ class _Run:
         others = f" and {n} more" if (n := len(self.running) - 1) > 0 else ""
         if moved:
             self._ended, self._word = now, _WORD
-        if moved or is_processed(self._client, keys, self._patience):
+        if moved or is_processed(self._connection, keys):
             self._computed = now
         silence = now - self._ended
         words = f"no point has been finished for {silence:.0f} s"
         if now - self._computed > _END:
             raise ExecutionError(f"{words}, and no worker computes any; {SAFE}")
-        if self._tell and silence >= self._word:
+        if silence >= self._word:
             self._word *= 2
             first = next((f"{task.points[0]}{others}" for task in self.running), "a worker")
-            self._tell(f"{words}; waiting for {first}")
+            self._connection.tell(f"{words}; waiting for {first}")
 
 
 def _error(task: _Task) -> BaseException | None:

@@ -79,13 +79,13 @@ class SlurmJobs(Source):
         self._noted: set[str] = set()
         self._error = ""
 
-    def keep(self, tell: Tell | None) -> None:
+    def keep(self, tell: Tell) -> None:
         """Report the end of jobs; they are replaced meanwhile."""
         if self._error:
             raise ExecutionError(f"{self._error}; {SAFE}")
         while self._notes:
             note = self._notes.pop(0)
-            if tell and note not in self._noted:
+            if note not in self._noted:
                 tell(note)
             self._noted.add(note)
 

@@ -51,6 +51,10 @@ THREADS = 2
 Tell = Callable[[str], None]
 
 
+def unheard(line: str) -> None:
+    """Show a line to nobody."""
+
+
 class Farewell(logging.Filter):
     """Drops errors that Dask logs, with their tracebacks, at the normal end of a worker's life."""
 
@@ -114,5 +118,5 @@ class Source:
     life: float | None = None
     jobs: JobCounts | None = None
 
-    def keep(self, tell: Tell | None) -> None:
+    def keep(self, tell: Tell) -> None:
         """Replace lost workers; raise an `ExecutionError` if none can be started."""

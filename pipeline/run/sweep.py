@@ -24,7 +24,7 @@ from pipeline.run.forkserver import UNGUARDED, end_if_imported
 from pipeline.run.notebook import reported
 from pipeline.run.order import coarse_first
 from pipeline.run.schedule import compute
-from pipeline.run.source import PATIENCE, ExecutionError
+from pipeline.run.source import PATIENCE, ExecutionError, unheard
 from pipeline.run.tally import Progress, Tally
 from pipeline.run.writer import Writer
 from pipeline.scene.scenefile import sweep_of
@@ -145,20 +145,20 @@ def run_sweep(
         damaged = _repaired(store)
         if retry_failed:
             store.forget(store.points_at(np.nonzero((store.asked == 1) & (store.flags == FAILED))))
+        tell = tell or unheard
         for note in _notes(store, before or {}, damaged):
-            if tell:
-                tell(note)
+            tell(note)
         tally = Tally(store, report, began)
         rounds = _rounds(store, sweep, further)
         if first := next(rounds, None):
             # Points that come later may have more chains than those that wait now.
             most = len(first[2]) if further is None else None
             count = most if cluster else min(workers or CPU_COUNT, most or CPU_COUNT)
-            with connected(count, where, str(out), patience) as link:
+            with connected(count, where, str(out), patience, tell) as link:
                 for asked, store, waiting in itertools.chain([first], rounds):
                     tally.begin(store, link)
                     with Writer(store) as writer:
-                        compute(link, asked, writer, waiting, patience, tally.note, tell)
+                        compute(link, asked, writer, waiting, tally.note)
         summary = summarized(store)
     return Outcome(
         total=summary.total,

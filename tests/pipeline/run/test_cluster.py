@@ -208,10 +208,10 @@ class Deadly:
 
 def test_what_workers_share_outlives_those_that_die_while_they_take_it():
     client = Deadly(deaths=2)
-    assert share(client, bytes(100_000), patience=1.0) is client
+    assert share(Connection(client, Source()), bytes(100_000)) is client
     assert client.submitted == 3
     with pytest.raises(ExecutionError, match="cannot run this program"):
-        share(Deadly(deaths=100), bytes(100_000), patience=1.0)
+        share(Connection(Deadly(deaths=100), Source()), bytes(100_000))
 
 
 class Late:
@@ -231,16 +231,16 @@ class Late:
 
 def test_workers_that_queue_are_waited_for_and_the_time_without_any_does_not_count():
     source = Source()
-    source.queues, link = True, Connection(Late(), source)
-    assert threads_of(link, patience=0.0).total() == 2
+    source.queues, link = True, Connection(Late(), source, patience=0.0)
+    assert threads_of(link).total() == 2
     assert link.absent >= 0.5
 
 
 def test_each_worker_has_what_is_too_heavy_to_go_along_with_each_task():
     """Or Dask would give every task to the one worker that has it."""
-    with connected(2, None, "", 30.0) as link:
+    with connected(2, None, "") as link:
         client = link.client
-        shared = share(client, bytes(100_000), patience=30.0)
+        shared = share(link, bytes(100_000))
         assert set(client.who_has([shared])[shared.key]) == set(client.nthreads())
         assert shared.result(timeout=30) == bytes(100_000)
 
@@ -252,7 +252,7 @@ def test_a_cluster_that_dask_fails_to_end_leaves_no_process(monkeypatch, error):
     def failing(self, timeout):
         raise error
 
-    with connected(2, None, "", 30.0) as link:
+    with connected(2, None, "") as link:
         workers = [psutil.Process(number) for number in link.client.run(os.getpid).values()]
         monkeypatch.setattr(LocalCluster, "close", failing)
     assert psutil.wait_procs(workers, timeout=30)[1] == []
@@ -261,9 +261,9 @@ def test_a_cluster_that_dask_fails_to_end_leaves_no_process(monkeypatch, error):
 
 
 def test_a_worker_that_its_nanny_gives_up_is_replaced():
-    with connected(1, None, "", 30.0) as link:
+    with connected(1, None, "") as link:
         link.client.sync(link.source.cluster.workers[0].close)
-        assert threads_of(link, patience=30.0).total() > 0
+        assert threads_of(link).total() > 0
 
 
 def test_workers_that_do_not_start_are_an_error_and_not_waited_for(monkeypatch):
@@ -276,7 +276,7 @@ def test_workers_that_do_not_start_are_an_error_and_not_waited_for(monkeypatch):
     try:
         with (
             pytest.raises(ExecutionError, match=r"do not start: none has after 0\.5 s"),
-            connected(1, None, "", 30.0),
+            connected(1, None, ""),
         ):
             pass
     finally:
@@ -292,7 +292,7 @@ def test_workers_start_although_one_of_them_is_killed_meanwhile(monkeypatch):
         return LocalCluster(**options)
 
     monkeypatch.setattr(local, "LocalCluster", start)
-    with connected(1, None, "", 30.0) as link:
+    with connected(1, None, "") as link:
         assert len(link.client.nthreads()) == 1
 
 
@@ -306,7 +306,7 @@ def test_where_no_scheduler_answers_no_store_is_made(tmp_path):
 
 
 def test_a_local_cluster_talks_to_its_own_driver_only():
-    with connected(1, None, "", 30.0) as link:
+    with connected(1, None, "") as link:
         client = link.client
         address = client.scheduler.address
         info = client.scheduler_info(n_workers=-1)

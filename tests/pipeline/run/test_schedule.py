@@ -17,7 +17,7 @@ from pipeline.analysis.attributes import attributes_of
 from pipeline.run import schedule, work
 from pipeline.run.cluster import Connection
 from pipeline.run.schedule import TRIALS, compute
-from pipeline.run.source import ExecutionError, Source
+from pipeline.run.source import ExecutionError, Source, unheard
 from pipeline.run.writer import Writer
 from pipeline.store.create import writing
 from pipeline.store.place import StoreError
@@ -41,8 +41,8 @@ def compute_sweep(tmp_path, monkeypatch):
         ended = []
         with writing(tmp_path / "out.zarr", SWEEP) as store, Writer(store) as writer:
             waiting = chains(points(SWEEP), SWEEP)
-            link = Connection(client or LocalClient(), Source())
-            compute(link, SWEEP, writer, waiting, 1.0, ended.extend, tell)
+            link = Connection(client or LocalClient(), Source(), 1.0, tell or unheard)
+            compute(link, SWEEP, writer, waiting, ended.extend)
         return store, Counter("failed" if point.data is None else "done" for point in ended)
 
     return compute_all
@@ -237,7 +237,7 @@ def test_a_point_that_outlives_every_job_fails_and_the_others_go_on(tmp_path, mo
     link = Connection(Endless(bad), source)
     with writing(tmp_path / "out.zarr", SWEEP) as store, Writer(store) as writer:
         monkeypatch.setattr(schedule, "_STRETCH", 0.0)
-        compute(link, SWEEP, writer, chains(points(SWEEP), SWEEP), 1.0, ended.extend)
+        compute(link, SWEEP, writer, chains(points(SWEEP), SWEEP), ended.extend)
     (failed,) = [record for record in ended if record.data is None]
     assert (failed.point, len(ended)) == (bad, len(points(SWEEP)))
     assert failed.message.startswith("not done in 3 min, and a job lives for 2 min: raise")

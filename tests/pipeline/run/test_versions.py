@@ -50,10 +50,10 @@ class Answering:
 def test_other_packages_are_told_once_and_each_worker_is_asked_once():
     here, other = dict(versions()), {**versions(), "numpy": "1.0", "python": "3.2.1"}
     messages, client = [], Answering(a=here, b=other, c=other, d=OSError("died"))
-    link = Connection(client, Source())
-    threads_of(link, 30.0, messages.append)
+    link = Connection(client, Source(), tell=messages.append)
+    threads_of(link)
     client.answers["e"] = other
-    assert set(threads_of(link, 30.0, messages.append)) == set("abcde")
+    assert set(threads_of(link)) == set("abcde")
     assert len(messages) == 1
     assert "b has python 3.2.1 (here " in messages[0]
     assert "numpy 1.0 (here " in messages[0]
@@ -63,7 +63,7 @@ def test_other_packages_are_told_once_and_each_worker_is_asked_once():
 def test_a_worker_without_this_program_is_refused():
     client = Answering(a=ModuleNotFoundError("No module named 'pipeline'"))
     with pytest.raises(ExecutionError, match="a cannot run this program: No module named"):
-        threads_of(Connection(client, Source()), 30.0)
+        threads_of(Connection(client, Source()))
 
 
 def test_one_that_does_not_answer_holds_nobody_up():
@@ -73,4 +73,4 @@ def test_one_that_does_not_answer_holds_nobody_up():
         raise TimeoutError
 
     client.run = late
-    assert set(threads_of(Connection(client, Source()), 30.0)) == {"a"}
+    assert set(threads_of(Connection(client, Source()))) == {"a"}
