@@ -83,7 +83,7 @@ def follow_boundary(
 
     def further(store: Store | None, retry_failed: bool = False) -> Sweep | None:
         """The sweep at the points that are done or failed, and at those to look at next."""
-        rises, failed = _seen(store, sweep) if store else ({}, set())
+        rises, failed = _results(store, sweep) if store else ({}, set())
         wanted: set[Point] = set()
         for variant, search in searches.items():
             rises_here = {
@@ -99,14 +99,14 @@ def follow_boundary(
     store = Store(place, root) if root else None
     begun = further(store, retry_failed)
     if begun is None and store:
-        begun = replace(sweep, chosen=frozenset(itertools.chain(*_seen(store, sweep))))
+        begun = replace(sweep, chosen=frozenset(itertools.chain(*_results(store, sweep))))
     return run_sweep(
         begun or sweep, out, workers, scheduler, progress, retry_failed, further, tell,
         cluster=cluster,
     )  # fmt: skip
 
 
-def _seen(store: Store, sweep: Sweep) -> tuple[dict[Point, float], set[Point]]:
+def _results(store: Store, sweep: Sweep) -> tuple[dict[Point, float], set[Point]]:
     """Decisive rise of each point of a store that is done [K], and points that failed."""
     names = [name for name in STEPPED if name in store.arrays]
     columns = {name: store.read(name, ...) for name in names}
