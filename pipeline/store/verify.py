@@ -13,7 +13,7 @@ import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import nullcontext
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -152,7 +152,7 @@ def examined(
             lost.append(("asked", block))
     keys = store.place.keys()  # again: a writer may have finished points meanwhile
     total, count = int(np.count_nonzero(store.flags == DONE)), 0
-    faults: list[_Fault] = []
+    faults: dict[tuple[int, ...], tuple[Damage, PointRecord | None]] = {}
     complete: list[Point] = []
     for numbers, block in begun:
         values = {name: _read(store, name, numbers, keys) for name in _together(store)}
@@ -165,38 +165,29 @@ def examined(
         indices += [part.start for part in block]
         for point, index in zip(store.points_at([*indices.T]), map(tuple, indices), strict=True):
             entries = _entries(store, index, values, keys)
-            fault = _fault(point, entries, bool(unknown[index] or store.flags[index] == DONE))
-            if fault and not unknown[index]:
-                faults.append(fault)
-            elif unknown[index] and not fault:
+            is_done = bool(unknown[index] or store.flags[index] == DONE)
+            reason, record = _fault(point, entries, is_done)
+            if reason and not unknown[index]:
+                damage = Damage(point.load, point.velocity, reason, point.variant)
+                faults[index] = damage, record
+            elif unknown[index] and not reason:
                 complete.append(point)
         count += int(np.count_nonzero(store.flags[block] == DONE))
         if progress:
             progress(count, total)
-    damaged = [fault for fault in faults if fault.record is None]
-    done = total - sum(store.is_done(fault.point) for fault in damaged)
+    damaged = {index: damage for index, (damage, record) in faults.items() if record is None}
+    done = total - sum(bool(store.flags[index] == DONE) for index in damaged)
     if repair:
         _repair(store, lost, faults, unknown, complete)
         done = int(np.count_nonzero(store.flags == DONE))
     return Verification(
         done=done,
-        damaged=tuple(fault.as_damage() for fault in damaged),
-        records=tuple(fault.as_damage() for fault in faults if fault.record),
+        damaged=tuple(damaged.values()),
+        records=tuple(damage for damage, record in faults.values() if record),
         shared=tuple(dict.fromkeys(shared)),
         without_status=tuple(complete),
         repaired=repair,
     )
-
-
-class _Fault(NamedTuple):
-    """Fault of a point, and what is told of it anew if its data are intact."""
-
-    point: Point
-    reason: str
-    record: PointRecord | None
-
-    def as_damage(self) -> Damage:
-        return Damage(self.point.load, self.point.velocity, self.reason, self.point.variant)
 
 
 def _together(store: Store) -> list[str]:
@@ -227,26 +218,28 @@ def _entries(
     return of_block | {name: _read(store, name, index, keys) for name in fields}
 
 
-def _fault(point: Point, entries: Mapping[str, Any], is_done: bool) -> _Fault | None:
-    """Fault of a point by its entries, of which lost ones are None; None without a fault."""
+def _fault(
+    point: Point, entries: Mapping[str, Any], is_done: bool
+) -> tuple[str, PointRecord | None]:
+    """Fault of a point by its entries, lost ones None; its record anew if its data are intact."""
     if is_done and (reason := _fault_of_data(point, entries)):
-        return _Fault(point, reason, None)
+        return reason, None
     if lost := [name for name in (*ABOUT, "record_checksum") if entries[name] is None]:
-        return _Fault(point, _unreadable(lost), _restored(point, entries, is_done))
+        return _unreadable(lost), _restored(point, entries, is_done)
     message, kinds, *times = (entries[name] for name in ABOUT)
     record = PointRecord(point, None, str(message), int(kinds), *map(float, times))
     is_sound = entries["record_checksum"] == record_checksum(record)
-    return None if is_sound else _Fault(point, _OTHER, None)
+    return "" if is_sound else _OTHER, None
 
 
-def _fault_of_data(point: Point, entries: Mapping[str, Any]) -> str | None:
+def _fault_of_data(point: Point, entries: Mapping[str, Any]) -> str:
     data = {name: entries[name] for name in entries.keys() & {*STEPPED, *AT_END}}
     needed = data | {"checksum": entries["checksum"]}
     if lost := sorted(name for name, values in needed.items() if values is None):
         return _unreadable(lost)
     steps = np.count_nonzero(np.isfinite(data["time"]))
     data |= {name: data[name][:steps] for name in data.keys() & STEPPED.keys()}
-    return None if entries["checksum"] == checksum(point, data) else _OTHER
+    return "" if entries["checksum"] == checksum(point, data) else _OTHER
 
 
 def _restored(point: Point, entries: Mapping[str, Any], is_done: bool) -> PointRecord | None:
@@ -274,18 +267,18 @@ def _unreadable(names: Iterable[str]) -> str:
 def _repair(
     store: Store,
     lost: Iterable[tuple[str, Slices]],
-    faults: Iterable[_Fault],
+    faults: Mapping[tuple[int, ...], tuple[Damage, PointRecord | None]],
     unknown: Mask,
     complete: Iterable[Point],
 ) -> None:
     """Make damaged points pending, and write anew what is told of the others."""
-    damaged = [store.index(fault.point) for fault in faults if fault.record is None]
+    damaged = [index for index, (_, record) in faults.items() if record is None]
     for name, block in lost:
         array = store.arrays[name]
         array[block] = store.asked[block] if name == "asked" else array.fill_value
     for index, name in itertools.product(damaged, store.arrays.keys() & AT_END.keys()):
         store.arrays[name][index] = store.arrays[name].fill_value
-    values = {store.index(fault.point): values_of(fault.record) for fault in faults if fault.record}
+    values = {index: values_of(record) for index, (_, record) in faults.items() if record}
     pending = dict.fromkeys([*map(tuple, np.argwhere(unknown)), *damaged], PENDING)
     store.write(values, pending | {store.index(point): DONE for point in complete})
 

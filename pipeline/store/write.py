@@ -118,10 +118,6 @@ class Store:
         with reads(self.place, name):
             return self.arrays[name][key]
 
-    def is_done(self, point: Point) -> bool:
-        """True if a point is complete."""
-        return bool(self.flags[self.index(point)] == DONE)
-
     def pending(self) -> list[Point]:
         """Points that the last run asked for, and that are neither done nor failed."""
         return self.points_at(np.nonzero((self.asked == 1) & (self.flags == PENDING)))
