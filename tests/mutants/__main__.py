@@ -38,14 +38,17 @@ _JUDGED = files_of(
     "band boundary conditions dataset decisive interpolation margin temperatures transition "
     "warned_points",
 )
-_ANALYSIS = "band interpolation boundary margin dataset warned_points many_surfaces"
+_ANALYSIS = "band interpolation boundary margin dataset warned_points"
 _INVERSE = files_of("tribo/*.py", "criterion inverse lubricant")
-_WEAR = files_of("tribo/*.py", "grid stencil topography wear")
+_WEAR = files_of("tribo/*.py", "grid topography wear")
 _SCENE = "consistency correlation document kinds schema unknown"
 _WARNINGS = files_of("tribo/simulation/*.py", "point_warnings present_heat")
 # Modules to change, and what is run then: tests, and modules with examples.
 ROOMS = {
-    "solver": (["tribo/contact"], files_of(f"{TRIBO}/*", "contact simulation/test_point.py")),
+    "solver": (
+        ["tribo/contact", "tribo/stencil.py"],
+        files_of(f"{TRIBO}/*", "contact simulation/test_point.py"),
+    ),
     "heat": (
         ["tribo/thermal", "tribo/simulation/temperature.py"],
         files_of(f"{TRIBO}/*", "thermal simulation/test_point.py"),
@@ -68,7 +71,7 @@ ROOMS = {
     ),
     "wear": (
         _WEAR,
-        [*_WEAR, *files_of(f"{TRIBO}/test_*.py", "grid stencil topography wear wear_schemes")],
+        [*_WEAR, *files_of(f"{TRIBO}/test_*.py", "grid topography wear wear_schemes")],
     ),
     "loading": (["tribo/loading"], ["tribo/loading", f"{TRIBO}/loading"]),
     "scene": (

@@ -20,10 +20,8 @@ from pipeline.run.schedule import TRIALS, compute
 from pipeline.run.source import ExecutionError, Source, unheard
 from pipeline.run.writer import Writer
 from pipeline.store.create import writing
-from pipeline.store.place import StoreError
 from pipeline.store.progress import summarized
 from pipeline.store.schema import COLUMNS, FAILED
-from pipeline.store.write import Store
 from pipeline.sweep.plan import chains, points, run_point, run_points
 from tests.helpers import tiny
 from tests.helpers.local_client import Ended, LocalClient
@@ -66,13 +64,6 @@ def assert_is_as_computed_alone(store, place):
             assert stored.tobytes() == expected[name].tobytes()
 
 
-def test_a_point_that_takes_its_time_is_a_task_of_its_own(compute_sweep):
-    client = LocalClient()
-    _, ended = compute_sweep(seconds=0.0, client=client)
-    assert [task[1][0] for task in client.tasks] == list(points(SWEEP))
-    assert ended == {"done": 24}
-
-
 def test_short_points_share_a_task_with_the_next_of_their_chain_and_with_other_chains(
     compute_sweep,
 ):
@@ -83,16 +74,6 @@ def test_short_points_share_a_task_with_the_next_of_their_chain_and_with_other_c
     assert ended == {"done": 24}
     for place in points(SWEEP)[9:12]:
         assert_is_as_computed_alone(store, place)
-
-
-@pytest.mark.parametrize("workers", [1, 8])
-def test_chains_are_finished_one_by_one_but_the_last_of_them_together(compute_sweep, workers):
-    client = LocalClient(workers)
-    compute_sweep(seconds=0.0, client=client)
-    velocities = [task[1][0].velocity for task in client.tasks]
-    in_turn = [v for v in SWEEP.velocities for _ in SWEEP.loads]
-    together = [v for _ in SWEEP.loads for v in SWEEP.velocities]
-    assert velocities == in_turn if workers == 1 else sorted(velocities[:8]) == together[:8]
 
 
 def test_a_point_that_fails_costs_no_other_of_its_task(compute_sweep, monkeypatch):
@@ -146,15 +127,6 @@ def test_the_packages_of_workers_that_differ_are_stored(compute_sweep, monkeypat
         (noted,) = attributes_of(ds)["worker_versions"]
         assert noted["versions"] == {name: other[name] for name in ("python", "numpy", "scipy")}
         assert "some points computed by workers with python" in ds.attrs["history"]
-
-
-def test_a_store_that_cannot_be_written_ends_it_all(compute_sweep, monkeypatch):
-    def full(*_):
-        raise StoreError("no room")
-
-    monkeypatch.setattr(Store, "commit", full)
-    with pytest.raises(StoreError, match="no room"):
-        compute_sweep()
 
 
 class Lossy(LocalClient):
