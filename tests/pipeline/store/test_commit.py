@@ -2,7 +2,6 @@
 
 import errno
 import itertools
-import json
 import os
 import threading
 
@@ -46,10 +45,6 @@ def test_what_is_read_is_what_was_computed_bit_for_bit_and_its_warnings(alone):
             assert stored["message"].item() == "; ".join(map(str, result.warnings))
             flags = stored["warning_flags"].item()
             assert set(tribo.WarningKind(flags)) == {warning.kind for warning in result.warnings}
-
-
-def test_there_is_a_variable_for_each_measure_and_field():
-    assert set(record(POINT).data) == {*COLUMNS, *FIELDS}
 
 
 @pytest.mark.parametrize("files", [0, 8, 16, 24, 10**6])
@@ -229,14 +224,6 @@ def test_a_dataset_keeps_its_points_while_the_store_grows(copy):
         commit(copy, LATER, [Point(900.0, 0.25)])
         assert ds.load().sizes == before
         assert ds["time"].notnull().any("step").all()
-
-
-def test_commands_read_a_store_while_it_is_written(growing, tmp_path, capsys):
-    assert main(["status", str(growing), "--json"]) == 0
-    assert json.loads(capsys.readouterr().out)["running"]
-    assert main(["boundary", str(growing), "--json"]) == 0
-    assert main(["plot", str(growing), "-o", str(tmp_path / "diagram.png")]) == 0
-    assert main(["verify", str(growing)]) == 0
 
 
 def test_a_lack_of_threads_is_no_damage(alone, monkeypatch):

@@ -103,7 +103,7 @@ def test_attributes_say_what_was_computed(alone):
     assert attributes["measured"][1] == {"normal_load": 200.0, "velocity": 3.75, "friction": None}
 
 
-@pytest.mark.parametrize("files", [0, 20, 37, 38, 39, 40, 41])
+@pytest.mark.parametrize("files", [0, 20, 38, 39, 40])
 def test_a_creation_cut_short_leaves_no_store_or_a_whole_one(path, monkeypatch, files):
     with killed_after(monkeypatch, files) as was_killed:
         commit(path, SWEEP, [POINT])
@@ -217,7 +217,7 @@ def test_a_store_grown_in_any_order_has_each_point_as_computed(tmp_path_factory,
     assert verify_store(path).is_clean
 
 
-@pytest.mark.parametrize("files", [*range(0, 48, 8), 10**6])
+@pytest.mark.parametrize("files", [*range(0, 48, 16), 10**6])
 def test_a_growth_killed_before_any_change_of_a_file_costs_no_point(path, monkeypatch, files):
     commit(path, SWEEP, [POINT])
     with killed_after(monkeypatch, files) as was_killed:
@@ -257,7 +257,7 @@ def several(**changes):
     ],
     ids=["surfaces", "samples"],
 )
-@pytest.mark.parametrize("files", [0, 30, 60, None])
+@pytest.mark.parametrize("files", [30, None])
 def test_surfaces_and_samples_are_added_to_those_that_are_there(
     path, fewer, more, files, monkeypatch
 ):
