@@ -256,7 +256,7 @@ def tried(trials, server, folder, expected, document):
             results += [{}, f"{type(error).__name__}: {error}"]
         took = {"took": round(time.monotonic() - began, 1)}
         reports = [report for report in results if isinstance(report, dict)]
-        faults = [report for report in results if isinstance(report, str)]
+        faults = [fault for fault in results if isinstance(fault, str)]
         document[trial.__name__] = {**took, **reports[0], "faults": faults}
         print(trial.__name__, took, faults, file=sys.stderr)
 

@@ -94,17 +94,6 @@ def test_friction_by_velocity_is_that_friction_at_that_velocity(store):
         np.testing.assert_allclose(falling.sel(velocity=velocity), alone.sel(velocity=velocity))
 
 
-def test_friction_measured_at_a_point_is_not_scaled():
-    conditions = replace(CONDITIONS, corrections=ALL)
-    assert conditions.at_friction(0.07).corrections == replace(ALL, friction=())
-
-
-def test_conditions_are_read_from_what_a_store_holds():
-    conditions = replace(CONDITIONS, corrections=ALL)
-    assert Conditions(**conditions.as_dict()) == conditions
-    assert "corrections" not in CONDITIONS.as_dict()
-
-
 def test_entries_of_a_scene_become_corrections(tmp_path):
     (tmp_path / "plain.toml").write_text(SCENE)
     (tmp_path / "scene.toml").write_text(BESIDE)

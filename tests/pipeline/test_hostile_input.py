@@ -188,8 +188,14 @@ def test_a_time_to_go_has_an_end(seconds):
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="addresses are limited so on Linux")
-@pytest.mark.parametrize("megabytes", [300, 460, 690])
-@pytest.mark.parametrize("command", [["plot", "-o", "a.png"], ["explore", "-o", "a.html"]])
+@pytest.mark.parametrize(
+    ("command", "megabytes"),
+    [
+        (["plot", "-o", "a.png"], 300),
+        (["explore", "-o", "a.html"], 460),
+        (["plot", "-o", "a.png"], 690),
+    ],
+)
 def test_where_memory_is_short_a_line_says_so(alone, tmp_path, command, megabytes):
     """Up to 650 MB OpenBLAS or a thread that cannot start may wait for ever: refused before."""
     done = python(

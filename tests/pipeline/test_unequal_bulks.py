@@ -1,7 +1,6 @@
 """Bodies of unequal bulk temperature, from the scene file to the figures."""
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -137,16 +136,6 @@ def test_every_figure_takes_both(unequal, tmp_path):
         out = tmp_path / f"{kind}.png"
         pipeline.plot(unequal, kind, out, **conditions)
         assert out.stat().st_size > 10_000
-
-
-def test_the_friction_band_of_a_diagram_follows_each_friction(unequal):
-    from pipeline.figures.diagram import _planes
-
-    for friction in (0.05, 0.09):
-        conditions = replace(CONDITIONS, friction=friction)
-        (plane,) = _planes(unequal, conditions)
-        corner = pipeline.decisive_temperature(unequal, friction).isel(load=-1, velocity=-1)
-        assert 298.15 + friction * float(plane[-1, -1]) == pytest.approx(float(corner), rel=1e-6)
 
 
 SCENE = """

@@ -130,7 +130,7 @@ def test_a_ramp_is_drawn_through_its_own_hold_and_no_other(held):
     assert "load held" in [text.get_text().strip() for text in axes.texts]
 
 
-@pytest.mark.parametrize("critical", [330.0, 350.0, 390.0, 1000.0])
+@pytest.mark.parametrize("critical", [350.0, 1000.0])
 def test_the_failed_fraction_is_the_share_hotter_than_critical(copy, critical):
     commit(copy, tiny.full(conditions=Conditions(0.1, 298.15, critical)), ())
     with open_sweep(copy) as ds:
@@ -142,14 +142,6 @@ def test_the_failed_fraction_is_the_share_hotter_than_critical(copy, critical):
     assert abs(fraction - counted) < 0.02  # between quantiles it is interpolated
     share = tribo.failed_share(state.heat.rise_quantile, (critical - 298.15) / 0.1)
     assert fraction == pytest.approx(share, abs=1e-12)
-
-
-def test_without_friction_nothing_is_hotter_than_the_bulk(copy):
-    commit(copy, tiny.full(conditions=Conditions(0.0, 298.15, 400.0)), ())
-    with open_sweep(copy) as ds:
-        last = temperatures(end_of_point(ds))
-    assert (last["max_temperature"] == 298.15).all()
-    assert (last["failed_fraction"] == 0).all()
 
 
 def test_the_end_of_a_point_is_its_last_step(ds):

@@ -58,18 +58,6 @@ def test_run_says_what_reading_the_scene_had_to_settle(tmp_path, irg):
     assert "note: loading.file: fitted by 150 N/s from 0 s on" in said
 
 
-def test_check_says_what_would_run_and_runs_nothing(swept, scene, irg):
-    before = sorted(swept.iterdir())
-    document = irg("check", scene, "--json", "--workers", 2)
-    assert document["points"] == 9
-    # The trunk to 600 N has 8 stations and the lower loads, which lie between stations, leave it
-    # by a step each: 8 + 2 contacts at each of 3 velocities.
-    assert document["steps"] == 30
-    assert document["temperatures"] == 9
-    assert document["seconds"] > 0
-    assert sorted(swept.iterdir()) == before
-
-
 def test_status_tells_of_points_that_the_scene_no_longer_asks_for(scene, store, tmp_path, irg):
     said = irg("status", store)
     assert "9 points: 9 done, 0 failed, 0 pending" in said
@@ -97,25 +85,6 @@ def test_boundary_moves_with_the_conditions_given(store, irg):
     assert "critical velocity [m/s]" in said
 
 
-def test_boundary_takes_several_frictions_at_once(store, irg):
-    both = irg("boundary", store, "--friction", 0.08, "--friction", 0.12, "--json")
-    assert both["conditions"]["friction"] == [0.08, 0.12]
-    one = irg("boundary", store, "--friction", "0.12", "--json")
-    assert one["critical_load"] == both["critical_load"][1]
-    said = " ".join(irg("boundary", store, "--friction", "0.08,0.12").split())
-    assert "critical velocity [m/s] at friction 0.08 at friction 0.12" in said
-
-
-@pytest.mark.parametrize(
-    ("friction", "outcome"), [(0, "mild"), (0.001, "mild"), (1.0, "severe")], ids=str
-)
-def test_the_document_says_why_there_is_no_crossing(store, irg, friction, outcome):
-    document = irg("boundary", store, "--friction", friction, "--json")
-    for name, axis in (("critical_velocity", "load"), ("critical_load", "velocity")):
-        assert not any(document[name])
-        assert set(document[f"outcome_at_{axis}"]) == {f"{outcome} throughout"}
-
-
 def test_point_alone_equals_the_point_of_the_sweep(scene, store, irg):
     alone = irg("point", scene, "--load", "400 N", "--velocity", "2 m/s", "--json")
     stored = xr.open_zarr(store, chunks=None).sel(load=400.0, velocity=2.0)
@@ -132,14 +101,15 @@ def test_point_in_words(scene, irg):
     assert "the velocity is negative, so the disk slides towards −x" in said
 
 
-@pytest.mark.parametrize("load", ["1e5 N", "1e9 N"])
-def test_point_names_the_load_that_the_window_does_not_carry(scene, irg, load):
-    said = irg("point", scene, "--load", load, "--velocity", "1 m/s", code=2)
-    assert f"--load: {float(load[:-2]):g} N is more than the window" in said
+def test_point_names_the_load_that_the_window_does_not_carry(scene, irg):
+    said = irg("point", scene, "--load", "1e9 N", "--velocity", "1 m/s", code=2)
+    assert "--load: 1e+09 N is more than the window" in said
 
 
-@pytest.mark.parametrize("kind", ["diagram", "ramp", "fields"])
-@pytest.mark.parametrize("conditions", [(), ("--friction", 0)], ids=["own", "without friction"])
+@pytest.mark.parametrize(
+    ("kind", "conditions"),
+    [("diagram", ()), ("diagram", ("--friction", 0)), ("ramp", ("--friction", 0)), ("fields", ())],
+)
 def test_plot_writes_a_figure(store, tmp_path, irg, kind, conditions):
     out = tmp_path / f"{kind}.png"
     document = irg("plot", store, "--kind", kind, "-o", out, "--json", *conditions)
@@ -241,7 +211,6 @@ def test_another_scene_is_refused_with_what_differs(store, tmp_path, irg):
         (["check", "missing.toml"], ["missing.toml"]),
         *((["boundary", "small.zarr", *words], message) for words, message in (
             (["--share", "-5%"], ["share is -0.05; it must be at least 0"]),
-            (["--share", "1.5"], ["share"]),
             (["--critical-temperature", "10 degC"], ["critical_temperature is 10 °C"]),
             (["--bulk-temperature", "-300 degC"], ["bulk_temperature is -300 °C"]),
         )),
@@ -274,13 +243,10 @@ def test_what_cannot_be_is_refused_with_its_name(swept, irg, monkeypatch, argume
         (["run"], "SCENE.toml"),
         (["sing", "scene.toml"], "sing"),
         (["run", "scene.toml", "--workers", "none"], "at least 1"),
-        (["point", "scene.toml", "--load", "5 kg", "--velocity", "1 m/s"], "750 N"),
         (["point", "scene.toml", "--load", "5", "--velocity", "1 m/s"], "750 N"),
         (["plot", "out.zarr", "--kind", "portrait"], "diagram"),
-        (["boundary", "out.zarr", "--bulk-temperature", "60 C"], "write 60 degC"),
         (["boundary", "out.zarr", "--bulk-temperature", "60,5 degC"], 'a point: "60.5 degC"'),
         (["run", "scene.toml", "--workers", "2", "--scheduler", "tcp://a:1"], "not allowed"),
-        (["status", "out.zarr", "--friction", "0.1"], "usage: irg status"),
         (["new", "scene.toml", "--schema", "scene.json"], "not allowed with"),
         (["check", "scene.toml", "--acuracy=2%"], 'did you mean "--accuracy"?'),
         (["status", "out.zarr", "--friction", "0.1"], "unknown option or argument: --friction 0.1"),
@@ -294,11 +260,9 @@ def test_wrong_use_exits_with_2_and_says_why(arguments, said, irg):
     ("arguments", "said"),
     [
         (["check", "scen.toml"], 'scene.toml"?)'),
-        (["check", "scene.tml"], 'scene.toml"?)'),
         (["check", "first_tri"], 'did you mean "first_try"?'),
         (["check", "nothing.toml"], "No such file or directory"),
         (["boundary", "result/scene.zarr"], 'results/scene.zarr"?)'),
-        (["boundary", "results/scene"], 'results/scene.zarr"?)'),
         (["list", "result"], 'results"?)'),
         (["margin", "results/scene.zarr", "--points", "dutty.csv"], 'duty.csv"?)'),
     ],

@@ -21,13 +21,11 @@ def sweep():
     return synthetic.sweep(loads=(200.0, 400.0, 750.0), velocities=(1.0, 2.0, 4.0), fields=True)
 
 
-@pytest.mark.parametrize("width", [None, "8.5 cm"])
 @pytest.mark.parametrize("kind", ["diagram", "ramp", "fields", "temperature", "histogram"])
-def test_all_words_and_legends_are_inside_and_readable(sweep, kind, width):
-    figure = plot(sweep.assign_attrs(title=100 * "words "), kind, width=width)
+def test_all_words_and_legends_are_inside_and_readable(sweep, kind):
+    figure = plot(sweep.assign_attrs(title=100 * "words "), kind, width="8.5 cm")
     figure.draw_without_rendering()
-    if width:
-        assert figure.get_size_inches()[0] == pytest.approx(8.5 / 2.54)
+    assert figure.get_size_inches()[0] == pytest.approx(8.5 / 2.54)
     room = figure.bbox.padded(1.0)
     parts = [*figure.findobj(Legend), *(axes.title for axes in figure.axes)]
     parts += [figure._suptitle] if figure._suptitle else []

@@ -19,7 +19,6 @@ from pipeline.sweep.lubrication import Lubrication
 from pipeline.uncertain.answers import probabilities, risk_lines
 from pipeline.uncertain.weigh import posterior
 from tests.helpers import samples, synthetic
-from tests.helpers.processes import python
 from tests.helpers.synthetic import LOADS, MEASURED, OILED, VELOCITIES
 from tribo import InputError
 
@@ -345,11 +344,6 @@ def test_wrong_use_is_refused_with_what_is_allowed(sweep, tmp_path):
     with pytest.raises(InputError, match=r"cannot write .*there is no folder"):
         plot(sweep, "diagram", tmp_path / "missing" / "figure.png")
     assert list(tmp_path.iterdir()) == []
-
-
-def test_figures_need_no_pyplot():
-    code = "import sys, pipeline.figures.plot; sys.exit('matplotlib.pyplot' in sys.modules)"
-    assert python("-c", code).returncode == 0
 
 
 SCENE = {

@@ -63,8 +63,8 @@ def waves(nx=64, ny=32, along=0):
     return 0.3e-6 * np.sin(2 * np.pi * place / 8)
 
 
-@pytest.mark.parametrize("rate", [0.0, 1.2e-16, 1.2e-15, 1.2e-14])
-@pytest.mark.parametrize(("load", "velocity"), [(200.0, 0.5), (750.0, 1.25), (600.0, 4.0)])
+@pytest.mark.parametrize("rate", [0.0, 1.2e-15, 1.2e-14])
+@pytest.mark.parametrize(("load", "velocity"), [(200.0, 0.5), (600.0, 4.0)])
 def test_width_and_depth_are_those_of_a_smooth_cylinder(rate, load, velocity):
     sweep = replace(SMOOTH, wear=tribo.Wear(rate), loads=(load,), velocities=(velocity,))
     facts, columns = facts_of(sweep), run_point(sweep, load, velocity).columns
@@ -78,7 +78,7 @@ def test_width_and_depth_are_those_of_a_smooth_cylinder(rate, load, velocity):
     assert facts.sliding_distance.low == pytest.approx(columns["sliding_distance"][-1], rel=1e-12)
 
 
-@pytest.mark.parametrize("rate", [0.0, 1e-16, 1e-15])
+@pytest.mark.parametrize("rate", [0.0, 1e-15])
 def test_width_and_depth_are_those_of_a_smooth_ball(rate):
     sweep = replace(BALL, wear=tribo.Wear(rate, "local"))
     facts, columns = facts_of(sweep), run_point(sweep, 10.0, 1.0).columns

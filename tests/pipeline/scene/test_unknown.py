@@ -200,7 +200,6 @@ def test_another_spelling_of_the_same_quantities_is_shown_and_is_the_same_scene(
         ('"pin.radius" = { median = "2 s", factor = 1.1 }', "cannot be converted to mm"),
         ('"pin.radius" = { mean = "2 mm", sd = 0.1 }', "give all with a unit, or none"),
         ('"pin.radius" = { from = "3 mm", to = "1 mm" }', "from 3 mm to 1 mm does not rise"),
-        ('"pin.radius" = { mean = "2 mm", factor = 2 }', "is not a distribution; give a table"),
         ('"pin.radius" = "2 mm"', "is not a distribution"),
         ('"wear.pattern" = ["swept", "local"]', '"swept" is not a number with its unit; only num'),
         (
@@ -211,7 +210,6 @@ def test_another_spelling_of_the_same_quantities_is_shown_and_is_the_same_scene(
         ('"materials.mine.hardness" = ["1 GPa", "2 GPa"]', "materials.mine.elastic_modulus"),
         ('"friction.band" = [0.1, 0.2]', "friction.band: 0.1 is not a list"),
         ('"sweep.loads" = ["1 N", "2 N"]', "cannot be unknown"),
-        ('"title" = ["a", "b"]', "cannot be unknown"),
         ('"loading.reference_load" = ["750 N", "400 N"]', "number of steps"),
     ],
 )
@@ -259,7 +257,6 @@ def test_either_of_two_inputs_may_say_that_they_are_correlated(tmp_path):
         ('{ "wear.specific_wear_rate" = 0.6 }', WEAR, "not another input of [unknown]"),
         ('{ "disk.roughness.seed" = 0.6 }', WEAR, "each value of a list is as likely"),
         ('{ "temperature.critical" = 1.0 }', WEAR, "1.0 is out of range; give a number without a"),
-        ('{ "temperature.critical" = "much" }', WEAR, '"much" is not a plain number'),
         ('["temperature.critical"]', WEAR, "is not a table; give a table with the paths of oth"),
         (
             '{ "friction.coefficient" = 0.9, "temperature.critical" = 0.6 }',
@@ -312,7 +309,6 @@ def test_a_measured_transition_may_say_how_it_scatters(tmp_path):
     [
         ("friction_scatter = 0.004", "measured[0].friction_scatter: 0.004 needs a measured"),
         ("friction = 0.1\nfriction_scatter = 0", "measured[0].friction_scatter: 0 is out of range"),
-        ('load_scatter = "5 m/s"', "measured[0].load_scatter"),
         ('velocity_scatter = "-1 m/s"', "measured[0].velocity_scatter"),
     ],
 )

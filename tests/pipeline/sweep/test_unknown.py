@@ -38,14 +38,6 @@ def test_each_of_a_list_is_drawn_as_often():
     assert counts.tolist() == [64, 64, 64, 64]
 
 
-def test_more_samples_begin_with_those_of_fewer():
-    assert (drawn(ALL, seed=2, count=200)[:77] == drawn(ALL, seed=2, count=77)).all()
-
-
-def test_what_is_drawn_of_an_input_does_not_depend_on_those_after_it():
-    assert (drawn(ALL, seed=2, count=50)[:, :2] == drawn(ALL[:2], seed=2, count=50)).all()
-
-
 def test_another_seed_draws_others():
     assert (drawn(ALL[:2], 1, 64) != drawn(ALL[:2], 2, 64)).all()
 

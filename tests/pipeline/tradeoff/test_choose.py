@@ -13,16 +13,12 @@ from pipeline.sweep.model import Point
 from pipeline.sweep.selection import Selection
 from pipeline.tradeoff import choose as accuracy_module
 from pipeline.tradeoff.choose import (
-    _bound,
-    _finest,
-    _ladder,
     _steps_of_sweep,
     at_accuracy,
     choose_fidelity,
     stored_selection,
 )
 from pipeline.tradeoff.probe import some_places
-from pipeline.tradeoff.yardstick import OwnError
 from tests.helpers import tiny
 from tests.helpers.accuracy_scenes import PAPER, SCENES
 from tribo import PRESETS, Fidelity, Grid, InputError
@@ -111,12 +107,6 @@ def test_every_surface_and_sample_is_a_sweep_that_a_cheaper_choice_saves_on():
     assert _steps_of_sweep(uncertain) == 128 * alone / 2 > alone
 
 
-def test_few_nodes_are_solved_tightly():
-    few, many = (dict(_ladder(UNWORN, nodes, past=False)) for nodes in (900, 100_000))
-    assert {fidelity.contact_tolerance for fidelity in few.values()} == {1e-3}
-    assert max(fidelity.contact_tolerance for fidelity in many.values()) == 0.1
-
-
 def test_the_heat_of_all_the_past_is_taken_where_the_present_one_errs_too_far():
     slow = replace(UNWORN, velocities=tuple(velocity / 100 for velocity in MANY))
     warm = replace(slow.conditions, critical_temperature=slow.conditions.bulk_temperature + 12)
@@ -125,23 +115,6 @@ def test_the_heat_of_all_the_past_is_taken_where_the_present_one_errs_too_far():
     loose, strict = (choose_fidelity(slow, accuracy) for accuracy in (0.3, 0.02))
     assert (loose.fidelity.heat_model, strict.fidelity.heat_model) == ("elapsed", "history")
     assert "with all heat so far" in strict.name
-
-
-def test_steps_are_added_until_they_are_enough():
-    error = OwnError(steps=0.02, heat_model=0.0, work=0.0)
-    trials = _finest(UNWORN, 0.005, error, False, 1.0)
-    assert [trial.fidelity.increments for trial in trials] == [100, 200]
-    assert trials[-1].error == pytest.approx(0.0025 + 2e-3)
-    assert [trial.work for trial in trials] == [4.0, 8.0]
-    assert len(_finest(UNWORN, 1e-9, error, False, 1.0)) == 3
-
-
-def test_the_margin_grows_with_the_scatter_between_loads():
-    many = 1000
-    assert _bound([0.01, -0.02], of_all_loads=True, nodes=many) == pytest.approx(0.022)
-    assert _bound([0.01, -0.02], of_all_loads=True, nodes=49) == pytest.approx(0.03)
-    assert _bound([0.02, 0.02, 0.02, 0.02], of_all_loads=False, nodes=many) == pytest.approx(0.026)
-    assert _bound([0.02, -0.02, 0.02, -0.02], of_all_loads=False, nodes=many) > 0.05
 
 
 @pytest.mark.parametrize("accuracy", [0.0, 1.0, -0.1, math.nan])

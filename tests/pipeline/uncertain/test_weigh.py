@@ -378,14 +378,10 @@ def test_warmer_tests_tell_more_of_a_critical_temperature_and_can_be_chosen_from
 
 
 def test_a_friction_that_the_log_does_not_have_is_not_averaged_out_by_planned_tests():
-    uninformative = {
-        "normal_load": 200.0,
-        "velocity": 0.5,
-        "outcome": "mild",
-    }  # which tells nothing
+    idle = {"normal_load": 200.0, "velocity": 0.5, "outcome": "mild"}  # which tells nothing
     promised = {}
     for friction in (None, 0.1):
-        log = (uninformative | {"friction": friction},)
+        log = (idle | {"friction": friction},)
         posterior = pipeline.posterior(
             dataclasses.replace(ensemble((CRITICAL, FRICTION)), tested=log)
         )

@@ -68,9 +68,8 @@ def test_the_median_goes_on_where_one_surface_has_no_boundary(page):
     *ends, (right, last_median) = page(ds).execute_script(drawn, first, last)
     for place, expected in ends:
         assert place == pytest.approx(expected, abs=0.1)  # the path is written in tenths of a pixel
-    assert (
-        right > last_median
-    )  # between the last load with a median and the next, it is known in part
+    # Between the last load with a median and the next, it is known in part.
+    assert right > last_median
 
 
 def test_a_page_begins_with_the_conditions_of_the_store(page):
