@@ -22,7 +22,7 @@ SCENE = SCENES["finer pixels"]
 @pytest.fixture(scope="module")
 def measured():
     said = []
-    table = trade(SCENE, loads=LOADS, progress=said.append)
+    table = trade(SCENE, loads=LOADS[1:], progress=said.append)
     assert said[0] == f"1 of {len(table.choices)}: reference"
     assert len(said) == len(table.choices)
     assert said[-1].startswith("{0} of {0}: ".format(len(table.choices)))
@@ -51,7 +51,7 @@ def test_every_choice_says_what_it_costs_and_where_it_errs(measured):
         assert choice.seconds > 0
         assert choice.convolutions > 0
         assert choice.peak_bytes > 1e5
-        assert len(choice.velocity_errors) == len(LOADS)
+        assert len(choice.velocity_errors) == 1
         assert max(map(abs, choice.velocity_errors)) == choice.velocity_error
     # Of a rise that is known to 1 %, the velocity is known to 1 % over its exponent, about 0.6; but
     # the point whose rise errs most need not lie at the boundary.
