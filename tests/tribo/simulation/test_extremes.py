@@ -445,7 +445,7 @@ def violation(contact, solid, z, hardness):
 
 @pytest.mark.parametrize("periodic", list(itertools.product((False, True), repeat=2)))
 @pytest.mark.parametrize("shape", [(1, 1), (1, 12), (13, 1), (17, 12)])
-@pytest.mark.parametrize("spacing", [(1e-6, 1e-6), (1e-6, 1e-3), (1e-3, 1e-6)])
+@pytest.mark.parametrize("spacing", [(1e-6, 1e-6), (1e-6, 1e-3)])
 def test_every_shape_on_every_window_at_every_load(periodic, shape, spacing):
     grid = Grid(shape, spacing, periodic)
     solid = ElasticHalfSpace(grid, 115e9)
