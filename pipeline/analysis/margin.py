@@ -169,8 +169,8 @@ def margins(
     Raises
     ------
     InputError
-        If the operating point lies outside the sweep or too little of the sweep is done, a
-        condition lies outside its range, or there is no friction and so nothing to judge.
+        If the operating point lies outside the sweep, too little of the sweep is done, or a
+        condition lies outside its range.
 
     Examples
     --------
@@ -191,10 +191,6 @@ def judge_of(
 ) -> Callable[[float, float], tuple[Margin, ...]]:
     """Function that gives `margins` at a load [N] and a velocity [m/s] under some conditions."""
     conditions = conditions_of(ds, *others, **conditions_given)
-    if conditions.friction == 0:
-        raise InputError(
-            "friction is 0; without friction there is no heat and no boundary; give one above 0"
-        )
     limit, rise = rise_limit(conditions), decisive_rise(ds, conditions)
     entries = {path: ds[path].item() for path in attributes_of(ds).get("entries", {})}
     ends = {name: range_of(ds, name) for name in ("load", "velocity")}

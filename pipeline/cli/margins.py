@@ -184,7 +184,7 @@ def _error(here: Margin) -> str:
         margin = "" if error is None else f" ± {error:.2g} K"
         return f"{margin}, continued as a power of the velocity beyond the computed points"
     if error == 0:
-        return ", at a point of the sweep"
+        return ", without interpolation"
     if error is None:
         return ", from too few points about it to tell its error"
     return f" ± {error:.2g} K, interpolated between points of the sweep"

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import pipeline
+from pipeline.analysis.transition import MILD
 from pipeline.store.schema import PENDING
 from tests.helpers import synthetic
 from tests.pipeline.figures.page import sweeps
@@ -115,9 +116,13 @@ def test_a_place_outside_the_sweep_is_refused(load, velocity, message):
         pipeline.margins(synthetic.sweep(), load, velocity)
 
 
-def test_without_friction_there_is_nothing_to_judge():
-    with pytest.raises(InputError, match="friction is 0"):
-        pipeline.margins(synthetic.sweep(), 400.0, 2.0, friction=0.0)
+def test_without_friction_wear_is_mild_throughout_as_the_boundary_has_it():
+    ds = synthetic.sweep()
+    cold = margin(ds, 320.0, 2.1, friction=0.0)
+    assert (cold.decisive_temperature, cold.temperature_error) == (298.15, 0.0)
+    assert (cold.velocity_outcome, cold.load_outcome) == ("mild throughout",) * 2
+    outcomes = pipeline.boundary(ds, friction=0.0)[["outcome_at_load", "outcome_at_velocity"]]
+    assert all((outcomes[name] == MILD).all() for name in outcomes)
 
 
 def test_a_sweep_with_nothing_done_about_a_place_says_so():
