@@ -242,6 +242,8 @@ def _layer(one: _Input, sweep: Sweep, make: Make, faults: Faults) -> Layer:
         is_heat_alone &= not alike & _SIMULATED
         if step_count(other, highest) != step_count(sweep, highest):
             faults.note(one.key, "it changes the number of steps, which must stay; give it")
+    if unknown.path == _SHARE and sweep.conditions.criterion != "share":
+        changed.clear()  # which no other criterion looks at
     if not changed:
         faults.note(one.key, "it changes nothing in this scene; leave it out")
     elif not changed & _DECISIVE:

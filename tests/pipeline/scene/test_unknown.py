@@ -28,9 +28,9 @@ def scene(tmp_path, unknown=UNKNOWN, samples=8, text=SCENE):
     return tmp_path / "scene.toml"
 
 
-def faults(path):
+def faults(path, overrides=None):
     with pytest.raises(SceneFileError) as caught:
-        pipeline.load_scene(path)
+        pipeline.load_scene(path, overrides=overrides)
     return caught.value.faults
 
 
@@ -289,6 +289,13 @@ def test_an_input_that_changes_nothing_is_told(tmp_path):
         )
     )
     assert "changes nothing in this scene; leave it out" in message
+
+
+@pytest.mark.parametrize("criterion", ["mean", "highest"])
+def test_a_failing_share_that_the_criterion_does_not_look_at_is_not_unknown(tmp_path, criterion):
+    other = {"temperature.criterion": criterion}
+    unknown = '[unknown]\n"temperature.failing_share" = { from = 0.05, to = 0.2 }\n'
+    assert "changes nothing" in faults(scene(tmp_path, unknown), other)[0]
 
 
 def test_a_measured_transition_may_say_how_it_scatters(tmp_path):
