@@ -13,7 +13,7 @@ import pipeline
 from pipeline.analysis.tables import TABLES, Column, Table, writable_path
 from pipeline.cli.output import Result, counted, tell, to_figure_or_table
 from pipeline.cli.progress import working
-from pipeline.cli.scenes import PLACE, flags_of, given, scene_of, selected
+from pipeline.cli.scenes import PLACE, flags_of, given, one_scene_of, selected
 from pipeline.cli.unknowns import posterior
 from pipeline.scene.facts import require_bearable_load
 from pipeline.sweep.criterion import Verdict
@@ -30,7 +30,7 @@ _MORE_AREA = {2: "14 to 17", 4: "40 to 50"}
 
 def point(options: argparse.Namespace) -> Result:
     """Simulate one point."""
-    sweep = scene_of(options, points=[Point(options.load, options.velocity)])
+    sweep = one_scene_of(options, points=[Point(options.load, options.velocity)])
     require_bearable_load(sweep, options.load, "--load")
     sweep = sweep.on_surface(options.realization)
     with working("simulating") as progress:
@@ -124,7 +124,7 @@ def infer(options: argparse.Namespace) -> Result:
     bulks = options.bulk_temperature or [None]
     options.scene, options.bulk_temperature = scene, bulks[0]
     # Several bulk temperatures are to choose from: those of a test to plan, of samples.
-    sweep = scene_of(options) if len(bulks) == 1 else None
+    sweep = one_scene_of(options) if len(bulks) == 1 else None
     if sweep is None or (sweep.samples and options.contact_width is None):
         store = Path("results") / f"{scene.stem}.zarr"
         if not store.exists():

@@ -55,6 +55,14 @@ def scene_of(
     return sweep
 
 
+def one_scene_of(options: argparse.Namespace, points: Sequence[Point] | None = None) -> Sweep:
+    """The scene, for a command that takes one value of each entry; a note says if it has more."""
+    sweep = scene_of(options, points)
+    if sweep.over:
+        tell(f"note: {sweep.over.note}")
+    return sweep
+
+
 def settings_of(options: argparse.Namespace) -> dict[str, Any]:
     """Entries of --set; keys without the prefix that those of a fidelity may have."""
     settings: dict[str, Any] = {}

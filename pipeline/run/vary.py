@@ -169,7 +169,8 @@ def vary(
     tolerance : float
         Relative error of the critical velocity, besides that of the scene's fidelity.
     tell : callable, optional
-        Called with a line before each scene: which, of how many, and the time to go.
+        Called with a line before each scene: which, of how many, and the time to go; and with
+        a note, if the scene has several values of an entry.
     physics : bool
         Add the physics that the scene leaves out, each with a usual size.
 
@@ -189,6 +190,8 @@ def vary(
     """
     overrides = overrides or {}
     sweep = load_scene(scene, preset, overrides)
+    if sweep.over and tell:
+        tell(f"note: {sweep.over.note}")
     others = {
         (key, str(value)): load_scene(scene, preset, {**overrides, key: value})
         for key, values in over.items()

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
@@ -23,6 +25,8 @@ _BREAK = 20.0  # times the usual time between points, after which a run was inte
 class FailedPoint:
     """A point that could not be computed: load [N], velocity [m/s], reason, and variant.
 
+    The place is the point in words, where the scene writes values of the variant in units.
+
     Examples
     --------
     >>> import pipeline
@@ -34,9 +38,10 @@ class FailedPoint:
     velocity: float
     message: str
     variant: Variant = ()
+    place: str = field(default="", compare=False)
 
     def __str__(self) -> str:
-        return f"{Point(self.load, self.velocity, self.variant)}: {self.message}"
+        return f"{self.place or Point(self.load, self.velocity, self.variant)}: {self.message}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,11 +103,22 @@ def summarized(store: Store) -> Summary:
         done=counts[DONE],
         pending=counts[PENDING],
         failed=tuple(
-            FailedPoint(point.load, point.velocity, str(message), point.variant)
+            FailedPoint(
+                *point[:2], str(message), point.variant, str(_as_written(point, store.attributes))
+            )
             for point, message in zip(store.points_at(failed), messages, strict=True)
         ),
         earlier=int(np.count_nonzero(flags[~asked] == DONE)),
     )
+
+
+def _as_written(point: Point, attributes: Mapping[str, Any]) -> Point:
+    """A point with values of entries as the scene writes them, such as ``2 mm``."""
+    written = {tuple(scene["values"]): scene["written"] for scene in attributes.get("scenes", [])}
+    names, values = zip(*point.variant, strict=True) if point.variant else ((), ())
+    number = len(attributes.get("over", []))
+    texts = *written.get(values[:number], values[:number]), *values[number:]
+    return point._replace(variant=tuple(zip(names, texts, strict=True)))
 
 
 def summary(path: PathLike) -> Summary:

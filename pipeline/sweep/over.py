@@ -40,6 +40,15 @@ class Over:
         """Every combination of values."""
         return combinations({axis.path: axis.values for axis in self.axes})
 
+    @property
+    def note(self) -> str:
+        """Note of a command that takes one value of each entry."""
+        return "sweep.over is set aside; " + ", ".join(
+            f'{axis.path} is the scene\'s own or the first listed: --set "{axis.path}=..." '
+            "takes another"
+            for axis in self.axes
+        )
+
     def written(self, variant: Variant) -> list[Any]:
         """Values of a combination as they stand in the scene."""
         return [

@@ -8,9 +8,10 @@ import xarray as xr
 
 import pipeline
 from pipeline.run.follow import follow_boundary
+from pipeline.store.create import writing
 from pipeline.store.place import StoreMismatchError
 from pipeline.store.verify import verify_store
-from pipeline.sweep.plan import chains, points
+from pipeline.sweep.plan import PointRecord, chains, points
 from tests.helpers.scenes import SCENE
 from tests.pipeline.conftest import commit_all
 from tribo import InputError
@@ -29,6 +30,11 @@ def alone(folder, **entries):
     (folder / "alone.toml").write_text(SCENE.replace("fields = true", ""))
     names = {name.replace("_", ".", 1): value for name, value in entries.items()}
     return pipeline.load_scene(folder / "alone.toml", overrides=names)
+
+
+def alone_file(folder):
+    alone(folder)
+    return folder / "alone.toml"
 
 
 def same(one, other):
@@ -175,6 +181,32 @@ def test_commands_answer_for_each_value(swept, folder, irg):
     assert table["distance"] == [one["distance"], other["distance"]]
     assert "2 values of pin.radius" in irg("check", folder / "scene.toml")
     irg("status", swept)
+
+
+def test_failed_points_are_listed_in_the_units_of_the_scene(tmp_path, irg):
+    sweep = load(tmp_path, **{"sweep.realizations": [3]})
+    with writing(tmp_path / "out.zarr", sweep) as store:
+        store.commit([PointRecord(points(sweep)[-1], None, "it left the window")])
+    said = irg("status", tmp_path / "out.zarr", code=1)
+    assert "failed: 600 N, 4 m/s, pin.radius 4 mm, surface 3: it left the window" in said
+    (failed,) = irg("status", tmp_path / "out.zarr", "--json", code=1)["failed"]
+    assert (failed["pin.radius"], failed["realization"]) == (0.004, 3)
+
+
+def test_commands_on_one_scene_say_that_they_take_one_value(folder, irg, monkeypatch):
+    load(folder)
+    place = ("--load", "200 N", "--velocity", "1 m/s")
+    note = "sweep.over is set aside; pin.radius is the scene's own or the first listed: --set \"pin"
+    assert note in irg("point", folder / "scene.toml", *place)
+    assert note not in irg("point", alone_file(folder), *place)
+    told = []
+    monkeypatch.setattr("pipeline.run.vary.staged", lambda *_: 1 / 0)
+    with pytest.raises(ZeroDivisionError):
+        pipeline.vary(folder / "scene.toml", {"pin.radius": ["3 mm"]}, tell=told.append)
+    assert note in told[0]
+    text = (folder / "scene.toml").read_text() + '[[measured]]\nload = "200 N"\nvelocity = "2 m/s"'
+    (folder / "measured.toml").write_text(text)
+    assert note in irg("infer", folder / "measured.toml")
 
 
 def test_scenes_may_differ_in_their_criterion(tmp_path, irg):
