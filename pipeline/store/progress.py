@@ -104,7 +104,7 @@ def summarized(store: Store) -> Summary:
         pending=counts[PENDING],
         failed=tuple(
             FailedPoint(
-                *point[:2], str(message), point.variant, str(_as_written(point, store.attributes))
+                *point[:2], str(message), point.variant, _in_words(point, store.attributes)
             )
             for point, message in zip(store.points_at(failed), messages, strict=True)
         ),
@@ -112,13 +112,13 @@ def summarized(store: Store) -> Summary:
     )
 
 
-def _as_written(point: Point, attributes: Mapping[str, Any]) -> Point:
-    """A point with values of entries as the scene writes them, such as ``2 mm``."""
+def _in_words(point: Point, attributes: Mapping[str, Any]) -> str:
+    """A point in words, with values of entries as the scene writes them, such as ``2 mm``."""
     written = {tuple(scene["values"]): scene["written"] for scene in attributes.get("scenes", [])}
     names, values = zip(*point.variant, strict=True) if point.variant else ((), ())
     number = len(attributes.get("over", []))
     texts = *written.get(values[:number], values[:number]), *values[number:]
-    return point._replace(variant=tuple(zip(names, texts, strict=True)))
+    return str(point._replace(variant=tuple(zip(names, texts, strict=True))))
 
 
 def summary(path: PathLike) -> Summary:
