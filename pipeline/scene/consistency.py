@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import tribo
@@ -12,8 +12,8 @@ from pipeline.scene.library import nearest
 from pipeline.scene.quantities import display
 
 Roughness = tribo.SelfAffineRoughness | tribo.MeasuredRoughness | tribo.Surface
-Check = Callable[..., str | None]
-_RULES: list[tuple[str, tuple[str, ...], Check]] = []
+Sound = Callable[..., list[Any]]
+Misfits = Iterator[tuple[str, str]]
 
 
 def check_tables(
@@ -25,12 +25,22 @@ def check_tables(
     """Note all that does not fit together in tables as the format reads them."""
     _check_materials(tables, faults)
     _check_pixels(tables, fidelity.pixels_per_element, roughness, faults)
-    for key, paths, check in _RULES:
-        if any(map(faults.touch, paths)):
-            continue
-        if problem := check(*(entry_at(tables, path) for path in paths)):
+
+    def sound(*paths: str) -> list[Any]:
+        """Entries at some paths; all None where one is faulty."""
+        is_faulty = any(map(faults.touch, paths))
+        return [None if is_faulty else entry_at(tables, path) for path in paths]
+
+    for misfits in (_of_bodies, _of_motion, _of_conditions, _of_oil):
+        for key, problem in misfits(sound):
             faults.note(key, problem)
-    _check_tests(tables, faults)
+    for table in ("measured", "tested"):
+        for number, entry in enumerate(tables[table] or ()):
+            if entry and entry["friction_scatter"] is not None and not entry["friction"]:
+                problem = (
+                    f"{entry['friction_scatter']:g} needs a measured friction; give it above 0"
+                )
+                faults.note(f"{table}[{number}].friction_scatter", problem)
 
 
 def _check_materials(tables: dict[str, Any], faults: Faults) -> None:
@@ -84,152 +94,102 @@ def _check_pixels(
         )
 
 
-def _check_tests(tables: dict[str, Any], faults: Faults) -> None:
-    for table in ("measured", "tested"):
-        for number, entry in enumerate(tables[table] or ()):
-            if entry and entry["friction_scatter"] is not None and not entry["friction"]:
-                scatter = f"{entry['friction_scatter']:g}"
-                problem = f"{scatter} needs a measured friction; give it above 0"
-                faults.note(f"{table}[{number}].friction_scatter", problem)
-
-
-def _rule(key: str, *paths: str) -> Callable[[Check], Check]:
-    """Register a check: it takes the entries at some paths, and gives the problem of `key`.
-
-    An entry that was left out is None; where one is faulty, there is no check.
-    """
-
-    def register(check: Check) -> Check:
-        _RULES.append((key, paths, check))
-        return check
-
-    return register
-
-
-def _short_of_window(length: float, pixels: Any, sides: Any, axis: int) -> str | None:
+def _short_of_window(length: float, pixels: Any, sides: Any, axis: int) -> Iterator[str]:
     side = pixels[axis] * sides[axis]
-    if length >= side * (1 - 1e-9):
-        return None
-    return (
-        f"{display(length, 'mm')} is shorter than the window, which is {display(side, 'mm')} "
-        f"along {'xy'[axis]}; give at least that"
-    )
+    if length < side * (1 - 1e-9):
+        yield (
+            f"{display(length, 'mm')} is shorter than the window, which is {display(side, 'mm')} "
+            f"along {'xy'[axis]}; give at least that"
+        )
 
 
-@_rule("pin.length", "pin.length", "window.pixels", "window.pixel_size")
-def _pin_length(length: float | None, pixels: Any, sides: Any) -> str | None:
-    return _short_of_window(length, pixels, sides, 1) if length else None
-
-
-@_rule("window.periodic_y", "pin.shape", "window.periodic_y")
-def _periodic(shape: str, periodic: bool | None) -> str | None:
-    if shape == "cylinder" or not periodic:
-        return None
-    return f"true does not fit a {shape} pin; give false, or leave it out"
-
-
-@_rule("pin.crown_radius", "pin.shape", "pin.crown_radius")
-def _crown(shape: str, crown: float | None) -> str | None:
+def _of_bodies(sound: Sound) -> Misfits:
+    length, *window = sound("pin.length", "window.pixels", "window.pixel_size")
+    if length:
+        yield from (("pin.length", problem) for problem in _short_of_window(length, *window, 1))
+    shape, periodic = sound("pin.shape", "window.periodic_y")
+    if shape != "cylinder" and periodic:
+        problem = f"true does not fit a {shape} pin; give false, or leave it out"
+        yield "window.periodic_y", problem
+    shape, crown = sound("pin.shape", "pin.crown_radius")
     if shape == "crowned" and crown is None:
-        return 'missing; a crowned pin needs its radius across sliding, such as "100 mm"'
+        problem = 'missing; a crowned pin needs its radius across sliding, such as "100 mm"'
+        yield "pin.crown_radius", problem
     if shape == "ball" and crown is not None:
-        return f'{display(crown, "mm")} does not fit a ball; give shape = "crowned"'
-    return None
+        problem = f'{display(crown, "mm")} does not fit a ball; give shape = "crowned"'
+        yield "pin.crown_radius", problem
 
 
-def _not_one_given(table: dict[str, Any] | None, *keys: str) -> str | None:
+def _of_motion(sound: Sound) -> Misfits:
+    (motion,) = sound("motion")
+    if fault := _not_one_of(motion, "slide_roll_ratio", "entrainment_velocity"):
+        yield "motion", f"{fault}; give either slide_roll_ratio or entrainment_velocity"
+    ratio, entrainment = sound("motion.slide_roll_ratio", "motion.entrainment_velocity")
+    if ratio == 0 and entrainment is None:
+        yield (
+            "motion.slide_roll_ratio",
+            "0 is rolling without a sliding velocity; give another number such as 0.5, or "
+            'entrainment_velocity and the velocity "0 m/s"',
+        )
+    motion, radius, *window = sound("motion", "pin.radius", "window.pixels", "window.pixel_size")
+    if motion:
+        track = motion["track_length"] or 2 * math.pi * radius
+        problems = _short_of_window(track, *window, 0)
+        yield from (("motion.track_length", problem) for problem in problems)
+    track, motion = sound("disk.track_length", "motion")
+    if track is not None and motion is not None:
+        yield (
+            "disk.track_length",
+            "earlier passes are counted under a pin at rest, and the scene has a [motion]; leave "
+            'out "disk.track_length" or [motion]',
+        )
+
+
+def _of_conditions(sound: Sound) -> Misfits:
+    bulk, critical = sound("temperature.bulk", "temperature.critical")
+    warmest = max(bulk.values()) if isinstance(bulk, dict) else bulk
+    if critical is not None and critical <= warmest:
+        yield (
+            "temperature.critical",
+            f"{display(critical, '°C')} is not above temperature.bulk, {display(warmest, '°C')}; "
+            'give a higher one, such as "145 degC"',
+        )
+    (band,) = sound("friction.band")
+    if band and band[0] > band[1]:
+        yield "friction.band", f"{quoted(list(band))} falls; give the lower one first"
+    (measured,) = sound("friction.by_velocity")
+    velocities = [entry["velocity"] for entry in measured or ()]
+    if twice := sorted({velocity for velocity in velocities if velocities.count(velocity) > 1}):
+        yield "friction.by_velocity", f"has {twice[0]:g} m/s twice; give each velocity once"
+    coefficient, measured = sound("friction.coefficient", "friction.by_velocity")
+    if measured and coefficient == 0:
+        yield (
+            "friction.coefficient",
+            "0 cannot be scaled by friction.by_velocity; give a typical one, such as 0.1",
+        )
+    measured, bulk = sound("friction.by_velocity", "temperature.bulk")
+    if measured and isinstance(bulk, dict):
+        yield (
+            "friction.by_velocity",
+            "pin and disk have bulk temperatures of their own, and then the rise is not "
+            "proportional to friction; give one temperature.bulk, or leave this out",
+        )
+
+
+def _of_oil(sound: Sound) -> Misfits:
+    (oil,) = sound("oil")
+    if fault := _not_one_of(oil, "kinematic_viscosity", "dynamic_viscosity"):
+        yield (
+            "oil",
+            f"kinematic_viscosity, dynamic_viscosity: {fault}; give kinematic_viscosity with a "
+            "density, or dynamic_viscosity",
+        )
+    if oil and oil["kinematic_viscosity"] is not None and oil["density"] is None:
+        yield "oil.density", "missing; a kinematic viscosity needs one"
+
+
+def _not_one_of(table: dict[str, Any] | None, *keys: str) -> str | None:
     """Beginning of the problem of a table that has both of two keys, or neither."""
     if table is None or [table[key] for key in keys].count(None) == 1:
         return None
     return "neither is given" if table[keys[0]] is None else "both are given"
-
-
-@_rule("motion", "motion")
-def _motion(motion: dict[str, Any] | None) -> str | None:
-    fault = _not_one_given(motion, "slide_roll_ratio", "entrainment_velocity")
-    return fault and f"{fault}; give either slide_roll_ratio or entrainment_velocity"
-
-
-@_rule("motion.slide_roll_ratio", "motion.slide_roll_ratio", "motion.entrainment_velocity")
-def _rolling(ratio: float | None, entrainment: float | None) -> str | None:
-    if ratio != 0 or entrainment is not None:
-        return None
-    return (
-        "0 is rolling without a sliding velocity; give another number such as 0.5, or "
-        'entrainment_velocity and the velocity "0 m/s"'
-    )
-
-
-@_rule("motion.track_length", "motion", "pin.radius", "window.pixels", "window.pixel_size")
-def _track(motion: dict[str, Any] | None, radius: float, pixels: Any, sides: Any) -> str | None:
-    if motion is None:
-        return None
-    return _short_of_window(motion["track_length"] or 2 * math.pi * radius, pixels, sides, 0)
-
-
-@_rule("temperature.critical", "temperature.bulk", "temperature.critical")
-def _critical(bulk: Any, critical: float | None) -> str | None:
-    warmest = max(bulk.values()) if isinstance(bulk, dict) else bulk
-    if critical is None or critical > warmest:
-        return None
-    return (
-        f"{display(critical, '°C')} is not above temperature.bulk, {display(warmest, '°C')}; "
-        'give a higher one, such as "145 degC"'
-    )
-
-
-@_rule("friction.band", "friction.band")
-def _band(band: tuple[float, float] | None) -> str | None:
-    if band is None or band[0] <= band[1]:
-        return None
-    return f"{quoted(list(band))} falls; give the lower one first"
-
-
-@_rule("friction.by_velocity", "friction.by_velocity")
-def _velocities(measured: tuple[dict[str, float], ...]) -> str | None:
-    velocities = [entry["velocity"] for entry in measured]
-    twice = sorted({velocity for velocity in velocities if velocities.count(velocity) > 1})
-    return f"has {twice[0]:g} m/s twice; give each velocity once" if twice else None
-
-
-@_rule("friction.coefficient", "friction.coefficient", "friction.by_velocity")
-def _scaled(coefficient: float, measured: tuple[Any, ...]) -> str | None:
-    if not measured or coefficient > 0:
-        return None
-    return "0 cannot be scaled by friction.by_velocity; give a typical one, such as 0.1"
-
-
-@_rule("friction.by_velocity", "friction.by_velocity", "temperature.bulk")
-def _proportional(measured: tuple[Any, ...], bulk: Any) -> str | None:
-    if not measured or not isinstance(bulk, dict):
-        return None
-    return (
-        "pin and disk have bulk temperatures of their own, and then the rise is not proportional "
-        "to friction; give one temperature.bulk, or leave this out"
-    )
-
-
-@_rule("disk.track_length", "disk.track_length", "motion")
-def _passes(track: float | None, motion: Any) -> str | None:
-    if track is None or motion is None:
-        return None
-    return (
-        "earlier passes are counted under a pin at rest, and the scene has a [motion]; leave out "
-        '"disk.track_length" or [motion]'
-    )
-
-
-@_rule("oil", "oil")
-def _viscosity(oil: dict[str, Any] | None) -> str | None:
-    fault = _not_one_given(oil, "kinematic_viscosity", "dynamic_viscosity")
-    return fault and (
-        f"kinematic_viscosity, dynamic_viscosity: {fault}; give kinematic_viscosity with a "
-        "density, or dynamic_viscosity"
-    )
-
-
-@_rule("oil.density", "oil")
-def _density(oil: dict[str, Any] | None) -> str | None:
-    if oil is None or oil["kinematic_viscosity"] is None or oil["density"] is not None:
-        return None
-    return "missing; a kinematic viscosity needs one"
