@@ -104,9 +104,11 @@ def _short_of_window(length: float, pixels: Any, sides: Any, axis: int) -> Itera
 
 
 def _of_bodies(sound: Sound) -> Misfits:
-    length, *window = sound("pin.length", "window.pixels", "window.pixel_size")
+    length, pixels, sides = sound("pin.length", "window.pixels", "window.pixel_size")
     if length:
-        yield from (("pin.length", problem) for problem in _short_of_window(length, *window, 1))
+        yield from (
+            ("pin.length", problem) for problem in _short_of_window(length, pixels, sides, 1)
+        )
     shape, periodic = sound("pin.shape", "window.periodic_y")
     if shape != "cylinder" and periodic:
         problem = f"true does not fit a {shape} pin; give false, or leave it out"
@@ -131,10 +133,12 @@ def _of_motion(sound: Sound) -> Misfits:
             "0 is rolling without a sliding velocity; give another number such as 0.5, or "
             'entrainment_velocity and the velocity "0 m/s"',
         )
-    motion, radius, *window = sound("motion", "pin.radius", "window.pixels", "window.pixel_size")
+    motion, radius, pixels, sides = sound(
+        "motion", "pin.radius", "window.pixels", "window.pixel_size"
+    )
     if motion:
         track = motion["track_length"] or 2 * math.pi * radius
-        problems = _short_of_window(track, *window, 0)
+        problems = _short_of_window(track, pixels, sides, 0)
         yield from (("motion.track_length", problem) for problem in problems)
     track, motion = sound("disk.track_length", "motion")
     if track is not None and motion is not None:

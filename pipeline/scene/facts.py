@@ -17,8 +17,6 @@ import numpy as np
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.surface import SurfaceFacts, surface_facts, with_unit
 from tribo import (
-    Ball,
-    Crowned,
     Cylinder,
     InputError,
     analytic,
@@ -65,7 +63,12 @@ class Facts:
 
     def as_dict(self) -> dict[str, Any]:
         """Return the facts by name, each with its unit; what is not there or infinite left out."""
-        facts = {name: _with_unit(getattr(self, name), unit) for name, unit in _UNITS.items()}
+        facts = {
+            name: value._asdict() | {"unit": unit}
+            if isinstance(value := getattr(self, name), Span)
+            else with_unit(value, unit)
+            for name, unit in _UNITS.items()
+        }
         if self.surface:
             facts["surface"] = self.surface.as_dict()
         return {name: entry for name, entry in facts.items() if entry is not None}
@@ -86,11 +89,6 @@ _UNITS = {
     "pin_turns": "1",
     "greatest_load": "N",
 }
-
-
-def _with_unit(value: Any, unit: str) -> dict[str, Any] | None:
-    """A value or a span as plain data, with its unit."""
-    return value._asdict() | {"unit": unit} if isinstance(value, Span) else with_unit(value, unit)
 
 
 def _rates(sweep: Sweep, slid: Array) -> Array:
@@ -165,16 +163,12 @@ def _worn(sweep: Sweep, half_widths: Array, worn_volumes: Array) -> tuple[Array,
     if sweep.velocities_at(max(sweep.velocities)).pin:  # wears all around, and stays round
         along_y = sweep.pin.length if isinstance(sweep.pin, Cylinder) else hertz / 1.5
         return hertz + 0 * worn_volumes, worn_volumes / (sweep.track_length * along_y)
-    if isinstance(sweep.pin, Crowned):
+    if not isinstance(sweep.pin, Cylinder):
         # The flat of a paraboloid of both radii is an ellipse as much longer as their root.
-        longer = math.sqrt(sweep.pin.crown_radius / radius)
+        longer = math.sqrt((sweep.pin.crown_radius or radius) / radius)
         flat = np.vectorize(analytic.worn_point_width)(worn_volumes / longer, radius)
         width = (hertz**4 + flat**4) ** 0.25
         return width, 8 * worn_volumes / (math.pi * width**2 * longer)
-    if isinstance(sweep.pin, Ball):
-        flat = np.vectorize(analytic.worn_point_width)(worn_volumes, radius)
-        width = (hertz**4 + flat**4) ** 0.25
-        return width, 8 * worn_volumes / (math.pi * width**2)
     area = worn_volumes / sweep.pin.length
     flat = np.vectorize(analytic.worn_line_width)(area, radius)
     width = np.cbrt(hertz**3 + flat**3)

@@ -97,22 +97,21 @@ def corrections_of(
 ) -> tribo.Corrections | None:
     """Physics beside the two half-spaces, of sound tables."""
     coefficient = tables["friction"]["coefficient"]
-    stem, film = tables["pin"]["stem"], tables["disk"]["film"]
+    rod, film = tables["pin"]["stem"], tables["disk"]["film"]
     track = tables["disk"]["track_length"]
     measured = sorted(
         (entry["velocity"], entry["coefficient"]) for entry in tables["friction"]["by_velocity"]
     )
+    stem = None
+    if rod and "resistance" in rod:
+        stem = tribo.Stem(rod["resistance"])
+    elif rod:
+        conduction = pin.material.thermal_conductivity, pin.material.thermal_diffusivity
+        stem = tribo.Stem.rod(rod["length"], rod["area"], *conduction)
     corrections = tribo.Corrections(
         friction=tuple((velocity, mu / coefficient) for velocity, mu in measured),
         track=tribo.Track.under(pin, disk, track) if track else None,
-        stem=_stem(stem, pin.material) if stem else None,
+        stem=stem,
         film_resistance=film["thickness"] / film["thermal_conductivity"] if film else 0.0,
     )
     return corrections if corrections != tribo.Corrections() else None
-
-
-def _stem(stem: Mapping[str, Any], material: tribo.Material) -> tribo.Stem:
-    if "resistance" in stem:
-        return tribo.Stem(stem["resistance"])
-    conduction = material.thermal_conductivity, material.thermal_diffusivity
-    return tribo.Stem.rod(stem["length"], stem["area"], *conduction)

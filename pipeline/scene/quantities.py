@@ -5,28 +5,11 @@ from __future__ import annotations
 from pipeline.scene.units import UnitError, to_si
 from tribo import InputError
 
-_DISPLAY = {
-    "°C": (1.0, -273.15),
-    "N": (1.0, 0.0),
-    "m/s": (1.0, 0.0),
-    "s": (1.0, 0.0),
-    "mm": (1e3, 0.0),
-    "µm": (1e6, 0.0),
-    "GPa": (1e-9, 0.0),
-    "K": (1.0, 0.0),
-    "%": (1e2, 0.0),
-    "MB": (1e-6, 0.0),
-    "N/s": (1.0, 0.0),
-    "kg/m³": (1.0, 0.0),
-    "W/(m K)": (1.0, 0.0),
-    "J/(kg K)": (1.0, 0.0),
-    "mm³/(N m)": (1e9, 0.0),
-    "1/GPa": (1e9, 0.0),
-    "K/W": (1.0, 0.0),
-    "mm² K/W": (1e6, 0.0),
-    "MJ/(m³ K)": (1e-6, 0.0),
-    "mm²/s": (1e6, 0.0),
-}
+_FACTORS = {
+    "mm": 1e3, "µm": 1e6, "GPa": 1e-9, "%": 1e2, "MB": 1e-6, "mm³/(N m)": 1e9, "1/GPa": 1e9,
+    "mm² K/W": 1e6, "MJ/(m³ K)": 1e-6, "mm²/s": 1e6,
+}  # fmt: skip
+"""Values in these units of one in SI; any other unit is that of SI, but for °C."""
 
 
 def in_si(name: str, value: float | str, like: str) -> float:
@@ -70,8 +53,7 @@ def shown_in(value: float, unit: str) -> float:
     >>> shown_in(298.15, "°C"), shown_in(2e-3, "mm")
     (25.0, 2.0)
     """
-    factor, offset = _DISPLAY[unit]
-    return value * factor + offset
+    return value - 273.15 if unit == "°C" else value * _FACTORS.get(unit, 1.0)
 
 
 def display(value: float, unit: str, digits: int = 6) -> str:

@@ -136,13 +136,10 @@ class Conditions:
 
     def as_dict(self) -> dict[str, Any]:
         """Return all values as plain data; disk's temperature and corrections where given."""
-        plain = asdict(self)
-        if self.disk_temperature is None:
-            del plain["disk_temperature"]
-        del plain["corrections"]
-        if self.criterion_hash is None:
-            del plain["criterion_hash"]
-        return plain | ({"corrections": self.corrections.as_dict()} if self.corrections else {})
+        corrections = self.corrections and self.corrections.as_dict()
+        rare = {"corrections", "criterion_hash", "disk_temperature"}
+        plain = asdict(self) | {"corrections": corrections}
+        return {k: v for k, v in plain.items() if v is not None or k not in rare}
 
     def friction_at(self, velocity: float) -> float:
         """Coefficient of friction at a sliding velocity [m/s]."""

@@ -70,10 +70,6 @@ class Own:
             text = inspect.getsource(sys.modules[self.reference.partition(":")[0]])
         return hashlib.sha256(text.encode()).hexdigest()
 
-    def identity(self) -> dict[str, Any]:
-        """Name, parameters and hash, as plain data."""
-        return {"law": self.reference, "parameters": dict(self.parameters), "hash": self.digest}
-
     def __getattr__(self, name: str) -> Any:
         if name.startswith("_"):
             raise AttributeError(name)
@@ -87,7 +83,7 @@ class Own:
 def identity_of(law: Any) -> dict[str, Any]:
     """Name, parameters and hash of a law, also of one that is given in Python, as plain data."""
     if isinstance(law, Own):
-        return law.identity()
+        return {"law": law.reference, "parameters": dict(law.parameters), "hash": law.digest}
     kind = type(law)
     try:
         text = inspect.getsource(kind)
@@ -96,9 +92,11 @@ def identity_of(law: Any) -> dict[str, Any]:
             f"the source of {kind.__module__}:{kind.__qualname__} cannot be read, and a store "
             'keeps its hash; put it into a file, and name it as "module:name"'
         ) from error
+    names = getattr(law, "__dataclass_fields__", None) or getattr(law, "__dict__", {})
+    values = ((name, getattr(law, name)) for name in sorted(names))
     fields = {
         name: value if isinstance(value, str | float | int | bool) else repr(value)
-        for name, value in ((name, getattr(law, name)) for name in _fields(law))
+        for name, value in values
     }
     digest = hashlib.sha256(text.encode()).hexdigest()
     return {"law": f"{kind.__module__}:{kind.__qualname__}", "parameters": fields, "hash": digest}
@@ -112,11 +110,6 @@ def own_laws(scene: Scene) -> dict[str, dict[str, Any]]:
     if not isinstance(scene.roughness, SelfAffineRoughness | MeasuredRoughness | None):
         laws["roughness"] = identity_of(scene.roughness)
     return laws
-
-
-def _fields(law: Any) -> list[str]:
-    names = getattr(law, "__dataclass_fields__", None) or getattr(law, "__dict__", {})
-    return sorted(names)
 
 
 @functools.lru_cache(maxsize=64)
