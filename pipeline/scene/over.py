@@ -40,16 +40,16 @@ def over_of(asked: Mapping[str, tuple[Any, ...]] | None, sweep: Sweep, make: Mak
         raise InputError(
             f"sweep.over: {len(variants)} combinations are too many; give {_MOST} at most"
         )
-    scenes = [
-        _scene({path: written[path][value] for path, value in variant}, sweep, make)
+    scenes = {
+        variant: _scene({path: written[path][value] for path, value in variant}, sweep, make)
         for variant in variants
-    ]
-    parts = tuple(tuple(differing(sweep, scene)) for scene in scenes)
-    if len(scenes) > 1 and all(scene == scenes[0] for scene in scenes):
+    }
+    parts = {variant: tuple(differing(sweep, scene)) for variant, scene in scenes.items()}
+    if len(scenes) > 1 and all(scene == scenes[variants[0]] for scene in scenes.values()):
         raise InputError(
             f"sweep.over: {' and '.join(asked)} changes nothing in this scene; leave it out"
         )
-    return Over(axes, parts, tuple(_leads(variants, scenes)))
+    return Over(axes, parts, _leads(scenes))
 
 
 def with_first_values(document: Document) -> Document:
@@ -118,12 +118,12 @@ def _scene(values: Mapping[str, Any], sweep: Sweep, make: Make) -> Sweep:
     return scene
 
 
-def _leads(variants: tuple[Variant, ...], scenes: list[Sweep]) -> list[Variant]:
+def _leads(scenes: Mapping[Variant, Sweep]) -> dict[Variant, Variant]:
     """First combination with the contacts of each."""
     first: dict[tuple[Scene, float], Variant] = {}
-    leads = []
-    for variant, scene in zip(variants, scenes, strict=True):
+    leads = {}
+    for variant, scene in scenes.items():
         is_shared = inseparable(scene, scene.velocities) is None
         contact = mechanics(scene), wear_number(scene, 1.0)
-        leads.append(first.setdefault(contact, variant) if is_shared else variant)
+        leads[variant] = first.setdefault(contact, variant) if is_shared else variant
     return leads

@@ -300,7 +300,7 @@ class Sweep(Scene):
     @property
     def entries(self) -> tuple[Variant, ...]:
         """Combinations of the entries with several values: one, ``()``, if there are none."""
-        return self.over.variants if self.over else ((),)
+        return tuple(self.over.parts) if self.over else ((),)
 
     @property
     def variants(self) -> tuple[Variant, ...]:
@@ -316,7 +316,7 @@ class Sweep(Scene):
         """The sweep in one of its variants alone; without samples or `over` if none is given."""
         parts: dict[str, Any] = {}
         if self.over and (entries := variant[: len(self.over.axes)]):
-            parts |= self.over.parts[self.over.number(entries)]
+            parts |= self.over.parts[entries]
         names = dict(variant)
         if "sample" in names:
             parts |= self._parts_of_sample(int(names["sample"]))
@@ -335,8 +335,7 @@ class Sweep(Scene):
         """Velocity and variant whose ramp of contacts leads through a point."""
         if self.over and point.variant:
             entries = point.variant[: len(self.over.axes)]
-            lead = self.over.leads[self.over.number(entries)]
-            return point.velocity, lead + point.variant[len(entries) :]
+            return point.velocity, self.over.leads[entries] + point.variant[len(entries) :]
         if self.samples is None or not point.variant:
             return point[1:]
         ((name, sample),) = point.variant

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 Label = float | int | str
@@ -32,13 +32,8 @@ class Over:
     """
 
     axes: tuple[Axis, ...]
-    parts: tuple[tuple[tuple[str, Any], ...], ...]
-    leads: tuple[Variant, ...]
-
-    @property
-    def variants(self) -> tuple[Variant, ...]:
-        """Every combination of values."""
-        return combinations({axis.path: axis.values for axis in self.axes})
+    parts: Mapping[Variant, tuple[tuple[str, Any], ...]] = field(hash=False)
+    leads: Mapping[Variant, Variant] = field(hash=False)
 
     @property
     def note(self) -> str:
@@ -55,13 +50,6 @@ class Over:
             axis.written[axis.values.index(value)]
             for axis, (_, value) in zip(self.axes, variant, strict=True)
         ]
-
-    def number(self, variant: Variant) -> int:
-        """Number of a combination."""
-        number = 0
-        for axis, (_, value) in zip(self.axes, variant, strict=True):
-            number = number * len(axis.values) + axis.values.index(value)
-        return number
 
 
 def combinations(axes: Mapping[str, Sequence[Label]]) -> tuple[Variant, ...]:

@@ -180,7 +180,7 @@ def estimate(sweep: SceneLike, workers: int | None = None, boundary_only: bool =
 
 def _of_scenes(sweep: Sweep, workers: int | None, boundary_only: bool) -> Estimate:
     """Cost of a sweep over entries, from that of some of its scenes."""
-    count, ramps = len(sweep.entries), len(set(sweep.over.leads)) if sweep.over else 1
+    count, ramps = len(sweep.entries), len(set(sweep.over.leads.values())) if sweep.over else 1
     tried = dict.fromkeys((0, count // 2, count - 1))
     costs = [
         estimate(sweep.variant(sweep.entries[number]), workers, boundary_only) for number in tried
