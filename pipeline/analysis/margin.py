@@ -10,7 +10,7 @@ rise was within it at 54 of 60 random places of `workflows/first_try.toml`.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
@@ -243,33 +243,38 @@ class _Plane:
         """Rise by load at one velocity [K]."""
         return np.array([_at(self.velocities, row, velocity, continued) for row in self.rises])
 
-    def along_velocity(self, load: float, point: tuple[float, float]) -> Transition:
-        """Transition at a load, through a point's velocity and rise if that is finite.
+    def along(self, axis: str, load: float, velocity: float, rise: float) -> Transition:
+        """Transition along an axis through a place, and through the rise there if that is finite.
 
-        At a load of the sweep it is that of `boundary`. Between loads, rows go on where they are
-        certainly mild or severe, and pass through the point.
+        At a load or velocity of the sweep it is that of `boundary`. Between them rises go on
+        beyond those computed where wear is certainly mild or severe.
         """
-        x, limit, ends = self.velocities, self.limit, self.ends["velocity"]
-        missing = np.logical_or.reduce(self.is_missing[_beside(self.loads, load)])
-        if load in self.loads:
-            return Transition.along(x, self.rises[self.loads == load][0], limit, ends, missing)
-        certainly = [certain(x, row, x, limit) for row in self.rises]
-        rows = np.where(np.isfinite(self.rises), self.rises, certainly)
-        computed, beyond = (
-            [_at(self.loads, column, load) for column in rises.T] for rises in (self.rises, rows)
-        )
-        return _between_lines(x, computed, beyond, missing, point, limit, ends)
-
-    def along_load(self, velocity: float, point: tuple[float, float]) -> Transition:
-        """Transition at a velocity, through a point's load and rise, likewise."""
-        x, limit, ends = self.loads, self.limit, self.ends["load"]
-        missing = np.logical_or.reduce(self.is_missing.T[_beside(self.velocities, velocity)])
-        if velocity in self.velocities:
-            column = self.rises[:, self.velocities == velocity][:, 0]
-            return Transition.along(x, column, limit, ends, missing)
-        computed, here = self.at_velocity(velocity), np.array([velocity])
-        beyond = [certain(self.velocities, row, here, limit)[0] for row in self.rises]
-        return _between_lines(x, computed, beyond, missing, point, limit, ends)
+        x, other, place, along = self.velocities, self.loads, load, velocity
+        rises, is_missing, limit, ends = self.rises, self.is_missing, self.limit, self.ends[axis]
+        if axis == "load":
+            x, other, place, along = self.loads, self.velocities, velocity, load
+            rises, is_missing = rises.T, is_missing.T
+        missing = np.logical_or.reduce(is_missing[_beside(other, place)])
+        if place in other:
+            return Transition.along(x, rises[other == place][0], limit, ends, missing)
+        if axis == "load":
+            computed, here = self.at_velocity(velocity), np.array([velocity])
+            going_on = np.array([certain(other, row, here, limit)[0] for row in self.rises])
+        else:
+            certainly = [certain(x, row, x, limit) for row in rises]
+            rows = np.where(np.isfinite(rises), rises, certainly)
+            computed, going_on = (
+                np.array([_at(other, column, place) for column in lines.T])
+                for lines in (rises, rows)
+            )
+        is_done = np.isfinite(computed)
+        if math.isfinite(rise):
+            number = int(np.searchsorted(x, along))
+            if along not in x:
+                x, going_on = np.insert(x, number, along), np.insert(going_on, number, rise)
+                is_done, missing = (np.insert(mask, number, False) for mask in (is_done, missing))
+            going_on[number] = rise
+        return Transition.along(x, going_on, limit, ends, missing, is_done)
 
 
 def _margin(
@@ -289,9 +294,8 @@ def _margin(
         )
     is_within = math.isfinite(_at(plane.loads, plane.at_velocity(velocity), load))
     error = _error(plane, load, velocity) if is_within else _error_beyond(plane, velocity)
-    point = rise if is_within else math.nan
-    along_velocity = plane.along_velocity(load, (velocity, point))
-    along_load = plane.along_load(velocity, (load, point))
+    through = load, velocity, rise if is_within else math.nan
+    along_velocity, along_load = (plane.along(axis, *through) for axis in ("velocity", "load"))
     return Margin(
         load=load,
         velocity=velocity,
@@ -324,27 +328,6 @@ def _beside(x: Array, place: float) -> slice:
     """The abscissa of a place, or the two that it lies between."""
     above = int(np.searchsorted(x, place))
     return slice(above - (above < len(x) and x[above] != place), above + 1)
-
-
-def _between_lines(
-    x: Array,
-    computed: Sequence[float] | Array,
-    going_on: Sequence[float] | Array,
-    is_missing: Mask,
-    point: tuple[float, float],
-    limit: float,
-    ends: tuple[float, float],
-) -> Transition:
-    """The transition along a line that goes on beyond computed rises, and through a point."""
-    rises, is_done = np.array(going_on), np.isfinite(computed)
-    place, rise = point
-    if math.isfinite(rise):
-        number = int(np.searchsorted(x, place))
-        if place not in x:
-            x, rises = np.insert(x, number, place), np.insert(rises, number, rise)
-            is_done, is_missing = (np.insert(mask, number, False) for mask in (is_done, is_missing))
-        rises[number] = rise
-    return Transition.along(x, rises, limit, ends, is_missing, is_done)
 
 
 def _error(plane: _Plane, load: float, velocity: float) -> float | None:
