@@ -10,6 +10,7 @@ from typing import Any
 import xarray as xr
 
 _ENCODED = "json_attributes"
+_decoded = functools.lru_cache(maxsize=64)(json.loads)  # each surface has the attributes of all
 _INTERNAL = ("axes", "root_hash", "points_per_chunk", "steps_per_chunk")
 
 
@@ -53,12 +54,6 @@ def attributes_of(ds: xr.Dataset | xr.DataArray) -> dict[Any, Any]:
         if isinstance(attributes.get(name), str):
             attributes[name] = _decoded(attributes[name])
     return attributes
-
-
-@functools.lru_cache(maxsize=64)
-def _decoded(text: str) -> Any:
-    """Value of a JSON text; cached, since each surface of a sweep has the attributes of all."""
-    return json.loads(text)
 
 
 def _provenance(attributes: Mapping[Any, Any]) -> dict[str, str]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
+from operator import itemgetter
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,6 @@ from pipeline.analysis.dataset import variant_of
 from pipeline.analysis.scenes import columns_of, joined, parts_of
 from pipeline.analysis.tables import Column, Table
 from pipeline.analysis.transition import CROSSES, OUTCOMES, in_words
-from tribo.types import Array
 
 BOUNDARIES = (("critical_velocity", "load"), ("critical_load", "velocity"))
 """Variables of a boundary, each with the axis that it is found along."""
@@ -100,17 +100,13 @@ def _by_place(
     for friction, part in by_friction(boundaries):
         for place in range(boundaries.sizes[axis]):
             here = part.isel({axis: place})
-            parameter = _middle(here[film].values) if film in here else None
+            films = here[film].values if film in here else math.nan
+            parameter = None if np.isnan(films).all() else float(np.nanmedian(films))
             row = (friction, here[axis].item(), *values(here), parameter)
             rows.append((*row, *judged.values()))
     heads = (Column("friction", "friction"), _AXES[axis], *columns)
     film_column = Column(film, "film parameter Λ", digits=3)
     return Table((*heads, film_column, *judged), tuple(rows))
-
-
-def _middle(film: Array) -> float | None:
-    """Median film parameter of the surfaces that cross; None if none does."""
-    return float(np.nanmedian(film)) if not np.isnan(film).all() else None
 
 
 def readable(boundaries: xr.Dataset) -> list[Table]:
@@ -148,32 +144,25 @@ def by_friction(boundaries: xr.Dataset) -> Iterator[tuple[float, xr.Dataset]]:
 
 def _side_by_side(boundaries: xr.Dataset, name: str, axis: str) -> Table:
     """Crossings of one surface, or outcomes in words, with a column for each friction."""
-    parts = dict(by_friction(boundaries))
     other = name.removeprefix("critical_")
     crossing = Column(name, f"critical {other}", _AXES[other].unit)
-    heads = [Column(name, crossing.head)]
-    if len(parts) > 1:
-        heads = [Column(str(friction), f"at friction {friction:g}") for friction in parts]
-        heads[0] = heads[0]._replace(title=f"{crossing.head} {heads[0].title}")
+    frictions = frictions_of(boundaries)
+    heads = {friction: f"at friction {friction:g}" for friction in frictions}
+    first = f" {heads[frictions[0]]}" if len(heads) > 1 else ""
+    heads[frictions[0]] = f"{crossing.head}{first}"
 
-    def cell(place: xr.Dataset) -> str:
-        value = place[name].item()
-        if not math.isfinite(value):
-            ends = (place[f"computed_{end}_at_{axis}"].item() for end in ("from", "to"))
-            return in_words(OUTCOMES[place[f"outcome_at_{axis}"].item()], tuple(ends), other)
-        film, bridged = f"film_parameter_at_{axis}", place[f"bridged_at_{axis}"].item()
-        text = crossing.text(value)
-        if film in place and math.isfinite(place[film].item()):
-            text += f"  film Λ {place[film].item():.2f}"
+    def cell(row: dict[str, Any]) -> str:
+        if not math.isfinite(row[name]):
+            ends = row[f"computed_from_at_{axis}"], row[f"computed_to_at_{axis}"]
+            return in_words(row[f"outcome_at_{axis}"], ends, other)
+        film, bridged = row[f"film_parameter_at_{axis}"], row[f"bridged_at_{axis}"]
+        text = crossing.text(row[name]) + ("" if film is None else f"  film Λ {film:.2f}")
         if bridged:
             text += f"  across {bridged} point{'s' if bridged > 1 else ''} not done"
         return text
 
-    rows = (
-        (place, *(cell(part.isel({axis: number})) for part in parts.values()))
-        for number, place in enumerate(boundaries[axis].values.tolist())
-    )
-    return Table((_AXES[axis], *heads), tuple(rows))
+    table = _crossings(boundaries, name, axis)
+    return table.crossed(_AXES[axis].head, itemgetter(axis), "friction", heads, cell)
 
 
 def _band_in_short(boundaries: xr.Dataset, name: str, axis: str) -> Table:

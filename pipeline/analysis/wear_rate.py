@@ -72,9 +72,9 @@ rate alone, 1.2e-06 mm³/(N m): give its scene sweep.wear_rates, and run it into
 
     def at_rate(name: str) -> xr.DataArray:
         others = ds[f"{name}_at_wear_rate"]
-        at_others = others.transpose(..., "wear_rate").values
-        values = np.concatenate([at_others, _own_rise(ds, name, others)[..., None]], axis=-1)
         dims = [dim for dim in others.dims if dim != "wear_rate"]
+        at_others, stored = others.transpose(..., "wear_rate"), ds[name].transpose(*dims)
+        values = np.concatenate([at_others.values, stored.values[..., None]], axis=-1)
         rise = _power_law(rates[order], values[..., order], rate)
         return xr.DataArray(rise, dims=dims, attrs=ds[name].attrs).transpose(*ds[name].dims)
 
@@ -124,12 +124,6 @@ def _require_known(rate: float, stored_rate: float, ds: xr.Dataset) -> None:
     if not low * (1 - 1e-9) <= rate <= high * (1 + 1e-9):
         ends = " to ".join(display(end, "mm³/(N m)", 4) for end in (low, high))
         raise InputError(f"{text} {ends}: give one within")
-
-
-def _own_rise(ds: xr.Dataset, name: str, others: xr.DataArray) -> Array:
-    """Values at the sweep's own rate, in the order of those at others."""
-    dims = [dim for dim in others.dims if dim != "wear_rate"]
-    return ds[name].transpose(*dims).values
 
 
 def _power_law(rates: Array, rises: Array, rate: float) -> Array:
