@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import statistics
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -203,7 +203,9 @@ def choose_fidelity(
     yardstick_error = own_error(
         sweep, exact.points[::every], exact.exponents[::every], exact.readings[::every]
     )
-    everywhere = bool(points) or (thorough and len(places) == _number_of_places(sweep))
+    everywhere = bool(points) or (
+        thorough and len(places) == len(sweep.loads) * len(sweep.variants)
+    )
     selection = _first_within(sweep, accuracy, exact, yardstick_error, everywhere, tell)
     return replace(selection, seconds=time.perf_counter() - began)
 
@@ -218,7 +220,7 @@ def _first_within(
 ) -> Selection:
     """Take the cheapest choice whose error against the yardstick is within the accuracy."""
     past = yardstick_error.heat_model > _OF_HEAT * accuracy or sweep.remembers_heat
-    rungs = list(_ladder(sweep, exact.fewest_nodes, past))
+    rungs = _ladder(sweep, exact.fewest_nodes, past)
     trials, spent = [], exact.work + yardstick_error.work
     for number, (name, fidelity) in enumerate(rungs, 1):
         tell(f"choice {number} of at most {len(rungs)}: {name}")
@@ -267,10 +269,6 @@ def _on_both_sides(points: Sequence[Point]) -> tuple[Point, ...]:
     )
 
 
-def _number_of_places(sweep: Sweep) -> int:
-    return len(sweep.loads) * len(sweep.variants)
-
-
 def _steps_to_probe(sweep: Sweep, places: Sequence[Place]) -> float:
     """Approximate number of steps that a probe takes on the scene's finest grid."""
     scene = replace(sweep, fidelity=fitted(sweep, YARDSTICK))
@@ -310,16 +308,15 @@ def _bound(errors: Sequence[float], of_all_loads: bool, nodes: int) -> float:
     return max(_MARGIN * largest, abs(statistics.mean(errors)) + _DEVIATIONS * spread)
 
 
-def _ladder(sweep: Sweep, nodes: int, past: bool) -> Iterator[tuple[str, Fidelity]]:
+def _ladder(sweep: Sweep, nodes: int, past: bool) -> list[tuple[str, Fidelity]]:
     """Fidelities from cheap to dear, each once, of those that go with so few nodes."""
-    seen = set()
+    ladder: dict[Fidelity, str] = {}
     for name, preset, changes in _ON_ONE_GRID if past else _RUNGS:
         fidelity = _of(sweep, replace(PRESETS[preset], **changes), past)
         if nodes < FEW_NODES and fidelity.pixels_per_element == 1 < fidelity.history_coarsening:
             continue  # which points of few elements do without, after they have tried
-        if fidelity not in seen:
-            seen.add(fidelity)
-            yield name, fidelity
+        ladder.setdefault(fidelity, name)
+    return [(name, fidelity) for fidelity, name in ladder.items()]
 
 
 def _of(sweep: Sweep, fidelity: Fidelity, past: bool) -> Fidelity:

@@ -235,22 +235,16 @@ def critical_velocity(
     if not math.isfinite(limit):
         return math.sqrt(lowest * highest)
     velocity, exponent = (low + high) / 2, _USUAL_EXPONENT
-    before: tuple[float, float] | None = None
-    tried = set()
+    tried: dict[float, float] = {}
     for _ in range(30):
         short = math.log(rise(math.exp(velocity)) / limit)
-        if abs(short) <= tolerance:
+        low, high = (low, velocity) if short > 0 else (velocity, high)
+        if abs(short) <= tolerance or high - low < 1e-9:
             break
-        if short > 0:
-            high = velocity
-        else:
-            low = velocity
-        if high - low < 1e-9:
-            break
-        if before is not None:
-            exponent = min(max((short - before[1]) / (velocity - before[0]), 0.2), 3.0)
-        before = velocity, short
-        tried.add(velocity)
+        if tried:
+            before, earlier = next(reversed(tried.items()))
+            exponent = min(max((short - earlier) / (velocity - before), 0.2), 3.0)
+        tried[velocity] = short
         velocity = min(max(velocity - short / exponent, low), high)
         if velocity in tried:
             velocity = (low + high) / 2

@@ -144,13 +144,11 @@ def _candidates(
             for value in values:
                 changed = fitted(sweep, replace(start, **{field: value}))
                 candidates.append((f"{base}, {field} = {shown(value)}", field, changed))
-    seen = {fitted(sweep, PRESETS["reference"])}
-    unique = []
-    for entry in candidates:
-        if entry[2] not in seen:
-            seen.add(entry[2])
-            unique.append(entry)
-    return unique
+    unique: dict[Fidelity, tuple[str, str | None, Fidelity]] = {}
+    for candidate in candidates:
+        unique.setdefault(candidate[2], candidate)
+    unique.pop(fitted(sweep, PRESETS["reference"]), None)
+    return list(unique.values())
 
 
 def _variations(start: Fidelity, unequal_bulks: bool) -> dict[str, tuple[Any, ...]]:
@@ -162,12 +160,14 @@ def _variations(start: Fidelity, unequal_bulks: bool) -> dict[str, tuple[Any, ..
         "history_coarsening": (max(1, coarsening // 2), 2 * coarsening, 4 * coarsening),
         "increments": (start.increments // 10, start.increments // 4, 2 * start.increments),
         "wear_scheme": ("implicit", "sdirk2"),
-        "contact_tolerance": (_round(start.contact_tolerance / 30), start.contact_tolerance * 10),
+        "contact_tolerance": (
+            float(f"{start.contact_tolerance / 30:.0e}"), start.contact_tolerance * 10
+        ),
         "partition": () if unequal_bulks else ("uniform",),
         "heat_tolerance": (start.heat_tolerance / 100, start.heat_tolerance * 100),
         "kernel": ("nearest-image",),
         "precision": ("single",),
-    }
+    }  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
@@ -266,7 +266,3 @@ def _wasted(choices: Sequence[Choice], base: str, start: Fidelity) -> tuple[Find
                 moves,
             )
     return tuple(sorted(findings.values(), key=lambda finding: -finding.saving))
-
-
-def _round(value: float) -> float:
-    return float(f"{value:.0e}")

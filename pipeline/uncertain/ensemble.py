@@ -23,7 +23,7 @@ from scipy.interpolate import CubicSpline, make_interp_spline
 from scipy.special import ndtr
 
 from pipeline.analysis.attributes import attributes_of
-from pipeline.analysis.dataset import end_of_point
+from pipeline.analysis.dataset import end_of_point, values_of
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.criterion import decisive_rises
 from pipeline.sweep.samples import WEAR_RATE, Design
@@ -47,7 +47,6 @@ _LEAST_RISE, _LEAST = 1.0, 1e-3  # [K], friction
 _NODES = 9  # velocities between which the logarithm of the rise is a cubic
 _BEND = 0.02  # of ln(rise), unknown between two loads alone: ten times that of the shipped scenes
 _FEWEST = 12  # samples of which an emulator is made
-_COLUMNS_OF_WIDTH = ("time", "contact_width")
 
 
 class Excess(NamedTuple):
@@ -161,7 +160,7 @@ class Ensemble:
         inputs = np.array([ds[quantity.path].values for quantity in design.inputs]).T
         paths = [quantity.path for quantity in design.inputs]
         shares = inputs[:, paths.index(SHARE)] if SHARE in paths and share is None else None
-        columns = _columns(ds)
+        columns = {str(k): values_of(ds, str(k)) for k in ds.data_vars if "step" in ds[k].dims}
         rises = _rises(columns, ds["load"].values, conditions, shares)
         done = np.isfinite(rises.sum(axis=1))
         if np.count_nonzero(done) < min(_FEWEST, about["samples"]) or not done.any():
@@ -187,7 +186,7 @@ class Ensemble:
             contacts=(numbers // design.per_contact)[done],
             loads=ds["load"].values,
             rises=rises[done],
-            widths=_widths(ds)[done],
+            widths=values_of(end_of_point(ds[["time", "contact_width"]]), "contact_width")[done],
             measured=tuple(about["measured"]),
             tested=tuple(about["tested"]),
             hold=hold,
@@ -433,16 +432,6 @@ def _features(
     return np.stack(features, axis=1), np.array(dimensions)
 
 
-def _columns(ds: xr.Dataset) -> dict[str, Array]:
-    """Columns by sample, load and step."""
-    order = ("sample", "load", "step", "quantile")
-    return {
-        str(name): ds[name].transpose(*order, missing_dims="ignore").values
-        for name in ds.data_vars
-        if "step" in ds[name].dims
-    }
-
-
 def _until(
     columns: Mapping[str, Array], loads: Array, hold: float, done: Mask
 ) -> dict[str, Array] | None:
@@ -472,10 +461,3 @@ def _rises(
         for i, share in enumerate(shares.tolist())
     ]
     return np.array(rows)
-
-
-def _widths(ds: xr.Dataset) -> Array:
-    """Width of the contact at the end by sample and load [m]."""
-    end = end_of_point(ds[list(_COLUMNS_OF_WIDTH)])
-    widths: Array = end["contact_width"].transpose("sample", "load").values
-    return widths
