@@ -10,13 +10,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from pipeline.scene.faults import Faults
+from pipeline.scene.format import LOAD, SPEED
 from pipeline.scene.rows import quantity_and_unit, read_rows
-from pipeline.scene.units import UnitError, to_si
 from pipeline.store.place import PathLike
 from tribo import InputError
 from tribo.files import reason_of
 
-_LIKE = {"load": "500 N", "velocity": "2 m/s"}
+_KINDS = {"load": LOAD, "velocity": SPEED}
 _MOST_FAULTS = 20  # that are written out
 
 
@@ -74,7 +75,7 @@ class OperatingPoints:
             cells = _cells_of(source)
         else:
             cells = _read_csv(Path(source), faults)
-        quantities = {name: _quantity(cells, name, faults) for name in _LIKE}
+        quantities = {name: _quantity(cells, name, faults) for name in _KINDS}
         if faults:
             listed = [f"  {fault}" for fault in faults[:_MOST_FAULTS]]
             if more := len(faults) - len(listed):
@@ -135,7 +136,8 @@ def _cells_of(columns: Any) -> _Cells:
 
 def _quantity(cells: _Cells, name: str, faults: list[str]) -> tuple[str, list[float]]:
     """Heading and values in SI of a quantity; faults are added to the list."""
-    like, usual = _LIKE[name], _LIKE[name].split()[1]
+    kind = _KINDS[name]
+    usual = kind.example.split()[1]
     read = {head: quantity_and_unit(head) for head in cells.columns}
     heads = [head for head, (quantity, _) in read.items() if quantity == name]
     if len(heads) != 1:
@@ -143,29 +145,16 @@ def _quantity(cells: _Cells, name: str, faults: list[str]) -> tuple[str, list[fl
         faults.append(f'{"two columns" if heads else "no column"} "{name} [{usual}]" in {listed}')
         return "", []
     (head,) = heads
-    unit = read[head][1]
-    if unit and (fault := _fault_of(f"1 {unit}", like)):
-        faults.append(f'column "{head}": {fault}')
-        return head, []
-    values = []
-    for row, cell in zip(cells.rows, cells.columns[head], strict=True):
+    unit, wrong, values = read[head][1], Faults(), list[float]()
+    heading = "" if unit else f', or the heading "{name} [{usual}]"'
+    if unit:
+        kind.read(f"1 {unit}", f'column "{head}"', wrong)
+    for row, cell in zip(cells.rows, cells.columns[head], strict=True) if not wrong else ():
         in_si = not unit and not isinstance(cell, str)
-        text = f"{cell} {usual if in_si else unit}".strip()
-        fault = _fault_of(text, like) if str(cell).strip() else "empty"
-        value = 0.0 if fault else to_si(text, like)
-        if not fault and not 0 < value < np.inf:
-            fault = f'"{text}" is not above 0'
-        if fault:
-            heading = "" if unit else f', or the heading "{name} [{usual}]"'
-            faults.append(f'row {row}, column "{head}": {fault}{heading}')
-        values.append(value)
+        place, text = f'row {row}, column "{head}"', f"{cell} {usual if in_si else unit}".strip()
+        if str(cell).strip():
+            values.append(kind.read(text, place, wrong))
+        else:
+            wrong.note(place, f"empty; give {kind}")
+    faults += [f"{place}: {problem}{heading}" for place, problem, _ in wrong]
     return head, values
-
-
-def _fault_of(text: str, like: str) -> str | None:
-    """Reason for which text is no quantity of a dimension; None if it is one."""
-    try:
-        to_si(text, like)
-    except UnitError as error:
-        return f'{error}; give one such as "{like}"'
-    return None
