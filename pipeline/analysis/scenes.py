@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from typing import Any, Concatenate, ParamSpec, TypeVar, cast
 
 import numpy as np
@@ -14,7 +15,7 @@ from pipeline.analysis.attributes import attributes_of
 from pipeline.analysis.dataset import dataset_of, entry_dims
 from pipeline.analysis.tables import Column, Table
 from pipeline.scene.quantities import display
-from pipeline.scene.units import UnitError, to_si
+from pipeline.scene.units import to_si
 from pipeline.store.place import PathLike
 from tribo import InputError
 
@@ -109,16 +110,15 @@ def parts_of(boundaries: xr.Dataset) -> Iterator[tuple[tuple[Any, ...], xr.Datas
 
 def columns_of(ds: xr.Dataset | xr.DataArray) -> tuple[Column, ...]:
     """Columns of a table for the entries that have several values."""
-    names = entry_dims(ds)
     columns = []
-    for name in names:
-        unit, shown = str(ds[name].attrs.get("units", "")), _shown_unit(ds[name])
-        plain = bool(shown) or unit in ("", "1")
-        columns.append(Column(name, name if plain else f"{name} [{unit}]", shown))
+    for name in entry_dims(ds):
+        unit, usual = str(ds[name].attrs.get("units", "")), _usual_unit(ds[name])
+        plain = bool(usual) or unit in ("", "1")
+        columns.append(Column(name, name if plain else f"{name} [{unit}]", usual))
     return tuple(columns)
 
 
-def _shown_unit(axis: xr.DataArray) -> str:
+def _usual_unit(axis: xr.DataArray) -> str:
     """Unit in which the values of an entry are shown; empty if it is that of SI."""
     unit = str(axis.attrs.get("units", ""))
     if unit == "m" and abs(axis).max() < _SHORT:
@@ -170,8 +170,8 @@ def value_text(axis: xr.DataArray, value: float | str) -> str:
     unit = str(axis.attrs.get("units", ""))
     if isinstance(value, str):
         return value
-    if shown := _shown_unit(axis):
-        return display(value, shown)
+    if usual := _usual_unit(axis):
+        return display(value, usual)
     return f"{value:.6g} {unit}".removesuffix(" 1").strip()
 
 
@@ -202,11 +202,7 @@ def _place(axis: xr.DataArray, value: float | str) -> int:
 
 def _number(value: float | str) -> float:
     """Value of a number or of a quantity [SI]; NaN if it is neither."""
-    try:
-        return float(value)
-    except ValueError:
-        pass
-    try:
-        return to_si(str(value), like=str(value))
-    except UnitError:
-        return math.nan
+    for read in (float, lambda text: to_si(text, like=text)):
+        with suppress(ValueError):
+            return read(value)
+    return math.nan

@@ -204,21 +204,17 @@ def _by_path(overrides: Mapping[str, Any], preset: str | None, faults: Faults) -
             replaced[key] = value
         else:
             fields = [field for field in FIDELITY.keys if field != "preset"]
-            hint = did_you_mean(key, [*fields, *_paths()])
+            paths = [
+                section.path_of(name)
+                for section in sections()
+                for name in section.keys()  # noqa: SIM118
+                if not (section.is_list or "NAME" in section.path or section.path == "fidelity")
+                and name != "extends"
+            ]
+            hint = did_you_mean(key, [*fields, *paths])
             problem = f"unknown key{hint}; give one of {', '.join(fields)}"
             faults.note(key, f"{problem}; or an entry such as wear.pattern, loading.hold or title")
     return replaced
-
-
-def _paths() -> list[str]:
-    """Paths of the entries that overrides may name, but those of the fidelity."""
-    return [
-        section.path_of(key)
-        for section in sections()
-        for key in section.keys()  # noqa: SIM118
-        if not (section.is_list or "NAME" in section.path or section.path == "fidelity")
-        and key != "extends"
-    ]
 
 
 def _fidelity(table: Mapping[str, Any], faults: Faults) -> tuple[tribo.Fidelity, str | None]:

@@ -17,7 +17,6 @@ import scipy  # its special functions take 0.2 s to load
 from pipeline.scene.correlation import with_correlations
 from pipeline.scene.faults import Faults, quoted
 from pipeline.scene.kinds import Rounded
-from pipeline.scene.schema import Shape
 from pipeline.scene.units import UnitError, si_unit, to_si
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.plan import step_count
@@ -89,8 +88,12 @@ def samples_of(
             "the whole rise: give one for both bodies, or leave out [unknown] and use irg vary",
         )
         return None
-    read = [_input(path, shape, faults) for path, shape in table.items()]
-    inputs = [one for one in read if one is not None]
+    inputs = []
+    for path, shape in table.items():
+        try:
+            inputs.append(_input(path, cast(Kind, shape.form), shape.parameters))
+        except (UnitError, InputError) as error:
+            faults.note(f"unknown.{quoted(path)}", str(error))
     joint = with_correlations(tuple(one.unknown for one in inputs), table, faults)
     inputs = [replace(one, unknown=unknown) for one, unknown in zip(inputs, joint, strict=True)]
     if len(inputs) > MOST:
@@ -170,24 +173,13 @@ def differing(sweep: Sweep, other: Sweep) -> Iterator[tuple[str, Any]]:
             yield field.name, new
 
 
-def _input(path: str, shape: Shape, faults: Faults) -> _Input | None:
-    """Read the distribution of one input; None if it is faulty."""
-    key = f"unknown.{quoted(path)}"
+def _input(path: str, kind: Kind, parameters: tuple[Any, ...]) -> _Input:
+    """The distribution of one input; raises `UnitError` or `InputError` if it is faulty."""
     if path.partition(".")[0] in _FIXED or "." not in path:
-        problem = (
+        raise InputError(
             "this cannot be unknown; give an entry of what is simulated or judged, such as "
             '"wear.specific_wear_rate" or "temperature.critical"'
         )
-        faults.note(key, problem)
-        return None
-    try:
-        return _distribution(path, cast(Kind, shape.form), shape.parameters)
-    except (UnitError, InputError) as error:
-        faults.note(key, str(error))
-        return None
-
-
-def _distribution(path: str, kind: Kind, parameters: tuple[Any, ...]) -> _Input:
     first, *others = parameters
     is_text = isinstance(first, str)
     if kind != "log-normal" and any(isinstance(other, str) != is_text for other in others):

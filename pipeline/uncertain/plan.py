@@ -201,17 +201,13 @@ class _Plan:
         return np.asarray(middle * (high / low) ** scores)
 
     def candidate(self, measurement: _Measurement, log_likelihood: Array) -> Candidate:
-        """A measurement with the spread that a likelihood of truths and draws leaves."""
-        spread = self.spread(log_likelihood)
-        return Candidate(measurement.what, spread, self.before, measurement.test)
-
-    def spread(self, log_likelihood: Array) -> float:
-        """Standard deviation of the target that is left, averaged over the truths."""
+        """A measurement with the spread that a likelihood of draws leaves, averaged over truths."""
         weights = np.exp(log_likelihood - log_likelihood.max(axis=1, keepdims=True))
         weights /= weights.sum(axis=1, keepdims=True)
         mean = weights @ self.values
         variance = weights @ self.values**2 - mean**2
-        return math.sqrt(max(float(variance.mean()), 0.0))
+        spread = math.sqrt(max(float(variance.mean()), 0.0))
+        return Candidate(measurement.what, spread, self.before, measurement.test)
 
     def measurements(self) -> Iterator[_Measurement]:
         """All that could be measured, each with results drawn anew."""
