@@ -173,9 +173,9 @@ def _band_in_short(boundaries: xr.Dataset, name: str, axis: str) -> Table:
     if len(set(table.as_dict()["friction"])) == 1:
         left_out.add("friction")
     title = f"critical {name.removeprefix('critical_')}, median"
-    shown = table.without(left_out).without_empty()
+    short = table.without(left_out).without_empty()
     columns = tuple(
         column._replace(title=title) if column.name == f"{name}_median" else column
-        for column in shown.columns
+        for column in short.columns
     )
-    return Table(columns, shown.rows)
+    return Table(columns, short.rows)

@@ -84,12 +84,12 @@ def _of_one_scene(ds: xr.Dataset) -> xr.Dataset:
         return ds
     values = [ds[path].item() for path in paths]
     here = next(scene for scene in attributes["scenes"] if scene["values"] == values)
-    shown = ", ".join(f"{path} {text}" for path, text in zip(paths, here["written"], strict=True))
+    words = ", ".join(f"{path} {text}" for path, text in zip(paths, here["written"], strict=True))
     changes = here["attributes"] | {
         "over": None,
         "scenes": None,
         "scene": attributes["scene"] | here["scene"],
-        "title": f"{attributes['title']}, {shown}",
+        "title": f"{attributes['title']}, {words}",
         "entries": dict(zip(paths, here["written"], strict=True)),
     }
     return ds.drop_attrs(deep=False).assign_attrs(with_changes(ds.attrs, changes))

@@ -80,7 +80,7 @@ def diff(a: xr.Dataset | PathLike, b: xr.Dataset | PathLike) -> Difference:
     >>> import pipeline
     >>> store = "results/first_try.zarr"
     >>> change = pipeline.diff(store, store).boundary.as_dict()["change"]
-    >>> [f"{100 * each:g} %" for each in change]
+    >>> [f"{100 * value:g} %" for value in change]
     ['0 %', '0 %', '0 %', '0 %']
     """
     first, second = dataset_of(a), dataset_of(b)

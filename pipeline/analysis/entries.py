@@ -86,9 +86,9 @@ def entries_of(attributes: Mapping[str, Any]) -> dict[str, str]:
     for attribute in _ATTRIBUTES:
         prefix = "" if attribute == "scene" else attribute
         for path, value in _flat(attributes.get(attribute), prefix):
-            shown = _in_scene(path)
-            if not (shown.startswith(_NOT_SHOWN) or path.endswith(_TYPES)):
-                entries[shown] = in_usual_unit(path, value)
+            entry = _in_scene(path)
+            if not (entry.startswith(_NOT_SHOWN) or path.endswith(_TYPES)):
+                entries[entry] = in_usual_unit(path, value)
     for data in attributes.get("unknown") or []:
         path, _, distribution = str(Unknown.from_dict(data)).partition(": ")
         entries[f'unknown."{path}"'] = distribution

@@ -147,8 +147,8 @@ class Table:
             values = {column.name: value for column, value in zip(self.columns, row, strict=True)}
             rows.setdefault(name(values), {})[values[across]] = cell(values)
         columns = (Column(title, title), *(Column(head, head) for head in heads.values()))
-        shown = ((first, *(cells.get(key) for key in heads)) for first, cells in rows.items())
-        return Table(columns, tuple(shown))
+        lines = ((first, *(cells.get(key) for key in heads)) for first, cells in rows.items())
+        return Table(columns, tuple(lines))
 
     def cells(self) -> list[list[str]]:
         """Values as text, without the headings."""

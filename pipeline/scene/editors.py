@@ -14,16 +14,7 @@ from typing import Any
 from pipeline.scene.faults import write_new
 from pipeline.scene.format import SCENE
 from pipeline.scene.kinds import Choice, Flag, Kind, Number, Quantity, Scalar, Unit, Whole
-from pipeline.scene.schema import (
-    ByPath,
-    Distribution,
-    Either,
-    Entry,
-    List,
-    Range,
-    Table,
-    Tables,
-)
+from pipeline.scene.schema import ByPath, Distribution, Either, Entry, List, Range, Table, Tables
 from tribo import InputError
 
 _QUANTITY = r"^\s*[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d{1,3})?(\s+\S|[^\d.,\s])"

@@ -16,12 +16,7 @@ import numpy as np
 
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.surface import SurfaceFacts, surface_facts, with_unit
-from tribo import (
-    Cylinder,
-    InputError,
-    analytic,
-    contact_modulus,
-)
+from tribo import Cylinder, InputError, analytic, contact_modulus
 from tribo.laws import OwnWear
 from tribo.types import Array
 

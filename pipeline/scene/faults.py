@@ -73,10 +73,10 @@ class SceneFileError(TriboError):
             name = json.dumps(name)
         if len(self.faults) == 1:
             return f"{name}: {self.faults[0]}"
-        shown = self.faults[:_SHOWN]
-        if more := len(self.faults) - len(shown):
-            shown = [*shown, f"and {more} more"]
-        return "\n  ".join([f"{name}: {len(self.faults)} faults", *shown])
+        lines = [f"{name}: {len(self.faults)} faults", *self.faults[:_SHOWN]]
+        if (more := len(self.faults) - _SHOWN) > 0:
+            lines.append(f"and {more} more")
+        return "\n  ".join(lines)
 
 
 def unwritable(path: Path, error: OSError) -> InputError:

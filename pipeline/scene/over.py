@@ -85,34 +85,34 @@ def _axis(path: str, values: tuple[Any, ...]) -> Axis:
     order = sorted(range(len(values)), key=labels.__getitem__)
     for one, other in itertools.pairwise(order):
         if labels[one] == labels[other]:
-            shown = f"{quoted(values[one])} and {quoted(values[other])}"
-            raise InputError(f"{key}: {shown} are the same; give each value once")
+            pair = f"{quoted(values[one])} and {quoted(values[other])}"
+            raise InputError(f"{key}: {pair} are the same; give each value once")
     return Axis(path, tuple(labels[i] for i in order), tuple(values[i] for i in order), unit)
 
 
 def _scene(values: Mapping[str, Any], sweep: Sweep, make: Make) -> Sweep:
     """The scene with some values; raises if it is faulty, or has other axes."""
-    shown = ", ".join(f"{path} = {quoted(value)}" for path, value in values.items())
+    place = ", ".join(f"{path} = {quoted(value)}" for path, value in values.items())
     faults = Faults()
     try:
         scene = make(values, faults)
     except InputError as error:
-        raise InputError(f"sweep.over: {shown}: {error}") from error
+        raise InputError(f"sweep.over: {place}: {error}") from error
     if scene is None:
         key, problem, _ = faults[0]
         problem = problem if key == next(iter(values)) else f"{key}: {problem}"
-        raise InputError(f"sweep.over: {shown}: {problem}")
+        raise InputError(f"sweep.over: {place}: {problem}")
     settings = (f"--set={path}={value}" for path, value in values.items())
     scene = replace(scene, arguments=(*sweep.arguments, *settings))
     for name in _SAME:
         if getattr(scene, name) != getattr(sweep, name):
             raise InputError(
-                f"sweep.over: {shown} changes the {name.replace('_', ' ')}, which every value has "
+                f"sweep.over: {place} changes the {name.replace('_', ' ')}, which every value has "
                 "in common; sweep it in stores of its own"
             )
     if sweep.store_fields and scene.grid != sweep.grid:
         raise InputError(
-            f"sweep.over: {shown} changes the grid of the stored fields, which every value has in "
+            f"sweep.over: {place} changes the grid of the stored fields, which every value has in "
             "common; leave out sweep.fields, or give an entry that keeps the grid"
         )
     return scene

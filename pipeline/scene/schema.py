@@ -184,8 +184,8 @@ class Distribution(Kind):
         fits = (table for table in self.forms if set(table.needed) <= keys <= set(table.keys))
         table = next(fits, None)
         if table is None:
-            shown = f"a table with {', '.join(value)}" if isinstance(value, dict) else quoted(value)
-            raise UnfitError(f"{shown} is not a distribution")
+            words = f"a table with {', '.join(value)}" if isinstance(value, dict) else quoted(value)
+            raise UnfitError(f"{words} is not a distribution")
         *parameters, correlated = table._read(value, place, faults).values()
         if correlated is None or None in parameters:
             return None

@@ -170,10 +170,10 @@ def _parts(text: str) -> tuple[str, str]:
     if match is None:
         hint = ""
         if _DECIMAL_COMMA.match(text):
-            shown = text[:_LONGEST]
-            hint = f'; write decimals with a point: "{shown.replace(",", ".", 1)}"'
+            short = text[:_LONGEST]
+            hint = f'; write decimals with a point: "{short.replace(",", ".", 1)}"'
             if _THOUSANDS.match(text):
-                hint += f', and thousands without a comma: "{shown.replace(",", "", 1)}"'
+                hint += f', and thousands without a comma: "{short.replace(",", "", 1)}"'
         raise UnitError(f"{_quoted(text)} is not a number followed by a unit{hint}")
     return match[1], match[2]
 

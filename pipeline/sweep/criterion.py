@@ -22,11 +22,7 @@ import numpy as np
 
 from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.rises import at_bulks
-from tribo import (
-    Scene,
-    State,
-    failed_share,
-)
+from tribo import Scene, State, failed_share
 from tribo.corrections import moment_of
 from tribo.types import Array, Indices
 

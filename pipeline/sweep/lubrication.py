@@ -17,14 +17,7 @@ from numpy.typing import ArrayLike
 
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.surface import surface_facts
-from tribo import (
-    Motion,
-    Oil,
-    analytic,
-    contact_modulus,
-    minimum_line_film,
-    minimum_point_film,
-)
+from tribo import Motion, Oil, analytic, contact_modulus, minimum_line_film, minimum_point_film
 from tribo.types import Array
 
 

@@ -256,8 +256,8 @@ def _timed_loads(sweep: Sweep) -> tuple[dict[float, _Timed], float]:
 
 def _seconds(timed: Mapping[float, _Timed], name: str, loads: Sequence[float]) -> float:
     """Time of steps at some loads [s], by one of the times of those that were timed."""
-    known, costs = zip(*sorted(timed.items()), strict=True)
-    return float(np.interp(loads, known, [getattr(cost, name) for cost in costs]).sum())
+    places, costs = zip(*sorted(timed.items()), strict=True)
+    return float(np.interp(loads, places, [getattr(cost, name) for cost in costs]).sum())
 
 
 def _timed(sweep: Sweep, load: float, velocity: float) -> _Timed:

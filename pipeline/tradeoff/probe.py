@@ -15,15 +15,7 @@ from pipeline.sweep.criterion import decisive_rise, failed_fraction, rise_limit,
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.over import Variant
 from pipeline.sweep.plan import chains
-from tribo import (
-    PRESETS,
-    Fidelity,
-    InputError,
-    State,
-    forget_kernels,
-    measures,
-    simulate,
-)
+from tribo import PRESETS, Fidelity, InputError, State, forget_kernels, measures, simulate
 from tribo.simulation import forget_contacts, leads_to
 
 

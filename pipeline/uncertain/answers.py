@@ -240,8 +240,8 @@ def log_crossings(axis: Array, excess: Array) -> Array:
     Examples
     --------
     >>> axis = np.array([1.0, 2.0, 4.0])
-    >>> at = np.exp(log_crossings(axis, np.log(axis / np.array([[1.5], [8.0]]))))
-    >>> print(f"{at[0]:.3f} {at[1]:.3f}")
+    >>> places = np.exp(log_crossings(axis, np.log(axis / np.array([[1.5], [8.0]]))))
+    >>> print(f"{places[0]:.3f} {places[1]:.3f}")
     1.500 8.000
     """
     x, rising = np.log(axis), np.maximum.accumulate(excess, axis=-1)

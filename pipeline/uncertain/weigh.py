@@ -252,8 +252,8 @@ def posterior(ensemble: Ensemble | Sequence[Ensemble], scatter: float = SCATTER)
 
     def judge(inputs: Array) -> tuple[Distances, Array]:
         parts = [
-            distances_of(one, one.tests, inputs[:, own])
-            for one, own in zip(ensembles, columns, strict=True)
+            distances_of(one, one.tests, inputs[:, part])
+            for one, part in zip(ensembles, columns, strict=True)
             if one.tests
         ]
         distances = Distances(*(np.concatenate(part) for part in zip(*parts, strict=True)))
