@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from pipeline.scene.faults import Fault, Faults, SceneFileError, did_you_mean, quoted
-from pipeline.scene.format import EXTENDS, WITHOUT
+from pipeline.scene.format import FORMAT
 from pipeline.scene.shipped import scene_path, shipped_scenes
 from tribo.files import reason_of
 
@@ -82,7 +82,7 @@ def read_document(path: Path, faults: Faults, above: tuple[Path, ...] = ()) -> D
             faults.append(Fault("without", "there is nothing to leave out; give extends too", path))
         return document
     wrong = Faults()
-    name = EXTENDS.read(extends, "extends", wrong)
+    name = FORMAT.keys["extends"].kind.read(extends, "extends", wrong)
     if wrong:
         raise SceneFileError(path, [document.line(wrong[0])])
     other, chain = scene_path(name, path.parent), (*above, path)
@@ -124,7 +124,7 @@ def with_entries(document: Document, overrides: Mapping[str, Any], faults: Fault
 def _left_out(value: Any, base: Document, path: Path, faults: Faults) -> list[str]:
     """Key paths that ``without`` names, as far as the other scene has them."""
     wrong = Faults()
-    keys = [] if value is None else WITHOUT.read(value, "without", wrong) or []
+    keys = [] if value is None else FORMAT.keys["without"].kind.read(value, "without", wrong) or []
     entries = base.entries()
     for index, key in enumerate(keys):
         parts = key.split(".")

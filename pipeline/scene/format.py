@@ -6,14 +6,11 @@ the hints of ``--set`` all follow from `FORMAT`.
 
 from __future__ import annotations
 
-import inspect
 import math
-import re
-from collections.abc import Callable
-from typing import Any, Literal, get_args, get_origin, get_type_hints
+from typing import get_type_hints
 
 import tribo
-from pipeline.scene.kinds import Choice, Flag, Kind, Number, Quantity, Scalar, Text, Unit, Whole
+from pipeline.scene.kinds import Choice, Flag, Number, Quantity, Scalar, Text, Unit, Whole, kind_of
 from pipeline.scene.schema import (
     ByPath,
     Distribution,
@@ -24,51 +21,13 @@ from pipeline.scene.schema import (
     Range,
     Table,
     Tables,
+    fields_of,
 )
 from pipeline.sweep.unknown import MOST_SAMPLES
 
 
-def _kind(hint: Any) -> Kind:
-    """Kind of an entry whose range `tribo` checks itself, from its type."""
-    if get_origin(hint) is Literal:
-        return Choice(get_args(hint))
-    return {int: Whole(), float: Number(), bool: Flag(), str: Text()}[hint]
-
-
-def _is(form: type) -> Callable[[Any], bool]:
-    return lambda value: isinstance(value, form)
-
-
-def _has(key: str) -> Callable[[Any], bool]:
-    return lambda table: isinstance(table, dict) and key in table
-
-
-def _is_curved(pin: Any) -> bool:
-    return isinstance(pin, dict) and pin.get("shape") in ("ball", "crowned")
-
-
-def _is_reference(value: Any) -> bool:
-    return isinstance(value, str) and ":" in value
-
-
-def _one_or_two(kind: Kind) -> Kind:
-    return Either(kind, List(kind, length=2), when=_is(list))
-
-
-def _listed_or_spaced(kind: Quantity) -> Kind:
-    return Either(List(kind, distinct=True), Range(kind), when=_is(dict))
-
-
-def _fields_of_fidelity() -> dict[str, Entry]:
-    """Fields of `tribo.Fidelity`, each with the first sentence on it in its docstring."""
-    text = inspect.cleandoc(tribo.Fidelity.__doc__ or "")
-    section = text.partition("Parameters\n----------\n")[2].partition("\n\nRaises")[0]
-    sentences = {}
-    for name, about in re.findall(r"^(\w+) : .*\n((?:    .*\n?)+)", section, flags=re.MULTILINE):
-        sentence = re.split(r"(?<=[.\w])[.;] ", " ".join(about.split()))[0].rstrip(".") + "."
-        sentences[name] = sentence.replace('``"', '"').replace('"``', '"')
-    hints = get_type_hints(tribo.Fidelity)
-    return {name: Optional(_kind(hint), sentences[name]) for name, hint in hints.items()}
+def _one_or_two(kind: Quantity) -> Either:
+    return Either(kind, List(kind, length=2))
 
 
 SIZE = Quantity("a length", "2 mm")
@@ -80,14 +39,10 @@ DURATION = Quantity("a duration", "4 s", zero=True)
 VELOCITY = Quantity("a velocity", "1.25 m/s", zero=True)
 SPEED = Quantity("a velocity", "1.25 m/s")
 TEMPERATURE = Quantity("a temperature", "25 degC")
-PER_PRESSURE = Quantity("a pressure coefficient", "20 1/GPa")
 CONDUCTIVITY = Quantity("a conductivity", "45 W/(m K)")
 FRICTION = Number(at_least=0)
 SEED = Whole(at_least=0)
-SHAPE = Choice(("cylinder", "ball", "crowned"))
 USUAL_PRESET = "standard"
-EXTENDS = Text()
-WITHOUT = List(Text(), distinct=True)
 
 # fmt: off
 MATERIAL = Table({
@@ -112,10 +67,11 @@ STEM = Either(
         "resistance": Entry(Quantity("a thermal resistance", "8 K/W"),
             "Thermal resistance to the holder."),
     }, form="resistance"),
-    when=_has("resistance"),
 )
-_SHAPE = Entry(SHAPE, "Shape of the pin.")
-_RADIUS = Entry(SIZE, "Radius in the plane of sliding; of two curved bodies the reduced one.")
+_ROUND = {
+    "shape": Entry(Choice(("cylinder", "ball", "crowned")), "Shape of the pin."),
+    "radius": Entry(SIZE, "Radius in the plane of sliding; of two curved bodies the reduced one."),
+}
 _OF_PIN = {
     "material": Entry(Text(), "Name of its material, here or in the library."),
     "stem": Optional(STEM,
@@ -125,18 +81,16 @@ _OF_PIN = {
 }
 PIN = Either(
     Table({
-        "shape": _SHAPE,
-        "radius": _RADIUS,
+        **_ROUND,
         "length": Entry(SIZE, "Length of the cylinder's line contact, along y."),
         **_OF_PIN,
     }, form="cylinder"),
     Table({
-        "shape": _SHAPE,
-        "radius": _RADIUS,
+        **_ROUND,
         "crown_radius": Optional(SIZE, "Radius across sliding of a crowned pin, which it needs."),
         **_OF_PIN,
     }, form="ball or crowned pin"),
-    when=_is_curved,
+    when=lambda pin: isinstance(pin, dict) and pin.get("shape") in ("ball", "crowned"),
 )
 
 RANDOM_SURFACE = Table({
@@ -196,7 +150,7 @@ DISK = Table({
         "effect after the simulation."),
     "surface": Optional(_own_law('Module and name of the surface, such as "laws:dimples".'),
         "A surface of one's own in place of a roughness, see [`OWN_LAWS.md`](OWN_LAWS.md)."),
-    "roughness": Optional(Either(RANDOM_SURFACE, MEASURED_SURFACE, when=_has("file")),
+    "roughness": Optional(Either(RANDOM_SURFACE, MEASURED_SURFACE),
         "Its surface: random, or measured; smooth without the table."),
 })
 
@@ -231,7 +185,6 @@ LOADING = Either(
         "fit": Optional(Flag(),
             "A straight line through the record in its place, or not.", default=False),
     }, form="record"),
-    when=_has("file"),
 )
 
 MOTION = Table({
@@ -247,18 +200,16 @@ MOTION = Table({
 WEAR = Either(
     Table({
         "specific_wear_rate": Entry(ANY_WEAR_RATE, "Worn volume per load and sliding distance."),
-        "pattern": Entry(_kind(get_type_hints(tribo.Wear)["pattern"]),
+        "pattern": Entry(kind_of(get_type_hints(tribo.Wear)["pattern"]),
             'Wear of the pin: "swept" by the mean pressure along y, or over positions of the disk '
             'where y is free, since the roughness moves past it; "local" each element by its own '
             "pressure."),
     }, form="Archard's wear"),
     _own_law('Module and name of the law, such as "laws:RunningIn".', form="own law"),
-    when=_has("law"),
 )
 
 OIL = Table({
-    "like": Optional(Text(),
-        "An oil of the library, which gives what is not given here.",
+    "like": Optional(Text(), "An oil of the library, which gives what is not given here.",
         example="medicinal white oil"),
     "temperatures": Optional(List(TEMPERATURE, length=2),
         "Two temperatures at which its viscosity is known.",
@@ -270,7 +221,8 @@ OIL = Table({
         "Dynamic viscosity at both.", example=["83 mPa s", "8.9 mPa s"]),
     "density": Optional(Quantity("a density", "866 kg/m^3"),
         "Density; needed with a kinematic viscosity."),
-    "pressure_viscosity_coefficient": Optional(_one_or_two(PER_PRESSURE),
+    "pressure_viscosity_coefficient": Optional(
+        _one_or_two(Quantity("a pressure coefficient", "20 1/GPa")),
         "Pressure–viscosity coefficient, one, or one at each of both temperatures; without it no "
         "film is foretold."),
 })
@@ -286,20 +238,18 @@ FRICTION_TABLE = Table({
          "coefficient scales it. It takes effect after the simulation.", default=()),
 })
 
-_OF_BODIES = Table({
-    "pin": Entry(TEMPERATURE, "Temperature of the pin."),
-    "disk": Entry(TEMPERATURE, "Temperature of the disk."),
-})
 TEMPERATURES = Table({
-    "bulk": Entry(Either(TEMPERATURE, _OF_BODIES, when=_is(dict)),
-        "Temperature far from the contact: of both bodies, or of `pin` and `disk`."),
+    "bulk": Entry(Either(TEMPERATURE, Table({
+        "pin": Entry(TEMPERATURE, "Temperature of the pin."),
+        "disk": Entry(TEMPERATURE, "Temperature of the disk."),
+    })), "Temperature far from the contact: of both bodies, or of `pin` and `disk`."),
     "critical": Optional(TEMPERATURE,
         "Contact temperature above which the lubricant fails; needed where wear is judged."),
     "failing_share": Optional(Number(at_least=0, below=1),
         "Share of the contact area above the critical temperature beyond which wear is severe; 0 "
         "for the highest temperature alone.", default=0.1),
     "criterion": Optional(
-        Either(Choice(("share", "highest", "mean")), Text(), when=_is_reference),
+        Either(Choice(("share", "highest", "mean")), Text(), lambda word: ":" in str(word)),
         "Temperature that decides: the one that the failing share of the contact area exceeds, the "
         "highest, or the mean of the contact; or a [criterion of one's own](OWN_LAWS.md), such as "
         '"laws:hottest_tenth".', default="share"),
@@ -309,14 +259,15 @@ FIDELITY = Table({
     "preset": Optional(Choice(tuple(tribo.PRESETS)),
         'Preset to begin with: "draft" is the fastest, "reference" the best.',
         default=USUAL_PRESET),
-    **_fields_of_fidelity(),
+    **fields_of(tribo.Fidelity),
 })
 
 SWEEP = Table({
-    "loads": Entry(_listed_or_spaced(LOAD), "Normal loads."),
-    "velocities": Entry(_listed_or_spaced(VELOCITY), "Sliding velocities."),
+    "loads": Entry(Either(List(LOAD, distinct=True), Range(LOAD)), "Normal loads."),
+    "velocities": Entry(Either(List(VELOCITY, distinct=True), Range(VELOCITY)),
+        "Sliding velocities."),
     "realizations": Optional(
-        Either(Whole(at_least=1, at_most=100_000), List(SEED, distinct=True), when=_is(list)),
+        Either(Whole(at_least=1, at_most=100_000), List(SEED, distinct=True)),
         "Random surfaces to compute it all on: a number of them from the seed on, or a list of "
         "seeds."),
     "samples": Optional(Whole(at_least=1, at_most=MOST_SAMPLES),
@@ -383,14 +334,13 @@ LOG = Table({
 }, form="log")
 
 FORMAT = Table({
-    "extends": Optional(EXTENDS,
+    "extends": Optional(Text(),
         "Another scene file whose entries hold where this one gives none; relative to the folder "
         "of this one.", example="other.toml"),
-    "without": Optional(WITHOUT,
+    "without": Optional(List(Text(), distinct=True),
         'Key paths of entries of the other scene to leave out, such as ["wear", "friction.band"].',
         example=["wear", "friction.band"]),
-    "title": Optional(Text(),
-        "Title of figures and summaries; by default the name of the file."),
+    "title": Optional(Text(), "Title of figures and summaries; by default the name of the file."),
     "materials": Optional(Tables(MATERIAL),
         "A material, under a name of your choice by which `[pin]` and `[disk]` call it. Not needed "
         "for those of the [library](../pipeline/scene/library.toml)."),
@@ -428,10 +378,10 @@ FORMAT = Table({
         "table gives others by their paths, each with its correlation: that of the normal scores, "
         "which are the values of a normal input and the logarithms of a log-normal one.",
         example={"temperature.critical": {"mean": "145 degC", "sd": "8 K"}}),
-    "measured": Optional(List(Either(TRANSITION, LOG, when=_has("file"))),
+    "measured": Optional(List(Either(TRANSITION, LOG)),
         "Transitions that were measured, each a table `[[measured]]`: drawn in the diagram, and "
         "what `irg infer` goes by.", default=()),
-    "tested": Optional(List(Either(TEST, LOG, when=_has("file"))),
+    "tested": Optional(List(Either(TEST, LOG)),
         "Tests that stayed mild or turned severe, each a table `[[tested]]`, or rows of a log in "
         "CSV; what `irg infer` of samples goes by, too.", default=()),
 })

@@ -10,7 +10,7 @@ import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from decimal import Decimal
-from typing import Any
+from typing import Any, Literal, get_args, get_origin
 
 from pipeline.scene.faults import Faults, did_you_mean, quoted
 from pipeline.scene.units import UnitError, exact_si
@@ -200,3 +200,10 @@ class Unit(Kind):
             return float(exact_si(f"1 {value}", like=f"1 {self.example}"))
         except UnitError as error:
             raise UnfitError(f"{quoted(value)} is not {self.name}") from error
+
+
+def kind_of(hint: Any) -> Kind:
+    """Kind of a value whose range its class checks itself, from its type."""
+    if get_origin(hint) is Literal:
+        return Choice(get_args(hint))
+    return {int: Whole(), float: Number(), bool: Flag(), str: Text()}[hint]

@@ -47,7 +47,7 @@ class Section:
         """Name of the form that a table of these values has; empty if it has but one."""
         kind = self.entry.kind.of if isinstance(self.entry.kind, List) else self.entry.kind
         usual, *others = forms_of(kind)
-        if isinstance(kind, Either) and kind.when(values):
+        if isinstance(kind, Either) and kind.is_other(values):
             return others[0].form
         return usual.form
 

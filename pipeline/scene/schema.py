@@ -6,12 +6,14 @@ be checked further.
 
 from __future__ import annotations
 
+import inspect
+import re
 from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, get_type_hints
 
 from pipeline.scene.faults import Faults, did_you_mean, joined, quoted
-from pipeline.scene.kinds import Kind, Quantity, UnfitError
+from pipeline.scene.kinds import Kind, Quantity, UnfitError, kind_of
 
 _MOST_STEPS = 100_000
 
@@ -89,17 +91,30 @@ class Range(Kind):
 
 @dataclass(frozen=True)
 class Either(Kind):
-    """`other` where `when` is true of the value, `usual` where not."""
+    """`other` where `when` is true of the value, or the value has its form; `usual` where not.
+
+    Of two tables one has the form of the other where it has any key of that alone.
+    """
 
     usual: Kind
     other: Kind
-    when: Callable[[Any], bool]
+    when: Callable[[Any], bool] | None = None
 
     def __str__(self) -> str:
         return f"{self.usual}; or {self.other}"
 
+    def is_other(self, value: Any) -> bool:
+        """True if a value is to be read as `other`."""
+        if self.when:
+            return self.when(value)
+        if isinstance(self.usual, Table) and isinstance(self.other, Table):
+            return isinstance(value, dict) and bool(
+                value.keys() & (self.other.keys.keys() - self.usual.keys.keys())
+            )
+        return isinstance(value, list if isinstance(self.other, List) else dict)
+
     def _read(self, value: Any, place: str, faults: Faults) -> Any:
-        return (self.other if self.when(value) else self.usual)._read(value, place, faults)
+        return (self.other if self.is_other(value) else self.usual)._read(value, place, faults)
 
 
 @dataclass(frozen=True)
@@ -224,3 +239,15 @@ def flat(
             yield from flat(inner, path, ends)
         else:
             yield path, inner
+
+
+def fields_of(kind: type[Any]) -> dict[str, Entry]:
+    """Fields of a class as entries, each with the first sentence on it in the docstring."""
+    text = inspect.cleandoc(kind.__doc__ or "")
+    section = text.partition("Parameters\n----------\n")[2].partition("\n\nRaises")[0]
+    sentences = {}
+    for name, about in re.findall(r"^(\w+) : .*\n((?:    .*\n?)+)", section, flags=re.MULTILINE):
+        sentence = re.split(r"(?<=[.\w])[.;] ", " ".join(about.split()))[0].rstrip(".") + "."
+        sentences[name] = sentence.replace('``"', '"').replace('"``', '"')
+    hints = get_type_hints(kind)
+    return {name: Optional(kind_of(hint), sentences[name]) for name, hint in hints.items()}

@@ -77,7 +77,7 @@ def test_all_faults_of_a_table_are_named_with_row_and_column(store, tmp_path, ir
         ("load [kg],velocity [m/s]", '"1 kg" cannot be converted to N'),
         (
             "load,velocity [m/s]",
-            '"500 N", or the heading "load [N]"',
+            '"200 N", or the heading "load [N]"',
         ),
     ],
 )
