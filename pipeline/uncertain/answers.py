@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -12,7 +11,7 @@ import xarray as xr
 
 from pipeline.analysis.tables import Column, Table
 from pipeline.scene.quantities import in_si
-from pipeline.uncertain.ensemble import BULK, CRITICAL, FRICTION, Ensemble, Excess
+from pipeline.uncertain.ensemble import BULK, CRITICAL, FRICTION, Axis, Ensemble, Excess, Overrides
 from pipeline.uncertain.inputs import Draws, prior
 from tribo.types import Array
 
@@ -74,7 +73,7 @@ def risk(
     load: float | str,
     velocity: float | str,
     draws: Draws | None = None,
-    conditions: Mapping[str, float] | None = None,
+    conditions: Overrides = None,
 ) -> Risk:
     """Probability of severe wear at an operating point.
 
@@ -126,9 +125,9 @@ def risk(
 def probabilities(
     ensemble: Ensemble,
     draws: Draws | None = None,
-    loads: Sequence[float] | Array | None = None,
-    velocities: Sequence[float] | Array | None = None,
-    conditions: Mapping[str, float] | None = None,
+    loads: Axis | None = None,
+    velocities: Axis | None = None,
+    conditions: Overrides = None,
 ) -> xr.DataArray:
     """Probability of severe wear over the plane, dims (load, velocity).
 
@@ -171,9 +170,7 @@ def probabilities(
 
 
 def probabilities_at_loads(
-    ensemble: Ensemble,
-    draws: Draws | None = None,
-    conditions: Mapping[str, float] | None = None,
+    ensemble: Ensemble, draws: Draws | None = None, conditions: Overrides = None
 ) -> xr.DataArray:
     """Probability of severe wear at the loads of the sweep, for the lines that every answer prints.
 
@@ -254,7 +251,7 @@ def log_crossings(axis: Array, excess: Array) -> Array:
 
 
 def log_boundary(
-    ensemble: Ensemble, inputs: Array, loads: Sequence[float] | Array, with_error: bool = True
+    ensemble: Ensemble, inputs: Array, loads: Axis, with_error: bool = True
 ) -> tuple[Array, Array]:
     """Logarithm of the critical velocity by draw and load, and its standard error."""
     velocities = np.geomspace(*ensemble.velocities, STEPS)
@@ -343,7 +340,7 @@ def margin_intervals(
     load: float | str,
     velocity: float | str,
     draws: Draws | None = None,
-    conditions: Mapping[str, float] | None = None,
+    conditions: Overrides = None,
 ) -> MarginIntervals:
     """Distance of an operating point from severe wear, as intervals of probability.
 

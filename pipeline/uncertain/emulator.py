@@ -11,19 +11,24 @@ own. All loads share one kernel. Its constants are those of the greatest likelih
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve, solve_triangular
 from scipy.optimize import minimize
+from scipy.special import ndtr
 
+from pipeline.sweep.samples import WEAR_RATE, Design
 from tribo.types import Array
 
 _MOST_TO_FIT = 256  # rows by which the constants are found, in n³ operations a step
 _BEGIN = np.log([0.1, 0.03, 0.05, 0.003, 0.002])  # a, b, c, s, n, of ln(rise)
 _LENGTH = np.log(4.0)  # of features whose spread is 1
 _LEAST = np.log(1e-5)
+_LEAST_OF_END = 1e-3  # of a relative input over its upper end, where draws cross what is possible
 
 Groups = NDArray[np.intp]
 
@@ -93,6 +98,35 @@ def fitted(features: Array, dimensions: Groups, contacts: Groups, outputs: Array
     whitener = solve_triangular(factor[0], np.eye(len(outputs)), lower=True)
     calibration = _calibration(whitener.T @ whitener, contacts, weights)
     return Emulator(features, dimensions, mean, weights, constants, whitener, calibration)
+
+
+def features_of(
+    design: Design, columns: Sequence[Array] | Array, velocities: Array
+) -> tuple[Array, Groups]:
+    """Features of an emulator, each with a spread of about 1, and the input of each.
+
+    An input out of a list has one for each of its values. In place of the wear rate k stands the
+    wear number kV, which contacts depend on.
+    """
+    low, high = np.log(design.velocities)
+    spread = (high - low) / math.sqrt(12)
+    along = (np.log(velocities) - (low + high) / 2) / spread
+    features, dimensions = [along], [0]
+    for number, (quantity, column) in enumerate(zip(design.inputs, columns, strict=True), 1):
+        is_rate = quantity.path == WEAR_RATE
+        if quantity.kind == "list" and not is_rate:
+            features += [np.where(column == value, 1.0, 0.0) for value in quantity.parameters]
+            dimensions += [number] * len(quantity.parameters)
+            continue
+        values, ends = column, quantity.at(ndtr(np.array([-1.0, 1.0])))
+        if quantity.is_relative or is_rate:
+            values, ends = np.log(np.maximum(values, _LEAST_OF_END * ends.max())), np.log(ends)
+        scaled, width = values - ends.mean(), float(ends[1] - ends[0]) / 2
+        if is_rate:
+            scaled, width = scaled + spread * along, math.hypot(width, spread)
+        features.append(scaled / width)
+        dimensions.append(number)
+    return np.stack(features, axis=1), np.array(dimensions)
 
 
 def _kernel(

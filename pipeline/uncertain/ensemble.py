@@ -28,19 +28,20 @@ from pipeline.sweep.conditions import Conditions
 from pipeline.sweep.criterion import decisive_rises
 from pipeline.sweep.samples import WEAR_RATE, Design
 from pipeline.sweep.unknown import Unknown
-from pipeline.uncertain.emulator import Emulator, Groups, fitted
+from pipeline.uncertain.emulator import Emulator, Groups, features_of, fitted
 from tribo import InputError
 from tribo.types import Array, Mask
 
 FRICTION, BULK, CRITICAL, SHARE = (
     "friction.coefficient", "temperature.bulk", "temperature.critical", "temperature.failing_share",
 )  # fmt: skip
+Axis = Sequence[float] | Array
+"""Loads [N] or velocities [m/s]."""
+Overrides = Mapping[str, float] | None
 CONDITIONS = {
-    "friction": FRICTION,
-    "bulk_temperature": BULK,
-    "critical_temperature": CRITICAL,
+    "friction": FRICTION, "bulk_temperature": BULK, "critical_temperature": CRITICAL,
     "wear_rate": WEAR_RATE,
-}
+}  # fmt: skip
 """Conditions that may be given in place of an input's draws, and the path of that input."""
 # For the few draws of a wide distribution that cross what is possible, such as a negative friction.
 _LEAST_RISE, _LEAST = 1.0, 1e-3  # [K], friction
@@ -68,8 +69,7 @@ class Excess(NamedTuple):
     @property
     def probability(self) -> Array:
         """Probability of severe wear."""
-        severe: Array = ndtr(self.values / self.error)
-        return severe
+        return np.asarray(ndtr(self.values / self.error))
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,12 +156,12 @@ class Ensemble:
         design = Design.from_dict(about["scene"]["samples"])
         conditions = Conditions(**about["conditions"]).changed(share=share, criterion=criterion)
         ds = ds.sortby("load").isel(sample=slice(0, about["samples"]))
-        numbers = ds["sample"].values
+        numbers, loads = ds["sample"].values, ds["load"].values
         inputs = np.array([ds[quantity.path].values for quantity in design.inputs]).T
         paths = [quantity.path for quantity in design.inputs]
         shares = inputs[:, paths.index(SHARE)] if SHARE in paths and share is None else None
         columns = {str(k): values_of(ds, str(k)) for k in ds.data_vars if "step" in ds[k].dims}
-        rises = _rises(columns, ds["load"].values, conditions, shares)
+        rises = _rises(columns, loads, conditions, shares)
         done = np.isfinite(rises.sum(axis=1))
         if np.count_nonzero(done) < min(_FEWEST, about["samples"]) or not done.any():
             raise InputError(
@@ -171,10 +171,9 @@ class Ensemble:
         hold = float(about["scene"]["loading"].get("hold", 0.0))
         tests = (*about["measured"], *about["tested"])
         by_hold = {
-            other: _rises(until, ds["load"].values, conditions, shares)[done]
+            other: _rises(until, loads, conditions, shares)[done]
             for other in {float(test.get("hold", hold)) for test in tests}
-            if other < hold
-            and (until := _until(columns, ds["load"].values, other, done)) is not None
+            if other < hold and (until := _until(columns, loads, other, done)) is not None
         }
         return cls(
             title=str(about["title"]),
@@ -184,7 +183,7 @@ class Ensemble:
             inputs=inputs.reshape(len(numbers), len(paths))[done],
             sample_velocities=ds["velocity"].values[done],
             contacts=(numbers // design.per_contact)[done],
-            loads=ds["load"].values,
+            loads=loads,
             rises=rises[done],
             widths=values_of(end_of_point(ds[["time", "contact_width"]]), "contact_width")[done],
             measured=tuple(about["measured"]),
@@ -205,11 +204,7 @@ class Ensemble:
         return self.design.velocities
 
     def excess(
-        self,
-        draws: Array,
-        load: float,
-        velocity: Sequence[float] | Array | float,
-        conditions: Mapping[str, float] | None = None,
+        self, draws: Array, load: float, velocity: Axis | float, conditions: Overrides = None
     ) -> Excess:
         """Logarithm of the rise over the limit above which wear is severe.
 
@@ -232,24 +227,16 @@ class Ensemble:
         return self.excesses(draws, [load], np.atleast_1d(velocity), conditions).at_load(0)
 
     def excesses(
-        self,
-        draws: Array,
-        loads: Sequence[float] | Array,
-        velocities: Sequence[float] | Array,
-        conditions: Mapping[str, float] | None = None,
+        self, draws: Array, loads: Axis, velocities: Axis, conditions: Overrides = None,
         with_error: bool = True,
-    ) -> Excess:
+    ) -> Excess:  # fmt: skip
         """Excess at several loads, found faster without errors; see `excess`."""
         parts = self._emulated(self._rise, draws, loads, velocities, conditions, with_error)
         limit = self.log_limit(draws, conditions)
         return parts._replace(values=parts.values - limit[:, None, None])
 
     def rows(
-        self,
-        draws: Array,
-        loads: Sequence[float] | Array,
-        velocities: Sequence[float] | Array,
-        conditions: Mapping[str, float] | None = None,
+        self, draws: Array, loads: Axis, velocities: Axis, conditions: Overrides = None
     ) -> Iterator[Excess]:
         """Excess at one load after the other, without the memory of all; see `excess`."""
         wanted = np.asarray(velocities, float)
@@ -262,29 +249,23 @@ class Ensemble:
         """Logarithm of the contact's width [m] in place of the excess, likewise."""
         return self._emulated(self._width, draws, [load], [velocity]).at_load(0)
 
-    def values(
-        self, path: str, draws: Array, conditions: Mapping[str, float] | None = None
-    ) -> Array:
+    def values(self, path: str, draws: Array, conditions: Overrides = None) -> Array:
         """Values of an input by draw, shape (n,): of conditions, drawn, or the scene's [SI]."""
-        fixed = {CONDITIONS[name]: value for name, value in (conditions or {}).items()}
-        if path in fixed:
-            return np.full(len(draws), fixed[path])
-        for quantity, column in zip(self.unknown, draws.T, strict=True):
-            if quantity.path == path:
-                return np.asarray(column)
-        scene = {
+        values: dict[str, Any] = {
             FRICTION: self.conditions.friction,
             BULK: self.conditions.bulk_temperature,
             SHARE: self.conditions.failing_share,
         }
-        if path == CRITICAL:
-            scene[path] = self.conditions.known_critical_temperature()
-        if path not in scene:
-            (entry,) = (quantity for quantity in self.design.inputs if quantity.path == path)
-            scene[path] = float(entry.at(np.array([0.5]))[0])
-        return np.full(len(draws), scene[path])
+        values |= {one.path: row for one, row in zip(self.unknown, draws.T, strict=True)}
+        values |= {CONDITIONS[name]: value for name, value in (conditions or {}).items()}
+        if path == CRITICAL and path not in values:
+            values[path] = self.conditions.known_critical_temperature()
+        elif path not in values:
+            (entry,) = (one for one in self.design.inputs if one.path == path)
+            values[path] = float(entry.at(np.array([0.5]))[0])
+        return np.full(len(draws), values[path])
 
-    def log_limit(self, draws: Array, conditions: Mapping[str, float] | None = None) -> Array:
+    def log_limit(self, draws: Array, conditions: Overrides = None) -> Array:
         """Logarithm of the rise at friction 1 above which wear is severe, shape (n,)."""
         friction, bulk, critical = (
             self.values(path, draws, conditions) for path in (FRICTION, BULK, CRITICAL)
@@ -309,18 +290,13 @@ class Ensemble:
         return self._fitted(self.widths)
 
     def _fitted(self, values: Array) -> Emulator:
-        features, dimensions = _features(self.design, self.inputs.T, self.sample_velocities)
-        return fitted(features, dimensions, self.contacts, np.log(values))
+        features = features_of(self.design, self.inputs.T, self.sample_velocities)
+        return fitted(*features, self.contacts, np.log(values))
 
     def _emulated(
-        self,
-        emulator: Emulator,
-        draws: Array,
-        loads: Sequence[float] | Array,
-        velocities: Sequence[float] | Array,
-        conditions: Mapping[str, float] | None = None,
-        with_error: bool = True,
-    ) -> Excess:
+        self, emulator: Emulator, draws: Array, loads: Axis, velocities: Axis,
+        conditions: Overrides = None, with_error: bool = True,
+    ) -> Excess:  # fmt: skip
         """Outputs of an emulator by draw, load and velocity in place of the excess."""
         wanted = np.asarray(velocities, float)
         self.require_within(loads, wanted)
@@ -329,7 +305,7 @@ class Ensemble:
         weights, bends = map(np.array, zip(*map(self._between_loads, loads), strict=True))
         at_nodes = []
         for velocity in nodes:
-            features, _ = _features(self.design, columns, np.full(len(draws), velocity))
+            features, _ = features_of(self.design, columns, np.full(len(draws), velocity))
             values, *errors = emulator(features, with_error)
             by_load = [np.hypot(error @ np.abs(weights.T), bends) for error in errors]
             at_nodes.append([values @ weights.T, *by_load])
@@ -347,15 +323,13 @@ class Ensemble:
             return weights, _BEND * 4 * float(weights[0] * weights[1])
         weights, rough = _spline(x, place, min(3, len(x) - 1)), _spline(x, place, 1)
         if len(x) > 3:
-            near = _around(x, place)
+            near = np.sort(np.argsort(np.abs(x - place))[:3])
             rough = np.zeros(len(x))
             rough[near] = _spline(x[near], place, 2)
         off = np.log(self.rises) @ (weights - rough)
         return weights, float(np.sqrt(np.mean(off**2)))
 
-    def require_within(
-        self, loads: Sequence[float] | Array, velocities: Sequence[float] | Array
-    ) -> None:
+    def require_within(self, loads: Axis, velocities: Axis) -> None:
         """Raise an `InputError` for loads or velocities outside the sweep."""
         for name, unit, values, axis in (
             ("load", "N", loads, self.loads),
@@ -391,45 +365,7 @@ def _between(velocities: Array, nodes: Array, excess: Excess) -> Excess:
 
 def _spline(x: Array, place: float, degree: int) -> Array:
     """Weights of values at nodes by which a spline through them is found at a place."""
-    weights: Array = make_interp_spline(x, np.eye(len(x)), k=degree)(place)
-    return weights
-
-
-def _around(x: Array, position: float) -> slice:
-    """The three nodes nearest to a place."""
-    first = int(np.clip(np.searchsorted(x, position) - 1, 0, len(x) - 3))
-    if first > 0 and abs(position - x[first - 1]) < abs(x[first + 2] - position):
-        first -= 1
-    return slice(first, first + 3)
-
-
-def _features(
-    design: Design, columns: Sequence[Array] | Array, velocities: Array
-) -> tuple[Array, Groups]:
-    """Features of an emulator, each with a spread of about 1, and the input of each.
-
-    An input out of a list has one for each of its values. In place of the wear rate k stands the
-    wear number kV, which contacts depend on.
-    """
-    low, high = np.log(design.velocities)
-    spread = (high - low) / math.sqrt(12)
-    along = (np.log(velocities) - (low + high) / 2) / spread
-    features, dimensions = [along], [0]
-    for number, (quantity, column) in enumerate(zip(design.inputs, columns, strict=True), 1):
-        is_rate = quantity.path == WEAR_RATE
-        if quantity.kind == "list" and not is_rate:
-            features += [np.where(column == value, 1.0, 0.0) for value in quantity.parameters]
-            dimensions += [number] * len(quantity.parameters)
-            continue
-        values, ends = column, quantity.at(ndtr(np.array([-1.0, 1.0])))
-        if quantity.is_relative or is_rate:
-            values, ends = np.log(np.maximum(values, _LEAST * ends.max())), np.log(ends)
-        scaled, width = values - ends.mean(), float(ends[1] - ends[0]) / 2
-        if is_rate:
-            scaled, width = scaled + spread * along, math.hypot(width, spread)
-        features.append(scaled / width)
-        dimensions.append(number)
-    return np.stack(features, axis=1), np.array(dimensions)
+    return np.asarray(make_interp_spline(x, np.eye(len(x)), k=degree)(place))
 
 
 def _until(
