@@ -113,10 +113,7 @@ def _allowed(kind: Kind) -> dict[str, Any]:
 
 
 def _limits(kind: Number) -> dict[str, float]:
-    limits = {
-        "exclusiveMinimum": kind.above,
-        "minimum": kind.at_least,
-        "exclusiveMaximum": kind.below,
-        "maximum": kind.at_most,
-    }
-    return {word: limit for word, limit in limits.items() if math.isfinite(limit)}
+    words = "exclusiveMinimum", "minimum", "exclusiveMaximum", "maximum"
+    limits = kind.above, kind.at_least, kind.below, kind.at_most
+    pairs = zip(words, limits, strict=True)
+    return {word: limit for word, limit in pairs if math.isfinite(limit)}

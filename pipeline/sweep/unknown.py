@@ -84,20 +84,19 @@ class Unknown:
         terms = self.parameters
         if self.kind not in get_args(Kind) or not all(map(math.isfinite, terms)):
             raise InputError(f"{self.kind} with {terms} is not a distribution; give finite numbers")
-        unit = self.shown
+        unit, fault = self.shown, None
         first, last = (f"{unit.of(value):g}{unit.suffix}" for value in (terms[0], terms[-1]))
-        fault = {
-            "normal": len(terms) == 2 and terms[1] <= 0 and f"sd is {terms[-1]:g}; give above 0",
-            "log-normal": len(terms) == 2
-            and (
-                (terms[0] <= 0 and f"median is {first}; give above 0")
-                or (terms[1] <= 1 and f"factor is {terms[1]:g}; give above 1, such as 1.5")
-            ),
-            "uniform": len(terms) == 2
-            and terms[0] >= terms[1]
-            and f"from {first} to {last} does not rise; give the lower one first",
-            "list": len(set(terms)) < max(2, len(terms)) and "give at least two different values",
-        }[self.kind]
+        match self.kind, terms:
+            case "normal", (_, spread) if spread <= 0:
+                fault = f"sd is {spread:g}; give above 0"
+            case "log-normal", (median, _) if median <= 0:
+                fault = f"median is {first}; give above 0"
+            case "log-normal", (_, factor) if factor <= 1:
+                fault = f"factor is {factor:g}; give above 1, such as 1.5"
+            case "uniform", (low, high) if low >= high:
+                fault = f"from {first} to {last} does not rise; give the lower one first"
+            case "list", _ if len(set(terms)) < max(2, len(terms)):
+                fault = "give at least two different values"
         if fault:
             raise InputError(fault)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any, NamedTuple
 
@@ -144,9 +144,8 @@ def estimate(sweep: SceneLike, workers: int | None = None, boundary_only: bool =
     chains = points if sweep.independent else ramps
     parallel = min(workers, chains)
     ramps_of_contacts = math.ceil(ramps / shared)
-    if (
-        not sweep.remembers_steps and not sweep.samples
-    ):  # workers keep contacts of the first velocity
+    # Workers keep the contacts of the first velocity.
+    if not sweep.remembers_steps and not sweep.samples:
         ramps_of_contacts = min(ramps, parallel * variants)
         begin += _seconds(timed, "contact", [load for load, _ in steps])
     turns = ramps / parallel if sweep.independent else math.ceil(ramps / parallel)
@@ -250,7 +249,12 @@ def _timed_loads(sweep: Sweep) -> tuple[dict[float, _Timed], float]:
             timed[load] = _timed(sweep, load, velocity)
     timed |= _timed_early(sweep, velocity)
     if direct:
-        timed = {load: cost._replace(end=_eliminated(cost)) for load, cost in timed.items()}
+        began = time.process_time()
+        np.linalg.solve(np.eye(_NODES) + 0.5, np.ones(_NODES))
+        taken = time.process_time() - began
+        for load, cost in timed.items():
+            share = np.count_nonzero(cost.state.pressure) / _NODES
+            timed[load] = cost._replace(end=float(cost.step + taken * share**3))
     return timed, begin
 
 
@@ -276,17 +280,21 @@ def _timed(sweep: Sweep, load: float, velocity: float) -> _Timed:
     return again._replace(contact=max(0.0, first.end - again.end))
 
 
+def _clocked(states: Iterable[State]) -> Iterator[tuple[State, float]]:
+    """States of a simulation, each with the CPU time that it took [s]."""
+    began = time.process_time()
+    for state in states:
+        now = time.process_time()
+        yield state, now - began
+        began = now
+
+
 def _timed_from(sweep: Sweep, load: float, velocity: float, before: State | None) -> _Timed:
     """Time each step from a state up to a load."""
-    steps: list[float] = []
-    ends: list[float] = []
-    began = time.process_time()
-    for number, state in enumerate(simulate(sweep, load, velocity, before), start=1):
-        now = time.process_time()
-        (ends if state.heat is not None else steps if number > 2 else []).append(now - began)
-        began = now
-    end = float(np.median(ends))
-    began, again = time.process_time(), 0.0
+    states = list(_clocked(simulate(sweep, load, velocity, before)))
+    end = float(np.median([taken for state, taken in states if state.heat]))
+    steps = [taken for state, taken in states[2:] if not state.heat]
+    state, began, again = states[-1][0], time.process_time(), 0.0
     if sweep.rates or sweep.samples:
         heat(sweep, state, velocity * 1.1)
         again = time.process_time() - began
@@ -302,12 +310,9 @@ def _timed_early(sweep: Sweep, velocity: float) -> dict[float, _Timed]:
     if not any(is_heated and load < early for load, is_heated in _steps_of_ramp(sweep)):
         return {}
     steps, ends = [0.0], [0.0]
-    began = last = time.process_time()
-    for state in simulate(sweep, sweep.loads[0], velocity):
-        now = time.process_time()
-        (steps if state.heat is None else ends).append(now - last)
-        last = now
-        if state.normal_load > early or now - began > _PATIENCE:
+    for state, taken in _clocked(simulate(sweep, sweep.loads[0], velocity)):
+        (ends if state.heat else steps).append(taken)
+        if state.normal_load > early or sum(steps + ends) > _PATIENCE:
             break
     count, heated = max(1, len(steps) - 1), max(1, len(ends) - 1)
     mean = _Timed(sum(steps) / count, sum(ends) / heated, state)
@@ -315,13 +320,6 @@ def _timed_early(sweep: Sweep, velocity: float) -> dict[float, _Timed]:
         state.normal_load: mean,
         state.normal_load * (1 + 1e-9): mean._replace(step=steps[-1], end=ends[-1]),
     }
-
-
-def _eliminated(timed: _Timed) -> float:
-    """CPU time of a step whose heat partition is solved directly [s], from a smaller one."""
-    nodes, began = np.count_nonzero(timed.state.pressure), time.process_time()
-    np.linalg.solve(np.eye(_NODES) + 0.5, np.ones(_NODES))
-    return float(timed.step + (time.process_time() - began) * (nodes / _NODES) ** 3)
 
 
 def _searched(sweep: Sweep) -> int:
