@@ -19,6 +19,13 @@ BOUNDARIES = (("critical_velocity", "load"), ("critical_load", "velocity"))
 """Variables of a boundary, each with the axis that it is found along."""
 
 _AXES = {"load": Column("load", "load", "N"), "velocity": Column("velocity", "velocity", "m/s")}
+_JUDGED = (
+    Column("bulk_temperature", "bulk", "°C"),
+    Column("disk_temperature", "disk bulk", "°C"),
+    Column("critical_temperature", "critical", "°C"),
+    Column("failing_share", "failing share"),
+    Column("criterion", "criterion"),
+)
 _KINDS = {"realization": "surfaces", "sample": "samples"}
 
 
@@ -89,13 +96,7 @@ def _by_place(
 ) -> Table:
     """Table with a row for each friction and each load or velocity."""
     attrs, film = boundaries.attrs, f"film_parameter_at_{axis}"
-    judged = {
-        Column("bulk_temperature", "bulk", "°C"): attrs["bulk_temperature"],
-        Column("disk_temperature", "disk bulk", "°C"): attrs.get("disk_temperature"),
-        Column("critical_temperature", "critical", "°C"): attrs["critical_temperature"],
-        Column("failing_share", "failing share"): attrs["failing_share"],
-        Column("criterion", "criterion"): attrs["criterion"],
-    }
+    judged = [attrs.get(column.name) for column in _JUDGED]
     rows = []
     for friction, part in by_friction(boundaries):
         for place in range(boundaries.sizes[axis]):
@@ -103,10 +104,10 @@ def _by_place(
             films = here[film].values if film in here else math.nan
             parameter = None if np.isnan(films).all() else float(np.nanmedian(films))
             row = (friction, here[axis].item(), *values(here), parameter)
-            rows.append((*row, *judged.values()))
+            rows.append((*row, *judged))
     heads = (Column("friction", "friction"), _AXES[axis], *columns)
     film_column = Column(film, "film parameter Λ", digits=3)
-    return Table((*heads, film_column, *judged), tuple(rows))
+    return Table((*heads, film_column, *_JUDGED), tuple(rows))
 
 
 def readable(boundaries: xr.Dataset) -> list[Table]:
@@ -168,8 +169,7 @@ def _side_by_side(boundaries: xr.Dataset, name: str, axis: str) -> Table:
 def _band_in_short(boundaries: xr.Dataset, name: str, axis: str) -> Table:
     """The band of several surfaces, with the friction only where there are several."""
     table = _band(boundaries, name, axis)
-    left_out = {"bulk_temperature", "disk_temperature", "critical_temperature", "failing_share"}
-    left_out |= {"criterion"}
+    left_out = {column.name for column in _JUDGED}
     if len(set(table.as_dict()["friction"])) == 1:
         left_out.add("friction")
     title = f"critical {name.removeprefix('critical_')}, median"
