@@ -124,15 +124,11 @@ def _of_bodies(sound: Sound) -> Misfits:
 
 def _of_motion(sound: Sound) -> Misfits:
     (motion,) = sound("motion")
-    if fault := _not_one_of(motion, "slide_roll_ratio", "entrainment_velocity"):
-        yield "motion", f"{fault}; give either slide_roll_ratio or entrainment_velocity"
-    ratio, entrainment = sound("motion.slide_roll_ratio", "motion.entrainment_velocity")
-    if ratio == 0 and entrainment is None:
-        yield (
-            "motion.slide_roll_ratio",
-            "0 is rolling without a sliding velocity; give another number such as 0.5, or "
-            'entrainment_velocity and the velocity "0 m/s"',
-        )
+    if motion is not None:
+        try:
+            tribo.Motion(**motion)
+        except tribo.InputError as error:
+            yield "motion", str(error)
     motion, radius, pixels, sides = sound(
         "motion", "pin.radius", "window.pixels", "window.pixel_size"
     )
@@ -182,18 +178,12 @@ def _of_conditions(sound: Sound) -> Misfits:
 
 def _of_oil(sound: Sound) -> Misfits:
     (oil,) = sound("oil")
-    if fault := _not_one_of(oil, "kinematic_viscosity", "dynamic_viscosity"):
+    if oil and (oil["kinematic_viscosity"] is None) == (oil["dynamic_viscosity"] is None):
+        count = "neither is" if oil["dynamic_viscosity"] is None else "both are"
         yield (
             "oil",
-            f"kinematic_viscosity, dynamic_viscosity: {fault}; give kinematic_viscosity with a "
-            "density, or dynamic_viscosity",
+            f"kinematic_viscosity, dynamic_viscosity: {count} given; give kinematic_viscosity with "
+            "a density, or dynamic_viscosity",
         )
     if oil and oil["kinematic_viscosity"] is not None and oil["density"] is None:
         yield "oil.density", "missing; a kinematic viscosity needs one"
-
-
-def _not_one_of(table: dict[str, Any] | None, *keys: str) -> str | None:
-    """Beginning of the problem of a table that has both of two keys, or neither."""
-    if table is None or [table[key] for key in keys].count(None) == 1:
-        return None
-    return "neither is given" if table[keys[0]] is None else "both are given"

@@ -264,12 +264,12 @@ CROWNED = {"without": "pin.length", "pin.shape": "crowned", "pin.crown_radius": 
         ({"wear.pattern": "swetp"}, '(did you mean "swept"?); give "local" or "swept"'),
         ({"wear.specific_wear_rate": "1 mm3/(N m)"}, 'powers as in "mm^3"'),
         ({"loading.hold": 4}, '4 has no unit; give a duration of at least 0, such as "4 s"'),
-        ({"motion": {}}, "motion: neither is given; give either slide_roll_ratio or entrainment_"),
+        ({"motion": {}}, "entrainment_velocity None; exactly one of them must be given"),
         (
             {"motion": {"slide_roll_ratio": 1, "entrainment_velocity": "1 m/s"}},
-            "motion: both are given; give either slide_roll_ratio or entrainment_velocity",
+            "motion: motion has slide_roll_ratio 1.0 and entrainment_velocity 1.0; exactly one",
         ),
-        ({"motion.slide_roll_ratio": 0}, "motion.slide_roll_ratio: 0 is rolling without a slid"),
+        ({"motion.slide_roll_ratio": 0}, "motion: slide_roll_ratio is 0: bodies that roll have"),
         (
             {"motion": {"slide_roll_ratio": 1, "track_length": "0.1 mm"}},
             "motion.track_length: 0.1 mm is shorter than the window, which is 0.39168 mm along x",
