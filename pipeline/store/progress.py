@@ -103,9 +103,7 @@ def summarized(store: Store) -> Summary:
         done=counts[DONE],
         pending=counts[PENDING],
         failed=tuple(
-            FailedPoint(
-                *point[:2], str(message), point.variant, _in_words(point, store.attributes)
-            )
+            FailedPoint(*point[:2], str(message), point.variant, _in_words(point, store.attributes))
             for point, message in zip(store.points_at(failed), messages, strict=True)
         ),
         earlier=int(np.count_nonzero(flags[~asked] == DONE)),
