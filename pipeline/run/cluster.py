@@ -138,17 +138,12 @@ def share(connection: Connection, content: bytes) -> bytes | Future:
     if len(content) <= _LIGHT:
         return content
     for _ in range(_ATTEMPTS):
-        shared = connection.client.submit(same, content, pure=False)
+        shared = connection.client.submit(bytes, content, pure=False)
         with _losses_named(), suppress(TimeoutError, ValueError):  # the latter without any worker
             connection.client.replicate([shared], callback_timeout=connection.patience)
         if shared.status != "error":
             return shared
     raise ExecutionError(f"the Dask workers cannot run this program: {shared.exception()}")
-
-
-def same(content: bytes) -> bytes:
-    """The argument, as the result of a task."""
-    return content
 
 
 def threads_of(connection: Connection) -> Counter[str]:

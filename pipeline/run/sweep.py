@@ -142,7 +142,9 @@ def run_sweep(
         with connected(None, where, str(out), patience):
             pass  # an address where nobody answers makes no store
     with writing(out, sweep) as store, reported(progress) as report:
-        damaged = _repaired(store)
+        # A bucket's servers look after their objects, and each is a request.
+        is_bucket = isinstance(store.place, Bucket)
+        damaged = 0 if is_bucket else len(examined(store, repair=True).damaged)
         if retry_failed:
             store.forget(store.points_at(np.nonzero((store.asked == 1) & (store.flags == FAILED))))
         tell = tell or unheard
@@ -191,16 +193,6 @@ def _rounds(
         asked = further(store) if further else None
         if asked is not None:
             store = grown(store.place, asked, store.lock)
-
-
-def _repaired(store: Store) -> int:
-    """Make damaged points pending; return how many.
-
-    Not in a bucket: its servers look after their objects, and each is a request.
-    """
-    if isinstance(store.place, Bucket):
-        return 0
-    return len(examined(store, repair=True).damaged)
 
 
 def _notes(store: Store, before: Mapping[str, Any], damaged: int) -> Iterator[str]:
