@@ -138,6 +138,7 @@ def examined(
         if any(chunk_key(name, numbers) in keys for name in RECORDS)
     ]
     lost: list[tuple[str, Slices]] = []
+    apart = {*filter(is_coordinate, store.arrays), *AT_END, "status", "asked"}
     unknown = np.zeros(store.flags.shape, bool)
     for numbers, block in begun:
         statuses, asked = (_read(store, name, numbers, keys) for name in ("status", "asked"))
@@ -155,7 +156,7 @@ def examined(
     faults: dict[tuple[int, ...], tuple[Damage, PointRecord | None]] = {}
     complete: list[Point] = []
     for numbers, block in begun:
-        values = {name: _read(store, name, numbers, keys) for name in _together(store)}
+        values = {n: _read(store, n, numbers, keys) for n in store.arrays if n not in apart}
         lost += [
             (name, block)
             for name, of_block in values.items()
@@ -188,12 +189,6 @@ def examined(
         without_status=tuple(complete),
         repaired=repair,
     )
-
-
-def _together(store: Store) -> list[str]:
-    """Variables of which points share chunks, besides their statuses."""
-    others = {*AT_END, "status", "asked"}
-    return [name for name in store.arrays if not is_coordinate(name) and name not in others]
 
 
 def _read(store: Store, name: str, numbers: tuple[int, ...], keys: set[str]) -> Any:
