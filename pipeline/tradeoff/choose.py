@@ -33,6 +33,8 @@ _MARGIN, _DEVIATIONS, _BETWEEN = 1.3, 2.5, 1.1
 _ONE = 0.1  # by how much more the staircase moves the yardstick itself, where but one touches
 _SAME = 1.05  # of the finest error, up to which a cheaper choice is no worse
 _BETWEEN_FEW = 1.5  # where few elements touch, whose quantile is a staircase
+_MANY_NODES = 1000  # from which a loose contact errs no more than its tolerance lets it
+_TIGHT = 1e-3  # tolerance of the contact where fewer touch
 _APART = 0.05  # of the logarithms of the two velocities at a load from that of the boundary
 _PASSES = 5.0  # of the yardstick's steps at each load that a probe takes, trials included
 _WORTH = 0.5  # of the reference's steps in the whole sweep that a thorough probe may take
@@ -309,12 +311,16 @@ def _bound(errors: Sequence[float], of_all_loads: bool, nodes: int) -> float:
 
 
 def _ladder(sweep: Sweep, nodes: int, past: bool) -> list[tuple[str, Fidelity]]:
-    """Fidelities from cheap to dear, each once, of those that go with so few nodes."""
+    """Fidelities from cheap to dear, each once, solved as tightly as so few nodes require."""
     ladder: dict[Fidelity, str] = {}
     for name, preset, changes in _ON_ONE_GRID if past else _RUNGS:
         fidelity = _of(sweep, replace(PRESETS[preset], **changes), past)
         if nodes < FEW_NODES and fidelity.pixels_per_element == 1 < fidelity.history_coarsening:
             continue  # which points of few elements do without, after they have tried
+        touching = nodes / (fidelity.pixels_per_element * fidelity.history_coarsening) ** 2
+        if touching < _MANY_NODES and fidelity.contact_tolerance > _TIGHT:
+            fidelity = replace(fidelity, contact_tolerance=_TIGHT)
+            name = f"{name}, solved tightly"
         ladder.setdefault(fidelity, name)
     return [(name, fidelity) for fidelity, name in ladder.items()]
 

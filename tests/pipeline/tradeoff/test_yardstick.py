@@ -147,8 +147,8 @@ def test_the_first_choice_within_the_accuracy_is_taken_with_all_margins(monkeypa
     of_yardstick = 0.001 + 2e-3 + 0.1 / 2000
     expected = [1.1 * (1 - 1 / 1.09) + of_yardstick, 1.1 * (1 - 1 / 1.03) + of_yardstick]
     assert [trial.error for trial in choice.trials] == pytest.approx(expected)
-    assert choice.trials[0].name == "draft"
-    assert choice.name == choice.trials[-1].name == "standard"
+    assert choice.trials[0].name == "draft, solved tightly"
+    assert choice.name == choice.trials[-1].name == "standard, solved tightly"
     assert (choice.work, choice.saving) == (1000.0 + 30.0 + 100.0, 8.0)
     assert len(choice.points) == 2 * len(SWEEP.loads)
 
@@ -162,9 +162,9 @@ def test_where_none_is_within_it_the_reference_is_taken(monkeypatch):
 
 def test_where_not_even_the_finest_is_within_it_the_cheapest_as_good_is_taken(monkeypatch):
     choice = judged(monkeypatch, 1e-4, [0.09, 1e-5, *[0.09] * 20], steps=0.0)
-    assert choice.name == "draft, finer elements"
+    assert choice.name == "draft, finer elements, solved tightly"
     assert "more than asked for" in str(choice)
-    assert "(draft may err by" in str(choice)
+    assert "(draft, solved tightly may err by" in str(choice)
 
 
 @pytest.mark.parametrize(("heat_model", "taken"), [(0.034, "elapsed"), (0.036, "history")])
