@@ -16,7 +16,8 @@ from pipeline.scene.quantities import shown_in
 from tribo import InputError
 
 TABLES = (".csv", ".md")
-"""Endings of the files that a table may be written to."""
+FIGURES = (".pdf", ".png", ".svg")
+"""Endings of the files that a table, or a figure, may be written to."""
 
 _WIDE = 40  # characters of a cell, beyond which its column gets no wider on a page
 

@@ -23,7 +23,7 @@ from pipeline.analysis.boundary_tables import (
 from pipeline.analysis.scenes import parts_of
 from pipeline.analysis.transition import BEYOND, CROSSES, OUTCOMES, UNKNOWN
 from pipeline.cli.next_steps import after_boundary, more_of_boundary
-from pipeline.cli.output import Result, to_table
+from pipeline.cli.output import Result
 from pipeline.cli.scenes import conditions_in, opened
 from pipeline.cli.unknowns import boundary_of_samples
 from tribo import lubrication_regime
@@ -32,7 +32,6 @@ from tribo.lubricant import BOUNDARY, FULL_FILM
 SLOW = 0.4  # exponent of the rise over the velocity, below which its errors are said to count more
 
 
-@to_table
 def boundary(options: argparse.Namespace) -> Result:
     """Print critical velocities and loads."""
     ds, conditions = opened(options), conditions_in(options)

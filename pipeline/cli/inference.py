@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import pipeline
 from pipeline.analysis.tables import TABLES, Column, Table, writable_path
-from pipeline.cli.output import Result, counted, tell, to_figure_or_table
+from pipeline.cli.output import Result, counted, tell
 from pipeline.cli.progress import working
 from pipeline.cli.scenes import PLACE, flags_of, given, one_scene_of, selected
 from pipeline.cli.unknowns import posterior
@@ -113,7 +113,6 @@ def _on_contact(
     yield "wear", f"{depth} deep, {measured['wear_volume'] * 1e9:.3g} mm³"
 
 
-@to_figure_or_table
 def infer(options: argparse.Namespace) -> Result:
     """Find what was not measured from what was."""
     if any(path.is_dir() for path in options.scene):

@@ -19,7 +19,7 @@ from pipeline.analysis.operating_points import OperatingPoints, Place
 from pipeline.analysis.scenes import columns_of, joined, words
 from pipeline.analysis.transition import BEYOND, CROSSES, OUTCOMES, in_words
 from pipeline.cli.next_steps import after_margin, more_of_boundary
-from pipeline.cli.output import Result, counted, to_table
+from pipeline.cli.output import Result, counted
 from pipeline.cli.scenes import conditions_in, flags_of, given, opened
 from pipeline.cli.unknowns import judged_by, notes, on_risk, samples_of, table_of_intervals
 from tribo import InputError
@@ -37,7 +37,6 @@ _ONLY_IN_FILES = (
 _NOTED = "load", "velocity", "note"
 
 
-@to_table
 def margin(options: argparse.Namespace) -> Result:
     """Print the distance of one operating point to the boundary, or of those of a table."""
     weighed = [*given(options, "scatter"), *(["given_measured"] if options.given_measured else [])]

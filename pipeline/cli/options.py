@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -42,9 +43,9 @@ def _quantity(name: str, metavar: str, like: str, use: str, is_signed: bool = Fa
     return _option(name, metavar=metavar, type=read, help=f'{use}, like "{like}"')
 
 
-def output(name: str, use: str) -> Option:
+def output(name: str, use: str, kind: Callable[[str], Path | str] = Path) -> Option:
     """Option for the file that a command writes."""
-    return _option("-o", "--output", metavar=name, type=Path, help=use)
+    return _option("-o", "--output", metavar=name, type=kind, help=use)
 
 
 OF_ALL = (
@@ -52,8 +53,10 @@ OF_ALL = (
     _flag("--quiet", "show no progress and no notes, only errors", "-q"),
 )
 LIST = _flag("--list", "list them")
-TABLE = output("TABLE.csv", "file of the table, .csv or .md")
-FIGURE_OR_TABLE = output("FILE.png", "file of a figure; or of the table, .csv or .md")
+TABLE = output("TABLE.csv", "file of the table, .csv or .md", values.table)
+FIGURE_OR_TABLE = output(
+    "FILE.png", "file of a figure; or of the table, .csv or .md", values.figure_or_table
+)
 
 SCENE = _option("scene", metavar="SCENE.toml", type=Path, help="scene file, or a shipped scene")
 PRESET = _option(
@@ -130,9 +133,7 @@ WORKERS = _option(
     help="number of workers; default: one for each core",
 )  # fmt: skip
 OF_RUN = (
-    output("OUT.zarr", "path of the store; default: results/<scene>.zarr").but(
-        type=values.new_store
-    ),
+    output("OUT.zarr", "path of the store; default: results/<scene>.zarr", values.new_store),
     Group(
         "",
         (
@@ -258,7 +259,9 @@ OF_INFER = (
         action="append",
         help='bulk temperature, like "25 degC"; with --next one to choose from, may be repeated',
     ),
-    output("TABLE.csv", "file of the table, .csv or .md; or, of samples, of a figure"),
+    FIGURE_OR_TABLE.but(
+        metavar="TABLE.csv", help="file of the table, .csv or .md; or, of samples, of a figure"
+    ),
     *PLACE,
     REALIZATION,
 )  # fmt: skip

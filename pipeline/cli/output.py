@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import functools
 import json
 import math
 import re
@@ -16,7 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pipeline
-from pipeline.analysis.tables import TABLES, Table, is_table, writable_path, write_tables
+from pipeline.analysis.tables import Table, is_table, write_tables
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -43,34 +42,6 @@ class Result:
     draw: Callable[[], Figure] | None = None
     out: Path | None = None  # file of the figure where the user names none
     code: int = DONE
-
-
-Command = Callable[[argparse.Namespace], Result]
-
-
-def to_table(command: Command) -> Command:
-    """Let a command refuse, before its work, a file of -o to which it cannot write a table."""
-
-    @functools.wraps(command)
-    def examined(options: argparse.Namespace) -> Result:
-        if options.output is not None:
-            writable_path(options.output, TABLES)
-        return command(options)
-
-    return examined
-
-
-def to_figure_or_table(command: Command) -> Command:
-    """Let a command refuse, before its work, a file of -o to which it can write neither."""
-
-    @functools.wraps(command)
-    def examined(options: argparse.Namespace) -> Result:
-        if options.output is None or is_table(options.output):
-            return to_table(command)(options)
-        pipeline.figure_path(options.output)
-        return command(options)
-
-    return examined
 
 
 def show(options: argparse.Namespace, result: Result) -> None:

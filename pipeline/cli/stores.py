@@ -8,7 +8,7 @@ from math import isfinite
 from typing import TYPE_CHECKING
 
 import pipeline
-from pipeline.cli.output import DONE, SOME_FAILED, Result, failed_points, to_table, with_variant
+from pipeline.cli.output import DONE, SOME_FAILED, Result, failed_points, with_variant
 from pipeline.cli.progress import working
 from pipeline.cli.scenes import opened
 from pipeline.sweep.stages import duration
@@ -90,7 +90,6 @@ def verify(options: argparse.Namespace) -> Result:
     return Result(document, text, code=SOME_FAILED)
 
 
-@to_table
 def diff(options: argparse.Namespace) -> Result:
     """Print the differences between two stores."""
     stores = opened(options), opened(options, options.other)
@@ -122,7 +121,6 @@ def diff(options: argparse.Namespace) -> Result:
     return Result(between.as_dict(), text, warned, tables)
 
 
-@to_table
 def listing(options: argparse.Namespace) -> Result:
     """List the stores and scenes below a folder."""
     table = pipeline.listing(options.folder)

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import pipeline
 from pipeline.analysis.tables import Column, Table
 from pipeline.analysis.transition import CROSSES, OUTCOMES
-from pipeline.cli.output import Result, tell, to_figure_or_table
+from pipeline.cli.output import Result, tell
 from pipeline.cli.scenes import given, scene_of, settings_of
 from tribo import InputError
 
@@ -23,7 +23,6 @@ if TYPE_CHECKING:
     from pipeline.tradeoff.table import Trade
 
 
-@to_figure_or_table
 def vary(options: argparse.Namespace) -> Result:
     """Print and draw the boundary for each value of some entries."""
     over: dict[str, list[Any]] = {}
@@ -100,7 +99,6 @@ def _on_variations(result: Variations, table: Table) -> Iterator[str]:
             yield f"  entry      {effect.entry}"
 
 
-@to_figure_or_table
 def trade(options: argparse.Namespace) -> Result:
     """Measure speed against accuracy on a scene."""
     measured = pipeline.trade(

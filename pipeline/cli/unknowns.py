@@ -18,7 +18,7 @@ import pipeline
 from pipeline.analysis.conditions import conditions_of
 from pipeline.analysis.tables import Column, Table
 from pipeline.cli.next_steps import next_tests
-from pipeline.cli.output import Result, counted, to_figure_or_table
+from pipeline.cli.output import Result, counted
 from pipeline.cli.progress import working
 from pipeline.cli.scenes import beside, given
 from pipeline.sweep.warned import NO_WARNING
@@ -41,7 +41,6 @@ _SHOWN = 12  # candidates
 _GOOD = 0.3  # of the spread of a velocity, which its error may be
 
 
-@to_figure_or_table
 def risk(options: argparse.Namespace) -> Result:
     """Print the probability of severe wear at a point, or draw it over the plane."""
     place = given(options, "load", "velocity")
@@ -153,7 +152,6 @@ def _within(value: float, ends: Sequence[float]) -> float | str:
     return f"> {ends[1]:.3g}" if value else f"< {ends[0]:.3g}"
 
 
-@to_figure_or_table
 def sensitivity(options: argparse.Namespace) -> Result:
     """Print and draw the shares of the inputs in the variance of the boundary."""
     ds = pipeline.open_sweep(options.store)

@@ -92,6 +92,25 @@ def new_store(text: str) -> Path | str:
     return store(text)
 
 
+def table(text: str, or_figure: bool = False) -> Path:
+    """Read the path of a table to be written, examined before the work that it is to hold."""
+    from pipeline.analysis.tables import (
+        FIGURES,
+        TABLES,
+        writable_path,
+    )  # imports NumPy, which --help needs not
+
+    try:
+        return writable_path(text, (*FIGURES, *TABLES) if or_figure else TABLES)
+    except ValueError as error:
+        raise Refused(str(error)) from None
+
+
+def figure_or_table(text: str) -> Path:
+    """Read the path of a figure or of a table to be written, likewise."""
+    return table(text, or_figure=True)
+
+
 def count(text: str, least: int = 1) -> int:
     """Read a whole number."""
     try:

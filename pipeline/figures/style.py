@@ -16,7 +16,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
-from pipeline.analysis.tables import writable_path
+from pipeline.analysis.tables import FIGURES, writable_path
 from pipeline.sweep.conditions import Conditions
 from tribo import InputError
 
@@ -57,7 +57,6 @@ SOFT_BREAK = " \n"
 """Break between lines of a title that goes where the figure gets another width."""
 
 _NARROW = 40  # characters of a line below the axes of a caller
-_SUFFIXES = (".pdf", ".png", ".svg")
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -124,7 +123,7 @@ def figure_path(out: str | Path) -> Path:
         ...
     tribo.errors.InputError: cannot write diagram.doc: the suffix must be one of .pdf, .png, .svg
     """
-    return writable_path(out, _SUFFIXES)
+    return writable_path(out, FIGURES)
 
 
 @in_house_style
