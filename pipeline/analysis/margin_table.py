@@ -76,10 +76,10 @@ def _table_of(ds: xr.Dataset, read: OperatingPoints, conditions: Mapping[str, An
             answers.append(judge(*place))
         except InputError as error:
             answers.append(str(error))
-    return table_of_margins(read, answers)
+    return _table(read, answers)
 
 
-def table_of_margins(points: OperatingPoints, answers: Sequence[tuple[Margin, ...] | str]) -> Table:
+def _table(points: OperatingPoints, answers: Sequence[tuple[Margin, ...] | str]) -> Table:
     """Table of operating points with their margins, or the reasons for which there are none."""
     surfaces = max((len(answer) for answer in answers if not isinstance(answer, str)), default=1)
     columns = _COLUMNS if surfaces == 1 else _COLUMNS_OF_SEVERAL

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -47,27 +47,29 @@ def boundary(options: argparse.Namespace) -> Result:
 
 def document_of(crossings: xr.Dataset) -> dict[str, Any]:
     """Plain data of `pipeline.boundary`, under its names; outcomes and regimes in words."""
-    names = (
-        "bulk_temperature", "disk_temperature", "critical_temperature", "failing_share",
-        "wear_rate",
-    )  # fmt: skip
-    conditions = {name: _values(crossings, name) for name in names if _has(crossings, name)}
-    frictions = frictions_of(crossings)
-    conditions["criterion"] = _values(crossings, "criterion")
-    conditions["friction"] = frictions[0] if "friction" in crossings.attrs else frictions
     document = {str(name): values.values.tolist() for name, values in crossings.variables.items()}
     for _, axis in BOUNDARIES:
         outcome, film = f"outcome_at_{axis}", f"film_parameter_at_{axis}"
-        document[outcome] = _nested(OUTCOMES.__getitem__, document[outcome])
+        outcomes = np.vectorize(OUTCOMES.__getitem__, otypes=[object])(crossings[outcome])
+        document[outcome] = outcomes.tolist()
         if film in document:
             regimes = np.vectorize(_regime, otypes=[object])(crossings[film], crossings[outcome])
             document[f"regime_at_{axis}"] = regimes.tolist()
     document.pop("missing_points", None)
-    return {"conditions": conditions, "missing_points": _missing(crossings), **document}
+    conditions, missing = _judged_by(crossings), _missing(crossings)
+    return {"conditions": conditions, "missing_points": missing, **document}
 
 
-def _has(crossings: xr.Dataset, name: str) -> bool:
-    return name in crossings.attrs or name in crossings.coords
+def _judged_by(crossings: xr.Dataset) -> dict[str, Any]:
+    """Conditions, each of which has several values where scenes differ in it."""
+    names = (
+        "bulk_temperature", "disk_temperature", "critical_temperature", "failing_share",
+        "wear_rate", "criterion",
+    )  # fmt: skip
+    present = {*crossings.attrs, *crossings.coords}
+    conditions = {name: _values(crossings, name) for name in names if name in present}
+    frictions = frictions_of(crossings)
+    return conditions | {"friction": frictions[0] if "friction" in crossings.attrs else frictions}
 
 
 def _values(crossings: xr.Dataset, name: str) -> Any:
@@ -78,13 +80,6 @@ def _values(crossings: xr.Dataset, name: str) -> Any:
 def _missing(crossings: xr.Dataset) -> int:
     """Number of pending and failed points, of all scenes."""
     return int(np.sum(_values(crossings, "missing_points")))
-
-
-def _nested(write: Callable[[Any], str], values: Any) -> Any:
-    """Values in words, in lists as deep as theirs."""
-    if isinstance(values, list):
-        return [_nested(write, value) for value in values]
-    return write(values)
 
 
 def _regime(film_parameter: float, outcome: int) -> str:
@@ -149,26 +144,21 @@ def _slow_rise(crossings: xr.Dataset) -> Iterator[str]:
 
 def _conditions(crossings: xr.Dataset) -> Iterator[str]:
     """Conditions by which wear is judged, in words."""
+    conditions = _judged_by(crossings)
+
+    def shown(name: str, unit: str = "") -> str:
+        values = np.unique(conditions[name]).tolist()
+        if unit:
+            return ", ".join(pipeline.display(value, unit) for value in values)
+        return ", ".join(value if isinstance(value, str) else f"{value:g}" for value in values)
+
     yield "friction " + ", ".join(f"{value:g}" for value in frictions_of(crossings))
-    bulk = f"bulk {_shown(crossings, 'bulk_temperature', '°C')}"
-    if _has(crossings, "disk_temperature"):
-        bulk += f" (pin) and {_shown(crossings, 'disk_temperature', '°C')} (disk)"
-    yield bulk
-    yield f"critical {_shown(crossings, 'critical_temperature', '°C')}"
-    criterion = _shown(crossings, "criterion")
+    disk = "disk_temperature"
+    unequal = f" (pin) and {shown(disk, '°C')} (disk)" if disk in conditions else ""
+    yield f"bulk {shown('bulk_temperature', '°C')}{unequal}"
+    yield f"critical {shown('critical_temperature', '°C')}"
+    criterion = shown("criterion")
     is_share = criterion == "share"
-    yield (
-        f"failing share {_shown(crossings, 'failing_share')}"
-        if is_share
-        else (f"criterion {criterion}")
-    )
-    if _has(crossings, "wear_rate"):
-        yield f"wear rate {_shown(crossings, 'wear_rate', 'mm³/(N m)')}"
-
-
-def _shown(crossings: xr.Dataset, name: str, unit: str = "") -> str:
-    """A condition, or those of all scenes."""
-    values = np.unique(_values(crossings, name)).tolist()
-    if unit:
-        return ", ".join(pipeline.display(value, unit) for value in values)
-    return ", ".join(value if isinstance(value, str) else f"{value:g}" for value in values)
+    yield f"failing share {shown('failing_share')}" if is_share else f"criterion {criterion}"
+    if "wear_rate" in conditions:
+        yield f"wear rate {shown('wear_rate', 'mm³/(N m)')}"

@@ -19,8 +19,7 @@ _OF_KINDS = (*PLACE, *CONDITIONS, "log", "given_measured", "scatter", _RIVALS)
 
 def plot(options: argparse.Namespace) -> Result:
     """Draw a figure of a store."""
-    shown = given(options, *PLACE, _RIVALS, "scatter", "width", "dpi")
-    shown |= {name: True for name in ("log", "given_measured") if getattr(options, name)}
+    shown = given(options, *PLACE, _RIVALS, "scatter", "width", "dpi", "log", "given_measured")
     conditions = conditions_in(options)
     _require_options(options.kind, [*shown, *conditions])
     shown |= {"with_title": not options.no_title}
@@ -69,7 +68,7 @@ def explore(options: argparse.Namespace) -> Result:
     """Write a page to explore a store in a browser."""
     ds = opened(options)
     out = options.output or beside(options.store, ".html")
-    chosen = given(options, "most_fields", "scatter") | {"given_measured": options.given_measured}
+    chosen = given(options, "most_fields", "scatter", "given_measured")
     if options.no_fields:
         chosen["most_fields"] = 0
     with working("writing the page"):

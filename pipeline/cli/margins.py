@@ -14,14 +14,14 @@ import pipeline
 from pipeline.analysis.attributes import attributes_of
 from pipeline.analysis.band import BAND
 from pipeline.analysis.conditions import conditions_of
-from pipeline.analysis.margin_table import table_of_margins
-from pipeline.analysis.operating_points import OperatingPoints, Place
-from pipeline.analysis.scenes import columns_of, joined, words
-from pipeline.analysis.transition import BEYOND, CROSSES, OUTCOMES, in_words
+from pipeline.analysis.operating_points import OperatingPoints
+from pipeline.analysis.scenes import words
+from pipeline.analysis.transition import BEYOND, CROSSES, OUTCOMES, UNITS, in_words
 from pipeline.cli.next_steps import after_margin, more_of_boundary
 from pipeline.cli.output import Result, counted
 from pipeline.cli.scenes import conditions_in, flags_of, given, opened
-from pipeline.cli.unknowns import judged_by, notes, on_risk, samples_of, table_of_intervals
+from pipeline.cli.unknowns import notes, on_risk, samples_of, table_of_intervals
+from pipeline.uncertain.judging import ensemble_under
 from tribo import InputError
 
 if TYPE_CHECKING:
@@ -39,7 +39,7 @@ _NOTED = "load", "velocity", "note"
 
 def margin(options: argparse.Namespace) -> Result:
     """Print the distance of one operating point to the boundary, or of those of a table."""
-    weighed = [*given(options, "scatter"), *(["given_measured"] if options.given_measured else [])]
+    weighed = [*given(options, "scatter", "given_measured")]
     place = given(options, "load", "velocity")
     if options.points is None and len(place) < 2:
         raise InputError("no operating point is given; give --load and --velocity, or --points")
@@ -65,16 +65,15 @@ def _of_one(options: argparse.Namespace, ds: xr.Dataset, conditions: dict[str, A
     document = documents[0] if len(parts) == 1 else {"scenes": documents}
     text = [line for part in parts for line in _on_scene(ds, part)]
     text += after_margin(attributes_of(ds), options.store, margins)
-    command = _command(options, ds, conditions, margins)
-    if command:
+    command = None
+    if any(map(_is_incomplete, margins)):
+        judged = conditions_of(ds, **conditions).as_dict()
+        command = more_of_boundary(ds, options.store, judged)
         text.append(f"compute more of the boundary with: {command}")
-    here = OperatingPoints((Place(options.load, options.velocity),), {})
-    columns = columns_of(ds["status"])
-    values = [[part[0].entries[column.name] for column in columns] for part in parts]
-    tables_of_parts = (table_of_margins(here, [part]) for part in parts)
-    tables = [joined(columns, zip(values, tables_of_parts, strict=True))]
+    here = {"load": [options.load], "velocity": [options.velocity]}
+    table = pipeline.margin_table(ds, here, **conditions)
     warned = pipeline.warned(ds, **conditions)
-    return Result(document | {"command": command}, text, warned, tables)
+    return Result(document | {"command": command}, text, warned, [table])
 
 
 def _on_scene(ds: xr.Dataset, margins: Sequence[Margin]) -> Iterator[str]:
@@ -100,7 +99,7 @@ def _of_samples(
         )
     measured, here = None, dict[str, float]()
     if conditions:
-        ensemble, here = judged_by(ds, conditions)
+        ensemble, here = ensemble_under(ds, **conditions)
     else:
         ensemble, measured = samples_of(options, ds)
     answer = pipeline.margin_intervals(
@@ -131,21 +130,11 @@ def _of_several(options: argparse.Namespace, ds: xr.Dataset, conditions: dict[st
     return Result(document, text, pipeline.warned(ds, **conditions), [table])
 
 
-def _command(
-    options: argparse.Namespace,
-    ds: xr.Dataset,
-    conditions: dict[str, Any],
-    margins: Sequence[Margin],
-) -> str | None:
-    """The command that computes transitions beyond the computed points; None if there are none."""
+def _is_incomplete(here: Margin) -> bool:
+    """A transition beyond the computed points, or across some that are not done."""
     beyond = {OUTCOMES[outcome] for outcome in BEYOND}
-    is_incomplete = any(
-        beyond & {one.velocity_outcome, one.load_outcome} or one.velocity_bridged + one.load_bridged
-        for one in margins
-    )
-    if not is_incomplete:
-        return None
-    return more_of_boundary(ds, options.store, conditions_of(ds, **conditions).as_dict())
+    is_beyond = bool(beyond & {here.velocity_outcome, here.load_outcome})
+    return is_beyond or here.velocity_bridged + here.load_bridged > 0
 
 
 def _on_one(here: Margin) -> Iterator[str]:
@@ -158,19 +147,12 @@ def _on_one(here: Margin) -> Iterator[str]:
     side = "above" if here.is_severe else "below"
     critical = pipeline.display(here.critical_temperature, "°C", 4)
     yield f"  distance              {abs(here.distance):.1f} K {side} {critical}"
-    for name, unit, factor, critical_value, outcome, ends, bridged in (
-        (
-            "velocity", "m/s", here.velocity_factor, here.critical_velocity,
-            here.velocity_outcome, here.velocity_range, here.velocity_bridged,
-        ),
-        (
-            "load", "N", here.load_factor, here.critical_load,
-            here.load_outcome, here.load_range, here.load_bridged,
-        ),
-    ):  # fmt: skip
-        way = in_words(outcome, ends, name)
+    for name, unit in UNITS.items():
+        outcome, bridged = (getattr(here, f"{name}_{part}") for part in ("outcome", "bridged"))
+        way = in_words(outcome, getattr(here, f"{name}_range"), name)
         if outcome == OUTCOMES[CROSSES]:
-            way = f"{factor:.3g} times, severe from {critical_value:.4g} {unit} on"
+            factor, place = getattr(here, f"{name}_factor"), getattr(here, f"critical_{name}")
+            way = f"{factor:.3g} times, severe from {place:.4g} {unit} on"
             if bridged:
                 way += f", interpolated across {counted(bridged, 'point', 'points')} not done"
         yield f"  in {name:<19}{way}"

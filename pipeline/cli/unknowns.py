@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import pipeline
-from pipeline.analysis.conditions import conditions_of
 from pipeline.analysis.tables import Column, Table
 from pipeline.cli.next_steps import next_tests
 from pipeline.cli.output import Result, counted
@@ -23,7 +22,7 @@ from pipeline.cli.progress import working
 from pipeline.cli.scenes import beside, given
 from pipeline.sweep.warned import NO_WARNING
 from pipeline.uncertain.answers import probabilities_at_loads, table_of_lines
-from pipeline.uncertain.weigh import posterior_if_given
+from pipeline.uncertain.judging import ensemble_under, posterior_if_given
 from tribo import InputError
 
 if TYPE_CHECKING:
@@ -117,9 +116,9 @@ def _on_lines(lines: Table) -> Iterator[str]:
 
 def boundary_of_samples(ds: xr.Dataset, conditions: dict[str, Any]) -> Result:
     """Print the velocities at which wear is severe with some probabilities."""
-    ensemble, given_here = judged_by(ds, conditions)
+    ensemble, here = ensemble_under(ds, **conditions)
     with working("finding probabilities at each load"):
-        lines = table_of_lines(probabilities_at_loads(ensemble, conditions=given_here))
+        lines = table_of_lines(probabilities_at_loads(ensemble, conditions=here))
     text = [*_on_lines(lines), *notes(ensemble, None)]
     return Result(_about(ensemble) | _document(lines), text, pipeline.warned(ds), [lines])
 
@@ -293,20 +292,6 @@ def samples_of(options: argparse.Namespace, ds: xr.Dataset) -> tuple[Ensemble, P
         ensemble = pipeline.Ensemble.of(ds)
     with working("weighing the inputs by the measurements"):
         return ensemble, posterior_if_given(ensemble, options.given_measured, options.scatter)
-
-
-def judged_by(ds: xr.Dataset, conditions: dict[str, Any]) -> tuple[Ensemble, dict[str, float]]:
-    """Samples of a sweep, judged by conditions that are given, and those of them by number."""
-    if isinstance(conditions.get("friction"), tuple):
-        raise InputError("samples are judged at one --friction at a time; give one")
-    judged = conditions_of(ds, **conditions)
-    ensemble = pipeline.Ensemble.of(
-        ds,
-        share=judged.failing_share if "share" in conditions else None,
-        criterion=conditions.get("criterion"),
-    )
-    names = ("friction", "bulk_temperature", "critical_temperature")
-    return ensemble, {name: getattr(judged, name) for name in names if name in conditions}
 
 
 def _about(ensemble: Ensemble) -> dict[str, Any]:

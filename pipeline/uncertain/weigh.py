@@ -287,25 +287,6 @@ def posterior(ensemble: Ensemble | Sequence[Ensemble], scatter: float = SCATTER)
     return Posterior(ensembles, unknown, columns, before, draws, judged, scatter, inferred)
 
 
-def posterior_if_given(
-    ensemble: Ensemble, given_measured: bool, scatter: float | None = None
-) -> Posterior | None:
-    """Inputs weighed by the tests, if they are to count, of which there has to be one then."""
-    if not given_measured:
-        if scatter is not None:
-            raise InputError(
-                f"scatter is {scatter:g}, of measured velocities that do not count here; add "
-                "--given-measured (in Python given_measured=True), or leave it out"
-            )
-        return None
-    if not ensemble.tests:
-        raise InputError(
-            "the scene has no measured transition and no test; give it a [[measured]] with load "
-            "and velocity, or a [[tested]] with an outcome besides"
-        )
-    return posterior(ensemble, SCATTER if scatter is None else scatter)
-
-
 def _joined(ensembles: Sequence[Ensemble]) -> tuple[tuple[Unknown, ...], tuple[Any, ...]]:
     """Unknown inputs of all sweeps, and those of each among them."""
     inputs: dict[str, Unknown] = {}

@@ -8,11 +8,11 @@ from typing import Any
 
 import xarray as xr
 
-from pipeline.analysis.conditions import conditions_of
 from pipeline.analysis.operating_points import OperatingPoints
 from pipeline.analysis.tables import Column, Table
 from pipeline.uncertain.answers import probabilities_at_loads, risk, risk_lines, table_of_lines
-from pipeline.uncertain.ensemble import CONDITIONS, Ensemble
+from pipeline.uncertain.ensemble import Ensemble
+from pipeline.uncertain.judging import ensemble_under
 from tribo import InputError
 
 
@@ -20,9 +20,7 @@ def sections(
     ds: xr.Dataset, points: OperatingPoints | None, changed: Mapping[str, Any]
 ) -> dict[str, Callable[[], Iterator[str | Table]]]:
     """Writers of the sections that a sweep of samples has in place of the usual ones."""
-    judged = conditions_of(ds, **changed)
-    conditions = {name: getattr(judged, name) for name in CONDITIONS if name in changed}
-    ensemble = Ensemble.of(ds, changed.get("share"), changed.get("criterion"))
+    ensemble, conditions = ensemble_under(ds, **changed)
     plane = probabilities_at_loads(ensemble, conditions=conditions)
     _, lines = risk_lines(plane)
     of_load = list(zip(ensemble.loads.tolist(), lines.tolist(), strict=True))
