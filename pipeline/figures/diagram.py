@@ -141,8 +141,7 @@ def _frame(axes: Axes, ds: xr.Dataset, realization: int | None, log: bool) -> No
         plain_numbers(axes)
     surface = "" if realization is None else f", surface {realization}"
     axes.set_title(title_of(ds) + surface, pad=10)
-    axes.set_xlabel("sliding velocity [m/s]")
-    axes.set_ylabel("normal load [N]")
+    axes.set(xlabel="sliding velocity [m/s]", ylabel="normal load [N]")
 
 
 def _of_scenes(

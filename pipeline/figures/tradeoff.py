@@ -49,8 +49,7 @@ def draw_trade(trade: Trade) -> Figure:
         for choice in trade.choices[:-1]
         if choice.velocity_error < (_OUTLYING if choice.varied else math.inf)
     ]
-    axes.set_xscale("log")
-    axes.set_yscale("log")
+    axes.set(xscale="log", yscale="log")
     front = [choice for choice in trade.front if choice in shown]
     axes.plot(
         [_place(choice)[0] for choice in front],

@@ -89,12 +89,10 @@ def draw_risk(
             place["velocity"], place["load"], marker="*", ms=15, mfc=VERMILION, mec=BLACK,
             ls="none", label="operating point",
         )  # fmt: skip
-    axes.set_xlabel("sliding velocity [m/s]")
-    axes.set_ylabel("normal load [N]")
+    axes.set(xlabel="sliding velocity [m/s]", ylabel="normal load [N]")
     _limit(axes, p, x)
     if log:
-        axes.set_xscale("log")
-        axes.set_yscale("log")
+        axes.set(xscale="log", yscale="log")
         plain_numbers(axes)
     basis = "inputs as assumed, before any measurement"
     if posterior:

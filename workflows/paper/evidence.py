@@ -146,7 +146,6 @@ def _draw(names: Sequence[str], odds: Sequence[float], confused: list[list[float
     right.set_xticks(range(len(_SHORT)), _SHORT, rotation=45, ha="right")
     right.set_yticks(range(len(_SHORT)), _SHORT)
     right.grid(visible=False)
-    right.set_xlabel("model with most evidence")
-    right.set_ylabel("model that made the data")
+    right.set(xlabel="model with most evidence", ylabel="model that made the data")
     right.set_title("by its own data [%]", loc="left")
     return figure

@@ -82,8 +82,6 @@ def _draw(curves: _Curves, full: float, title: str) -> Figure:
     axes.set_ylim(bottom, top + 0.06 * (top - bottom))
     for side, text in (("right", "ramp "), ("left", " load held")):
         axes.text(full, bottom + 2, text, ha=side, va="bottom", color=GREY)
-    axes.set_xlim(0, None)
-    axes.set_xlabel("time [s]")
-    axes.set_ylabel("highest contact temperature [°C]")
+    axes.set(xlim=(0, None), xlabel="time [s]", ylabel="highest contact temperature [°C]")
     axes.legend(loc="lower right", title=title)
     return figure

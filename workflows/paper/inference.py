@@ -240,8 +240,7 @@ def _draw_temperatures(axes: Axes, critical: dict[str, Array], printed: float) -
     axes.set_xticks(range(start), ticks[:start])
     axes.tick_params(axis="x", labelsize=8)
     bottom, top = axes.get_ylim()
-    axes.set_ylim(bottom, top + 0.25 * (top - bottom))
-    axes.set_ylabel("critical temperature [°C]")
+    axes.set(ylim=(bottom, top + 0.25 * (top - bottom)), ylabel="critical temperature [°C]")
     axes.set_title("from each measured transition", loc="left")
     axes.legend(loc="upper left")
 

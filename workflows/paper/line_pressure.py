@@ -158,8 +158,7 @@ def _draw_fields(figure: Figure, row: list[Axes], fields: _Pressures) -> None:
             cmap=colours, vmin=0, vmax=1.6, rasterized=True,
         )  # fmt: skip
         axes.set_title(title, loc="left")
-        axes.set_xlabel("x, along sliding [µm]")
-        axes.set_ylabel("y [µm]")
+        axes.set(xlabel="x, along sliding [µm]", ylabel="y [µm]")
         axes.grid(visible=False)
     figure.colorbar(image, ax=row, label="pressure [GPa]", extend="max", pad=0.02)
 
@@ -178,10 +177,7 @@ def _draw_sections(across: Axes, along: Axes, fields: _Pressures) -> None:
     across.plot(_UM * fields.x, hertz, color=GREY, ls=":", lw=2.6, label="Hertz")
     along.axhline(fields.peak / 1e9, color=GREY, ls=":", lw=2.6)
     across.set_title("across the contact, in the middle", loc="left")
-    across.set_xlabel("x [µm]")
-    across.set_ylabel("pressure [GPa]")
-    across.set_ylim(0, 1.45)
+    across.set(xlabel="x [µm]", ylabel="pressure [GPa]", ylim=(0, 1.45))
     across.legend(loc="upper center", ncols=2)
     along.set_title("along the cylinder, at x = 0", loc="left")
-    along.set_xlabel("y [µm]")
-    along.set_ylim(0.8, 1.6)
+    along.set(xlabel="y [µm]", ylim=(0.8, 1.6))

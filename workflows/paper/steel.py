@@ -166,7 +166,6 @@ def _draw_temperatures(axes: Axes, transitions: Sequence[Transition], warmings: 
         )  # fmt: skip
         labelled.add(label)
     axes.axhspan(137, 153, color=GREEN, alpha=0.2, lw=0, label="white oil on the rig, 145 ± 8 °C")
-    axes.set_xlabel("conductivity of the steel [W/(m K)]")
-    axes.set_ylabel("critical temperature [°C]")
+    axes.set(xlabel="conductivity of the steel [W/(m K)]", ylabel="critical temperature [°C]")
     axes.set_title("from each measured transition", loc="left")
     axes.legend(loc="upper right", fontsize=7.5)

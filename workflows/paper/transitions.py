@@ -189,5 +189,4 @@ def beside(
             color=colour, marker=marker, ls="none", capsize=3, label=f"computed, {name}",
         )  # fmt: skip
     axes.set_xticks(places, ticks)
-    axes.set_xlim(-0.5, len(ticks) - 0.5)
-    axes.set_title(title)
+    axes.set(xlim=(-0.5, len(ticks) - 0.5), title=title)
