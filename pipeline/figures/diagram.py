@@ -108,7 +108,8 @@ def diagram(
         planes = _planes(ds, conditions)
         plane = _quantile(planes, 0.5)
         _regions(axes, plane, rise_limit(conditions))
-        legend += _boundary(axes, plane, conditions)
+        if _isoline(axes, plane, rise_limit(conditions), "boundary", colors=BLACK, linewidths=2.2):
+            legend.append(Line2D([], [], color=BLACK, lw=2.2, label="computed transition"))
         legend += beyond
         if variant_of(ds):
             legend += _surface_band(axes, planes, conditions)
@@ -228,12 +229,6 @@ def _regions(axes: Axes, plane: xr.DataArray, limit: float) -> None:
         ).set_gid("regions")
 
 
-def _boundary(axes: Axes, plane: xr.DataArray, conditions: Conditions) -> list[Artist]:
-    if not _isoline(axes, plane, rise_limit(conditions), "boundary", colors=BLACK, linewidths=2.2):
-        return []
-    return [Line2D([], [], color=BLACK, lw=2.2, label="computed transition")]
-
-
 def _beyond(ds: xr.Dataset, conditions: Conditions) -> list[Artist]:
     """Say at which loads transitions lie beyond, or between, points that are not done."""
     boundaries = boundary_under(ds, conditions)
@@ -246,11 +241,6 @@ def _beyond(ds: xr.Dataset, conditions: Conditions) -> list[Artist]:
             span = " to ".join(f"{load:g}" for load in dict.fromkeys((loads[0], loads[-1])))
             labels.append(f"{words}: at {len(loads)} of {holds.sizes['load']} loads, {span} N")
     return [Line2D([], [], ls="none", label=label) for label in labels]
-
-
-def _loads_beyond(ds: xr.Dataset, conditions: Conditions) -> list[float]:
-    """Loads at which a transition lies beyond what was computed."""
-    return _loads_where(boundary_under(ds, conditions)["outcome_at_load"].isin(BEYOND))
 
 
 def _loads_where(holds: xr.DataArray) -> list[float]:
@@ -285,7 +275,8 @@ def _band(
     for edge in (low, high):
         _isoline(axes, edge, 1.0, "band edge", colors=GREY, linewidths=0.8, linestyles="--")
     text = f"transition at friction {min(band):g}–{max(band):g}"
-    if cut := {load for end in ends for load in _loads_beyond(ds, end)}:
+    beyond = [boundary_under(ds, end)["outcome_at_load"].isin(BEYOND) for end in ends]
+    if cut := {load for holds in beyond for load in _loads_where(holds)}:
         text += f",\nbeyond what was computed at {len(cut)} of {ds.sizes['load']} loads"
     return [Patch(fc=TINTS["band"], ec=GREY, ls="--", lw=0.8, alpha=0.8, label=text)]
 

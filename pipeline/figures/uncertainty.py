@@ -29,7 +29,6 @@ from pipeline.figures.style import (
 )
 from pipeline.uncertain.answers import QUANTILES
 from pipeline.uncertain.ensemble import Ensemble
-from pipeline.uncertain.inputs import Draws
 from pipeline.uncertain.sensitivity import Sensitivity
 from pipeline.uncertain.weigh import Judged, Posterior
 from tribo.types import Array
@@ -195,8 +194,11 @@ def draw_posterior(posterior: Posterior) -> Figure:
             (posterior.prior, GREY, "before"),
             (posterior.draws, BLUE, "after"),
         ):
-            of_draws = quantity.shown.of(draws.inputs[:, number]) / 10.0**power
-            _histogram(panel, of_draws, draws, bins, colour, label)
+            panel.hist(
+                quantity.shown.of(draws.inputs[:, number]) / 10.0**power, bins.tolist(),
+                weights=draws.weights, density=True, histtype="stepfilled", color=colour,
+                alpha=0.45, ec=colour, label=label,
+            )  # fmt: skip
         panel.set_xlabel(entry_label(quantity.path) + _unit(quantity.shown.name, power), fontsize=9)
         panel.set_yticks([])
         panel.grid(visible=False)
@@ -206,18 +208,8 @@ def draw_posterior(posterior: Posterior) -> Figure:
         panel.set_axis_off()
     titles = (as_title(one.title, 34 * columns) for one in posterior.ensembles)
     figure.suptitle("\n".join(titles))
-    handles, labels = axes[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=2)
+    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=2)
     return figure
-
-
-def _histogram(
-    axes: Axes, column: Array, draws: Draws, bins: Array, colour: str, label: str
-) -> None:
-    axes.hist(
-        column, bins.tolist(), weights=draws.weights, density=True, histtype="stepfilled",
-        color=colour, alpha=0.45, ec=colour, label=label,
-    )  # fmt: skip
 
 
 def _parity(axes: Axes, transitions: Sequence[Judged], inferred: float) -> None:

@@ -200,16 +200,12 @@ def _tables(
     """Deciding rises by share, and quantiles, by load, velocity, step and bulk ratio [K]."""
     names = ("rise_quantile", "mean_rise", "bulk_rise_quantile", "mean_bulk_response")
     columns = {name: ds[name].values for name in names if name in ds}
-    at_ratios = [above_colder(columns, ratio) for ratio in ratios]
-    decisive = [_decisive(rises, ds, criterion, shares) for rises in at_ratios]
+    quantile = {"quantile": ds["quantile"].values}
+    at_ratios = [{**above_colder(columns, ratio), **quantile} for ratio in ratios]
+    criteria = [Criterion(criterion, share) for share in shares]
+    decisive = [np.stack([one.rise(rises) for one in criteria], axis=-1) for rises in at_ratios]
     quantiles = [rises["rise_quantile"] for rises in at_ratios]
     return np.stack(decisive, axis=-2), np.stack(quantiles, axis=-2)
-
-
-def _decisive(columns: Any, ds: xr.Dataset, criterion: str, shares: list[float]) -> Array:
-    """Deciding rise by load, velocity, step and share [K]."""
-    columns = {**columns, "quantile": ds["quantile"].values}
-    return np.stack([Criterion(criterion, share).rise(columns) for share in shares], axis=-1)
 
 
 def _moments(rises: Array, normal_load: Array, load: float) -> NDArray[np.intp]:
@@ -273,12 +269,11 @@ def record(attributes: Mapping[str, Any]) -> dict[str, str]:
 
 def _conditions(ds: xr.Dataset, conditions: Conditions) -> dict[str, Any]:
     """The conditions of the sweep; that of the disk's bulk where it may differ from the pin's."""
-    disk = (
-        conditions.bulk_temperature
-        if conditions.disk_temperature is None
-        else conditions.disk_temperature
-    )
-    return conditions.as_dict() | ({"disk_temperature": disk} if "bulk_rise_quantile" in ds else {})
+    disk, bulk = conditions.disk_temperature, conditions.bulk_temperature
+    plain = conditions.as_dict()
+    if "bulk_rise_quantile" in ds:
+        plain["disk_temperature"] = bulk if disk is None else disk
+    return plain
 
 
 def _has_fields(ds: xr.Dataset) -> bool:

@@ -202,8 +202,9 @@ def _of_samples(held: dict[str, Any]) -> str:
 
 
 def _of_both(held: dict[str, Any]) -> dict[str, str]:
-    """Title, record and data of a scene."""
+    """Title, form of the operating point, record and data of a scene."""
     return {
+        "operating": _text("operating.html"),
         "title": html.escape(str(held["title"] or held["name"])),
         "record": Table(_ENTRY, tuple(held["record"].items())).html(),
         "data": _as_json({name: value for name, value in held.items() if name != "record"}),

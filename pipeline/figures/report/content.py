@@ -5,7 +5,7 @@ from __future__ import annotations
 import base64
 import html
 import io
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from datetime import UTC, datetime
 from typing import Any
 
@@ -24,6 +24,8 @@ from pipeline.analysis.scenes import parts_of, scenes, words
 from pipeline.analysis.tables import Column, Table
 from pipeline.analysis.transition import CROSSES, OUTCOMES
 from pipeline.analysis.warned_points import warned
+from pipeline.figures.diagram import diagram
+from pipeline.figures.fit import fitted
 from pipeline.figures.report.citation import citation
 from pipeline.figures.style import criterion, heating
 from pipeline.scene.reference import meanings
@@ -41,15 +43,20 @@ _LONG = {
     "temperature_error", "note",
 }  # fmt: skip
 """Columns of a table of margins for which a page is too narrow."""
+_MODEL = (
+    "A rough, elastic-plastic contact under boundary lubrication is worn by Archard's law while "
+    "the load grows, and heated by friction; after Bosman and de Rooij. A lubricating film that "
+    "carries load, and the wear after the transition, are not part of it."
+)
 
 
 def content(ds: xr.Dataset, points: OperatingPoints | None, conditions: Mapping[str, Any]) -> str:
     """Body of a report as HTML: headings, paragraphs, tables and a picture."""
     attributes = attributes_of(ds)
     title = attributes.get("title") or attributes.get("name") or "Transition diagram"
-    sections: dict[str, Callable[[], Iterator[Part]]] = {
+    sections: dict[str, Callable[[], Iterable[Part]]] = {
         "Question and answer": lambda: _question(ds, conditions),
-        "Transition diagram": lambda: _diagram(ds, conditions),
+        "Transition diagram": lambda: [fitted(diagram(ds, **conditions), 0.17, with_title=False)],
         "Boundary in numbers": lambda: _numbers(ds, conditions),
         "Operating points": lambda: _operating_points(ds, points, conditions),
         "Warnings": lambda: _warnings(ds, conditions),
@@ -57,7 +64,7 @@ def content(ds: xr.Dataset, points: OperatingPoints | None, conditions: Mapping[
         "Measured transitions": lambda: _measured(attributes, "measured"),
         "Tests": lambda: _measured(attributes, "tested"),
         "Numerical choices and their error": lambda: _fidelity(attributes),
-        "Model": _model,
+        "Model": lambda: [_MODEL],
         "Versions": lambda: _versions(attributes),
         "Citation": citation,
     }
@@ -72,7 +79,7 @@ def content(ds: xr.Dataset, points: OperatingPoints | None, conditions: Mapping[
     return "\n".join(parts)
 
 
-def _or_reason(write: Callable[[], Iterator[Part]]) -> list[Part]:
+def _or_reason(write: Callable[[], Iterable[Part]]) -> list[Part]:
     """Parts of a section, and the reason for which the sweep has no more."""
     parts: list[Part] = []
     try:
@@ -138,14 +145,6 @@ def _answer(boundaries: xr.Dataset) -> str:
     )
     median = f", the median of {boundaries.sizes[axis]} surfaces" if axis else ""
     return f"Answer: wear is severe {text}{median}."
-
-
-def _diagram(ds: xr.Dataset, conditions: Mapping[str, Any]) -> Iterator[Part]:
-    """Transition diagram as a picture within the document."""
-    from pipeline.figures.plot import plot
-
-    figure: Any = plot(ds, "diagram", width="17 cm", with_title=False, **conditions)
-    yield figure
 
 
 def _numbers(ds: xr.Dataset, conditions: Mapping[str, Any]) -> Iterator[Part]:
@@ -253,15 +252,6 @@ def _fidelity(attributes: Mapping[str, Any]) -> Iterator[Part]:
     choices = entries_of({"scene": {"fidelity": (attributes.get("scene") or {}).get("fidelity")}})
     rows = ((path.removeprefix("fidelity."), text) for path, text in choices.items())
     yield Table(columns, tuple(rows))
-
-
-def _model() -> Iterator[Part]:
-    """Physics of the model, and its limits."""
-    yield (
-        "A rough, elastic-plastic contact under boundary lubrication is worn by Archard's law "
-        "while the load grows, and heated by friction; after Bosman and de Rooij. A lubricating "
-        "film that carries load, and the wear after the transition, are not part of it."
-    )
 
 
 def _versions(attributes: Mapping[str, Any]) -> Iterator[Part]:
