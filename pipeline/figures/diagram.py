@@ -24,8 +24,12 @@ from pipeline.analysis.decisive import decisive_rise, refined
 from pipeline.analysis.scenes import scenes, value_text
 from pipeline.analysis.transition import BEYOND, CROSSES, Transition, range_of
 from pipeline.analysis.warned_points import has_warning
-from pipeline.figures.measured import at_own_friction, measured_transitions
-from pipeline.figures.overlays import film_lines, rival_lines
+from pipeline.figures.overlays import (
+    at_own_friction,
+    film_lines,
+    measured_transitions,
+    rival_lines,
+)
 from pipeline.figures.regions import name_regions
 from pipeline.figures.style import (
     BLACK,

@@ -10,7 +10,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from pipeline.figures.measured import measured_transitions
+from pipeline.figures.overlays import measured_transitions
 from pipeline.figures.style import (
     BLACK,
     BLUE,
