@@ -63,7 +63,10 @@ def _of_one(options: argparse.Namespace, ds: xr.Dataset, conditions: dict[str, A
     parts = [tuple(part) for _, part in itertools.groupby(margins, lambda one: one.entries)]
     documents = [_document(part) if part[1:] else part[0].as_dict() for part in parts]
     document = documents[0] if len(parts) == 1 else {"scenes": documents}
-    text = [line for part in parts for line in _on_scene(ds, part)]
+    text = []
+    for part in parts:
+        text += [f"{words(ds, part[0].entries)}:"] if part[0].entries else []
+        text += _on_surfaces(part) if part[1:] else _on_one(part[0])
     text += after_margin(attributes_of(ds), options.store, margins)
     command = None
     if any(map(_is_incomplete, margins)):
@@ -74,13 +77,6 @@ def _of_one(options: argparse.Namespace, ds: xr.Dataset, conditions: dict[str, A
     table = pipeline.margin_table(ds, here, **conditions)
     warned = pipeline.warned(ds, **conditions)
     return Result(document | {"command": command}, text, warned, [table])
-
-
-def _on_scene(ds: xr.Dataset, margins: Sequence[Margin]) -> Iterator[str]:
-    """Lines on one scene, with its values of the entries that have several."""
-    if margins[0].entries:
-        yield f"{words(ds, margins[0].entries)}:"
-    yield from _on_surfaces(margins) if margins[1:] else _on_one(margins[0])
 
 
 def _of_samples(

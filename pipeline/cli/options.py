@@ -39,7 +39,7 @@ def _flag(name: str, use: str, *short: str) -> Option:
 
 def _quantity(name: str, metavar: str, like: str, use: str, is_signed: bool = False) -> Option:
     """Option for a quantity with a unit, such as the example that ends its help."""
-    read = values.quantity(like) if is_signed else values.positive(like)
+    read = values.quantity(like, is_signed)
     return _option(name, metavar=metavar, type=read, help=f'{use}, like "{like}"')
 
 

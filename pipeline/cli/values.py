@@ -21,25 +21,15 @@ _OF_OTHER_FILES = (
 _DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d+")
 
 
-def quantity(like: str) -> Callable[[str], float]:
-    """Reader of quantities with a unit, such as `like`."""
+def quantity(like: str, is_signed: bool = False) -> Callable[[str], float]:
+    """Reader of quantities with a unit, such as `like`, above 0 unless they are signed."""
 
     def read(text: str) -> float:
         try:
-            return pipeline.to_si(text, like)
+            value = pipeline.to_si(text, like)
         except ValueError as error:
             raise Refused(f'{error}; give one like "{like}"') from error
-
-    return read
-
-
-def positive(like: str) -> Callable[[str], float]:
-    """Reader of quantities above 0 with a unit, such as `like`."""
-    signed = quantity(like)
-
-    def read(text: str) -> float:
-        value = signed(text)
-        if not 0 < value < math.inf:
+        if not (is_signed or 0 < value < math.inf):
             raise Refused(f'"{text}" is not above 0; give one like "{like}"')
         return value
 
@@ -54,7 +44,7 @@ def sides(text: str) -> tuple[float, float]:
     >>> sides("0.8 um"), sides("0.8 um,0.9 um")
     ((8e-07, 8e-07), (8e-07, 9e-07))
     """
-    read = positive("0.8 um")
+    read = quantity("0.8 um")
     first, comma, second = text.partition(",")
     return read(first), read(second if comma else first)
 
@@ -67,7 +57,7 @@ def bulk(text: str) -> float | dict[str, float]:
     >>> bulk("25 degC"), bulk("pin=60 degC, disk=25 degC")
     (298.15, {'pin': 333.15, 'disk': 298.15})
     """
-    read = quantity("25 degC")
+    read = quantity("25 degC", is_signed=True)
     if "=" not in text:
         return read(text)
     match = _EACH_BULK.fullmatch(text)

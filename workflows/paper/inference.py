@@ -144,8 +144,7 @@ def _widening(sweep: Sweep) -> float:
     row = TABLE_4[0]
     held = _held(sweep, row, _DURATIONS[len(_DURATIONS) // 2], steps=20)
     rough, smooth = (
-        float(end_of(scene, row.normal_load, row.velocity).contact_width)
-        for scene in (held, replace(held, roughness=None))
+        float(end_of(scene, row).contact_width) for scene in (held, replace(held, roughness=None))
     )
     return rough / smooth - 1
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -25,9 +25,9 @@ class _Run(NamedTuple):
     time: Array  # [s]
     temperature: Array  # exceeded on the failing share of the contact [°C]
     duration: float  # [s]
-    distance: float  # [m]
-    highest: float  # at the end [°C]
-    exceeded: float  # at the end, on the failing share of the contact [°C]
+    sliding_distance: float  # [m]
+    max_celsius: float  # at the end
+    exceeded_celsius: float  # at the end, on the failing share of the contact
 
 
 def fig8(study: Study) -> Report:
@@ -48,32 +48,32 @@ def fig8(study: Study) -> Report:
         for name in study.each(loadings)
     }
     recorded, fitted = runs[_RECORD], runs[_FIT]
-    values = {
+    values: dict[str, Any] = {
         "load": load,
         "velocity": velocity,
         "heating": heating(sweep.conditions),
         "share": sweep.conditions.failing_share,
         "printed_rate": LOADING_RATE,
         "rate": rate,
-        "off": fitted.exceeded - recorded.exceeded,
-        "highest_off": fitted.highest - recorded.highest,
+        "off": fitted.exceeded_celsius - recorded.exceeded_celsius,
+        "highest_off": fitted.max_celsius - recorded.max_celsius,
         "longer": recorded.duration - fitted.duration,
-        "farther": recorded.distance - fitted.distance,
+        "farther": recorded.sliding_distance - fitted.sliding_distance,
     }
     return Report.of(
         "fig8",
         values,
         verdicts={
             "rate": abs(rate / LOADING_RATE - 1) < 0.02,
-            "fit": abs(fitted.exceeded - recorded.exceeded) < _SAME,
+            "fit": abs(values["off"]) < _SAME,
         },
         table=Table(
             ("loading", "lasts [s]", "slides [m]", f"on {_share(sweep)} [°C]", "highest [°C]"),
             tuple(
                 (
                     name,
-                    *(f"{value:.2f}" for value in (run.duration, run.distance)),
-                    *(f"{value:.1f}" for value in (run.exceeded, run.highest)),
+                    *(f"{value:.2f}" for value in (run.duration, run.sliding_distance)),
+                    *(f"{value:.1f}" for value in (run.exceeded_celsius, run.max_celsius)),
                 )
                 for name, run in runs.items()
             ),
@@ -81,12 +81,7 @@ def fig8(study: Study) -> Report:
         data={
             "fit": {"rate": rate, "onset": onset},
             "runs": {
-                name: {
-                    "duration": run.duration,
-                    "sliding_distance": run.distance,
-                    "max_celsius": run.highest,
-                    "exceeded_celsius": run.exceeded,
-                }
+                name: dict(zip(_Run._fields[2:], run[2:], strict=True))
                 for name, run in runs.items()
             },
         },

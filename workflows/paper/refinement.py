@@ -82,9 +82,8 @@ def _on_grid(
     """Temperatures with elements of so many pixels along each side [°C]."""
     elements = {"pixels_per_element": block, "history_coarsening": 1, "averaging": "mean"}
     scenes = [_with(surface, **elements) for surface in surfaces]
-    point = measured.normal_load, measured.velocity, measured.friction
-    ends = [end_of(scene, *point) for scene in scenes]
-    single = [end_of(worn(scene, "unworn"), *point) for scene in scenes]
+    ends = [end_of(scene, measured) for scene in scenes]
+    single = [end_of(worn(scene, "unworn"), measured) for scene in scenes]
     decisive = scenes[0].conditions.decisive
     return {
         "maximum": [float(end.celsius(HIGHEST)) for end in ends],

@@ -166,7 +166,7 @@ def _simulated(study: Study, sweep: Sweep, measured: Sequence[Measurement]) -> A
         study.tell(f"surface {surface + 1} of {outcomes.shape[2]}")
         scene = replace(sweep, store_fields=False).on_surface(seed)
         for number, entry in enumerate(measured):
-            rise = float(end_of(scene, entry.normal_load, entry.velocity).rise(decisive))
+            rise = float(end_of(scene, entry).rise(decisive))
             exponent = exponent_of(scene, entry, rise, _STEP)
             critical = entry.velocity * (1 + boundary_velocity_error(rise, limit, exponent))
             outcomes[:, number, surface] = rise, exponent, critical

@@ -113,7 +113,7 @@ def _outcome(study: Study, sweep: Sweep) -> _Outcome:
     for surface, seed in enumerate(seeds):
         scene = sweep.on_surface(seed)
         for number, entry in enumerate(sweep.measured):
-            end = end_of(scene, entry.normal_load, entry.velocity, entry.friction)
+            end = end_of(scene, entry)
             rise = float(end.rise(decisive))
             step = math.log(limit / rise) / _EXPONENT or 0.01
             off = boundary_velocity_error(rise, limit, exponent_of(scene, entry, rise, step))
@@ -129,10 +129,7 @@ def _worst(outcome: _Outcome) -> float:
 def _unworn_widths(study: Study, sweep: Sweep) -> Array:
     """Width of the unworn contact at each transition, averaged over the surfaces [µm]."""
     surfaces = [worn(sweep, "unworn").on_surface(seed) for seed in study.seeds(_SURFACES)]
-    widths = [
-        [end_of(s, entry.normal_load, entry.velocity).contact_width for s in surfaces]
-        for entry in sweep.measured
-    ]
+    widths = [[end_of(s, entry).contact_width for s in surfaces] for entry in sweep.measured]
     return 1e6 * mean(widths)
 
 
@@ -221,8 +218,8 @@ def _draw(sweep: Sweep, outcomes: _Outcomes) -> Figure:
         lower.set_xlim(-0.4, len(variants) - 0.6)
     rows[0][0].set_ylabel("at the measured\ntransitions [°C]")
     rows[1][0].set_ylabel("critical velocity against\nthe measured one [%]")
-    handles, labels = rows[0][0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=4)
+    shared = rows[0][0].get_legend_handles_labels()
+    figure.legend(*shared, loc="outside lower center", ncols=4)
     return figure
 
 
@@ -231,13 +228,8 @@ def _line(axes: Axes, values: Array, colour: str, label: str) -> None:
 
     The values have the shape (variants, transitions).
     """
-    mean = values.mean(axis=1)
+    middle, low, high = values.mean(axis=1), values.min(axis=1), values.max(axis=1)
     axes.errorbar(
-        range(len(values)),
-        mean,
-        (mean - values.min(axis=1), values.max(axis=1) - mean),
-        color=colour,
-        marker="o",
-        capsize=3,
-        label=label,
-    )
+        range(len(values)), middle, (middle - low, high - middle),
+        color=colour, marker="o", capsize=3, label=label,
+    )  # fmt: skip

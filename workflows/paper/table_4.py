@@ -176,10 +176,8 @@ def _draw(data: dict[str, Any], measured: list[Measurement], critical: float) ->
     first.set_ylim(0, None)
     for axes in (third, fourth):
         axes.axhline(critical, color=GREY, ls=":", lw=1.2)
-    low = min(third.get_ylim()[0], fourth.get_ylim()[0])
-    high = max(third.get_ylim()[1], fourth.get_ylim()[1])
+    lows, highs = zip(third.get_ylim(), fourth.get_ylim(), strict=True)
     for axes in (third, fourth):
-        axes.set_ylim(low, high)
-    handles, labels = third.get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=4)
+        axes.set_ylim(min(lows), max(highs))
+    figure.legend(*third.get_legend_handles_labels(), loc="outside lower center", ncols=4)
     return figure

@@ -156,6 +156,5 @@ def _draw(data: dict[str, Any], names: Sequence[str], share: str) -> Figure:
     beside(right, ticks, None, data["exceeded_celsius"], title)
     for axes in (left, right):
         axes.tick_params(axis="x", labelsize=8)
-    handles, labels = left.get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=3)
+    figure.legend(*left.get_legend_handles_labels(), loc="outside lower center", ncols=3)
     return figure

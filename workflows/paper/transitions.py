@@ -16,6 +16,7 @@ from pipeline.sweep.model import Measurement, Sweep
 from tribo import InputError, State, failed_share, measures, simulate
 from tribo.criterion import Criterion, columns_of
 from tribo.types import Array
+from workflows.paper.publication import Row4
 from workflows.paper.report import mean, spread
 from workflows.paper.study import Study
 
@@ -99,10 +100,10 @@ class Ends:
         return np.asarray(100 * share(self.rise_quantile, limit))
 
 
-def end_of(scene: Sweep, load: float, velocity: float, friction: float | None = None) -> Ends:
-    """Simulate a point."""
-    *_, state = simulate(scene, load, velocity)
-    return Ends.of(scene, state, friction)
+def end_of(scene: Sweep, test: Measurement | Row4) -> Ends:
+    """Simulate a test."""
+    *_, state = simulate(scene, test.normal_load, test.velocity)
+    return Ends.of(scene, state, test.friction)
 
 
 def history(
@@ -119,8 +120,8 @@ def history(
 
 def exponent_of(scene: Sweep, entry: Measurement, rise: float, step: float) -> float:
     """Exponent of the deciding rise over the velocity, from a step of the latter's logarithm."""
-    faster = entry.velocity * math.exp(step)
-    other = float(end_of(scene, entry.normal_load, faster).rise(scene.conditions.decisive))
+    faster = replace(entry, velocity=entry.velocity * math.exp(step))
+    other = float(end_of(scene, faster).rise(scene.conditions.decisive))
     return math.log(other / rise) / step
 
 
@@ -140,10 +141,7 @@ def ensemble(
     for wear in wears:
         on_surfaces = []
         for seed in study.each(study.seeds(surfaces), f"{what.format(wear)}, surface {{}}".format):
-            points = [
-                end_of(worn(scene.on_surface(seed), wear), m.normal_load, m.velocity, m.friction)
-                for scene, m in transitions
-            ]
+            points = [end_of(worn(s.on_surface(seed), wear), test) for s, test in transitions]
             on_surfaces.append(Ends.stacked(points))
         ends[wear] = Ends.stacked(on_surfaces, axis=1)
     return ends
