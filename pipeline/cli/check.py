@@ -1,4 +1,4 @@
-"""The command that says what a scene means, at once, and then what its sweep would cost."""
+"""The command that prints the meaning of a scene, at once, and then the cost of its sweep."""
 
 from __future__ import annotations
 

@@ -146,7 +146,7 @@ def _conditions(crossings: xr.Dataset) -> Iterator[str]:
     """Conditions by which wear is judged, in words."""
     conditions = _judged_by(crossings)
 
-    def shown(name: str, unit: str = "") -> str:
+    def worded(name: str, unit: str = "") -> str:
         values = np.unique(conditions[name]).tolist()
         if unit:
             return ", ".join(pipeline.display(value, unit) for value in values)
@@ -154,11 +154,11 @@ def _conditions(crossings: xr.Dataset) -> Iterator[str]:
 
     yield "friction " + ", ".join(f"{value:g}" for value in frictions_of(crossings))
     disk = "disk_temperature"
-    unequal = f" (pin) and {shown(disk, '°C')} (disk)" if disk in conditions else ""
-    yield f"bulk {shown('bulk_temperature', '°C')}{unequal}"
-    yield f"critical {shown('critical_temperature', '°C')}"
-    criterion = shown("criterion")
+    unequal = f" (pin) and {worded(disk, '°C')} (disk)" if disk in conditions else ""
+    yield f"bulk {worded('bulk_temperature', '°C')}{unequal}"
+    yield f"critical {worded('critical_temperature', '°C')}"
+    criterion = worded("criterion")
     is_share = criterion == "share"
-    yield f"failing share {shown('failing_share')}" if is_share else f"criterion {criterion}"
+    yield f"failing share {worded('failing_share')}" if is_share else f"criterion {criterion}"
     if "wear_rate" in conditions:
-        yield f"wear rate {shown('wear_rate', 'mm³/(N m)')}"
+        yield f"wear rate {worded('wear_rate', 'mm³/(N m)')}"

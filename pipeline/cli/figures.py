@@ -19,21 +19,21 @@ _OF_KINDS = (*PLACE, *CONDITIONS, "log", "given_measured", "scatter", _RIVALS)
 
 def plot(options: argparse.Namespace) -> Result:
     """Draw a figure of a store."""
-    shown = given(options, *PLACE, _RIVALS, "scatter", "width", "dpi", "log", "given_measured")
+    look = given(options, *PLACE, _RIVALS, "scatter", "width", "dpi", "log", "given_measured")
     conditions = conditions_in(options)
-    _require_options(options.kind, [*shown, *conditions])
-    shown |= {"with_title": not options.no_title}
+    _require_options(options.kind, [*look, *conditions])
+    look |= {"with_title": not options.no_title}
     if options.watch:
-        return _watched(options, shown | conditions)
+        return _watched(options, look | conditions)
     ds = opened(options)
     suffix = "gif" if options.kind == "animation" else "png"
     out = options.output or beside(options.store, f"_{options.kind}.{suffix}")
-    written = pipeline.plot(ds, options.kind, out, **shown, **conditions)
+    written = pipeline.plot(ds, options.kind, out, **look, **conditions)
     document = {"kind": options.kind, "file": str(written)}
     return Result(document, [str(written)], pipeline.warned(ds, **conditions))
 
 
-def _watched(options: argparse.Namespace, shown: dict[str, Any]) -> Result:
+def _watched(options: argparse.Namespace, look: dict[str, Any]) -> Result:
     """Draw the figure as points come."""
     state = pipeline.watch(
         options.store,
@@ -41,7 +41,7 @@ def _watched(options: argparse.Namespace, shown: dict[str, Any]) -> Result:
         options.kind,
         progress=lambda state: tell(f"{state.done} of {state.total} points drawn"),
         read=lambda: opened(options),
-        **shown,
+        **look,
     )
     document = {
         "kind": options.kind,

@@ -210,7 +210,7 @@ def _transitions(inferred: CriticalTemperatures) -> Table:
 def _wear_rate(options: argparse.Namespace, sweep: Sweep) -> Result:
     """Specific wear rate from the width of a contact."""
     if options.load is None or options.velocity is None:
-        raise InputError("--contact-width stands alone; give --load and --velocity of the test")
+        raise InputError("--contact-width is that of a test; give its --load and --velocity, too")
     sweep = _slid_for(sweep, options.load, options.duration)
     *_, end = sweep.loading.stations(options.load, sweep.fidelity.increments)
     with working("seeking the wear rate, one simulation after the other"):

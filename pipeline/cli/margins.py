@@ -1,4 +1,4 @@
-"""The command that says how far operating points lie from severe wear."""
+"""The command on the distance of operating points from severe wear."""
 
 from __future__ import annotations
 

@@ -23,20 +23,20 @@ _SOON = 2.0  # [s], before which a command that just works says nothing
 
 
 class _Line:
-    """A line that changes: in place on a terminal, else told anew every few seconds."""
+    """A line that changes: in place on a terminal, else printed anew every few seconds."""
 
     def __init__(self) -> None:
         self._bar: Any = None
-        self._told, self._told_at = "", -math.inf
+        self._printed, self._printed_at = "", -math.inf
 
     def show(self, text: str, done: int = 0, total: int = 0, is_last: bool = False) -> None:
         """Show a text, on a terminal beside a bar if it has a total."""
         if sys.stderr.isatty():
             self._draw(text, done, total)
-        elif is_last or time.monotonic() - self._told_at >= _BETWEEN_LINES:
-            if text != self._told:
+        elif is_last or time.monotonic() - self._printed_at >= _BETWEEN_LINES:
+            if text != self._printed:
                 tell(text)
-            self._told, self._told_at = text, time.monotonic()
+            self._printed, self._printed_at = text, time.monotonic()
 
     def _draw(self, text: str, done: int, total: int) -> None:
         if self._bar is None:
@@ -56,7 +56,7 @@ class _Line:
 
 @contextmanager
 def run_line() -> Iterator[Callable[[Progress], None]]:
-    """Show the state of a run, each that the function is called with."""
+    """Yield a function that shows a state of the run, and show the last one again at the end."""
     line = _Line()
     latest: list[Progress] = []
 

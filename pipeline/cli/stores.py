@@ -57,8 +57,8 @@ def _pace(state: Summary) -> Iterator[str]:
     if state.pending and state.rate and state.time_to_go:
         when = "now" if state.running else "the last time"
         pace = 60 * state.rate
-        shown = f"{pace:.0f}" if pace >= 100 else f"{pace:.3g}"
-        yield f"{shown} points a minute {when}, {duration(state.time_to_go)} to go"
+        points = f"{pace:.0f}" if pace >= 100 else f"{pace:.3g}"
+        yield f"{points} points a minute {when}, {duration(state.time_to_go)} to go"
 
 
 def verify(options: argparse.Namespace) -> Result:

@@ -1,4 +1,4 @@
-"""The commands on inputs that are not known exactly: risk, sensitivity, what measurements say."""
+"""The commands on inputs not known exactly: risk, sensitivity, and inputs by measurements."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def risk(options: argparse.Namespace) -> Result:
     """Print the probability of severe wear at a point, or draw it over the plane."""
     place = given(options, "load", "velocity")
     if len(place) == 1:
-        raise InputError("half an operating point: give --load and --velocity, or neither")
+        raise InputError("an operating point has a load and a velocity; give both or neither")
     ds = pipeline.open_sweep(options.store)
     ensemble, weighed = samples_of(options, ds)
     draws = weighed.draws if weighed else None
@@ -271,15 +271,15 @@ def _next(
         head = "measurements to make next, the best first"
     unknown = {one.path: one for one in weighed.unknown}.get(options.target or "")
 
-    def shown(spread: float) -> str:
+    def worded(spread: float) -> str:
         if unknown is None or unknown.is_relative:
             return f"± {100 * spread:.2g} %"
         return f"± {unknown.spread.of(spread):.2g}{unknown.spread.suffix}"
 
     target = options.target or "the boundary, in velocity"
-    lines = [f"{head}; {target} is known to {shown(ranked[0].before)} today"]
+    lines = [f"{head}; {target} is known to {worded(ranked[0].before)} today"]
     lines += [
-        f"  to {shown(test.spread):10} (by {100 * test.narrows:.0f} %)  {test.what}"
+        f"  to {worded(test.spread):10} (by {100 * test.narrows:.0f} %)  {test.what}"
         for test in ranked
     ]
     names = ("what", "test", "spread", "narrows")
@@ -356,18 +356,18 @@ def _on_inputs(weighed: Posterior) -> Iterator[str]:
 
 def _before_and_after(row: dict[str, Any], unknown: Unknown) -> tuple[str, ...]:
     """Path of an input, its mean and spread before and after, and 90 % of it, in its units."""
-    shown, spread = unknown.shown, unknown.spread
+    mean, spread = unknown.shown, unknown.spread
     if unknown.kind == "list":
         odds = row["posterior"]["probability"]
         best = max(odds, key=odds.__getitem__)
-        value = f"{shown.of(float(best)):g}{shown.suffix}"
+        value = f"{mean.of(float(best)):g}{mean.suffix}"
         return unknown.path, f"one of {len(odds)}", f"{value} likeliest, {odds[best]:.2f}", ""
     before, after = (
-        f"{shown.of(row[name]['mean']):.4g} ± {spread.of(row[name]['sd']):.3g}"
+        f"{mean.of(row[name]['mean']):.4g} ± {spread.of(row[name]['sd']):.3g}"
         for name in ("prior", "posterior")
     )
-    within = " to ".join(f"{shown.of(value):.4g}" for value in row["posterior"]["interval"])
-    unit = shown.suffix if spread == shown else f"{shown.suffix}, ± in{spread.suffix}"
+    within = " to ".join(f"{mean.of(value):.4g}" for value in row["posterior"]["interval"])
+    unit = mean.suffix if spread == mean else f"{mean.suffix}, ± in{spread.suffix}"
     return unknown.path, before, after, f"{within}{unit}"
 
 

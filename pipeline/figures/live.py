@@ -78,11 +78,11 @@ def watch(
     if kind == "animation":
         raise InputError("an animation is not drawn as points come; give another kind of figure")
     screen = _screen(out)
-    shown = None
+    drawn = None
     while True:
         state = summary(store)
         began = time.monotonic()
-        if state.done + len(state.failed) != shown:
+        if state.done + len(state.failed) != drawn:
             try:
                 screen.show(
                     lambda path: plot(read() if read else dataset_of(store), kind, path, **options)
@@ -91,7 +91,7 @@ def watch(
                 if state.running is None:
                     raise
             else:
-                shown = state.done + len(state.failed)
+                drawn = state.done + len(state.failed)
                 if progress:
                     progress(state)
         if state.running is None and summary(store).done == state.done:

@@ -156,12 +156,12 @@ def _pair(
     key = []
     for axes, (label, values), style in ((left, solid, "-"), (right, dashed, "--")):
         for number, point in enumerate(points):
-            time, shown, marker = ds["time"].values[point], values[point], ""
+            time, column, marker = ds["time"].values[point], values[point], ""
             steps = np.isfinite(time)
-            if np.isnan(shown[steps]).any() or steps.sum() == 1:  # known at the ends of loads alone
-                (time, shown), marker = _along_ramp(ds, values, point), "."
+            if np.isnan(column[steps]).any() or steps.sum() == 1:  # of the ends of loads alone
+                (time, column), marker = _along_ramp(ds, values, point), "."
             color, order = f"C{number}", _order(point)
-            axes.plot(time, shown, color=color, ls=style, marker=marker, zorder=order)
+            axes.plot(time, column, color=color, ls=style, marker=marker, zorder=order)
         axes.set_ylabel(label)
         axes.set_ylim(0, 1.2 * axes.get_ylim()[1])  # room for the legend
         key.append(Line2D([], [], color=BLACK, ls=style, label=label.partition(" [")[0]))

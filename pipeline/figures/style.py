@@ -212,5 +212,5 @@ def as_text(words: str) -> str:
     >>> print(as_text(r"worn by $\frac$" + chr(27)))
     worn by \$\frac\$
     """
-    shown = "".join(character for character in words[:1000] if character.isprintable())
-    return textwrap.shorten(shown, 240, placeholder=" …").replace("$", r"\$")
+    printable = "".join(character for character in words[:1000] if character.isprintable())
+    return textwrap.shorten(printable, 240, placeholder=" …").replace("$", r"\$")

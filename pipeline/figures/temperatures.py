@@ -49,10 +49,10 @@ def temperature(
     velocities = row["velocity"].values
     figure, axes = canvas(ax, (7.2, 5.0))
     highest = replace(conditions, criterion="highest")
-    shown: list[tuple[Conditions, str, Any]] = [(highest, "highest", {"ls": "--", "marker": "^"})]
+    curves: list[tuple[Conditions, str, Any]] = [(highest, "highest", {"ls": "--", "marker": "^"})]
     if conditions.decisive.temperature != highest.decisive.temperature:
-        shown.append((conditions, conditions.decisive.temperature, {"ls": "-", "marker": "o"}))
-    for judged, name, look in shown:
+        curves.append((conditions, conditions.decisive.temperature, {"ls": "-", "marker": "o"}))
+    for judged, name, look in curves:
         rises = decisive_rise(row, judged).values[0]
         computed = velocities[np.isfinite(rises)]
         if not computed.size:

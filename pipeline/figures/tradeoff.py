@@ -44,26 +44,26 @@ def draw_trade(trade: Trade) -> Figure:
     """
     figure = Picture(figsize=(8.0, 5.6))
     axes = figure.add_subplot()
-    shown = [
+    choices = [
         choice
         for choice in trade.choices[:-1]
         if choice.velocity_error < (_OUTLYING if choice.varied else math.inf)
     ]
     axes.set(xscale="log", yscale="log")
-    front = [choice for choice in trade.front if choice in shown]
+    front = [choice for choice in trade.front if choice in choices]
     axes.plot(
         [_place(choice)[0] for choice in front],
         [_place(choice)[1] for choice in front],
         drawstyle="steps-post", color=BLUE, lw=1.2, zorder=2, gid="front",
         label="no other choice is both faster and nearer",
     )  # fmt: skip
-    for label, chosen, look in _kinds(trade, shown):
+    for label, chosen, look in _kinds(trade, choices):
         if chosen:
             x, y = zip(*map(_place, chosen), strict=True)
             axes.plot(x, y, ls="none", label=label, gid=label, **look)
-    work = [choice.saving for choice in shown]
+    work = [choice.saving for choice in choices]
     axes.set_xlim(max(work) * 2.0, min(work) / 2.0)
-    errors = [_place(choice)[1] for choice in shown]
+    errors = [_place(choice)[1] for choice in choices]
     axes.set_ylim(min(errors) / 1.8, max(errors) * 2.2)
 
     axes.set_xlabel("times less work than the reference  (faster to the left)")
@@ -75,7 +75,7 @@ def draw_trade(trade: Trade) -> Figure:
     axes.set_title(as_title(f"Speed against accuracy: {trade.title}"), pad=10)
     figure.legend(loc="outside lower center", ncols=4)
     figure.draw_without_rendering()  # names go by the final scales
-    _name(figure, axes, trade, shown, front)
+    _name(figure, axes, trade, choices, front)
     return figure
 
 
@@ -84,12 +84,12 @@ def _place(choice: Choice) -> tuple[float, float]:
 
 
 def _kinds(
-    trade: Trade, shown: list[Choice]
+    trade: Trade, choices: list[Choice]
 ) -> tuple[tuple[str, list[Choice], dict[str, Any]], ...]:
     """Name of each kind of choice, those of it, and how they look."""
-    varied = [choice for choice in shown if choice.varied]
-    presets = [choice for choice in shown if choice.name in PRESETS]
-    others = [choice for choice in shown if choice not in varied and choice not in presets]
+    varied = [choice for choice in choices if choice.varied]
+    presets = [choice for choice in choices if choice.name in PRESETS]
+    others = [choice for choice in choices if choice not in varied and choice not in presets]
     return (
         (
             f"one choice of {trade.base} varied",
@@ -102,7 +102,7 @@ def _kinds(
 
 
 def _name(
-    figure: Figure, axes: Axes, trade: Trade, shown: Sequence[Choice], front: Sequence[Choice]
+    figure: Figure, axes: Axes, trade: Trade, choices: Sequence[Choice], front: Sequence[Choice]
 ) -> None:
     """Write names beside the points, where they cover neither another name nor a point.
 
@@ -111,13 +111,13 @@ def _name(
     that finds no room has no name.
     """
     per_point = figure.dpi / 72
-    points = axes.transData.transform([_place(choice) for choice in shown])
+    points = axes.transData.transform([_place(choice) for choice in choices])
     taken = [
         Bbox.from_extents(*(point - 5 * per_point), *(point + 5 * per_point)) for point in points
     ]
     window = axes.get_window_extent()
     for choice in sorted(
-        shown, key=lambda one: (one.varied is not None, one not in front, -one.velocity_error)
+        choices, key=lambda one: (one.varied is not None, one not in front, -one.velocity_error)
     ):
         sides = _SIDES[::-1] if choice in front else _SIDES
         distances = (1,) if choice.varied else (1, 3, 5, 7, 9)

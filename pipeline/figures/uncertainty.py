@@ -241,7 +241,7 @@ def _power(values: Array) -> int:
 
 def _unit(unit: str, power: int) -> str:
     """A unit below the name of an input, and the power of ten taken out of its values."""
-    shown = [f"$10^{{{power}}}$"] if power else []
+    parts = [f"$10^{{{power}}}$"] if power else []
     if unit != "1":
-        shown.append(as_text(unit).replace("^2", "²").replace("^3", "³"))
-    return f"\n[{' '.join(shown)}]" if shown else ""
+        parts.append(as_text(unit).replace("^2", "²").replace("^3", "³"))
+    return f"\n[{' '.join(parts)}]" if parts else ""

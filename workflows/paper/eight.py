@@ -75,9 +75,9 @@ class Physics:
     pattern : {"swept", "local"}
         Pattern of the wear.
     holds_heat : bool
-        Whether the stem of the pin and the track of the disk keep heat.
+        True if the stem of the pin and the track of the disk keep heat.
     film : bool
-        Whether an oil film carries a share of the load, in proportion to Λ.
+        True if an oil film carries a share of the load, in proportion to Λ.
     """
 
     conductivity: float = 45.0
@@ -165,7 +165,7 @@ def log_evidence(
     warming : ndarray, shape (..., n)
         Logarithms of the deciding warming at each transition, as `Physics.warming` gives them.
     film : bool
-        Whether a share of the load, from 0 to half of Λ, is taken off the warming.
+        True to take a share of the load, from 0 to half of Λ, off the warming.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""Inverse problems: what the paper's measurements say about what was not measured."""
+"""Inverse problems: quantities that were not measured, from those that were."""
 
 from __future__ import annotations
 
@@ -53,11 +53,11 @@ def inverse(study: Study) -> Report:
     heating = {friction: rig_heating(friction) for friction in _FRICTIONS}
     durations = {load: _duration_for(row, SPECIFIC_WEAR_RATE) for load, row in rates.items()}
     printed = float(celsius(white.conditions.known_critical_temperature()))
-    shown = np.array([row[_CHOSEN] for row in rates.values()])
+    chosen = np.array([row[_CHOSEN] for row in rates.values()])
     values = {
         "printed_critical": printed,
         **_of_temperatures(critical),
-        "rates": _UNIT * shown,
+        "rates": _UNIT * chosen,
         "durations": list(durations.values()),
         "widening": widening,
         "lower_rates": -((1 + widening) ** -3 - 1),
@@ -73,9 +73,9 @@ def inverse(study: Study) -> Report:
         verdicts={
             "white_oil": abs(values["mean"] - printed) < 5,
             "oil_a": values["oil_a_spread"] < 15,
-            "wear_rate": 0.7 < float(mean(shown)) / SPECIFIC_WEAR_RATE < 1.4,
+            "wear_rate": 0.7 < float(mean(chosen)) / SPECIFIC_WEAR_RATE < 1.4,
             "wear_rates_of_oil_a": all(max(pair) < 1.4 * min(pair) for pair in of_a)
-            and max(values["pair_means"]) < _UNIT * min(SPECIFIC_WEAR_RATE, *shown),
+            and max(values["pair_means"]) < _UNIT * min(SPECIFIC_WEAR_RATE, *chosen),
             "heating": heating[_FRICTIONS[1]] < RIG_HEATING * 1.01,
         },
         table=Table(
@@ -84,7 +84,7 @@ def inverse(study: Study) -> Report:
                 ("critical temperature [°C], from each transition",),
                 *_temperatures("white oil", (white,), critical, f"{printed:g}"),
                 *_temperatures("oil A", oils_a, critical, ""),
-                *_rates(shown, rates_of_a),
+                *_rates(chosen, rates_of_a),
                 ("duration of the test that gives the printed wear rate [s]",),
                 *(line(f"  {load:g} N", ["", time], ".1f") for load, time in durations.items()),
                 ("friction heating of the critical-temperature rig [K]",),

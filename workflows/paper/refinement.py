@@ -44,13 +44,13 @@ class Refinement:
 
     sweep: Sweep
     measured: Measurement
-    shown: int  # increments of the pressure fields
+    pictured: int  # increments of the pressure fields
     by_elements: dict[str, Row]
     by_increments: dict[str, Steps]
 
     @property
     def fields(self) -> dict[str, Array]:
-        """Pressures after the increments that are shown [Pa]."""
+        """Pressures after the increments that are pictured [Pa]."""
         items = self.by_increments.items()
         return {name: steps.pressure for name, steps in items if steps.pressure is not None}
 
@@ -63,7 +63,7 @@ def refined(study: Study) -> Refinement:
     measured = max(sweep.measured, key=lambda entry: entry.normal_load)
     blocks = [n for n in _BLOCKS if study.preset is None or n >= sweep.fidelity.pixels_per_element]
     counts = [n for n in _INCREMENTS if study.preset is None or n <= 50]
-    shown = max(count for count in counts if count <= PUBLISHED)
+    pictured = max(count for count in counts if count <= PUBLISHED)
     surfaces = [sweep.on_surface(seed) for seed in study.seeds(1)]
     by_elements: dict[str, Row] = {"maximum": {}, "10 %": {}, "one step": {}}
     sides = {sweep.pixels.shape[0] // block: block for block in blocks}
@@ -71,9 +71,9 @@ def refined(study: Study) -> Refinement:
         for name, values in _on_grid(surfaces, sides[side], measured).items():
             by_elements[name][side] = values
     by_increments = {
-        name: _with_steps(study, surfaces, name, counts, shown, measured) for name in SCHEMES
+        name: _with_steps(study, surfaces, name, counts, pictured, measured) for name in SCHEMES
     }
-    return Refinement(sweep, measured, shown, by_elements, by_increments)
+    return Refinement(sweep, measured, pictured, by_elements, by_increments)
 
 
 def _on_grid(
@@ -97,7 +97,7 @@ def _with_steps(
     surfaces: Sequence[Sweep],
     name: str,
     counts: Sequence[int],
-    shown: int,
+    pictured: int,
     measured: Measurement,
 ) -> Steps:
     """Temperatures with a scheme of wear in each of several numbers of increments."""
@@ -116,7 +116,7 @@ def _with_steps(
                 continue
             end = Ends.of(scene, state, measured.friction)
             highest.setdefault(count, []).append(float(end.celsius(HIGHEST)))
-            if pattern == "local" and count == shown and surface is surfaces[0]:
+            if pattern == "local" and count == pictured and surface is surfaces[0]:
                 shown_pressure = state.pressure
             for warning in map(str, warnings(scene, state)):
                 if "explicit" in warning:

@@ -1,4 +1,4 @@
-"""Fig. 6: what the highest temperature owes to the number of elements and of increments."""
+"""Fig. 6: the highest temperature by the number of elements and of increments."""
 
 from __future__ import annotations
 
@@ -192,7 +192,7 @@ def _patches(figure: SubFigure, refinement: Refinement) -> None:
             part.T, origin="lower", cmap="viridis_r", vmin=0, vmax=highest, aspect="auto",
             extent=(0, dx * part.shape[0], 0, dy * part.shape[1]), interpolation="nearest",
         )  # fmt: skip
-        axes.set_title(f"{letter}  {name}, {refinement.shown} increments", loc="left")
+        axes.set_title(f"{letter}  {name}, {refinement.pictured} increments", loc="left")
         axes.set_xlabel("x [µm]")
         axes.grid(visible=False)
     row[0].set_ylabel("y [µm], a part of the contact")

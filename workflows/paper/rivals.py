@@ -36,7 +36,7 @@ class _Criterion:
     values: Array  # at the measured friction
     alike: Array  # at the scene's friction everywhere
     exponents: Array | float  # of the number over the velocity
-    shown: Array  # values in the unit, bulk temperature added where it is a rise
+    scaled: Array  # values in the unit, bulk temperature added where it is a rise
     fitted: bool = False  # True if it has a parameter fitted to these very transitions
 
     @property
@@ -89,8 +89,8 @@ class _Line:
         """A criterion from its values, at friction 1 where it is in proportion to friction."""
         frictions, friction = (self.frictions, self.friction) if by_friction else (1.0, 1.0)
         measured = frictions * values
-        shown = (self.bulk if unit == "°C" else 0.0) + scale * measured
-        return _Criterion(name, unit, measured, friction * values, exponents, shown)
+        scaled = (self.bulk if unit == "°C" else 0.0) + scale * measured
+        return _Criterion(name, unit, measured, friction * values, exponents, scaled)
 
 
 def rivals(study: Study) -> Report:
@@ -138,7 +138,7 @@ def rivals(study: Study) -> Report:
             "criteria": {
                 key: {
                     "unit": criterion.unit,
-                    "values": criterion.shown,
+                    "values": criterion.scaled,
                     "spread": criterion.spread,
                     "worst_velocity_error": criterion.worst,
                     "worst_velocity_error_at_one_friction": criterion.worst_alike,
@@ -256,7 +256,10 @@ def _table(
     rows = [
         (
             f"{criterion.name} [{criterion.unit}]",
-            *(f"{value:.{0 if criterion.shown.min() >= 10 else 2}f}" for value in criterion.shown),
+            *(
+                f"{value:.{0 if criterion.scaled.min() >= 10 else 2}f}"
+                for value in criterion.scaled
+            ),
             *(
                 f"{100 * value:.0f} %"
                 for value in (criterion.spread, criterion.worst, criterion.worst_alike)

@@ -112,9 +112,9 @@ def scene_choice(names: Sequence[str]) -> str:
 
 def _celsius(name: str, label: str, value: float | None, high: float, **limits: Any) -> Control:
     """Control of a temperature, whose slider reaches below and above its value [K]."""
-    shown = None if value is None else value - _ZERO_CELSIUS
-    low = 0.0 if shown is None else min(0.0, 10.0 * math.floor(shown / 10))
-    high = high if shown is None else max(high, math.ceil(1.5 * shown))
+    degrees = None if value is None else value - _ZERO_CELSIUS
+    low = 0.0 if degrees is None else min(0.0, 10.0 * math.floor(degrees / 10))
+    high = high if degrees is None else max(high, math.ceil(1.5 * degrees))
     return Control(name, label, low, high, 0.5, offset=-_ZERO_CELSIUS, **limits)
 
 

@@ -28,14 +28,14 @@ def content_of_samples(
     ensemble = Ensemble.of(ds)
     weighed = posterior_if_given(ensemble, given_measured, scatter)
     draws = weighed.draws if weighed else None
-    given = f", given {len(weighed.judged)} tests of the scene" if weighed else ""
+    evidence = f", given {len(weighed.judged)} tests of the scene" if weighed else ""
     single = ensemble.loads if len(ensemble.loads) == 1 else None
     plane = probabilities(ensemble, draws, loads=single)
     shares, lines = risk_lines(plane)
     return {
         "title": attributes.get("title"),
         "name": attributes.get("name"),
-        "basis": f"Not known exactly{given}: {'; '.join(map(str, ensemble.unknown))}.",
+        "basis": f"Not known exactly{evidence}: {'; '.join(map(str, ensemble.unknown))}.",
         "measured": attributes.get("measured") or [],
         "loads": plane["load"].values.tolist(),
         "velocities": plane["velocity"].values.tolist(),
