@@ -121,9 +121,10 @@ def _name(
     ):
         sides = _SIDES[::-1] if choice in front else _SIDES
         distances = (1,) if choice.varied else (1, 3, 5, 7, 9)
+        name = choice.name.removeprefix(f"{trade.base}, " if choice.varied else "")
         for far, (right, up) in itertools.product(distances, sides):
             note = axes.annotate(
-                _text(trade, choice),
+                name.replace("history_coarsening", "history grid").replace("_", " "),
                 _place(choice),
                 xytext=(7 * right * far, 6 * up * far),
                 textcoords="offset points",
@@ -141,8 +142,3 @@ def _name(
                 taken.append(box)
                 break
             note.remove()
-
-
-def _text(trade: Trade, choice: Choice) -> str:
-    text = choice.name.removeprefix(f"{trade.base}, ") if choice.varied else choice.name
-    return text.replace("history_coarsening", "history grid").replace("_", " ")

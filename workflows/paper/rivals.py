@@ -122,7 +122,8 @@ def rivals(study: Study) -> Report:
         "blok": ours.spread < min(values["unworn"].spread, values["worn"].spread),
         "constancy": ours.spread < values["best"].spread,
     }
-    film = _film(sweep, line)
+    oil, bulk = Lubrication.of(sweep), conditions.bulk_temperature
+    film = oil.film_parameter(line.loads, line.velocities, bulk) if oil else None
     if film is not None:
         regimes = dict.fromkeys(map(lubrication_regime, sorted(film)))
         values |= {"film": film, "regimes": ", ".join(regimes)}
@@ -200,14 +201,6 @@ def _simple(line: _Line, contact: SmoothContact) -> dict[str, _Criterion]:
     name = f"F·Vⁿ, n = {n:.2f} fitted here"
     fitted = line.criterion(name, "N (m/s)ⁿ", together, n, by_friction=False)
     return criteria | {"load_speed": replace(fitted, fitted=True)}
-
-
-def _film(sweep: Sweep, line: _Line) -> Array | None:
-    """Film parameters along the line; None where the scene gives no oil."""
-    lubrication, bulk = Lubrication.of(sweep), sweep.conditions.bulk_temperature
-    if lubrication is None:
-        return None
-    return lubrication.film_parameter(line.loads, line.velocities, bulk)
 
 
 def _against_blok(criteria: Mapping[str, _Criterion], limit: float) -> dict[str, Any]:

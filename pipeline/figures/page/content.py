@@ -75,7 +75,8 @@ def content(ds: xr.Dataset, most_fields: int = MOST_FIELDS) -> dict[str, Any]:
     surfaces = [ds] if axis is None else [ds.isel({axis: row}) for row in range(ds.sizes[axis])]
     attributes = attributes_of(ds)
     conditions = Conditions(**attributes["conditions"])
-    ratios, shares = _bulk_ratios(ds), _shares(ds, conditions)
+    unequal = ds["bulk_ratio"].values.tolist() if "bulk_ratio" in ds.coords else []
+    ratios, shares = sorted([*unequal, 0.0]), _shares(ds, conditions)
     stored, rates = _wear_rates(ds)
     parts = [
         _on_surface(
@@ -139,12 +140,6 @@ def _wear_rates(ds: xr.Dataset) -> tuple[int, list[float]]:
     stored_rate = own_wear_rate(ds)
     rates = sorted({stored_rate, *ds["wear_rate"].values.tolist()})
     return rates.index(stored_rate), rates
-
-
-def _bulk_ratios(ds: xr.Dataset) -> list[float]:
-    """Bulk ratios at which rises are kept, ascending; 0 alone where both bulks are one [K]."""
-    others = ds["bulk_ratio"].values.tolist() if "bulk_ratio" in ds.coords else []
-    return sorted([*others, 0.0])
 
 
 def _shares(ds: xr.Dataset, conditions: Conditions) -> list[float]:
