@@ -67,32 +67,21 @@ def margin_table(
     return joined(columns_of(ds["status"]), parts)
 
 
-def _table_of(ds: xr.Dataset, read: OperatingPoints, conditions: Mapping[str, Any]) -> Table:
-    """Table of one scene."""
-    judge = judge_of(plane_of(ds), **conditions)
-    answers: list[tuple[Margin, ...] | str] = []
-    for place in read.places:
-        try:
-            answers.append(judge(*place))
-        except InputError as error:
-            answers.append(str(error))
-    return _table(read, answers)
-
-
-def _table(points: OperatingPoints, answers: Sequence[tuple[Margin, ...] | str]) -> Table:
-    """Table of operating points with their margins, or the reasons for which there are none."""
-    surfaces = max((len(answer) for answer in answers if not isinstance(answer, str)), default=1)
-    columns = _COLUMNS if surfaces == 1 else _COLUMNS_OF_SEVERAL
-    nothing = (None,) * (len(columns) - 1)
+def _table_of(ds: xr.Dataset, points: OperatingPoints, conditions: Mapping[str, Any]) -> Table:
+    """Table of one scene: margins of operating points, or the reasons for which there are none."""
+    judge, is_single = judge_of(plane_of(ds), **conditions), ds.sizes.get("realization", 1) == 1
+    columns = _COLUMNS if is_single else _COLUMNS_OF_SEVERAL
     rows = []
-    for number, (place, answer) in enumerate(zip(points.places, answers, strict=True)):
-        passed = [cells[number] for cells in points.others.values()]
-        if isinstance(answer, str):
-            values: tuple[Any, ...] = ("not known", *nothing)
-            note: str | None = answer
+    for number, place in enumerate(points.places):
+        values: tuple[Any, ...] = ("not known", *[None] * (len(columns) - 1))
+        try:
+            margins = judge(*place)
+        except InputError as error:
+            note: str | None = str(error)
         else:
-            values = _of_one(answer[0]) if surfaces == 1 else _of_several(answer)
-            note = _note(answer)
+            values = _of_one(margins[0]) if is_single else _of_several(margins)
+            note = _note(margins)
+        passed = (cells[number] for cells in points.others.values())
         rows.append((*passed, *place, *values, note))
     results = (*_PLACE, *columns, Column("note", "note"))
     taken = {word for column in results for word in (column.name, column.head)}
