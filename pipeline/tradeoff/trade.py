@@ -19,11 +19,12 @@ import numpy as np
 from pipeline.analysis.interpolation import crossing
 from pipeline.scene.quantities import in_si
 from pipeline.scene.scenefile import SceneLike, sweep_of
-from pipeline.sweep.criterion import boundary_velocity_error, rise_limit
+from pipeline.sweep.criterion import rise_limit
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.stages import staged
 from pipeline.tradeoff.probe import Place, Probe, fitted, near_the_boundary, probe, some_places
 from pipeline.tradeoff.table import Choice, Finding, Trade, shown
+from pipeline.tradeoff.yardstick import velocity_errors
 from tribo import PRESETS, ConvergenceError, Fidelity, InputError
 
 _USUAL = ("draft", "standard", "fine")
@@ -214,12 +215,7 @@ class _Comparison:
 
     def _velocity_errors(self, measured: Probe) -> tuple[float, ...]:
         if self.loads is None:
-            return tuple(
-                boundary_velocity_error(one.rise, true.rise, exponent)
-                for one, true, exponent in zip(
-                    measured.readings, self.reference.readings, self.exponents, strict=True
-                )
-            )
+            return velocity_errors(measured.readings, self.reference.readings, self.exponents)
         ours, theirs = self._crossings(measured), self._crossings(self.reference)
         if all(map(math.isnan, theirs)):
             raise InputError(

@@ -63,13 +63,9 @@ class Yardstick:
     coarser: float | None = None
     """Largest relative change of the boundary by elements of twice the pixels' size, if any."""
 
-    def errors(self, other: Probe) -> list[float]:
+    def errors(self, other: Probe) -> tuple[float, ...]:
         """Relative errors of the boundary velocity by another fidelity, one at each point."""
-        readings = zip(other.readings, self.readings, self.exponents, strict=True)
-        return [
-            boundary_velocity_error(one.rise, true.rise, exponent)
-            for one, true, exponent in readings
-        ]
+        return velocity_errors(other.readings, self.readings, self.exponents)
 
     @property
     def fewest_nodes(self) -> int:
@@ -95,7 +91,7 @@ def measured(
     if coarse.pixels_per_element > 1:
         on_larger = probe(sweep, coarse, points)
         work += on_larger.work
-        coarser = _difference(on_larger.readings, readings, exponents)
+        coarser = max(map(abs, velocity_errors(on_larger.readings, readings, exponents)))
     return Yardstick(tuple(points), tuple(exponents), readings, work, own_work, coarser)
 
 
@@ -114,7 +110,7 @@ def own_error(
     exact = fitted(sweep, YARDSTICK)
     if sweep.wear is not None:
         halved = probe(sweep, replace(exact, increments=exact.increments // 2), points)
-        steps = _difference(readings, halved.readings, exponents)
+        steps = max(map(abs, velocity_errors(readings, halved.readings, exponents)))
         steps *= 1.0 if sweep.sweeps_over else _LEFT
         work += halved.work
     if sweep.fidelity.heat_model == "elapsed":
@@ -134,16 +130,17 @@ def own_error(
             probe(sweep, replace(present, heat_model=model), ends)
             for model in ("elapsed", "history")
         )
-        heat_model = _difference(one.readings, other.readings, [exponents[k] for k in indices])
+        of_ends = [exponents[k] for k in indices]
+        heat_model = max(map(abs, velocity_errors(one.readings, other.readings, of_ends)))
         work += one.work + other.work
     return OwnError(_MARGIN * steps, _MARGIN * heat_model, work, sweep.sweeps_over)
 
 
-def _difference(
+def velocity_errors(
     ones: Sequence[Reading], others: Sequence[Reading], exponents: Sequence[float]
-) -> float:
-    """Largest difference of the boundary velocity by two readings at each point."""
-    return max(
-        abs(boundary_velocity_error(one.rise, other.rise, exponent))
+) -> tuple[float, ...]:
+    """Relative errors of the boundary velocity by readings against others at the same points."""
+    return tuple(
+        boundary_velocity_error(one.rise, other.rise, exponent)
         for one, other, exponent in zip(ones, others, exponents, strict=True)
     )
