@@ -71,11 +71,9 @@ def doubts(sweep: Sweep, facts: Facts) -> tuple[str, ...]:
 
 def _of_bodies(sweep: Sweep) -> Iterator[str]:
     pin, disk = sweep.pin.material, sweep.disk
-    if pin == disk:
-        yield from _of_material("the ", pin)
-    else:
-        yield from _of_material("the pin's ", pin)
-        yield from _of_material("the disk's ", disk)
+    owners = {"the ": pin} if pin == disk else {"the pin's ": pin, "the disk's ": disk}
+    for owner, material in owners.items():
+        yield from _of_material(owner, material)
     yield from _RADIUS.doubt("the pin's ", sweep.pin.radius)
     if isinstance(sweep.pin, Crowned):
         yield from _CROWN.doubt("the pin's ", sweep.pin.crown_radius)

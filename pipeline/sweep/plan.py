@@ -301,11 +301,8 @@ def _at_wear_rates(
     if sweep.wear is None or not sweep.rates:
         return {}
     usual, rates = sweep.wear.specific_wear_rate, sweep.rates
-    columns = {
-        "rise_quantile": np.full((steps, len(rates), len(QUANTILES)), np.nan),
-        "mean_rise": np.full((steps, len(rates)), np.nan),
-        "pin_heat_share": np.full((steps, len(rates)), np.nan),
-    }
+    shapes = {"rise_quantile": (len(QUANTILES),), "mean_rise": (), "pin_heat_share": ()}
+    columns = {name: np.full((steps, len(rates), *shape), np.nan) for name, shape in shapes.items()}
     for step, state in at_load.items():
         for place, rate in enumerate(rates):
             temperature = heat(sweep, state, velocity * usual / rate)

@@ -95,8 +95,13 @@ def at_accuracy(
     sweep, accuracy = sweep_of(sweep), share_of(accuracy)
     selection = None if store is None else stored_selection(store)
     if selection is None:
+        if store is not None and read_attributes(store) is not None:
+            raise StoreMismatchError(
+                f"{store} was computed with a fidelity of the scene's own, not one picked for its "
+                "accuracy; leave out --accuracy to go on with it, or write to another store with -o"
+            )
         if store is not None:
-            _require_new(store)
+            require_writable(store)  # before the probe takes its time
         selection = choose_fidelity(sweep, accuracy, points, progress)
     elif selection.error > accuracy:
         raise StoreMismatchError(
@@ -112,16 +117,6 @@ def at_accuracy(
         preset=selection.name if named else None,
         selection=selection,
     )
-
-
-def _require_new(store: PathLike) -> None:
-    """Refuse a store that cannot be written to or gone on with, before the probe takes its time."""
-    if read_attributes(store) is not None:
-        raise StoreMismatchError(
-            f"{store} was computed with a fidelity of the scene's own, not one picked for its "
-            "accuracy; leave out --accuracy to go on with it, or write to another store with -o"
-        )
-    require_writable(store)
 
 
 def stored_selection(path: PathLike) -> Selection | None:
