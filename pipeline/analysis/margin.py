@@ -124,17 +124,9 @@ class Margin:
         """Return all values as plain data."""
         plain: dict[str, Any] = asdict(self)
         entries: dict[str, Any] = plain.pop("entries")
-        return (
-            plain
-            | entries
-            | {
-                "distance": self.distance,
-                "velocity_factor": self.velocity_factor,
-                "load_factor": self.load_factor,
-                "severe": self.is_severe,
-                "certain": self.is_certain,
-            }
-        )
+        names = "distance", "velocity_factor", "load_factor"
+        derived = {name: getattr(self, name) for name in names}
+        return plain | entries | derived | {"severe": self.is_severe, "certain": self.is_certain}
 
 
 def margins(
