@@ -40,7 +40,9 @@ def test_python_blocks_run(block, folder, monkeypatch):
 
 
 @pytest.mark.parametrize("page", PAGES)
-def test_every_command_shown_is_one_that_could_be_typed(page):
+def test_every_command_shown_is_one_that_could_be_typed(page, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "results").mkdir()  # where a user's sweep is by then
     text = (ROOT / page).read_text(encoding="utf-8")
     commands = re.findall(r"^irg .*$", text, flags=re.MULTILINE)
     for command in commands:

@@ -84,11 +84,8 @@ def new_store(text: str) -> Path | str:
 
 def table(text: str, or_figure: bool = False) -> Path:
     """Read the path of a table to be written, examined before the work that it is to hold."""
-    from pipeline.analysis.tables import (
-        FIGURES,
-        TABLES,
-        writable_path,
-    )  # imports NumPy, which --help needs not
+    # It imports NumPy, which --help needs not.
+    from pipeline.analysis.tables import FIGURES, TABLES, writable_path
 
     try:
         return writable_path(text, (*FIGURES, *TABLES) if or_figure else TABLES)

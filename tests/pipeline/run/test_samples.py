@@ -139,7 +139,7 @@ def test_the_commands_say_risk_causes_and_the_next_test(sampled, tmp_path, irg):
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (("risk", "--load", "500 N"), "give --load and --velocity, or neither"),
+        (("risk", "--load", "500 N"), "has a load and a velocity; give both or neither"),
         (("risk", "--load", "900 N", "--velocity", "2 m/s"), "load is 900 N; the samples have"),
         (("plot", "--kind", "ramp"), "no plane of velocities and loads"),
         (("margin", "--points", "duty.csv"), "give each operating point alone"),
