@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import itertools
 import pickle
+from bisect import bisect_left
 from collections import Counter, deque
 from collections.abc import Callable, Collection, Iterable
 from concurrent.futures import CancelledError
@@ -165,15 +166,24 @@ class _Run:
 
     def _joined(self, chain: _Chain, threads: int) -> _Chain:
         """A chain with its neighbours of the same surface that wait behind it, if many do."""
-        place, points = chain.points[0].variant, list(chain.points)
+        first, place, points = chain, chain.points[0].variant, list(chain.points)
         while not self._sweep.independent and self._are_many(threads) and self.waiting:
             after = self.waiting[0]
             if after.trunk or after.is_wary or chain.is_wary or after.points[0].variant != place:
                 break
+            # Those of the coarse pass are far apart, and begin on all workers at once: joined, the
+            # first picture of 10 000 points would have a few velocities of one end alone.
+            if self._rank(after) != self._rank(chain) + 1:
+                break
+            chain = after
             if len(points) + len(after.points) > _JOINED:
                 break
             points += self.waiting.popleft().points
-        return replace(chain, points=tuple(points))
+        return replace(first, points=tuple(points))
+
+    def _rank(self, chain: _Chain) -> int:
+        """Place of a chain's velocity among those of the sweep."""
+        return bisect_left(self._sweep.velocities, chain.points[0].velocity)
 
     def _put_back(
         self, left: Iterable[Point], trunk: Future | None = None, is_wary: bool = False

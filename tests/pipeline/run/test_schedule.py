@@ -5,7 +5,7 @@ Workers that really die are in test_sweep.py.
 
 import itertools
 import pickle
-from collections import Counter
+from collections import Counter, deque
 
 import numpy as np
 import pytest
@@ -14,7 +14,7 @@ import xarray as xr
 import pipeline
 import tribo
 from pipeline.analysis.attributes import attributes_of
-from pipeline.run import schedule, work
+from pipeline.run import order, schedule, work
 from pipeline.run.cluster import Connection
 from pipeline.run.schedule import TRIALS, compute
 from pipeline.run.source import ExecutionError, Source, unheard
@@ -214,3 +214,16 @@ def test_a_point_that_outlives_every_job_fails_and_the_others_go_on(tmp_path, mo
     assert (failed.point, len(ended)) == (bad, len(points(SWEEP)))
     assert failed.message.startswith("not done in 3 min, and a job lives for 2 min: raise")
     assert len(link.client.cancelled) == 2
+
+
+def test_velocities_that_show_the_whole_boundary_early_are_tasks_of_their_own():
+    sweep = tiny.sweep(velocities=tuple(np.geomspace(0.5, 5.0, 400).tolist()))
+    run = object.__new__(schedule._Run)
+    run._sweep, run.running = sweep, []
+    in_order = order.coarse_first(chains(points(sweep), sweep), sweep.velocities)
+    run.waiting = deque(map(schedule._Chain, in_order))
+    first, second = ({point.velocity for point in run._next(threads=2).points} for _ in range(2))
+    assert len(first) == len(second) == 1
+    while len(run.waiting) > 300:
+        neighbours = {point.velocity for point in run._next(threads=2).points}
+    assert len(neighbours) > 1
