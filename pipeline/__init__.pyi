@@ -85,6 +85,7 @@ from .uncertain.ensemble import Ensemble as Ensemble
 from .uncertain.plan import Candidate as Candidate
 from .uncertain.plan import batch as batch
 from .uncertain.plan import candidates as candidates
+from .uncertain.points import risk_table as risk_table
 from .uncertain.sensitivity import Sensitivity as Sensitivity
 from .uncertain.sensitivity import sensitivity as sensitivity
 from .uncertain.weigh import Judged as Judged

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -68,25 +68,42 @@ def margin_table(
 
 
 def _table_of(ds: xr.Dataset, points: OperatingPoints, conditions: Mapping[str, Any]) -> Table:
-    """Table of one scene: margins of operating points, or the reasons for which there are none."""
-    judge, is_single = judge_of(plane_of(ds), **conditions), ds.sizes.get("realization", 1) == 1
-    columns = _COLUMNS if is_single else _COLUMNS_OF_SEVERAL
+    """Table of one scene."""
+    judge = judge_of(plane_of(ds), **conditions)
+    if ds.sizes.get("realization", 1) == 1:
+        return table_of_points(points, _COLUMNS, lambda *place: _of_one(*judge(*place)))
+    return table_of_points(points, _COLUMNS_OF_SEVERAL, lambda *place: _of_several(judge(*place)))
+
+
+def table_of_points(
+    points: OperatingPoints,
+    columns: Sequence[Column],
+    answer: Callable[[float, float], Sequence[Any]],
+) -> Table:
+    """Table with the further columns of each operating point, its place, an answer, and a note.
+
+    The answer ends with the note; where an `InputError` stands for it, the first of the columns, a
+    verdict, is not known.
+    """
     rows = []
     for number, place in enumerate(points.places):
-        values: tuple[Any, ...] = ("not known", *[None] * (len(columns) - 1))
         try:
-            margins = judge(*place)
+            values = answer(*place)
         except InputError as error:
-            note: str | None = str(error)
-        else:
-            values = _of_one(margins[0]) if is_single else _of_several(margins)
-            note = _note(margins)
+            values = ("not known", *[None] * (len(columns) - 1), str(error))
         passed = (cells[number] for cells in points.others.values())
-        rows.append((*passed, *place, *values, note))
+        rows.append((*passed, *place, *values))
     results = (*_PLACE, *columns, Column("note", "note"))
     taken = {word for column in results for word in (column.name, column.head)}
     others = (f"{head} (given)" if head in taken else head for head in points.others)
     return Table((*(Column(head, head) for head in others), *results), tuple(rows))
+
+
+def notes_of(table: Table) -> list[str]:
+    """Notes of a table of operating points, each with its place in words."""
+    columns = table.as_dict()
+    noted = zip(columns["load"], columns["velocity"], columns["note"], strict=True)
+    return [f"{load:g} N at {velocity:g} m/s: {note}" for load, velocity, note in noted if note]
 
 
 _PLACE = Column("load", "load", "N", 6), Column("velocity", "velocity", "m/s", 6)
@@ -129,7 +146,8 @@ def _note(margins: Sequence[Margin]) -> str | None:
 def _of_one(margin: Margin) -> tuple[Any, ...]:
     verdict = "severe" if margin.is_severe else "mild"
     names = [column.name for column in _COLUMNS[2:]]
-    return verdict, margin.is_certain, *(getattr(margin, name) for name in names)
+    values = (getattr(margin, name) for name in names)
+    return verdict, margin.is_certain, *values, _note([margin])
 
 
 def _of_several(margins: Sequence[Margin]) -> tuple[Any, ...]:
@@ -142,4 +160,5 @@ def _of_several(margins: Sequence[Margin]) -> tuple[Any, ...]:
         float(np.median([getattr(margin, name) for margin in margins]))
         for name in ("velocity_factor", "load_factor")
     )
-    return verdict, severe, len(margins), temperature, middle, low, high, *factors
+    values = severe, len(margins), temperature, middle, low, high, *factors
+    return verdict, *values, _note(margins)

@@ -14,7 +14,7 @@ import pipeline
 from pipeline.analysis.attributes import attributes_of
 from pipeline.analysis.band import BAND
 from pipeline.analysis.conditions import conditions_of
-from pipeline.analysis.operating_points import OperatingPoints
+from pipeline.analysis.margin_table import notes_of
 from pipeline.analysis.scenes import words
 from pipeline.analysis.transition import BEYOND, CROSSES, OUTCOMES, UNITS, in_words
 from pipeline.cli.next_steps import after_margin, more_of_boundary
@@ -28,13 +28,13 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from pipeline.analysis.margin import Margin
+    from pipeline.analysis.tables import Table
 
 
 _ONLY_IN_FILES = (
     "certain", "critical_velocity", "critical_load", "velocity_outcome", "load_outcome", "note",
 )  # fmt: skip
 """Columns of a table of margins for which a terminal is too narrow."""
-_NOTED = "load", "velocity", "note"
 
 
 def margin(options: argparse.Namespace) -> Result:
@@ -43,8 +43,8 @@ def margin(options: argparse.Namespace) -> Result:
     place = given(options, "load", "velocity")
     if options.points is None and len(place) < 2:
         raise InputError("no operating point is given; give --load and --velocity, or --points")
-    if options.points is not None and (others := [*place, *weighed]):
-        raise InputError(f"--points stands alone; leave out {flags_of(others)}")
+    if options.points is not None and place:
+        raise InputError(f"--points has each load and velocity; leave out {flags_of([*place])}")
     ds, conditions = opened(options), conditions_in(options)
     if "sample" in ds.dims:
         return _of_samples(options, ds, conditions, weighed)
@@ -53,8 +53,11 @@ def margin(options: argparse.Namespace) -> Result:
             f"samples of unknown inputs are needed by {flags_of(weighed)}: give [unknown] and "
             "sweep.samples in the scene"
         )
-    of_points = _of_one if options.points is None else _of_several
-    return of_points(options, ds, conditions)
+    if options.points is None:
+        return _of_one(options, ds, conditions)
+    table = pipeline.margin_table(ds, options.points, **conditions)
+    document, text = _on_points(options, table)
+    return Result(document, text, pipeline.warned(ds, **conditions), [table])
 
 
 def _of_one(options: argparse.Namespace, ds: xr.Dataset, conditions: dict[str, Any]) -> Result:
@@ -82,12 +85,7 @@ def _of_one(options: argparse.Namespace, ds: xr.Dataset, conditions: dict[str, A
 def _of_samples(
     options: argparse.Namespace, ds: xr.Dataset, conditions: dict[str, Any], weighed: Sequence[str]
 ) -> Result:
-    """Distance of one operating point as intervals of probability."""
-    if options.points is not None:
-        raise InputError(
-            "--points takes no sweep with samples: give each operating point alone, as --load and "
-            "--velocity, here or to irg risk"
-        )
+    """Distances of operating points as intervals of probability."""
     if conditions and weighed:
         raise InputError(
             f"conditions are weighed as they were drawn by {flags_of(weighed)}: leave out "
@@ -98,32 +96,28 @@ def _of_samples(
         ensemble, here = ensemble_under(ds, **conditions)
     else:
         ensemble, measured = samples_of(options, ds)
-    answer = pipeline.margin_intervals(
-        ensemble, options.load, options.velocity, measured.draws if measured else None, here
-    )
-    table = table_of_intervals(answer)
-    text = [on_risk(answer.risk), *table.lines(), *notes(ensemble, measured)]
-    document = {"given_measured": measured is not None, "intervals": answer.as_dict()}
-    return Result(document, text, pipeline.warned(ds), [table])
+    draws = measured.draws if measured else None
+    if options.points is None:
+        answer = pipeline.margin_intervals(ensemble, options.load, options.velocity, draws, here)
+        table = table_of_intervals(answer)
+        text = [on_risk(answer.risk), *table.lines()]
+        document: dict[str, Any] = {"intervals": answer.as_dict()}
+    else:
+        table = pipeline.risk_table(ensemble, options.points, draws, here)
+        document, text = _on_points(options, table)
+    document["given_measured"] = measured is not None
+    return Result(document, [*text, *notes(ensemble, measured)], pipeline.warned(ds), [table])
 
 
-def _of_several(options: argparse.Namespace, ds: xr.Dataset, conditions: dict[str, Any]) -> Result:
-    """Distances of a table of operating points."""
-    points = OperatingPoints.read(options.points)
-    table = pipeline.margin_table(ds, points, **conditions)
+def _on_points(options: argparse.Namespace, table: Table) -> tuple[dict[str, Any], list[str]]:
+    """Plain data and lines on a table of operating points."""
     columns = table.as_dict()
     verdicts = Counter(columns["verdict"])
     counts = ", ".join(f"{number} {verdict}" for verdict, number in sorted(verdicts.items()))
     text = [f"{counted(len(table.rows), 'operating point', 'operating points')}: {counts}"]
     if options.output is None:
         text += ["", *table.without(_ONLY_IN_FILES).without_empty().lines()]
-    text += [
-        f"{load:g} N at {velocity:g} m/s: {note}"
-        for load, velocity, note in zip(*(columns[name] for name in _NOTED), strict=True)
-        if note
-    ]
-    document = {"verdicts": verdicts, "margins": columns}
-    return Result(document, text, pipeline.warned(ds, **conditions), [table])
+    return {"verdicts": verdicts, "margins": columns}, text + notes_of(table)
 
 
 def _is_incomplete(here: Margin) -> bool:

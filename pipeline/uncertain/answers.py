@@ -361,26 +361,17 @@ def margin_intervals(
     True
     """
     draws = draws_of(ensemble, draws)
-    at_point = risk(ensemble, load, velocity, draws, conditions)
-    # The emulator's error is another one for each draw, and one for all its velocities and loads.
-    chance = np.random.default_rng(ensemble.design.seed).standard_normal(len(draws.inputs))
-    inputs = draws.inputs
-
-    def shifted(excess: Excess) -> Array:
-        return excess.values + chance[:, None] * excess.error.reshape(len(inputs), -1)
-
-    here = shifted(ensemble.excess(inputs, at_point.load, at_point.velocity, conditions))[:, 0]
-    friction, bulk, critical = (
-        ensemble.values(path, inputs, conditions) for path in (FRICTION, BULK, CRITICAL)
+    inputs, at_point = draws.inputs, risk(ensemble, load, velocity, draws, conditions)
+    temperature, critical = temperatures(
+        ensemble, inputs, at_point.load, at_point.velocity, conditions
     )
-    temperature = bulk + friction * np.exp(here + ensemble.log_limit(inputs, conditions))
     velocities = np.geomspace(*ensemble.velocities, STEPS)
-    across = shifted(ensemble.excess(inputs, at_point.load, velocities, conditions))
+    across = _shifted(ensemble, ensemble.excess(inputs, at_point.load, velocities, conditions))
     upwards = None
     if len(ensemble.loads) > 1:
         loads = np.geomspace(ensemble.loads[0], ensemble.loads[-1], STEPS)
         along = ensemble.excesses(inputs, loads, [at_point.velocity], conditions)
-        rows = shifted(Excess(*(part[..., 0] for part in along)))
+        rows = _shifted(ensemble, Excess(*(part[..., 0] for part in along)))
         upwards = Interval.of(draws, crossings(loads, rows))
     return MarginIntervals(
         risk=at_point,
@@ -391,3 +382,20 @@ def margin_intervals(
         velocity_range=ensemble.velocities,
         load_range=(float(ensemble.loads[0]), float(ensemble.loads[-1])),
     )
+
+
+def temperatures(
+    ensemble: Ensemble, inputs: Array, load: float, velocity: float, conditions: Overrides = None
+) -> tuple[Array, Array]:
+    """Deciding and critical temperature at an operating point by draw [K]."""
+    friction, bulk, critical = (
+        ensemble.values(path, inputs, conditions) for path in (FRICTION, BULK, CRITICAL)
+    )
+    excess = _shifted(ensemble, ensemble.excess(inputs, load, velocity, conditions))[:, 0]
+    return bulk + friction * np.exp(excess + ensemble.log_limit(inputs, conditions)), critical
+
+
+def _shifted(ensemble: Ensemble, excess: Excess) -> Array:
+    """Excess with an error of the emulator drawn for each draw, one for all its places."""
+    chance = np.random.default_rng(ensemble.design.seed).standard_normal(len(excess.values))
+    return excess.values + chance[:, None] * excess.error

@@ -18,7 +18,7 @@ from pipeline.analysis.boundary_tables import readable
 from pipeline.analysis.conditions import conditions_of
 from pipeline.analysis.dataset import asked, entry_dims, variant_of
 from pipeline.analysis.entries import entries_of
-from pipeline.analysis.margin_table import margin_table
+from pipeline.analysis.margin_table import margin_table, notes_of
 from pipeline.analysis.operating_points import OperatingPoints
 from pipeline.analysis.scenes import parts_of, scenes, words
 from pipeline.analysis.tables import Column, Table
@@ -169,8 +169,7 @@ def _operating_points(
         return
     table = margin_table(ds, points, **conditions)
     yield table.without(_LONG).without_empty()
-    notes = enumerate(table.as_dict()["note"], 1)
-    yield from (f"Row {number}: {note}." for number, note in notes if note)
+    yield from (f"{note}." for note in notes_of(table))
     yield (
         "A factor is the critical velocity or load over that of the point: wear turns severe at so "
         "many times its velocity, or its load. Where there is none, the sweep has no transition."

@@ -8,12 +8,13 @@ from typing import Any
 
 import xarray as xr
 
+from pipeline.analysis.margin_table import notes_of
 from pipeline.analysis.operating_points import OperatingPoints
-from pipeline.analysis.tables import Column, Table
-from pipeline.uncertain.answers import probabilities_at_loads, risk, risk_lines, table_of_lines
+from pipeline.analysis.tables import Table
+from pipeline.uncertain.answers import probabilities_at_loads, risk_lines, table_of_lines
 from pipeline.uncertain.ensemble import Ensemble
 from pipeline.uncertain.judging import ensemble_under
-from tribo import InputError
+from pipeline.uncertain.points import risk_table
 
 
 def sections(
@@ -45,21 +46,9 @@ def sections(
     def operating_points() -> Iterator[str | Table]:
         if points is None:
             return
-        columns = (
-            Column("load", "load", "N"), Column("velocity", "velocity", "m/s"),
-            Column("probability", "probability of severe wear", digits=2),
-            Column("error", "standard error", digits=1),
-        )  # fmt: skip
-        rows, notes = [], []
-        for place in points.places:
-            try:
-                answer = risk(ensemble, place.load, place.velocity, conditions=conditions)
-            except InputError as error:
-                notes.append(f"{place.load:g} N at {place.velocity:g} m/s: {error}.")
-                continue
-            rows.append((answer.load, answer.velocity, answer.probability, answer.error))
-        yield Table(columns, tuple(rows))
-        yield from notes
+        table = risk_table(ensemble, points, conditions=conditions)
+        yield table.without({"note"}).without_empty()
+        yield from (f"{note}." for note in notes_of(table))
 
     return {
         "Question and answer": question,

@@ -74,5 +74,8 @@ def test_a_sweep_of_samples_is_answered_by_probabilities():
     assert middle == pytest.approx(critical, rel=0.03)
     assert len(table.rows) == len(ensemble.loads)
     chance = pipeline.risk(ensemble, 400.0, 2.2)
-    assert risks.rows == ((400.0, 2.2, chance.probability, chance.error),)
+    columns = risks.as_dict()
+    assert columns["load"] == [400.0, 5000.0]
+    assert columns["probability"] == [chance.probability, None]
+    assert columns["error"] == [chance.error, None]
     assert "load is 5000 N; the samples have 200 to 750 N" in places

@@ -127,6 +127,14 @@ def test_the_commands_say_risk_causes_and_the_next_test(sampled, tmp_path, irg):
     assert all(path.stat().st_size > 10_000 for path in tmp_path.glob("*.png"))
     margin = said("margin", store, *place)["intervals"]
     assert margin["risk"]["probability"] == there["probability"]
+    duty = tmp_path / "duty.csv"
+    duty.write_text("load [N],velocity [m/s],gear\n500,1.3,1\n900,2,2\n")
+    table = said("margin", store, "--points", duty)["margins"]
+    assert table["probability"] == [there["probability"], None]
+    ends = {"low": "distance_low", "middle": "distance", "high": "distance_high"}
+    assert {end: table[name][0] for end, name in ends.items()} == margin["distance"]
+    assert table["verdict"][1] == "not known"
+    assert "the samples have" in table["note"][1]
     hot = said("margin", store, *place, "--friction", "0.2")["intervals"]
     assert hot["risk"]["probability"] > there["probability"]
     lines = said("boundary", store)["velocity_of_probability"]
@@ -142,7 +150,6 @@ def test_the_commands_say_risk_causes_and_the_next_test(sampled, tmp_path, irg):
         (("risk", "--load", "500 N"), "has a load and a velocity; give both or neither"),
         (("risk", "--load", "900 N", "--velocity", "2 m/s"), "load is 900 N; the samples have"),
         (("plot", "--kind", "ramp"), "no plane of velocities and loads"),
-        (("margin", "--points", "duty.csv"), "give each operating point alone"),
         (
             ("infer", "--next", "--bulk-temperature", "pin=60 degC, disk=25 degC"),
             "of a test to plan is that of both bodies",
