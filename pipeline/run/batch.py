@@ -11,7 +11,7 @@ from typing import Any
 
 from pipeline.run.site import SAFE, Site, site_of
 from pipeline.run.source import THREADS
-from pipeline.scene.quantities import in_si
+from pipeline.scene.quantities import in_si, require_count
 from tribo import InputError
 
 SYSTEMS = ("slurm",)
@@ -63,8 +63,7 @@ class Batch:
     ) -> None:
         if system not in SYSTEMS:
             raise InputError(f"the batch system is {system!r}; give {', '.join(SYSTEMS)}")
-        if jobs < 1:
-            raise InputError(f"jobs is {jobs}; it must be at least 1")
+        require_count("jobs", jobs)
         seconds = in_si("walltime", walltime, "2 h")
         if not _SHORTEST <= seconds < float("inf"):
             raise InputError(f"walltime is {seconds:g} s; it must be at least 1 min")

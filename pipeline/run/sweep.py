@@ -27,6 +27,7 @@ from pipeline.run.schedule import compute
 from pipeline.run.source import PATIENCE, ExecutionError, unheard
 from pipeline.run.tally import Progress, Tally
 from pipeline.run.writer import Writer
+from pipeline.scene.quantities import require_count
 from pipeline.scene.scenefile import sweep_of
 from pipeline.store.attributes import versions
 from pipeline.store.create import grown, writing
@@ -39,7 +40,6 @@ from pipeline.store.verify import examined
 from pipeline.store.write import Store
 from pipeline.sweep.model import Point, Sweep
 from pipeline.sweep.plan import chains
-from tribo import InputError
 
 
 @dataclass(frozen=True, slots=True)
@@ -131,8 +131,8 @@ def run_sweep(
     >>> outcome.done, outcome.failed
     (24, ())
     """
-    if workers is not None and workers < 1:
-        raise InputError(f"workers is {workers}; it must be at least 1")
+    if workers is not None:
+        require_count("workers", workers)
     _refuse_in_a_worker(scheduler)
     sweep = sweep_of(sweep)
     began = time.monotonic()

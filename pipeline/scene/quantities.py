@@ -28,6 +28,12 @@ def in_si(name: str, value: float | str, like: str) -> float:
         raise InputError(f'{name}: {error}; give one such as "{like}"') from error
 
 
+def require_count(name: str, value: float) -> None:
+    """Raise an `InputError` unless a value is a whole number of at least 1."""
+    if value < 1 or value % 1:
+        raise InputError(f"{name} is {value}; it must be a whole number of at least 1")
+
+
 def share_of(value: float | str) -> float:
     """Value of a share, as a number or as text such as ``"10%"``.
 

@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from pipeline.scene.quantities import require_count
 from pipeline.scene.scenefile import SceneLike, sweep_of
 from pipeline.sweep.model import Sweep
 from pipeline.sweep.plan import step_count
@@ -18,7 +19,6 @@ from pipeline.sweep.stages import duration
 from tribo import (
     BULK_RATIOS,
     QUANTILES,
-    InputError,
     State,
     advance,
     heat,
@@ -114,8 +114,8 @@ def estimate(sweep: SceneLike, workers: int | None = None, boundary_only: bool =
     >>> cost.points
     24
     """
-    if workers is not None and workers < 1:
-        raise InputError(f"workers is {workers}; it must be at least 1")
+    if workers is not None:
+        require_count("workers", workers)
     sweep, cores = sweep_of(sweep), os.cpu_count() or 1
     if sweep.over:
         return _of_scenes(sweep, workers, boundary_only)

@@ -235,9 +235,10 @@ def test_another_scene_and_a_second_driver_are_refused_before_a_cluster_starts(c
         run_sweep(SWEEP, copy)
 
 
-def test_a_number_of_workers_below_one_is_refused(path):
-    with pytest.raises(tribo.InputError, match="workers is 0"):
-        run_sweep(SWEEP, path, workers=0)
+@pytest.mark.parametrize("workers", [0, 1.5])
+def test_a_number_of_workers_that_cannot_be_is_refused(path, workers):
+    with pytest.raises(tribo.InputError, match=f"workers is {workers}; it must be a whole number"):
+        run_sweep(SWEEP, path, workers=workers)
 
 
 # Ctrl-C, in a process of its own

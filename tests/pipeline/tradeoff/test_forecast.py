@@ -157,5 +157,5 @@ def test_work_that_is_saved_is_named_with_its_reason(changes, said):
 
 
 def test_no_workers_are_refused():
-    with pytest.raises(InputError, match="workers is -1; it must be at least 1"):
+    with pytest.raises(InputError, match="workers is -1; it must be a whole number of at least 1"):
         estimate(SWEEP, workers=-1)
