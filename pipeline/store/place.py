@@ -179,7 +179,13 @@ def place_of(path: PathLike) -> Place:
     if address.startswith(SCHEME):
         if find_spec("s3fs") is None:
             raise StoreError(f"{address}: this needs pip install 'irg-transition[s3]'")
-        return Bucket(address.rstrip("/"))
+        bucket, _, key = address.removeprefix(SCHEME).rstrip("/").partition("/")
+        if not (bucket and key):
+            raise StoreError(
+                f"{address} cannot be a store; give a folder of a bucket, like "
+                f"{SCHEME}bucket/sweep.zarr"
+            )
+        return Bucket(f"{SCHEME}{bucket}/{key}")
     if "://" in address:
         raise StoreError(f"{address}: a store is a local folder or an {SCHEME} address")
     try:

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 import numpy as np
 
@@ -103,20 +101,11 @@ def summarized(store: Store) -> Summary:
         done=counts[DONE],
         pending=counts[PENDING],
         failed=tuple(
-            FailedPoint(*point[:2], str(message), point.variant, _in_words(point, store.attributes))
+            FailedPoint(*point[:2], str(message), point.variant, store.in_words(point))
             for point, message in zip(store.points_at(failed), messages, strict=True)
         ),
         earlier=int(np.count_nonzero(flags[~asked] == DONE)),
     )
-
-
-def _in_words(point: Point, attributes: Mapping[str, Any]) -> str:
-    """A point in words, with values of entries as the scene writes them, such as ``2 mm``."""
-    written = {tuple(scene["values"]): scene["written"] for scene in attributes.get("scenes", [])}
-    names, values = zip(*point.variant, strict=True) if point.variant else ((), ())
-    number = len(attributes.get("over", []))
-    texts = *written.get(values[:number], values[:number]), *values[number:]
-    return str(point._replace(variant=tuple(zip(names, texts, strict=True))))
 
 
 def summary(path: PathLike) -> Summary:

@@ -12,7 +12,7 @@ import json
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import nullcontext
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -39,6 +39,8 @@ _LOST_REASON = "the reason why it failed was damaged; try again with irg run --r
 class Damage:
     """A damaged point: load [N], velocity [m/s], reason, and variant.
 
+    The place is the point in words, where the scene writes values of the variant in units.
+
     Examples
     --------
     >>> import pipeline
@@ -50,9 +52,10 @@ class Damage:
     velocity: float
     reason: str
     variant: Variant = ()
+    place: str = field(default="", compare=False)
 
     def __str__(self) -> str:
-        return f"{Point(self.load, self.velocity, self.variant)}: {self.reason}"
+        return f"{self.place or Point(self.load, self.velocity, self.variant)}: {self.reason}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -169,7 +172,8 @@ def examined(
             is_done = bool(unknown[index] or store.flags[index] == DONE)
             reason, record = _fault(point, entries, is_done)
             if reason and not unknown[index]:
-                damage = Damage(point.load, point.velocity, reason, point.variant)
+                place = store.in_words(point)
+                damage = Damage(point.load, point.velocity, reason, point.variant, place)
                 faults[index] = damage, record
             elif unknown[index] and not reason:
                 complete.append(point)

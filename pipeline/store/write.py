@@ -92,6 +92,15 @@ class Store:
             points.append(Point(load, velocity, tuple(values.items())))
         return points
 
+    def in_words(self, point: Point) -> str:
+        """A point in words, with values of entries as the scene writes them, such as ``2 mm``."""
+        scenes = self.attributes.get("scenes", [])
+        written = {tuple(scene["values"]): scene["written"] for scene in scenes}
+        names, values = zip(*point.variant, strict=True) if point.variant else ((), ())
+        number = len(self.attributes.get("over", []))
+        texts = *written.get(values[:number], values[:number]), *values[number:]
+        return str(point._replace(variant=tuple(zip(names, texts, strict=True))))
+
     def asked_by(self, sweep: Sweep) -> Mask:
         """Mask of the points that a sweep asks for."""
         mask = np.zeros(self.flags.shape, bool)

@@ -183,7 +183,7 @@ def test_commands_answer_for_each_value(swept, folder, irg):
     irg("status", swept)
 
 
-def test_failed_points_are_listed_in_the_units_of_the_scene(tmp_path, irg):
+def test_failed_and_damaged_points_are_listed_in_the_units_of_the_scene(tmp_path, irg):
     sweep = load(tmp_path, **{"sweep.realizations": [3]})
     with writing(tmp_path / "out.zarr", sweep) as store:
         store.commit([PointRecord(points(sweep)[-1], None, "it left the window")])
@@ -191,6 +191,10 @@ def test_failed_points_are_listed_in_the_units_of_the_scene(tmp_path, irg):
     assert "failed: 600 N, 4 m/s, pin.radius 4 mm, surface 3: it left the window" in said
     (failed,) = irg("status", tmp_path / "out.zarr", "--json", code=1)["failed"]
     assert (failed["pin.radius"], failed["realization"]) == (0.004, 3)
+    for chunk in (tmp_path / "out.zarr" / "record_checksum").glob("c.*"):
+        chunk.unlink()
+    said = irg("verify", tmp_path / "out.zarr", code=1)
+    assert "600 N, 4 m/s, pin.radius 4 mm, surface 3: record_checksum cannot be read" in said
 
 
 def test_commands_on_one_scene_say_that_they_take_one_value(folder, irg, monkeypatch):

@@ -402,6 +402,8 @@ def test_a_store_that_is_not_there_and_a_url_are_refused(path, capsys):
     assert "does not exist; give a store that irg run made" in capsys.readouterr().err
     with pytest.raises(StoreError, match="a local folder or an s3:// address"):
         commit("https://example.org/tiny.zarr", SWEEP, ())
+    with pytest.raises(StoreError, match="give a folder of a bucket, like s3://"):
+        commit("s3://bucket/", SWEEP, ())
 
 
 def test_a_place_that_cannot_be_written_is_refused(tmp_path):

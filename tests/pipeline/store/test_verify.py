@@ -249,10 +249,10 @@ def test_statuses_that_cannot_be_read_are_no_clean_store(copy, name):
 
 def test_the_command_names_what_is_damaged(copy, irg):
     flip_in_the_middle(copy / "rise" / "c.1.1.0.0")
-    document = irg("verify", copy, "--json", code=1)
+    document, reason = irg("verify", copy, "--json", code=1), "rise cannot be read"
     assert document["done"] == 8
     assert document["damaged"] == [
-        {"load": 250.0, "velocity": 1.0, "reason": "rise cannot be read"}
+        {"load": 250.0, "velocity": 1.0, "reason": reason, "place": "250 N, 1 m/s"}
     ]
     assert "damaged: 250 N, 1 m/s: rise cannot be read" in irg("verify", copy, "--repair", code=1)
     irg("verify", copy)
