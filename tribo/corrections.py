@@ -64,7 +64,7 @@ class Stem:
         require_positive(length=length, area=area)
         return cls(length / (thermal_conductivity * area), length**2 / thermal_diffusivity)
 
-    def at(self, time: Array) -> Array:
+    def resistance_after(self, time: Array) -> Array:
         """Resistance after a time under constant heat [K/W]."""
         if self.settling_time == 0:
             return np.full(np.shape(time), self.resistance)
@@ -218,7 +218,7 @@ class Corrections:
                 theta,
                 share,
                 F * V,
-                self.stem.at(t) if self.stem else 0.0,
+                self.stem.resistance_after(t) if self.stem else 0.0,
                 self.film_resistance / area,
                 warming,
             )

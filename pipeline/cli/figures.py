@@ -9,7 +9,15 @@ from typing import Any
 import pipeline
 from pipeline.cli.output import Result, tell
 from pipeline.cli.progress import working
-from pipeline.cli.scenes import CONDITIONS, PLACE, beside, conditions_in, flags_of, given, opened
+from pipeline.cli.scenes import (
+    CONDITIONS,
+    PLACE,
+    beside,
+    conditions_in,
+    flags_of,
+    opened,
+    values_in,
+)
 from tribo import InputError
 
 _RIVALS = "rivals"
@@ -19,7 +27,7 @@ _OF_KINDS = (*PLACE, *CONDITIONS, "log", "given_measured", "scatter", _RIVALS)
 
 def plot(options: argparse.Namespace) -> Result:
     """Draw a figure of a store."""
-    look = given(options, *PLACE, _RIVALS, "scatter", "width", "dpi", "log", "given_measured")
+    look = values_in(options, *PLACE, _RIVALS, "scatter", "width", "dpi", "log", "given_measured")
     conditions = conditions_in(options)
     _require_options(options.kind, [*look, *conditions])
     look |= {"with_title": not options.no_title}
@@ -68,7 +76,7 @@ def explore(options: argparse.Namespace) -> Result:
     """Write a page to explore a store in a browser."""
     ds = opened(options)
     out = options.output or beside(options.store, ".html")
-    chosen = given(options, "most_fields", "scatter", "given_measured")
+    chosen = values_in(options, "most_fields", "scatter", "given_measured")
     if options.no_fields:
         chosen["most_fields"] = 0
     with working("writing the page"):

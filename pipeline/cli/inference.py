@@ -13,7 +13,7 @@ import pipeline
 from pipeline.analysis.tables import TABLES, Column, Table, writable_path
 from pipeline.cli.output import Result, counted, tell
 from pipeline.cli.progress import working
-from pipeline.cli.scenes import PLACE, flags_of, given, one_scene_of, selected
+from pipeline.cli.scenes import PLACE, flags_of, one_scene_of, selected, values_in
 from pipeline.cli.unknowns import posterior
 from pipeline.scene.facts import require_bearable_load
 from pipeline.sweep.criterion import Verdict
@@ -144,7 +144,7 @@ def infer(options: argparse.Namespace) -> Result:
     sweep = sweep.on_surface(options.realization)
     if options.contact_width is not None:
         return _wear_rate(options, sweep)
-    if ignored := given(options, "load", "velocity", "duration"):
+    if ignored := values_in(options, "load", "velocity", "duration"):
         raise InputError(f"{flags_of([*ignored])} belongs to --contact-width, which is not given")
     inferred = pipeline.critical_temperatures(sweep, progress=tell)
     tables = [_transitions(inferred)]
@@ -164,7 +164,7 @@ def _of_stores(options: argparse.Namespace) -> Result:
 
 def _require_as_stored(options: argparse.Namespace, store: Path) -> None:
     """Refuse options of a scene, where its samples are read from a store."""
-    if names := given(options, "contact_width", "duration", "preset", "set", *PLACE):
+    if names := values_in(options, "contact_width", "duration", "preset", "set", *PLACE):
         raise InputError(
             f"the samples of {store} stay as they were computed; leave out {flags_of([*names])}"
         )

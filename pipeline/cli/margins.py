@@ -19,7 +19,7 @@ from pipeline.analysis.scenes import words
 from pipeline.analysis.transition import BEYOND, CROSSES, OUTCOMES, UNITS, in_words
 from pipeline.cli.next_steps import after_margin, more_of_boundary
 from pipeline.cli.output import Result, counted
-from pipeline.cli.scenes import conditions_in, flags_of, given, opened
+from pipeline.cli.scenes import conditions_in, flags_of, opened, values_in
 from pipeline.cli.unknowns import notes, on_risk, samples_of, table_of_intervals
 from pipeline.uncertain.judging import ensemble_under
 from tribo import InputError
@@ -39,8 +39,8 @@ _ONLY_IN_FILES = (
 
 def margin(options: argparse.Namespace) -> Result:
     """Print the distance of one operating point to the boundary, or of those of a table."""
-    weighed = [*given(options, "scatter", "given_measured")]
-    place = given(options, "load", "velocity")
+    weighed = [*values_in(options, "scatter", "given_measured")]
+    place = values_in(options, "load", "velocity")
     if options.points is None and len(place) < 2:
         raise InputError("no operating point is given; give --load and --velocity, or --points")
     if options.points is not None and place:

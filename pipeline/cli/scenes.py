@@ -97,14 +97,14 @@ def beside(store: Path | str, ending: str) -> Path:
 
 def conditions_in(options: argparse.Namespace) -> dict[str, Any]:
     """Conditions that the user gave in place of the scene's own; several frictions as a tuple."""
-    conditions = given(options, *CONDITIONS)
+    conditions = values_in(options, *CONDITIONS)
     frictions = conditions.get("friction")
     if isinstance(frictions, list):
         conditions["friction"] = tuple(frictions) if len(frictions) > 1 else frictions[0]
     return conditions
 
 
-def given(options: argparse.Namespace, *names: str) -> dict[str, Any]:
+def values_in(options: argparse.Namespace, *names: str) -> dict[str, Any]:
     """Options of these names that the command has and the user gave."""
     values = {name: getattr(options, name, None) for name in names}
     return {name: value for name, value in values.items() if not _is_absent(value)}

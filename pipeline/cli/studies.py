@@ -15,7 +15,7 @@ import pipeline
 from pipeline.analysis.tables import Column, Table
 from pipeline.analysis.transition import CROSSES, OUTCOMES
 from pipeline.cli.output import Result, tell
-from pipeline.cli.scenes import given, scene_of, settings_of
+from pipeline.cli.scenes import scene_of, settings_of, values_in
 from tribo import InputError
 
 if TYPE_CHECKING:
@@ -59,7 +59,7 @@ def _critical_velocities(result: Variations) -> Table:
         Column("outcome", "outcome"),
     )
     rows: list[tuple[Any, ...]] = []
-    for variation in (result.own, *itertools.chain(*result.by_key().values())):
+    for variation in (result.base, *itertools.chain(*result.by_key().values())):
         name, changes = "as it is", [math.nan] * len(result.loads)
         if variation.key:
             name, changes = variation.key, result.changes(variation).tolist()
@@ -75,7 +75,7 @@ def _on_variations(result: Variations, table: Table) -> Iterator[str]:
     effects = {effect.name for effect in result.left_out}
 
     def name(row: dict[str, Any]) -> str:
-        is_alone = row["value"] == result.own.value or row["entry"] in effects
+        is_alone = row["value"] == result.base.value or row["entry"] in effects
         return str(row["entry"]) if is_alone else f"{row['entry']} = {row['value']}"
 
     def cell(row: dict[str, Any]) -> str:
@@ -146,7 +146,7 @@ def reproduce(options: argparse.Namespace) -> Result:
         text = [f"{name:12} {summary}" for name, summary in results.items()]
         text += ["", "not recomputed", *(f"{name:12} {reason}" for name, reason in others.items())]
         return Result(results | {"not_recomputed": others}, text)
-    chosen = given(options, "preset", "surfaces", "workers")
+    chosen = values_in(options, "preset", "surfaces", "workers")
     if options.name == "all":
         reports = paper.write_gallery(options.output or Path("results"), tell=tell, **chosen)
         text = [line for report in reports for line in (*report.lines(), "")]

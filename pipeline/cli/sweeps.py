@@ -10,7 +10,7 @@ import pipeline
 from pipeline.cli.output import DONE, SOME_FAILED, Result, failed_points, tell
 from pipeline.cli.picture import watched
 from pipeline.cli.progress import run_line
-from pipeline.cli.scenes import given, scene_of, selected
+from pipeline.cli.scenes import scene_of, selected, values_in
 from pipeline.run.batch import Batch
 from pipeline.sweep.warned import NO_WARNING
 from tribo import InputError
@@ -67,7 +67,7 @@ def computed(options: argparse.Namespace) -> Result:
 
 def _batch(options: argparse.Namespace) -> Batch | None:
     """Jobs in which to compute; None without a batch system."""
-    asked = given(options, "jobs", "walltime", "site")
+    asked = values_in(options, "jobs", "walltime", "site")
     if options.cluster is not None:
         return pipeline.Batch(options.cluster, **asked)
     if asked or options.dry_run:

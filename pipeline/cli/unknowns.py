@@ -19,7 +19,7 @@ from pipeline.analysis.tables import Column, Table
 from pipeline.cli.next_steps import next_tests
 from pipeline.cli.output import Result, counted
 from pipeline.cli.progress import working
-from pipeline.cli.scenes import beside, given
+from pipeline.cli.scenes import beside, values_in
 from pipeline.sweep.warned import NO_WARNING
 from pipeline.uncertain.answers import probabilities_at_loads, table_of_lines
 from pipeline.uncertain.judging import ensemble_under, posterior_if_given
@@ -42,7 +42,7 @@ _GOOD = 0.3  # of the spread of a velocity, which its error may be
 
 def risk(options: argparse.Namespace) -> Result:
     """Print the probability of severe wear at a point, or draw it over the plane."""
-    place = given(options, "load", "velocity")
+    place = values_in(options, "load", "velocity")
     if len(place) == 1:
         raise InputError("an operating point has a load and a velocity; give both or neither")
     ds = pipeline.open_sweep(options.store)
@@ -236,7 +236,7 @@ def posterior(options: argparse.Namespace, stores: Sequence[Path]) -> Result:
         datasets = [pipeline.open_sweep(store) for store in stores]
         ensembles = [_ensemble(*pair) for pair in zip(stores, datasets, strict=True)]
     with working("weighing the inputs by the tests"):
-        weighed = pipeline.posterior(ensembles, **given(options, "scatter"))
+        weighed = pipeline.posterior(ensembles, **values_in(options, "scatter"))
     document, text = weighed.as_dict(), list(_on_inputs(weighed))
     if options.next is None:
         command = next_tests(stores, options.scatter)

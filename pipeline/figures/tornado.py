@@ -44,9 +44,9 @@ def draw_variations(varied: Variations) -> Figure:
     Examples
     --------
     >>> import pipeline
-    >>> own = pipeline.Variation("", "", (2.17,), ("crosses",))
+    >>> base = pipeline.Variation("", "", (2.17,), ("crosses",))
     >>> other = pipeline.Variation("friction.coefficient", "0.12", (1.63,), ("crosses",))
-    >>> variations = pipeline.Variations("A scene", (400.0,), own, (other,), points=8, contacts=8)
+    >>> variations = pipeline.Variations("A scene", (400.0,), base, (other,), points=8, contacts=8)
     >>> figure = pipeline.draw_variations(variations)
     """
     keys = varied.by_key()
@@ -75,7 +75,8 @@ def draw_variations(varied: Variations) -> Figure:
     )
     axes.set_xlabel("change of the critical velocity")
     for load, colour in ends.items():
-        critical_velocity, outcome = varied.own.critical_velocities[load], varied.own.outcomes[load]
+        critical_velocity = varied.base.critical_velocities[load]
+        outcome = varied.base.outcomes[load]
         begins = f"from {critical_velocity:.3g} m/s" if np.isfinite(critical_velocity) else outcome
         axes.plot([], [], color=colour, lw=6, label=f"at {varied.loads[load]:g} N, {begins}")
     figure.legend(loc="outside lower center", ncols=len(ends))

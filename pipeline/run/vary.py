@@ -73,7 +73,7 @@ class Variations:
         Title of the scene.
     loads : tuple of float
         Normal loads on the whole pin [N].
-    own : Variation
+    base : Variation
         The scene as it is.
     others : tuple of Variation
         The changes, in the order in which they were asked for.
@@ -87,16 +87,16 @@ class Variations:
     Examples
     --------
     >>> import pipeline
-    >>> own = pipeline.Variation("", "", (2.17,), ("crosses",))
+    >>> base = pipeline.Variation("", "", (2.17,), ("crosses",))
     >>> other = pipeline.Variation("friction.coefficient", "0.12", (1.63,), ("crosses",))
-    >>> variations = pipeline.Variations("A scene", (400.0,), own, (other,), points=8, contacts=8)
-    >>> variations.own.critical_velocities
+    >>> variations = pipeline.Variations("A scene", (400.0,), base, (other,), points=8, contacts=8)
+    >>> variations.base.critical_velocities
     (2.17,)
     """
 
     title: str
     loads: tuple[float, ...]
-    own: Variation
+    base: Variation
     others: tuple[Variation, ...]
     points: int
     contacts: int
@@ -105,7 +105,7 @@ class Variations:
 
     def changes(self, variation: Variation) -> Array:
         """Relative change of the critical velocity at each load; NaN where there is none."""
-        changed: Array = np.array(variation.critical_velocities) / self.own.critical_velocities - 1
+        changed: Array = np.array(variation.critical_velocities) / self.base.critical_velocities - 1
         return changed
 
     def by_key(self) -> dict[str, list[Variation]]:
@@ -123,8 +123,8 @@ class Variations:
         """Return all values as plain data."""
         return {
             "loads": list(self.loads),
-            "critical_velocity": list(self.own.critical_velocities),
-            "critical_velocity_outcome": list(self.own.outcomes),
+            "critical_velocity": list(self.base.critical_velocities),
+            "critical_velocity_outcome": list(self.base.outcomes),
             "variations": [
                 {
                     "key": variation.key,

@@ -269,8 +269,8 @@ def _tried(one: _Input) -> Iterator[tuple[float, str, str]]:
     if unknown.kind == "list":
         yield from ((value, "", "") for value in unknown.parameters)
         return
-    yield float(unknown.at(np.array([0.5]))[0]), "", ""  # what is wrong here is so everywhere
+    yield float(unknown.quantile(np.array([0.5]))[0]), "", ""  # what is wrong here is so everywhere
     ends = scipy.special.ndtr(np.array([-REACH, REACH]))
-    for value in unknown.at(ends).tolist():
+    for value in unknown.quantile(ends).tolist():
         where = f"reaches {one.written(value)} in the outermost samples: "
         yield value, where, "; or a narrower distribution, or one with median and factor"

@@ -90,7 +90,7 @@ class Design:
         contacts = sequence(self.seed, -(-count // group)).repeat(group, axis=0)[:count]
         rows = sequence(self.seed + 2**31, count)
         columns = [
-            one.at(_widened(one, (rows if layer == "heat" else contacts)[:, i]))
+            one.quantile(_widened(one, (rows if layer == "heat" else contacts)[:, i]))
             for i, (one, layer) in enumerate(zip(self.inputs, self.layers, strict=True))
         ]
         place = np.arange(count) % group
@@ -101,7 +101,7 @@ class Design:
             # Samples of a contact have velocities that leave their wear rate likely.
             k = self.layers.index("wear rate")
             rate = self.inputs[k]
-            least, most = np.log(rate.at(scipy.special.ndtr(np.array([-_RATES, _RATES]))))
+            least, most = np.log(rate.quantile(scipy.special.ndtr(np.array([-_RATES, _RATES]))))
             if "contact" in self.layers:
                 number = np.log(columns[k]) + first
                 low = np.minimum(np.maximum(low, number - most), first)

@@ -68,7 +68,7 @@ class Unknown:
     >>> rate = Unknown("wear.specific_wear_rate", "log-normal", (1.2e-15, 1.5), "m2 N-1", usual)
     >>> print(rate)
     wear.specific_wear_rate: log-normal, median 1.2e-06 mm^3/(N m), factor 1.5
-    >>> low, middle, high = rate.at(np.array([0.1586553, 0.5, 0.8413447]))
+    >>> low, middle, high = rate.quantile(np.array([0.1586553, 0.5, 0.8413447]))
     >>> print(f"{low:.3g} {middle:.3g} {high:.3g}")
     8e-16 1.2e-15 1.8e-15
     """
@@ -100,7 +100,7 @@ class Unknown:
         if fault:
             raise InputError(fault)
 
-    def at(self, share: Array) -> Array:
+    def quantile(self, share: Array) -> Array:
         """Values that shares of the probability, above 0 and below 1, stay below [SI]."""
         first, *rest = self.parameters
         if self.kind == "normal":
@@ -184,7 +184,7 @@ def from_scores(unknown: Sequence[Unknown], scores: Array) -> Array:
 
 def _at_shares(unknown: Sequence[Unknown], shares: Array) -> Array:
     columns = correlated(correlations(unknown), shares)
-    return np.stack([one.at(column) for one, column in zip(unknown, columns, strict=True)], 1)
+    return np.stack([one.quantile(column) for one, column in zip(unknown, columns, strict=True)], 1)
 
 
 def correlations(unknown: Sequence[Unknown]) -> Array:

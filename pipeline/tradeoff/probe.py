@@ -25,7 +25,7 @@ class Place(NamedTuple):
     load: float
     variant: Variant = ()
 
-    def at(self, velocity: float) -> Point:
+    def point(self, velocity: float) -> Point:
         """The point of this place at a velocity [m/s]."""
         return Point(self.load, velocity, self.variant)
 
@@ -204,7 +204,7 @@ def near_the_boundary(
             return _reading(sweep, scene, _run(variant, place.load, velocity).state).rise
 
         velocity = critical_velocity(rise, limit, min(moving) / 2, max(moving) * 2)
-        points.append(place.at(velocity))
+        points.append(place.point(velocity))
         ratio = rise(velocity * math.exp(_STEP)) / rise(velocity * math.exp(-_STEP))
         exponents.append(max(math.log(ratio) / (2 * _STEP), _FLATTEST))
     return tuple(points), tuple(exponents)

@@ -118,7 +118,7 @@ def features_of(
             features += [np.where(column == value, 1.0, 0.0) for value in quantity.parameters]
             dimensions += [number] * len(quantity.parameters)
             continue
-        values, ends = column, quantity.at(ndtr(np.array([-1.0, 1.0])))
+        values, ends = column, quantity.quantile(ndtr(np.array([-1.0, 1.0])))
         if quantity.is_relative or is_rate:
             values, ends = np.log(np.maximum(values, _LEAST_OF_END * ends.max())), np.log(ends)
         scaled, width = values - ends.mean(), float(ends[1] - ends[0]) / 2

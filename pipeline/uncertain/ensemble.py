@@ -262,7 +262,7 @@ class Ensemble:
             values[path] = self.conditions.known_critical_temperature()
         elif path not in values:
             (entry,) = (one for one in self.design.inputs if one.path == path)
-            values[path] = float(entry.at(np.array([0.5]))[0])
+            values[path] = float(entry.quantile(np.array([0.5]))[0])
         return np.full(len(draws), values[path])
 
     def log_limit(self, draws: Array, conditions: Overrides = None) -> Array:

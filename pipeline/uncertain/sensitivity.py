@@ -155,7 +155,7 @@ def indices(
     def of_shares(shares: Array) -> Array:
         inside = np.clip(shares, OUTERMOST, 1 - OUTERMOST)
         values = np.stack(
-            [quantity.at(row) for quantity, row in zip(unknown, inside, strict=True)], axis=1
+            [quantity.quantile(row) for quantity, row in zip(unknown, inside, strict=True)], axis=1
         )
         outputs: Array = function(values).T
         return outputs

@@ -30,7 +30,7 @@ def kept(ensemble, load_scene, tests, scatter, count, seed=0):
     points = stats.qmc.Sobol(len(others) + 1 + 2 * len(tests), rng=np.random.default_rng(seed))
     shares = np.clip(points.random(count), 1e-9, 1 - 1e-9)
     inputs = np.stack(
-        [quantity.at(column) for quantity, column in zip(others, shares.T, strict=False)], axis=1
+        [one.quantile(column) for one, column in zip(others, shares.T, strict=False)], axis=1
     )
     factor = 2.0 ** ndtri(shares[:, len(others)])
     errors = ndtri(shares[:, len(others) + 1 :]).reshape(count, len(tests), 2)

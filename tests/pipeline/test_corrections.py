@@ -79,7 +79,7 @@ def test_searches_go_by_the_corrected_rise(tmp_path):
     scene.write_text(BESIDE)
     pipeline.follow_boundary(scene, tmp_path / "edge.zarr", workers=1)
     velocities = pipeline.boundary(tmp_path / "edge.zarr")["critical_velocity"]
-    varied = pipeline.vary(scene, {}).own.critical_velocities
+    varied = pipeline.vary(scene, {}).base.critical_velocities
     np.testing.assert_allclose(velocities, varied, rtol=2e-3)
 
 

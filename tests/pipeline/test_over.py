@@ -203,11 +203,11 @@ def test_commands_on_one_scene_say_that_they_take_one_value(folder, irg, monkeyp
     note = "sweep.over is set aside; pin.radius is the scene's own or the first listed: --set \"pin"
     assert note in irg("point", folder / "scene.toml", *place)
     assert note not in irg("point", alone_file(folder), *place)
-    told = []
+    notes = []
     monkeypatch.setattr("pipeline.run.vary.staged", lambda *_: 1 / 0)
     with pytest.raises(ZeroDivisionError):
-        pipeline.vary(folder / "scene.toml", {"pin.radius": ["3 mm"]}, tell=told.append)
-    assert note in told[0]
+        pipeline.vary(folder / "scene.toml", {"pin.radius": ["3 mm"]}, tell=notes.append)
+    assert note in notes[0]
     text = (folder / "scene.toml").read_text() + '[[measured]]\nload = "200 N"\nvelocity = "2 m/s"'
     (folder / "measured.toml").write_text(text)
     assert note in irg("infer", folder / "measured.toml")

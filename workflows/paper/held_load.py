@@ -31,7 +31,8 @@ def fig5(study: Study) -> Report:
         "local wear": worn(sweep, "local"),
     }
     curves = {
-        name: history(variants[name], load, velocity, HIGHEST)[:2] for name in study.each(variants)
+        name: history(variants[name], load, velocity, HIGHEST)[:2]
+        for name in study.stages(variants)
     }
     full = load / sweep.loading.rate
     times = (full / 2, full, float(curves["no wear"][0][-1]))

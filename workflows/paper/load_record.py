@@ -45,7 +45,7 @@ def fig8(study: Study) -> Report:
     }
     runs = {
         name: _run(replace(sweep, loading=loadings[name]), load, velocity)
-        for name in study.each(loadings)
+        for name in study.stages(loadings)
     }
     recorded, fitted = runs[_RECORD], runs[_FIT]
     values: dict[str, Any] = {

@@ -67,7 +67,7 @@ def refined(study: Study) -> Refinement:
     surfaces = [sweep.on_surface(seed) for seed in study.seeds(1)]
     by_elements: dict[str, Row] = {"maximum": {}, "10 %": {}, "one step": {}}
     sides = {sweep.pixels.shape[0] // block: block for block in blocks}
-    for side in study.each(sides, "{0} × {0} elements".format, weight=lambda side: side**2):
+    for side in study.stages(sides, "{0} × {0} elements".format, weight=lambda side: side**2):
         for name, values in _on_grid(surfaces, sides[side], measured).items():
             by_elements[name][side] = values
     by_increments = {
@@ -105,7 +105,7 @@ def _with_steps(
     highest: Row = {}
     unstable: dict[int, str] = {}
     shown_pressure = None
-    for count in study.each(counts, (name + ", {} increments").format, weight=float):
+    for count in study.stages(counts, (name + ", {} increments").format, weight=float):
         for surface in surfaces:
             steps = {"increments": count, "history_coarsening": 1, **changes}
             scene = _with(worn(surface, pattern), **steps)

@@ -53,7 +53,7 @@ def sensitivity(study: Study) -> Report:
     }
     by_surface = {
         surface: _outcome(study, replace(sweep, roughness=surface))
-        for surface in study.each(names, names.__getitem__)
+        for surface in study.stages(names, names.__getitem__)
     }
     outcomes = {
         kind: {name: by_surface[surface] for name, surface in variants.items()}
@@ -61,7 +61,7 @@ def sensitivity(study: Study) -> Report:
     }
     widths = {
         name: _unworn_widths(study, replace(sweep, roughness=surface))
-        for name, surface in study.each(kinds["Ra"].items(), lambda item: f"unworn, Ra {item[0]}")
+        for name, surface in study.stages(kinds["Ra"].items(), lambda item: f"unworn, Ra {item[0]}")
     }
     values = {
         "surfaces": len(study.seeds(_SURFACES)),

@@ -124,7 +124,7 @@ def _boundary(study: Study) -> dict[str, Any]:
     (hard,) = variation.others
     return {
         "load": list(variation.loads)[::-1],
-        "soft": list(variation.own.critical_velocities)[::-1],
+        "soft": list(variation.base.critical_velocities)[::-1],
         "hard": list(hard.critical_velocities)[::-1],
         "change": variation.changes(hard).tolist()[::-1],
     }

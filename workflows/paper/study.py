@@ -62,7 +62,7 @@ class Study:
         interval = max(1, sweep.fidelity.increments // 10)
         return replace(sweep, fidelity=replace(sweep.fidelity, temperature_interval=interval))
 
-    def each(
+    def stages(
         self,
         items: Iterable[T],
         name: Callable[[T], str] = str,

@@ -140,7 +140,8 @@ def ensemble(
     ends: dict[str, Ends] = {}
     for wear in wears:
         on_surfaces = []
-        for seed in study.each(study.seeds(surfaces), f"{what.format(wear)}, surface {{}}".format):
+        label = f"{what.format(wear)}, surface {{}}".format
+        for seed in study.stages(study.seeds(surfaces), label):
             points = [end_of(worn(s.on_surface(seed), wear), test) for s, test in transitions]
             on_surfaces.append(Ends.stacked(points))
         ends[wear] = Ends.stacked(on_surfaces, axis=1)

@@ -40,7 +40,7 @@ def test_the_boundary_is_that_of_the_whole_sweep(variations, folder):
     grid = np.array([2.0, 2.4, 2.8, 3.3, 4.0])
     results = [pipeline.run_point(sweep, 200.0, v).verdict(sweep.conditions) for v in grid]
     critical = np.interp(418.15, [result.decisive_temperature for result in results], grid)
-    assert variations.own.critical_velocities[0] == pytest.approx(critical, rel=0.02)
+    assert variations.base.critical_velocities[0] == pytest.approx(critical, rel=0.02)
 
 
 def test_the_command_tells_of_a_window_that_is_too_narrow(folder, irg):
@@ -64,9 +64,9 @@ def test_wear_rate_and_thermal_constants_take_each_contact_once(folder):
     assert shared.contacts <= shared.points / 2
     for one in shared.others:
         alone = pipeline.vary(scene, {}, overrides={one.key: one.value})
-        critical = pytest.approx(alone.own.critical_velocities, rel=0.005, nan_ok=True)
+        critical = pytest.approx(alone.base.critical_velocities, rel=0.005, nan_ok=True)
         assert one.critical_velocities == critical
-        assert one.critical_velocities != shared.own.critical_velocities
+        assert one.critical_velocities != shared.base.critical_velocities
         assert alone.contacts == alone.points
 
 

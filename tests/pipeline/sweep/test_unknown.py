@@ -20,7 +20,7 @@ ALL = (NORMAL, FACTOR, EVEN, LISTED)
 @pytest.mark.parametrize("unknown", [NORMAL, FACTOR, EVEN], ids=lambda entry: entry.kind)
 def test_the_share_below_a_value_is_the_one_it_was_drawn_by(unknown):
     shares = np.array([1e-4, 0.2, 0.5, 0.9])
-    assert distribution_of(unknown).cdf(unknown.at(shares)) == pytest.approx(shares, rel=1e-9)
+    assert distribution_of(unknown).cdf(unknown.quantile(shares)) == pytest.approx(shares, rel=1e-9)
 
 
 def test_two_thirds_lie_within_the_standard_deviation_or_the_factor():
