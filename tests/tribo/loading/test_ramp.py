@@ -77,6 +77,8 @@ def test_a_hold_follows_the_point_and_is_no_part_of_the_trunk():
         hold = stations[len(plain) :]
         assert {s.normal_load for s in hold} == {load}
         assert [s.time - load / 150 for s in hold] == pytest.approx([0.5 * n for n in range(1, 9)])
+        impulses = [plain[-1].impulse + 0.5 * n * load for n in range(1, 9)]
+        assert [s.impulse for s in hold] == pytest.approx(impulses)
         assert [s.index for s in hold] == [plain[-1].index + n for n in range(1, 9)]
         assert all(s.holding and not s.on_trunk for s in hold)
         assert not any(s.holding for s in plain)
