@@ -94,6 +94,14 @@ def test_from_400_elements_on_there_are_enough(nodes, words):
     assert_told(words, scene, state, WarningKind.FEW_NODES)
 
 
+@pytest.mark.parametrize(("nodes", "words"), [(999, "only 999 elements"), (1000, None)])
+def test_a_ball_that_the_roughness_passes_needs_more(nodes, words):
+    pixels = Grid((96, 64), (4e-6, 4e-6), periodic=(False, False))
+    scene = replace(small_scene(), pin=BALL, pixels=pixels, wear=Wear(1e-15, "swept"))
+    state = touching(scene, np.unravel_index(np.arange(nodes), scene.grid.shape))
+    assert_told(words, scene, state, WarningKind.FEW_NODES)
+
+
 def test_in_a_plane_elements_count_as_many_times():
     scene = small_scene(roughness=False)
     assert scene.is_plane
