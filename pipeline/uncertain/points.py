@@ -58,11 +58,10 @@ def risk_table(
         here = risk(ensemble, load, velocity, drawn, conditions)
         temperature, critical = temperatures(ensemble, drawn.inputs, load, velocity, conditions)
         distance = Interval.of(drawn, critical - temperature)
-        least, _, most = QUANTILES
-        is_sure = not least < here.probability < most
-        verdict = ("severe" if here.probability >= most else "mild") if is_sure else "uncertain"
+        (least, _, most), chance = QUANTILES, here.probability
+        verdict = "mild" if chance <= least else "severe" if chance >= most else "uncertain"
         ends = distance.middle, distance.low, distance.high
-        return verdict, here.probability, here.error, *ends, None
+        return verdict, chance, here.error, *ends, None
 
     return table_of_points(read, _COLUMNS, answer)
 

@@ -193,7 +193,8 @@ def _few_turns(scene: Scene, state: State) -> Iterator[Reason]:
 
 def _few_nodes(scene: Scene, state: State) -> Iterator[Reason]:
     """Warn where the decisive temperature is that of a few elements."""
-    smallest, few = on_pixels(scene, state), _FEW_SWEPT if scene.sweeps_over else FEW_NODES
+    smallest = on_pixels(scene, state)
+    few = _FEW_SWEPT if smallest and scene.sweeps_over else FEW_NODES
     if not 0 < touching_elements(scene, state) < few or (smallest and not scene.roughness):
         return
     text = f"only {np.count_nonzero(state.pressure)} elements touch at {state.normal_load:g} N; "
@@ -206,7 +207,7 @@ def _few_nodes(scene: Scene, state: State) -> Iterator[Reason]:
     else:
         text += (
             "so few had the boundary of random scenes off by 0.4 to 100 %, by 10 % in the median; "
-            f"take smaller elements (fewest_elements = {few}, or pixels_per_element = 1), "
+            f"take smaller elements (fewest_elements = {FEW_NODES}, or pixels_per_element = 1), "
             "or ask for an accuracy"
         )
     yield WarningKind.FEW_NODES, text

@@ -100,6 +100,9 @@ def test_a_ball_that_the_roughness_passes_needs_more(nodes, words):
     scene = replace(small_scene(), pin=BALL, pixels=pixels, wear=Wear(1e-15, "swept"))
     state = touching(scene, np.unravel_index(np.arange(nodes), scene.grid.shape))
     assert_told(words, scene, state, WarningKind.FEW_NODES)
+    larger = replace(small_scene(pixels_per_element=2), pin=BALL, pixels=pixels, wear=scene.wear)
+    state = touching(larger, np.unravel_index(np.arange(nodes), larger.grid.shape))
+    assert_told(None, larger, state, WarningKind.FEW_NODES)
 
 
 def test_in_a_plane_elements_count_as_many_times():
