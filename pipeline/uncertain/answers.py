@@ -362,9 +362,8 @@ def margin_intervals(
     """
     draws = draws_of(ensemble, draws)
     inputs, at_point = draws.inputs, risk(ensemble, load, velocity, draws, conditions)
-    temperature, critical = temperatures(
-        ensemble, inputs, at_point.load, at_point.velocity, conditions
-    )
+    place = at_point.load, at_point.velocity
+    temperature, critical = temperatures(ensemble, inputs, *place, conditions)
     velocities = np.geomspace(*ensemble.velocities, STEPS)
     across = _shifted(ensemble, ensemble.excess(inputs, at_point.load, velocities, conditions))
     upwards = None
