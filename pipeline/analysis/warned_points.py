@@ -116,8 +116,8 @@ def _turns(finite: Mask, severe: Mask) -> Mask:
 
     Examples
     --------
-    >>> _turns(np.array([1, 1, 0, 1], bool), np.array([0, 0, 0, 1], bool))
-    array([False,  True, False,  True])
+    >>> _turns(np.array([1, 1, 0, 1, 1, 1], bool), np.array([0, 0, 0, 1, 1, 0], bool))
+    array([False,  True, False,  True,  True,  True])
     """
     (indices,) = np.nonzero(finite)
     turns = np.flatnonzero(severe[indices[:-1]] != severe[indices[1:]])

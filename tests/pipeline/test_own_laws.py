@@ -30,6 +30,7 @@ def _median(rises, share, quantiles):
 
 median = tribo.Rule("rise_quantile", _median, "median of the contact", "its median above")
 beyond = tribo.Rule("rise_quantile", lambda r, *_: 2 * r[..., -1], "twice", "twice above")
+whole = tribo.Rule("rise_quantile", lambda r, *_: r, "all", "all above")
 """
 )
 RATES = {"initial_rate": 6e-15, "final_rate": 1e-15, "distance": 1.5}
@@ -82,6 +83,8 @@ def test_a_criterion_of_one_s_own_judges_a_store(folder):
     assert crossings.attrs["criterion_hash"] == Own.named("laws:median").digest
     with pytest.raises(tribo.InvariantError, match="laws:beyond: a rise lies beyond"):
         pipeline.boundary("small.zarr", criterion="laws:beyond")
+    with pytest.raises(tribo.InvariantError, match="laws:whole: its rises have the shape"):
+        pipeline.boundary("small.zarr", criterion="laws:whole")
     judged = {"temperature.criterion": "laws:median"}
     scene = pipeline.load_scene("small.toml", overrides=judged)
     assert not pipeline.run_sweep(scene, "small.zarr", workers=1).computed

@@ -84,6 +84,8 @@ def test_a_hold_follows_the_point_and_is_no_part_of_the_trunk():
         assert not any(s.holding for s in plain)
     rest = list(held.stations(600.0, 100, after=450.0))
     assert rest == list(held.stations(600.0, 100))[60:]
+    *_, end = Ramp(150.0, 750.0, hold=4.0, hold_steps=1).stations(600.0, 100)
+    assert (end.holding, end.index, end.time) == (True, 81, pytest.approx(8.0))
 
 
 @pytest.mark.parametrize(("hold", "steps"), [(4.0, 80), (0.05, 1), (0.051, 2), (1e-9, 1)])

@@ -1,7 +1,8 @@
 import numpy as np
 import pytest
 
-from tribo import QUANTILES, InputError, contact_quantiles, failed_share
+from tribo import BULK_RATIOS, QUANTILES, InputError, contact_quantiles, failed_share
+from tribo.thermal import at_bulk_ratio
 
 
 def test_quantile_and_failed_share_are_one_criterion():
@@ -38,3 +39,14 @@ def test_share_is_nothing_above_the_maximum_and_all_below_the_minimum():
 def test_no_contact_has_no_temperature():
     with pytest.raises(InputError, match="contact"):
         contact_quantiles(np.zeros((2, 2)), np.zeros((2, 2), dtype=bool))
+
+
+@pytest.mark.parametrize("side", [-1, 1])
+def test_beyond_the_kept_bulk_ratios_the_line_of_the_last_two_goes_on(side):
+    at_zero, curved = np.zeros(len(QUANTILES)), np.square(BULK_RATIOS)[:, None]
+    kept = np.broadcast_to(curved, (len(BULK_RATIOS), len(QUANTILES)))
+    outer, inner = sorted(BULK_RATIOS, key=abs, reverse=True)[0:4:2]
+    outer, inner = side * abs(outer), side * abs(inner)
+    ratio = 1.5 * outer
+    expected = outer**2 + (outer + inner) * (ratio - outer)  # the chord of a parabola
+    assert at_bulk_ratio(at_zero, kept, ratio) == pytest.approx(expected)
