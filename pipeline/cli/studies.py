@@ -20,7 +20,6 @@ from tribo import InputError
 
 if TYPE_CHECKING:
     from pipeline.run.vary import Variations
-    from pipeline.tradeoff.table import Trade
 
 
 def vary(options: argparse.Namespace) -> Result:
@@ -105,24 +104,7 @@ def trade(options: argparse.Namespace) -> Result:
         scene_of(options), base=options.base, diagram=options.diagram, progress=tell
     )
     draw = partial(pipeline.draw_trade, measured)
-    return Result(measured.as_dict(), [str(measured)], tables=[_choices(measured)], draw=draw)
-
-
-def _choices(measured: Trade) -> Table:
-    """Table with a row for each choice."""
-    columns = (
-        Column("name", "choice"),
-        Column("velocity_error", "error of the boundary velocity"),
-        Column("rise_error", "error of the rise"),
-        Column("width_error", "error of the contact width"),
-        Column("saving", "times less work"),
-        Column("seconds", "processor time", "s"),
-        Column("peak_bytes", "memory", "MB"),
-    )
-    rows = (
-        tuple(getattr(choice, column.name) for column in columns) for choice in measured.choices
-    )
-    return Table(columns, tuple(rows))
+    return Result(measured.as_dict(), [str(measured)], tables=[measured.table], draw=draw)
 
 
 def _study_of_the_paper() -> Any:

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from pipeline.analysis.tables import Column, Table
 from pipeline.sweep.model import Point
 from tribo import Fidelity
 
@@ -189,6 +190,13 @@ class Trade:
             key=lambda choice: choice.work,
         )
 
+    @property
+    def table(self) -> Table:
+        """Cost and errors of the choices, one in a row."""
+        names = [column.name for column in _COLUMNS]
+        rows = (tuple(getattr(choice, name) for name in names) for choice in self.choices)
+        return Table(_COLUMNS, tuple(rows))
+
     def as_dict(self) -> dict[str, Any]:
         """Return all of it as plain data."""
         return asdict(self) | {
@@ -198,12 +206,11 @@ class Trade:
         }
 
     def __str__(self) -> str:
-        rows = [_HEADER, *map(_row, self.choices)]
         lines = [
             f"{self.title}: speed against accuracy at",
             f"  {_places(self.points)}",
             "",
-            *rows,
+            *self.table.lines(),
             "",
             "Largest errors at these points: of boundary velocity, decisive rise, contact width",
             "and failed share; and of contact area, mean pressure and share of the contact at the",
@@ -237,23 +244,30 @@ def shown(value: Any) -> str:
     return f"{value:g}" if isinstance(value, float) else str(value)
 
 
-_HEADER = (
-    f"{'choice':38} {'velocity':>9} {'rise':>7} {'width':>7} {'share':>7} "
-    f"{'area':>8} {'mean p':>8} {'at H':>7} "
-    f"{'time':>9} {'faster':>7} {'less work':>9} {'conv.':>6} {'memory':>7}"
-)
-
-
-def _row(choice: Choice) -> str:
-    memory = f"{choice.peak_bytes / 1e6:.0f} MB" if choice.peak_bytes else ""
-    return (
-        f"{choice.name:38} {_percent(choice.velocity_error):>9} {_percent(choice.rise_error):>7} "
-        f"{_percent(choice.width_error):>7} {choice.share_error:7.3f} "
-        f"{100 * choice.area_error:+6.1f} % {100 * choice.pressure_error:+6.1f} % "
-        f"{choice.saturated_error:+7.3f} {choice.seconds:7.3f} s "
-        f"{choice.speedup:7.3g} {choice.saving:9.3g} {choice.convolutions:6d} {memory:>7}"
-    )
-
-
 def _percent(value: float) -> str:
     return f"{100 * value:.2f} %" if math.isfinite(value) else "none"
+
+
+def _signed_percent(value: float) -> str:
+    return f"{100 * value:+.1f} %"
+
+
+def _megabytes(value: float) -> str:
+    return f"{1e-6 * value:.0f} MB"
+
+
+_COLUMNS = (
+    Column("name", "choice"),
+    Column("velocity_error", "velocity error", "%", write=_percent),
+    Column("rise_error", "rise error", "%", write=_percent),
+    Column("width_error", "width error", "%", write=_percent),
+    Column("share_error", "share error", write="{:.3f}".format),
+    Column("area_error", "area error", "%", write=_signed_percent),
+    Column("pressure_error", "pressure error", "%", write=_signed_percent),
+    Column("saturated_error", "saturated error", write="{:+.3f}".format),
+    Column("seconds", "time", "s", write="{:.3f} s".format),
+    Column("speedup", "faster", digits=3),
+    Column("saving", "less work", digits=3),
+    Column("convolutions", "convolutions"),
+    Column("peak_bytes", "memory", "MB", write=_megabytes),
+)
