@@ -148,7 +148,7 @@ class Corrections:
         velocities = [velocity for velocity, _ in self.friction]
         if sorted(set(velocities)) != velocities or (velocities and velocities[0] <= 0):
             raise InputError(
-                f"velocities of friction are {velocities}; they must ascend, and lie above 0"
+                f"velocities of friction are {velocities}; they must be above 0 and ascending"
             )
         if not all(0 <= factor < math.inf for _, factor in self.friction):
             raise InputError(f"friction is {self.friction!r}; each must be finite and ≥ 0")

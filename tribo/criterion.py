@@ -180,8 +180,8 @@ def _require_within(name: str, rise: Any, quantiles: Array) -> None:
     room = 1e-9 * np.abs(high)
     if np.any((rise < low - room) | (rise > high + room)) or np.any(np.isnan(rise) & (low <= high)):
         raise InvariantError(
-            f"criterion {name}: a rise lies beyond the lowest and highest of its contact, or is no "
-            "number"
+            f"criterion {name}: a rise lies beyond the lowest and highest of its contact, or is "
+            "not a number"
         )
 
 

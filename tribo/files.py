@@ -86,10 +86,10 @@ def read_heights(path: str | Path, unit: float = 1.0, *, allow_missing: bool = F
 
 
 def require_file(path: Path) -> None:
-    """Refuse what has no end, such as a device or a FIFO that nobody writes to."""
-    with suppress(OSError):  # which opening it says better
+    """Raise for a file without an end, such as a device or a FIFO that nobody writes to."""
+    with suppress(OSError):  # opening it reports the reason better
         if path.exists() and not path.is_file():
-            raise InputError(f"{path}: cannot be read: not a file")
+            raise InputError(f"{path}: cannot be read: it is not a file")
 
 
 def reason_of(error: OSError, path: Path) -> str:
@@ -217,7 +217,7 @@ def read_load(path: str | Path, reference_load: float | None = None) -> Measured
                 where = f"{path}, line {reader.line_num}"
                 if len(cells) != 2:
                     raise InputError(
-                        f"{where}: {len(cells)} columns; needed are time and load{_hint(cells)}"
+                        f"{where}: {len(cells)} columns; give two, time and load{_hint(cells)}"
                     )
                 if factors is None:
                     factors, load_first = _header(cells, where)

@@ -153,7 +153,7 @@ class OwnWear(Wear):
         if worn.shape != source.shape or not np.isfinite(worn).all():
             raise InvariantError(
                 f"wear law: its depth from {self.begin:g} to {self.end:g} m has the shape "
-                f"{worn.shape} for {source.shape} pressures, or is no finite number somewhere"
+                f"{worn.shape} for {source.shape} pressures; it must have theirs, and be finite"
             )
         return np.broadcast_to(worn, pressure.shape)
 

@@ -151,7 +151,7 @@ class Preconditioner:
 
 
 def _inverse(kernel: Array, rx: int, ry: int) -> Array:
-    """The stencil that undoes a kernel on a block that reaches rx and ry elements far."""
+    """Stencil that inverts a kernel on a block of rx and ry elements to either side."""
     i, j, middle = _block(rx, ry)
     inverse = np.zeros((3, 2))
     try:

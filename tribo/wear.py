@@ -138,7 +138,7 @@ class Wear:
         return np.broadcast_to(self.specific_wear_rate * distance * source, pressure.shape)
 
     def yielding(self, solid: ElasticHalfSpace, distance: float) -> ElasticHalfSpace:
-        """`solid` with the wear over a sliding distance added to its displacement."""
+        """Half-space whose displacement includes the wear over a sliding distance [m]."""
         compliance = self.specific_wear_rate * distance
         if self.pattern == "swept" and not solid.grid.periodic[1]:
             raise InputError(
@@ -205,7 +205,7 @@ class RollingWear(Wear):
         return np.broadcast_to(self.specific_wear_rate * distance * source, pressure.shape)
 
     def yielding(self, solid: ElasticHalfSpace, distance: float) -> ElasticHalfSpace:
-        """`solid` with the wear over a sliding distance added to its displacement."""
+        """Half-space whose displacement includes the wear over a sliding distance [m]."""
         spectrum = solid.spectrum.copy()
         waves = slice(1) if self.pattern == "swept" else slice(None)
         spectrum[0, waves] += self._compliance(solid, distance)

@@ -23,6 +23,7 @@ myst_enable_extensions = ["amsmath", "dollarmath"]
 nb_execution_timeout = 600  # [s]
 nb_execution_raise_on_error = True
 
+default_role = "py:obj"  # names in backticks link to their entries
 autodoc_member_order = "bysource"
 autodoc_typehints = "none"  # types stand in the docstrings
 autosummary_generate = False

@@ -44,6 +44,7 @@ def boundary(
     """Critical velocity for each load and critical load for each velocity.
 
     Over several random surfaces there is a boundary for each of them, and the band of them all.
+    At another wear rate, call it with the sweep of `pipeline.at_wear_rate`.
 
     Parameters
     ----------
@@ -63,8 +64,6 @@ def boundary(
     criterion : str, optional
         Temperature that decides: ``"share"``, which that share exceeds, ``"highest"`` or
         ``"mean"``; see `tribo.CRITERIA`.
-
-    At another wear rate take the boundary of `pipeline.at_wear_rate`.
 
     Returns
     -------
@@ -95,7 +94,10 @@ def boundary(
     Raises
     ------
     InputError
-        If a condition lies outside its range.
+        If a condition lies outside its range; if neither the sweep nor the call gives a critical
+        temperature; or if the sweep has samples, a single load or a single velocity.
+    StoreError
+        If the path is not a readable store.
 
     Examples
     --------

@@ -79,7 +79,7 @@ def _kelvin(name: str, value: float | str | None) -> float | None:
 
 
 def attributes_by(conditions: Conditions) -> dict[str, Any]:
-    """Conditions as attributes that netCDF holds; corrections as JSON."""
+    """Conditions as attributes of types that netCDF can store; corrections as JSON."""
     plain = conditions.as_dict()
     if "corrections" in plain:
         plain["corrections"] = json.dumps(plain["corrections"])

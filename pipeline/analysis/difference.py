@@ -32,12 +32,12 @@ class Difference:
     entries : Table
         Entries of the scenes that differ.
     boundary : Table
-        Critical velocities at the loads of both, medians over several surfaces, and their change;
-        each under the conditions of its own scene.
+        Critical velocities at the loads that both have [m/s], medians over several surfaces, and
+        their change; each under the conditions of its own scene.
     points : Table
-        Points that are done in one alone, or whose highest rises differ.
+        Points that are done in one store alone, or whose highest rises differ.
     alike : int
-        Points that are done in both, with equal rises.
+        Number of points that are done in both, with equal rises.
 
     Examples
     --------

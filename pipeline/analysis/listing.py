@@ -61,7 +61,7 @@ def listing(folder: str | Path) -> Table:
     """
     path = Path(folder)
     if (path / ROOT).exists():
-        raise InputError(f"{folder} is a store: irg status tells of it; give the folder it lies in")
+        raise InputError(f"{folder} is a store; give the folder that holds it, or use irg status")
     if not path.is_dir():
         near = "" if path.exists() else near_path(path)
         raise InputError(f"{folder} is not a folder{near}; give one with stores or scenes")

@@ -21,7 +21,7 @@ def decisive_temperature(
     criterion: str | None = None,
     resolution: int | None = None,
 ) -> xr.DataArray:
-    """Temperature of the contact that decides, at the highest.
+    """Deciding temperature of the contact at each point, the highest while its load is held.
 
     Wear is severe where it lies above the critical temperature.
 

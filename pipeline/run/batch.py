@@ -101,7 +101,7 @@ class Batch:
         return folder
 
     def options(self, name: str, folder: Path) -> dict[str, Any]:
-        """Options of a job, as dask-jobqueue has them."""
+        """Options of a job, by the names that dask-jobqueue gives them."""
         site, (seconds, minutes) = self.site, (int(self.walltime) % 60, int(self.walltime) // 60)
         python = shlex.quote(site.python or sys.executable)
         return {

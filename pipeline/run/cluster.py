@@ -101,7 +101,7 @@ def slurm() -> Any:
         from pipeline.run import slurm
     except ModuleNotFoundError as error:
         raise ExecutionError(
-            f"{error}: jobs are submitted by dask-jobqueue; pip install 'irg-transition[cluster]'"
+            f"{error}; Slurm jobs need dask-jobqueue: pip install 'irg-transition[cluster]'"
         ) from None
     return slurm
 

@@ -82,7 +82,7 @@ def follow_boundary(
     }
 
     def further(store: Store | None, retry_failed: bool = False) -> Sweep | None:
-        """The sweep at the points that are done or failed, and at those to look at next."""
+        """Sweep of the points done or failed and those to compute next; None if there are none."""
         rises, failed = _results(store, sweep) if store else ({}, set())
         wanted: set[Point] = set()
         for variant, search in searches.items():

@@ -1,8 +1,8 @@
 """Points of several systems, whose contacts are computed once at each load and wear number.
 
 Systems that differ in wear rate and thermal constants alone have the same contacts where the
-product of wear rate and velocity is the same; see `tribo.contacts`. Heat on these contacts is
-that of a point of each of them.
+product of wear rate and velocity is the same; see `tribo.contacts`. The heat on these contacts is
+computed for each system.
 """
 
 from __future__ import annotations
@@ -23,14 +23,14 @@ _Contact = tuple[Scene, float, float]
 
 
 class SharedPoint(NamedTuple):
-    """Columns of a point by step, some from when the load is reached on alone; its warnings."""
+    """Columns of a point by step, and its warnings; some columns begin when the load is reached."""
 
     columns: dict[str, Array]
     warnings: tuple[PointWarning, ...]
 
 
 class SharedContacts:
-    """Contacts of points that were computed, and their number, for points of other systems."""
+    """Contacts that were computed, for reuse by points of other systems, and their number."""
 
     def __init__(self) -> None:
         self._states: dict[_Contact, tuple[State, ...]] = {}
@@ -65,7 +65,7 @@ def _heated(sweep: Sweep, point: Point, contacts: Iterable[State]) -> SharedPoin
 
 
 def _lighter(state: State) -> State:
-    """The state with nothing but what its temperature and record take."""
+    """The state, stripped to the parts that its temperature and record need."""
     return replace(
         state,
         heat=None,

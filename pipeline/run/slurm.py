@@ -95,7 +95,9 @@ class SlurmJobs(Source):
         end = time.monotonic() + _ANSWER
         while not (jobs := list(self.cluster.workers.values())):
             if time.monotonic() > end:
-                raise ExecutionError(f"sbatch does not answer within {_ANSWER:g} s")
+                raise ExecutionError(
+                    f"sbatch has not answered within {_ANSWER:g} s; try it by hand, and run again"
+                )
             time.sleep(0.02)
         if jobs[0].refusal:
             raise ExecutionError(f"Slurm refuses the jobs: {jobs[0].refusal}")

@@ -1,4 +1,4 @@
-"""Commits results to the store in a thread of its own, beside the schedule."""
+"""Writer that commits results to the store in a thread of its own, beside the schedule."""
 
 from __future__ import annotations
 

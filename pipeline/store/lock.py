@@ -56,8 +56,8 @@ def held(place: Place) -> Iterator[Lock]:
     """
     if fcntl is None:
         raise StoreError(
-            "this system has no locks on files, which runs need; run on Linux or macOS, or within "
-            "WSL on Windows; commands that only read a store work here"
+            "this system has no file locks, which irg run needs; run it on Linux or macOS, or "
+            "within WSL on Windows (commands that only read a store work here)"
         )
     with ExitStack() as stack:
         with writes(place):

@@ -174,11 +174,11 @@ Place = Folder | Bucket
 
 
 def place_of(path: PathLike) -> Place:
-    """Place of a store; raise a `StoreError` if the path can be none."""
+    """Place of a store; raises a `StoreError` for a path that cannot be one."""
     address = os.fspath(path)
     if address.startswith(SCHEME):
         if find_spec("s3fs") is None:
-            raise StoreError(f"{address}: this needs pip install 'irg-transition[s3]'")
+            raise StoreError(f"{address} needs s3fs: pip install 'irg-transition[s3]'")
         bucket, _, key = address.removeprefix(SCHEME).rstrip("/").partition("/")
         if not (bucket and key):
             raise StoreError(

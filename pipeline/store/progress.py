@@ -109,7 +109,7 @@ def summarized(store: Store) -> Summary:
 
 
 def summary(path: PathLike) -> Summary:
-    """Count the points of a store and their warnings, and tell their rate, without their data.
+    """Number of points of a store by state, with warnings and rate, read without their data.
 
     Raises
     ------

@@ -27,7 +27,7 @@ def open_store(path: PathLike) -> xr.Dataset:
 
 
 class _Backend(BackendEntrypoint):
-    """Access of xarray to a store, whose axes and metadata are those of its root."""
+    """Backend of xarray for a store, which takes axes and metadata from its root."""
 
     def open_dataset(self, filename_or_obj: Any, *, drop_variables: Any = None) -> xr.Dataset:
         """Open a store; no variable may be dropped."""

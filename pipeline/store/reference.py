@@ -23,8 +23,18 @@ _HEAD = """\
 
 `xarray.open_zarr(OUT)` reads a store, and so does any program that knows Zarr;
 `pipeline.open_sweep` gives the same with a check of its parts. All is in SI. Points that are not
-done, and steps beyond a point's own, are NaN. The temperature rise is stored for a coefficient of
-friction of 1: multiply it by yours. This page is made from the variables by `make reference`.
+done, and steps beyond a point's own, are NaN. This page is made from the variables by
+`make reference`.
+
+No variable holds a temperature. The rise above bulk is stored for a coefficient of friction of 1,
+so that any friction and bulk temperature can be judged afterwards:
+
+    temperature = bulk temperature + friction × rise
+
+`max_rise` is the highest rise in the contact, `mean_rise` the mean, and `rise_quantile` the one
+that a share of the contact stays below: at `quantile` 0.9 the one that 10 % of the contact exceeds,
+which decides about severe wear unless the scene says otherwise. `pipeline.temperatures` gives them
+as temperatures, also for bodies of unequal bulk temperature.
 
 ```python
 import xarray as xr

@@ -74,7 +74,7 @@ def find_root(place: Place) -> Root | None:
 
 
 def read_attributes(path: PathLike) -> dict[str, Any] | None:
-    """Attributes of a store; None if there is nothing at its place; else as `read_root`."""
+    """Attributes of a store, None if nothing is there; raises as `read_root` does."""
     root = find_root(place_of(path))
     return root.attributes if root else None
 

@@ -59,7 +59,7 @@ COORDINATES = {
         ("bulk_ratio",), "K", "bulk temperature of the disk less that of the pin, over friction"
     ),
     "wear_rate": Variable(
-        ("wear_rate",), "m^2/N", "specific wear rate at which a point's contacts have other heat"
+        ("wear_rate",), "m^2/N", "specific wear rate for which heat was taken on the contacts"
     ),
     "x": Variable(("x",), "m", "position along the sliding direction"),
     "y": Variable(("y",), "m", "position across the sliding direction"),
@@ -104,17 +104,20 @@ RATE_COLUMNS = {
     "rise_quantile_at_wear_rate": Variable(
         (*_STEP, "wear_rate", "quantile"),
         "K",
-        f"quantile of the rise at the velocity times own over other wear rate, {_RISE}",
+        f"quantile of the rise at this wear rate and the velocity times the scene's rate over "
+        f"this one, {_RISE}",
     ),
     "mean_rise_at_wear_rate": Variable(
         (*_STEP, "wear_rate"),
         "K",
-        f"mean rise of the contact at the velocity times own over other wear rate, {_RISE}",
+        f"mean rise of the contact at this wear rate and the velocity times the scene's rate "
+        f"over this one, {_RISE}",
     ),
     "pin_heat_share_at_wear_rate": Variable(
         (*_STEP, "wear_rate"),
         "1",
-        "share of the heat that enters the pin at the velocity times own over other wear rate",
+        "share of the heat that enters the pin at this wear rate and the velocity times the "
+        "scene's rate over this one",
     ),
 }
 """Variables of sweeps that answer for several wear rates besides `COLUMNS`."""

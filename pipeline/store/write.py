@@ -208,7 +208,7 @@ class Store:
         array[block] = part
 
     def _put_marks(self, name: str, values: NDArray[np.int8], changed: Mask) -> None:
-        """Write all of the chunks of a small variable in which something has changed."""
+        """Write every chunk of a small variable in which a value has changed, whole."""
         with self._writes():
             for _, block in blocks(changed, self.block):
                 self.arrays[name][block] = values[block]

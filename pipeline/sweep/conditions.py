@@ -193,7 +193,7 @@ def _checked(conditions: Conditions) -> str:
     """Make a criterion of one's own known by its name, and return its hash."""
     law = Own.named(conditions.criterion)
     if not isinstance(law.made, Rule):
-        raise InputError(f'criterion is "{conditions.criterion}", which is no tribo.Rule')
+        raise InputError(f'criterion is "{conditions.criterion}", which is not a tribo.Rule')
     if conditions.criterion_hash not in (None, law.digest):
         raise InputError(
             f'criterion is "{conditions.criterion}", whose module has changed since the store '

@@ -348,8 +348,8 @@ class Sweep(Scene):
         """The sweep with another duration at the full load [s]; not if the load is a record."""
         if not isinstance(self.loading, Ramp):
             raise InputError(
-                f"hold is {duration:g} s, and the load follows a record, which has its own: leave "
-                "out the hold, or give a loading with rate and reference_load"
+                f"hold is {duration:g} s, but the load follows a record, which ends when it ends; "
+                "leave out the hold, or give a loading with rate and reference_load"
             )
         return replace(self, loading=replace(self.loading, hold=duration, hold_steps=None))
 

@@ -37,7 +37,7 @@ class Over:
 
     @property
     def note(self) -> str:
-        """Note of a command that takes one value of each entry."""
+        """Note that a command prints which computes one value of each entry alone."""
         return "sweep.over is set aside; " + ", ".join(
             f'{axis.path} is the scene\'s own or the first listed: --set "{axis.path}=..." '
             "takes another"

@@ -52,14 +52,14 @@ class Own:
         """Find an object by its name, from the folder in which the command runs."""
         module, _, name = reference.partition(":")
         if not module or not name.isidentifier():
-            raise InputError(f'"{reference}" is no name of an object; give "module:name"')
+            raise InputError(f'"{reference}" is not the name of an object; give "module:name"')
         file = Path(*module.split(".")).with_suffix(".py")
         source = file.read_text("utf-8") if file.is_file() else None
         return cls(reference, tuple(sorted((parameters or {}).items())), source)
 
     @property
     def made(self) -> Any:
-        """The object itself."""
+        """Object that the reference names, made with the parameters."""
         return _made(self.reference, self.parameters, self.source)
 
     @property

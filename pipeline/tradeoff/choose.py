@@ -178,9 +178,9 @@ def choose_fidelity(
     if not 0 < accuracy < 1:
         raise InputError(f"accuracy is {accuracy!r}; it must be between 0 and 1, such as 0.02")
     if not math.isfinite(rise_limit(sweep.conditions)):
-        raise InputError("without friction there is no heat, and no boundary to be accurate about")
+        raise InputError("friction is 0, so there is no boundary; an accuracy needs one above 0")
     if points and not all(point.velocity for point in points):
-        raise InputError("at velocity 0 there is no heat, and nothing to be accurate about")
+        raise InputError("velocity is 0, so there is no heat; an accuracy needs one above 0")
     began = time.perf_counter()
     tell = progress or (lambda name: None)
     places = some_places(sweep, _PLACES if len(sweep.variants) > 1 else _LOADS)
@@ -257,7 +257,7 @@ def _first_within(
 
 
 def _on_both_sides(points: Sequence[Point]) -> tuple[Point, ...]:
-    """Two points for each, at velocities a little below and above."""
+    """Points at velocities a little below and above those of each given point."""
     apart = math.exp(_APART)
     return tuple(
         point._replace(velocity=velocity)

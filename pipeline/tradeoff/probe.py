@@ -37,19 +37,22 @@ _STEP = 0.05  # of the logarithm of velocity over which its exponent is taken
 
 @dataclass(frozen=True, slots=True)
 class Reading:
-    """Result of one point.
-
-    Shares are those of the contact above the critical temperature and at the hardness.
-    """
+    """Result of one point."""
 
     rise: float
-    """Rise that decides [K]."""
+    """Rise that decides, at friction 1 [K]."""
     failed_share: float
+    """Share of the contact above the critical temperature."""
     contact_width: float
+    """Width of the contact along the sliding direction [m]."""
     contact_nodes: int
+    """Number of elements in contact."""
     contact_fraction: float
+    """Share of the window in contact."""
     mean_pressure: float
+    """Mean pressure over the contact [Pa]."""
     saturated_fraction: float
+    """Share of the contact at the hardness."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -78,7 +78,7 @@ def trade(
         if name not in PRESETS:
             raise InputError(f"preset {name!r} is unknown; known are {', '.join(PRESETS)}")
     if not math.isfinite(rise_limit(sweep.conditions)):
-        raise InputError("without friction there is no heat, and no boundary to be wrong about")
+        raise InputError("friction is 0, so there is no boundary; give one above 0")
     without_surfaces = replace(sweep, realizations=())
     asked = tuple(in_si("load", load, "600 N") for load in loads or ())
     asked = asked or tuple(place.load for place in some_places(without_surfaces, _LOADS))

@@ -1,4 +1,4 @@
-"""The yardstick of accuracy: nearly exact steps, and what they err themselves."""
+"""Yardstick of accuracy: results of nearly exact steps, and their own error."""
 
 from __future__ import annotations
 

@@ -139,7 +139,7 @@ def test_the_scene_of_the_page_runs(folder, irg):
         ("wear.law=faulty:X", "faulty.py, line 2: ZeroDivisionError"),
         ("wear.parameters.distance=x", "TypeError: unsupported operand"),
         ("temperature.criterion=laws:Dimples", "cannot be made"),
-        ("temperature.criterion=laws:np", "no tribo.Rule"),
+        ("temperature.criterion=laws:np", "not a tribo.Rule"),
         ("disk.surface={law='laws:Dimples'}", "leave out one of them"),
     ],
 )

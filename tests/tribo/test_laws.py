@@ -76,7 +76,7 @@ class Negative(tribo.RunningIn):
     [
         (Growing, "wear balance"),
         (Doubled, "wear balance: the pin has lost .* its law says"),
-        (Broken, "wear law: its depth from .* is no finite number"),
+        (Broken, "wear law: its depth from .* and be finite"),
         (Negative, "wear law: its compliance from .* must be finite and at least 0"),
     ],
 )

@@ -2,7 +2,7 @@
 
 The influence of the element |x| < a, |y| < b at its own level is Love's integral of 1/(πE*r)
 over it (Love 1929; Johnson, *Contact Mechanics*, Eq. 3.25). Written as a sum of Gaussians of all
-widths s, 1/r = 2/√π ∫₀^∞ exp(−r²/s²) ds/s², it falls apart into functions of x and of y::
+widths s, 1/r = 2/√π ∫₀^∞ exp(−r²/s²) ds/s², it separates into functions of x and of y::
 
     ∫∫ 1/r = √π/2 ∫₀^∞ E_a(x) E_b(y) ds,   E_a(x) = erf((x + a)/s) − erf((x − a)/s)       (1)
 

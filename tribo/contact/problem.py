@@ -97,7 +97,7 @@ class Iterate(NamedTuple):
         )
 
     def load_error(self, total: float) -> float:
-        """|Σp/total − 1|."""
+        """Relative error of the load that the pressure carries, |Σp/total − 1|."""
         return abs(float(self.pressure.sum()) / total - 1)
 
 

@@ -196,7 +196,7 @@ def _check(
     if not (0 <= normal_load <= capacity * (1 + 1e-12) and normal_load < math.inf):
         raise InputError(
             f"normal_load is {normal_load:g} N on a patch of {area:g} m²; it must be finite and "
-            f"between 0 and {capacity:g} N, what the hardness of {hardness:g} Pa carries there"
+            f"between 0 and {capacity:g} N, the most at a hardness of {hardness:g} Pa"
         )
     softness = SoftRows.of(solid).coupling / solid.self_influence
     lost = solid.rounding * softness

@@ -240,7 +240,7 @@ class _MoreElements:
         return state
 
     def _fidelity_for(self, state: State) -> Fidelity | None:
-        """Fidelity by which enough elements touch, if any differs from the scene's."""
+        """Fidelity with which enough elements touch; None if the scene's own is to be kept."""
         scene, fidelity = self._scene, self._scene.fidelity
         touching, fewest = touching_elements(scene, state), fidelity.fewest_elements
         if touching >= fewest:

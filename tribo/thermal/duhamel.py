@@ -68,7 +68,7 @@ SpectrumOf = Callable[[Grid, Conductor, tuple[float, ...], tuple[float, ...]], S
 def conducted_spectrum(
     grid: Grid, body: Conductor, ages: tuple[float, ...], strengths: tuple[float, ...]
 ) -> Spectrum:
-    """`flux_history_spectrum` of a body [K m²/W]."""
+    """Spectrum of the rise that a past flux leaves on a body, `flux_history_spectrum` [K m²/W]."""
     return flux_history_spectrum(
         grid, body.material, body.velocity, ages, strengths, length=body.length
     )

@@ -49,7 +49,7 @@ def contact_quantiles(rise: Array, contact: Mask) -> Array:
     np.float64(9.0)
     """
     if not contact.any():
-        raise InputError("nothing is in contact, so there is no temperature to take quantiles of")
+        raise InputError("no element is in contact; quantiles of the temperature need at least one")
     ordered = np.sort(rise[contact])
     places = np.asarray(QUANTILES) * (ordered.size - 1)
     # What np.quantile gives, which for so many quantiles takes several times as long.
@@ -58,7 +58,7 @@ def contact_quantiles(rise: Array, contact: Mask) -> Array:
 
 
 def bulk_ratio_quantiles(rise: Array, response: Array, contact: Mask) -> Array:
-    """`contact_quantiles` of a + ρb for each ρ of `BULK_RATIOS` [K], a row each."""
+    """Quantiles of rise + ρ·response over the contact [K], a row for each ρ of `BULK_RATIOS`."""
     return np.array([contact_quantiles(rise + ratio * response, contact) for ratio in BULK_RATIOS])
 
 

@@ -196,7 +196,7 @@ def test_unknown_presets_and_scenes_without_heat_are_refused():
     with pytest.raises(InputError, match="preset 'fast' is unknown; known are draft, standard"):
         trade(PAPER, ("fast",))
     without = replace(PAPER, conditions=replace(PAPER.conditions, friction=0.0))
-    with pytest.raises(InputError, match="without friction"):
+    with pytest.raises(InputError, match="friction is 0"):
         trade(without)
     still = replace(PAPER, velocities=(0.0,))
     with pytest.raises(InputError, match="no velocity but 0"):

@@ -665,7 +665,7 @@ def test_a_measured_surface_is_read_with_a_byte_order_mark_and_refused_beyond_a_
     with pytest.raises(InputError, match="at most 5 heights"):
         read_heights(array)
     (tmp_path / "folder.csv").mkdir()
-    with pytest.raises(InputError, match="cannot be read: not a file"):
+    with pytest.raises(InputError, match="cannot be read: it is not a file"):
         read_heights(tmp_path / "folder.csv")
     for unit in (math.nan, 0.0, -1.0):
         with pytest.raises(InputError, match="unit is"):
