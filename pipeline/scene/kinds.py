@@ -29,7 +29,7 @@ class Kind(ABC):
         """Value at a key path as the program wants it; None, and a fault, if it is faulty."""
         try:
             return self._read(value, place, faults)
-        except UnfitError as problem:
+        except (UnfitError, UnitError) as problem:
             faults.note(place, f"{problem}; give {self}")
             return None
 
@@ -107,14 +107,13 @@ class Number(Kind):
         return float(value)
 
     def _limits(self) -> str:
-        limits = {
-            "above": self.above,
-            "at least": self.at_least,
-            "below": self.below,
-            "at most": self.at_most,
-        }
-        bounds = [f"{word} {limit:g}" for word, limit in limits.items() if math.isfinite(limit)]
+        bounds = [f"{name.replace('_', ' ')} {bound:g}" for name, bound in self.bounds.items()]
         return ", " * bool(bounds) + " and ".join(bounds)
+
+    @property
+    def bounds(self) -> dict[str, float]:
+        """Bounds that a value has, by their names."""
+        return {name: bound for name, bound in vars(self).items() if math.isfinite(bound)}
 
 
 @dataclass(frozen=True)
@@ -175,10 +174,7 @@ class Quantity(Kind):
         text = value.text if isinstance(value, Rounded) else value
         if not isinstance(text, str):
             raise UnfitError(f"{quoted(value)} has no unit")
-        try:
-            exact = exact_si(text, like=self.example)
-        except UnitError as error:
-            raise UnfitError(str(error)) from error
+        exact = exact_si(text, like=self.example)
         rounded = value.value if isinstance(value, Rounded) else float(exact)
         if not (0 <= rounded < math.inf if self.zero else 0 < rounded < math.inf):
             raise UnfitError(f"{quoted(value)} is out of range")

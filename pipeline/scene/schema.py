@@ -73,11 +73,15 @@ class Range(Kind):
     def __str__(self) -> str:
         return f"a table with from, to, step, each {self.of}"
 
-    def _read(self, value: Any, place: str, faults: Faults) -> tuple[float, ...] | None:
-        # Decimals, so that three steps of 0.1 m/s make 0.3 and not 0.30000000000000004.
+    @property
+    def ends(self) -> Table:
+        """Both ends and the step, as decimals: three steps of 0.1 m/s make 0.3 exactly."""
         end = Entry(replace(self.of, exact=True))
         step = Entry(replace(self.of, exact=True, zero=False))
-        ends = Table({"from": end, "to": end, "step": step}).read(value, place, faults)
+        return Table({"from": end, "to": end, "step": step})
+
+    def _read(self, value: Any, place: str, faults: Faults) -> tuple[float, ...] | None:
+        ends = self.ends.read(value, place, faults)
         if ends is None or None in ends.values():
             return None
         steps = (ends["to"] - ends["from"]) / ends["step"]
