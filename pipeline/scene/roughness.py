@@ -13,16 +13,7 @@ from pipeline.scene.document import Document
 from pipeline.scene.faults import Faults, entry_at, quoted
 from pipeline.scene.parts import own_of
 from pipeline.scene.quantities import display
-from pipeline.scene.surfaces import (
-    PLAIN,
-    Surface,
-    cropped,
-    filled,
-    levelled,
-    oriented,
-    read_surface,
-    repeated,
-)
+from pipeline.scene.surfaces import PLAIN, Surface, filled, levelled, oriented, read_surface
 from tribo.types import Array
 
 
@@ -118,27 +109,30 @@ def _fitted_heights(
         faults.note("window.pixel_size", problem)
     heights = surface.heights
     if table["crop"] is not None and pixels:
-        patch = pixels
-        if table["repeat"] != "no":  # what there is of it
+        (i, j), (rows, columns) = table["crop"], pixels
+        if table["repeat"] != "no":  # as much of it as there is
             left = np.subtract(heights.shape, table["crop"])
-            patch = tuple(int(n) for n in np.minimum(pixels, np.maximum(left, 1)))
-        try:
-            heights = cropped(heights, table["crop"], patch)
-        except tribo.InputError as error:
-            problem = f"{error}; give a lower row and column, or fewer window.pixels"
-            faults.note("disk.roughness.crop", problem)
+            rows, columns = np.minimum(pixels, np.maximum(left, 1)).tolist()
+        if i + rows > heights.shape[0] or j + columns > heights.shape[1]:
+            faults.note(
+                "disk.roughness.crop",
+                f"a patch of {rows} × {columns} heights from row {i}, column {j} reaches beyond "
+                f"the surface of {heights.shape[0]} × {heights.shape[1]}; give a lower row and "
+                "column, or fewer window.pixels",
+            )
             return None
+        heights = heights[i : i + rows, j : j + columns]
     holes = np.argwhere(~np.isfinite(heights))
     if len(holes):
-        row, column = holes[0].tolist()
+        i, j = holes[0].tolist()
         if len(holes) == heights.size:
             faults.note("disk.roughness.file", "all heights are missing; give another file")
             return None
         share = f"{len(holes)} of {heights.size} heights ({100 * len(holes) / heights.size:.2g} %)"
         if table["missing"] == "refuse":
             problem = (
-                f"{share} are missing, the first at row {row}, column {column} (counted from 0); "
-                'crop them off, or give "fill"'
+                f"{share} are missing, the first at row {i}, column {j} (counted from 0); crop "
+                'them off, or give "fill"'
             )
             faults.note("disk.roughness.missing", problem)
             return None
@@ -149,9 +143,13 @@ def _fitted_heights(
     if table["repeat"] == "no" or not pixels or np.greater_equal(heights.shape, pixels).all():
         return heights
     rows, columns = heights.shape
-    how = {"mirror": "mirrored", "tile": "tiled"}[table["repeat"]]
+    is_mirrored = table["repeat"] == "mirror"  # stays continuous; tiles step, but keep their lay
     notes.append(
-        f"disk.roughness.file: {rows} × {columns} heights were {how} to fill the window of "
-        f"{pixels[0]} × {pixels[1]}, so that the surface repeats itself"
+        f"disk.roughness.file: {rows} × {columns} heights were "
+        f"{'mirrored' if is_mirrored else 'tiled'} to fill the window of {pixels[0]} × "
+        f"{pixels[1]}, so that the surface repeats itself"
     )
-    return repeated(heights, pixels, table["repeat"])
+    more = [
+        (0, max(0, count - present)) for count, present in zip(pixels, heights.shape, strict=True)
+    ]
+    return np.pad(heights, more, mode="symmetric" if is_mirrored else "wrap")

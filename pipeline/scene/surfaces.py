@@ -124,28 +124,6 @@ def oriented(surface: Surface, transpose: bool = False, flip: Flip = "no") -> Su
     return Surface(np.ascontiguousarray(heights), sides)
 
 
-def cropped(heights: Array, first: tuple[int, int], shape: tuple[int, int]) -> Array:
-    """Patch of a surface with so many rows and columns, from a first row and column on [m]."""
-    (i, j), (nx, ny) = first, shape
-    if i + nx > heights.shape[0] or j + ny > heights.shape[1]:
-        raise InputError(
-            f"a patch of {nx} × {ny} heights from row {i}, column {j} reaches beyond the surface "
-            f"of {heights.shape[0]} × {heights.shape[1]}"
-        )
-    return heights[i : i + nx, j : j + ny].copy()
-
-
-def repeated(heights: Array, shape: tuple[int, int], how: Literal["mirror", "tile"]) -> Array:
-    """Surface continued beyond its ends to so many rows and columns at least [m].
-
-    Mirrored it stays continuous; as tiles it steps at every seam, but keeps its lay.
-    """
-    more = [
-        (0, max(0, wanted - present)) for wanted, present in zip(shape, heights.shape, strict=True)
-    ]
-    return np.pad(heights, more, mode="symmetric" if how == "mirror" else "wrap")
-
-
 def levelled(heights: Array) -> Array:
     """Heights above their least-squares plane [m]; NaN stays NaN."""
     measured = np.isfinite(heights)
