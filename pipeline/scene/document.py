@@ -15,7 +15,7 @@ from functools import reduce
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from pipeline.scene.faults import Fault, Faults, SceneFileError, did_you_mean, quoted
+from pipeline.scene.faults import Fault, Faults, SceneFileError, did_you_mean, quoted, with_value
 from pipeline.scene.format import FORMAT
 from pipeline.scene.shipped import scene_path, shipped_scenes
 from tribo.files import reason_of
@@ -112,12 +112,11 @@ def with_entries(document: Document, overrides: Mapping[str, Any], faults: Fault
     document = Document(_layers_without(document, left_out))
     entries, top = document.entries(), dict[str, Any]()
     for key, value in overrides.items():
-        *tables, last = key.split(".")
+        *tables, _ = key.split(".")
         if _table(top, *tables) is None or _table(entries, *tables) is None:
             faults.note(key, f"{'.'.join(tables)} is not a table; give its own key")
-            continue
-        nested = reduce(lambda inner, name: {name: inner}, reversed(tables), {last: value})
-        top = _merged(top, nested)
+        else:
+            top = _merged(top, with_value({}, key, value))
     return Document((Layer(document.file, top), *document.layers))
 
 

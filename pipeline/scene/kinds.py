@@ -38,7 +38,6 @@ class Kind(ABC):
         """Raise `UnfitError` if the value as a whole is wrong; note the faults of its parts."""
 
 
-@dataclass(frozen=True)
 class Text(Kind):
     """Text that is not empty."""
 
@@ -55,7 +54,6 @@ class Text(Kind):
         return value
 
 
-@dataclass(frozen=True)
 class Flag(Kind):
     """True or false."""
 
@@ -130,7 +128,6 @@ class Whole(Number):
         return value
 
 
-@dataclass(frozen=True)
 class Scalar(Kind):
     """A number, or a quantity whose dimension another entry fixes."""
 

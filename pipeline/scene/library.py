@@ -115,9 +115,6 @@ def _filled(
         at_temperatures = key in _VISCOSITY or isinstance(value, list)
         if key not in table and not (has_viscosity and at_temperatures):
             added[key] = value
-            taken.append(FromLibrary(f"{place}.{key}", _text(value), library()["sources"][source]))
+            text = " and ".join(value) if isinstance(value, list) else str(value)
+            taken.append(FromLibrary(f"{place}.{key}", text, library()["sources"][source]))
     return added | table
-
-
-def _text(value: Any) -> str:
-    return " and ".join(value) if isinstance(value, list) else str(value)

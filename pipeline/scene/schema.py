@@ -28,13 +28,11 @@ class Entry:
     kind: Kind
     meaning: str = ""
     example: Any = None
+    default: Any = None
 
 
-@dataclass(frozen=True)
 class Optional(Entry):
     """A key that may be left out."""
-
-    default: Any = None
 
 
 @dataclass(frozen=True)

@@ -93,18 +93,15 @@ def _converted(path: Path, topography: Any, height_unit: float | None) -> Surfac
         raise InputError(
             f"{path}: a profile, or unevenly spaced; give a map of heights on a regular grid"
         )
-    if topography.unit is None:
-        if height_unit is None:
-            raise InputError(
-                f"{path}: the file does not give the unit of its heights; give height_unit"
-            )
-        heights, pixel_size = topography.heights() * height_unit, None
-    else:
-        heights = None if height_unit is None else topography.heights() * height_unit
-        topography = topography.to_unit("m")
-        heights = topography.heights() if heights is None else heights
-        dx, dy = topography.pixel_size
-        pixel_size = float(dx), float(dy)
+    pixel_size, heights = None, topography.heights() * (height_unit or 1.0)
+    if topography.unit is not None:
+        in_metres = topography.to_unit("m")
+        pixel_size = float(in_metres.pixel_size[0]), float(in_metres.pixel_size[1])
+        heights = in_metres.heights() if height_unit is None else heights
+    elif height_unit is None:
+        raise InputError(
+            f"{path}: the file does not give the unit of its heights; give height_unit"
+        )
     copied = np.ma.filled(np.ma.masked_invalid(np.ma.array(heights, dtype=np.float64)), np.nan)
     return Surface(np.ascontiguousarray(copied), pixel_size)
 

@@ -16,7 +16,7 @@ from pipeline.scene.faults import Faults, did_you_mean, entry_at, unwritable
 from pipeline.scene.format import UNKNOWN, USUAL_PRESET
 from pipeline.scene.kinds import Choice, Flag, Kind, Number, Quantity, Unit, Whole
 from pipeline.scene.reference import Section, sections, written
-from pipeline.scene.schema import Either, Entry, List, Optional
+from pipeline.scene.schema import Either, Entry, List
 from pipeline.scene.shipped import shipped_scenes
 from tribo import InputError
 
@@ -141,7 +141,7 @@ def _key(
     section: Section, key: str, entry: Entry, entries: Mapping[str, Any], comment: bool
 ) -> Iterator[str]:
     """Lines of one key: its meaning and the values allowed, and its value or an example."""
-    default = entry.default if isinstance(entry, Optional) else None
+    default = entry.default
     if section.path == "fidelity" and key != "preset":
         default = getattr(tribo.PRESETS[entries.get("preset", USUAL_PRESET)], key)
     if comment:
