@@ -9,11 +9,10 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from decimal import Decimal
 from typing import Any, Literal, get_args, get_origin
 
 from pipeline.scene.faults import Faults, did_you_mean, quoted
-from pipeline.scene.units import UnitError, exact_si
+from pipeline.scene.units import UnitError, to_si
 
 _LARGEST = 1e300
 
@@ -153,29 +152,26 @@ class Rounded:
 
 @dataclass(frozen=True)
 class Quantity(Kind):
-    """A number above 0 with a unit, read in SI; its example fixes the dimension.
-
-    Where `zero` is true it may be 0; where `exact` is true it is read as a decimal.
-    """
+    """A number above 0, or 0 too, with a unit, read in SI; its example fixes the dimension."""
 
     name: str
     example: str
     zero: bool = False
-    exact: bool = False
 
     def __str__(self) -> str:
         limit = "of at least 0" if self.zero else "above 0"
         return f"{self.name} {limit}, such as {quoted(self.example)}"
 
-    def _read(self, value: Any, place: str, faults: Faults) -> float | Decimal:
+    def _read(self, value: Any, place: str, faults: Faults) -> float:
         text = value.text if isinstance(value, Rounded) else value
         if not isinstance(text, str):
             raise UnfitError(f"{quoted(value)} has no unit")
-        exact = exact_si(text, like=self.example)
-        rounded = value.value if isinstance(value, Rounded) else float(exact)
-        if not (0 <= rounded < math.inf if self.zero else 0 < rounded < math.inf):
+        in_si = to_si(text, like=self.example)
+        if isinstance(value, Rounded):
+            in_si = value.value
+        if not 0 <= in_si < math.inf or (in_si == 0 and not self.zero):
             raise UnfitError(f"{quoted(value)} is out of range")
-        return exact if self.exact else rounded
+        return in_si
 
 
 @dataclass(frozen=True)
@@ -190,7 +186,7 @@ class Unit(Kind):
 
     def _read(self, value: Any, place: str, faults: Faults) -> float:
         try:
-            return float(exact_si(f"1 {value}", like=f"1 {self.example}"))
+            return to_si(f"1 {value}", like=f"1 {self.example}")
         except UnitError as error:
             raise UnfitError(f"{quoted(value)} is not {self.name}") from error
 

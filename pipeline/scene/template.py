@@ -170,15 +170,17 @@ def _allowed(kind: Kind, default: Any) -> Any:
             return [_allowed(kind.of, None)] * (kind.length or 1)
         case Either():
             return _allowed(kind.usual, default)
+        case _ if default is not None:
+            return default
         case Choice():
-            return default or kind.options[0]
+            return kind.options[0]
         case Flag():
-            return bool(default)
+            return False
         case Whole():
-            return default if default is not None else int(max(kind.at_least, 0))
+            return int(max(kind.at_least, 0))
         case Number():
-            return default if default is not None else 0.1
-    return "text" if default is None else default
+            return 0.1
+    return "text"
 
 
 def _plain(text: str) -> str:
