@@ -45,7 +45,7 @@ def realizations_of(tables: dict[str, Any], faults: Faults) -> tuple[int, ...]:
 
 
 def roughness_of(
-    tables: dict[str, Any], document: Document, faults: Faults, notes: list[str]
+    tables: dict[str, Any], document: Document, faults: Faults
 ) -> tribo.SelfAffineRoughness | tribo.MeasuredRoughness | tribo.Surface | None:
     """The disk's roughness; None if there is none, or a faulty one."""
     table, law = entry_at(tables, "disk.roughness"), entry_at(tables, "disk.surface")
@@ -59,7 +59,7 @@ def roughness_of(
         if surface is None:
             return None
         surface = oriented(surface, table["transpose"], table["flip"])
-        heights = _fitted_heights(surface, table, tables["window"], faults, notes)
+        heights = _fitted_heights(surface, table, tables["window"], faults)
         return None if heights is None else tribo.MeasuredRoughness(heights)
     length = table["correlation_length"]
     pair = length if isinstance(length, tuple) else (length, length)
@@ -95,11 +95,7 @@ def _surface(file: Path, unit: float | None, faults: Faults) -> Surface | None:
 
 
 def _fitted_heights(
-    surface: Surface,
-    table: Mapping[str, Any],
-    window: Mapping[str, Any] | None,
-    faults: Faults,
-    notes: list[str],
+    surface: Surface, table: Mapping[str, Any], window: Mapping[str, Any] | None, faults: Faults
 ) -> Array | None:
     """Heights fit for a scene: cropped, without holes, levelled; None if that is impossible."""
     pixels, sides = ((window or {}).get(key) for key in ("pixels", "pixel_size"))
@@ -136,7 +132,9 @@ def _fitted_heights(
             )
             faults.note("disk.roughness.missing", problem)
             return None
-        notes.append(f"disk.roughness.file: {share} are missing and were filled from around them")
+        faults.notes.append(
+            f"disk.roughness.file: {share} are missing and were filled from around them"
+        )
         heights = filled(heights)
     if table["level"]:
         heights = levelled(heights)
@@ -144,7 +142,7 @@ def _fitted_heights(
         return heights
     rows, columns = heights.shape
     is_mirrored = table["repeat"] == "mirror"  # stays continuous; tiles step, but keep their lay
-    notes.append(
+    faults.notes.append(
         f"disk.roughness.file: {rows} × {columns} heights were "
         f"{'mirrored' if is_mirrored else 'tiled'} to fill the window of {pixels[0]} × "
         f"{pixels[1]}, so that the surface repeats itself"
