@@ -83,12 +83,10 @@ def forms_of(kind: Kind) -> tuple[Table, ...]:
     match kind:
         case Table():
             return (kind,)
-        case Tables(of) | List(Table() as of):
-            return (of,)
+        case Tables(of) | List(of):
+            return forms_of(of)
         case Either(Table() as usual, Table() as other):
             return (usual, other)
-        case List(Either() as either):
-            return forms_of(either)
     return ()
 
 
