@@ -10,8 +10,8 @@ import tribo
 from pipeline.scene.faults import Faults, did_you_mean, entry_at, quoted
 from pipeline.scene.library import nearest
 from pipeline.scene.quantities import display
+from pipeline.scene.roughness import Roughness
 
-Roughness = tribo.SelfAffineRoughness | tribo.MeasuredRoughness | tribo.Surface
 Sound = Callable[..., list[Any]]
 Misfits = Iterator[tuple[str, str]]
 

@@ -152,7 +152,7 @@ class Rounded:
 
 @dataclass(frozen=True)
 class Quantity(Kind):
-    """A number above 0, or 0 too, with a unit, read in SI; its example fixes the dimension."""
+    """A number above 0, or from 0 on, with a unit, read in SI; its example fixes the dimension."""
 
     name: str
     example: str

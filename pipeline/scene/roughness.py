@@ -16,6 +16,8 @@ from pipeline.scene.quantities import display
 from pipeline.scene.surfaces import PLAIN, Surface, filled, levelled, oriented, read_surface
 from tribo.types import Array
 
+Roughness = tribo.SelfAffineRoughness | tribo.MeasuredRoughness | tribo.Surface
+
 
 def realizations_of(tables: dict[str, Any], faults: Faults) -> tuple[int, ...]:
     """Seeds of the random surfaces: those listed, or a number of them from the surface's own on.
@@ -44,9 +46,7 @@ def realizations_of(tables: dict[str, Any], faults: Faults) -> tuple[int, ...]:
     return seeds
 
 
-def roughness_of(
-    tables: dict[str, Any], document: Document, faults: Faults
-) -> tribo.SelfAffineRoughness | tribo.MeasuredRoughness | tribo.Surface | None:
+def roughness_of(tables: dict[str, Any], document: Document, faults: Faults) -> Roughness | None:
     """The disk's roughness; None if there is none, or a faulty one."""
     table, law = entry_at(tables, "disk.roughness"), entry_at(tables, "disk.surface")
     if law:
@@ -87,11 +87,8 @@ def _surface(file: Path, unit: float | None, faults: Faults) -> Surface | None:
     try:
         return read_surface(file, unit)
     except tribo.InputError as error:
-        problem = str(error)
-    except Exception as error:  # a damaged file makes NumPy raise errors of any kind
-        problem = f"{file}: not a plain array of numbers: {error!r}"
-    faults.note("disk.roughness.file", " ".join(problem.split()))
-    return None
+        faults.note("disk.roughness.file", " ".join(str(error).split()))
+        return None
 
 
 def _fitted_heights(

@@ -48,7 +48,12 @@ def read_surface(path: str | Path, height_unit: float | None = None) -> Surface:
     if path.suffix.lower() in PLAIN:
         if height_unit is None:
             raise InputError(f"{path}: a plain array has no unit of its own; give height_unit")
-        return Surface(read_heights(path, height_unit, allow_missing=True))
+        try:
+            return Surface(read_heights(path, height_unit, allow_missing=True))
+        except InputError:
+            raise
+        except Exception as error:  # a damaged file makes NumPy raise errors of any kind
+            raise InputError(f"{path}: not a plain array of numbers: {error!r}") from error
     _require_small_file(path)
     try:
         formats: Any = importlib.import_module("SurfaceTopography.IO")

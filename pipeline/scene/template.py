@@ -119,7 +119,7 @@ def _section(
     """Lines of one table: all keys with comments, or only those given without."""
     yield ""
     if comment and section.path:
-        yield from _wrapped(_plain(section.entry.meaning))
+        yield from _wrapped(section.entry.meaning)
     if header:
         yield header if values is not None else f"#{header}"
     entries = values or {}
@@ -147,7 +147,7 @@ def _key(
     if comment:
         usual = written(default, entry.kind)
         ending = f"; default {usual}" if usual else ""
-        yield from _wrapped(f"{_plain(entry.meaning)} Give {entry.kind}{ending}.")
+        yield from _wrapped(f"{entry.meaning} Give {entry.kind}{ending}.")
     value = entries[key] if key in entries else example(entry, default)
     mark = "" if key in entries else "#"
     if entry.kind is UNKNOWN:  # a line for each, since they are long
@@ -183,12 +183,9 @@ def _allowed(kind: Kind, default: Any) -> Any:
     return "text"
 
 
-def _plain(text: str) -> str:
-    """Text without the marks of Markdown."""
-    return re.sub(r"\[(\w+)\]\([^)]*\)", r"\1", text).replace("`", "")
-
-
 def _wrapped(text: str) -> Iterator[str]:
-    kept = re.sub('"[^"]*"', lambda match: match[0].replace(" ", "\N{NO-BREAK SPACE}"), text)
+    """Text as comments, without the marks of Markdown; quoted words stay on one line."""
+    plain = re.sub(r"\[(\w+)\]\([^)]*\)", r"\1", text).replace("`", "")
+    kept = re.sub('"[^"]*"', lambda match: match[0].replace(" ", "\N{NO-BREAK SPACE}"), plain)
     for line in textwrap.wrap(kept, _WIDTH, break_long_words=False, break_on_hyphens=False):
         yield "# " + line.replace("\N{NO-BREAK SPACE}", " ")
