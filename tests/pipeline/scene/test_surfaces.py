@@ -94,6 +94,14 @@ def test_a_profile_and_a_broken_file_are_refused(library):
         read_surface("a.x3p")
 
 
+def test_a_damaged_plain_array_is_refused(tmp_path):
+    np.save(tmp_path / "a.npy", HEIGHTS)
+    damaged = (tmp_path / "a.npy").read_bytes().replace(b"'shape'", b"b'shap'")
+    (tmp_path / "a.npy").write_bytes(damaged)
+    with pytest.raises(InputError, match="not a plain array of numbers"):
+        read_surface(tmp_path / "a.npy", 1.0)
+
+
 def test_without_the_extra_the_message_says_how_to_get_it(monkeypatch):
     monkeypatch.setitem(sys.modules, "SurfaceTopography", None)
     monkeypatch.setitem(sys.modules, "SurfaceTopography.IO", None)
