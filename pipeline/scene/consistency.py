@@ -10,8 +10,8 @@ import tribo
 from pipeline.scene.faults import Faults, did_you_mean, entry_at, quoted
 from pipeline.scene.library import nearest
 from pipeline.scene.quantities import display
+from pipeline.scene.roughness import Roughness
 
-Roughness = tribo.SelfAffineRoughness | tribo.MeasuredRoughness | tribo.Surface
 Sound = Callable[..., list[Any]]
 Misfits = Iterator[tuple[str, str]]
 
@@ -94,21 +94,20 @@ def _check_pixels(
         )
 
 
-def _short_of_window(length: float, pixels: Any, sides: Any, axis: int) -> Iterator[str]:
+def _short_of_window(key: str, length: float, pixels: Any, sides: Any, axis: int) -> Misfits:
     side = pixels[axis] * sides[axis]
     if length < side * (1 - 1e-9):
         yield (
+            key,
             f"{display(length, 'mm')} is shorter than the window, which is {display(side, 'mm')} "
-            f"along {'xy'[axis]}; give at least that"
+            f"along {'xy'[axis]}; give at least that",
         )
 
 
 def _of_bodies(sound: Sound) -> Misfits:
     length, pixels, sides = sound("pin.length", "window.pixels", "window.pixel_size")
     if length:
-        yield from (
-            ("pin.length", problem) for problem in _short_of_window(length, pixels, sides, 1)
-        )
+        yield from _short_of_window("pin.length", length, pixels, sides, 1)
     shape, periodic = sound("pin.shape", "window.periodic_y")
     if shape != "cylinder" and periodic:
         problem = f"true does not fit a {shape} pin; give false, or leave it out"
@@ -134,8 +133,7 @@ def _of_motion(sound: Sound) -> Misfits:
     )
     if motion:
         track = motion["track_length"] or 2 * math.pi * radius
-        problems = _short_of_window(track, pixels, sides, 0)
-        yield from (("motion.track_length", problem) for problem in problems)
+        yield from _short_of_window("motion.track_length", track, pixels, sides, 0)
     track, motion = sound("disk.track_length", "motion")
     if track is not None and motion is not None:
         yield (

@@ -15,7 +15,7 @@ from functools import reduce
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from pipeline.scene.faults import Fault, Faults, SceneFileError, did_you_mean, quoted
+from pipeline.scene.faults import Fault, Faults, SceneFileError, did_you_mean, quoted, with_value
 from pipeline.scene.format import FORMAT
 from pipeline.scene.shipped import scene_path, shipped_scenes
 from tribo.files import reason_of
@@ -95,10 +95,8 @@ def read_document(path: Path, faults: Faults, above: tuple[Path, ...] = ()) -> D
         base = read_document(other, faults, chain)
     except SceneFileError as error:
         raise SceneFileError(path, [f"extends: {error}"]) from error
-    left_out = _left_out(without, base, path, faults)
-    if "preset" in (_table(table, "fidelity") or {}):
-        left_out.append("fidelity")
-    return Document((*document.layers, *_layers_without(base, left_out)))
+    _leave_out(without, "preset" in (_table(table, "fidelity") or {}), base, path, faults)
+    return Document((*document.layers, *base.layers))
 
 
 def with_entries(document: Document, overrides: Mapping[str, Any], faults: Faults) -> Document:
@@ -106,23 +104,19 @@ def with_entries(document: Document, overrides: Mapping[str, Any], faults: Fault
     overrides = dict(overrides)
     without = overrides.pop("without", None)
     listed = [without] if isinstance(without, str) else without
-    left_out = _left_out(listed, document, document.file, faults)
-    if "fidelity.preset" in overrides:
-        left_out.append("fidelity")
-    document = Document(_layers_without(document, left_out))
+    _leave_out(listed, "fidelity.preset" in overrides, document, document.file, faults)
     entries, top = document.entries(), dict[str, Any]()
     for key, value in overrides.items():
-        *tables, last = key.split(".")
+        *tables, _ = key.split(".")
         if _table(top, *tables) is None or _table(entries, *tables) is None:
             faults.note(key, f"{'.'.join(tables)} is not a table; give its own key")
-            continue
-        nested = reduce(lambda inner, name: {name: inner}, reversed(tables), {last: value})
-        top = _merged(top, nested)
+        else:
+            top = _merged(top, with_value({}, key, value))
     return Document((Layer(document.file, top), *document.layers))
 
 
-def _left_out(value: Any, base: Document, path: Path, faults: Faults) -> list[str]:
-    """Key paths that ``without`` names, as far as the other scene has them."""
+def _leave_out(value: Any, has_preset: bool, base: Document, path: Path, faults: Faults) -> None:
+    """Remove the entries that ``without`` names from a document, and its fidelity for a preset."""
     wrong = Faults()
     keys = [] if value is None else FORMAT.keys["without"].kind.read(value, "without", wrong) or []
     entries = base.entries()
@@ -138,16 +132,10 @@ def _left_out(value: Any, base: Document, path: Path, faults: Faults) -> list[st
                 f"{quoted('.'.join([*parts[:depth], *present[:1]]))}",
             )
     faults += [fault._replace(file=path) for fault in wrong]
-    return list(keys)
-
-
-def _layers_without(document: Document, keys: list[str]) -> tuple[Layer, ...]:
-    """Layers of a document, which lose the entries at some key paths."""
-    for layer in document.layers:
-        for key in keys:
+    for layer in base.layers:
+        for key in (*keys, "fidelity") if has_preset else keys:
             *tables, last = key.split(".")
             (_table(layer.entries, *tables) or {}).pop(last, None)
-    return document.layers
 
 
 def _table(entries: dict[str, Any], *keys: str) -> dict[str, Any] | None:

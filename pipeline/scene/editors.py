@@ -7,7 +7,6 @@ asks for no entry, and `pipeline.load_scene` alone says what is missing.
 from __future__ import annotations
 
 import json
-import math
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +18,13 @@ from tribo import InputError
 
 _QUANTITY = r"^\s*[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d{1,3})?(\s+\S|[^\d.,\s])"
 """A number that something follows: whether that is a unit is not for a schema to know."""
+
+_BOUNDS = {
+    "above": "exclusiveMinimum",
+    "at_least": "minimum",
+    "below": "exclusiveMaximum",
+    "at_most": "maximum",
+}
 
 
 def write_schema(path: str | Path) -> Path:
@@ -88,8 +94,7 @@ def _allowed(kind: Kind) -> dict[str, Any]:
                 "uniqueItems": kind.distinct,
             } | size
         case Range():
-            ends = dict.fromkeys(("from", "to", "step"), Entry(kind.of))
-            return _table(Table(ends)) | {"required": list(ends)}
+            return _table(kind.ends) | {"required": kind.ends.needed}
         case ByPath(Distribution() as of):
             forms = [_table(table) | {"required": table.needed} for table in of.forms]
             deeper = {"$ref": "#/properties/unknown"}  # a path in tables in tables
@@ -108,12 +113,6 @@ def _allowed(kind: Kind) -> dict[str, Any]:
         case Unit():
             return {"type": "string", "examples": [kind.example]}
         case Number():
-            return {"type": "integer" if isinstance(kind, Whole) else "number"} | _limits(kind)
+            bounds = {_BOUNDS[name]: bound for name, bound in kind.bounds.items()}
+            return {"type": "integer" if isinstance(kind, Whole) else "number"} | bounds
     return {"type": "string", "minLength": 1}
-
-
-def _limits(kind: Number) -> dict[str, float]:
-    words = "exclusiveMinimum", "minimum", "exclusiveMaximum", "maximum"
-    limits = kind.above, kind.at_least, kind.below, kind.at_most
-    pairs = zip(words, limits, strict=True)
-    return {word: limit for word, limit in pairs if math.isfinite(limit)}

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Annotated, Any, NamedTuple, get_origin, get_type_hints
 
 import numpy as np
 
@@ -32,7 +32,7 @@ class Span(NamedTuple):
     @classmethod
     def of(cls, values: Iterable[float] | Array) -> Span:
         """Span of some values."""
-        array = np.asarray(values if isinstance(values, np.ndarray) else list(values))
+        array = np.array(list(values))
         return cls(float(array.min()), float(array.max()))
 
 
@@ -40,50 +40,39 @@ class Span(NamedTuple):
 class Facts:
     """Meaning of a scene in numbers. Spans are over its loads and velocities."""
 
-    contact_modulus: float  # [Pa]
-    hertz_pressure: Span  # highest pressure of the smooth, elastic, unworn contact [Pa]
-    hertz_half_width: Span  # half-width of that contact [m]
-    contact_width: Span  # width expected at the end of the points, worn and rough [m]
+    contact_modulus: Annotated[float, "Pa"]
+    hertz_pressure: Annotated[Span, "Pa"]  # highest pressure, smooth, elastic and unworn
+    hertz_half_width: Annotated[Span, "m"]  # half-width of that contact
+    contact_width: Annotated[Span, "m"]  # width expected at the end of the points, worn and rough
+    window: Annotated[tuple[float, float], "m"]  # sides along x and y
+    duration: Annotated[Span, "s"]  # time from the first contact to the end of the points
+    sliding_distance: Annotated[Span, "m"]  # distance slid until then
+    wear_depth: Annotated[Span | None, "m"]  # expected on the pin by then; None without wear
+    peclet_number: Annotated[Span, "1"]  # u a/(2κ) of the disk, a the half-width of Hertz
+    pin_velocity: Annotated[Span | None, "m/s"]  # of its surface through the contact
+    disk_velocity: Annotated[Span | None, "m/s"]  # of both, None where the pin is at rest
+    pin_turns: Annotated[Span | None, "1"]  # around its track until the end; None likewise
+    greatest_load: Annotated[float, "N"]  # all the window at the hardness; may be infinite
     contact_widths: tuple[tuple[float, ...], ...]  # by load and velocity [m]
-    window: tuple[float, float]  # sides of the window along x and y [m]
-    duration: Span  # time from the first contact to the end of the points [s]
-    sliding_distance: Span  # distance slid until then [m]
-    wear_depth: Span | None  # depth expected to be worn off the pin by then [m]; None without wear
-    peclet_number: Span  # u a/(2κ) of the disk, a the half-width of Hertz
-    greatest_load: float  # with the whole window at the hardness [N]; may be infinite
     surface: SurfaceFacts | None  # surface of the disk; None if it is smooth
-    pin_velocity: Span | None = None  # of the surface through the contact [m/s]
-    disk_velocity: Span | None = None  # of both, None where the pin is at rest [m/s]
-    pin_turns: Span | None = None  # around its track until the end
 
     def as_dict(self) -> dict[str, Any]:
         """Return the facts by name, each with its unit; what is not there or infinite left out."""
+        hints = get_type_hints(Facts, include_extras=True)
+        units = {
+            name: hint.__metadata__[0]
+            for name, hint in hints.items()
+            if get_origin(hint) is Annotated
+        }
         facts = {
             name: value._asdict() | {"unit": unit}
             if isinstance(value := getattr(self, name), Span)
             else with_unit(value, unit)
-            for name, unit in _UNITS.items()
+            for name, unit in units.items()
         }
         if self.surface:
             facts["surface"] = self.surface.as_dict()
         return {name: entry for name, entry in facts.items() if entry is not None}
-
-
-_UNITS = {
-    "contact_modulus": "Pa",
-    "hertz_pressure": "Pa",
-    "hertz_half_width": "m",
-    "contact_width": "m",
-    "window": "m",
-    "duration": "s",
-    "sliding_distance": "m",
-    "wear_depth": "m",
-    "peclet_number": "1",
-    "pin_velocity": "m/s",
-    "disk_velocity": "m/s",
-    "pin_turns": "1",
-    "greatest_load": "N",
-}
 
 
 def _rates(sweep: Sweep, slid: Array) -> Array:

@@ -26,7 +26,11 @@ class Fault(NamedTuple):
 
 
 class Faults(list[Fault]):
-    """All that is wrong with a scene."""
+    """All that is wrong with a scene, and notes on what is not."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.notes: list[str] = []
 
     def note(self, key: str, problem: str) -> None:
         """Add a fault of the entry at a key path."""

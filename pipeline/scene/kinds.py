@@ -9,11 +9,10 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from decimal import Decimal
 from typing import Any, Literal, get_args, get_origin
 
 from pipeline.scene.faults import Faults, did_you_mean, quoted
-from pipeline.scene.units import UnitError, exact_si
+from pipeline.scene.units import UnitError, to_si
 
 _LARGEST = 1e300
 
@@ -29,7 +28,7 @@ class Kind(ABC):
         """Value at a key path as the program wants it; None, and a fault, if it is faulty."""
         try:
             return self._read(value, place, faults)
-        except UnfitError as problem:
+        except (UnfitError, UnitError) as problem:
             faults.note(place, f"{problem}; give {self}")
             return None
 
@@ -38,7 +37,6 @@ class Kind(ABC):
         """Raise `UnfitError` if the value as a whole is wrong; note the faults of its parts."""
 
 
-@dataclass(frozen=True)
 class Text(Kind):
     """Text that is not empty."""
 
@@ -55,7 +53,6 @@ class Text(Kind):
         return value
 
 
-@dataclass(frozen=True)
 class Flag(Kind):
     """True or false."""
 
@@ -107,14 +104,13 @@ class Number(Kind):
         return float(value)
 
     def _limits(self) -> str:
-        limits = {
-            "above": self.above,
-            "at least": self.at_least,
-            "below": self.below,
-            "at most": self.at_most,
-        }
-        bounds = [f"{word} {limit:g}" for word, limit in limits.items() if math.isfinite(limit)]
+        bounds = [f"{name.replace('_', ' ')} {bound:g}" for name, bound in self.bounds.items()]
         return ", " * bool(bounds) + " and ".join(bounds)
+
+    @property
+    def bounds(self) -> dict[str, float]:
+        """Bounds that a value has, by their names."""
+        return {name: bound for name, bound in vars(self).items() if math.isfinite(bound)}
 
 
 @dataclass(frozen=True)
@@ -131,7 +127,6 @@ class Whole(Number):
         return value
 
 
-@dataclass(frozen=True)
 class Scalar(Kind):
     """A number, or a quantity whose dimension another entry fixes."""
 
@@ -157,32 +152,26 @@ class Rounded:
 
 @dataclass(frozen=True)
 class Quantity(Kind):
-    """A number above 0 with a unit, read in SI; its example fixes the dimension.
-
-    Where `zero` is true it may be 0; where `exact` is true it is read as a decimal.
-    """
+    """A number above 0, or from 0 on, with a unit, read in SI; its example fixes the dimension."""
 
     name: str
     example: str
     zero: bool = False
-    exact: bool = False
 
     def __str__(self) -> str:
         limit = "of at least 0" if self.zero else "above 0"
         return f"{self.name} {limit}, such as {quoted(self.example)}"
 
-    def _read(self, value: Any, place: str, faults: Faults) -> float | Decimal:
+    def _read(self, value: Any, place: str, faults: Faults) -> float:
         text = value.text if isinstance(value, Rounded) else value
         if not isinstance(text, str):
             raise UnfitError(f"{quoted(value)} has no unit")
-        try:
-            exact = exact_si(text, like=self.example)
-        except UnitError as error:
-            raise UnfitError(str(error)) from error
-        rounded = value.value if isinstance(value, Rounded) else float(exact)
-        if not (0 <= rounded < math.inf if self.zero else 0 < rounded < math.inf):
+        in_si = to_si(text, like=self.example)
+        if isinstance(value, Rounded):
+            in_si = value.value
+        if not 0 <= in_si < math.inf or (in_si == 0 and not self.zero):
             raise UnfitError(f"{quoted(value)} is out of range")
-        return exact if self.exact else rounded
+        return in_si
 
 
 @dataclass(frozen=True)
@@ -197,7 +186,7 @@ class Unit(Kind):
 
     def _read(self, value: Any, place: str, faults: Faults) -> float:
         try:
-            return float(exact_si(f"1 {value}", like=f"1 {self.example}"))
+            return to_si(f"1 {value}", like=f"1 {self.example}")
         except UnitError as error:
             raise UnfitError(f"{quoted(value)} is not {self.name}") from error
 

@@ -50,7 +50,7 @@ def with_library(
     for body in ("pin", "disk"):
         table = entries.get(body)
         name = table.get("material") if isinstance(table, dict) else None
-        if _has_material(name) and name not in tables:
+        if isinstance(name, str) and name in library()["materials"] and name not in tables:
             tables = {name: dict[str, Any](), **tables}
     if tables:
         entries["materials"] = {
@@ -80,15 +80,11 @@ def nearest(name: str, kind: str) -> str:
     return f"the library has {', '.join(map(quoted, names))}"
 
 
-def _has_material(name: Any) -> bool:
-    return isinstance(name, str) and name in library()["materials"]
-
-
 def _material(name: str, table: Any, taken: list[FromLibrary], faults: Faults) -> Any:
     """A table of ``[materials]``, filled from the library if it is to be."""
     if not isinstance(table, dict):
         return table
-    usual = name if _has_material(name) and not set(table) >= _WHOLE else None
+    usual = name if name in library()["materials"] and not set(table) >= _WHOLE else None
     like = table.get("like", usual)
     return _filled(table, like, "materials", joined("materials", name), taken, faults)
 
@@ -115,9 +111,6 @@ def _filled(
         at_temperatures = key in _VISCOSITY or isinstance(value, list)
         if key not in table and not (has_viscosity and at_temperatures):
             added[key] = value
-            taken.append(FromLibrary(f"{place}.{key}", _text(value), library()["sources"][source]))
+            text = " and ".join(value) if isinstance(value, list) else str(value)
+            taken.append(FromLibrary(f"{place}.{key}", text, library()["sources"][source]))
     return added | table
-
-
-def _text(value: Any) -> str:
-    return " and ".join(value) if isinstance(value, list) else str(value)

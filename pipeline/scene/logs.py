@@ -11,51 +11,48 @@ from typing import Any
 
 from pipeline.scene.document import Document
 from pipeline.scene.faults import Faults
+from pipeline.scene.format import TEST, TRANSITION
 from pipeline.scene.kinds import Kind, Number
 from pipeline.scene.rows import quantity_and_unit, read_rows
 from pipeline.scene.schema import Table
 
 
-def with_rows(
-    entries: dict[str, Any],
-    key: str,
-    row_of: Table,
-    document: Document,
-    faults: Faults,
-    notes: list[str],
-) -> dict[str, Any]:
-    """Entries with the rows of log files in the place of the tables of a list that name them.
+def with_rows(entries: dict[str, Any], document: Document, faults: Faults) -> dict[str, Any]:
+    """Entries with the rows of log files in the place of the tests that name them.
 
     Faults are named by row and column; columns that are not used are noted.
     """
-    listed = entries.get(key)
-    if not isinstance(listed, list):
-        return entries
-    rows: list[Any] = []
-    for number, entry in enumerate(listed):
-        if not isinstance(entry, dict) or not isinstance(entry.get("file"), str):
-            rows.append(entry)
+    for key, row_of in (("measured", TRANSITION), ("tested", TEST)):
+        listed = entries.get(key)
+        if not isinstance(listed, list) or not listed:
             continue
-        place = f"{key}[{number}].file"
-        if others := [f'"{name}"' for name in entry if name != "file"]:
-            problem = f"stands beside {', '.join(others)}; give these as columns of the file"
-            faults.note(place, problem)
-        path = document.file_of(key).parent / entry["file"]
-        try:
-            rows += _rows(path, place, row_of, faults, notes)
-        except (OSError, UnicodeDecodeError) as error:
-            reason = getattr(error, "strerror", None) or "not in UTF-8"
-            faults.note(place, f"{path} cannot be read: {reason}; give a CSV file in UTF-8")
-    if listed and not rows:  # all are faulty, which is said already
-        return {name: value for name, value in entries.items() if name != key}
-    return entries | {key: rows}
+        rows: list[Any] = []
+        for number, entry in enumerate(listed):
+            if isinstance(entry, dict) and isinstance(entry.get("file"), str):
+                place, folder = f"{key}[{number}].file", document.file_of(key).parent
+                rows += _rows(entry, place, folder, row_of, faults)
+            else:
+                rows.append(entry)
+        entries = {name: value for name, value in entries.items() if name != key}
+        if rows:  # otherwise all are faulty, which is said already
+            entries[key] = rows
+    return entries
 
 
 def _rows(
-    path: Path, place: str, row_of: Table, faults: Faults, notes: list[str]
+    entry: dict[str, Any], place: str, folder: Path, row_of: Table, faults: Faults
 ) -> list[dict[str, Any]]:
     """Rows of a file as tables of a scene; faults are named by row and column."""
-    heads, numbered, wrong_rows = read_rows(path)
+    if others := [f'"{name}"' for name in entry if name != "file"]:
+        problem = f"stands beside {', '.join(others)}; give these as columns of the file"
+        faults.note(place, problem)
+    path = folder / entry["file"]
+    try:
+        heads, numbered, wrong_rows = read_rows(path)
+    except (OSError, UnicodeDecodeError) as error:
+        reason = getattr(error, "strerror", None) or "not in UTF-8"
+        faults.note(place, f"{path} cannot be read: {reason}; give a CSV file in UTF-8")
+        return []
     if not numbered:
         problem = f'{path} has no rows; begin it with a line such as "load [N],velocity [m/s]"'
         faults.note(place, problem)
@@ -63,7 +60,7 @@ def _rows(
         faults.note(place, f"{path.name}, {problem}")
     columns = [quantity_and_unit(head) for head in heads]
     if unused := [name for name, _ in columns if name not in row_of.keys]:
-        notes.append(f"{place}: columns not used: {', '.join(unused)}")
+        faults.notes.append(f"{place}: columns not used: {', '.join(unused)}")
     rows = []
     for number, cells in numbered:
         if len(cells) != len(columns):

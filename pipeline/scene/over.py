@@ -70,24 +70,22 @@ def _axis(path: str, values: tuple[Any, ...]) -> Axis:
             f"{key}: this cannot take several values; give an entry of the scene, such as "
             '"pin.radius"'
         )
-    is_text = [isinstance(value, str) for value in values]
-    if any(is_text) and not all(is_text):
+    first, unit = values[0], "1"
+    if any(isinstance(value, str) != isinstance(first, str) for value in values):
         raise InputError(f"{key}: {quoted(list(values))}: give all with a unit, or none")
-    labels: tuple[Any, ...] = values
-    unit: str | None = None if all(is_text) else "1"
-    if all(is_text):
+    labels = values
+    if isinstance(first, str):
         try:
-            labels = tuple(to_si(value, like=values[0]) for value in values)
-            unit = si_unit(values[0])
+            labels, unit = tuple(to_si(value, like=first) for value in values), si_unit(first)
         except UnitError:
             return Axis(path, values, values, None)
-    labels = tuple(map(float, labels))
-    order = sorted(range(len(values)), key=labels.__getitem__)
-    for one, other in itertools.pairwise(order):
-        if labels[one] == labels[other]:
-            pair = f"{quoted(values[one])} and {quoted(values[other])}"
-            raise InputError(f"{key}: {pair} are the same; give each value once")
-    return Axis(path, tuple(labels[i] for i in order), tuple(values[i] for i in order), unit)
+    pairs = sorted(zip(map(float, labels), values, strict=True), key=lambda pair: pair[0])
+    for (one, text), (other, again) in itertools.pairwise(pairs):
+        if one == other:
+            both = f"{quoted(text)} and {quoted(again)}"
+            raise InputError(f"{key}: {both} are the same; give each value once")
+    labels, values = zip(*pairs, strict=True)
+    return Axis(path, labels, values, unit)
 
 
 def _scene(values: Mapping[str, Any], sweep: Sweep, make: Make) -> Sweep:

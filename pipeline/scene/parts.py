@@ -40,7 +40,7 @@ def pin_of(table: Mapping[str, Any], material: tribo.Material) -> Pin:
 
 
 def loading_of(
-    table: Mapping[str, Any] | None, document: Document, faults: Faults, notes: list[str]
+    table: Mapping[str, Any] | None, document: Document, faults: Faults
 ) -> Loading | None:
     """The ramp or the recorded load; a note says by which line a record was fitted."""
     if table is None or faults.touch("loading"):
@@ -57,7 +57,7 @@ def loading_of(
         key = "loading.file" if "file" in table else "loading"
         faults.note(key, " ".join(str(error).split()))
         return None
-    notes.append(f"loading.file: fitted by {rate:.4g} N/s from {round(onset, 3) + 0:g} s on")
+    faults.notes.append(f"loading.file: fitted by {rate:.4g} N/s from {round(onset, 3) + 0:g} s on")
     return record.ramp()
 
 

@@ -3,19 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from os import PathLike
-from typing import TYPE_CHECKING
 
 from pipeline.scene.quantities import in_si
-from pipeline.scene.scenefile import sweep_of
+from pipeline.scene.scenefile import SceneLike, sweep_of
 from pipeline.sweep import plan
-
-if TYPE_CHECKING:
-    from pipeline.sweep.model import Sweep
 
 
 def run_point(
-    sweep: Sweep | str | PathLike[str],
+    sweep: SceneLike,
     load: float | str,
     velocity: float | str,
     realization: int | None = None,

@@ -9,7 +9,7 @@ from typing import Any
 
 import tribo
 from pipeline.scene.faults import quoted
-from pipeline.scene.format import SCENE
+from pipeline.scene.format import FIDELITY, SCENE
 from pipeline.scene.kinds import Kind, Quantity
 from pipeline.scene.schema import Either, Entry, List, Optional, Table, Tables
 
@@ -83,12 +83,10 @@ def forms_of(kind: Kind) -> tuple[Table, ...]:
     match kind:
         case Table():
             return (kind,)
-        case Tables(of) | List(Table() as of):
-            return (of,)
+        case Tables(of) | List(of):
+            return forms_of(of)
         case Either(Table() as usual, Table() as other):
             return (usual, other)
-        case List(Either() as either):
-            return forms_of(either)
     return ()
 
 
@@ -120,8 +118,7 @@ def page() -> str:
 
 def _presets() -> str:
     names = list(tribo.PRESETS)
-    (fidelity,) = (section for section in sections() if section.path == "fidelity")
-    keys = [key for key in fidelity.keys() if key != "preset"]  # noqa: SIM118
+    keys = [key for key in FIDELITY.keys if key != "preset"]
     rows = [
         f"| `{key}` | {' | '.join(written(getattr(tribo.PRESETS[name], key)) for name in names)} |"
         for key in keys

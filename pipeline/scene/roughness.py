@@ -13,17 +13,10 @@ from pipeline.scene.document import Document
 from pipeline.scene.faults import Faults, entry_at, quoted
 from pipeline.scene.parts import own_of
 from pipeline.scene.quantities import display
-from pipeline.scene.surfaces import (
-    PLAIN,
-    Surface,
-    cropped,
-    filled,
-    levelled,
-    oriented,
-    read_surface,
-    repeated,
-)
+from pipeline.scene.surfaces import PLAIN, Surface, filled, levelled, oriented, read_surface
 from tribo.types import Array
+
+Roughness = tribo.SelfAffineRoughness | tribo.MeasuredRoughness | tribo.Surface
 
 
 def realizations_of(tables: dict[str, Any], faults: Faults) -> tuple[int, ...]:
@@ -53,9 +46,7 @@ def realizations_of(tables: dict[str, Any], faults: Faults) -> tuple[int, ...]:
     return seeds
 
 
-def roughness_of(
-    tables: dict[str, Any], document: Document, faults: Faults, notes: list[str]
-) -> tribo.SelfAffineRoughness | tribo.MeasuredRoughness | tribo.Surface | None:
+def roughness_of(tables: dict[str, Any], document: Document, faults: Faults) -> Roughness | None:
     """The disk's roughness; None if there is none, or a faulty one."""
     table, law = entry_at(tables, "disk.roughness"), entry_at(tables, "disk.surface")
     if law:
@@ -68,7 +59,7 @@ def roughness_of(
         if surface is None:
             return None
         surface = oriented(surface, table["transpose"], table["flip"])
-        heights = _fitted_heights(surface, table, tables["window"], faults, notes)
+        heights = _fitted_heights(surface, table, tables["window"], faults)
         return None if heights is None else tribo.MeasuredRoughness(heights)
     length = table["correlation_length"]
     pair = length if isinstance(length, tuple) else (length, length)
@@ -96,19 +87,12 @@ def _surface(file: Path, unit: float | None, faults: Faults) -> Surface | None:
     try:
         return read_surface(file, unit)
     except tribo.InputError as error:
-        problem = str(error)
-    except Exception as error:  # a damaged file makes NumPy raise errors of any kind
-        problem = f"{file}: not a plain array of numbers: {error!r}"
-    faults.note("disk.roughness.file", " ".join(problem.split()))
-    return None
+        faults.note("disk.roughness.file", " ".join(str(error).split()))
+        return None
 
 
 def _fitted_heights(
-    surface: Surface,
-    table: Mapping[str, Any],
-    window: Mapping[str, Any] | None,
-    faults: Faults,
-    notes: list[str],
+    surface: Surface, table: Mapping[str, Any], window: Mapping[str, Any] | None, faults: Faults
 ) -> Array | None:
     """Heights fit for a scene: cropped, without holes, levelled; None if that is impossible."""
     pixels, sides = ((window or {}).get(key) for key in ("pixels", "pixel_size"))
@@ -118,40 +102,49 @@ def _fitted_heights(
         faults.note("window.pixel_size", problem)
     heights = surface.heights
     if table["crop"] is not None and pixels:
-        patch = pixels
-        if table["repeat"] != "no":  # what there is of it
+        (i, j), (rows, columns) = table["crop"], pixels
+        if table["repeat"] != "no":  # as much of it as there is
             left = np.subtract(heights.shape, table["crop"])
-            patch = tuple(int(n) for n in np.minimum(pixels, np.maximum(left, 1)))
-        try:
-            heights = cropped(heights, table["crop"], patch)
-        except tribo.InputError as error:
-            problem = f"{error}; give a lower row and column, or fewer window.pixels"
-            faults.note("disk.roughness.crop", problem)
+            rows, columns = np.minimum(pixels, np.maximum(left, 1)).tolist()
+        if i + rows > heights.shape[0] or j + columns > heights.shape[1]:
+            faults.note(
+                "disk.roughness.crop",
+                f"a patch of {rows} × {columns} heights from row {i}, column {j} reaches beyond "
+                f"the surface of {heights.shape[0]} × {heights.shape[1]}; give a lower row and "
+                "column, or fewer window.pixels",
+            )
             return None
+        heights = heights[i : i + rows, j : j + columns]
     holes = np.argwhere(~np.isfinite(heights))
     if len(holes):
-        row, column = holes[0].tolist()
+        i, j = holes[0].tolist()
         if len(holes) == heights.size:
             faults.note("disk.roughness.file", "all heights are missing; give another file")
             return None
         share = f"{len(holes)} of {heights.size} heights ({100 * len(holes) / heights.size:.2g} %)"
         if table["missing"] == "refuse":
             problem = (
-                f"{share} are missing, the first at row {row}, column {column} (counted from 0); "
-                'crop them off, or give "fill"'
+                f"{share} are missing, the first at row {i}, column {j} (counted from 0); crop "
+                'them off, or give "fill"'
             )
             faults.note("disk.roughness.missing", problem)
             return None
-        notes.append(f"disk.roughness.file: {share} are missing and were filled from around them")
+        faults.notes.append(
+            f"disk.roughness.file: {share} are missing and were filled from around them"
+        )
         heights = filled(heights)
     if table["level"]:
         heights = levelled(heights)
     if table["repeat"] == "no" or not pixels or np.greater_equal(heights.shape, pixels).all():
         return heights
     rows, columns = heights.shape
-    how = {"mirror": "mirrored", "tile": "tiled"}[table["repeat"]]
-    notes.append(
-        f"disk.roughness.file: {rows} × {columns} heights were {how} to fill the window of "
-        f"{pixels[0]} × {pixels[1]}, so that the surface repeats itself"
+    is_mirrored = table["repeat"] == "mirror"  # stays continuous; tiles step, but keep their lay
+    faults.notes.append(
+        f"disk.roughness.file: {rows} × {columns} heights were "
+        f"{'mirrored' if is_mirrored else 'tiled'} to fill the window of {pixels[0]} × "
+        f"{pixels[1]}, so that the surface repeats itself"
     )
-    return repeated(heights, pixels, table["repeat"])
+    more = [
+        (0, max(0, count - present)) for count, present in zip(pixels, heights.shape, strict=True)
+    ]
+    return np.pad(heights, more, mode="symmetric" if is_mirrored else "wrap")

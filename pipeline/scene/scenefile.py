@@ -15,7 +15,7 @@ import tribo
 from pipeline.scene.consistency import check_tables
 from pipeline.scene.document import Document, as_toml, read_document, with_entries
 from pipeline.scene.faults import Faults, SceneFileError, did_you_mean, entry_at, with_value
-from pipeline.scene.format import FIDELITY, FORMAT, TEST, TRANSITION, USUAL_PRESET
+from pipeline.scene.format import FIDELITY, FORMAT, USUAL_PRESET
 from pipeline.scene.library import with_library, without_consequences
 from pipeline.scene.logs import with_rows
 from pipeline.scene.over import over_of, with_first_values
@@ -62,14 +62,13 @@ def load_scene(
     ('standard', (200.0, 400.0, 600.0, 750.0))
     """
     path, arguments = scene_path(path), _arguments(path, preset, overrides or {})
-    faults, notes = Faults(), list[str]()
+    faults = Faults()
     replaced = _by_path(overrides or {}, preset, faults)
     document = with_first_values(with_entries(read_document(path, faults), replaced, faults))
     entries = document.entries()
     if isinstance(entries.get("oil"), str):
         entries["oil"] = {"like": entries["oil"]}
-    for key, row_of in (("measured", TRANSITION), ("tested", TEST)):
-        entries = with_rows(entries, key, row_of, document, faults, notes)
+    entries = with_rows(entries, document, faults)
     reader = _Reader(document, arguments)
 
     def variant(values: Mapping[str, Any], faults: Faults) -> Sweep | None:
@@ -77,14 +76,14 @@ def load_scene(
         other = entries
         for place, value in values.items():
             other = with_value(other, place, value)
-        return reader.sweep(other, faults, [])[0]
+        return reader.sweep(other, faults)[0]
 
     try:
-        sweep, tables = reader.sweep(entries, faults, notes)
+        sweep, tables = reader.sweep(entries, faults)
         if sweep is not None:
-            samples = samples_of(tables, sweep, variant, faults, notes)
+            samples = samples_of(tables, sweep, variant, faults, faults.notes)
             over = over_of(tables["sweep"]["over"], sweep, variant)
-            sweep = replace(sweep, samples=samples, over=over, notes=tuple(notes))
+            sweep = replace(sweep, samples=samples, over=over, notes=tuple(faults.notes))
     except (tribo.InputError, tribo.InvariantError) as error:
         raise SceneFileError(path, [str(error)]) from error
     if sweep is None or faults:
@@ -101,9 +100,7 @@ class _Reader:
     arguments: tuple[str, ...]
     parts: dict[str, Any] = field(default_factory=dict)
 
-    def sweep(
-        self, entries: dict[str, Any], faults: Faults, notes: list[str]
-    ) -> tuple[Sweep | None, dict[str, Any]]:
+    def sweep(self, entries: dict[str, Any], faults: Faults) -> tuple[Sweep | None, dict[str, Any]]:
         """The sweep, without samples and `over`, and the tables of the format."""
         entries, taken = with_library(entries, faults)
         tables: dict[str, Any] = FORMAT.read(entries, "", faults)
@@ -111,11 +108,11 @@ class _Reader:
         realizations = realizations_of(tables, faults)
         roughness = self._once(
             [entry_at(tables, path) for path in ("disk.roughness", "disk.surface", "window")],
-            lambda: roughness_of(tables, self.document, faults, notes),
+            lambda: roughness_of(tables, self.document, faults),
         )
         loading = self._once(
             [tables["loading"]],
-            lambda: loading_of(tables["loading"], self.document, faults, notes),
+            lambda: loading_of(tables["loading"], self.document, faults),
         )
         check_tables(tables, fidelity, roughness, faults)
         oil, wear = oil_of(tables["oil"], faults), wear_of(tables["wear"], faults)
@@ -133,7 +130,7 @@ class _Reader:
             library=taken,
             arguments=self.arguments,
         )
-        return with_velocities_for_rates(sweep, notes), tables
+        return with_velocities_for_rates(sweep, faults.notes), tables
 
     def _once(self, tables: list[Any], make: Callable[[], Any]) -> Any:
         """The part of a scene that is made of some tables."""

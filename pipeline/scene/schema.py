@@ -14,6 +14,7 @@ from typing import Any, NamedTuple, get_type_hints
 
 from pipeline.scene.faults import Faults, did_you_mean, joined, quoted
 from pipeline.scene.kinds import Kind, Quantity, UnfitError, kind_of
+from pipeline.scene.units import exact_si
 
 _MOST_STEPS = 100_000
 
@@ -28,13 +29,11 @@ class Entry:
     kind: Kind
     meaning: str = ""
     example: Any = None
+    default: Any = None
 
 
-@dataclass(frozen=True)
 class Optional(Entry):
     """A key that may be left out."""
-
-    default: Any = None
 
 
 @dataclass(frozen=True)
@@ -73,20 +72,25 @@ class Range(Kind):
     def __str__(self) -> str:
         return f"a table with from, to, step, each {self.of}"
 
+    @property
+    def ends(self) -> Table:
+        """Both ends and the step."""
+        end, step = Entry(self.of), Entry(replace(self.of, zero=False))
+        return Table({"from": end, "to": end, "step": step})
+
     def _read(self, value: Any, place: str, faults: Faults) -> tuple[float, ...] | None:
-        # Decimals, so that three steps of 0.1 m/s make 0.3 and not 0.30000000000000004.
-        end = Entry(replace(self.of, exact=True))
-        step = Entry(replace(self.of, exact=True, zero=False))
-        ends = Table({"from": end, "to": end, "step": step}).read(value, place, faults)
+        ends = self.ends.read(value, place, faults)
         if ends is None or None in ends.values():
             return None
-        steps = (ends["to"] - ends["from"]) / ends["step"]
+        # Decimals, so that three steps of 0.1 m/s make 0.3 and not 0.30000000000000004.
+        first, last, step = (exact_si(value[key], like=self.of.example) for key in ends)
+        steps = (last - first) / step
         if not 0 <= steps <= _MOST_STEPS or abs(steps - round(steps)) > 1e-9:
             raise UnfitError(
                 f"from {quoted(value['from'])} to {quoted(value['to'])} there are {steps:.6g} "
                 f"steps of {quoted(value['step'])}, not a whole number up to {_MOST_STEPS}"
             )
-        return tuple(float(ends["from"] + i * ends["step"]) for i in range(round(steps) + 1))
+        return tuple(float(first + i * step) for i in range(round(steps) + 1))
 
 
 @dataclass(frozen=True)

@@ -48,7 +48,12 @@ def read_surface(path: str | Path, height_unit: float | None = None) -> Surface:
     if path.suffix.lower() in PLAIN:
         if height_unit is None:
             raise InputError(f"{path}: a plain array has no unit of its own; give height_unit")
-        return Surface(read_heights(path, height_unit, allow_missing=True))
+        try:
+            return Surface(read_heights(path, height_unit, allow_missing=True))
+        except InputError:
+            raise
+        except Exception as error:  # a damaged file makes NumPy raise errors of any kind
+            raise InputError(f"{path}: not a plain array of numbers: {error!r}") from error
     _require_small_file(path)
     try:
         formats: Any = importlib.import_module("SurfaceTopography.IO")
@@ -93,18 +98,15 @@ def _converted(path: Path, topography: Any, height_unit: float | None) -> Surfac
         raise InputError(
             f"{path}: a profile, or unevenly spaced; give a map of heights on a regular grid"
         )
-    if topography.unit is None:
-        if height_unit is None:
-            raise InputError(
-                f"{path}: the file does not give the unit of its heights; give height_unit"
-            )
-        heights, pixel_size = topography.heights() * height_unit, None
-    else:
-        heights = None if height_unit is None else topography.heights() * height_unit
-        topography = topography.to_unit("m")
-        heights = topography.heights() if heights is None else heights
-        dx, dy = topography.pixel_size
-        pixel_size = float(dx), float(dy)
+    pixel_size, heights = None, topography.heights() * (height_unit or 1.0)
+    if topography.unit is not None:
+        in_metres = topography.to_unit("m")
+        pixel_size = float(in_metres.pixel_size[0]), float(in_metres.pixel_size[1])
+        heights = in_metres.heights() if height_unit is None else heights
+    elif height_unit is None:
+        raise InputError(
+            f"{path}: the file does not give the unit of its heights; give height_unit"
+        )
     copied = np.ma.filled(np.ma.masked_invalid(np.ma.array(heights, dtype=np.float64)), np.nan)
     return Surface(np.ascontiguousarray(copied), pixel_size)
 
@@ -122,28 +124,6 @@ def oriented(surface: Surface, transpose: bool = False, flip: Flip = "no") -> Su
     elif flip != "no":
         heights = np.flip(heights, "xy".index(flip))
     return Surface(np.ascontiguousarray(heights), sides)
-
-
-def cropped(heights: Array, first: tuple[int, int], shape: tuple[int, int]) -> Array:
-    """Patch of a surface with so many rows and columns, from a first row and column on [m]."""
-    (i, j), (nx, ny) = first, shape
-    if i + nx > heights.shape[0] or j + ny > heights.shape[1]:
-        raise InputError(
-            f"a patch of {nx} × {ny} heights from row {i}, column {j} reaches beyond the surface "
-            f"of {heights.shape[0]} × {heights.shape[1]}"
-        )
-    return heights[i : i + nx, j : j + ny].copy()
-
-
-def repeated(heights: Array, shape: tuple[int, int], how: Literal["mirror", "tile"]) -> Array:
-    """Surface continued beyond its ends to so many rows and columns at least [m].
-
-    Mirrored it stays continuous; as tiles it steps at every seam, but keeps its lay.
-    """
-    more = [
-        (0, max(0, wanted - present)) for wanted, present in zip(shape, heights.shape, strict=True)
-    ]
-    return np.pad(heights, more, mode="symmetric" if how == "mirror" else "wrap")
 
 
 def levelled(heights: Array) -> Array:

@@ -16,7 +16,7 @@ from pipeline.scene.faults import Faults, did_you_mean, entry_at, unwritable
 from pipeline.scene.format import UNKNOWN, USUAL_PRESET
 from pipeline.scene.kinds import Choice, Flag, Kind, Number, Quantity, Unit, Whole
 from pipeline.scene.reference import Section, sections, written
-from pipeline.scene.schema import Either, Entry, List, Optional
+from pipeline.scene.schema import Either, Entry, List
 from pipeline.scene.shipped import shipped_scenes
 from tribo import InputError
 
@@ -119,7 +119,7 @@ def _section(
     """Lines of one table: all keys with comments, or only those given without."""
     yield ""
     if comment and section.path:
-        yield from _wrapped(_plain(section.entry.meaning))
+        yield from _wrapped(section.entry.meaning)
     if header:
         yield header if values is not None else f"#{header}"
     entries = values or {}
@@ -141,13 +141,13 @@ def _key(
     section: Section, key: str, entry: Entry, entries: Mapping[str, Any], comment: bool
 ) -> Iterator[str]:
     """Lines of one key: its meaning and the values allowed, and its value or an example."""
-    default = entry.default if isinstance(entry, Optional) else None
+    default = entry.default
     if section.path == "fidelity" and key != "preset":
         default = getattr(tribo.PRESETS[entries.get("preset", USUAL_PRESET)], key)
     if comment:
         usual = written(default, entry.kind)
         ending = f"; default {usual}" if usual else ""
-        yield from _wrapped(f"{_plain(entry.meaning)} Give {entry.kind}{ending}.")
+        yield from _wrapped(f"{entry.meaning} Give {entry.kind}{ending}.")
     value = entries[key] if key in entries else example(entry, default)
     mark = "" if key in entries else "#"
     if entry.kind is UNKNOWN:  # a line for each, since they are long
@@ -170,23 +170,22 @@ def _allowed(kind: Kind, default: Any) -> Any:
             return [_allowed(kind.of, None)] * (kind.length or 1)
         case Either():
             return _allowed(kind.usual, default)
+        case _ if default is not None:
+            return default
         case Choice():
-            return default or kind.options[0]
+            return kind.options[0]
         case Flag():
-            return bool(default)
+            return False
         case Whole():
-            return default if default is not None else int(max(kind.at_least, 0))
+            return int(max(kind.at_least, 0))
         case Number():
-            return default if default is not None else 0.1
-    return "text" if default is None else default
-
-
-def _plain(text: str) -> str:
-    """Text without the marks of Markdown."""
-    return re.sub(r"\[(\w+)\]\([^)]*\)", r"\1", text).replace("`", "")
+            return 0.1
+    return "text"
 
 
 def _wrapped(text: str) -> Iterator[str]:
-    kept = re.sub('"[^"]*"', lambda match: match[0].replace(" ", "\N{NO-BREAK SPACE}"), text)
+    """Text as comments, without the marks of Markdown; quoted words stay on one line."""
+    plain = re.sub(r"\[(\w+)\]\([^)]*\)", r"\1", text).replace("`", "")
+    kept = re.sub('"[^"]*"', lambda match: match[0].replace(" ", "\N{NO-BREAK SPACE}"), plain)
     for line in textwrap.wrap(kept, _WIDTH, break_long_words=False, break_on_hyphens=False):
         yield "# " + line.replace("\N{NO-BREAK SPACE}", " ")

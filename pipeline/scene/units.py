@@ -23,34 +23,24 @@ _THOUSANDS = re.compile(r"\s*[+-]?[1-9]\d{0,2},\d{3}(?!\d)")
 _RUN_TOGETHER = re.compile(r"[A-Za-z]\d|Nm")
 
 _USUAL = {
-    "m": {"nm": "1e-9", "um": "1e-6", "µm": "1e-6", "mm": "1e-3", "cm": "1e-2", "m": "1"},
-    "m/s": {"mm/s": "1e-3", "m/s": "1"},
+    "m": {"m": "1", "nm": "1e-9", "um": "1e-6", "µm": "1e-6", "mm": "1e-3", "cm": "1e-2"},
+    "m s-1": {"m/s": "1", "mm/s": "1e-3"},
     "s": {"s": "1"},
     "K": {"K": "1", "degC": "1"},
     "N": {"N": "1", "kN": "1e3"},
-    "N/s": {"N/s": "1"},
+    "N s-1": {"N/s": "1"},
     "Pa": {"Pa": "1", "MPa": "1e6", "GPa": "1e9"},
-    "Pa s": {"mPa s": "1e-3", "Pa s": "1"},
-    "kg/m^3": {"kg/m^3": "1"},
-    "W/(m K)": {"W/(m K)": "1"},
-    "J/(kg K)": {"J/(kg K)": "1"},
-    "m^2/s": {"mm^2/s": "1e-6", "m^2/s": "1"},
-    "m^2/N": {"mm^3/(N m)": "1e-9", "m^2/N": "1", "1/GPa": "1e-9"},
+    "Pa s": {"Pa s": "1", "mPa s": "1e-3"},
+    "kg m-3": {"kg/m^3": "1"},
+    "W m-1 K-1": {"W/(m K)": "1"},
+    "J kg-1 K-1": {"J/(kg K)": "1"},
+    "m2 s-1": {"m^2/s": "1", "mm^2/s": "1e-6"},
+    "m2 N-1": {"m^2/N": "1", "mm^3/(N m)": "1e-9", "1/GPa": "1e-9"},
 }
-"""Values in SI of such units as most scenes are written in, for which pint need not be loaded."""
+"""Values in SI of such units as most scenes are written in, for which pint need not be loaded.
 
-_KNOWN = {unit for units in _USUAL.values() for unit in units}
-
-_CF = {
-    "m/s": "m s-1",
-    "N/s": "N s-1",
-    "kg/m^3": "kg m-3",
-    "W/(m K)": "W m-1 K-1",
-    "J/(kg K)": "J kg-1 K-1",
-    "m^2/s": "m2 s-1",
-    "m^2/N": "m2 N-1",
-}
-"""Units in SI of these as CF writes them, where that differs."""
+The keys are the units in SI as CF writes them, the first entries as scenes do.
+"""
 
 _ZERO = {"degC": Decimal("273.15")}
 """Temperatures that these units have at 0 [K]."""
@@ -83,15 +73,12 @@ def exact_si(text: str, like: str) -> Decimal:
     >>> f"{exact_si('62 HRC', like='6.6 GPa'):.4g}"
     '7.316e+9'
     """
-    (number, unit), needed = _parts(text), _parts(like)[1]
-    pressure = _hardness(text)
-    if pressure is not None and needed in _USUAL["Pa"]:
-        return pressure
+    (number, unit), needed = _with_pressure(text), _parts(like)[1]
     for units in _USUAL.values():
         if unit in units and needed in units:
             return Decimal(number) * Decimal(units[unit]) + _ZERO.get(unit, 0)
     quantity = _parsed(text)
-    if not quantity.check(_dimensions(like)):
+    if not quantity.check(_parsed(like).dimensionality):
         if quantity.unitless:
             raise UnitError(f"{_quoted(text)} has no unit")
         if (meant := _DEGREES.get(unit)) and needed in ("K", "degC"):
@@ -140,11 +127,15 @@ def si_unit(text: str) -> str:
     >>> si_unit("145 degC"), si_unit("1.2e-6 mm^3/(N m)"), si_unit("20 W/(m K)")
     ('K', 'm2 N-1', 'W m-1 K-1')
     """
-    unit = _parts(text)[1]
-    for usual, units in _USUAL.items():
-        if unit in units or (unit not in _KNOWN and _parsed(text).check(_dimensions(f"1 {usual}"))):
-            return _CF.get(usual, usual)
-    parts: Any = _parsed(text).to_base_units().unit_items()
+    unit = _with_pressure(text)[1]
+    for cf, units in _USUAL.items():
+        if unit in units:
+            return cf
+    quantity = _parsed(text)
+    for cf, units in _USUAL.items():
+        if quantity.check(_parsed(f"1 {next(iter(units))}").dimensionality):
+            return cf
+    parts: Any = quantity.to_base_units().unit_items()
     powers = [(f"{_registry().get_symbol(name)}", int(power)) for name, power in parts]
     powers.sort(key=lambda power: power[1] < 0)
     return " ".join(name + ("" if power == 1 else f"{power}") for name, power in powers) or "1"
@@ -156,12 +147,6 @@ def _registry() -> pint.UnitRegistry[Any]:
     import pint
 
     return pint.UnitRegistry(non_int_type=Decimal)
-
-
-@functools.lru_cache(maxsize=64)
-def _dimensions(like: str) -> Any:
-    """Dimensions of a quantity, of which there are few examples for many values."""
-    return _parsed(like).dimensionality
 
 
 def _parts(text: str) -> tuple[str, str]:
@@ -178,19 +163,18 @@ def _parts(text: str) -> tuple[str, str]:
     return match[1], match[2]
 
 
-def _hardness(text: str) -> Decimal | None:
-    """Pressure that text stands for if it is a hardness number [Pa]."""
+def _with_pressure(text: str) -> tuple[str, str]:
+    """Split text into a number and a unit, with the pressure in place of a hardness number."""
     number, unit = _parts(text)
     try:
-        return hardness_pressure(Decimal(number), unit)
+        pressure = hardness_pressure(Decimal(number), unit)
     except InputError as error:
         raise UnitError(f"{_quoted(text)} {error}") from error
+    return (number, unit) if pressure is None else (str(pressure), "Pa")
 
 
 def _parsed(text: str) -> pint.Quantity[Decimal]:
-    if (pressure := _hardness(text)) is not None:
-        return _registry().Quantity(pressure, "Pa")
-    number, unit = _parts(text)
+    number, unit = _with_pressure(text)
     import pint
 
     try:

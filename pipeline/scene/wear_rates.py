@@ -16,17 +16,13 @@ def with_velocities_for_rates(sweep: Sweep, notes: list[str]) -> Sweep:
 
     A contact at the velocity V and the scene's own rate k is that at V' and another rate k' where
     kV = k'V'. So the scene's velocities are covered at every rate where they are from k₁/k times
-    the lowest to k₂/k times the highest; a note
-    says which velocities are added.
+    the lowest to k₂/k times the highest; a note names the velocities that are added.
     """
     moving = [velocity for velocity in sweep.velocities if velocity > 0]
     if sweep.wear is None or sweep.wear_rates is None or not moving:
         return sweep
     rate, (low, high) = sweep.wear.specific_wear_rate, sweep.wear_rates
-    further = [
-        *_beyond(moving[0], low / rate),
-        *_beyond(moving[-1], high / rate),
-    ]
+    further = [*_beyond(moving[0], low / rate), *_beyond(moving[-1], high / rate)]
     if further:
         ends = " and ".join(display(end, "m/s", 4) for end in (min(further), max(further)))
         notes.append(

@@ -42,7 +42,7 @@ def at_bounds(kind):
         return (-1e-30 if kind.zero else -1e-300, 0.0, 1e-30, 1.0, 300.0)
     if isinstance(kind, Whole):
         return (kind.at_least - 1, kind.at_least, kind.at_least + 1)
-    bounds = [bound for bound in vars(kind).values() if math.isfinite(bound)]
+    bounds = kind.bounds.values()
     ends = (-math.inf, math.inf)
     return tuple(value for b in bounds for value in (b, *(math.nextafter(b, end) for end in ends)))
 

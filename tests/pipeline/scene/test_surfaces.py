@@ -7,7 +7,7 @@ from types import ModuleType, SimpleNamespace
 import numpy as np
 import pytest
 
-from pipeline.scene.surfaces import cropped, filled, levelled, read_surface
+from pipeline.scene.surfaces import filled, levelled, read_surface
 from tests.pipeline.scene.conftest import ROUGHNESS
 from tribo import InputError
 
@@ -94,6 +94,14 @@ def test_a_profile_and_a_broken_file_are_refused(library):
         read_surface("a.x3p")
 
 
+def test_a_damaged_plain_array_is_refused(tmp_path):
+    np.save(tmp_path / "a.npy", HEIGHTS)
+    damaged = (tmp_path / "a.npy").read_bytes().replace(b"'shape'", b"b'shap'")
+    (tmp_path / "a.npy").write_bytes(damaged)
+    with pytest.raises(InputError, match="not a plain array of numbers"):
+        read_surface(tmp_path / "a.npy", 1.0)
+
+
 def test_without_the_extra_the_message_says_how_to_get_it(monkeypatch):
     monkeypatch.setitem(sys.modules, "SurfaceTopography", None)
     monkeypatch.setitem(sys.modules, "SurfaceTopography.IO", None)
@@ -166,16 +174,12 @@ def test_filled_holes_stay_between_their_borders():
         filled(np.full((3, 3), np.nan))
 
 
-def test_a_patch_beyond_the_surface_is_refused():
-    with pytest.raises(InputError, match="reaches beyond the surface of 48 × 40"):
-        cropped(HEIGHTS, (1, 0), (48, 40))
-
-
 def test_a_scene_takes_a_patch_levelled_and_filled(read, library):
     library.topography = FakeTopography(holed((10, 12), (20, 20)))
     table = 'file = "a.x3p"\ncrop = [4, 6]\nlevel = true\nmissing = "fill"\n'
     sweep = read(*with_table(table, (40, 32)), overrides=FINEST)
-    expected = levelled(filled(cropped(holed((10, 12), (20, 20)).filled(np.nan), (4, 6), (40, 32))))
+    patch = holed((10, 12), (20, 20)).filled(np.nan)[4:44, 6:38]
+    expected = levelled(filled(patch))
     np.testing.assert_array_equal(sweep.roughness.array, expected)
     (note,) = sweep.notes
     assert "2 of 1280 heights (0.16 %) are missing and were filled" in note
@@ -202,7 +206,11 @@ def test_a_scan_that_is_too_small_is_repeated_on_request(read, library, how):
     [
         ('file = "a.x3p"\nrepeat = "yes"\n', "disk.roughness.repeat", "mirror"),
         ('file = "a.x3p"\n', "disk.roughness.missing", "row 20, column 20"),
-        ('file = "a.x3p"\ncrop = [40, 0]\n', "disk.roughness.crop", "reaches beyond"),
+        (
+            'file = "a.x3p"\ncrop = [40, 0]\n',
+            "disk.roughness.crop",
+            "surface of 48 × 40",
+        ),
         ('file = "a.x3p"\ncrop = [-1, 0]\n', "disk.roughness.crop[0]", "at least 0"),
         ('file = "a.x3p"\nlevel = 1\n', "disk.roughness.level", "true or false"),
         ('file = "a.x3p"\nmissing = "fil"\n', "disk.roughness.missing", 'did you mean "fill"?'),

@@ -8,7 +8,6 @@ import pytest
 from pipeline.scene.faults import Faults
 from pipeline.scene.reference import page, sections
 from pipeline.scene.scenefile import load_scene
-from pipeline.scene.schema import Optional
 from pipeline.scene.shipped import WORKFLOWS, shipped_scenes
 from pipeline.scene.template import example, new_scene
 from tribo import InputError
@@ -54,8 +53,7 @@ def test_the_template_holds_every_table_and_key(template):
 def test_every_example_is_allowed(section, key, template):
     entry, _ = section.keys()[key]
     faults = Faults()
-    default = entry.default if isinstance(entry, Optional) else None
-    entry.kind.read(example(entry, default), section.path_of(key), faults)
+    entry.kind.read(example(entry, entry.default), section.path_of(key), faults)
     assert not faults
     lines = template.read_text(encoding="utf-8").splitlines()
     entry_line = next(line for line in lines if re.match(rf"#?{key}[\w.]* = ", line))
