@@ -108,7 +108,7 @@ def write_new(path: Path, text: str) -> None:
 
 
 def quoted(value: object) -> str:
-    """Show a value on one line, about as it stands in the file."""
+    """Value on one line, roughly as written in the file."""
     if isinstance(value, dict):
         text = "a table"
     elif isinstance(value, list):

@@ -249,7 +249,7 @@ TEMPERATURES = Table({
         "Share of the contact area above the critical temperature beyond which wear is severe; 0 "
         "for the highest temperature alone.", default=0.1),
     "criterion": Optional(
-        Either(Choice(("share", "highest", "mean")), Text(), lambda word: ":" in str(word)),
+        Either(Choice(tuple(tribo.CRITERIA)), Text(), lambda word: ":" in str(word)),
         "Temperature that decides: the one that the failing share of the contact area exceeds, the "
         "highest, or the mean of the contact; or a [criterion of one's own](OWN_LAWS.md), such as "
         '"laws:hottest_tenth".', default="share"),

@@ -95,7 +95,7 @@ class Range(Kind):
 
 @dataclass(frozen=True)
 class Either(Kind):
-    """`other` where `when` is true of the value, or the value has its form; `usual` where not.
+    """Kind `other` for values that satisfy `when` or have its form; `usual` for the rest.
 
     Of two tables one has the form of the other where it has any key of that alone.
     """
@@ -236,7 +236,7 @@ class ByPath(Kind):
 def flat(
     tables: dict[str, Any], above: str = "", ends: Collection[str] = ()
 ) -> Iterator[tuple[str, Any]]:
-    """Paths, and what stands there: no table, an empty one, or one with any of some keys."""
+    """Paths and values of nested tables; one that is empty or has a key of `ends` is a value."""
     for key, inner in tables.items():
         path = f"{above}.{key}" if above else key
         if isinstance(inner, dict) and inner and not set(ends) & set(inner):

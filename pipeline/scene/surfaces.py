@@ -80,7 +80,7 @@ def read_surface(path: str | Path, height_unit: float | None = None) -> Surface:
 
 
 def _require_small_file(path: Path) -> None:
-    """Refuse what has no end, and an archive that unpacks to more than a surface can be."""
+    """Raise for a file without an end, and for an archive that unpacks to more than a surface."""
     require_file(path)
     if zipfile.is_zipfile(path):
         with zipfile.ZipFile(path) as archive:
@@ -88,7 +88,7 @@ def _require_small_file(path: Path) -> None:
         if size > _MOST_BYTES:
             raise InputError(
                 f"{path}: unpacks to {size / 2**30:.1f} GiB; at most {_MOST_BYTES / 2**30:g} GiB "
-                "are read. Crop or average the surface before"
+                "are read. Crop or average the surface first"
             )
 
 
