@@ -22,15 +22,15 @@ from pipeline.cli.progress import working
 from pipeline.cli.scenes import beside, values_in
 from pipeline.sweep.warned import NO_WARNING
 from pipeline.uncertain.answers import probabilities_at_loads, table_of_lines
-from pipeline.uncertain.judging import ensemble_under, posterior_if_given
+from pipeline.uncertain.weigh import posterior_if_given
 from tribo import InputError
 
 if TYPE_CHECKING:
     import xarray as xr
 
     from pipeline.sweep.unknown import Unknown
-    from pipeline.uncertain.answers import MarginIntervals, Risk
     from pipeline.uncertain.ensemble import Ensemble
+    from pipeline.uncertain.points import MarginIntervals, Risk
     from pipeline.uncertain.sensitivity import Sensitivity
     from pipeline.uncertain.weigh import Judged, Posterior
 
@@ -116,9 +116,9 @@ def _on_lines(lines: Table) -> Iterator[str]:
 
 def boundary_of_samples(ds: xr.Dataset, conditions: dict[str, Any]) -> Result:
     """Print the velocities at which wear is severe with some probabilities."""
-    ensemble, here = ensemble_under(ds, **conditions)
+    ensemble = pipeline.Ensemble.of(ds, **conditions)
     with working("finding probabilities at each load"):
-        lines = table_of_lines(probabilities_at_loads(ensemble, conditions=here))
+        lines = table_of_lines(probabilities_at_loads(ensemble))
     text = [*_on_lines(lines), *notes(ensemble, None)]
     return Result(_about(ensemble) | _document(lines), text, pipeline.warned(ds), [lines])
 
@@ -286,10 +286,12 @@ def _next(
     return [{name: getattr(test, name) for name in names} for test in ranked], lines
 
 
-def samples_of(options: argparse.Namespace, ds: xr.Dataset) -> tuple[Ensemble, Posterior | None]:
+def samples_of(
+    options: argparse.Namespace, ds: xr.Dataset, **conditions: Any
+) -> tuple[Ensemble, Posterior | None]:
     """The samples of a sweep, and the inputs as measurements leave them if these are to count."""
     with working("reading samples"):
-        ensemble = pipeline.Ensemble.of(ds)
+        ensemble = pipeline.Ensemble.of(ds, **conditions)
     with working("weighing the inputs by the measurements"):
         return ensemble, posterior_if_given(ensemble, options.given_measured, options.scatter)
 

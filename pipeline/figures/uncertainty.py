@@ -27,8 +27,8 @@ from pipeline.figures.style import (
     in_house_style,
     plain_numbers,
 )
-from pipeline.uncertain.answers import QUANTILES
 from pipeline.uncertain.ensemble import Ensemble
+from pipeline.uncertain.inputs import QUANTILES
 from pipeline.uncertain.sensitivity import Sensitivity
 from pipeline.uncertain.weigh import Judged, Posterior
 from tribo.types import Array

@@ -174,16 +174,13 @@ def drawn(unknown: tuple[Unknown, ...], seed: int, count: int) -> Array:
     >>> bool((values[:8] == drawn((friction,), seed=0, count=8)).all())
     True
     """
-    return _at_shares(unknown, sequence(seed, count))
+    return at_shares(unknown, sequence(seed, count))
 
 
-def from_scores(unknown: Sequence[Unknown], scores: Array) -> Array:
-    """Values of unknown inputs [SI] at independent normal scores, both of shape (n, n_unknown)."""
-    return _at_shares(unknown, np.clip(scipy.special.ndtr(scores), OUTERMOST, 1 - OUTERMOST))
-
-
-def _at_shares(unknown: Sequence[Unknown], shares: Array) -> Array:
-    columns = correlated(correlations(unknown), shares)
+def at_shares(unknown: Sequence[Unknown], shares: Array) -> Array:
+    """Values of unknown inputs [SI] at independent shares, both of shape (n, n_unknown)."""
+    inside = np.clip(shares, OUTERMOST, 1 - OUTERMOST)
+    columns = correlated(correlations(unknown), inside)
     return np.stack([one.quantile(column) for one, column in zip(unknown, columns, strict=True)], 1)
 
 

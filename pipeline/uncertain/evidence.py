@@ -78,7 +78,7 @@ def _of_one_hold(ensemble: Ensemble, tests: Sequence[Test], inputs: Array) -> Di
     nodes = np.geomspace(*ensemble.velocities, _NODES)
     ends = ensemble.loads[[0, -1]]
     loads = sorted({load for test in tests for load in (test["normal_load"], *_around(test, ends))})
-    excess = ensemble.excesses(inputs, loads, nodes)
+    excess = ensemble.excess(inputs, loads, nodes)
     rises = excess.values + ensemble.log_limit(inputs)[:, None, None]
     x = np.log(nodes)
     conditions = ensemble.conditions
@@ -86,10 +86,8 @@ def _of_one_hold(ensemble: Ensemble, tests: Sequence[Test], inputs: Array) -> Di
     table = np.log([conditions.friction_at(v) / conditions.friction for v in nodes.tolist()])
     values, variances = [], []
     for test in tests:
-        number = loads.index(test["normal_load"])
-        rise = rises[:, number]
-        if test.get("friction") is not None:
-            rise = rise - table
+        number, friction = loads.index(test["normal_load"]), test.get("friction")
+        rise = rises[:, number] if friction is None else rises[:, number] - table
         log_velocity = math.log(test["velocity"])
         place = int(np.clip(np.searchsorted(x, log_velocity) - 1, 0, _NODES - 2))
         slope = (rise[:, place + 1] - rise[:, place]) / (x[place + 1] - x[place])
@@ -100,16 +98,11 @@ def _of_one_hold(ensemble: Ensemble, tests: Sequence[Test], inputs: Array) -> Di
             variance = variance + (steepness * test["load_scatter"] / test["normal_load"]) ** 2
         if "friction_scatter" in test:
             variance = variance + (test["friction_scatter"] / test["friction"]) ** 2
-        limit = ensemble.log_limit(inputs, conditions_of(test))
-        values.append(log_velocity - log_crossings(nodes, rise - limit[:, None]))
+        limit = ensemble.log_limit(inputs, friction, test.get("bulk_temperature"))
+        critical, *_ = log_crossings(nodes, rise - limit[:, None])
+        values.append(log_velocity - critical)
         variances.append(variance / np.maximum(slope, _LEAST_SLOPE) ** 2)
     return Distances(np.array(values), np.array(variances))
-
-
-def conditions_of(test: Test) -> dict[str, float]:
-    """Conditions that a test gives itself."""
-    names = ("friction", "bulk_temperature")
-    return {name: test[name] for name in names if test.get(name) is not None}
 
 
 def _around(test: Test, ends: Array) -> tuple[float, ...]:

@@ -218,7 +218,7 @@ class _Plan:
             width = self._ensemble.width(self._inputs, load, velocity)
             error = math.hypot(WIDTH_SCATTER, float(np.mean(width.error)))
             what = f"the worn width at {load:g} N, {velocity:.3g} m/s"
-            yield _Measurement(what, self._gaussian(width.values[:, 0], error))
+            yield _Measurement(what, self._measured(width.values, np.full(_DRAWS, error)))
         for quantity, column in zip(self._posterior.unknown, self._all.T, strict=True):
             if quantity.kind == "list":
                 same = column[:_TRUTHS, None] == column
@@ -227,7 +227,8 @@ class _Plan:
             values = np.log(column) if quantity.is_relative else column
             name = "friction" if quantity.path == FRICTION else quantity.path
             what = f"{name}, to a tenth of its spread today"
-            yield _Measurement(what, self._gaussian(values, _KNOWN * float(values.std())))
+            error = max(_KNOWN * float(values.std()), 1e-300)
+            yield _Measurement(what, self._measured(values, np.full(_DRAWS, error)))
 
     def _tests(self) -> Iterator[_Measurement]:
         """Searches for a transition, and single tests, at each load and bulk temperature."""
@@ -252,7 +253,7 @@ class _Plan:
             if low <= likely <= high:
                 yield _Measurement(
                     f"the transition at {where}, about {likely:.3g} m/s",
-                    self._searched(log_velocity, deviation),
+                    self._measured(log_velocity, deviation, *np.log([low, high])),
                     test | {"velocity": likely},
                 )
             shares = (np.arange(_VELOCITIES) + 0.5) / _VELOCITIES
@@ -281,24 +282,15 @@ class _Plan:
             "friction_scatter": float(np.mean(scatters)),
         }
 
-    def _results(self, values: Array, deviation: Array) -> Array:
-        """Numbers that are measured with an error, of the truths."""
+    def _measured(
+        self, values: Array, deviation: Array, low: float = -math.inf, high: float = math.inf
+    ) -> Array:
+        """Likelihood of a number that is measured with an error, and may lie beyond two ends."""
         chance = self._chance.standard_normal(_TRUTHS)
-        return np.asarray(values[:_TRUTHS] + deviation[:_TRUTHS] * chance)
-
-    def _gaussian(self, values: Array, error: float) -> Array:
-        """Likelihood of a number that is measured with an error."""
-        deviation = np.full(values.shape, max(error, 1e-300))
-        return _log_density(self._results(values, deviation), values, deviation)
-
-    def _searched(self, log_velocity: Array, deviation: Array) -> Array:
-        """Likelihood of a transition that is sought, and may lie beyond the velocities."""
-        results = self._results(log_velocity, deviation)
-        low, high = np.log(self._ensemble.velocities)
-        log = _log_density(results, log_velocity, deviation)
-        is_below, is_above = results < low, results > high
-        log[is_below] = log_ndtr((low - log_velocity) / deviation)
-        log[is_above] = log_ndtr((log_velocity - high) / deviation)
+        results = values[:_TRUTHS] + deviation[:_TRUTHS] * chance
+        log: Array = -0.5 * ((results[:, None] - values) / deviation) ** 2 - np.log(deviation)
+        log[results < low] = log_ndtr((low - values) / deviation)
+        log[results > high] = log_ndtr((values - high) / deviation)
         return log
 
     def _outcome(self, z: Array) -> Array:
@@ -311,9 +303,3 @@ class _Plan:
         is_severe = np.diff(np.floor(count)) > 0
         log: Array = np.where(is_severe[:, None], np.log(severe), np.log1p(-severe))
         return log
-
-
-def _log_density(results: Array, values: Array, deviation: Array) -> Array:
-    """Logarithm of the density of results by value, each with its own deviation."""
-    log: Array = -0.5 * ((results[:, None] - values) / deviation) ** 2 - np.log(deviation)
-    return log

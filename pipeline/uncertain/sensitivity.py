@@ -14,8 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from pipeline.sweep.correlation import OUTERMOST
-from pipeline.sweep.unknown import Unknown
+from pipeline.sweep.unknown import Unknown, at_shares
 from pipeline.uncertain.answers import draws_of, log_boundary
 from pipeline.uncertain.ensemble import Ensemble
 from pipeline.uncertain.inputs import Draws
@@ -152,17 +151,9 @@ def indices(
     """
     from scipy.stats import sobol_indices, uniform  # takes 0.5 s
 
-    def of_shares(shares: Array) -> Array:
-        inside = np.clip(shares, OUTERMOST, 1 - OUTERMOST)
-        values = np.stack(
-            [quantity.quantile(row) for quantity, row in zip(unknown, inside, strict=True)], axis=1
-        )
-        outputs: Array = function(values).T
-        return outputs
-
     estimates = [
         sobol_indices(
-            func=of_shares,
+            func=lambda shares: function(at_shares(unknown, shares.T)).T,
             n=count // _SCRAMBLES,
             dists=[uniform()] * len(unknown),
             rng=np.random.default_rng([seed, number]),
@@ -187,17 +178,11 @@ def _first_of(draws: Draws, values: Array) -> Array:
     orders = []
     for column in draws.inputs.T:
         part = _parts(draws, column)
-
-        def summed(values: Array, part: NDArray[np.intp] = part) -> Array:
-            total: Array = np.stack(
-                [np.bincount(part, row, minlength=_BINS) for row in values.T], 1
-            )
-            return total
-
-        weight = np.maximum(summed(weights[:, None]), 1e-150)
-        means = summed(weights[:, None] * y) / weight
-        scatter = summed((weights[:, None] * (y - means[part])) ** 2) / weight
-        alone = 1 - summed(weights[:, None] ** 2) / weight**2  # 0 for a part with a single draw
+        is_in = part == np.arange(_BINS)[:, None]
+        weight = np.maximum(is_in @ weights[:, None], 1e-150)
+        means = is_in @ (weights[:, None] * y) / weight
+        scatter = is_in @ (weights[:, None] * (y - means[part])) ** 2 / weight
+        alone = 1 - is_in @ weights[:, None] ** 2 / weight**2  # 0 for a part with a single draw
         scatter = np.where(alone > 1e-9, scatter / np.maximum(alone, 1e-9), weight * means**2)
         orders.append(np.sum(weight * means**2 - scatter, axis=0) + by_chance)
     first: Array = np.maximum(orders, 0.0).T / (draws.mean(y**2) + by_chance)[:, None]

@@ -9,14 +9,15 @@ from pathlib import Path
 from unittest import mock
 
 import numpy as np
+from scipy.special import ndtr
 
 import pipeline
 from pipeline.sweep.criterion import decisive_rises, rise_limit
 from pipeline.sweep.plan import run_point
-from pipeline.sweep.unknown import from_scores
+from pipeline.sweep.unknown import at_shares
 from pipeline.uncertain import weigh
 from pipeline.uncertain.answers import log_crossings
-from pipeline.uncertain.ensemble import CRITICAL, FRICTION, Ensemble
+from pipeline.uncertain.ensemble import BULK, CRITICAL, FRICTION, Ensemble
 from tests.promises.risk import entries_of
 
 SCATTER, FRICTION_SCATTER = 0.05, 0.02
@@ -72,22 +73,22 @@ def weighed(ensemble, tests, scatter=SCATTER):
     tested = replace(ensemble, tested=tuple(tests))
     vars(tested)["_rise"] = ensemble._rise
     with (
-        mock.patch.object(Ensemble, "excesses", _kept),
+        mock.patch.object(Ensemble, "excess", _kept),
         mock.patch.object(weigh, "_FIRST", _FIRST),
     ):
         return pipeline.posterior(tested, scatter)
 
 
-_excesses, _of_prior = Ensemble.excesses, {}
+_excess, _of_prior = Ensemble.excess, {}
 
 
-def _kept(ensemble, draws, loads, velocities, conditions=None, with_error=True):
-    """`Ensemble.excesses`, kept for the draws of the prior, which are those of all truths."""
+def _kept(ensemble, draws, load, velocity, with_error=True):
+    """`Ensemble.excess`, kept for the draws of the prior, which are those of all truths."""
     if len(draws) < _FIRST:
-        return _excesses(ensemble, draws, loads, velocities, conditions, with_error)
-    key = id(ensemble._rise), draws.tobytes(), tuple(loads), tuple(velocities)
+        return _excess(ensemble, draws, load, velocity, with_error)
+    key = id(ensemble._rise), draws.tobytes(), tuple(load), tuple(velocity)
     if key not in _of_prior:
-        _of_prior[key] = _excesses(ensemble, draws, loads, velocities, conditions, with_error)
+        _of_prior[key] = _excess(ensemble, draws, load, velocity, with_error)
     return _of_prior[key]
 
 
@@ -98,7 +99,7 @@ class Rig:
         self.ensemble, self.seed = ensemble, number
         chance = np.random.default_rng((_SEED, number))
         scores = chance.standard_normal((1, len(ensemble.unknown)))
-        self.truth = from_scores(ensemble.unknown, scores)[0]
+        self.truth = at_shares(ensemble.unknown, ndtr(scores))[0]
         entries = entries_of(ensemble.unknown, self.truth)
         alone = overrides | {"without": ["unknown", "sweep.samples"]} | entries
         self._scene = replace(pipeline.load_scene(scene, overrides=alone), samples=None)
@@ -127,10 +128,11 @@ class Rig:
         if bulk >= self._scene.conditions.critical_temperature:
             return -math.inf
         nodes = np.geomspace(*self.ensemble.velocities, 9)
-        conditions = {"bulk_temperature": bulk}
-        guess = self.ensemble.excesses(self.truth[None], [load], nodes, conditions, False)
+        at_bulk = replace(self.ensemble, fixed={BULK: bulk})
+        vars(at_bulk)["_rise"] = self.ensemble._rise
+        guess = at_bulk.excess(self.truth[None], load, nodes, with_error=False)
         low, high = np.log(self.ensemble.velocities)
-        place = float(np.clip(log_crossings(nodes, guess.values[0, 0]), low, high))
+        place = float(np.clip(log_crossings(nodes, guess.values)[0][0], low, high))
         excess, slope = self._excess(load, place, bulk), 0.7
         for _ in range(20):
             if abs(excess) < _CLOSE:

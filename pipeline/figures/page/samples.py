@@ -17,7 +17,7 @@ from pipeline.uncertain.answers import (
     table_of_lines,
 )
 from pipeline.uncertain.ensemble import Ensemble
-from pipeline.uncertain.judging import posterior_if_given
+from pipeline.uncertain.weigh import posterior_if_given
 
 
 def content_of_samples(

@@ -13,7 +13,6 @@ from pipeline.analysis.operating_points import OperatingPoints
 from pipeline.analysis.tables import Table
 from pipeline.uncertain.answers import probabilities_at_loads, risk_lines, table_of_lines
 from pipeline.uncertain.ensemble import Ensemble
-from pipeline.uncertain.judging import ensemble_under
 from pipeline.uncertain.points import risk_table
 
 
@@ -21,8 +20,8 @@ def sections(
     ds: xr.Dataset, points: OperatingPoints | None, changed: Mapping[str, Any]
 ) -> dict[str, Callable[[], Iterator[str | Table]]]:
     """Writers of the sections that a sweep of samples has in place of the usual ones."""
-    ensemble, conditions = ensemble_under(ds, **changed)
-    plane = probabilities_at_loads(ensemble, conditions=conditions)
+    ensemble = Ensemble.of(ds, **changed)
+    plane = probabilities_at_loads(ensemble)
     _, lines = risk_lines(plane)
     of_load = list(zip(ensemble.loads.tolist(), lines.tolist(), strict=True))
 
@@ -46,7 +45,7 @@ def sections(
     def operating_points() -> Iterator[str | Table]:
         if points is None:
             return
-        table = risk_table(ensemble, points, conditions=conditions)
+        table = risk_table(ensemble, points)
         yield table.without({"note"}).without_empty()
         yield from (f"{note}." for note in notes_of(table))
 
