@@ -11,9 +11,9 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 from scipy.optimize import brentq
-from scipy.special import logsumexp, ndtr, ndtri
+from scipy.special import logsumexp, ndtri
 
-from pipeline.sweep.unknown import Unknown, at_shares, sequence
+from pipeline.sweep.unknown import Unknown, at_scores, sequence
 from tribo.types import Array
 
 _KEPT = 0.5  # effective share of the draws that a step of the power leaves
@@ -42,7 +42,7 @@ def tempered(
     """
     rng = np.random.default_rng(seed)
     scores = ndtri(sequence(seed, count)[:, : len(unknown)])
-    likelihood = log_likelihood(at_shares(unknown, ndtr(scores)))
+    likelihood = log_likelihood(at_scores(unknown, scores))
     power = 0.0
     for _ in range(_STEPS):
         step = _step(likelihood, 1.0 - power)
@@ -55,14 +55,14 @@ def tempered(
         walk = 2.38 / np.sqrt(len(unknown)) * np.linalg.cholesky(covariance)
         for _ in range(_MOVES):
             proposed = scores + rng.standard_normal(scores.shape) @ walk.T
-            other = log_likelihood(at_shares(unknown, ndtr(proposed)))
+            other = log_likelihood(at_scores(unknown, proposed))
             gain = power * (other - likelihood)
             gain += 0.5 * np.sum(scores**2 - proposed**2, axis=1)
             taken = np.log(rng.random(count)) < gain
             scores[taken], likelihood[taken] = proposed[taken], other[taken]
         if power >= 1.0:
             break
-    return at_shares(unknown, ndtr(scores))
+    return at_scores(unknown, scores)
 
 
 def _step(likelihood: Array, most: float) -> float:

@@ -9,12 +9,11 @@ from pathlib import Path
 from unittest import mock
 
 import numpy as np
-from scipy.special import ndtr
 
 import pipeline
 from pipeline.sweep.criterion import decisive_rises, rise_limit
 from pipeline.sweep.plan import run_point
-from pipeline.sweep.unknown import at_shares
+from pipeline.sweep.unknown import at_scores
 from pipeline.uncertain import weigh
 from pipeline.uncertain.answers import log_crossings
 from pipeline.uncertain.ensemble import BULK, CRITICAL, FRICTION, Ensemble
@@ -48,7 +47,7 @@ def ensemble_of(scene, overrides, store=None):
     """Samples of a scene: of its store, or simulated here."""
     if store is not None:
         ensemble = pipeline.Ensemble.of(pipeline.open_sweep(store))
-        return replace(ensemble, measured=(), tested=())
+        return replace(ensemble, tests=())
     sweep = pipeline.load_scene(scene, overrides=overrides)
     sweep = replace(sweep, store_fields=False, measured=(), tested=())
     with tempfile.TemporaryDirectory() as folder:
@@ -70,7 +69,7 @@ def idle(ensemble):
 
 def weighed(ensemble, tests, scatter=SCATTER):
     """The posterior given tests, with the emulator of the samples fitted once."""
-    tested = replace(ensemble, tested=tuple(tests))
+    tested = replace(ensemble, tests=tuple(tests))
     vars(tested)["_rise"] = ensemble._rise
     with (
         mock.patch.object(Ensemble, "excess", _kept),
@@ -99,7 +98,7 @@ class Rig:
         self.ensemble, self.seed = ensemble, number
         chance = np.random.default_rng((_SEED, number))
         scores = chance.standard_normal((1, len(ensemble.unknown)))
-        self.truth = at_shares(ensemble.unknown, ndtr(scores))[0]
+        self.truth = at_scores(ensemble.unknown, scores)[0]
         entries = entries_of(ensemble.unknown, self.truth)
         alone = overrides | {"without": ["unknown", "sweep.samples"]} | entries
         self._scene = replace(pipeline.load_scene(scene, overrides=alone), samples=None)

@@ -93,7 +93,7 @@ def test_indices_of_ishigami_s_function():
     def ishigami(x):
         return (np.sin(x[:, 0]) * (1 + 0.1 * x[:, 2] ** 4) + 7 * np.sin(x[:, 1]) ** 2)[:, None]
 
-    first, total, _ = indices(ishigami, angles, 2**13, seed=0)
+    (first, total), _ = indices(ishigami, angles, 2**13, seed=0)
     assert first[0] == pytest.approx([0.3139, 0.4424, 0.0], abs=0.01)
     assert total[0] == pytest.approx([0.5576, 0.4424, 0.2437], abs=0.01)
 
