@@ -87,7 +87,7 @@ def on_risk(here: Risk) -> str:
 
 def _if_given(ensemble: Ensemble, here: Risk, weighed: Posterior | None) -> Iterator[str]:
     """Line on the probability that the scene's own tests would give."""
-    if weighed is not None or not (ensemble.measured or ensemble.tested):
+    if weighed is not None or not ensemble.tests:
         return
     with suppress(InputError), working("weighing the inputs by the tests"):
         after = pipeline.posterior(ensemble)
@@ -99,7 +99,7 @@ def _if_given(ensemble: Ensemble, here: Risk, weighed: Posterior | None) -> Iter
 def _cells(plane: xr.DataArray) -> Table:
     """Probability over the plane, a row for each load and velocity."""
     columns = _LOAD, Column("velocity", "velocity", "m/s"), Column("probability", "probability")
-    frame = plane.rename("probability").to_dataframe().reset_index()
+    frame = plane.to_dataframe().reset_index()
     return Table(columns, tuple(frame.itertuples(index=False, name=None)))
 
 

@@ -93,8 +93,8 @@ class Ensemble:
         Normal loads on the whole pin [N].
     rises, widths : ndarray, shape (n_sample, n_load)
         Rise that decides at friction 1 [K], and width of the contact at the end [m].
-    measured, tested : tuple of dict
-        Transitions that were measured, and tests that stayed mild or turned severe.
+    tests : tuple of dict
+        Transitions that were measured, and tests with their outcome, mild or severe.
     hold : float
         Duration at the full load [s].
     rises_by_hold : mapping of float to ndarray
@@ -122,8 +122,7 @@ class Ensemble:
     loads: Array
     rises: Array
     widths: Array
-    measured: tuple[dict[str, Any], ...]
-    tested: tuple[dict[str, Any], ...] = ()
+    tests: tuple[dict[str, Any], ...] = ()
     hold: float = 0.0
     rises_by_hold: Mapping[float, Array] = field(default_factory=dict)
     fixed: Mapping[str, float] = field(default_factory=dict)
@@ -190,18 +189,12 @@ class Ensemble:
             loads=loads,
             rises=rises[done],
             widths=values_of(end_of_point(ds[["time", "contact_width"]]), "contact_width")[done],
-            measured=tuple(about["measured"]),
-            tested=tuple(about["tested"]),
+            tests=tests,
             hold=hold,
             rises_by_hold=by_hold,
             fixed={k: getattr(conditions, v) for k, v in _CONDITIONS.items() if v in changed},
             missing=int(np.count_nonzero(~done)),
         )
-
-    @property
-    def tests(self) -> tuple[dict[str, Any], ...]:
-        """Transitions and tests."""
-        return self.measured + self.tested
 
     @property
     def velocities(self) -> tuple[float, float]:
@@ -238,12 +231,10 @@ class Ensemble:
 
     def values(self, path: str, draws: Array) -> Array:
         """Values of an input by draw, shape (n,): fixed, drawn, or the scene's [SI]."""
-        columns = {one.path: row for one, row in zip(self.unknown, draws.T, strict=True)}
-        value: Any
-        if path in self.fixed:
-            value = self.fixed[path]
-        elif path in columns:
-            value = columns[path]
+        values: dict[str, Any] = dict(zip([one.path for one in self.unknown], draws.T, strict=True))
+        values |= self.fixed
+        if path in values:
+            value = values[path]
         elif path == CRITICAL:
             value = self.conditions.known_critical_temperature()
         elif path in _CONDITIONS:
@@ -313,10 +304,9 @@ class Ensemble:
 
     def _between_loads(self, load: float) -> tuple[Array, float]:
         """Weights of the outputs at each load by which to interpolate, and its error."""
-        (same,) = np.nonzero(self.loads == load)
-        if same.size:
-            return np.eye(len(self.loads))[same[0]], 0.0
         x, place = np.log(self.loads), math.log(load)
+        if len(x) == 1:
+            return np.ones(1), 0.0
         if len(x) == 2:
             weights = _spline(x, place, 1)
             return weights, _BEND * 4 * float(weights[0] * weights[1])

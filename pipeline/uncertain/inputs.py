@@ -52,12 +52,7 @@ class Draws:
         """Value that a share of the probability stays below; values may be infinite."""
         order = np.argsort(values)
         below = np.cumsum(self.weights[order]) - 0.5 * self.weights[order]
-        ordered = values[order]
-        upper = int(np.clip(np.searchsorted(below, share), 1, len(ordered) - 1))
-        low, high = ordered[upper - 1], ordered[upper]
-        if low == high or not np.isfinite([low, high]).all():
-            return float(high if share >= below[upper] else low)
-        return float(np.interp(share, below[upper - 1 : upper + 1], [low, high]))
+        return float(np.interp(share, below, values[order]))
 
     def interval(self, values: Array) -> tuple[float, float, float]:
         """Values that 5, 50 and 95 % of the probability stay below."""

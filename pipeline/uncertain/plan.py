@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.special import log_ndtr, ndtr
+from scipy.special import log_ndtr, ndtr, softmax
 
 from pipeline.scene.quantities import in_si
 from pipeline.scene.units import UnitError, to_si
@@ -202,8 +202,7 @@ class _Plan:
 
     def candidate(self, measurement: _Measurement, log_likelihood: Array) -> Candidate:
         """A measurement with the spread that a likelihood of draws leaves, averaged over truths."""
-        weights = np.exp(log_likelihood - log_likelihood.max(axis=1, keepdims=True))
-        weights /= weights.sum(axis=1, keepdims=True)
+        weights = softmax(log_likelihood, axis=1)
         mean = weights @ self.values
         variance = weights @ self.values**2 - mean**2
         spread = math.sqrt(max(float(variance.mean()), 0.0))

@@ -163,8 +163,8 @@ class Posterior:
         """Correlation of each two inputs, shape (n_unknown, n_unknown)."""
         columns = zip(self.unknown, self.draws.inputs.T, strict=True)
         values = np.stack([np.log(c) if u.is_relative else c for u, c in columns], axis=1)
-        values = values - self.draws.mean(values)
-        covariance = values.T @ (self.draws.weights[:, None] * values)
+        covariance = np.cov(values, rowvar=False, aweights=self.draws.weights, ddof=0)
+        covariance = np.atleast_2d(covariance)
         spread = np.sqrt(np.diag(covariance))
         correlation: Array = covariance / np.maximum(np.outer(spread, spread), 1e-300)
         return correlation

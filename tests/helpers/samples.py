@@ -37,7 +37,7 @@ def rise(inputs, load, velocity, unknown=ALL):
     return rises
 
 
-def ensemble(unknown=ALL, count=64, measured=(), noise=0.0):
+def ensemble(unknown=ALL, count=64, tests=(), noise=0.0):
     inputs = tuple(entry for entry in unknown if entry.path not in _AFTERWARDS)
     layers = tuple("wear rate" if entry.path == RATE.path else "contact" for entry in inputs)
     size = samples_per_contact(layers, wears=True, separable=True)
@@ -56,7 +56,7 @@ def ensemble(unknown=ALL, count=64, measured=(), noise=0.0):
         loads=LOADS,
         rises=rises,
         widths=np.full(rises.shape, 2e-4) * velocities[:, None] ** 0.1,
-        measured=tuple(measured),
+        tests=tuple(tests),
     )
 
 
@@ -95,8 +95,8 @@ def dataset(samples, growth=((0.0, 1.0),)):
         "conditions": samples.conditions.as_dict(),
         "unknown": [entry.as_dict() for entry in samples.unknown],
         "samples": len(samples.rises),
-        "measured": list(samples.measured),
-        "tested": list(samples.tested),
+        "measured": [test for test in samples.tests if "outcome" not in test],
+        "tested": [test for test in samples.tests if "outcome" in test],
     }
     inputs = zip(samples.design.inputs, samples.inputs.T, strict=True)
     return xr.Dataset(
