@@ -21,7 +21,7 @@ from pipeline.cli.output import Result, counted
 from pipeline.cli.progress import working
 from pipeline.cli.scenes import beside, values_in
 from pipeline.sweep.warned import NO_WARNING
-from pipeline.uncertain.answers import probabilities_at_loads, table_of_lines
+from pipeline.uncertain.answers import table_of_lines
 from pipeline.uncertain.weigh import posterior_if_given
 from tribo import InputError
 
@@ -66,7 +66,7 @@ def risk(options: argparse.Namespace) -> Result:
         return Result(document, text, warned)
     with working("finding probabilities over the plane"):
         plane = pipeline.probabilities(ensemble, draws)
-        lines = table_of_lines(probabilities_at_loads(ensemble, draws))
+        lines = table_of_lines(ensemble, draws)
     return Result(
         document | _document(lines),
         text if place else [*text, *_on_lines(lines)],
@@ -118,7 +118,7 @@ def boundary_of_samples(ds: xr.Dataset, conditions: dict[str, Any]) -> Result:
     """Print the velocities at which wear is severe with some probabilities."""
     ensemble = pipeline.Ensemble.of(ds, **conditions)
     with working("finding probabilities at each load"):
-        lines = table_of_lines(probabilities_at_loads(ensemble))
+        lines = table_of_lines(ensemble)
     text = [*_on_lines(lines), *notes(ensemble, None)]
     return Result(_about(ensemble) | _document(lines), text, pipeline.warned(ds), [lines])
 
@@ -173,15 +173,10 @@ def sensitivity(options: argparse.Namespace) -> Result:
 
 def _indices(indices: Sensitivity) -> Table:
     """Sobol' indices with the ends of their 90 % intervals, a row for each load and input."""
-    heads = ("low", "high")
-    columns = (
-        _LOAD,
-        Column("input", "input"),
-        Column("first", "first"),
-        *(Column(f"first_{end}", f"first, {end}") for end in heads),
-        Column("total", "total"),
-        *(Column(f"total_{end}", f"total, {end}") for end in heads),
-    )
+    columns = [_LOAD, Column("input", "input")]
+    for kind in ("first", "total"):
+        ends = (Column(f"{kind}_{end}", f"{kind}, {end}") for end in ("low", "high"))
+        columns += [Column(kind, kind), *ends]
     parts = (indices.first, *indices.first_interval, indices.total, *indices.total_interval)
     values = np.stack(parts, axis=-1).tolist()
     rows = [
@@ -189,7 +184,7 @@ def _indices(indices: Sensitivity) -> Table:
         for place, load in enumerate(indices.loads)
         for number in np.argsort(-indices.first.mean(axis=0))
     ]
-    return Table(columns, tuple(rows))
+    return Table(tuple(columns), tuple(rows))
 
 
 def _on_indices(indices: Sensitivity, table: Table) -> Iterator[str]:
@@ -207,13 +202,9 @@ def _on_indices(indices: Sensitivity, table: Table) -> Iterator[str]:
         given_measured = "given the measurements"
         reason = given_measured if indices.given_measured else "as the scene correlates them,"
         yield f"no total index: {reason} the inputs depend on one another"
-    errors = zip(indices.loads, indices.spread, indices.velocity_error, strict=True)
-    columns = (
-        _LOAD,
-        Column("spread", "spread of velocity", "%", 2),
-        Column("error", "emulator errs by", "%", 2),
-    )
-    rows = tuple(errors)
+    rows = tuple(zip(indices.loads, indices.spread, indices.velocity_error, strict=True))
+    spreads = Column("spread", "spread of velocity", "%", 2)
+    columns = _LOAD, spreads, Column("error", "emulator errs by", "%", 2)
     yield from Table(columns, rows).lines()
     for load, spread, error in rows:
         if error > _GOOD * spread:

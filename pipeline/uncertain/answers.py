@@ -69,15 +69,6 @@ def probabilities(
     )
 
 
-def probabilities_at_loads(ensemble: Ensemble, draws: Draws | None = None) -> xr.DataArray:
-    """Probability of severe wear at the loads of the sweep, for the lines that every answer prints.
-
-    Parameters as for `probabilities`.
-    """
-    velocities = np.geomspace(*ensemble.velocities, 4 * (STEPS - 1) + 1)
-    return probabilities(ensemble, draws, ensemble.loads, velocities)
-
-
 def risk_lines(plane: xr.DataArray) -> tuple[tuple[float, ...], Array]:
     """Velocities at which wear is severe with some probabilities, by load.
 
@@ -106,10 +97,14 @@ def risk_lines(plane: xr.DataArray) -> tuple[tuple[float, ...], Array]:
     return QUANTILES, np.array(lines)
 
 
-def table_of_lines(plane: xr.DataArray) -> Table:
-    """`risk_lines` as a table; below 0, or infinite, beyond the velocities of the plane."""
-    shares, lines = risk_lines(plane)
-    lowest, *_, highest = plane["velocity"].values.tolist()
+def table_of_lines(ensemble: Ensemble, draws: Draws | None = None) -> Table:
+    """Velocities of some probabilities at the loads of the sweep, which every answer prints.
+
+    They are below 0, or infinite, beyond the velocities of the sweep.
+    """
+    lowest, highest = ensemble.velocities
+    velocities = np.geomspace(lowest, highest, 4 * (STEPS - 1) + 1)
+    shares, lines = risk_lines(probabilities(ensemble, draws, ensemble.loads, velocities))
 
     def write(velocity: float) -> str:
         if math.isfinite(velocity):
@@ -119,12 +114,8 @@ def table_of_lines(plane: xr.DataArray) -> Table:
     columns = (
         Column(str(share), f"velocity of {100 * share:g} %", "m/s", write=write) for share in shares
     )
-    rows = np.where(lines > 0, lines, -math.inf).tolist()
-    loads = plane["load"].values.tolist()
-    return Table(
-        (Column("load", "load", "N"), *columns),
-        tuple((load, *row) for load, row in zip(loads, rows, strict=True)),
-    )
+    rows = np.column_stack([ensemble.loads, np.where(lines > 0, lines, -math.inf)]).tolist()
+    return Table((Column("load", "load", "N"), *columns), tuple(map(tuple, rows)))
 
 
 def log_crossings(axis: Array, excess: Array) -> tuple[Array, Array, Groups]:
@@ -153,12 +144,6 @@ def log_crossings(axis: Array, excess: Array) -> tuple[Array, Array, Groups]:
     )
     slope = np.maximum((high - low) / (x[right] - x[right - 1]), _LEAST_SLOPE)
     return x[right - 1] - low / slope, slope, right
-
-
-def crossings(axis: Array, excess: Array) -> Array:
-    """First place along an axis where an excess rises through 0; 0 below it, infinite beyond."""
-    places = np.exp(log_crossings(axis, excess)[0])
-    return np.where(excess[..., 0] >= 0, 0.0, np.where(places > axis[-1], math.inf, places))
 
 
 def log_boundary(

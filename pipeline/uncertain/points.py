@@ -14,7 +14,7 @@ from pipeline.analysis.operating_points import OperatingPoints
 from pipeline.analysis.tables import Column, Table
 from pipeline.scene.quantities import in_si
 from pipeline.store.place import PathLike
-from pipeline.uncertain.answers import STEPS, crossings, draws_of
+from pipeline.uncertain.answers import STEPS, draws_of, log_crossings
 from pipeline.uncertain.ensemble import BULK, CRITICAL, FRICTION, Ensemble
 from pipeline.uncertain.inputs import QUANTILES, Draws
 from tribo.types import Array
@@ -185,8 +185,10 @@ def margin_intervals(
     here, temperature, distance = _judged(ensemble, load, velocity, draws)
 
     def crossed(axis: Array, load: Array | float, velocity: Array | float) -> Interval:
-        excess = ensemble.excess(draws.inputs, load, velocity)
-        places = crossings(axis, excess.with_chance(ensemble.design.seed))
+        excess = ensemble.excess(draws.inputs, load, velocity).with_chance(ensemble.design.seed)
+        places = np.exp(log_crossings(axis, excess)[0])
+        places[places > axis[-1]] = math.inf
+        places[excess[:, 0] >= 0] = 0.0
         return Interval(*draws.interval(places))
 
     velocities = np.geomspace(*ensemble.velocities, STEPS)
