@@ -105,8 +105,6 @@ def allowed(correlations: Array, i: int, j: int) -> tuple[float, float] | None:
     inverse = np.linalg.inv(correlations[:i, :i])
     others = correlations[i, :i].copy()
     others[j] = 0.0
-    a, b, c = inverse[j, j], inverse[j] @ others, others @ inverse @ others - (1 - _LEAST)
-    if b * b < a * c:
-        return None
-    half = math.sqrt(b * b - a * c)
-    return float((-b - half) / a), float((-b + half) / a)
+    last = others @ inverse @ others - (1 - _LEAST)
+    roots = np.sort(np.roots([inverse[j, j], 2 * inverse[j] @ others, last]))
+    return None if np.iscomplexobj(roots) else (float(roots[0]), float(roots[1]))
