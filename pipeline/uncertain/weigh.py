@@ -18,9 +18,9 @@ from scipy.special import logsumexp, ndtr, softmax
 from pipeline.sweep.unknown import Unknown, correlations
 from pipeline.uncertain.ensemble import Ensemble
 from pipeline.uncertain.evidence import (
+    SIGNS,
     Distances,
     Test,
-    deviations,
     distances_of,
     log_likelihoods,
     require_possible,
@@ -242,7 +242,7 @@ def posterior(ensemble: Ensemble | Sequence[Ensemble], scatter: float = SCATTER)
     ensembles = (ensemble,) if isinstance(ensemble, Ensemble) else tuple(ensemble)
     unknown, columns = _joined(ensembles)
     for one in ensembles:
-        require_possible(one, one.tests)
+        require_possible(one)
     tests = [test for one in ensembles for test in one.tests]
     scatters, seed = scatter * _FACTORS, ensembles[0].design.seed + 1
     before = prior(unknown, seed, _FIRST)
@@ -250,39 +250,34 @@ def posterior(ensemble: Ensemble | Sequence[Ensemble], scatter: float = SCATTER)
         middle = tuple(scatter * 2.0**score for score in (-1.645, 0.0, 1.645))
         return Posterior(ensembles, unknown, columns, before, before, (), scatter, middle)
 
-    def judge(inputs: Array) -> tuple[Distances, Array, Array]:
-        """Distances, log-likelihoods by test, draw and factor, and their sum with the prior's."""
+    def judge(inputs: Array) -> tuple[Distances, Array, Array, Array]:
+        """Distances, results of `log_likelihoods`, and the sum of these and of the prior."""
         parts = [
             distances_of(one, one.tests, inputs[:, part])
             for one, part in zip(ensembles, columns, strict=True)
-            if one.tests
         ]
         distances = Distances(*(np.concatenate(part) for part in zip(*parts, strict=True)))
-        likelihoods = log_likelihoods(tests, distances, scatters)
-        return distances, likelihoods, likelihoods.sum(axis=0) + _LOG_PRIOR
+        z, likelihoods = log_likelihoods(tests, distances, scatters)
+        return distances, z, likelihoods, likelihoods.sum(axis=0) + _LOG_PRIOR
 
-    distances, likelihoods, joint = judge(before.inputs)
+    distances, z, likelihoods, joint = judge(before.inputs)
     _require_near(tests, distances, float(scatters[-1]))
     draws = Draws(before.inputs, softmax(joint).sum(axis=1))
     if draws.effective < _ENOUGH:
-        after = tempered(unknown, lambda x: logsumexp(judge(x)[2], axis=1), seed, _TEMPERED)
-        distances, likelihoods, joint = judge(after)
+        after = tempered(unknown, lambda x: logsumexp(judge(x)[-1], axis=1), seed, _TEMPERED)
+        distances, z, likelihoods, joint = judge(after)
         joint -= logsumexp(joint, axis=1, keepdims=True)  # as draws have equal weights
         draws = Draws(after, np.full(_TEMPERED, 1 / _TEMPERED))
     sweeps = [number for number, one in enumerate(ensembles) for _ in one.tests]
-    rows = zip(tests, sweeps, *distances, likelihoods, strict=True)
+    rows = zip(tests, sweeps, distances.values, z, likelihoods, strict=True)
     judged = tuple(
         Judged(
             test,
             sweep,
             draws.interval(test["velocity"] * np.exp(-distance)),
-            _probability(
-                test,
-                distance[:, None] / deviations(test, variance, scatters),
-                softmax(joint - likelihood),
-            ),
+            _probability(test, score, softmax(joint - likelihood)),
         )
-        for test, sweep, distance, variance, likelihood in rows
+        for test, sweep, distance, score, likelihood in rows
     )
     of_scatter = Draws(scatters[:, None], softmax(joint).sum(axis=0))
     low, middle, high = np.exp(of_scatter.interval(np.log(scatters))).tolist()
@@ -313,10 +308,8 @@ def _joined(ensembles: Sequence[Ensemble]) -> tuple[tuple[Unknown, ...], tuple[A
                     f"{quantity.path} is shared by the sweeps, which differ in its distribution; "
                     "give the same one in [unknown] of each, and run them again"
                 )
-        columns.append([*names.values()])
-    order = list(inputs)
-    numbers = tuple(np.array([order.index(name) for name in names], int) for names in columns)
-    return tuple(inputs.values()), numbers
+        columns.append(np.array([[*inputs].index(name) for name in names.values()], int))
+    return tuple(inputs.values()), tuple(columns)
 
 
 def _probability(test: Test, z: Array, weights: Array) -> float:
@@ -333,12 +326,11 @@ def _probability(test: Test, z: Array, weights: Array) -> float:
 
 def _require_near(tests: Sequence[Test], distances: Distances, scatter: float) -> None:
     """Raise an `InputError` where even the best draws of the prior are far from the tests."""
-    against = {"severe": (-math.inf, 0.0), "mild": (0.0, math.inf), None: (-math.inf, math.inf)}
-    squares = [
-        np.clip(distance, *against[test.get("outcome")]) ** 2 / (variance + scatter**2)
-        for test, distance, variance in zip(tests, *distances, strict=True)
-    ]
-    apart = float(np.sqrt(np.mean(squares, axis=0).min()))
+    z = distances.values / np.sqrt(distances.variance + scatter**2)
+    for number, test in enumerate(tests):
+        if "outcome" in test:
+            z[number] = np.minimum(SIGNS[test["outcome"]] * z[number], 0.0)
+    apart = float(np.sqrt(np.mean(z**2, axis=0).min()))
     if apart > _FAR:
         raise InputError(
             f"hardly any draw comes near to the tests, the best within {apart * scatter:.0%} of "
