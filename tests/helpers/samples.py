@@ -1,6 +1,7 @@
 """Samples of a sweep whose rise is known in closed form."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import xarray as xr
@@ -20,6 +21,7 @@ RATE = Unknown("wear.specific_wear_rate", "log-normal", (1.2e-15, 1.5), "m2 N-1"
 FRICTION = Unknown("friction.coefficient", "normal", (0.1, 0.005))
 LENGTH = Unknown("disk.roughness.correlation_length", "uniform", (3e-6, 6e-6), "m")
 ALL = (CRITICAL, RATE, FRICTION, LENGTH)
+JOINT = (CRITICAL, RATE, replace(FRICTION, correlated=((CRITICAL.path, 0.8),)), LENGTH)
 EXPONENT = 0.7  # of the rise over the velocity
 _AFTERWARDS = {BULK, CRITICAL_PATH, FRICTION_PATH}
 

@@ -1,6 +1,5 @@
 """Risk, sensitivity and inference, on a rise that is known in closed form."""
 
-import dataclasses
 import math
 
 import numpy as np
@@ -13,18 +12,14 @@ from pipeline.uncertain.sensitivity import _first_of, indices
 from tests.helpers.samples import (
     ALL,
     CRITICAL,
-    FRICTION,
-    LENGTH,
+    JOINT,
     LOADS,
-    RATE,
     critical_velocity,
     ensemble,
     limit,
     rise,
 )
 from tribo import InputError
-
-JOINT = (CRITICAL, RATE, dataclasses.replace(FRICTION, correlated=((CRITICAL.path, 0.8),)), LENGTH)
 
 # Risk
 

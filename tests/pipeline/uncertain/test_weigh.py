@@ -15,6 +15,7 @@ from tests.helpers.samples import (
     CRITICAL,
     EXPONENT,
     FRICTION,
+    JOINT,
     LENGTH,
     LOADS,
     RATE,
@@ -24,8 +25,6 @@ from tests.helpers.samples import (
     rise,
 )
 from tribo import Corrections, InputError
-
-JOINT = (CRITICAL, RATE, dataclasses.replace(FRICTION, correlated=((CRITICAL.path, 0.8),)), LENGTH)
 
 
 def transitions(truth, scatter=0.05, seed=0, friction=True, loads=LOADS, off=None):
