@@ -15,7 +15,8 @@ from tribo.types import Array
 
 STEPS = 41
 """Velocities or loads among which a boundary is sought."""
-_LEAST_SLOPE = 0.05  # of ln(rise) over ln(velocity or load), by which a boundary is extrapolated
+LEAST_SLOPE = 0.05
+"""Least slope of ln(rise) over ln(velocity or load), by which a boundary is extrapolated."""
 
 
 def draws_of(ensemble: Ensemble, draws: Draws | None) -> Draws:
@@ -142,7 +143,7 @@ def log_crossings(axis: Array, excess: Array) -> tuple[Array, Array, Groups]:
         np.take_along_axis(rising, number[..., None], axis=-1)[..., 0]
         for number in (right - 1, right)
     )
-    slope = np.maximum((high - low) / (x[right] - x[right - 1]), _LEAST_SLOPE)
+    slope = np.maximum((high - low) / (x[right] - x[right - 1]), LEAST_SLOPE)
     return x[right - 1] - low / slope, slope, right
 
 

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.special import log_ndtr
 
-from pipeline.uncertain.answers import log_crossings
+from pipeline.uncertain.answers import LEAST_SLOPE, log_crossings
 from pipeline.uncertain.ensemble import Ensemble
 from tribo import InputError
 from tribo.types import Array
@@ -28,7 +28,6 @@ SIGNS = {"severe": 1.0, "mild": -1.0}
 """Sign of the distances that agree with an outcome."""
 _NODES = 9  # velocities at which rises are emulated
 _SPAN = 1.05  # ratio of loads between which a slope is taken
-_LEAST_SLOPE = 0.05  # of ln(rise) over ln(velocity)
 
 
 class Distances(NamedTuple):
@@ -102,7 +101,7 @@ def _of_one_hold(ensemble: Ensemble, tests: Sequence[Test], inputs: Array) -> Di
         limit = ensemble.log_limit(inputs, friction, test.get("bulk_temperature"))
         critical, *_ = log_crossings(nodes, rise - limit[:, None])
         values.append(log_velocity - critical)
-        variances.append(variance / np.maximum(slope, _LEAST_SLOPE) ** 2)
+        variances.append(variance / np.maximum(slope, LEAST_SLOPE) ** 2)
     return Distances(np.array(values), np.array(variances))
 
 
